@@ -1,0 +1,23 @@
+"""Exceptions whose message is written for people; the command line turns each into an exit status."""
+
+
+class PgimpError(Exception):
+    """Base of every error that pgimp raises on purpose; the message says what, where and what to do."""
+
+    exit_status = 1
+
+
+class CaseError(PgimpError):
+    """The case file is wrong (exit status 2)."""
+
+    exit_status = 2
+
+
+class UsageError(PgimpError):
+    """The command line or the environment is wrong (exit status 2)."""
+
+    exit_status = 2
+
+
+class RunError(PgimpError):
+    """The run failed (exit status 1)."""
