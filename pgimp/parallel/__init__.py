@@ -1,0 +1,1 @@
+"""What a run on several ranks needs: the communicator, slabs, halos, migration."""
