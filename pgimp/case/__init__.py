@@ -1,0 +1,1 @@
+"""The case file: typed models, reading with line numbers, writing, messages for people."""
