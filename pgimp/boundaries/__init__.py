@@ -1,0 +1,15 @@
+"""Conditions on faces of the domain, one file each.
+
+A condition is the entry of the case (a `Boundary`) whose ``parameters(axis, side, ...)`` gives a
+NamedTuple with one kernel as a static method: ``constrain(face, v, a) -> (v, a)``, called for each
+vertex on the face and beyond it after the momentum update, with the vertex's new velocity and its
+acceleration, tuples of three. Faces that the case does not name are open: nothing is done.
+"""
+
+from pgimp.boundaries.fixed import Fixed
+from pgimp.boundaries.separating import Separating
+from pgimp.boundaries.slip import Slip
+from pgimp.boundaries.velocity import Velocity
+
+#: The conditions by their name in the case, ``boundaries: {FACE: NAME}``.
+BOUNDARIES = {"fixed": Fixed, "slip": Slip, "separating": Separating, "velocity": Velocity}

@@ -1,0 +1,35 @@
+"""What the entries of all boundary conditions have in common, and the kernels' view of one."""
+
+from abc import abstractmethod
+from typing import ClassVar, NamedTuple
+
+from pgimp.case.base import Model
+from pgimp.kernels.jit import specialise
+
+
+class Boundary(Model):
+    """Base of the entries ``boundaries.FACE``."""
+
+    #: Whether the parameters change in time, so that they are made anew for every step.
+    varies: ClassVar[bool] = False
+
+    @abstractmethod
+    def parameters(self, axis: int, side: int, start: float, end: float) -> NamedTuple:
+        """Parameters of the kernel for one step.
+
+        Parameters
+        ----------
+        axis, side
+            The face: direction 0 to 2, and -1 for its low end or 1 for its high end.
+        start, end
+            Times at which the step begins and ends.
+        """
+
+
+def constrain(face, v, a):
+    """Velocity and acceleration of a vertex on the face or beyond, as the condition wants them."""
+
+
+@specialise(constrain)
+def _constrain(face, v, a):
+    return face.instance_class.constrain

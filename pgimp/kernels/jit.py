@@ -1,0 +1,114 @@
+"""How pgimp uses Numba: reproducible code generation, one cache folder per version of the sources.
+
+This is the only module that imports Numba first, because two settings must stand before:
+
+- ``NUMBA_LOOP_VECTORIZE=0``: in a loop that LLVM vectorises, contraction to fused multiply-adds
+  differs between the vector body and the scalar remainder, so that a particle's bits would depend
+  on its place in the array. Kernels use explicit vectors instead (`pgimp.kernels.simd`).
+- ``NUMBA_DISABLE_INTEL_SVML=1``: the vector maths library rounds differently from libm.
+
+Neither is part of Numba's cache key, and editing a function does not invalidate the cached kernels
+that call it; both are therefore put into the name of the cache folder.
+"""
+
+import hashlib
+import os
+import pickle
+import shutil
+import sys
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+_SETTINGS = {"NUMBA_LOOP_VECTORIZE": "0", "NUMBA_DISABLE_INTEL_SVML": "1"}
+
+
+def _sources_digest() -> str:
+    """Digest of all of the package's sources and of the settings above."""
+    digest = hashlib.sha256(repr(sorted(_SETTINGS.items())).encode())
+    root = Path(__file__).resolve().parents[1]
+    for path in sorted(root.rglob("*.py")):
+        digest.update(str(path.relative_to(root)).encode())
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def _usable(folder: Path) -> bool:
+    """Whether files can be created in the folder, which is made if missing."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            return True
+    except OSError:
+        return False
+
+
+def cache_folder() -> Path:
+    """Folder of the compiled kernels; a temporary one where the user's cache cannot be written.
+
+    Returns
+    -------
+    Path
+        ``$PGIMP_CACHE_DIR``, else ``$XDG_CACHE_HOME/pgimp`` (default ``~/.cache/pgimp``), with a
+        sub-folder for this version of the sources.
+    """
+    base = os.environ.get("PGIMP_CACHE_DIR")
+    if base is None:
+        home = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
+        base = os.path.join(home, "pgimp")
+    folder = Path(base) / f"kernels-{_sources_digest()}"
+    if _usable(folder):
+        return folder
+    user = os.getuid() if hasattr(os, "getuid") else "user"
+    return Path(tempfile.gettempdir()) / f"pgimp-{user}" / folder.name
+
+
+_FOLDER = cache_folder()
+os.environ.update(_SETTINGS)
+os.environ["NUMBA_CACHE_DIR"] = str(_FOLDER)
+if "numba" in sys.modules:  # imported by the user's program before: set what it has read already
+    sys.modules["numba"].config.reload_config()
+
+import numba  # noqa: E402
+from numba.extending import overload  # noqa: E402
+
+#: Options of every kernel and of everything it inlines. Contraction only: full fastmath would let
+#: LLVM reorder sums and delete the checks for NaN.
+_OPTIONS: dict[str, Any] = {
+    "fastmath": {"contract"},
+    "error_model": "numpy",
+    "boundscheck": False,
+}
+
+
+#: The same, for functions that are always inlined into a kernel.
+INLINE_OPTIONS: dict[str, Any] = {**_OPTIONS, "forceinline": True}
+
+
+def kernel(function: Callable) -> Callable:
+    """Compile a function on first call, with pgimp's options, and cache it on disk."""
+    return numba.njit(cache=True, **_OPTIONS)(function)
+
+
+def specialise(stub: Callable) -> Callable[[Callable], Callable]:
+    """Choose the implementation of `stub` by the types of its arguments, at compile time.
+
+    The decorated function gets the arguments' Numba types and returns a Python function of the
+    same signature. Unlike closures and functions passed as arguments, kernels that call `stub`
+    are found again in the disk cache.
+    """
+    return overload(stub, jit_options=INLINE_OPTIONS, strict=False)
+
+
+def discard_damaged(call: Callable[[], Any]) -> Any:
+    """Run a first call of kernels; when cached files turn out damaged, discard them and compile.
+
+    A job that is killed, or a disk that fills up, while Numba writes leaves such files behind.
+    """
+    try:
+        return call()
+    except (EOFError, pickle.UnpicklingError, AttributeError, ImportError, ValueError, KeyError):
+        shutil.rmtree(_FOLDER, ignore_errors=True)
+        _FOLDER.mkdir(parents=True, exist_ok=True)
+        return call()

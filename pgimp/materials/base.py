@@ -1,0 +1,59 @@
+"""What the entries of all materials have in common, and the kernels' view of a material."""
+
+from functools import cache
+from typing import Annotated
+
+import numba
+from numba.extending import overload
+from pydantic import Field
+
+from pgimp.case.base import Model, Number, Positive
+from pgimp.kernels.jit import INLINE_OPTIONS
+
+Poisson = Annotated[
+    Number, Field(gt=-1.0, lt=0.5, description="Poisson's ratio, above -1 and below 0.5 [1]")
+]
+Young = Annotated[Positive, Field(description="Young's modulus [stress]")]
+
+
+class Material(Model):
+    """Base of the entries ``materials.NAME``."""
+
+    density: Positive = Field(description="initial density [mass/volume]")
+
+
+def lame(young: float, poisson: float) -> tuple[float, float]:
+    """Lame's constants lambda and mu, in the unit of `young`."""
+    mu = young / (2.0 * (1.0 + poisson))
+    return 2.0 * mu * poisson / (1.0 - 2.0 * poisson), mu
+
+
+@cache
+def _compiled(parameters: type, quantity: str):
+    return numba.njit(**INLINE_OPTIONS)(getattr(parameters, quantity))
+
+
+def evaluate(quantity, materials, k, args):
+    """Value of "stress", "energy" or "speed" of material number `k` of the scene's tuple.
+
+    Materials of one model are indexed; different models become a chain of branches; one material
+    alone costs neither (``args`` as in `pgimp.materials`).
+    """
+
+
+@overload(evaluate, jit_options=INLINE_OPTIONS, prefer_literal=True, strict=False)
+def _evaluate(quantity, materials, k, args):
+    name = quantity.literal_value
+    models = [material.instance_class for material in materials]
+    function = _compiled(models[0], name)
+    if len(models) == 1:
+        return lambda quantity, materials, k, args: function(materials[0], *args)
+    if len(set(models)) == 1:
+        return lambda quantity, materials, k, args: function(materials[k], *args)
+
+    def branch(quantity, materials, k, args):
+        if k == 0:
+            return function(materials[0], *args)
+        return evaluate(name, materials[1:], k - 1, args)
+
+    return branch

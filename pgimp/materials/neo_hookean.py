@@ -1,0 +1,57 @@
+"""Compressible neo-Hookean solid: s = mu/J (b - 1) + lambda ln J / J 1, b = F F^T."""
+
+from math import log, sqrt
+from typing import Literal, NamedTuple
+
+from pydantic import Field
+
+from pgimp.kernels.algebra import isotropic, largest_stretch_squared, left_cauchy_green
+from pgimp.materials.base import Material, Poisson, Young, lame
+
+
+class NeoHookeanParameters(NamedTuple):
+    """Lame's constants and initial density."""
+
+    lam: float
+    mu: float
+    density: float
+
+    @staticmethod
+    def stress(material, F, J, sigma, L, dt):
+        """Cauchy stress."""
+        r = 1.0 / J
+        c = (material.lam * log(J) - material.mu) * r
+        return isotropic(material.mu * r, left_cauchy_green(F), c)
+
+    @staticmethod
+    def energy(material, F, J, sigma):
+        """Strain energy mu/2 (tr b - 3) - mu ln J + lambda/2 (ln J)^2 per initial volume."""
+        b = left_cauchy_green(F)
+        ln = log(J)
+        return (
+            0.5 * material.mu * (b[0] + b[1] + b[2] - 3.0)
+            - material.mu * ln
+            + 0.5 * material.lam * ln * ln
+        )
+
+    @staticmethod
+    def speed(material, F, J):
+        """Longitudinal wave along the largest stretch s: rho0 c^2 = mu (s^2+1) + lambda (1-ln J).
+
+        From the tangent d/ds of the nominal stress mu (s - 1/s) + lambda ln J / s, times s^2.
+        """
+        s2 = largest_stretch_squared(left_cauchy_green(F))
+        modulus = material.mu * (s2 + 1.0) + material.lam * (1.0 - log(J))
+        return sqrt(max(modulus, 0.0) / material.density)
+
+
+class NeoHookean(Material):
+    """Compressible neo-Hookean solid, for large elastic deformation."""
+
+    model: Literal["neo-hookean"] = Field(description="name of the model")
+    young: Young
+    poisson: Poisson
+
+    def parameters(self) -> NeoHookeanParameters:
+        """Parameters of the kernels."""
+        return NeoHookeanParameters(*lame(self.young, self.poisson), self.density)

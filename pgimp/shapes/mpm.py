@@ -1,0 +1,36 @@
+"""The material point method: particles are points, S_vp = S_v(x_p) (34, 35)."""
+
+from math import floor
+from typing import ClassVar, Literal, NamedTuple
+
+from pydantic import Field
+
+from pgimp.shapes.base import Shape
+
+
+class MpmParameters(NamedTuple):
+    """A point has no size; the tuple keeps one number because Numba wants a field."""
+
+    half: tuple[float, ...]
+
+    @staticmethod
+    def first(shape, d, xi):
+        """See `pgimp.shapes`."""
+        return int(floor(xi))
+
+    @staticmethod
+    def weights(shape, d, f):
+        """Tent functions of the cell's two vertices (35)."""
+        return (1.0 - f, f), (-1.0, 1.0)
+
+
+class Mpm(Shape):
+    """Material point method: the cheapest; noisy once particles cross cells."""
+
+    shape: Literal["mpm"] = Field(description="name of the shape")
+
+    vertices: ClassVar[int] = 2
+
+    def parameters(self) -> MpmParameters:
+        """Parameters of the kernels."""
+        return MpmParameters(tuple(0.0 for _ in self.particles_per_cell))
