@@ -98,7 +98,7 @@ def world() -> Any:
     -------
     mpi4py.MPI.Intracomm or Serial
         ``COMM_WORLD`` when a launcher started several ranks, which initialises MPI; otherwise
-        `Serial`, for which no MPI library needs to be there.
+        `Serial`, for which no MPI library needs to be there, and MPI stays uninitialised.
 
     Raises
     ------
@@ -107,6 +107,7 @@ def world() -> Any:
     """
     started = launcher()
     if started is None or started.size == 1:
+        quiet_mpi()
         return Serial()
     count = "several" if started.size is None else str(started.size)
     try:
