@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import (
     BaseModel,
     BeforeValidator,
     ConfigDict,
-    Discriminator,
     Field,
+    ModelWrapValidatorHandler,
     StringConstraints,
-    Tag,
+    ValidationError,
     model_validator,
 )
+
+from pgimp.case.dispatch import Either
+from pgimp.case.messages import explain
+from pgimp.case.problems import raise_problems
 
 LARGEST_COUNT = 2**53
 """Largest whole number that a float64 counts up to without gaps."""
@@ -26,10 +30,10 @@ def _whole(value: Any) -> Any:
     return value
 
 
-def _tuples(value: Any) -> Any:
+def tuples(value: Any) -> Any:
     """Turn lists into tuples, at any depth of lists, so that strict tuple fields take them."""
     if isinstance(value, list | tuple):
-        return tuple(_tuples(item) for item in value)
+        return tuple(tuples(item) for item in value)
     return value
 
 
@@ -56,8 +60,18 @@ class Model(BaseModel):
     @classmethod
     def _take_lists(cls, data: Any) -> Any:
         if isinstance(data, dict):
-            return {key: _tuples(value) for key, value in data.items()}
+            return {key: tuples(value) for key, value in data.items()}
         return data
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _speak(cls, data: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
+        """Say what is wrong in words for people, while the model and its keys are at hand."""
+        try:
+            return handler(data)
+        except ValidationError as error:
+            raise_problems(cls.__name__, explain(cls, error, data), data)
+            raise
 
 
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
@@ -85,12 +99,8 @@ class Steps(Model):
     steps: Count = Field(description="every so many steps")
 
 
-def _interval_kind(value: Any) -> str:
-    return "<steps>" if isinstance(value, dict | Steps) else "<time>"
-
-
 Interval = Annotated[
-    Annotated[Positive, Tag("<time>")] | Annotated[Steps, Tag("<steps>")],
-    Discriminator(_interval_kind),
+    float | Steps,
+    Either("a time above zero or {steps: 10}", Positive, (int, float), Steps),
 ]
 """How often something happens: a simulated time above zero, or ``{steps: n}``."""

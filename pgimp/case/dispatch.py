@@ -1,0 +1,220 @@
+"""Values of a case that come in several forms: chosen by a name in a registry, or by their type.
+
+The forms are annotations of a field, ``Annotated[Material, ByField(...)]``. A registry is asked
+when a case is validated, not before, so that types can be registered from outside the package.
+"""
+
+from __future__ import annotations
+
+import inspect
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from pydantic import BaseModel, GetJsonSchemaHandler, TypeAdapter, ValidationError
+from pydantic_core import CoreSchema, core_schema
+
+from pgimp.case.messages import explain, got, unknown
+from pgimp.case.problems import Problem, problem, raise_problems
+
+Registry = Callable[[], Mapping[str, type[BaseModel]]]
+
+
+def plain(value: Any) -> Any:
+    """Return `value` as the mappings, tuples and scalars that a case file writes."""
+    return value.model_dump(by_alias=True) if isinstance(value, BaseModel) else value
+
+
+class Dispatch(ABC):
+    """Base of the annotations: validates, writes and documents a value of several forms."""
+
+    @abstractmethod
+    def validate(self, value: Any) -> Any:
+        """Return the typed value; raise a pydantic error where `value` has no known form."""
+
+    @abstractmethod
+    def write(self, value: Any) -> Any:
+        """Return the typed value as a case file writes it."""
+
+    @abstractmethod
+    def forms(self, handler: GetJsonSchemaHandler) -> list[dict[str, Any]]:
+        """Return the JSON schemas of the forms, of which exactly one holds."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
+        """Tell pydantic how to validate and to write the value."""
+        return core_schema.no_info_plain_validator_function(
+            self.validate,
+            serialization=core_schema.plain_serializer_function_ser_schema(self.write),
+        )
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        """Document the forms."""
+        return {"oneOf": self.forms(handler)}
+
+
+class ByField(Dispatch):
+    """A mapping whose field `key` names its type in a registry: ``{model: hooke, ...}``."""
+
+    def __init__(self, registry: Registry, key: str, what: str):
+        self.registry, self.key, self.what = registry, key, what
+
+    def validate(self, value: Any) -> BaseModel:
+        """See `Dispatch`."""
+        known = self.registry()
+        if isinstance(value, tuple(known.values())):
+            return value
+        if not isinstance(value, Mapping):
+            raise problem(f"expected a mapping with the key '{self.key}', {got(value)}")
+        name = value.get(self.key)
+        names = ", ".join(sorted(known))
+        if self.key not in value:
+            missing = Problem((self.key,), f"missing; known {self.what}s: {names}", absent=True)
+            return raise_problems(self.what, [missing], value)
+        if not isinstance(name, str):
+            wrong = f"expected the name of a {self.what} ({names}), {got(name)}"
+        elif name not in known:
+            wrong = unknown(self.what, name, known)
+        else:
+            return known[name].model_validate(value)
+        return raise_problems(self.what, [Problem((self.key,), wrong)], value)
+
+    def write(self, value: BaseModel) -> dict[str, Any]:
+        """See `Dispatch`."""
+        return plain(value)
+
+    def forms(self, handler: GetJsonSchemaHandler) -> list[dict[str, Any]]:
+        """See `Dispatch`."""
+        return [handler(entry.__pydantic_core_schema__) for entry in self.registry().values()]
+
+
+class ByKey(Dispatch):
+    """A mapping with one key, its type's name in a registry: ``{box: {...}}``."""
+
+    def __init__(self, registry: Registry, what: str):
+        self.registry, self.what = registry, what
+
+    def validate(self, value: Any) -> BaseModel:
+        """See `Dispatch`."""
+        known = self.registry()
+        if isinstance(value, tuple(known.values())):
+            return value
+        names = ", ".join(known)
+        if not isinstance(value, Mapping) or not value:
+            raise problem(f"expected a {self.what}, a mapping with one of {names}; {got(value)}")
+        strange = [name for name in value if name not in known]
+        texts = [Problem((name,), unknown(self.what, str(name), known)) for name in strange]
+        if not strange and len(value) > 1:
+            texts = [Problem((), f"expected exactly one of {names}, {got(value)}")]
+        raise_problems(self.what, texts, value)
+        ((name, content),) = value.items()
+        try:
+            return known[name].model_validate(content)
+        except ValidationError as error:
+            found = explain(known[name], error, content)
+            below = [Problem((name, *item.path), item.text, item.absent) for item in found]
+            return raise_problems(self.what, below, content)
+
+    def write(self, value: BaseModel) -> dict[str, Any]:
+        """See `Dispatch`."""
+        return {_name_of(value, self.registry()): plain(value)}
+
+    def forms(self, handler: GetJsonSchemaHandler) -> list[dict[str, Any]]:
+        """See `Dispatch`."""
+        return [
+            {
+                "type": "object",
+                "properties": {name: handler(entry.__pydantic_core_schema__)},
+                "required": [name],
+                "additionalProperties": False,
+            }
+            for name, entry in self.registry().items()
+        ]
+
+
+class ByWord(Dispatch):
+    """The name of a type in a registry, ``fixed``, or a mapping with it: ``{velocity: [...]}``."""
+
+    def __init__(self, registry: Registry, what: str):
+        self.registry, self.what = registry, what
+
+    def validate(self, value: Any) -> BaseModel:
+        """See `Dispatch`."""
+        known = self.registry()
+        if isinstance(value, tuple(known.values())):
+            return value
+        if isinstance(value, str):
+            if value not in known:
+                raise problem(unknown(self.what, value, known))
+            if not _is_word(known[value]):
+                raise problem(f"expected {{{value}: ...}}, {got(value)}")
+            return known[value].model_validate({})
+        if not isinstance(value, Mapping) or not value:
+            names = ", ".join(known)
+            raise problem(f"expected a {self.what}, one of {names}; {got(value)}")
+        name = next((key for key in value if key in known), None)
+        if name is None:
+            found = [Problem((key,), unknown(self.what, str(key), known)) for key in value]
+            raise_problems(self.what, found, value)
+        if _is_word(known[name]):
+            raise problem(f"write the plain word '{name}', {got(value)}")
+        return known[name].model_validate(value)
+
+    def write(self, value: BaseModel) -> Any:
+        """See `Dispatch`."""
+        return _name_of(value, self.registry()) if _is_word(type(value)) else plain(value)
+
+    def forms(self, handler: GetJsonSchemaHandler) -> list[dict[str, Any]]:
+        """See `Dispatch`."""
+        return [
+            {"const": name, "description": inspect.getdoc(entry)}
+            if _is_word(entry)
+            else handler(entry.__pydantic_core_schema__)
+            for name, entry in self.registry().items()
+        ]
+
+
+class Either(Dispatch):
+    """A plain value, or a mapping: ``0.5`` or ``{steps: 10}``."""
+
+    def __init__(self, expected: str, simple: Any, accepts: tuple[type, ...], mapping: Any):
+        """Take the two forms.
+
+        Parameters
+        ----------
+        expected : str
+            What may be written, for the message where neither form is given.
+        simple : type
+            The plain form, with its limits.
+        accepts : tuple of type
+            Types of a value that is meant as the plain form.
+        mapping : type of Model
+            The other form.
+        """
+        self.expected, self.accepts, self.mapping = expected, accepts, mapping
+        self.simple: TypeAdapter[Any] = TypeAdapter(simple)
+
+    def validate(self, value: Any) -> Any:
+        """See `Dispatch`."""
+        if isinstance(value, Mapping | self.mapping):
+            return self.mapping.model_validate(value)
+        if isinstance(value, self.accepts) and not isinstance(value, bool):
+            return self.simple.validate_python(value)
+        raise problem(f"expected {self.expected}, {got(value)}")
+
+    def write(self, value: Any) -> Any:
+        """See `Dispatch`."""
+        return plain(value)
+
+    def forms(self, handler: GetJsonSchemaHandler) -> list[dict[str, Any]]:
+        """See `Dispatch`."""
+        return [handler(self.simple.core_schema), handler(self.mapping.__pydantic_core_schema__)]
+
+
+def _is_word(entry: type[BaseModel]) -> bool:
+    return not entry.model_fields
+
+
+def _name_of(value: BaseModel, known: Mapping[str, type[BaseModel]]) -> str:
+    return next(name for name, entry in known.items() if type(value) is entry)

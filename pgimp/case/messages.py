@@ -1,0 +1,206 @@
+"""What pydantic finds wrong, in words for people who write case files."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from pydantic import BaseModel
+from pydantic_core import ErrorDetails, ValidationError
+
+from pgimp.case.problems import ABSENT, KIND, Problem
+
+_NUMBER_LIKE = re.compile(r"[-+]?(\d[\d_]*\.?\d*|\.\d+)([eEdD][-+]?\d+)?")
+_COLON = re.compile(r"([A-Za-z][A-Za-z0-9_-]*):(\S.*)")
+
+
+def describe(value: Any) -> str:
+    """Say what a value of a case is: ``the text 'abc'``, ``a list of 3``, ``nothing``."""
+    if value is None:
+        return "nothing"
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, int | float):
+        return f"{value:g}" if abs(value) < 10**300 else "a number too large for a float64"
+    if isinstance(value, str):
+        return f"the text '{shorten(value)}'"
+    if isinstance(value, Mapping):
+        return f"a mapping with the keys {', '.join(map(str, value))}" if value else "{}"
+    if isinstance(value, list | tuple):
+        return f"a list of {len(value)}" if value else "an empty list"
+    return f"a value of type {type(value).__name__}"
+
+
+def shorten(text: str, width: int = 60) -> str:
+    """Return `text` on one printable line of at most `width` characters."""
+    line = "".join(c if c.isprintable() else " " for c in text)
+    return line if len(line) <= width else line[: width - 3] + "..."
+
+
+def got(value: Any) -> str:
+    """Say what was found in place of something else, with a hint at the usual slips."""
+    text = f"got {describe(value)}"
+    if isinstance(value, str):
+        if _NUMBER_LIKE.fullmatch(value):
+            plain = re.sub("[dD]", "e", value.replace("_", ""))
+            text += f"; write the number as {plain}, without quotes"
+        elif match := _COLON.fullmatch(value):
+            text += f"; a space is missing after the colon: '{match[1]}: {shorten(match[2])}'"
+    return text
+
+
+def nearest(name: str, known: Iterable[str]) -> str | None:
+    """Return the known name that `name` most likely stands for."""
+    by_fold = {item.casefold().replace("_", "-"): item for item in known}
+    found = difflib.get_close_matches(name.casefold().replace("_", "-"), by_fold, 1, 0.6)
+    return by_fold[found[0]] if found else None
+
+
+def unknown(what: str, name: str, known: Iterable[str], label: str = "known") -> str:
+    """Say that `name` is unknown, which name may have been meant, and which are known."""
+    names = sorted(known)
+    text = f"unknown {what}" if what == "key" else f"unknown {what} '{shorten(name)}'"
+    match = _COLON.fullmatch(name)
+    if what == "key" and match and match[1] in names:
+        return f"{text}; a space is missing after the colon: '{match[1]}: {shorten(match[2])}'"
+    if guess := nearest(name, names):
+        text += f"; did you mean '{guess}'?"
+    else:
+        text += ";"
+    return f"{text} {label}: {', '.join(names) if names else 'none'}"
+
+
+def keys_of(model: type[BaseModel]) -> dict[str, str]:
+    """Return the description of every key that `model` takes, by key."""
+    return {
+        field.alias or name: field.description or "" for name, field in model.model_fields.items()
+    }
+
+
+def explain(model: type[BaseModel], error: ValidationError, value: Any) -> list[Problem]:
+    """Turn the errors that pydantic found in a value for `model` into problems for people.
+
+    Parameters
+    ----------
+    model : type of BaseModel
+        The model that was being validated; its fields tell which keys there are.
+    error : ValidationError
+        What its validation raised. Problems of models further down come with their own text.
+    value : Any
+        What was validated.
+    """
+    keys = keys_of(model)
+    details = error.errors(include_url=False)
+    meant = {
+        nearest(str(item["loc"][0]), keys)
+        for item in details
+        if item["type"] == "extra_forbidden" and len(item["loc"]) == 1
+    }
+    own: list[Problem] = []
+    foreign: dict[tuple[str | int, ...], list[str]] = {}
+    for item in details:
+        kind, loc = item["type"], item["loc"]
+        absent = kind in ("missing", ABSENT)
+        if kind == "missing" and len(loc) == 1 and loc[0] in meant:
+            continue
+        path = _path(loc, value, absent)
+        if kind in (KIND, ABSENT) or absent:
+            own.append(Problem(path, _text(item, keys), absent))
+        else:
+            foreign.setdefault(path, []).append(_text(item, keys))
+    # The branches of a union that the value does not even start to fit say nothing.
+    places = [*(item.path for item in own), *foreign]
+    for path, texts in foreign.items():
+        if not any(place[: len(path)] == path and place != path for place in places):
+            own.append(Problem(path, _either(texts)))
+    return own
+
+
+def _either(texts: list[str]) -> str:
+    """Join what several branches of a union expected: ``expected a number or a list, got ...``."""
+    parts = [text.partition(", got ") for text in dict.fromkeys(texts)]
+    if len(parts) > 1 and all(head.startswith("expected ") for head, _, _ in parts):
+        heads = " or ".join(head.removeprefix("expected ") for head, _, _ in parts)
+        return f"expected {heads}, got {parts[0][2]}"
+    return "; or ".join(dict.fromkeys(texts))
+
+
+def _path(loc: tuple[str | int, ...], value: Any, absent: bool) -> tuple[str | int, ...]:
+    """Return the keys and indices of `loc` without what pydantic adds: branches of unions.
+
+    With `absent`, the last part may name what is not there.
+    """
+    path: list[str | int] = []
+    for position, part in enumerate(loc):
+        try:
+            value = value[part]
+        except (KeyError, IndexError, TypeError):
+            if absent and position == len(loc) - 1:
+                path.append(part)
+        else:
+            path.append(part)
+    return tuple(path)
+
+
+def _text(item: ErrorDetails, keys: Mapping[str, str]) -> str:
+    """Return the sentence for one error; `keys` are those of the model it was found in."""
+    kind, loc, value, context = item["type"], item["loc"], item["input"], item.get("ctx", {})
+    if kind in (KIND, ABSENT):
+        return context["text"]
+    if kind == "extra_forbidden":
+        return unknown("key", str(loc[-1]), keys, "allowed")
+    if kind == "missing":
+        meaning = keys.get(str(loc[-1]), "").rstrip(".") if len(loc) == 1 else ""
+        return f"missing ({meaning})" if meaning else "missing"
+    if kind in ("value_error", "assertion_error"):
+        return str(context.get("error", item["msg"]))
+    if kind in _BOUNDS:
+        relation, key = _BOUNDS[kind]
+        return f"must be {relation} {_plain(context[key])}, {got(value)}"
+    if kind in ("too_short", "too_long"):
+        least = kind == "too_short"
+        limit = context["min_length" if least else "max_length"]
+        return f"expected at {'least' if least else 'most'} {limit} entries, {got(value)}"
+    if kind in _EXPECTED:
+        return f"expected {_EXPECTED[kind]}, {got(value)}"
+    if kind in ("literal_error", "enum"):
+        expected = context["expected"].replace(" or ", ", ")
+        if isinstance(value, str):
+            return unknown("value", value, [name.strip("'") for name in expected.split(", ")])
+        return f"expected one of {expected}, {got(value)}"
+    if kind == "string_pattern_mismatch":
+        return f"a name starts with a letter; letters, digits, - and _ may follow; {got(value)}"
+    return f"not a value that may stand here, {got(value)}"
+
+
+def _plain(limit: Any) -> str:
+    return f"{limit:g}" if isinstance(limit, float) else str(limit)
+
+
+_BOUNDS = {
+    "greater_than": ("above", "gt"),
+    "greater_than_equal": ("at least", "ge"),
+    "less_than": ("below", "lt"),
+    "less_than_equal": ("at most", "le"),
+}
+
+_EXPECTED = {
+    "float_type": "a number",
+    "float_parsing": "a number",
+    "finite_number": "a finite number",
+    "int_type": "a whole number",
+    "int_parsing": "a whole number",
+    "int_from_float": "a whole number",
+    "int_parsing_size": "a whole number",
+    "bool_type": "true or false",
+    "bool_parsing": "true or false",
+    "string_type": "text",
+    "none_required": "nothing",
+    "tuple_type": "a list",
+    "list_type": "a list",
+    "dict_type": "a mapping of keys to values",
+    "model_type": "a mapping of keys to values",
+    "model_attributes_type": "a mapping of keys to values",
+}

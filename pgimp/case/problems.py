@@ -1,0 +1,43 @@
+"""Problems of a case: where in the case, and what is wrong, in words for people."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any, NamedTuple
+
+from pydantic_core import InitErrorDetails, PydanticCustomError, ValidationError
+
+KIND, ABSENT = "problem", "absent"
+"""Error types under which pydantic carries a `Problem`; absent: the last key is not there."""
+
+
+class Problem(NamedTuple):
+    """One thing that is wrong with a case."""
+
+    path: tuple[str | int, ...]
+    """Keys and list indices from the checked value down to the culprit."""
+    text: str
+    """What is wrong and what would be right: starts in lower case, ends without a full stop."""
+    absent: bool = False
+    """Whether the last key of `path` is what is missing."""
+
+
+def problem(text: str, absent: bool = False) -> PydanticCustomError:
+    """Return an error for a validator to raise, which carries `text` as it is."""
+    return PydanticCustomError(ABSENT if absent else KIND, "{text}", {"text": text})
+
+
+def raise_problems(title: str, problems: Iterable[Problem], value: Any = None) -> None:
+    """Raise all `problems` with `value` at once; do nothing when there are none.
+
+    Raises
+    ------
+    ValidationError
+        Its paths start at `value`; pydantic puts the path of the calling validator before them.
+    """
+    details = [
+        InitErrorDetails(type=problem(item.text, item.absent), loc=item.path, input=value)
+        for item in problems
+    ]
+    if details:
+        raise ValidationError.from_exception_data(title, details)

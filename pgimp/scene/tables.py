@@ -1,0 +1,85 @@
+"""Values given by a table over time: linear in between, held at both ends.
+
+Plain Python arithmetic on float64, one order of operations: the same bits on every rank.
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from collections.abc import Sequence
+from typing import TypeVar
+
+from pydantic import Field, model_validator
+
+from pgimp.case.base import Model, Number, Vector
+from pgimp.case.problems import Problem, raise_problems
+
+V = TypeVar("V")
+
+
+def _neighbours(rows: Sequence[tuple[float, V]], t: float) -> tuple[tuple[float, V], ...]:
+    """Return the rows before and after `t`, the same row twice where the table is held."""
+    after = bisect_right(rows, t, key=lambda row: row[0])
+    return rows[max(after - 1, 0)], rows[min(after, len(rows) - 1)]
+
+
+def _between(t: float, t0: float, t1: float, v0: float, v1: float) -> float:
+    if t0 == t1:
+        return v0
+    return v0 + (v1 - v0) / (t1 - t0) * (t - t0)
+
+
+def _row_problems(rows: Sequence[tuple[float, tuple[float, ...]]]) -> list[Problem]:
+    """Return what is wrong from row to row: times that do not increase, overflow in between."""
+    problems = []
+    for i in range(1, len(rows)):
+        (t0, v0), (t1, v1) = rows[i - 1], rows[i]
+        if t1 <= t0:
+            text = f"the times of a table must increase, but {t1!r} follows {t0!r}"
+            problems.append(Problem(("table", i, 0), text))
+        elif len(v0) != len(v1):
+            text = f"expected {len(v0)} values as in the row before, got {len(v1)}"
+            problems.append(Problem(("table", i, 1), text))
+        elif not all(
+            math.isfinite(_between(t1, t0, t1, a, b)) for a, b in zip(v0, v1, strict=True)
+        ):
+            text = "the change from the row before is too large for a float64"
+            problems.append(Problem(("table", i), text))
+    return problems
+
+
+class Table(Model):
+    """A number over time: linear between the rows, held at both ends."""
+
+    table: tuple[tuple[Number, Number], ...] = Field(
+        min_length=1, description="rows [time, value], the times strictly increasing"
+    )
+
+    @model_validator(mode="after")
+    def _check_rows(self) -> Table:
+        raise_problems("Table", _row_problems([(t, (v,)) for t, v in self.table]))
+        return self
+
+    def value(self, t: float) -> float:
+        """Return the value at time `t`."""
+        (t0, v0), (t1, v1) = _neighbours(self.table, t)
+        return _between(t, t0, t1, v0, v1)
+
+
+class VectorTable(Model):
+    """A vector over time: linear between the rows, held at both ends."""
+
+    table: tuple[tuple[Number, Vector], ...] = Field(
+        min_length=1, description="rows [time, [one number a direction]], the times increasing"
+    )
+
+    @model_validator(mode="after")
+    def _check_rows(self) -> VectorTable:
+        raise_problems("VectorTable", _row_problems(self.table))
+        return self
+
+    def value(self, t: float) -> tuple[float, ...]:
+        """Return the value at time `t`, shape (D,)."""
+        (t0, v0), (t1, v1) = _neighbours(self.table, t)
+        return tuple(_between(t, t0, t1, a, b) for a, b in zip(v0, v1, strict=True))
