@@ -70,8 +70,9 @@ class Model(BaseModel):
         try:
             return handler(data)
         except ValidationError as error:
-            raise_problems(cls.__name__, explain(cls, error, data), data)
-            raise
+            if not isinstance(data, dict):
+                raise  # what may stand here instead is known further up
+            return raise_problems(cls.__name__, explain(cls, error, data), data)
 
 
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]

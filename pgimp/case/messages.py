@@ -23,7 +23,7 @@ def describe(value: Any) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, int | float):
-        return f"{value:g}" if abs(value) < 10**300 else "a number too large for a float64"
+        return _number(value)
     if isinstance(value, str):
         return f"the text '{shorten(value)}'"
     if isinstance(value, Mapping):
@@ -31,6 +31,12 @@ def describe(value: Any) -> str:
     if isinstance(value, list | tuple):
         return f"a list of {len(value)}" if value else "an empty list"
     return f"a value of type {type(value).__name__}"
+
+
+def _number(value: float) -> str:
+    if isinstance(value, int) and abs(value) >= 10**17:
+        return f"about 1e{len(str(abs(value))) - 1}" if abs(value) < 10**300 else "a huge number"
+    return f"{value:.15g}"
 
 
 def shorten(text: str, width: int = 60) -> str:
@@ -162,7 +168,8 @@ def _text(item: ErrorDetails, keys: Mapping[str, str]) -> str:
     if kind in ("too_short", "too_long"):
         least = kind == "too_short"
         limit = context["min_length" if least else "max_length"]
-        return f"expected at {'least' if least else 'most'} {limit} entries, {got(value)}"
+        entries = "entry" if limit == 1 else "entries"
+        return f"expected at {'least' if least else 'most'} {limit} {entries}, {got(value)}"
     if kind in _EXPECTED:
         return f"expected {_EXPECTED[kind]}, {got(value)}"
     if kind in ("literal_error", "enum"):

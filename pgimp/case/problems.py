@@ -27,7 +27,7 @@ def problem(text: str, absent: bool = False) -> PydanticCustomError:
     return PydanticCustomError(ABSENT if absent else KIND, "{text}", {"text": text})
 
 
-def raise_problems(title: str, problems: Iterable[Problem], value: Any = None) -> None:
+def raise_problems(title: str, problems: Iterable[Problem], value: Any = None) -> Any:
     """Raise all `problems` with `value` at once; do nothing when there are none.
 
     Raises

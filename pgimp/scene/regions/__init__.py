@@ -1,0 +1,24 @@
+"""Regions of space that bodies fill, one file a kind.
+
+A region is a pydantic model of its entry in the case that is also a `Region`: it tells which
+points lie inside, and a box around it.
+"""
+
+from pydantic import BaseModel
+
+from pgimp.scene.regions.ball import Ball
+from pgimp.scene.regions.base import Region, RegionEntry
+from pgimp.scene.regions.box import Box
+from pgimp.scene.regions.combine import Difference, Union
+from pgimp.scene.regions.cylinder import Cylinder
+
+REGIONS: dict[str, type[BaseModel]] = {
+    "box": Box,
+    "ball": Ball,
+    "cylinder": Cylinder,
+    "union": Union,
+    "difference": Difference,
+}
+"""The regions by their name in the case, ``region: {NAME: ...}``."""
+
+__all__ = ["REGIONS", "Ball", "Box", "Cylinder", "Difference", "Region", "RegionEntry", "Union"]
