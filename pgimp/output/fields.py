@@ -1,0 +1,204 @@
+"""The fields of a particle frame, a small function each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+Array = np.ndarray
+
+
+class Source(NamedTuple):
+    """Where a field takes its values.
+
+    Attributes
+    ----------
+    particles : Particles
+        The rank's particles, in storage order with holes.
+    rows : ndarray of int64, shape (n,)
+        The storage indices wanted.
+    dimension : int
+        1, 2 or 3.
+    body_material : tuple of int
+        The material of each body.
+    """
+
+    particles: Any
+    rows: Array
+    dimension: int
+    body_material: tuple[int, ...]
+
+
+class Field(NamedTuple):
+    """One dataset of a frame.
+
+    Attributes
+    ----------
+    values : callable
+        Takes a `Source`; returns an array of shape (n,) or (n, columns).
+    columns : int
+        Number of components; 0 for a scalar.
+    unit : str
+        In terms of the case's consistent units.
+    meaning : str
+        What it is, with its sign, in one line.
+    components : str
+        Names of the components in order, empty for a scalar.
+    kind : str
+        The attribute type that XDMF readers need.
+    dtype : str
+        Type in the file.
+    """
+
+    values: Callable[[Source], Array]
+    columns: int
+    unit: str
+    meaning: str
+    components: str = ""
+    kind: str = "Scalar"
+    dtype: str = "<f8"
+
+
+def _padded(values: Array, rows: Array, columns: int) -> Array:
+    """Take `rows` of a (c, k) array and fill up with zeros to (n, columns)."""
+    full = np.zeros((len(rows), columns))
+    full[:, : values.shape[1]] = values[rows]
+    return full
+
+
+def identity(source: Source) -> Array:
+    """Return the number of each particle."""
+    return source.particles.id[source.rows]
+
+
+def body(source: Source) -> Array:
+    """Return the index of each particle's body."""
+    return source.particles.body[source.rows]
+
+
+def material(source: Source) -> Array:
+    """Return the index of each particle's material."""
+    return np.asarray(source.body_material, dtype=np.int32)[body(source)]
+
+
+def position(source: Source) -> Array:
+    """Return the centres, zero in missing directions."""
+    return _padded(source.particles.x, source.rows, 3)
+
+
+def volume(source: Source) -> Array:
+    """Return the current volume; an area in 2D, a length in 1D."""
+    return source.particles.V[source.rows]
+
+
+def radius(source: Source) -> Array:
+    """Return half the side of the segment, square or cube of the current volume."""
+    current = volume(source)
+    if source.dimension == 1:
+        return 0.5 * current
+    return 0.5 * (np.sqrt(current) if source.dimension == 2 else np.cbrt(current))
+
+
+def velocity(source: Source) -> Array:
+    """Return the velocity, zero in missing directions."""
+    return _padded(source.particles.v, source.rows, 3)
+
+
+def stress(source: Source) -> Array:
+    """Return the Cauchy stress as xx, yy, zz, xy, yz, xz, zero where the dimension has none."""
+    return _padded(source.particles.sigma, source.rows, 6)
+
+
+def displacement(source: Source) -> Array:
+    """Return position less initial position, zero in missing directions."""
+    particles = source.particles
+    moved = particles.x[source.rows] - particles.origin[source.rows]
+    return _padded(moved, np.arange(len(source.rows)), 3)
+
+
+def deformation(source: Source) -> Array:
+    """Return the deformation gradient by rows, one on the diagonal in missing directions."""
+    dimension = source.dimension
+    full = np.zeros((len(source.rows), 3, 3))
+    full[:, range(dimension, 3), range(dimension, 3)] = 1.0
+    local = source.particles.F[source.rows].reshape(-1, dimension, dimension)
+    full[:, :dimension, :dimension] = local
+    return full.reshape(-1, 9)
+
+
+def pressure(source: Source) -> Array:
+    """Return minus a third of the trace of the stress: positive in compression."""
+    xx, yy, zz = source.particles.sigma[source.rows, :3].T
+    return -(xx + yy + zz) / 3.0
+
+
+def von_mises(source: Source) -> Array:
+    """Return the von Mises stress: three times the deviator's second invariant, its root."""
+    xx, yy, zz, xy, yz, xz = stress(source).T
+    normal = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
+    return np.sqrt(0.5 * normal + 3.0 * (xy**2 + yz**2 + xz**2))
+
+
+ALWAYS = {
+    "id": Field(
+        identity,
+        0,
+        "1",
+        "number of the particle, by body then position; rows are in its order",
+        kind="GlobalId",
+        dtype="<i8",
+    ),
+    "body": Field(body, 0, "1", "index of the body in the attribute names", dtype="<i4"),
+    "material": Field(
+        material, 0, "1", "index of the material in the attribute names", dtype="<i4"
+    ),
+    "position": Field(
+        position,
+        3,
+        "length",
+        "centre of the particle, zero in missing directions",
+        "x y z",
+    ),
+    "volume": Field(volume, 0, "length^dimensions", "current volume (2D: area, 1D: length)"),
+    "radius": Field(
+        radius,
+        0,
+        "length",
+        "half the side of the cube (2D: square, 1D: segment) of the current volume",
+    ),
+}
+"""Fields that every frame has."""
+
+OPTIONAL = {
+    "velocity": Field(
+        velocity, 3, "length/time", "velocity, zero in missing directions", "x y z", "Vector"
+    ),
+    "stress": Field(
+        stress,
+        6,
+        "stress",
+        "Cauchy stress, tension positive",
+        "xx yy zz xy yz xz",
+        "Matrix",  # "Tensor6" arrives as a wrong 9-tensor in ParaView's XDMF2 reader
+    ),
+    "displacement": Field(
+        displacement, 3, "length", "position less initial position", "x y z", "Vector"
+    ),
+    "deformation": Field(
+        deformation,
+        9,
+        "1",
+        "deformation gradient by rows, one on the diagonal in missing directions",
+        "xx xy xz yx yy yz zx zy zz",
+        "Matrix",
+    ),
+    "pressure": Field(
+        pressure, 0, "stress", "minus a third of the trace of the stress, compression positive"
+    ),
+    "von-mises": Field(von_mises, 0, "stress", "von Mises equivalent stress"),
+}
+"""Fields that a frame has when the case's ``output.fields`` names them."""
+
+FIELDS = ALWAYS | OPTIONAL

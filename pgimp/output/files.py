@@ -1,0 +1,54 @@
+"""Small files that are at every moment either the old or the new version, never half of one."""
+
+from __future__ import annotations
+
+import os
+from contextlib import suppress
+from pathlib import Path
+
+TEMPORARY = ".part"
+
+
+def temporary(path: Path) -> Path:
+    """Return the name under which `path` is written before it is renamed."""
+    return path.with_name(f".{path.name}{TEMPORARY}")
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a text file through a temporary one.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    text : str
+        Its whole content.
+
+    Raises
+    ------
+    OSError
+        If it cannot be written; an older version then stays as it is.
+    """
+    part = temporary(path)
+    try:
+        with open(part, "w", encoding="utf-8", newline="") as stream:
+            stream.write(text)
+            stream.flush()
+            os.fsync(stream.fileno())
+        part.rename(path)
+    except BaseException:
+        with suppress(OSError):
+            part.unlink(missing_ok=True)
+        raise
+
+
+def publish(part: Path, path: Path) -> None:
+    """Give a finished temporary file its name, so that a crash of the machine leaves it whole."""
+    for name in (part, path.parent):
+        descriptor = os.open(name, os.O_RDONLY)
+        try:
+            os.fsync(descriptor)
+        finally:
+            os.close(descriptor)
+        if name is part:
+            part.rename(path)

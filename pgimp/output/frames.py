@@ -1,0 +1,148 @@
+"""The frames of a run: what each particle is and where, at the times that the case asks for."""
+
+from __future__ import annotations
+
+import os
+import socket
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pgimp.errors import RunError
+from pgimp.output.collective import agree, explain, on_root
+from pgimp.output.fields import ALWAYS, FIELDS, Source
+from pgimp.output.files import publish, temporary
+from pgimp.output.framefile import Dataset, FrameFile, create
+from pgimp.output.hdf5 import load_h5py
+from pgimp.output.rows import Rows
+from pgimp.output.xdmf import Collection
+
+FORMAT_VERSION = 1
+CONNECTIVITY = Dataset(
+    "connectivity", "<i8", 0, {"meaning": "the row itself, for the cells of XDMF readers"}
+)
+
+
+class Frames:
+    """Writes the frames of a run and the XDMF file that lists them.
+
+    Parameters
+    ----------
+    directory : Path
+        The run directory; the same on every rank.
+    case : Case
+        Gives the title, the units and the optional fields.
+    sim : Simulation
+        The run.
+
+    Attributes
+    ----------
+    written : int
+        Number of frames so far.
+    parallel : bool
+        Whether all ranks write at once; else the frames go through rank 0.
+    """
+
+    def __init__(self, directory: Path, case: Any, sim: Any) -> None:
+        self.folder = directory / "frames"
+        self.comm = sim.comm
+        self.written = 0
+        self.parallel = self.comm.size > 1 and all(
+            self.comm.allgather(bool(load_h5py().get_config().mpi))
+        )
+        self.fields = [*ALWAYS, *(name for name in FIELDS if name in case.output.fields)]
+        scene = sim.scene
+        names = {"body": list(scene.body_names), "material": list(scene.material_names)}
+        self._datasets = [CONNECTIVITY] + [
+            Dataset(
+                name,
+                field.dtype,
+                field.columns,
+                {"meaning": field.meaning, "unit": field.unit}
+                | ({"components": field.components.split()} if field.components else {})
+                | ({"names": names[name]} if name in names else {}),
+            )
+            for name, field in ((name, FIELDS[name]) for name in self.fields)
+        ]
+        self._attributes = {
+            "format": FORMAT_VERSION,
+            "title": str(case.title or ""),
+            "units": str(case.units or ""),
+            "dimensions": scene.dimension,
+            "bodies": names["body"],
+            "materials": names["material"],
+        }
+        self._collection = Collection(directory / "particles.xdmf")
+
+    def write(self, sim: Any) -> None:
+        """Write the present state as the next frame; collective.
+
+        Parameters
+        ----------
+        sim : Simulation
+            The run.
+
+        Raises
+        ------
+        RunError
+            On every rank, if the frame could not be written whole; then there is no file of its
+            name, and the frames before it are as they were.
+        """
+        path = self.folder / f"particles-{self.written:06d}.h5"
+        what = f"write the frame {path} at step {sim.step}"
+        part = temporary(path)
+        storage = sim.particles.live()
+        rows = Rows(self.comm, sim.particles.id[storage], storage, sim.count)
+        try:
+            offsets = on_root(self.comm, lambda: self._create(part, sim, what))
+            if self.parallel:
+                agree(self.comm, what, self._reachable(part))
+            self._fill(part, sim, rows, offsets, what)
+            on_root(self.comm, lambda: self._publish(part, path, sim, what))
+        except BaseException:
+            if self.comm.rank == 0:
+                with suppress(OSError):
+                    part.unlink(missing_ok=True)
+            raise
+        self.written += 1
+
+    def _create(self, part: Path, sim: Any, what: str) -> dict[str, int]:
+        state = {"time": float(sim.time), "step": np.int64(sim.step)}
+        try:
+            return create(part, self._datasets, sim.count, state | self._attributes)
+        except OSError as error:
+            raise RunError(f"cannot {what}: {explain(error)}") from error
+
+    def _reachable(self, part: Path) -> str | None:
+        """Find out whether this rank sees the file, before it enters a collective call for it."""
+        try:
+            os.close(os.open(part, os.O_RDWR))
+        except OSError as error:
+            return (
+                f"{explain(error)} on {socket.gethostname()}; the run directory must be on a file "
+                "system that all ranks share"
+            )
+        return None
+
+    def _fill(self, part: Path, sim: Any, rows: Rows, offsets: dict[str, int], what: str) -> None:
+        scene = sim.scene
+        source = Source(sim.particles, rows.storage, scene.dimension, tuple(scene.body_material))
+        file = FrameFile(part, rows, self.parallel, offsets)
+        agree(self.comm, what, file.error)
+        file.write(CONNECTIVITY.name, np.arange(rows.first, rows.last, dtype=CONNECTIVITY.dtype))
+        for name in self.fields:
+            field = FIELDS[name]
+            values = np.asarray(field.values(source), dtype=field.dtype)
+            file.write(name, rows.collect(values))
+        file.close()
+        agree(self.comm, what, file.error)
+        agree(self.comm, what, file.check())
+
+    def _publish(self, part: Path, path: Path, sim: Any, what: str) -> None:
+        try:
+            publish(part, path)
+            self._collection.add(path, float(sim.time), sim.count, self.fields)
+        except OSError as error:
+            raise RunError(f"cannot {what}: {explain(error)}") from error

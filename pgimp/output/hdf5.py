@@ -1,0 +1,54 @@
+"""h5py, imported so that it disturbs neither MPI nor a file system without locks."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from pgimp.parallel.comm import quiet_mpi
+
+
+def load_h5py() -> ModuleType:
+    """Import h5py without initialising MPI in a process that does not use it.
+
+    Returns
+    -------
+    module
+        h5py.
+    """
+    if "mpi4py.MPI" not in sys.modules:
+        quiet_mpi()
+    # Open MPI's `vulcan` can hang in collective writes (HDFGroup/hdf5 issue 1227). The choice is
+    # read when the first file is opened, and anything set on mpirun's command line stays.
+    os.environ.setdefault("OMPI_MCA_fcoll", "^vulcan")
+    import h5py
+
+    return h5py
+
+
+def open_file(path: Path, mode: str) -> Any:
+    """Open an HDF5 file from one process alone.
+
+    Files get their final name only when they are complete, and a run locks its directory; so HDF5
+    need not lock the file, which fails on some parallel file systems.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    mode : str
+        As in h5py.
+
+    Returns
+    -------
+    h5py.File
+        The open file; what is written to it, HDF5 1.10 can read.
+    """
+    h5py = load_h5py()
+    version = h5py.version.hdf5_version_tuple
+    lockless = version >= (1, 10, 7) and version not in ((1, 11, 0), (1, 12, 0))
+    locking = {"locking": False} if lockless else {}
+    return h5py.File(path, mode, libver=("earliest", "v110"), **locking)
