@@ -1,0 +1,156 @@
+"""Grid to particles: positions and velocities (26, 27), deformation (29, 30), volume and stress."""
+
+from math import isfinite, sqrt
+
+from pgimp.kernels.algebra import determinant, multiply, one_plus, symmetric
+from pgimp.kernels.jit import kernel, specialise
+from pgimp.kernels.transfer import (
+    components,
+    first_vertex,
+    gather,
+    gradient,
+    plus_scaled,
+    read,
+    support,
+    write,
+)
+from pgimp.materials.base import evaluate
+
+#: Why `grid_to_particles` stopped at a particle.
+NOT_FINITE, INVERTED, TOO_FAST, OUTSIDE = 1, 2, 3, 4
+
+
+def within(bounds, x):
+    """Whether each coordinate lies within its bounds; false for NaN, never branches."""
+
+
+@specialise(within)
+def _within(bounds, x):
+    if len(x) == 1:
+        return lambda bounds, x: (x[0] >= bounds[0][0]) & (x[0] <= bounds[0][1])
+    return lambda bounds, x: (
+        (x[0] >= bounds[0][0]) & (x[0] <= bounds[0][1]) & within(bounds[1:], x[1:])
+    )
+
+
+def squared(v):
+    """Square of the length of a tuple."""
+
+
+@specialise(squared)
+def _squared(v):
+    if len(v) == 1:
+        return lambda v: v[0] * v[0]
+    return lambda v: v[0] * v[0] + squared(v[1:])
+
+
+@kernel
+def _fault(frame, x, v, u, J, dt):
+    """Name the fault of a particle that failed the combined check; 0 if there is none."""
+    for d in range(len(x)):
+        if not (isfinite(x[d]) and isfinite(v[d])):
+            return NOT_FINITE
+    if not isfinite(J):
+        return NOT_FINITE
+    if not J > 0.0:
+        return INVERTED
+    for d in range(len(x)):
+        if not abs(u[d]) * dt * frame.inverse[d] <= 1.0:
+            return TOO_FAST
+    for d in range(len(x)):
+        xi = (x[d] - frame.origin[d]) * frame.inverse[d]
+        if not (xi >= 0.0 and xi <= frame.cells[d]):
+            return OUTSIDE
+    return 0
+
+
+@kernel
+def grid_to_particles(
+    shape, materials, frame, window, particles, order, start, material_of, G, dt,
+    tracked, controlled, bounds, reach, movers, moved,
+):  # fmt: skip
+    """Advance all particles of a rank by one step, and notice what happened to them.
+
+    Parameters
+    ----------
+    shape, materials, frame, window, particles, order, start, G
+        As in `particles_to_grid`; `G` holds velocities and accelerations.
+    material_of : (bodies,) int64
+        Material of each body.
+    tracked : bool
+        Whether V follows det(F) V0.
+    controlled : bool
+        Whether the next step depends on the particles' speeds.
+    bounds : tuple of D pairs
+        Coordinates within which a particle is sure to stay in the domain and in the window.
+    reach : (2, 2) int64
+        Grown to the first vertices (least, greatest; y, z) of particles, at least of those beyond
+        `bounds`.
+    movers : (n,) int32
+        Filled with the rows of the particles that changed their layer, in canonical order.
+    moved : (layers,) uint8
+        Set to 1 for layers that lost particles, else to 0.
+
+    Returns
+    -------
+    fault, row : int
+        Reason and row of the first particle at fault, else 0 and -1.
+    movers : int
+        Number of particles that changed their layer.
+    rate : float
+        Largest (c_p + |v_p|)/L, if controlled.
+    """
+    found = 0
+    rate = 0.0
+    inverse = 0.0
+    for d in range(len(frame.inverse)):
+        inverse = max(inverse, frame.inverse[d])
+    limit = (dt * inverse) ** 2
+    for layer in range(len(start) - 1):
+        moved[layer] = 0
+        number = layer + window.lower[0]
+        for k in range(start[layer], start[layer + 1]):
+            p = order[k]
+            place, W = support(shape, frame, window, particles.x, p, number)
+            place += layer * window.stride[0]
+            U, A, D = gather(G, place, W[0][0], W[0][1], W[0][2], W[1:])
+            u = components(frame.origin, U)
+            a = components(frame.origin, A)
+            x = plus_scaled(dt, u, read(particles.x, p, 0, u))  # (26)
+            v = plus_scaled(dt, a, read(particles.v, p, 0, u))  # (27)
+            L = gradient(D)  # (30)
+            F = multiply(one_plus(dt, L), read(particles.F, p, 0, L))
+            J = determinant(F)
+            m = material_of[particles.body[p]]
+            sigma = read(particles.sigma, p, 0, symmetric(L))
+            sigma = evaluate("stress", materials, m, (F, J, sigma, L, dt))
+            write(particles.x, p, 0, x)
+            write(particles.v, p, 0, v)
+            write(particles.F, p, 0, F)
+            write(particles.sigma, p, 0, sigma)
+            if tracked:
+                particles.V[p] = J * particles.V0[p]
+            if controlled:
+                c = evaluate("speed", materials, m, (F, J))
+                rate = max(rate, (c + sqrt(squared(v))) * inverse)
+            # One branch for all that rarely happens, NaN included; the speed limit is a sharper one.
+            now = first_vertex(shape, frame, 0, x[0])
+            if not (
+                within(bounds, x)
+                & (J > 0.0)
+                & ((squared(u) + squared(v)) * limit <= 1.0)
+                & (now == number)
+            ):
+                fault = _fault(frame, x, v, u, J, dt)
+                if fault != 0:
+                    return fault, p, found, rate
+                for d in range(1, len(x)):
+                    j = first_vertex(shape, frame, d, x[d])
+                    reach[0, d - 1] = min(reach[0, d - 1], j)
+                    reach[1, d - 1] = max(reach[1, d - 1], j)
+                if now != number:
+                    particles.layer[p] = now
+                    movers[found] = p
+                    found += 1
+                    moved[layer] = 1
+    return 0, -1, found, rate

@@ -1,0 +1,323 @@
+"""Scatter and gather: what one particle gives to the vertices of its support, and takes back.
+
+A vertex's record is 8 float64: (m, mv) and (-, f) while particles are summed, (m, v) and (-, a)
+after the momentum update. Both transfers are written once, as recursions over the vertices of a
+direction and over the directions that the compiler unrolls. They factor the sums by direction: in
+3D the innermost vertex costs P2G three vector multiply-adds, and G2P three.
+"""
+
+from pgimp.kernels.jit import specialise
+from pgimp.kernels.simd import lane, load, pack, store
+from pgimp.shapes.base import first, weights
+
+
+def first_vertex(shape, frame, d, x):
+    """Number of the first vertex, along direction `d`, of a particle at coordinate `x`."""
+
+
+@specialise(first_vertex)
+def _first_vertex(shape, frame, d, x):
+    return lambda shape, frame, d, x: (
+        first(shape, d, (x - frame.origin[d]) * frame.inverse[d]) + frame.ghost
+    )
+
+
+def _along(shape, frame, window, d, x, vertex):
+    """Weights (19), gradients (20) and the window's stride, along direction `d`."""
+
+
+@specialise(_along)
+def _along_direction(shape, frame, window, d, x, vertex):
+    def along(shape, frame, window, d, x, vertex):
+        f = (x - frame.origin[d]) * frame.inverse[d] - (vertex - frame.ghost)
+        w, g = weights(shape, d, f)
+        return w, scaled(frame.inverse[d], g), window.stride[d]
+
+    return along
+
+
+def support(shape, frame, window, x, p, layer):
+    """Support of particle `p`, whose layer is known.
+
+    Returns
+    -------
+    place : int
+        Of the support's first vertex within its plane of the window, in float64.
+    W : tuple
+        For each direction a triple: weights (19), gradients (20), stride.
+    """
+
+
+@specialise(support)
+def _support(shape, frame, window, x, p, layer):
+    D = len(frame.types[0])
+    if D == 1:
+
+        def support1(shape, frame, window, x, p, layer):
+            return 0, (_along(shape, frame, window, 0, x[p, 0], layer),)
+
+        return support1
+    if D == 2:
+
+        def support2(shape, frame, window, x, p, layer):
+            j = first_vertex(shape, frame, 1, x[p, 1])
+            return (j - window.lower[1]) * window.stride[1], (
+                _along(shape, frame, window, 0, x[p, 0], layer),
+                _along(shape, frame, window, 1, x[p, 1], j),
+            )
+
+        return support2
+
+    def support3(shape, frame, window, x, p, layer):
+        j = first_vertex(shape, frame, 1, x[p, 1])
+        k = first_vertex(shape, frame, 2, x[p, 2])
+        place = (j - window.lower[1]) * window.stride[1] + (k - window.lower[2]) * window.stride[2]
+        return place, (
+            _along(shape, frame, window, 0, x[p, 0], layer),
+            _along(shape, frame, window, 1, x[p, 1], j),
+            _along(shape, frame, window, 2, x[p, 2], k),
+        )
+
+    return support3
+
+
+def scaled(a, V):
+    """The tuple a V, of numbers or vectors."""
+
+
+@specialise(scaled)
+def _scaled(a, V):
+    if len(V) == 0:
+        return lambda a, V: ()
+    if len(V) == 1:
+        return lambda a, V: (a * V[0],)
+    return lambda a, V: (a * V[0], *scaled(a, V[1:]))
+
+
+def plus_scaled(a, V, U):
+    """The tuple a V + U, of numbers or vectors."""
+
+
+@specialise(plus_scaled)
+def _plus_scaled(a, V, U):
+    if len(V) == 0:
+        return lambda a, V, U: ()
+    if len(V) == 1:
+        return lambda a, V, U: (a * V[0] + U[0],)
+    return lambda a, V, U: (a * V[0] + U[0], *plus_scaled(a, V[1:], U[1:]))
+
+
+def charges(frame, particles, p):
+    """What a particle carries to the grid, as vectors.
+
+    Returns
+    -------
+    A : Vec4
+        (m_p, m_p v_p), for (21) and (22).
+    S : tuple of Vec4
+        For each direction i the column -V_p (0, sigma_xi, sigma_yi, sigma_zi), for (16).
+    """
+
+
+@specialise(charges)
+def _charges(frame, particles, p):
+    D = len(frame.types[0])
+    if D == 1:
+
+        def charges1(frame, particles, p):
+            m = particles.m[p]
+            V = -particles.V[p]
+            return pack(m, m * particles.v[p, 0], 0.0, 0.0), (
+                pack(0.0, V * particles.sigma[p, 0], 0.0, 0.0),
+            )
+
+        return charges1
+    if D == 2:
+
+        def charges2(frame, particles, p):
+            m = particles.m[p]
+            V = -particles.V[p]
+            s = particles.sigma
+            xy = V * s[p, 3]
+            return pack(m, m * particles.v[p, 0], m * particles.v[p, 1], 0.0), (
+                pack(0.0, V * s[p, 0], xy, 0.0),
+                pack(0.0, xy, V * s[p, 1], 0.0),
+            )
+
+        return charges2
+
+    def charges3(frame, particles, p):
+        m = particles.m[p]
+        V = -particles.V[p]
+        v = particles.v
+        s = particles.sigma
+        xy = V * s[p, 3]
+        yz = V * s[p, 4]
+        xz = V * s[p, 5]
+        return pack(m, m * v[p, 0], m * v[p, 1], m * v[p, 2]), (
+            pack(0.0, V * s[p, 0], xy, xz),
+            pack(0.0, xy, V * s[p, 1], yz),
+            pack(0.0, xz, yz, V * s[p, 2]),
+        )
+
+    return charges3
+
+
+def scatter(G, place, w, g, stride, rest, A, B, S):
+    """Add a particle to its support: A times S_vp, and the sum of S_i dS_vp/dx_i to the force.
+
+    Parameters
+    ----------
+    place : int
+        Of the first vertex; `w`, `g`, `stride` belong to the current direction, `rest` holds the
+        following ones.
+    B : Vec4
+        The force so far: the sum over the directions that came before.
+    S : tuple of Vec4
+        Stress columns of the current direction and the following ones, times the weights so far.
+    """
+
+
+@specialise(scatter)
+def _scatter(G, place, w, g, stride, rest, A, B, S):
+    last = len(w) == 1
+    if len(rest) == 0:
+
+        def vertex(G, place, w, g, stride, rest, A, B, S):
+            store(G, place, load(G, place) + w[0] * A)
+            store(G, place + 4, load(G, place + 4) + (w[0] * B + g[0] * S[0]))
+
+        if last:
+            return vertex
+
+        def vertices(G, place, w, g, stride, rest, A, B, S):
+            store(G, place, load(G, place) + w[0] * A)
+            store(G, place + 4, load(G, place + 4) + (w[0] * B + g[0] * S[0]))
+            scatter(G, place + stride, w[1:], g[1:], stride, rest, A, B, S)
+
+        return vertices
+
+    def line(G, place, w, g, stride, rest, A, B, S):
+        scatter(
+            G, place, rest[0][0], rest[0][1], rest[0][2], rest[1:],
+            w[0] * A, w[0] * B + g[0] * S[0], scaled(w[0], S[1:]),
+        )  # fmt: skip
+
+    if last:
+        return line
+
+    def lines(G, place, w, g, stride, rest, A, B, S):
+        scatter(
+            G, place, rest[0][0], rest[0][1], rest[0][2], rest[1:],
+            w[0] * A, w[0] * B + g[0] * S[0], scaled(w[0], S[1:]),
+        )  # fmt: skip
+        scatter(G, place + stride, w[1:], g[1:], stride, rest, A, B, S)
+
+    return lines
+
+
+def gather(G, place, w, g, stride, rest):
+    """Sums over a particle's support.
+
+    Returns
+    -------
+    U, A : Vec4
+        Sums of the first and second vectors of the records times S_vp (26, 27).
+    D : tuple of Vec4
+        For the current direction and the following ones, the sum of the first vector times
+        dS_vp/dx_i (30).
+    """
+
+
+@specialise(gather)
+def _gather(G, place, w, g, stride, rest):
+    last = len(w) == 1
+    if len(rest) == 0:
+
+        def vertex(G, place, w, g, stride, rest):
+            u = load(G, place)
+            return w[0] * u, w[0] * load(G, place + 4), (g[0] * u,)
+
+        if last:
+            return vertex
+
+        def vertices(G, place, w, g, stride, rest):
+            U, A, D = gather(G, place + stride, w[1:], g[1:], stride, rest)
+            u = load(G, place)
+            return w[0] * u + U, w[0] * load(G, place + 4) + A, (g[0] * u + D[0],)
+
+        return vertices
+
+    def line(G, place, w, g, stride, rest):
+        u, a, d = gather(G, place, rest[0][0], rest[0][1], rest[0][2], rest[1:])
+        return w[0] * u, w[0] * a, (g[0] * u, *scaled(w[0], d))
+
+    if last:
+        return line
+
+    def lines(G, place, w, g, stride, rest):
+        U, A, D = gather(G, place + stride, w[1:], g[1:], stride, rest)
+        u, a, d = gather(G, place, rest[0][0], rest[0][1], rest[0][2], rest[1:])
+        return w[0] * u + U, w[0] * a + A, (g[0] * u + D[0], *plus_scaled(w[0], d, D[1:]))
+
+    return lines
+
+
+def components(like, U):
+    """The vector's components along the directions of the scene; `like` has that many entries."""
+
+
+@specialise(components)
+def _components(like, U):
+    if len(like) == 1:
+        return lambda like, U: (lane(U, 1),)
+    if len(like) == 2:
+        return lambda like, U: (lane(U, 1), lane(U, 2))
+    return lambda like, U: (lane(U, 1), lane(U, 2), lane(U, 3))
+
+
+def gradient(D):
+    """Velocity gradient, row-major, from the vectors of `gather`."""
+
+
+@specialise(gradient)
+def _gradient(D):
+    if len(D) == 1:
+        return lambda D: (lane(D[0], 1),)
+    if len(D) == 2:
+        return lambda D: (lane(D[0], 1), lane(D[1], 1), lane(D[0], 2), lane(D[1], 2))
+    return lambda D: (
+        lane(D[0], 1), lane(D[1], 1), lane(D[2], 1),
+        lane(D[0], 2), lane(D[1], 2), lane(D[2], 2),
+        lane(D[0], 3), lane(D[1], 3), lane(D[2], 3),
+    )  # fmt: skip
+
+
+def read(array, p, i, like):
+    """Entries i, i+1, ... of row `p`, as many as `like` has."""
+
+
+@specialise(read)
+def _read(array, p, i, like):
+    if len(like) == 1:
+        return lambda array, p, i, like: (array[p, i],)
+    return lambda array, p, i, like: (array[p, i], *read(array, p, i + 1, like[1:]))
+
+
+def write(array, p, i, values):
+    """Set entries i, i+1, ... of row `p`."""
+
+
+@specialise(write)
+def _write(array, p, i, values):
+    def write_one(array, p, i, values):
+        array[p, i] = values[0]
+
+    if len(values) == 1:
+        return write_one
+
+    def write_all(array, p, i, values):
+        array[p, i] = values[0]
+        write(array, p, i + 1, values[1:])
+
+    return write_all

@@ -1,0 +1,54 @@
+"""The decomposition: each rank owns a run of layers along x, or none."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+
+class Slab(NamedTuple):
+    """The layers of one rank, and its neighbours' ranks (None where there is none)."""
+
+    first: int
+    layers: int
+    below: int | None
+    above: int | None
+
+
+def cut(counts: np.ndarray, ranks: int, width: int) -> list[int]:
+    """Cut the layers into runs of about equally many particles.
+
+    Parameters
+    ----------
+    counts : (layers,) int64
+        Particles of each layer.
+    ranks : int
+        Ranks to share them; those for which there are too few layers get none.
+    width : int
+        Least number of layers of a rank: with thinner slabs nearest neighbours would not suffice.
+
+    Returns
+    -------
+    list of int
+        First layers of the ranks that own some, and the number of layers.
+    """
+    layers = len(counts)
+    active = max(1, min(ranks, layers // width))
+    total = np.concatenate(([0], np.cumsum(counts)))
+    cuts = [0]
+    for k in range(1, active):
+        ideal = int(np.abs(total * active - k * total[-1]).argmin())
+        cuts.append(min(max(ideal, cuts[-1] + width), layers - (active - k) * width))
+    return [*cuts, layers]
+
+
+def slab_of(cuts: list[int], rank: int) -> Slab:
+    """Slab of a rank, from the result of `cut`."""
+    active = len(cuts) - 1
+    if rank >= active:
+        return Slab(cuts[-1], 0, None, None)
+    return Slab(
+        cuts[rank],
+        cuts[rank + 1] - cuts[rank],
+        rank - 1 if rank > 0 else None,
+        rank + 1 if rank + 1 < active else None,
+    )

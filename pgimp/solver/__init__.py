@@ -1,0 +1,1 @@
+"""The solver: particles, grid, the step, and the simulation that drives them."""

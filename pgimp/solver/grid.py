@@ -1,0 +1,94 @@
+"""A rank's part of the grid: storage for its planes, only as wide as where particles are."""
+
+import numpy as np
+
+from pgimp.solver.particles import FloatArray, Frame, Window
+
+#: Cells by which the window reaches beyond the particles, so that it seldom has to grow.
+MARGIN = 2
+
+
+def aligned(size: int) -> FloatArray:
+    """Zeros at an address that vector loads accept; untouched pages cost no memory."""
+    raw = np.zeros(size + 8)
+    offset = (-raw.ctypes.data // 8) % 8
+    return raw[offset : offset + size]
+
+
+class Grid:
+    """Planes of vertices `first` to ``first + planes - 1``, cut to a window in y and z.
+
+    The window in y and z is the same on all ranks, so that a message's size is known to both
+    sides.
+
+    Parameters
+    ----------
+    frame : Frame
+        Where the grid lies.
+    vertices : int
+        Vertices a direction in a particle's support.
+    first, layers : int
+        The rank's layers; it stores ``vertices - 1`` planes more.
+    shared : int
+        Planes shared with the rank below, 0 where there is none.
+
+    Attributes
+    ----------
+    window : Window
+        What is stored.
+    G : (planes * plane,) float64
+        Records of the vertices, see `pgimp.kernels.transfer`; only active planes are defined.
+    active : (planes,) uint8
+        Which planes take part in this step.
+    partial, scratch : float64
+        See `particles_to_grid`.
+    base : (2, 2) int64
+        First vertices (least, greatest; y, z) that a support in the window may have.
+    """
+
+    def __init__(self, frame: Frame, vertices: int, first: int, layers: int, shared: int) -> None:
+        self.frame = frame
+        self.vertices = vertices
+        self.first = first
+        self.planes = layers + vertices - 1 if layers else 0
+        self.shared = shared
+        self.active = np.zeros(self.planes, np.uint8)
+        self.base = np.zeros((2, 2), np.int64)
+
+    def cover(self, reach: np.ndarray) -> None:
+        """Store what the supports with first vertices within `reach` need, and a margin."""
+        lower, extent = [self.first, 0, 0], [self.planes, 1, 1]
+        for d in range(1, len(self.frame.cells)):
+            last = self.frame.vertices[d] - self.vertices
+            low = max(0, int(reach[0, d - 1]) - MARGIN)
+            high = min(last, int(reach[1, d - 1]) + MARGIN)
+            self.base[:, d - 1] = low, high
+            lower[d], extent[d] = low, high - low + self.vertices
+        self.window = Window.over(
+            (lower[0], lower[1], lower[2]), (extent[0], extent[1], extent[2])
+        )
+        plane = self.window.stride[0]
+        self.G = aligned(self.planes * plane)
+        self.scratch = aligned(self.vertices * plane)
+        self.partial = aligned(self.shared * (self.shared + 1) // 2 * plane)
+        self.bounds = self._bounds()
+
+    def covers(self, reach: np.ndarray) -> bool:
+        """Whether the window holds the supports with first vertices within `reach`."""
+        return bool((reach[0] >= self.base[0]).all() and (reach[1] <= self.base[1]).all())
+
+    def _bounds(self) -> tuple[tuple[float, float], ...]:
+        """Coordinates within which a particle is sure to be in the domain and in the window.
+
+        Sure means that rounding cannot matter: within a billionth of a cell inside.
+        """
+        bounds = []
+        for d, cells in enumerate(self.frame.cells):
+            low, high = 0.0, float(cells)
+            if d > 0:
+                # A support has its first vertex at or above floor(xi - 1/2).
+                low = max(low, float(self.base[0, d - 1] - self.frame.ghost) + 0.5)
+                high = min(high, float(self.base[1, d - 1] - self.frame.ghost) + 1.0)
+            origin, cell = self.frame.origin[d], self.frame.cell[d]
+            bounds.append((origin + (low + 1e-9) * cell, origin + (high - 1e-9) * cell))
+        return tuple(bounds)

@@ -1,0 +1,106 @@
+"""The particles of one rank, and the grid's frame: the data that all kernels share.
+
+| symbol | array | shape | unit | source |
+|---|---|---|---|---|
+| x | position | (c, D) | length | (26) |
+| v | velocity | (c, D) | length/time | (27), p_p/m_p |
+| F | deformation gradient, row-major | (c, D*D) | 1 | |
+| sigma | Cauchy stress xx yy zz [xy [yz xz]] | (c, 3, 4 or 6) | stress | (6) |
+| V, V0 | volume in (16), initial volume | (c,) | volume | (3), (11) |
+| m | mass | (c,) | mass | (4) |
+| id | number by body, then by position | (c,) | | |
+| cell | cell of the first vertex at the last re-sort | (c,) | | |
+| layer | plane of the first vertex now | (c,) | | |
+| body | body number | (c,) | | |
+| origin | initial position; no columns unless the output asks for it | (c, D or 0) | length | |
+
+`c` is the capacity. Which rows are alive, and their canonical order, is in `Order`; rows of
+particles that have left stay as holes until the next re-sort.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+class Particles(NamedTuple):
+    """Structure of arrays, one row a particle; see the table of this module."""
+
+    x: FloatArray
+    v: FloatArray
+    F: FloatArray
+    sigma: FloatArray
+    V: FloatArray
+    V0: FloatArray
+    m: FloatArray
+    id: IntArray
+    cell: IntArray
+    layer: NDArray[np.int32]
+    body: NDArray[np.int32]
+    origin: FloatArray
+
+    @classmethod
+    def empty(cls, capacity: int, dimension: int, origin: bool) -> "Particles":
+        """Arrays for `capacity` particles, F = 1 and sigma = 0."""
+        D = dimension
+        F = np.zeros((capacity, D * D))
+        F[:, :: D + 1] = 1.0
+        return cls(
+            x=np.zeros((capacity, D)),
+            v=np.zeros((capacity, D)),
+            F=F,
+            sigma=np.zeros((capacity, (3, 4, 6)[D - 1])),
+            V=np.zeros(capacity),
+            V0=np.zeros(capacity),
+            m=np.zeros(capacity),
+            id=np.zeros(capacity, np.int64),
+            cell=np.zeros(capacity, np.int64),
+            layer=np.zeros(capacity, np.int32),
+            body=np.zeros(capacity, np.int32),
+            origin=np.zeros((capacity, D if origin else 0)),
+        )
+
+    @property
+    def capacity(self) -> int:
+        """Number of rows."""
+        return len(self.m)
+
+
+class Frame(NamedTuple):
+    """Where the grid lies. Vertex and layer numbers count from the first ghost vertex.
+
+    All tuples have D entries; vertex number i of direction d stands at
+    ``origin[d] + (i - ghost) * cell[d]``.
+    """
+
+    origin: tuple[float, ...]
+    cell: tuple[float, ...]
+    inverse: tuple[float, ...]
+    cells: tuple[int, ...]
+    ghost: int
+
+    @property
+    def vertices(self) -> tuple[int, ...]:
+        """Number of vertices of each direction, with `ghost` more beyond either face."""
+        return tuple(n + 1 + 2 * self.ghost for n in self.cells)
+
+
+class Window(NamedTuple):
+    """The part of the grid that a rank stores: its planes, cut to where particles are.
+
+    `lower` is the first vertex of each of three directions, `extent` the number of vertices (1
+    where the scene has no such direction), `stride` the distance of neighbours in float64.
+    """
+
+    lower: tuple[int, int, int]
+    extent: tuple[int, int, int]
+    stride: tuple[int, int, int]
+
+    @classmethod
+    def over(cls, lower: tuple[int, int, int], extent: tuple[int, int, int]) -> "Window":
+        """Window with records of 8 float64, planes outermost."""
+        return cls(lower, extent, (8 * extent[1] * extent[2], 8 * extent[2], 8))

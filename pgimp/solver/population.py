@@ -1,0 +1,118 @@
+"""A rank's particles in their canonical order, as they come, go and change layers."""
+
+import numpy as np
+
+from pgimp.kernels.order import locate, merge, reach_of
+from pgimp.solver.particles import Frame, IntArray, Particles
+
+
+class Population:
+    """Particles of the layers `first` to ``first + layers - 1``.
+
+    The rows of `particles` stay where they are between two re-sorts; `order` lists the living
+    ones in canonical order (layer now, cell at the last re-sort, id). A particle that changes its
+    layer only moves in that list; the row of one that leaves is a hole until the next re-sort.
+
+    Attributes
+    ----------
+    particles : Particles
+        Structure of arrays.
+    order : (count,) int32
+        Rows in canonical order.
+    start : (layers + 1,) int64
+        Where each layer begins in `order`.
+    """
+
+    def __init__(self, particles: Particles, count: int, shape, frame: Frame, slab) -> None:
+        self.particles = particles
+        self.shape = shape
+        self.frame = frame
+        self.first, self.layers = slab.first, slab.layers
+        self.order = np.arange(count, dtype=np.int32)
+        self._spare = np.empty_like(self.order)
+        self.start = np.zeros(self.layers + 1, np.int64)
+        self._spare_start = np.zeros_like(self.start)
+        self.moved = np.zeros(self.layers, np.uint8)
+        self._used = count
+        self._holes: list[int] = []
+        self.sort()
+
+    @property
+    def movers(self) -> np.ndarray:
+        """Room for as many rows as there are particles, between two changes of the order."""
+        return self._spare
+
+    def sort(self) -> None:
+        """Sort the rows themselves by (layer, cell, id), closing the holes."""
+        p, rows = self.particles, self.order
+        locate(self.shape, self.frame, p, rows, self.frame.vertices)
+        cell, number = p.cell[rows], p.id[rows]
+        if len(rows) and self._keys_fit(cell, number):
+            # Both in one key: several times faster than sorting by two.
+            base = cell - cell.min()
+            permutation = np.argsort(base * (number.max() + 1) + number)
+        else:
+            permutation = np.lexsort((number, cell))
+        rows = rows[permutation]
+        for array in p:
+            if array.size:
+                array[: len(rows)] = array[rows]
+        self.order = np.arange(len(rows), dtype=np.int32)
+        self._spare = np.empty_like(self.order)
+        edges = np.arange(self.first, self.first + self.layers + 1)
+        self.start[:] = np.searchsorted(p.layer[: len(rows)], edges)
+        self._used, self._holes = len(rows), []
+
+    @staticmethod
+    def _keys_fit(cell: IntArray, number: IntArray) -> bool:
+        return (int(cell.max()) - int(cell.min()) + 1) * (int(number.max()) + 1) < 2**63
+
+    def reach(self) -> np.ndarray:
+        """First vertices of the supports, (least, greatest; y, z)."""
+        reach = np.array([[2**62] * 2, [-(2**62)] * 2])
+        reach_of(self.shape, self.frame, self.particles, self.order, reach)
+        return reach
+
+    def release(self, rows: np.ndarray) -> None:
+        """Give up the rows of particles that have left; their layer must be another rank's."""
+        self._holes.extend(rows.tolist())
+
+    def admit(self, count: int) -> np.ndarray:
+        """Rows for `count` newcomers: holes first, then new ones."""
+        if self._used + count - len(self._holes) > self.particles.capacity:
+            self._grow(max(count, self.particles.capacity // 8))
+        rows = np.empty(count, np.int32)
+        reused = min(count, len(self._holes))
+        for i in range(reused):
+            rows[i] = self._holes.pop()
+        rows[reused:] = np.arange(self._used, self._used + count - reused)
+        self._used += count - reused
+        return rows
+
+    def _grow(self, rows: int) -> None:
+        def extended(array: np.ndarray) -> np.ndarray:
+            larger = np.zeros((len(array) + rows, *array.shape[1:]), array.dtype)
+            larger[: len(array)] = array
+            return larger
+
+        self.particles = Particles(*(extended(array) for array in self.particles))
+
+    def restore_order(self, arrivals: np.ndarray) -> None:
+        """Put the particles in `arrivals`, rows whose layer has changed, in their places."""
+        p = self.particles
+        keys = (p.id[arrivals], p.cell[arrivals], p.layer[arrivals])
+        arrivals = arrivals[np.lexsort(keys)]
+        room = len(self.order) + len(arrivals)
+        if len(self._spare) < room:
+            self._spare = np.empty(room + room // 8, np.int32)
+        count = merge(
+            p, self.order, self.start, self.first, self.moved, arrivals,
+            self._spare, self._spare_start,
+        )  # fmt: skip
+        self.order, self._spare = self._spare[:count], self._whole(self.order)
+        self.start, self._spare_start = self._spare_start, self.start
+
+    @staticmethod
+    def _whole(order: np.ndarray) -> np.ndarray:
+        """The array of which `order` is the beginning."""
+        return order if order.base is None else order.base
