@@ -1,0 +1,111 @@
+"""log.txt: what the terminal showed, and at the end where the time went."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, TextIO
+
+
+class Log:
+    """Says things on the terminal and keeps them in a file; only on rank 0.
+
+    Parameters
+    ----------
+    speaks : bool
+        Whether this is rank 0.
+    quiet : bool
+        Whether the terminal gets nothing.
+
+    Attributes
+    ----------
+    show : callable
+        Puts a line on the terminal; a progress bar replaces it to stay below the line.
+    """
+
+    def __init__(self, speaks: bool, quiet: bool = False) -> None:
+        self.speaks = speaks
+        self.quiet = quiet
+        self.show: Callable[[str], Any] = print
+        self._file: TextIO | None = None
+        self._early: list[str] = []
+
+    def say(self, text: str) -> None:
+        """Show a line and keep it."""
+        if not self.speaks:
+            return
+        if not self.quiet:
+            self.show(text)
+            sys.stdout.flush()
+        self.note(text)
+
+    def note(self, text: str) -> None:
+        """Keep a line without showing it."""
+        if not self.speaks:
+            return
+        if self._file is None:
+            self._early.append(text)
+            return
+        try:
+            self._file.write(f"{text}\n")
+            self._file.flush()
+        except OSError:
+            # A disk too full for this line stops the run at the next frame, with its message.
+            self.close()
+
+    def keep_in(self, path: Path) -> None:
+        """Keep the lines in a file from now on, with those from before."""
+        if self.speaks:
+            with suppress(OSError):
+                self._file = open(path, "a", encoding="utf-8")
+            early, self._early = self._early, []
+            for text in early:
+                self.note(text)
+
+    def close(self) -> None:
+        """Close the file."""
+        if self._file is not None:
+            with suppress(OSError):
+                self._file.close()
+            self._file = None
+
+
+def timing_table(comm: Any, seconds: dict[str, float], total: float) -> str:
+    """Lay out where the time of a run went.
+
+    Parameters
+    ----------
+    comm : communicator
+        Of all ranks; the call is collective.
+    seconds : dict of str to float
+        Of each phase on this rank.
+    total : float
+        Wall time of the run in seconds; what the phases leave of it is the line "other".
+
+    Returns
+    -------
+    str
+        A line a phase: least, mean and most over the ranks, and the share of the wall time. Empty
+        but on rank 0.
+    """
+    gathered = comm.gather(seconds | {"other": total - sum(seconds.values())})
+    if gathered is None:
+        return ""
+    phases = list(dict.fromkeys(phase for rank in gathered for phase in rank))
+    width = max(len("phase"), *(len(phase) for phase in phases))
+    lines = [
+        f"Seconds by phase over {comm.size} rank{'s' if comm.size > 1 else ''}:",
+        f"{'phase':<{width}} {'min':>11} {'mean':>11} {'max':>11} {'share':>8}",
+    ]
+    for phase in phases:
+        values = [rank.get(phase, 0.0) for rank in gathered]
+        mean = sum(values) / len(values)
+        share = 100.0 * mean / total if total > 0.0 else 0.0
+        lines.append(
+            f"{phase:<{width}} {min(values):>11.4f} {mean:>11.4f} {max(values):>11.4f} "
+            f"{share:>6.1f} %"
+        )
+    lines.append(f"{'total':<{width}} {'':>11} {total:>11.4f} {'':>11} {100:>6.1f} %")
+    return "\n".join(lines)

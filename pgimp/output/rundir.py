@@ -1,0 +1,223 @@
+"""The run directory: one run at a time, and nothing lost that is not to be replaced."""
+
+from __future__ import annotations
+
+import errno
+import fcntl
+import os
+import re
+import socket
+import time
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from pgimp.errors import RunError, UsageError
+from pgimp.output import runinfo
+from pgimp.output.collective import explain, on_root
+from pgimp.output.files import write_text
+
+RUN = "run.json"
+TOP = ("case.yaml", "input.yaml", "particles.xdmf", "history.csv", "log.txt", RUN)
+FRAME = re.compile(r"particles-(\d{6,})\.h5")
+_LOCK = ".lock"
+_FAILED = ".failed"
+_PART = re.compile(r"\.(case\.yaml|input\.yaml|run\.json|particles\.xdmf|particles-\d+\.h5)\.part")
+# Of ranks that fail together the lowest speaks on the terminal; so it does here.
+_HEAD_START_SECONDS = 0.01
+_LONGEST_HEAD_START_SECONDS = 0.2
+
+
+class RunDirectory:
+    """The directory of a run, locked until `release`.
+
+    Parameters
+    ----------
+    path : Path
+        Created with its parents if it is not there.
+    comm : communicator
+        Of all ranks; creation is collective.
+    overwrite : bool
+        Whether a run that is there may be replaced.
+
+    Raises
+    ------
+    UsageError
+        On every rank, if the directory cannot be used: it holds a run, files of the same names
+        that are no run's, is locked by another run or may not be written.
+    RunError
+        On every rank, if the disk is full.
+    """
+
+    def __init__(self, path: Path, comm: Any, overwrite: bool = False) -> None:
+        self.path = path
+        self.comm = comm
+        self._lock = -1
+        self._created = False
+        on_root(comm, lambda: self._claim(overwrite))
+
+    def _claim(self, overwrite: bool) -> None:
+        try:
+            if self.path.exists() and not self.path.is_dir():
+                raise UsageError(f"{self.path} is a file; name a directory with -o.")
+            self._created = not self.path.exists()
+            self.path.mkdir(parents=True, exist_ok=True)
+            self._take_lock()
+        except OSError as error:
+            raise self._refusal("use", error) from error
+        try:
+            self._examine(overwrite)
+        except UsageError:
+            self._drop_lock()
+            raise
+
+    def _take_lock(self) -> None:
+        """Lock the directory; a run that died leaves a file behind, but no lock."""
+        name = self.path / _LOCK
+        while self._lock < 0:
+            descriptor = os.open(name, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
+            try:
+                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                holder = os.read(descriptor, 200).decode(errors="replace").strip()
+                os.close(descriptor)
+                raise UsageError(
+                    f"a run is writing to {self.path}: {holder or 'of unknown process'}.\n"
+                    "Wait for it, stop it, or choose another directory with -o."
+                ) from None
+            except OSError:
+                # No locks on this file system: one run at a time is then the user's concern.
+                pass
+            with suppress(FileNotFoundError):
+                if os.path.samestat(os.fstat(descriptor), name.stat()):
+                    self._lock = descriptor
+                    break
+            os.close(descriptor)  # the run that held it has just removed the file
+        os.ftruncate(self._lock, 0)
+        line = f"process {os.getpid()} on {socket.gethostname()}, since {runinfo.now()}\n"
+        os.write(self._lock, line.encode())
+
+    def _examine(self, overwrite: bool) -> None:
+        """Raise unless the directory is free, or holds a run that may go."""
+        there = [name for name in (*TOP, "frames") if (self.path / name).exists()]
+        run = runinfo.read(self.path / RUN)
+        if run is None and there:
+            raise UsageError(
+                f"{self.path} has a {there[0]}, but no run of pgimp: a run there would replace it."
+                "\nChoose another directory with -o."
+            )
+        if run is not None and not overwrite:
+            last = run["starts"][-1]
+            raise UsageError(
+                f"{self.path} holds a run ({last['state']}, begun {last['began']}, "
+                f"{last['steps']} steps).\n"
+                "Add --overwrite to replace it, or choose another directory with -o."
+            )
+
+    def prepare(self, texts: dict[str, str], start: dict[str, Any]) -> None:
+        """Delete an older run and write the files that a run starts with; collective.
+
+        Parameters
+        ----------
+        texts : dict of str to str
+            Files and their content.
+        start : dict
+            What run.json says of this start.
+
+        Raises
+        ------
+        UsageError, RunError
+            On every rank, if that is not possible.
+        """
+        on_root(self.comm, lambda: self._prepare(texts, start))
+
+    def _prepare(self, texts: dict[str, str], start: dict[str, Any]) -> None:
+        try:
+            for path in self._own_files():
+                path.unlink(missing_ok=True)
+            runinfo.write(self.path / RUN, start)
+            (self.path / "frames").mkdir(exist_ok=True)
+            for name, text in texts.items():
+                write_text(self.path / name, text)
+        except OSError as error:
+            raise self._refusal("write to", error) from error
+
+    def _own_files(self) -> Iterator[Path]:
+        """Yield the files of a run but run.json: without it the rest is taken for no run."""
+        folder = self.path / "frames"
+        for entry in folder.iterdir() if folder.is_dir() else ():
+            if FRAME.fullmatch(entry.name) or _PART.fullmatch(entry.name):
+                yield entry
+        for entry in self.path.iterdir():
+            if _PART.fullmatch(entry.name):
+                yield entry
+        for name in (_FAILED, *TOP):
+            if name != RUN:
+                yield self.path / name
+
+    def _refusal(self, action: str, error: OSError) -> UsageError | RunError:
+        message = f"cannot {action} the run directory {self.path}: {explain(error)}"
+        full = error.errno in (errno.ENOSPC, errno.EDQUOT)
+        return RunError(message) if full else UsageError(message)
+
+    def record_failure(self, state: str, step: int, when: float, message: str) -> None:
+        """Note in run.json and log.txt why the run ended early.
+
+        Any rank that fails calls it on its own; the first of them writes.
+
+        Parameters
+        ----------
+        state : str
+            "failed" or "stopped".
+        step, when : int, float
+            How far the run came: its step and its simulated time.
+        message : str
+            What happened.
+        """
+        time.sleep(min(self.comm.rank * _HEAD_START_SECONDS, _LONGEST_HEAD_START_SECONDS))
+        # On a disk that is full or gone the message on the terminal must do.
+        with suppress(OSError):
+            os.close(os.open(self.path / _FAILED, os.O_CREAT | os.O_EXCL | os.O_WRONLY))
+            self._update(state=state, steps=step, time=when, message=message)
+            with open(self.path / "log.txt", "a", encoding="utf-8") as stream:
+                stream.write(f"{state} at step {step}, t = {when!r}: {message}\n")
+
+    def finish(self, step: int, when: float) -> None:
+        """Note in run.json that the run is done; collective.
+
+        Parameters
+        ----------
+        step, when : int, float
+            Its last step and simulated time.
+
+        Raises
+        ------
+        RunError, UsageError
+            On every rank, if it cannot be written.
+        """
+
+        def action() -> None:
+            try:
+                self._update(state="done", steps=step, time=when)
+            except OSError as error:
+                raise self._refusal("write to", error) from error
+
+        on_root(self.comm, action)
+
+    def _update(self, **changes: Any) -> None:
+        runinfo.update(self.path / RUN, ended=runinfo.now(), **changes)
+
+    def release(self) -> None:
+        """Let other runs have the directory; one that this run made and left empty goes."""
+        if self._lock >= 0:
+            self._drop_lock()
+
+    def _drop_lock(self) -> None:
+        with suppress(OSError):
+            (self.path / _LOCK).unlink()
+        os.close(self._lock)
+        self._lock = -1
+        if self._created:
+            with suppress(OSError):
+                self.path.rmdir()

@@ -1,0 +1,171 @@
+"""What run.json says of a run: with what, by what, where and how far."""
+
+from __future__ import annotations
+
+import datetime
+import json
+import os
+import platform
+import re
+import shlex
+import socket
+import sys
+from collections import Counter
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+from pgimp.output.files import write_text
+from pgimp.output.hdf5 import load_h5py
+
+PROGRAM = "pgimp"
+FORMAT_VERSION = 1
+
+
+def now() -> str:
+    """Return the date and time with the offset from UTC."""
+    return datetime.datetime.now().astimezone().isoformat(timespec="seconds")
+
+
+def describe_start(comm: Any, particles: int) -> dict[str, Any]:
+    """Collect what is to be known of a start of a run.
+
+    Parameters
+    ----------
+    comm : communicator
+        Of all ranks; the call is collective.
+    particles : int
+        Number of particles of the run.
+
+    Returns
+    -------
+    dict
+        An entry of ``starts`` in run.json; the same on every rank except for the hosts.
+    """
+    hosts = comm.gather(socket.gethostname())
+    return {
+        "state": "running",
+        "began": now(),
+        "ended": None,
+        "steps": 0,
+        "time": 0.0,
+        "message": None,
+        "particles": particles,
+        "ranks": comm.size,
+        "hosts": dict(Counter(hosts or [])),
+        "cpu": _cpu(),
+        "process": os.getpid(),
+        "command": shlex.join(sys.argv),
+        "working_directory": str(Path.cwd()),
+        "versions": versions(),
+        "commit": commit(),
+    }
+
+
+def versions() -> dict[str, str | None]:
+    """Return the versions of everything that the numbers may depend on, None for what is absent."""
+    found: dict[str, str | None] = {"python": platform.python_version()}
+    for package in (PROGRAM, "numpy", "numba", "llvmlite", "h5py", "mpi4py"):
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError:
+            found[package] = None
+    found["hdf5"] = load_h5py().version.hdf5_version
+    mpi = sys.modules.get("mpi4py.MPI")
+    used = mpi is not None and mpi.Is_initialized()
+    found["mpi"] = mpi.Get_library_version().strip("\0 \n").splitlines()[0] if used else None
+    found["system"] = platform.platform()
+    return found
+
+
+def commit() -> str | None:
+    """Return the commit of the working tree that pgimp runs from; None if it is installed."""
+    root = Path(__file__).resolve().parents[2]
+    git = root / ".git"
+    try:
+        if git.is_file():  # a linked working tree
+            git = (root / git.read_text().removeprefix("gitdir:").strip()).resolve()
+        head = (git / "HEAD").read_text().strip()
+        if not head.startswith("ref:"):
+            return head
+        name = head.removeprefix("ref:").strip()
+        link = git / "commondir"
+        common = (git / link.read_text().strip()).resolve() if link.is_file() else git
+        if (common / name).is_file():
+            return (common / name).read_text().strip()
+        packed = (common / "packed-refs").read_text()
+    except OSError:
+        return None
+    match = re.search(rf"^([0-9a-f]+) {re.escape(name)}$", packed, re.MULTILINE)
+    return match[1] if match else None
+
+
+def _cpu() -> str:
+    try:
+        text = Path("/proc/cpuinfo").read_text()
+    except OSError:
+        text = ""
+    match = re.search(r"^model name\s*:\s*(.+)$", text, re.MULTILINE)
+    return match[1] if match else platform.processor() or platform.machine()
+
+
+def read(path: Path) -> dict[str, Any] | None:
+    """Read a run.json.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+
+    Returns
+    -------
+    dict or None
+        None if there is none, or it is not pgimp's.
+    """
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None
+    if not isinstance(content, dict) or content.get("program") != PROGRAM:
+        return None
+    return content
+
+
+def write(path: Path, start: dict[str, Any]) -> None:
+    """Write a run.json with one start.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    start : dict
+        From `describe_start`.
+
+    Raises
+    ------
+    OSError
+        If it cannot be written.
+    """
+    content = {"program": PROGRAM, "format": FORMAT_VERSION, "starts": [start]}
+    write_text(path, json.dumps(content, indent=2) + "\n")
+
+
+def update(path: Path, **changes: Any) -> None:
+    """Change entries of the last start in a run.json.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    **changes
+        The entries.
+
+    Raises
+    ------
+    OSError
+        If it cannot be written; the older version then stays.
+    """
+    content = read(path)
+    if content is not None:
+        content["starts"][-1].update(changes)
+        write_text(path, json.dumps(content, indent=2) + "\n")

@@ -1,0 +1,62 @@
+"""When something falls due: at the first step at or after each of its times."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+# A step that ends this part of a step before a time counts as at it: rounding of n * step.
+_ROUNDING = 1e-6
+
+
+class Schedule:
+    """Steps at which to act; it follows the steps and never changes one.
+
+    Parameters
+    ----------
+    every : float, object with ``steps``, or None
+        Every so much simulated time, every so many steps, or not regularly.
+    at : sequence of float
+        Further times.
+    """
+
+    def __init__(self, every: Any = None, at: Sequence[float] = ()) -> None:
+        self._steps = getattr(every, "steps", None)
+        self._interval = every if self._steps is None else None
+        self._at = sorted(at)
+        self._next_step: float = math.inf
+        self._next_time: float = math.inf
+        self.skip(0.0, 0, 0.0)
+
+    def due(self, time: float, step: int, dt: float) -> bool:
+        """Tell whether to act now; to be asked once after each step.
+
+        Parameters
+        ----------
+        time, step, dt : float, int, float
+            Where the run is, and the size of its last step.
+
+        Returns
+        -------
+        bool
+            Whether one or more times have been reached since the last call.
+        """
+        if step < self._next_step and time + _ROUNDING * dt < self._next_time:
+            return False
+        self.skip(time, step, dt)
+        return True
+
+    def skip(self, time: float, step: int, dt: float) -> None:
+        """Look for the next time after the present."""
+        now = time + _ROUNDING * dt
+        if self._steps is not None:
+            self._next_step = (step // self._steps + 1) * self._steps
+        while self._at and self._at[0] <= now:
+            self._at.pop(0)
+        self._next_time = self._at[0] if self._at else math.inf
+        if self._interval is not None:
+            number = math.floor(now / self._interval)
+            while number * self._interval <= now:
+                number += 1
+            self._next_time = min(self._next_time, number * self._interval)
