@@ -17,7 +17,7 @@ from pgimp.parallel.comm import abort_on_error, describe, launcher, quiet_mpi, s
 
 # A rank other than the first waits this long before it prints an error of the command line: by
 # then the first has printed the same and the launcher has ended the job.
-_FIRST_RANK_SPEAKS_SECONDS = 1.0
+_FIRST_RANK_SPEAKS_SECONDS = 3.0
 _BROKEN_PIPE_STATUS = 141
 
 
