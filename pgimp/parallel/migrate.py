@@ -40,15 +40,21 @@ def width(particles: Particles) -> int:
     return sum(array[0].size for array in particles)
 
 
-def migrate(comm: Any, slab: Slab, population: Population, movers: np.ndarray) -> None:
-    """Send away the movers that have left the slab, take in those that come, restore the order.
+def migrate(comm: Any, slab: Slab, population: Population, movers: np.ndarray) -> np.ndarray:
+    """Send away the movers that have left the slab, and take in those that come.
 
     Parameters
     ----------
     movers : (k,) int32
-        Rows of this rank's particles whose layer has changed; a copy of the room they were
-        listed in.
+        Rows of this rank's particles whose layer has changed.
+
+    Returns
+    -------
+    (n,) int32
+        Rows of the particles that are new in a layer of this rank.
     """
+    if slab.below is None and slab.above is None:
+        return movers
     layer = population.particles.layer[movers]
     down, up = layer < slab.first, layer >= slab.first + slab.layers
     arrivals = [movers[~(down | up)]]
@@ -63,9 +69,7 @@ def migrate(comm: Any, slab: Slab, population: Population, movers: np.ndarray) -
             arrivals.append(_receive(comm, neighbour, population))
     for send in sends:
         send.Wait()
-    coming = np.concatenate(arrivals)
-    if len(movers) or len(coming):
-        population.restore_order(coming)
+    return np.concatenate(arrivals)
 
 
 def _receive(comm: Any, neighbour: int, population: Population) -> np.ndarray:

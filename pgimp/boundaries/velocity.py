@@ -1,0 +1,60 @@
+"""Prescribed velocity on a face: v as given at the step's end, a its rate over the step."""
+
+from typing import ClassVar, NamedTuple
+
+from pydantic import Field
+
+from pgimp.boundaries.base import Boundary
+from pgimp.case.base import Number
+from pgimp.scene.tables import Table
+
+
+class VelocityParameters(NamedTuple):
+    """The face, the components held, their velocities and accelerations; 0 where free."""
+
+    axis: int
+    side: int
+    held: tuple[bool, bool, bool]
+    velocity: tuple[float, float, float]
+    rate: tuple[float, float, float]
+
+    @staticmethod
+    def constrain(face, v, a):
+        """Set the components that are held."""
+        h, u, r = face.held, face.velocity, face.rate
+        return (
+            (u[0] if h[0] else v[0], u[1] if h[1] else v[1], u[2] if h[2] else v[2]),
+            (r[0] if h[0] else a[0], r[1] if h[1] else a[1], r[2] if h[2] else a[2]),
+        )
+
+
+class Velocity(Boundary):
+    """Moves the material on a face at a given velocity, component by component."""
+
+    velocity: tuple[Number | None | Table, ...] = Field(
+        description="velocity [length/time] along each direction: a number, a table over time, "
+        "or null where the component is free"
+    )
+
+    varies: ClassVar[bool] = True
+
+    def parameters(self, axis: int, side: int, start: float, end: float) -> VelocityParameters:
+        """See `Boundary.parameters`."""
+        held, velocity, rate = [False] * 3, [0.0] * 3, [0.0] * 3
+        for d, component in enumerate(self.velocity):
+            if component is None:
+                continue
+            held[d] = True
+            if isinstance(component, Table):
+                velocity[d] = component.value(end)
+                if end > start:
+                    rate[d] = (velocity[d] - component.value(start)) / (end - start)
+            else:
+                velocity[d] = float(component)
+        return VelocityParameters(
+            axis,
+            side,
+            (held[0], held[1], held[2]),
+            (velocity[0], velocity[1], velocity[2]),
+            (rate[0], rate[1], rate[2]),
+        )

@@ -1,0 +1,69 @@
+"""Sums over the particles, layer by layer in canonical order, and their greatest speed."""
+
+from math import sqrt
+
+from pgimp.kernels.algebra import determinant, symmetric
+from pgimp.kernels.g2p import squared
+from pgimp.kernels.jit import kernel
+from pgimp.kernels.transfer import read
+from pgimp.materials.base import evaluate
+
+#: Columns of `layer_sums`.
+MASS, MOMENTUM, ANGULAR, MOMENT, KINETIC, STRAIN, SUMS = 0, 1, 4, 7, 10, 11, 12
+
+
+@kernel
+def layer_sums(frame, like, materials, particles, order, start, material_of, sums):
+    """Add up mass, momentum, angular momentum, first moment, kinetic and strain energy.
+
+    Parameters
+    ----------
+    like : tuple of D*D float
+        Tells the compiler the length of F.
+    sums : (layers, bodies, 12) float64
+        Zero on entry; columns as named in this module.
+    """
+    D = len(frame.origin)
+    for layer in range(len(start) - 1):
+        for k in range(start[layer], start[layer + 1]):
+            p = order[k]
+            body = particles.body[p]
+            row = sums[layer, body]
+            m = particles.m[p]
+            x0, y0, z0 = particles.x[p, 0], 0.0, 0.0
+            vx, vy, vz = particles.v[p, 0], 0.0, 0.0
+            if D > 1:
+                y0, vy = particles.x[p, 1], particles.v[p, 1]
+            if D > 2:
+                z0, vz = particles.x[p, 2], particles.v[p, 2]
+            row[0] += m
+            row[1] += m * vx
+            row[2] += m * vy
+            row[3] += m * vz
+            row[4] += m * (y0 * vz - z0 * vy)
+            row[5] += m * (z0 * vx - x0 * vz)
+            row[6] += m * (x0 * vy - y0 * vx)
+            row[7] += m * x0
+            row[8] += m * y0
+            row[9] += m * z0
+            row[10] += 0.5 * m * (vx * vx + vy * vy + vz * vz)
+            F = read(particles.F, p, 0, like)
+            sigma = read(particles.sigma, p, 0, symmetric(like))
+            J = determinant(F)
+            row[11] += particles.V0[p] * evaluate(
+                "energy", materials, material_of[body], (F, J, sigma)
+            )
+
+
+@kernel
+def fastest_rate(frame, like, materials, particles, order, material_of):
+    """Largest (c_p + |v_p|)/L over the particles, 1/time; times the step it is the Courant number."""
+    inverse = 0.0
+    for d in range(len(frame.inverse)):
+        inverse = max(inverse, frame.inverse[d])
+    rate = 0.0
+    for p in order:
+        F = read(particles.F, p, 0, like)
+        c = evaluate("speed", materials, material_of[particles.body[p]], (F, determinant(F)))
+        rate = max(rate, (c + sqrt(squared(read(particles.v, p, 0, frame.origin)))) * inverse)
+    return rate

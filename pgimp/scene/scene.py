@@ -1,0 +1,155 @@
+"""The scene: a case turned into what the solver works with, the same on every rank."""
+
+from typing import Any
+
+import numpy as np
+
+from pgimp.boundaries import BOUNDARIES
+from pgimp.case.schema import Case
+from pgimp.errors import CaseError
+from pgimp.scene.lattice import Lattice, census
+from pgimp.scene.tables import VectorTable
+from pgimp.solver.particles import Frame, Particles
+
+AXES = "xyz"
+
+
+class Face:
+    """A face of the domain with a condition on it."""
+
+    def __init__(self, name: str, condition: Any) -> None:
+        self.name = name
+        self.condition = condition
+        self.axis = AXES.index(name[0])
+        self.side = -1 if name.endswith("min") else 1
+
+    def parameters(self, start: float, end: float) -> Any:
+        """Parameters of the condition's kernel for a step."""
+        return self.condition.parameters(self.axis, self.side, start, end)
+
+
+class Scene:
+    """What does not change during a run.
+
+    Attributes
+    ----------
+    dimension : int
+        Directions D of the scene.
+    frame : Frame
+        Where the grid lies.
+    shape : NamedTuple
+        Parameters of the shape; `vertices` a direction in a support.
+    materials : tuple of NamedTuple
+        Parameters of the materials in use, `material_of` the one of each body.
+    faces : list of Face
+        Faces with a condition, x-min to z-max.
+    """
+
+    def __init__(self, case: Case) -> None:
+        self.case = case
+        self.dimension = case.dimensions
+        shape = case.method
+        self.shape = shape.parameters()
+        self.vertices: int = shape.vertices
+        self.tracked = shape.volume == "tracked"
+        grid = case.grid
+        self.frame = Frame(
+            origin=tuple(float(x) for x in grid.origin),
+            cell=tuple(float(x) for x in grid.cell),
+            inverse=tuple(1.0 / x for x in grid.cell),
+            cells=tuple(
+                round(size / cell) for size, cell in zip(grid.size, grid.cell, strict=True)
+            ),
+            ghost=self.vertices - 1,
+        )
+        self.body_names = list(case.bodies)
+        used = [name for name in case.materials if name in self._materials_in_use()]
+        self.material_names = used
+        self.body_material = tuple(used.index(b.material) for b in case.bodies.values())
+        self.material_of = np.array(self.body_material, np.int64)
+        self.materials = tuple(case.materials[name].parameters() for name in used)
+        order = [f"{axis}-{end}" for axis in AXES for end in ("min", "max")]
+        self.faces = [Face(name, case.boundaries[name]) for name in order if name in case.boundaries]
+        self.varies = any(face.condition.varies for face in self.faces)
+        assert all(type(f.condition) in BOUNDARIES.values() for f in self.faces)
+
+    def _materials_in_use(self) -> set[str]:
+        return {body.material for body in self.case.bodies.values()}
+
+    def gravity(self, t: float) -> tuple[float, float, float]:
+        """Body force per mass at a time; zero in directions that the scene does not have."""
+        b = self.case.gravity
+        if b is None:
+            return (0.0, 0.0, 0.0)
+        value = b.value(t) if isinstance(b, VectorTable) else b
+        x, y, z = (*(float(c) for c in value), 0.0, 0.0)[:3]
+        return (x, y, z)
+
+    def face_parameters(self, start: float, end: float) -> tuple:
+        """Parameters of all faces' kernels for a step."""
+        return tuple(face.parameters(start, end) for face in self.faces)
+
+    def velocities(self, body: int, positions: np.ndarray) -> np.ndarray:
+        """Initial velocity of a body's particles, (n, D): v0 + omega x (x - about)."""
+        motion = list(self.case.bodies.values())[body].velocity
+        D = self.dimension
+        if isinstance(motion, tuple):
+            return np.tile(np.array(motion, float), (len(positions), 1))
+        v = np.zeros_like(positions)
+        if motion.translation is not None:
+            v += motion.translation
+        arm = np.zeros((len(positions), 3))
+        arm[:, :D] = positions - np.array(motion.rotation.about)
+        rate = motion.rotation.rate
+        omega = (0.0, 0.0, rate) if isinstance(rate, float | int) else rate
+        turn = np.stack(
+            [
+                omega[1] * arm[:, 2] - omega[2] * arm[:, 1],
+                omega[2] * arm[:, 0] - omega[0] * arm[:, 2],
+                omega[0] * arm[:, 1] - omega[1] * arm[:, 0],
+            ],
+            axis=1,
+        )
+        return v + turn[:, :D]
+
+    def populate(self, lattice: Lattice, counts: np.ndarray, planes: tuple[int, int]) -> Particles:
+        """Particles of a range of lattice planes, ordered by body and position.
+
+        Parameters
+        ----------
+        counts : (bodies, planes) int64
+            Points of each body in each plane of the lattice.
+        planes : (int, int)
+            First plane and end.
+        """
+        n = int(counts[:, planes[0] : planes[1]].sum())
+        p = Particles.empty(max(n, 1), self.dimension, "displacement" in self.case.output.fields)
+        volume = float(np.prod(self.frame.cell)) / float(np.prod(lattice.per_cell))
+        row = 0
+        for body, positions, ids in lattice.make(planes, counts):
+            rows = slice(row, row + len(ids))
+            p.x[rows] = positions
+            p.v[rows] = self.velocities(body, positions)
+            p.id[rows] = ids
+            p.body[rows] = body
+            p.V0[rows] = p.V[rows] = volume
+            p.m[rows] = volume * self.materials[self.body_material[body]].density
+            row += len(ids)
+        if p.origin.shape[1]:
+            p.origin[:] = p.x
+        return p
+
+
+def count_particles(scene: Scene, comm: Any) -> tuple[Lattice, np.ndarray, list[str]]:
+    """Lattice, counts of its points by body and plane, and notes; collective.
+
+    Raises
+    ------
+    CaseError
+        See `pgimp.scene.lattice.census`.
+    """
+    lattice = Lattice(scene.case)
+    taken = census(lattice, comm)
+    if int(taken.counts.sum()) >= 2**53:
+        raise CaseError("grid.cell: more particles than can be numbered; use larger cells")
+    return lattice, taken.counts, taken.notes

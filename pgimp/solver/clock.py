@@ -1,0 +1,80 @@
+"""Time: fixed steps, or steps from the Courant number."""
+
+from math import ceil
+
+
+class FixedClock:
+    """Steps of one length: t = n * step, never a running sum.
+
+    Parameters
+    ----------
+    step, end : float
+        Length of a step and end of the run, a whole number of steps.
+    """
+
+    controlled = False
+
+    def __init__(self, step: float, end: float) -> None:
+        self._dt = step
+        self._steps = round(end / step)
+        self.end = end
+        self.step = 0
+        self.time = 0.0
+
+    @property
+    def finished(self) -> bool:
+        """Whether the end is reached."""
+        return self.step >= self._steps
+
+    def next(self, rate: float) -> tuple[float, float]:
+        """Length of the next step and the time at its end."""
+        following = self.step + 1
+        last = following == self._steps
+        return self._dt, self.end if last else following * self._dt
+
+    def advance(self, time: float) -> None:
+        """Note that the step to `time` is done."""
+        self.time = time
+        self.step += 1
+
+
+class CourantClock:
+    """Steps of a given Courant number; only `stops` and the end shorten them, evenly.
+
+    Parameters
+    ----------
+    courant : float
+        dt times the largest (c_p + |v_p|)/L.
+    end : float
+        End of the run.
+    stops : tuple of float
+        Times that are met exactly.
+    """
+
+    controlled = True
+
+    def __init__(self, courant: float, end: float, stops: tuple[float, ...]) -> None:
+        self._courant = courant
+        self._stops = sorted({t for t in stops if 0.0 < t < end} | {end})
+        self.end = end
+        self.step = 0
+        self.time = 0.0
+
+    @property
+    def finished(self) -> bool:
+        """Whether the end is reached."""
+        return self.time >= self.end
+
+    def next(self, rate: float) -> tuple[float, float]:
+        """Length of the next step and the time at its end; `rate` is (c + |v|)/L."""
+        stop = next(t for t in self._stops if t > self.time)
+        left = stop - self.time
+        # Rounding must not leave a sliver of a step before a stop.
+        count = max(1, ceil(left * rate / self._courant * (1.0 - 1e-12)))
+        dt = left / count
+        return dt, stop if count == 1 else self.time + dt
+
+    def advance(self, time: float) -> None:
+        """Note that the step to `time` is done."""
+        self.time = time
+        self.step += 1

@@ -1,0 +1,92 @@
+"""The columns of history.csv: sums over the particles, work and reactions, in layer order."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pgimp.kernels.sums import (
+    ANGULAR,
+    KINETIC,
+    MASS,
+    MOMENT,
+    MOMENTUM,
+    STRAIN,
+    SUMS,
+    layer_sums,
+)
+
+if TYPE_CHECKING:
+    from pgimp.solver.simulation import Simulation
+
+AXES = "xyz"
+
+
+class Diagnostics:
+    """Sums of one simulation; what refers to earlier lines is kept on rank 0."""
+
+    def __init__(self) -> None:
+        self._first_energy: float | None = None
+        self._last: tuple[float, np.ndarray, np.ndarray] | None = None
+
+    def line(self, sim: "Simulation") -> dict[str, float] | None:
+        """One line of the history on rank 0, None elsewhere; collective.
+
+        The reaction of a face is the mean force that it exerted on the material since the last
+        line: its impulse over the time. The dissipated energy closes the balance: initial energy
+        plus external work less kinetic and strain energy.
+        """
+        scene, population = sim.scene, sim.population
+        sums = np.zeros((sim.slab.layers, len(scene.body_names), SUMS))
+        layer_sums(
+            scene.frame, sim.identity, scene.materials, population.particles,
+            population.order, population.start, scene.material_of, sums,
+        )  # fmt: skip
+        own = sim.owned_planes
+        parts = sim.comm.gather((sums, sim.work[:own], sim.impulse[:own]))
+        if parts is None:
+            return None
+        bodies = np.add.reduce(np.concatenate([part[0] for part in parts]), axis=0)
+        work = float(np.concatenate([part[1] for part in parts]).sum())
+        impulse = np.add.reduce(np.concatenate([part[2] for part in parts]), axis=0)
+        return self._columns(sim, bodies, work, impulse)
+
+    def _columns(
+        self, sim: "Simulation", bodies: np.ndarray, work: float, impulse: np.ndarray
+    ) -> dict[str, float]:
+        scene = sim.scene
+        axes = AXES[: scene.dimension]
+        total = np.add.reduce(bodies, axis=0)
+        kinetic, strain = float(total[KINETIC]), float(total[STRAIN])
+        if self._first_energy is None:
+            self._first_energy = kinetic + strain
+        line = {"time": sim.time, "step": sim.step, "dt": sim.dt, "mass": float(total[MASS])}
+        for i, axis in enumerate(axes):
+            line[f"momentum-{axis}"] = float(total[MOMENTUM + i])
+        # A motion along x alone has no moment about the origin, one in the plane only that about z.
+        for i in ((), (2,), (0, 1, 2))[scene.dimension - 1]:
+            line[f"angular-momentum-{AXES[i]}"] = float(total[ANGULAR + i])
+        line["kinetic-energy"] = kinetic
+        line["strain-energy"] = strain
+        line["dissipated-energy"] = self._first_energy + work - kinetic - strain
+        line["external-work"] = work
+        for name, sums in zip(scene.body_names, bodies, strict=True):
+            for i, axis in enumerate(axes):
+                line[f"body.{name}.centre-{axis}"] = float(sums[MOMENT + i] / sums[MASS])
+            line[f"body.{name}.kinetic-energy"] = float(sums[KINETIC])
+            line[f"body.{name}.strain-energy"] = float(sums[STRAIN])
+        force = self._reactions(sim.time, impulse)
+        for number, face in enumerate(scene.faces):
+            for i, axis in enumerate(axes):
+                line[f"reaction.{face.name}-{axis}"] = float(force[number, i])
+        return line
+
+    def _reactions(self, time: float, impulse: np.ndarray) -> np.ndarray:
+        """Mean forces of the faces since the last line, (faces, 3)."""
+        if self._last is None:
+            force = np.zeros_like(impulse)
+        elif time > self._last[0]:
+            force = (impulse - self._last[1]) / (time - self._last[0])
+        else:
+            return self._last[2]
+        self._last = (time, impulse, force)
+        return force

@@ -1,0 +1,255 @@
+"""The simulation: a scene's particles on this rank, advanced step by step with all others."""
+
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from pgimp.case.schema import Case
+from pgimp.errors import CaseError, RunError
+from pgimp.kernels.jit import discard_damaged
+from pgimp.kernels.order import locate
+from pgimp.kernels.sums import fastest_rate
+from pgimp.parallel.halo import Halo
+from pgimp.parallel.node import one_rank_first
+from pgimp.parallel.slabs import cut, slab_of
+from pgimp.scene.lattice import Lattice
+from pgimp.scene.scene import Scene, count_particles
+from pgimp.solver.clock import CourantClock, FixedClock
+from pgimp.solver.diagnostics import Diagnostics
+from pgimp.solver.faults import describe
+from pgimp.solver.grid import Grid
+from pgimp.solver.particles import Particles
+from pgimp.solver.population import Population
+from pgimp.solver.step import PHASES, step
+from pgimp.solver.warmup import warm_up
+
+#: Steps between two re-sorts of the particles' rows.
+RESORT = 64
+
+#: A vertex lighter than this part of the lightest initial particle stands still.
+LIGHT = 1e-12
+
+#: Courant numbers above which a fixed step is refused, or warned about.
+REFUSED, DOUBTFUL = 1.0, 0.5
+
+
+class Simulation:
+    """A case on the ranks of a communicator; creating it and advancing it are collective.
+
+    Parameters
+    ----------
+    case : Case
+        What to simulate.
+    comm : communicator
+        mpi4py's, or `pgimp.parallel.comm.Serial`.
+
+    Attributes
+    ----------
+    time, step, dt : float, int, float
+        Simulated time, steps done, length of the last step (0 before the first).
+    finished : bool
+        Whether the end of the case is reached.
+    count, local_count : int
+        Particles of all ranks, and of this one.
+    particles : Particles
+        This rank's; rows of living particles are given by `live`.
+    notes, warnings : list of str
+        What the user should know, the same on every rank.
+    timings : dict of str to float
+        Seconds spent in each phase by this rank.
+
+    Raises
+    ------
+    CaseError
+        The same on every rank, for what only the scene's particles show.
+    """
+
+    def __init__(self, case: Case, comm: Any) -> None:
+        self.case, self.comm = case, comm
+        self.scene = scene = Scene(case)
+        self.notes: list[str] = []
+        self.warnings: list[str] = []
+        self.timings = dict.fromkeys((*PHASES, "sort"), 0.0)
+        self.dt = 0.0
+        D = scene.dimension
+        self.identity = tuple(float(i == j) for i in range(D) for j in range(D))
+        self._make_clock()
+        with one_rank_first(comm):
+            discard_damaged(lambda: warm_up(scene, self.identity))
+
+        lattice, counts, notes = count_particles(scene, comm)
+        self.notes += notes
+        self.count = int(counts.sum())
+        layer = self._layers_of(lattice.coordinates[0])
+        self._decompose(np.bincount(layer, counts.sum(axis=0), scene.frame.vertices[0]))
+        self._settle(*self._create(lattice, counts, layer))
+        self._check_step()
+
+    def _make_clock(self) -> None:
+        time = self.case.time
+        self.clock: FixedClock | CourantClock
+        if isinstance(time.step, float | int):
+            self.clock = FixedClock(float(time.step), float(time.end))
+        else:
+            self.clock = CourantClock(time.step.courant, float(time.end), self.case.output.at)
+
+    def _layers_of(self, x: np.ndarray) -> np.ndarray:
+        """Layers of particles at coordinates x, by the kernels' own function."""
+        points = Particles.empty(len(x), self.scene.dimension, False)
+        points.x[:, 0] = x
+        rows = np.arange(len(x), dtype=np.int32)
+        locate(self.scene.shape, self.scene.frame, points, rows, self.scene.frame.vertices)
+        return points.layer
+
+    def _create(
+        self, lattice: Lattice, counts: np.ndarray, layer: np.ndarray
+    ) -> tuple[Particles, int]:
+        """Particles of this rank's layers, and their number; `layer` holds that of each plane."""
+        own = np.searchsorted(layer, (self.slab.first, self.slab.first + self.slab.layers))
+        begin, end = int(own[0]), int(own[1])
+        return self.scene.populate(lattice, counts, (begin, end)), int(counts[:, begin:end].sum())
+
+    def _decompose(self, layer_counts: np.ndarray) -> None:
+        """Give each rank its layers, about equally many particles each."""
+        vertices = self.scene.vertices
+        cuts = cut(layer_counts, self.comm.size, vertices - 1)
+        self.slab = slab_of(cuts, self.comm.rank)
+        idle = self.comm.size - (len(cuts) - 1)
+        if idle:
+            self.notes.append(
+                f"{idle} of {self.comm.size} ranks own no layer: the grid's {cuts[-1]} layers feed "
+                f"at most {len(cuts) - 1} ranks ({vertices - 1} layers each); use fewer ranks"
+            )
+
+    def _settle(self, particles: Particles, count: int) -> None:
+        """Put this rank's particles in order, and make grid and accumulators for them."""
+        scene, comm, slab = self.scene, self.comm, self.slab
+        masses = comm.allgather(float(particles.m[:count].min(initial=np.inf)))
+        self.lightest = LIGHT * min(masses)
+        self.population = Population(particles, count, scene.shape, scene.frame, slab)
+        shared = scene.vertices - 1 if slab.below is not None else 0
+        self.grid = Grid(scene.frame, scene.vertices, slab.first, slab.layers, shared)
+        self.halo = Halo(comm, slab, scene.vertices - 1)
+        self.reach = self._agree_on_reach(self.population.reach())
+        self.grid.cover(self.reach)
+        self.reach[:] = self.grid.base
+        self.owned_planes = slab.layers if slab.above is not None else self.grid.planes
+        self.work = np.zeros(self.grid.planes)
+        self.impulse = np.zeros((self.grid.planes, len(scene.faces), 3))
+        self.faces = scene.face_parameters(0.0, 0.0)
+        self.diagnostic_sums = Diagnostics()
+        rates = comm.allgather(self._fastest())
+        self.rate = max(rates)
+
+    def _fastest(self) -> float:
+        scene, population = self.scene, self.population
+        return fastest_rate(
+            scene.frame, self.identity, scene.materials, population.particles,
+            population.order, scene.material_of,
+        )  # fmt: skip
+
+    def _agree_on_reach(self, reach: np.ndarray) -> np.ndarray:
+        """Least and greatest first vertices of all ranks."""
+        if self.comm.size == 1:
+            return reach
+        every = np.array(self.comm.allgather(reach))
+        return np.stack([every[:, 0].min(axis=0), every[:, 1].max(axis=0)])
+
+    def _check_step(self) -> None:
+        """Compare a fixed step with the stability limit, Courant = dt (c + |v|)/L."""
+        if self.clock.controlled:
+            return
+        dt = self.clock.next(0.0)[0]
+        courant = dt * self.rate
+        if courant > REFUSED:
+            raise CaseError(
+                f"time.step: {dt:g} is a Courant number of {courant:.3g}, beyond the stability "
+                f"limit; use at most {DOUBTFUL / self.rate:.3g} (Courant 0.5), or "
+                "step: {courant: 0.3}"
+            )
+        if courant > DOUBTFUL:
+            self.warnings.append(
+                f"time.step: {dt:g} is a Courant number of {courant:.3g}; above 0.5 a free "
+                f"surface may become unstable: {0.3 / self.rate:.3g} is safe (Courant 0.3)"
+            )
+
+    @property
+    def time(self) -> float:
+        """Simulated time."""
+        return self.clock.time
+
+    @property
+    def step(self) -> int:
+        """Steps done."""
+        return self.clock.step
+
+    @property
+    def finished(self) -> bool:
+        """Whether the end of the case is reached."""
+        return self.clock.finished
+
+    @property
+    def particles(self) -> Particles:
+        """This rank's particles, with holes; see `live`."""
+        return self.population.particles
+
+    @property
+    def local_count(self) -> int:
+        """Number of this rank's particles."""
+        return len(self.population.order)
+
+    def live(self) -> np.ndarray:
+        """Rows of this rank's particles in canonical order, (n,) int64."""
+        return self.population.order.astype(np.int64)
+
+    def advance(self) -> None:
+        """Do one step.
+
+        Raises
+        ------
+        RunError
+            On the rank that finds a particle at fault.
+        """
+        dt, end = self.clock.next(self.rate)
+        fault, row, rate = step(self, dt, end)
+        if fault:
+            raise RunError(describe(self, fault, row, end, dt))
+        self.dt = dt
+        self.clock.advance(end)
+        self._agree(rate)
+        if self.step % RESORT == 0:
+            self._sort()
+
+    def _agree(self, rate: float) -> None:
+        """Let all ranks know the greatest speed and the window that all particles need."""
+        self.rate = rate
+        if self.comm.size > 1:
+            low, high = self.reach
+            mine = np.array([rate, *(-low), *high], float)
+            all_ranks = np.empty_like(mine)
+            from mpi4py import MPI
+
+            self.comm.Allreduce(mine, all_ranks, MPI.MAX)
+            self.rate = float(all_ranks[0])
+            self.reach[0] = -all_ranks[1:3]
+            self.reach[1] = all_ranks[3:5]
+        if not self.grid.covers(self.reach):
+            self.grid.cover(self.reach)
+            self.reach[:] = self.grid.base
+
+    def _sort(self) -> None:
+        """Sort the rows anew, and shrink a window that has become far too wide."""
+        begin = perf_counter()
+        self.population.sort()
+        reach = self._agree_on_reach(self.population.reach())
+        needed = np.prod(np.maximum(reach[1] - reach[0], 0) + 4.0)
+        stored = np.prod(self.grid.base[1] - self.grid.base[0] + 1.0)
+        if stored > 2.0 * needed + 64.0:
+            self.grid.cover(reach)
+            self.reach[:] = self.grid.base
+        self.timings["sort"] += perf_counter() - begin
+
+    def diagnostics(self) -> dict[str, float] | None:
+        """The columns of history.csv, in order, on rank 0; None elsewhere; collective."""
+        return self.diagnostic_sums.line(self)

@@ -1,0 +1,69 @@
+"""One explicit time step, update stress last: the file to read first."""
+
+from time import perf_counter
+from typing import TYPE_CHECKING
+
+from pgimp.kernels.g2p import grid_to_particles
+from pgimp.kernels.momentum import update_momentum
+from pgimp.kernels.p2g import particles_to_grid
+from pgimp.parallel.migrate import migrate
+
+if TYPE_CHECKING:
+    from pgimp.solver.simulation import Simulation
+
+#: Phases of a step, as `Simulation.timings` names them.
+PHASES = ("P2G", "exchange", "momentum", "G2P", "migrate", "order")
+
+
+def step(sim: "Simulation", dt: float, end: float) -> tuple[int, int, float]:
+    """Advance a rank's particles to time `end`, `dt` away.
+
+    Returns
+    -------
+    fault, row : int
+        See `grid_to_particles`; the particles have not migrated when there is a fault.
+    rate : float
+        Largest (c_p + |v_p|)/L of the rank, if the step is controlled.
+    """
+    scene, grid, population = sim.scene, sim.grid, sim.population
+    shape, frame, particles, window = scene.shape, scene.frame, population.particles, grid.window
+    order, start = population.order, population.start
+    times = [perf_counter()]
+
+    particles_to_grid(  # (16, 21, 22)
+        shape, frame, window, particles, order, start,
+        grid.scratch, grid.G, grid.active, grid.partial, grid.shared,
+    )  # fmt: skip
+    times.append(perf_counter())
+
+    sim.halo.exchange(grid)
+    times.append(perf_counter())
+
+    gravity = scene.gravity(sim.time)
+    faces = sim.faces if not scene.varies else scene.face_parameters(sim.time, end)
+    update_momentum(  # (14, 17) and the boundary conditions
+        frame, window, grid.G, grid.active, dt, gravity, sim.lightest, faces,
+        sim.owned_planes, sim.impulse, sim.work,
+    )  # fmt: skip
+    times.append(perf_counter())
+
+    fault, row, found, rate = grid_to_particles(  # (26, 27, 29, 30)
+        shape, scene.materials, frame, window, particles, order, start, scene.material_of,
+        grid.G, dt, scene.tracked, sim.clock.controlled, grid.bounds, sim.reach,
+        population.movers, population.moved,
+    )  # fmt: skip
+    times.append(perf_counter())
+
+    if fault:
+        return fault, row, rate
+    movers = population.movers[:found].copy()
+    coming = migrate(sim.comm, sim.slab, population, movers)
+    times.append(perf_counter())
+
+    if found or len(coming):
+        population.restore_order(coming)
+    times.append(perf_counter())
+
+    for phase, begin, finish in zip(PHASES, times, times[1:], strict=False):
+        sim.timings[phase] += finish - begin
+    return fault, row, rate

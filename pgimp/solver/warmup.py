@@ -1,0 +1,46 @@
+"""Calls of every kernel of a scene on no particles, so that they are compiled and cached."""
+
+import numpy as np
+
+from pgimp.kernels.g2p import grid_to_particles
+from pgimp.kernels.momentum import update_momentum
+from pgimp.kernels.order import locate, merge, reach_of
+from pgimp.kernels.p2g import add_partials, particles_to_grid
+from pgimp.kernels.sums import SUMS, fastest_rate, layer_sums
+from pgimp.scene.scene import Scene
+from pgimp.solver.grid import Grid
+from pgimp.solver.particles import Particles
+
+
+def warm_up(scene: Scene, identity: tuple[float, ...]) -> None:
+    """Call each kernel once with the types that the scene's steps will use."""
+    frame, shape, vertices = scene.frame, scene.shape, scene.vertices
+    p = Particles.empty(1, scene.dimension, False)
+    rows = np.empty(0, np.int32)
+    start, moved = np.zeros(2, np.int64), np.zeros(1, np.uint8)
+    reach = np.array([[2**62] * 2, [-(2**62)] * 2])
+    grid = Grid(frame, vertices, 0, 1, 0)
+    grid.cover(np.full((2, 2), vertices))
+    locate(shape, frame, p, rows, frame.vertices)
+    reach_of(shape, frame, p, rows, reach)
+    merge(p, rows, start, 0, moved, rows, rows.copy(), start.copy())
+    particles_to_grid(
+        shape, frame, grid.window, p, rows, start,
+        grid.scratch, grid.G, grid.active, grid.partial, grid.shared,
+    )  # fmt: skip
+    add_partials(grid.G, 0, grid.partial, 0, grid.window.stride[0])
+    faces = scene.face_parameters(0.0, 0.0)
+    update_momentum(
+        frame, grid.window, grid.G, grid.active, 1.0, scene.gravity(0.0), 0.0, faces, 1,
+        np.zeros((1, len(faces), 3)), np.zeros(1),
+    )  # fmt: skip
+    grid_to_particles(
+        shape, scene.materials, frame, grid.window, p, rows, start, scene.material_of, grid.G,
+        1.0, True, False, grid.bounds, reach, rows.copy(), moved,
+    )  # fmt: skip
+    material_of = scene.material_of
+    layer_sums(
+        frame, identity, scene.materials, p, rows, start, material_of,
+        np.zeros((1, len(material_of), SUMS)),
+    )  # fmt: skip
+    fastest_rate(frame, identity, scene.materials, p, rows, material_of)
