@@ -1,0 +1,268 @@
+"""The scripts for a fresh machine, on one made of stand-ins: every program they call is logged.
+
+The stand-ins do what the scripts rely on: a venv has a python, pip makes what it installs, apt-get
+makes the programs of its packages. Nothing is downloaded and nothing outside a temporary folder
+changes.
+"""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+SCRIPTS = ["scripts/setup", "scripts/run", "scripts/test", ".ci/run"]
+TOOLS = (
+    "bash cat chmod cp cut dirname env flock grep head id mkdir mktemp nproc rm sed sha256sum tail "
+    "touch tr"
+).split()
+PROGRAMS = {
+    "openmpi-bin": ["mpirun"],
+    "libopenmpi-dev": ["mpicc"],
+    "pkg-config": ["pkg-config"],
+    "libhdf5-openmpi-dev": [],
+    "gcc": ["gcc"],
+    "paraview": ["pvpython"],
+    "xvfb": ["xvfb-run"],
+    "xauth": ["xauth"],
+}
+
+PYTHON = r"""#!/usr/bin/env bash
+echo "python $*" >>"$LOG"
+here=$(cd "$(dirname "$0")" && pwd)
+case "$*" in
+*sys.executable*) echo "$0" ;;
+"-m venv "*)
+    venv=${*: -1}
+    rm -rf "$venv"; mkdir -p "$venv/bin"
+    cp "$0" "$venv/bin/python"
+    echo "VIRTUAL_ENV=$venv" >"$venv/bin/activate" ;;
+*"-m pip"*" --version"*) [ ! -e "$here/no-pip" ] ;;
+*"-m pip"*"install"*"--editable"*)
+    printf '#!/usr/bin/env bash\necho "pgimp $*" >>"$LOG"; exit "${STATUS:-0}"' >"$here/pgimp"
+    chmod +x "$here/pgimp" ;;
+*"-m pip"*" wheel "*)
+    mkdir -p "$here/../wheels"
+    kind=${PIP_KEPT:-mpi}
+    [[ "$*" != *--no-cache-dir* ]] || kind=mpi
+    echo "$kind" >"$here/../wheels/h5py-1.whl" ;;
+*"-m pip"*"install"*"h5py-1.whl"*) cp "${*: -1}" "$here/h5py" ;;
+*"-m pip"*) exit "${PIP_STATUS:-0}" ;;
+"-") grep -q mpi "$here/h5py" 2>/dev/null ;;
+*) exec "$REAL_PYTHON" "$@" ;;
+esac
+"""
+
+APT_GET = r"""#!/usr/bin/env bash
+echo "apt-get $*" >>"$LOG"
+[[ "$*" = *install* ]] || exit 0
+here=$(dirname "$0")
+for package in "$@"; do
+    for program in $(sed -n "s/^$package: //p" "$here/packages"); do
+        cp "$here/template" "$here/$program"
+    done
+    touch "$here/has-$package"
+done
+"""
+
+PROGRAM = r"""#!/usr/bin/env bash
+echo "$(basename "$0") $*" >>"$LOG"
+case "$(basename "$0") $*" in
+"pkg-config --exists"*) [ -e "$(dirname "$0")/has-libhdf5-openmpi-dev" ] ;;
+"mpirun --version") echo "mpirun (Open MPI) 4.1.4" ;;
+"mpirun "*) exit "${STATUS:-0}" ;;
+esac
+"""
+
+
+class Machine:
+    """A temporary machine with a copy of the project's scripts."""
+
+    def __init__(self, folder: Path) -> None:
+        self.root = folder / "project"
+        self.bin = folder / "bin"
+        self.log = folder / "log"
+        self.bin.mkdir()
+        for script in SCRIPTS:
+            (self.root / script).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(ROOT / script, self.root / script)
+        shutil.copy(ROOT / "pyproject.toml", self.root)
+        for tool in [*TOOLS, "basename"]:
+            (self.bin / tool).symlink_to(shutil.which(tool))
+        self.add("python3", PYTHON)
+        self.add("template", PROGRAM)
+        lines = (f"{package}: {' '.join(names)}" for package, names in PROGRAMS.items())
+        (self.bin / "packages").write_text("\n".join(lines) + "\n")
+
+    def add(self, name: str, text: str) -> None:
+        path = self.bin / name
+        path.unlink(missing_ok=True)
+        path.write_text(text)
+        path.chmod(0o755)
+
+    def add_system_packages(self) -> None:
+        for name in (name for names in PROGRAMS.values() for name in names):
+            self.add(name, PROGRAM)
+        self.add("has-libhdf5-openmpi-dev", "")
+
+    def run(self, *words: str, **env: str) -> subprocess.CompletedProcess[str]:
+        """Run a script of the project; `called` then has what it started."""
+        self.log.write_text("")
+        settings = {"PATH": str(self.bin), "LOG": str(self.log), "REAL_PYTHON": sys.executable}
+        return subprocess.run(
+            [str(self.root / words[0]), *words[1:]],
+            env=settings | env,
+            cwd="/",
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            text=True,
+            timeout=60,
+        )
+
+    @property
+    def called(self) -> str:
+        return self.log.read_text()
+
+
+@pytest.fixture
+def machine(tmp_path: Path) -> Machine:
+    return Machine(tmp_path)
+
+
+@pytest.fixture
+def ready(machine: Machine) -> Machine:
+    """A machine that is set up."""
+    machine.add_system_packages()
+    done = machine.run("scripts/setup")
+    assert done.returncode == 0, done.stdout + done.stderr
+    return machine
+
+
+@pytest.mark.parametrize("script", SCRIPTS)
+def test_script_is_bash_and_executable(script):
+    assert os.access(ROOT / script, os.X_OK)
+    done = subprocess.run(["bash", "-n", str(ROOT / script)], capture_output=True, text=True)
+    assert done.stderr == ""
+
+
+def test_bare_machine_is_set_up_then_nothing_is_left_to_do(machine):
+    machine.add("apt-get", APT_GET)
+    machine.add("id", "#!/usr/bin/env bash\necho 0")
+    done = machine.run("scripts/setup")
+    assert done.returncode == 0, done.stdout + done.stderr
+    install = next(line for line in machine.called.splitlines() if " install " in line)
+    assert set(install.split()) >= {"openmpi-bin", "libopenmpi-dev", "libhdf5-openmpi-dev", "gcc"}
+    assert "paraview" not in install
+    assert "--no-build-isolation" in machine.called  # the trap of h5py's isolated build
+    assert machine.called.splitlines()[-2].startswith("pgimp doctor")
+
+    again = machine.run("scripts/setup")
+    assert (again.returncode, again.stdout) == (0, "setup: everything is in place\n")
+    assert "pip" not in machine.called
+    assert "apt-get" not in machine.called
+    assert machine.run("scripts/setup", "--quiet").stdout == ""
+
+
+def test_what_the_tests_need_comes_on_top(ready):
+    ready.add("apt-get", APT_GET)
+    (ready.bin / "pvpython").unlink()
+    ready.add("id", "#!/usr/bin/env bash\necho 0")
+    assert "in place" in ready.run("scripts/setup").stdout
+    done = ready.run("scripts/setup", "--test")
+    assert done.returncode == 0, done.stderr
+    assert "install --no-install-recommends paraview python3-paraview" in ready.called
+    assert "pytest" in ready.called
+    assert "in place" in ready.run("scripts/setup", "--test").stdout
+
+
+@pytest.mark.parametrize("apt", [True, False])
+def test_missing_packages_are_left_to_the_administrator(machine, apt):
+    """No root and no sudo, or no apt-get at all."""
+    machine.add("id", f"#!/usr/bin/env bash\necho {1000 if apt else 0}")
+    machine.add("gcc", PROGRAM)
+    if apt:
+        machine.add("apt-get", APT_GET)
+    done = machine.run("scripts/setup")
+    assert done.returncode == 1
+    wanted = "openmpi-bin libopenmpi-dev pkg-config libhdf5-openmpi-dev"
+    assert f"  apt-get update && apt-get install --no-install-recommends {wanted}\n" in done.stderr
+    assert "apt-get" not in machine.called
+    assert not (machine.root / ".venv").exists()
+
+
+def test_changed_requirements_are_installed(ready):
+    with open(ready.root / "pyproject.toml", "a") as file:
+        file.write("\n")
+    done = ready.run("scripts/setup")
+    assert "installing Python packages" in done.stdout
+    assert "building h5py" not in done.stdout
+    assert "-m venv" not in ready.called
+
+
+@pytest.mark.parametrize(
+    ("damage", "said"),
+    [
+        (lambda venv: (venv / "setup-unfinished").touch(), "interrupted"),
+        (lambda venv: (venv / "bin/python").unlink(), "does not work"),
+        (lambda venv: (venv / "bin/no-pip").touch(), "does not work"),
+        (lambda venv: (venv / "bin/activate").write_text("VIRTUAL_ENV=/old/.venv"), "was moved"),
+    ],
+)
+def test_damaged_environment_is_made_anew(ready, damage, said):
+    (ready.root / ".venv/setup-run").unlink()
+    damage(ready.root / ".venv")
+    done = ready.run("scripts/setup")
+    assert done.returncode == 0, done.stderr
+    assert said in done.stdout
+    assert "-m venv --clear" in ready.called
+    assert "in place" in ready.run("scripts/setup").stdout
+
+
+def test_failed_pip_is_explained_and_tried_again(machine):
+    machine.add_system_packages()
+    done = machine.run("scripts/setup", PIP_STATUS="1")
+    assert done.returncode == 1
+    assert "pip could not install these" in done.stderr
+    assert machine.run("scripts/setup").returncode == 0
+    assert "-m venv" not in machine.called
+
+
+def test_h5py_kept_by_pip_without_mpi_is_built_again(machine):
+    machine.add_system_packages()
+    done = machine.run("scripts/setup", PIP_KEPT="serial")
+    assert done.returncode == 0, done.stderr
+    assert machine.called.count("--wheel-dir") == 2
+
+
+def test_setup_fails_when_the_doctor_finds_something_wrong(machine):
+    machine.add_system_packages()
+    assert machine.run("scripts/setup", STATUS="1").returncode == 1
+    assert "in place" not in machine.run("scripts/setup").stdout
+
+
+def test_run_starts_two_ranks_or_as_many_as_asked(ready):
+    pgimp = ready.root / ".venv/bin/pgimp"
+    assert ready.run("scripts/run", "a case.yaml", "--set", "time.end=1").returncode == 0
+    started = ready.called.splitlines()[-1]
+    assert started.startswith("mpirun -n 2 ")
+    assert started.endswith(f"{pgimp} a case.yaml --set time.end=1")
+    ready.run("scripts/run", "-n", "5", "case.yaml")
+    assert ready.called.splitlines()[-1].startswith("mpirun -n 5 ")
+
+
+@pytest.mark.parametrize("words", [[], ["-n", "2"], ["a.yaml", "-n"], ["a.yaml", "-n", "0"]])
+def test_run_explains_itself(ready, words):
+    done = ready.run("scripts/run", *words)
+    assert done.returncode == 2
+    assert "scripts/run CASE.yaml [-n RANKS]" in done.stderr
+    assert "mpirun" not in ready.called
+
+
+def test_run_passes_the_status_on_and_explains_a_killed_rank(ready):
+    done = ready.run("scripts/run", "case.yaml", STATUS="137")
+    assert done.returncode == 137
+    assert "signal 9, as happens when memory runs out" in done.stderr
+    assert ready.run("scripts/run", "case.yaml", STATUS="75").returncode == 75
