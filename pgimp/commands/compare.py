@@ -182,15 +182,14 @@ def differences(first: Run, second: Run, tolerance: Tolerance | None = None) -> 
         If a file cannot be read.
     """
     tolerance = tolerance or Tolerance()
-    frames = [{frame.number: frame for frame in run.frames} for run in (first, second)]
-    for run, other, mine, others in ((first, second, *frames), (second, first, *reversed(frames))):
+    frames: list[dict[int, Frame]] = [
+        {frame.number: frame for frame in run.frames} for run in (first, second)
+    ]
+    for run, mine, others in ((first, frames[0], frames[1]), (second, frames[1], frames[0])):
         only = sorted(set(mine) - set(others))
         if only:
             names = ", ".join(map(str, only[:5])) + (", ..." if len(only) > 5 else "")
-            yield (
-                f"{run.path} has {len(only)} of {len(mine)} frames that {other.path} does not "
-                f"have: {names}"
-            )
+            yield f"only {run.path} has the frames {names} ({len(only)} of its {len(mine)})"
     for number in sorted(set(frames[0]) & set(frames[1])):
         yield from _frame(frames[0][number], frames[1][number], tolerance)
     yield from _history(first.history, second.history, tolerance)

@@ -93,7 +93,7 @@ class Frames:
         path = self.folder / f"particles-{self.written:06d}.h5"
         what = f"write the frame {path} at step {sim.step}"
         part = temporary(path)
-        storage = sim.particles.live()
+        storage = sim.live()
         rows = Rows(self.comm, sim.particles.id[storage], storage, sim.count)
         try:
             offsets = on_root(self.comm, lambda: self._create(part, sim, what))

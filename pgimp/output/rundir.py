@@ -64,12 +64,12 @@ class RunDirectory:
             self._created = not self.path.exists()
             self.path.mkdir(parents=True, exist_ok=True)
             self._take_lock()
-        except OSError as error:
-            raise self._refusal("use", error) from error
-        try:
             self._examine(overwrite)
+        except OSError as error:
+            self.release()
+            raise self._refusal("use", error) from error
         except UsageError:
-            self._drop_lock()
+            self.release()
             raise
 
     def _take_lock(self) -> None:
@@ -211,13 +211,10 @@ class RunDirectory:
     def release(self) -> None:
         """Let other runs have the directory; one that this run made and left empty goes."""
         if self._lock >= 0:
-            self._drop_lock()
-
-    def _drop_lock(self) -> None:
-        with suppress(OSError):
-            (self.path / _LOCK).unlink()
-        os.close(self._lock)
-        self._lock = -1
+            with suppress(OSError):
+                (self.path / _LOCK).unlink()
+            os.close(self._lock)
+            self._lock = -1
         if self._created:
             with suppress(OSError):
                 self.path.rmdir()

@@ -71,9 +71,10 @@ def versions() -> dict[str, str | None]:
         except PackageNotFoundError:
             found[package] = None
     found["hdf5"] = load_h5py().version.hdf5_version
+    found["mpi"] = None
     mpi = sys.modules.get("mpi4py.MPI")
-    used = mpi is not None and mpi.Is_initialized()
-    found["mpi"] = mpi.Get_library_version().strip("\0 \n").splitlines()[0] if used else None
+    if mpi is not None and mpi.Is_initialized():
+        found["mpi"] = mpi.Get_library_version().strip("\0 \n").splitlines()[0]
     found["system"] = platform.platform()
     return found
 
