@@ -1,0 +1,232 @@
+"""YAML read into plain data that remembers the line of every key.
+
+YAML 1.2 core schema, built from parser events, one at a time: no tags, no aliases, no recursion,
+so that no file can build more than it holds or nest deeper than anyone writes.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from typing import Any
+
+from ruamel.yaml import YAML
+from ruamel.yaml.error import MarkedYAMLError, YAMLError
+from ruamel.yaml.events import (
+    AliasEvent,
+    CollectionEndEvent,
+    DocumentStartEvent,
+    Event,
+    MappingStartEvent,
+    NodeEvent,
+    ScalarEvent,
+    SequenceStartEvent,
+)
+
+from pgimp.case.messages import describe, shorten
+from pgimp.case.syntax import explain_syntax
+from pgimp.errors import CaseError
+
+LARGEST_FILE = 4_000_000
+"""Bytes; a case is a few thousand, a table of a whole earthquake record some 100,000."""
+
+DEEPEST = 32
+"""Levels of nesting."""
+
+Path = tuple[str | int, ...]
+
+_NULL = ("", "~", "null", "Null", "NULL")
+_TRUE = ("true", "True", "TRUE")
+_FALSE = ("false", "False", "FALSE")
+_INTEGER = re.compile(r"[-+]?[0-9]+|0o[0-7]+|0x[0-9a-fA-F]+")
+_FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
+_NOT_FINITE = re.compile(r"[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)")
+_UNPRINTABLE = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+
+
+@dataclass
+class Document:
+    """Plain data (dict, list, str, int, float, bool, None) and where each part was written."""
+
+    data: Any
+    places: dict[Path, int | str] = field(default_factory=dict)
+    """By path: the line of the key or the list item, or the override that wrote it."""
+
+    def place(self, path: Path) -> int | str | None:
+        """Return the place of `path`, or that of the nearest part around it."""
+        for length in range(len(path), 0, -1):
+            if path[:length] in self.places:
+                return self.places[path[:length]]
+        return None
+
+
+def decode(content: bytes, filename: str) -> str:
+    """Return the text of a case file.
+
+    Raises
+    ------
+    CaseError
+        When it is too large, binary, or not UTF-8.
+    """
+    if len(content) > LARGEST_FILE:
+        megabytes = f"{len(content) / 1e6:.3g} MB"
+        raise CaseError(f"{filename}: {megabytes} are too large for a case file (at most 4 MB)")
+    if b"\0" in content:
+        raise CaseError(f"{filename}: a binary file, not a case file (YAML text in UTF-8)")
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
+        byte = content[error.start]
+        raise CaseError(
+            f"{filename}:{line}: the byte 0x{byte:02x} is not UTF-8; save the file as UTF-8 text"
+        ) from None
+
+
+def parse(text: str, filename: str) -> Document:
+    """Read YAML `text`.
+
+    Raises
+    ------
+    CaseError
+        With file, line and column of what is no YAML, or not the YAML of a case file.
+    """
+    if len(text) > LARGEST_FILE:
+        raise CaseError(f"{filename}: too large for a case file (at most 4 MB)")
+    text = text.removeprefix("\ufeff")
+    if strange := _UNPRINTABLE.search(text):
+        line = text.count("\n", 0, strange.start()) + 1
+        raise CaseError(
+            f"{filename}:{line}: the character U+{ord(strange[0]):04X} does not belong in a text "
+            "file; is this a case file?"
+        )
+    builder = _Builder(filename)
+    try:
+        for event in YAML(typ="safe", pure=True).parse(text):
+            builder.take(event)
+    except MarkedYAMLError as error:
+        raise CaseError(explain_syntax(error, text, filename)) from None
+    except (YAMLError, ValueError) as error:
+        raise CaseError(f"{filename}: not valid YAML: {shorten(str(error), 200)}") from None
+    if builder.twice:
+        raise CaseError("\n".join(builder.twice))
+    return Document(builder.root, builder.places)
+
+
+def scalar(text: str) -> Any:
+    """Return the value of an unquoted scalar, as the core schema of YAML 1.2 has it."""
+    if text in _NULL:
+        return None
+    if text in _TRUE or text in _FALSE:
+        return text in _TRUE
+    if _INTEGER.fullmatch(text):
+        base = {"0o": 8, "0x": 16}.get(text[:2], 10)
+        # Python refuses to convert thousands of digits; as a float64 they are infinite anyway.
+        return int(text, base) if len(text) <= 400 else float("inf")
+    if _FLOAT.fullmatch(text):
+        return float(text)
+    if _NOT_FINITE.fullmatch(text):
+        return float(text.replace(".", ""))
+    return text
+
+
+class _Builder:
+    """Builds the data from events, keeping the open mappings and lists on its own stack."""
+
+    def __init__(self, filename: str):
+        self.filename = filename
+        self.root: Any = None
+        self.places: dict[Path, int | str] = {}
+        self.twice: list[str] = []
+        self.documents = 0
+        self.open: list[tuple[Any, Path]] = []
+        self.key: str | None = None
+        self.keys: list[str | None] = []
+
+    def fail(self, event: Event, text: str) -> CaseError:
+        mark = event.start_mark
+        return CaseError(f"{self.filename}:{mark.line + 1}:{mark.column + 1}: {text}")
+
+    def take(self, event: Event) -> None:
+        """Take the next event of the parser."""
+        if isinstance(event, DocumentStartEvent):
+            self.documents += 1
+            if self.documents > 1:
+                raise self.fail(event, "a case file holds one document; remove this '---'")
+        elif isinstance(event, CollectionEndEvent):
+            self.open.pop()
+            self.key = self.keys.pop()
+        elif isinstance(event, NodeEvent):
+            self._check(event)
+            self._node(event)
+
+    def _check(self, event: NodeEvent) -> None:
+        if isinstance(event, AliasEvent) or event.anchor:
+            sign = "*" if isinstance(event, AliasEvent) else "&"
+            raise self.fail(
+                event,
+                f"'{sign}{event.anchor}': a case file has no anchors and aliases; write it out",
+            )
+        if getattr(event, "tag", None):
+            raise self.fail(event, f"the tag '{event.tag}': a case file has no tags; leave it out")
+
+    def _node(self, event: NodeEvent) -> None:
+        container, path = self.open[-1] if self.open else (None, ())
+        if isinstance(container, dict) and self.key is None:
+            if not isinstance(event, ScalarEvent) or not event.value:
+                raise self.fail(event, "a key is a plain word before a colon")
+            self._take_key(event, container, path)
+            return
+        value = self._value(event)
+        if isinstance(container, dict) and self.key is not None:
+            path = (*path, self.key)
+            container[self.key] = value
+            self.key = None
+        elif isinstance(container, list):
+            path = (*path, len(container))
+            container.append(value)
+            self.places[path] = event.start_mark.line + 1
+        else:
+            self.root = value
+        if isinstance(value, dict | list):
+            if len(self.open) == DEEPEST:
+                raise self.fail(event, f"nested deeper than {DEEPEST} levels")
+            self.open.append((value, path))
+            self.keys.append(None)
+
+    def _take_key(self, event: ScalarEvent, container: dict[str, Any], path: Path) -> None:
+        self.key, line = event.value, event.start_mark.line + 1
+        if self.key in container:
+            first = self.places[(*path, self.key)]
+            dotted = ".".join(map(str, (*path, self.key)))
+            self.twice.append(
+                f"{self.filename}:{line}: {dotted}: the key is there already, in line {first}; "
+                "remove one of them"
+            )
+        self.places[(*path, self.key)] = line
+
+    @staticmethod
+    def _value(event: NodeEvent) -> Any:
+        if isinstance(event, MappingStartEvent):
+            return {}
+        if isinstance(event, SequenceStartEvent):
+            return []
+        return scalar(event.value) if event.style is None else event.value
+
+
+def top_level(document: Document, filename: str) -> dict[str, Any]:
+    """Return the data of a case file, which is a mapping.
+
+    Raises
+    ------
+    CaseError
+        When the file is empty or holds something else.
+    """
+    data = document.data
+    if data is None:
+        raise CaseError(f"{filename}: the file is empty; a case starts with 'format: 1'")
+    if not isinstance(data, dict):
+        raise CaseError(
+            f"{filename}: expected keys with values, such as 'format: 1', got {describe(data)}"
+        )
+    return data

@@ -1,0 +1,69 @@
+"""Overrides of single values of a case: ``--set time.end=3.0``."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pgimp.case.document import Document, Path, parse
+from pgimp.case.messages import describe, shorten
+from pgimp.errors import CaseError
+
+
+def apply(document: Document, overrides: list[str]) -> None:
+    """Write every override into `document`, in their order; later ones win.
+
+    A key that is not there yet is made: whether there is such a key, validation tells.
+
+    Parameters
+    ----------
+    document : Document
+        The case; changed in place.
+    overrides : list of str
+        Each ``key.path=value``: keys and list indices (from 0) joined by dots, and YAML.
+
+    Raises
+    ------
+    CaseError
+        When an override has no key or value, or its path leads nowhere.
+    """
+    for override in overrides:
+        label = f"--set {shorten(override)}"
+        written, equals, text = override.partition("=")
+        path = written.strip().split(".")
+        if not equals or not all(path):
+            raise CaseError(f"{label}: expected KEY.PATH=VALUE, such as --set time.end=3.0")
+        value = parse(text, label)
+        place = _write(document.data, path, value.data, label)
+        for known in [known for known in document.places if known[: len(place)] == place]:
+            del document.places[known]
+        document.places[place] = label
+
+
+def _write(data: Any, keys: list[str], value: Any, label: str) -> Path:
+    """Write `value` at `keys` and return the path of the topmost part that is new."""
+    path: Path = ()
+    new: Path | None = None
+    for position, key in enumerate(keys):
+        part = _part(data, key, path, label)
+        path = (*path, part)
+        if position == len(keys) - 1:
+            data[part] = value
+        else:
+            if isinstance(data, dict) and data.get(part) is None:
+                data[part] = {}
+                new = new or path
+            data = data[part]
+    return new or path
+
+
+def _part(data: Any, key: str, path: Path, label: str) -> str | int:
+    """Return the key or the list index that `key` is in `data`."""
+    where = ".".join(map(str, path))
+    if isinstance(data, dict):
+        return key
+    if isinstance(data, list):
+        if key.isdecimal() and key.isascii() and len(key) < 10 and int(key) < len(data):
+            return int(key)
+        last = len(data) - 1
+        raise CaseError(f"{label}: {where} is a list with the entries 0 to {last}, not '{key}'")
+    raise CaseError(f"{label}: {where} is {describe(data)} and has no key '{key}'")

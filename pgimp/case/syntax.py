@@ -1,0 +1,67 @@
+"""What the YAML parser finds wrong, in words, with what usually is the cause."""
+
+from __future__ import annotations
+
+import re
+
+from ruamel.yaml.error import MarkedYAMLError
+
+_NO_SPACE = re.compile(r"""^\s*(?:-\s+)?([A-Za-z][A-Za-z0-9_-]*):(?![\s/])[^\s'"].*$""")
+
+
+def explain_syntax(error: MarkedYAMLError, text: str, filename: str) -> str:
+    """Return file, line, column and what is wrong there.
+
+    Parameters
+    ----------
+    error : MarkedYAMLError
+        What the parser raised.
+    text : str
+        What it parsed.
+    filename : str
+        Name for the message.
+    """
+    mark = error.problem_mark or error.context_mark
+    problem, context = error.problem or "", error.context or ""
+    start = error.context_mark.line + 1 if error.context_mark else mark.line + 1
+    found = _missing_space(text, mark.line) if "flow" not in context else None
+    found = found or _cause(problem, context, start)
+    return f"{filename}:{mark.line + 1}:{mark.column + 1}: {found}"
+
+
+def _missing_space(text: str, line: int) -> str | None:
+    """Return the message for ``end:2.0`` in the line of the error or the one before, if so."""
+    lines = text.splitlines()
+    for n in (line, line - 1):
+        if 0 <= n < len(lines) and (match := _NO_SPACE.match(lines[n])):
+            return f"a space is missing after the colon of '{match[1]}:' in line {n + 1}"
+    return None
+
+
+def _cause(problem: str, context: str, start: int) -> str:
+    """Return the usual cause of the parser's `problem`; `start` is the line it began in."""
+    if "'\\t'" in problem:
+        return "a tab; indent with spaces only"
+    if "mapping values are not allowed" in problem:
+        return (
+            "a colon that cannot stand here: the line is indented deeper than the one before, "
+            "or it has two colons (text with a colon needs quotes)"
+        )
+    if "sequence entries are not allowed" in problem:
+        return "a list item cannot start here: put it on a line of its own, or write [a, b]"
+    if "<block end>" in problem:
+        if "'<scalar>'" in problem or "'<flow" in problem:
+            return "this does not belong here: is a quote, comma or colon missing before it?"
+        return f"the indentation does not fit the block that starts in line {start}"
+    if "could not find expected ':'" in problem:
+        return f"a key without a colon in line {start}"
+    if "expected ',' or" in problem:
+        closing = "]" if "sequence" in context else "}"
+        return f"a ',' or the closing '{closing}' is missing after line {start}"
+    if "unexpected end of stream" in problem and "quoted" in context:
+        return f"the quote that opens in line {start} is not closed"
+    if "found '<stream end>'" in problem:
+        return "the file ends in the middle of a list or a mapping"
+    if "cannot start any token" in problem:
+        return f"text that starts with {problem.split()[2]} needs quotes"
+    return f"not valid YAML: {problem or 'cannot be read'}"
