@@ -189,7 +189,7 @@ def differences(first: Run, second: Run, tolerance: Tolerance | None = None) -> 
         only = sorted(set(mine) - set(others))
         if only:
             names = ", ".join(map(str, only[:5])) + (", ..." if len(only) > 5 else "")
-            yield f"only {run.path} has the frames {names} ({len(only)} of its {len(mine)})"
+            yield f"{len(only)} of {len(mine)} frames are only in {run.path}: {names}"
     for number in sorted(set(frames[0]) & set(frames[1])):
         yield from _frame(frames[0][number], frames[1][number], tolerance)
     yield from _history(first.history, second.history, tolerance)
@@ -201,10 +201,10 @@ def _frame(first: Frame, second: Frame, tolerance: Tolerance) -> Iterator[str]:
         yield f"{name}: step {first.step} and {second.step}"
     if tolerance.differ(np.array([first.time]), np.array([second.time])).any():
         yield f"{name}: time {first.time!r} and {second.time!r}"
-    for run, other in ((first, second), (second, first)):
-        for field in run.fields:
+    for one, other in ((first, second), (second, first)):
+        for field in one.fields:
             if field not in other:
-                yield f"{name}: only {run.path} has the field {field}"
+                yield f"{name}: only {one.path.parents[1]} has the field {field}"
     if len(first) != len(second):
         yield f"{name}: {len(first)} and {len(second)} particles"
         return

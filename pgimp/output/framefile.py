@@ -76,19 +76,22 @@ def create(
         # HDF5 that meets a full disk half way can crash the process later; find out first.
         _reserve(path, _HEADERS + count * sum(dataset.row_bytes for dataset in datasets))
     offsets = {}
-    with open_file(path, "w") as file:
-        file.attrs.update(attributes)
-        for dataset in datasets:
-            shape = (count, dataset.columns) if dataset.columns else (count,)
-            made = h5py.h5d.create(
-                file.id,
-                dataset.name.encode(),
-                h5py.h5t.py_create(np.dtype(dataset.dtype)),
-                h5py.h5s.create_simple(shape),
-                properties,
-            )
-            h5py.Dataset(made).attrs.update(dataset.attributes)
-            offsets[dataset.name] = made.get_offset()
+    try:
+        with open_file(path, "w") as file:
+            file.attrs.update(attributes)
+            for dataset in datasets:
+                shape = (count, dataset.columns) if dataset.columns else (count,)
+                made = h5py.h5d.create(
+                    file.id,
+                    dataset.name.encode(),
+                    h5py.h5t.py_create(np.dtype(dataset.dtype)),
+                    h5py.h5s.create_simple(shape),
+                    properties,
+                )
+                h5py.Dataset(made).attrs.update(dataset.attributes)
+                offsets[dataset.name] = made.get_offset()
+    except RuntimeError as error:  # closing a file that could not be flushed
+        raise OSError(str(error)) from error
     _reserve(path, path.stat().st_size)
     return offsets
 

@@ -1,0 +1,206 @@
+"""``pgimp compare`` on pairs of runs that differ in one known thing."""
+
+import argparse
+import shutil
+
+import h5py
+import numpy as np
+import pytest
+from test_output import Lines, make_case, make_sim
+
+from pgimp.commands import compare
+from pgimp.errors import RunError, UsageError
+from pgimp.output.frames import Frames
+from pgimp.output.history import History
+from pgimp.output.rundir import RunDirectory
+from pgimp.parallel.comm import Serial
+
+COUNT = 31
+
+
+@pytest.fixture
+def pair(tmp_path):
+    """Two run directories of three frames and three lines with the same content."""
+    directory = RunDirectory(tmp_path / "one", Serial())
+    directory.prepare({}, {"state": "done", "began": "now", "steps": 2})
+    sim, _ = make_sim(Serial(), COUNT, 3)
+    frames = Frames(tmp_path / "one", make_case(), sim)
+    lines, history = Lines(), History(tmp_path / "one" / "history.csv")
+    for step in range(3):
+        sim.step = lines.step = step
+        sim.time = lines.time = 0.1 * step
+        frames.write(sim)
+        history.write(lines)
+    history.close()
+    directory.release()
+    shutil.copytree(tmp_path / "one", tmp_path / "two")
+    return tmp_path / "one", tmp_path / "two"
+
+
+def call(capsys, first, second, *options):
+    """Return the exit status and what is printed."""
+    parser = argparse.ArgumentParser()
+    compare.add_arguments(parser)
+    status = compare.execute(parser.parse_args([str(first), str(second), *options]))
+    return status, capsys.readouterr().out
+
+
+def change(directory, number, field, index, value):
+    """Put a value at an index of a field; returns the value before."""
+    with h5py.File(directory / "frames" / f"particles-{number:06d}.h5", "r+") as file:
+        before = file[field][index]
+        file[field][index] = value(before)
+        return float(before)
+
+
+def test_same_runs(pair, capsys):
+    status, out = call(capsys, *pair)
+    assert status == 0
+    assert "the same bit for bit: 3 frames of 31 particles, 3 lines of history" in out
+
+
+def test_one_bit(pair, capsys):
+    before = change(pair[1], 1, "stress", (17, 3), lambda value: np.nextafter(value, 9.0))
+    after = float(np.nextafter(before, 9.0))
+    status, out = call(capsys, *pair)
+    assert status == 1
+    assert out.splitlines() == [
+        "frame 1 (t = 0.1), stress: 1 of 31 particles differ, worst is particle 17 xy: "
+        f"{before!r} and {after!r}, difference {after - before:.3g}",
+        f"{pair[0]} and {pair[1]} differ",
+    ]
+    assert call(capsys, *pair, "--rtol", "1e-15")[0] == 0
+    assert call(capsys, *pair, "--atol", "1e-15")[0] == 0
+
+
+def test_the_worst_particle_is_named(pair, capsys):
+    for row, shift in ((3, 0.5), (30, 2.0), (5, 1.0)):
+        change(pair[1], 2, "velocity", (row, 1), lambda value, shift=shift: value + shift)
+    out = call(capsys, *pair)[1]
+    assert "velocity: 3 of 31 particles differ, worst is particle 30 y: " in out
+    assert "difference 2\n" in out
+    status, out = call(capsys, *pair, "--atol", "0.75")
+    assert status == 1 and "velocity: 2 of 31 particles differ" in out
+    assert call(capsys, *pair, "--atol", "2.1")[0] == 0
+
+
+def test_tolerance_is_relative_to_the_larger(pair, capsys):
+    change(pair[0], 0, "volume", 4, lambda value: 8.0)
+    change(pair[1], 0, "volume", 4, lambda value: 10.0)
+    assert call(capsys, *pair, "--rtol", "0.19")[0] == 1
+    for directories in (pair, pair[::-1]):
+        assert call(capsys, *directories, "--rtol", "0.21")[0] == 0
+
+
+@pytest.mark.parametrize("options", [(), ("--rtol", "1e-9")])
+def test_zeros_and_what_is_no_number(pair, capsys, options):
+    for directory in pair:
+        change(directory, 0, "pressure", 2, lambda value: np.nan)
+        change(directory, 0, "pressure", 3, lambda value: np.inf)
+    assert call(capsys, *pair, *options)[0] == 0
+    change(pair[0], 1, "pressure", 5, lambda value: 0.0)
+    change(pair[1], 1, "pressure", 5, lambda value: -0.0)
+    status, out = call(capsys, *pair, *options)
+    assert status == (0 if options else 1)
+    assert options or "particle 5: 0.0 and -0.0, difference 0\n" in out
+    change(pair[1], 2, "pressure", 7, lambda value: np.nan)
+    change(pair[1], 2, "pressure", 8, lambda value: value + 100.0)
+    status, out = call(capsys, *pair, *options)
+    assert status == 1 and "worst is particle 7: " in out and "and nan, difference inf\n" in out
+    change(pair[1], 0, "pressure", 3, lambda value: -np.inf)
+    assert "particle 3: inf and -inf" in call(capsys, *pair, *options)[1]
+
+
+def test_blocks_count_together(pair, capsys, monkeypatch):
+    for row, shift in ((3, 2.0), (17, 3.0), (29, 1.0)):
+        change(pair[1], 0, "volume", row, lambda value, shift=shift: value + shift)
+    monkeypatch.setattr(compare, "_BLOCK_ROWS", 8)
+    out = call(capsys, *pair)[1]
+    assert "volume: 3 of 31 particles differ, worst is particle 17: " in out
+
+
+def test_other_order(pair, capsys):
+    path = pair[1] / "frames" / "particles-000001.h5"
+    with h5py.File(path, "r+") as file:
+        for dataset in file.values():
+            dataset[...] = dataset[:][::-1]
+    status, out = call(capsys, *pair)
+    assert status == 1 and "frame 1 (t = 0.1): the particles have other ids or another order" in out
+
+
+def test_missing_frame(pair, capsys):
+    (pair[1] / "frames" / "particles-000002.h5").unlink()
+    for directories in (pair, pair[::-1]):
+        status, out = call(capsys, *directories)
+        assert status == 1
+        assert f"1 of 3 frames are only in {pair[0]}: 2\n" in out
+
+
+def test_other_time_step_fields_and_number(pair, capsys):
+    frames = pair[1] / "frames"
+    with h5py.File(frames / "particles-000000.h5", "r+") as file:
+        file.attrs["step"] = 5
+    with h5py.File(frames / "particles-000001.h5", "r+") as file:
+        file.attrs["time"] = np.nextafter(0.1, 1.0)
+        del file["stress"]
+        volume = file["volume"][:].astype("f4")
+        del file["volume"]
+        file["volume"] = volume
+    with h5py.File(frames / "particles-000002.h5", "r+") as file:
+        ids = file["id"][:-1]
+        del file["id"]
+        file["id"] = ids
+    status, out = call(capsys, *pair)
+    assert status == 1
+    assert out.splitlines()[:-1] == [
+        "frame 0 (t = 0): step 0 and 5",
+        "frame 1 (t = 0.1): time 0.1 and 0.10000000000000002",
+        f"frame 1 (t = 0.1): only {pair[0]} has the field stress",
+        "frame 1 (t = 0.1), volume: of another shape or type",
+        "frame 2 (t = 0.2): 31 and 30 particles",
+    ]
+
+
+def test_history(pair, capsys):
+    path = pair[1] / "history.csv"
+    lines = path.read_text().splitlines()
+    cells = lines[2].split(",")
+    cells[4] = "1.5e200"
+    path.write_text("\n".join([*lines[:2], ",".join(cells), lines[3]]) + "\n")
+    status, out = call(capsys, *pair)
+    assert status == 1
+    assert out.startswith("history.csv, value_1: 1 of 3 lines differ, worst is line 3: ")
+    path.write_text("\n".join(lines[:3]) + "\n")
+    assert "history.csv: 3 and 2 lines" in call(capsys, *pair)[1]
+    path.write_text("\n".join([lines[0].replace("dt", "step-size"), *lines[1:]]) + "\n")
+    assert "history.csv: other columns (dt, step-size)" in call(capsys, *pair)[1]
+    path.unlink()
+    assert call(capsys, *pair)[0] == 1
+
+
+def test_many_differences_are_cut_short(pair, capsys, monkeypatch):
+    monkeypatch.setattr(compare, "_MOST_LINES", 2)
+    for number in range(3):
+        change(pair[1], number, "volume", 0, lambda value: value + 1.0)
+        change(pair[1], number, "radius", 0, lambda value: value + 1.0)
+    lines = call(capsys, *pair)[1].splitlines()
+    assert len(lines) == 4 and lines[2] == "... and 4 further differences"
+
+
+def test_what_is_no_run(pair, tmp_path, capsys):
+    for second in (tmp_path / "nowhere", tmp_path, pair[0] / "run.json"):
+        with pytest.raises(UsageError, match="is no run directory"):
+            call(capsys, pair[0], second)
+    shutil.rmtree(pair[1] / "frames")
+    with pytest.raises(UsageError, match="holds no frame yet"):
+        call(capsys, *pair)
+    for option in (("--rtol", "-1"), ("--atol", "nan")):
+        with pytest.raises(UsageError, match=f"{option[0]} must be a number"):
+            call(capsys, pair[0], pair[0], *option)
+
+
+def test_a_damaged_frame_is_named(pair, capsys):
+    path = pair[1] / "frames" / "particles-000001.h5"
+    path.write_bytes(path.read_bytes()[:1000])
+    with pytest.raises(RunError, match=r"cannot read .*particles-000001\.h5"):
+        call(capsys, *pair)
