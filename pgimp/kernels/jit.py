@@ -101,6 +101,16 @@ def specialise(stub: Callable) -> Callable[[Callable], Callable]:
     return overload(stub, jit_options=INLINE_OPTIONS, strict=False)
 
 
+def exact(stub: Callable) -> Callable[[Callable], Callable]:
+    """As `specialise`, without contraction: the same bits wherever the function is inlined.
+
+    Whether LLVM contracts a product and a sum depends on what else uses the product, so that the
+    same expression may round differently in two kernels.
+    """
+    options = {**INLINE_OPTIONS, "fastmath": False}
+    return overload(stub, jit_options=options, strict=False)
+
+
 def discard_damaged(call: Callable[[], Any]) -> Any:
     """Run a first call of kernels; when cached files turn out damaged, discard them and compile.
 

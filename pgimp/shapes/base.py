@@ -5,7 +5,7 @@ from typing import Literal
 from pydantic import Field
 
 from pgimp.case.base import Count, Model
-from pgimp.kernels.jit import specialise
+from pgimp.kernels.jit import exact, specialise
 
 
 class Shape(Model):
@@ -25,7 +25,7 @@ def first(shape, d, xi):
     """First vertex of the support along direction `d`; `xi` in cells from the grid's origin."""
 
 
-@specialise(first)
+@exact(first)  # all kernels must find the same layer, whatever the code around
 def _first(shape, d, xi):
     return shape.instance_class.first
 
