@@ -12,6 +12,7 @@ import h5py
 import numpy as np
 import pytest
 
+from pgimp.case import fields as case_fields
 from pgimp.errors import RunError, UsageError
 from pgimp.output.fields import ALWAYS, FIELDS, OPTIONAL, Source
 from pgimp.output.framefile import FrameFile
@@ -158,6 +159,11 @@ def test_a_frame_holds_the_particles_by_id(tmp_path, dimension):
         assert file.attrs["title"] == "a test" and file.attrs["units"] == "none"
         assert list(file.attrs["bodies"]) == list(file["body"].attrs["names"]) == ["left", "right"]
         assert list(file["material"].attrs["names"]) == ["soft", "hard"]
+
+
+def test_the_case_offers_the_fields_that_there_are():
+    assert list(case_fields.ALWAYS) == list(ALWAYS)
+    assert list(case_fields.FIELDS) == list(OPTIONAL)
 
 
 def test_only_what_is_asked_for_is_written(tmp_path):

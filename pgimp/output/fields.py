@@ -32,20 +32,14 @@ class Source(NamedTuple):
 
 
 class Field(NamedTuple):
-    """One dataset of a frame.
+    """How a field gets into a frame; what it means is said in `pgimp.case.fields`.
 
     Attributes
     ----------
     values : callable
         Takes a `Source`; returns an array of shape (n,) or (n, columns).
-    columns : int
-        Number of components; 0 for a scalar.
-    unit : str
-        In terms of the case's consistent units.
-    meaning : str
-        What it is, with its sign, in one line.
     components : str
-        Names of the components in order, empty for a scalar.
+        Names of the components in order; empty for a scalar.
     kind : str
         The attribute type that XDMF readers need.
     dtype : str
@@ -53,12 +47,14 @@ class Field(NamedTuple):
     """
 
     values: Callable[[Source], Array]
-    columns: int
-    unit: str
-    meaning: str
     components: str = ""
     kind: str = "Scalar"
     dtype: str = "<f8"
+
+    @property
+    def columns(self) -> int:
+        """Number of components; 0 for a scalar."""
+        return len(self.components.split())
 
 
 def _padded(values: Array, rows: Array, columns: int) -> Array:
@@ -142,62 +138,23 @@ def von_mises(source: Source) -> Array:
 
 
 ALWAYS = {
-    "id": Field(
-        identity,
-        0,
-        "1",
-        "number of the particle, by body then position; rows are in its order",
-        kind="GlobalId",
-        dtype="<i8",
-    ),
-    "body": Field(body, 0, "1", "index of the body in the attribute names", dtype="<i4"),
-    "material": Field(
-        material, 0, "1", "index of the material in the attribute names", dtype="<i4"
-    ),
-    "position": Field(
-        position,
-        3,
-        "length",
-        "centre of the particle, zero in missing directions",
-        "x y z",
-    ),
-    "volume": Field(volume, 0, "length^dimensions", "current volume (2D: area, 1D: length)"),
-    "radius": Field(
-        radius,
-        0,
-        "length",
-        "half the side of the cube (2D: square, 1D: segment) of the current volume",
-    ),
+    "id": Field(identity, kind="GlobalId", dtype="<i8"),
+    "body": Field(body, dtype="<i4"),
+    "material": Field(material, dtype="<i4"),
+    "position": Field(position, "x y z", "Vector"),
+    "volume": Field(volume),
+    "radius": Field(radius),
 }
 """Fields that every frame has."""
 
+# As "Tensor6" the stress becomes a wrongly placed 9-tensor in ParaView's XDMF2 reader.
 OPTIONAL = {
-    "velocity": Field(
-        velocity, 3, "length/time", "velocity, zero in missing directions", "x y z", "Vector"
-    ),
-    "stress": Field(
-        stress,
-        6,
-        "stress",
-        "Cauchy stress, tension positive",
-        "xx yy zz xy yz xz",
-        "Matrix",  # "Tensor6" arrives as a wrong 9-tensor in ParaView's XDMF2 reader
-    ),
-    "displacement": Field(
-        displacement, 3, "length", "position less initial position", "x y z", "Vector"
-    ),
-    "deformation": Field(
-        deformation,
-        9,
-        "1",
-        "deformation gradient by rows, one on the diagonal in missing directions",
-        "xx xy xz yx yy yz zx zy zz",
-        "Matrix",
-    ),
-    "pressure": Field(
-        pressure, 0, "stress", "minus a third of the trace of the stress, compression positive"
-    ),
-    "von-mises": Field(von_mises, 0, "stress", "von Mises equivalent stress"),
+    "velocity": Field(velocity, "x y z", "Vector"),
+    "stress": Field(stress, "xx yy zz xy yz xz", "Matrix"),
+    "displacement": Field(displacement, "x y z", "Vector"),
+    "deformation": Field(deformation, "xx xy xz yx yy yz zx zy zz", "Matrix"),
+    "pressure": Field(pressure),
+    "von-mises": Field(von_mises),
 }
 """Fields that a frame has when the case's ``output.fields`` names them."""
 

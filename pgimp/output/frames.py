@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from pgimp.case import fields as case_fields
 from pgimp.errors import RunError
 from pgimp.output.collective import agree, explain, on_root
 from pgimp.output.fields import ALWAYS, FIELDS, Source
@@ -20,6 +21,7 @@ from pgimp.output.rows import Rows
 from pgimp.output.xdmf import Collection
 
 FORMAT_VERSION = 1
+MEANING = case_fields.ALWAYS | case_fields.FIELDS
 CONNECTIVITY = Dataset(
     "connectivity", "<i8", 0, {"meaning": "the row itself, for the cells of XDMF readers"}
 )
@@ -60,7 +62,7 @@ class Frames:
                 name,
                 field.dtype,
                 field.columns,
-                {"meaning": field.meaning, "unit": field.unit}
+                {"meaning": MEANING[name].meaning}
                 | ({"components": field.components.split()} if field.components else {})
                 | ({"names": names[name]} if name in names else {}),
             )
