@@ -4,7 +4,6 @@ from typing import Any
 
 import numpy as np
 
-from pgimp.boundaries import BOUNDARIES
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.scene.lattice import Lattice, census
@@ -71,7 +70,6 @@ class Scene:
         order = [f"{axis}-{end}" for axis in AXES for end in ("min", "max")]
         self.faces = [Face(name, case.boundaries[name]) for name in order if name in case.boundaries]
         self.varies = any(face.condition.varies for face in self.faces)
-        assert all(type(f.condition) in BOUNDARIES.values() for f in self.faces)
 
     def _materials_in_use(self) -> set[str]:
         return {body.material for body in self.case.bodies.values()}
