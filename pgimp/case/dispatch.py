@@ -81,8 +81,9 @@ class ByField(Dispatch):
         return raise_problems(self.what, [Problem((self.key,), wrong)], value)
 
     def write(self, value: BaseModel) -> dict[str, Any]:
-        """See `Dispatch`."""
-        return plain(value)
+        """See `Dispatch`; the type comes first."""
+        content = plain(value)
+        return {self.key: content[self.key], **content}
 
     def forms(self, handler: GetJsonSchemaHandler) -> list[dict[str, Any]]:
         """See `Dispatch`."""
@@ -118,7 +119,7 @@ class ByKey(Dispatch):
 
     def write(self, value: BaseModel) -> dict[str, Any]:
         """See `Dispatch`."""
-        return {_name_of(value, self.registry()): plain(value)}
+        return {name_of(value, self.registry()): plain(value)}
 
     def forms(self, handler: GetJsonSchemaHandler) -> list[dict[str, Any]]:
         """See `Dispatch`."""
@@ -163,7 +164,7 @@ class ByWord(Dispatch):
 
     def write(self, value: BaseModel) -> Any:
         """See `Dispatch`."""
-        return _name_of(value, self.registry()) if _is_word(type(value)) else plain(value)
+        return name_of(value, self.registry()) if _is_word(type(value)) else plain(value)
 
     def forms(self, handler: GetJsonSchemaHandler) -> list[dict[str, Any]]:
         """See `Dispatch`."""
@@ -176,32 +177,28 @@ class ByWord(Dispatch):
 
 
 class Either(Dispatch):
-    """A plain value, or a mapping: ``0.5`` or ``{steps: 10}``."""
+    """A value whose kind decides its form: ``0.5`` or ``{steps: 10}``."""
 
-    def __init__(self, expected: str, simple: Any, accepts: tuple[type, ...], mapping: Any):
-        """Take the two forms.
+    def __init__(self, expected: str, forms: Mapping[type | None, Any]):
+        """Take the forms.
 
         Parameters
         ----------
         expected : str
-            What may be written, for the message where neither form is given.
-        simple : type
-            The plain form, with its limits.
-        accepts : tuple of type
-            Types of a value that is meant as the plain form.
-        mapping : type of Model
-            The other form.
+            What may be written, for the message where the value has no form.
+        forms : mapping of type to type
+            What to validate a value as that is a number (key float), a list (tuple), a mapping
+            (dict) or nothing (None).
         """
-        self.expected, self.accepts, self.mapping = expected, accepts, mapping
-        self.simple: TypeAdapter[Any] = TypeAdapter(simple)
+        self.expected = expected
+        self.adapters = {kind: TypeAdapter(form) for kind, form in forms.items()}
 
     def validate(self, value: Any) -> Any:
         """See `Dispatch`."""
-        if isinstance(value, Mapping | self.mapping):
-            return self.mapping.model_validate(value)
-        if isinstance(value, self.accepts) and not isinstance(value, bool):
-            return self.simple.validate_python(value)
-        raise problem(f"expected {self.expected}, {got(value)}")
+        adapter = self.adapters.get(_kind(value))
+        if adapter is None:
+            raise problem(f"expected {self.expected}, {got(value)}")
+        return adapter.validate_python(value)
 
     def write(self, value: Any) -> Any:
         """See `Dispatch`."""
@@ -209,12 +206,24 @@ class Either(Dispatch):
 
     def forms(self, handler: GetJsonSchemaHandler) -> list[dict[str, Any]]:
         """See `Dispatch`."""
-        return [handler(self.simple.core_schema), handler(self.mapping.__pydantic_core_schema__)]
+        return [handler(adapter.core_schema) for adapter in self.adapters.values()]
+
+
+def _kind(value: Any) -> type | None:
+    """Return the key of the form that `value` has; its own type where it has none."""
+    if value is None:
+        return None
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        return float
+    if isinstance(value, Mapping | BaseModel):
+        return dict
+    return tuple if isinstance(value, list | tuple) else type(value)
 
 
 def _is_word(entry: type[BaseModel]) -> bool:
     return not entry.model_fields
 
 
-def _name_of(value: BaseModel, known: Mapping[str, type[BaseModel]]) -> str:
+def name_of(value: BaseModel, known: Mapping[str, type[BaseModel]]) -> str:
+    """Return the name of the type of `value` in a registry."""
     return next(name for name, entry in known.items() if type(value) is entry)

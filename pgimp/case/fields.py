@@ -1,0 +1,59 @@
+"""Quantities of the particles that frames hold, and columns of the history: names and meaning."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class Field(NamedTuple):
+    """One dataset of a frame."""
+
+    components: str
+    """Shape of a particle's value, in words."""
+    meaning: str
+    """Meaning, with the unit in square brackets where there is one."""
+
+
+ALWAYS: dict[str, Field] = {
+    "id": Field("1", "number of the particle, by body, then by initial position"),
+    "body": Field("1", "index of the body; the names are in the attributes"),
+    "material": Field("1", "index of the material; the names are in the attributes"),
+    "position": Field("3", "position of the centre [length]; zeros beyond the case's dimensions"),
+    "volume": Field("1", "current volume, det(F) times the initial one [length^dimensions]"),
+    "radius": Field("1", "half the edge of a cube of this volume, to draw the particle [length]"),
+}
+"""What every frame holds."""
+
+FIELDS: dict[str, Field] = {
+    "velocity": Field("3", "velocity [length/time]"),
+    "stress": Field("6: xx yy zz xy yz xz", "Cauchy stress, tension positive [stress]"),
+    "displacement": Field("3", "position less initial position [length]"),
+    "deformation": Field("9: xx xy xz yx ... zz", "deformation gradient F, row by row"),
+    "pressure": Field("1", "-(xx + yy + zz)/3 of the stress, compression positive [stress]"),
+    "von-mises": Field("1", "von Mises equivalent stress [stress]"),
+}
+"""What ``output.fields`` may name."""
+
+HISTORY: dict[str, str] = {
+    "time": "simulated time [time]",
+    "step": "steps done",
+    "dt": "length of the last step, 0 before the first [time]",
+    "mass": "mass of all particles [mass]",
+    "momentum-x ..": "linear momentum, one column a direction [mass length/time]",
+    "angular-momentum-z (2D), -x -y -z (3D)": (
+        "angular momentum about the origin of the coordinates, counter-clockwise positive "
+        "[mass length^2/time]"
+    ),
+    "kinetic-energy": "kinetic energy of the particles [energy]",
+    "strain-energy": "strain energy [energy]",
+    "dissipated-energy": "energy that the scheme and the materials have dissipated [energy]",
+    "external-work": "work of gravity and of the boundaries since the start [energy]",
+    "body.NAME.centre-x ..": "centre of mass of each body, one column a direction [length]",
+    "body.NAME.kinetic-energy": "kinetic energy of each body [energy]",
+    "body.NAME.strain-energy": "strain energy of each body [energy]",
+    "reaction.FACE-x ..": (
+        "force of each named face on the material, one column a direction; "
+        "at x-min, compression gives a positive reaction.x-min-x [force]"
+    ),
+}
+"""Columns of ``history.csv``, in their order."""

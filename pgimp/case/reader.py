@@ -1,0 +1,70 @@
+"""A case file read: YAML, overrides, validation, and messages with file, line and key path."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from pydantic import ValidationError
+
+from pgimp.case.document import Document, decode, parse, top_level
+from pgimp.case.messages import explain
+from pgimp.case.overrides import apply
+from pgimp.case.problems import Problem
+from pgimp.case.schema import Case
+from pgimp.case.writer import dump_case
+from pgimp.errors import CaseError
+
+__all__ = ["decode", "dump_case", "read_case"]
+
+MOST_MESSAGES = 20
+
+
+def read_case(text: str | bytes, filename: str = "case", overrides: Sequence[str] = ()) -> Case:
+    """Return the case that a case file defines.
+
+    Parameters
+    ----------
+    text : str or bytes
+        Content of the file; bytes are UTF-8.
+    filename : str
+        Name for messages.
+    overrides : sequence of str
+        ``key.path=value`` each, as of ``--set``.
+
+    Returns
+    -------
+    Case
+        Typed, checked as far as is possible without making particles.
+
+    Raises
+    ------
+    CaseError
+        With every problem on a line of its own (the first 20): file, line, key path, what is
+        wrong, what is allowed.
+    """
+    if isinstance(text, bytes):
+        text = decode(text, filename)
+    document = parse(text, filename)
+    top_level(document, filename)
+    apply(document, list(overrides))
+    try:
+        return Case.model_validate(document.data)
+    except ValidationError as error:
+        problems = explain(Case, error, document.data)
+        raise CaseError(_report(problems, document, filename)) from None
+
+
+def _report(problems: list[Problem], document: Document, filename: str) -> str:
+    """Return a line for every problem, in the order of the file, overrides last."""
+    lines = []
+    for item in problems:
+        place = document.place(item.path)
+        key = ".".join(map(str, item.path))
+        where = f"{filename}:{place}" if isinstance(place, int) else place or filename
+        order = place if isinstance(place, int) else 0 if place is None else len(document.places)
+        lines.append((isinstance(place, str), order, f"{where}: {key}: {item.text}"))
+    texts = [text for _, _, text in sorted(lines, key=lambda line: line[:2])]
+    if len(texts) > MOST_MESSAGES:
+        more = len(texts) - MOST_MESSAGES
+        texts = [*texts[:MOST_MESSAGES], f"{filename}: and {more} more"]
+    return "\n".join(dict.fromkeys(texts))

@@ -1,0 +1,269 @@
+"""The case file as typed models. What holds between its parts is checked in `pgimp.case.checks`.
+
+Descriptions end with the unit in square brackets, in terms of any consistent set of length, mass
+and time; stress is mass/(length time^2). Tension is positive.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from importlib import import_module
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    Field,
+    ModelWrapValidatorHandler,
+    ValidationError,
+    model_validator,
+)
+
+from pgimp.case.base import (
+    Count,
+    Interval,
+    Model,
+    Name,
+    NonNegative,
+    Number,
+    Positive,
+    Steps,
+    Vector,
+)
+from pgimp.case.checks import check, sound_parts, whole
+from pgimp.case.dispatch import ByField, ByWord, Either
+from pgimp.case.fields import FIELDS
+from pgimp.case.messages import explain
+from pgimp.case.problems import Problem, problem, raise_problems
+from pgimp.scene.regions import RegionEntry
+from pgimp.scene.tables import VectorTable
+
+
+def _format(value: int) -> int:
+    if value != 1:
+        raise problem(f"this pgimp reads format 1, got {value}")
+    return value
+
+
+def _dimensions(value: int) -> int:
+    if value > 3:
+        raise problem(f"expected 1, 2 (plane strain) or 3, got {value}")
+    return value
+
+
+def _unique(values: tuple[Any, ...]) -> tuple[Any, ...]:
+    for position, value in enumerate(values):
+        if value in values[:position]:
+            raise_problems("list", [Problem((position,), f"{value} is in the list already")])
+    return values
+
+
+def _zeros(schema: dict[str, Any]) -> None:
+    """Document the default of a vector whose length the dimensions of the case decide."""
+    schema["default"] = 0.0
+
+
+def _shapes() -> Mapping[str, type[BaseModel]]:
+    return import_module("pgimp.shapes").SHAPES
+
+
+def _materials() -> Mapping[str, type[BaseModel]]:
+    return import_module("pgimp.materials").MATERIALS
+
+
+def _boundaries() -> Mapping[str, type[BaseModel]]:
+    return import_module("pgimp.boundaries").BOUNDARIES
+
+
+def _zero_vector(description: str) -> Any:
+    """Return a field for a vector that is zero where the case leaves it out."""
+    return Field(
+        default=(), validate_default=False, description=description, json_schema_extra=_zeros
+    )
+
+
+class Grid(Model):
+    """Regular grid; its faces are the boundary of the domain."""
+
+    origin: Vector = _zero_vector("low corner of the domain [length]")
+    size: tuple[Positive, ...] = Field(
+        min_length=1,
+        max_length=3,
+        description="extent of the domain along each direction, whole cells [length]",
+    )
+    cell: tuple[Positive, ...] = Field(
+        min_length=1, max_length=3, description="size of a cell along each direction [length]"
+    )
+
+    @property
+    def cells(self) -> tuple[int, ...]:
+        """Number of cells along each direction."""
+        return tuple(whole(size, cell)[0] for size, cell in zip(self.size, self.cell, strict=True))
+
+    @property
+    def corner(self) -> tuple[float, ...]:
+        """High corner of the domain [length]."""
+        return tuple(low + size for low, size in zip(self.origin, self.size, strict=True))
+
+
+class CourantStep(Model):
+    """A step that follows the fastest wave: dt = courant min(cell)/(wave speed + velocity)."""
+
+    courant: Number = Field(
+        gt=0, le=1, description="Courant number: cells that the fastest wave crosses in a step"
+    )
+
+
+class Time(Model):
+    """How long is simulated, and in which steps."""
+
+    end: Positive = Field(description="simulated time at which the run is done [time]")
+    step: Annotated[
+        float | CourantStep,
+        Either("a step above zero or {courant: 0.3}", {float: Positive, dict: CourantStep}),
+    ] = Field(
+        description="a fixed time step, of which end is a whole number [time], or {courant: ..}"
+    )
+
+    @property
+    def steps(self) -> int | None:
+        """Number of steps to the end; None where the step is not fixed."""
+        return None if isinstance(self.step, CourantStep) else whole(self.end, self.step)[0]
+
+
+class Rotation(Model):
+    """Rigid rotation."""
+
+    about: Vector = Field(description="a point of the axis [length]")
+    rate: Annotated[
+        float | tuple[float, ...],
+        Either("a number (2D) or a list of three (3D)", {float: Number, tuple: Vector}),
+    ] = Field(
+        description="angular velocity: a number in 2D, counter-clockwise positive; "
+        "a vector along the axis in 3D [1/time]"
+    )
+
+
+class RigidMotion(Model):
+    """Velocity of a rigid motion: translation + rate x (position - about)."""
+
+    rotation: Rotation = Field(description="rotation about an axis")
+    translation: Vector = _zero_vector("velocity added everywhere [length/time]")
+
+
+class Body(Model):
+    """A body: a region filled with particles of one material."""
+
+    material: Name = Field(description="name of its material")
+    region: RegionEntry = Field(description="the part of space that it fills at the start")
+    velocity: Annotated[
+        tuple[float, ...] | RigidMotion,
+        Either("one number a direction or {rotation: ...}", {tuple: Vector, dict: RigidMotion}),
+    ] = _zero_vector("initial velocity: a vector or a rigid motion [length/time]")
+
+
+class Output(Model):
+    """Frames: the particles at chosen times."""
+
+    every: Interval | None = Field(
+        default=None,
+        description="a frame at the first step at or after every multiple of this; "
+        "null: only the start and the end, which always have one [time]",
+    )
+    at: tuple[NonNegative, ...] = Field(
+        default=(), description="further times of frames, hit exactly by a shortened step [time]"
+    )
+    fields: Annotated[tuple[Literal[tuple(FIELDS)], ...], AfterValidator(_unique)] = Field(
+        default=("velocity", "stress"), description="what frames hold besides position and size"
+    )
+
+
+class History(Model):
+    """Sums over the particles, a line of history.csv each time."""
+
+    every: Interval = Field(
+        default=Steps(steps=100),
+        description="a line at the first step at or after every multiple of this; "
+        "the start and the end always have one [time]",
+    )
+
+
+class Case(Model):
+    """A case: everything that defines a run."""
+
+    format: Annotated[Count, AfterValidator(_format)] = Field(
+        description="version of the case file's format", json_schema_extra={"enum": [1]}
+    )
+    title: str = Field(default="", description="one line about the case")
+    units: str = Field(
+        default="none", description="a label only; any consistent set of length, mass and time"
+    )
+    dimensions: Annotated[Count, AfterValidator(_dimensions)] = Field(
+        description="1, 2 (plane strain, per unit thickness) or 3",
+        json_schema_extra={"enum": [1, 2, 3]},
+    )
+    grid: Grid = Field(description="the regular grid, which is the domain")
+    method: Annotated[Any, ByField(_shapes, "shape", "shape")] = Field(
+        description="the shape of the particles, which decides the method"
+    )
+    time: Time = Field(description="end and step")
+    materials: dict[Name, Annotated[Any, ByField(_materials, "model", "model")]] = Field(
+        min_length=1, description="the materials by name"
+    )
+    bodies: dict[Name, Body] = Field(min_length=1, description="the bodies by name")
+    gravity: Annotated[
+        tuple[float, ...] | VectorTable | None,
+        Either(
+            "one number a direction or {table: [[time, [..]], ...]}",
+            {tuple: Vector, dict: VectorTable, None: None},
+        ),
+    ] = Field(
+        default=None,
+        description="body force per mass: a vector, or a table over time, linear in between and "
+        "held at both ends; null: none [length/time^2]",
+    )
+    boundaries: dict[str, Annotated[Any, ByWord(_boundaries, "boundary condition")]] = Field(
+        default={},
+        description="conditions on faces of the domain, x-min to z-max; a face that is not named "
+        "is open: it acts only on a particle whose centre crosses it, which stops the run",
+    )
+    output: Output = Field(default=Output(), description="frames")
+    history: History = Field(default=History(), description="history.csv")
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _check_parts(cls, data: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
+        """Check what holds between the parts, also where some of them are wrong."""
+        if not isinstance(data, dict):
+            return handler(data)
+        data = _with_zeros(data)
+        try:
+            case = handler(data)
+        except ValidationError as error:
+            problems = explain(cls, error, data)
+            problems.extend(check(sound_parts(cls, data, problems)))
+        else:
+            problems = check({name: getattr(case, name) for name in cls.model_fields})
+        raise_problems(cls.__name__, problems, data)
+        return case
+
+
+def _with_zeros(data: dict[str, Any]) -> dict[str, Any]:
+    """Write out the vectors that are zero where the case leaves them out."""
+    dimensions = data.get("dimensions")
+    if isinstance(dimensions, bool) or dimensions not in (1, 2, 3):
+        return data
+    zeros = (0.0,) * int(dimensions)
+    data = dict(data)
+    if isinstance(data.get("grid"), dict):
+        data["grid"] = {"origin": zeros, **data["grid"]}
+    bodies = data.get("bodies")
+    if isinstance(bodies, dict):
+        data["bodies"] = {
+            name: {"velocity": zeros, **body} if isinstance(body, dict) else body
+            for name, body in bodies.items()
+        }
+        for body in data["bodies"].values():
+            if isinstance(body, dict) and isinstance(body["velocity"], dict):
+                body["velocity"] = {"translation": zeros, **body["velocity"]}
+    return data
