@@ -523,7 +523,7 @@ def test_plain_progress_lines_grow_rare(monkeypatch, capsys):
     assert 10.0 <= pauses[0] < 10.5
     assert (pauses[1:] > pauses[:-1] - 0.5).all() and 60.0 <= pauses[-1] < 60.5
     when, line = lines[3]
-    assert f"of 100  step {round(when / 5e-4)}  dt 0.0001  2e+06 particle-steps/s" in line
+    assert f"/100  step {round(when / 5e-4)}  dt 0.0001  2e+06 particle-steps/s" in line
     assert line.endswith(f"{duration(500.0 - when)} left\n")
 
 

@@ -19,6 +19,8 @@ _LONGEST_PAUSE_SECONDS = 60.0
 _PAUSE_GROWTH = 1.5
 _SMOOTHING = 0.4
 _DEFAULT_COLUMNS = 80
+# In a narrower terminal the numbers need the room of the bar.
+_BAR_COLUMNS = 90
 
 
 def terminal_columns() -> int:
@@ -110,7 +112,7 @@ class Progress:
         self._shown, self._shown_at = now, (time, step)
         left = (self._end - time) / self._rates[0] if self._rates[0] > 0.0 else float("inf")
         text = (
-            f"t = {time:.6g} of {self._end:.6g}  step {step}  dt {self._sim.dt:.3g}  "
+            f"t {time:.6g}/{self._end:.6g}  step {step}  dt {self._sim.dt:.3g}  "
             f"{self._rates[1] * self._sim.count:.3g} particle-steps/s  {duration(left)} left"
         )
         if self._bar is not None:
@@ -130,13 +132,16 @@ class Progress:
 
 def _make_bar(columns: int, end: float) -> tuple[Any, Any]:
     from rich.console import Console
-    from rich.progress import BarColumn, TaskProgressColumn, TextColumn
+    from rich.progress import BarColumn, ProgressColumn, TaskProgressColumn, TextColumn
     from rich.progress import Progress as Bar
+    from rich.table import Column
 
+    text = TextColumn("{task.fields[text]}", table_column=Column(no_wrap=True, overflow="ellipsis"))
+    parts: list[ProgressColumn] = [TaskProgressColumn(), text]
+    if columns >= _BAR_COLUMNS:
+        parts.insert(0, BarColumn(bar_width=min(30, columns - _DEFAULT_COLUMNS)))
     bar = Bar(
-        BarColumn(bar_width=max(8, min(30, columns - 75))),
-        TaskProgressColumn(),
-        TextColumn("{task.fields[text]}"),
+        *parts,
         console=Console(force_terminal=True, width=columns),
         auto_refresh=False,
         transient=True,
