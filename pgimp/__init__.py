@@ -1,0 +1,30 @@
+"""pgimp: the Generalized Interpolation Material Point method, on slabs over MPI.
+
+From Python: ``load`` a case, ``run`` it (under mpirun on all ranks), drive a ``Simulation`` step by
+step, ``open`` a run directory. Importing pgimp imports neither MPI nor Numba nor h5py.
+"""
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from pgimp.case.load import load
+    from pgimp.commands.run import run
+    from pgimp.output.reader import open
+    from pgimp.solver.simulation import Simulation
+
+__all__ = ["Simulation", "load", "open", "run"]
+
+_HOMES = {
+    "Simulation": "pgimp.solver.simulation",
+    "load": "pgimp.case.load",
+    "open": "pgimp.output.reader",
+    "run": "pgimp.commands.run",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module 'pgimp' has no attribute '{name}'")
+    from importlib import import_module
+
+    return getattr(import_module(_HOMES[name]), name)

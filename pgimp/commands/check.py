@@ -1,0 +1,225 @@
+"""``pgimp check``: validates a case and says what it will cost, before an hour is lost.
+
+Nothing is simulated but a small sample of the same kind, to measure this machine's speed.
+"""
+
+import argparse
+from dataclasses import dataclass
+from math import ceil
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from pgimp.case.load import load
+from pgimp.case.schema import Case
+from pgimp.errors import CaseError
+from pgimp.kernels.sums import fastest_rate
+from pgimp.output.progress import duration
+from pgimp.parallel.comm import Serial
+from pgimp.scene.lattice import Lattice
+from pgimp.scene.scene import Scene, count_particles
+from pgimp.solver.particles import Particles
+from pgimp.solver.simulation import DOUBTFUL, REFUSED, Simulation
+
+#: Cost of a step's messages on one node, seconds; what a rank must at least have to do besides.
+_MESSAGES = 20e-6
+#: Efficiency down to which more ranks pay off.
+_EFFICIENT = 0.7
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("case", metavar="CASE.yaml", help="the case file")
+    parser.add_argument(
+        "--set",
+        metavar="KEY.PATH=VALUE",
+        action="append",
+        default=[],
+        help="change a value of the case; repeatable",
+    )
+
+
+def execute(args: argparse.Namespace) -> int:
+    """Run the command."""
+    report(load(args.case, args.set))
+    return 0
+
+
+@dataclass(frozen=True)
+class BodyFacts:
+    """What is known of a body before the run."""
+
+    name: str
+    particles: int
+    wave_speed: float
+    top_speed: float
+    extent: float
+    density: float
+
+
+def report(case: Case) -> None:
+    """Print the report.
+
+    Raises
+    ------
+    CaseError
+        For whatever would stop a run before its first step.
+    """
+    scene = Scene(case)
+    lattice, counts, notes = count_particles(scene, Serial())
+    bodies = [_facts(scene, lattice, counts, body) for body in range(len(scene.body_names))]
+    inverse = max(scene.frame.inverse)
+    rate = max((body.wave_speed + body.top_speed) * inverse for body in bodies)
+    dt = _step(case, rate)
+    steps = ceil(case.time.end / dt * (1.0 - 1e-9))
+    count = int(counts.sum())
+    print(f"{case.title or 'case'}: valid")
+    print(f"particles        {count:,} in {len(bodies)} bod{'y' if len(bodies) == 1 else 'ies'}")
+    cells = " x ".join(str(n) for n in scene.frame.cells)
+    print(f"cells            {cells}, shape {case.method.shape}")
+    for body in bodies:
+        _report_body(body, case, steps * dt)
+    stable = 1.0 / rate
+    print(f"step             {dt:.4g}, Courant {dt * rate:.3g}; Courant 1 is {stable:.4g}")
+    print(f"steps            {steps:,} to t = {case.time.end:g}")
+    _report_cost(case, scene, count, steps)
+    for note in notes:
+        print(f"note: {note}")
+    if not scene.varies and dt * rate > DOUBTFUL:
+        print(f"warning: above Courant 0.5 a free surface may become unstable: {0.3 / rate:.3g}")
+
+
+def _facts(scene: Scene, lattice: Lattice, counts: np.ndarray, body: int) -> BodyFacts:
+    """Greatest speeds and size of a body; its particles are made a few planes at a time."""
+    point = Particles.empty(1, scene.dimension, False)
+    point.body[0] = body
+    D = scene.dimension
+    identity = tuple(float(i == j) for i in range(D) for j in range(D))
+    rate = fastest_rate(
+        scene.frame, identity, scene.materials, point, np.zeros(1, np.int32), scene.material_of
+    )
+    top = 0.0
+    low, high = np.full(D, np.inf), np.full(D, -np.inf)
+    for owner, positions, _ in lattice.make((0, lattice.planes), counts):
+        if owner == body:
+            v = scene.velocities(body, positions)
+            top = max(top, float(np.sqrt((v * v).sum(axis=1)).max()))
+            low, high = np.minimum(low, positions.min(axis=0)), np.maximum(high, positions.max(axis=0))
+    return BodyFacts(
+        scene.body_names[body],
+        int(counts[body].sum()),
+        rate / max(scene.frame.inverse),
+        top,
+        float((high - low + np.array(scene.frame.cell) / lattice.per_cell).max()),
+        scene.materials[scene.body_material[body]].density,
+    )
+
+
+def _step(case: Case, rate: float) -> float:
+    """Length of a step, the first one if it is controlled."""
+    if not isinstance(case.time.step, float | int):
+        return min(case.time.step.courant / rate, case.time.end)
+    dt = float(case.time.step)
+    if dt * rate > REFUSED:
+        raise CaseError(
+            f"time.step: {dt:g} is a Courant number of {dt * rate:.3g}, beyond the stability limit; "
+            f"use at most {DOUBTFUL / rate:.3g} (Courant 0.5), or step: {{courant: 0.3}}"
+        )
+    return dt
+
+
+def _report_body(body: BodyFacts, case: Case, duration: float) -> None:
+    """Wave speed, transit time, and loads against stiffness: strains that show unit mistakes."""
+    c = body.wave_speed
+    transit = body.extent / c
+    print(
+        f"body {body.name:<11} {body.particles:,} particles; wave speed {c:.4g}, transit time "
+        f"{transit:.4g} over {body.extent:.4g}; the run lasts {duration / transit:.3g} transits"
+    )
+    weight = _greatest_gravity(case) * body.extent / c**2
+    impact = body.top_speed / c
+    print(f"{'':<16} strain by its own weight {weight:.2g}, by stopping its velocity {impact:.2g}")
+    if max(weight, impact) > 0.5:
+        print(
+            "warning: loads of the order of the stiffness; are the units of young, density, "
+            "gravity, velocity and grid one consistent set (mm with MPa wants tonnes)?"
+        )
+
+
+def _greatest_gravity(case: Case) -> float:
+    """Greatest length of the body force over the run."""
+    b = case.gravity
+    if b is None:
+        return 0.0
+    vectors = [row[1] for row in b.table] if hasattr(b, "table") else [b]
+    return max(float(np.linalg.norm(v)) for v in vectors)
+
+
+def _report_cost(case: Case, scene: Scene, count: int, steps: int) -> None:
+    """Memory, time on this machine, and the number of ranks that pays off."""
+    p = Particles.empty(1, scene.dimension, "displacement" in case.output.fields)
+    bytes_each = sum(array.nbytes for array in p) + 8
+    overhead, each = _measure(case)
+    print(
+        f"memory           {_size(count * bytes_each)} for particles ({bytes_each} bytes each), "
+        "and up to as much again while frames are written"
+    )
+    seconds = steps * (overhead + each * count)
+    print(
+        f"time             {duration(seconds)} on one rank of this machine, without output "
+        f"({1e-6 / each:.3g} million particle-steps/s measured)"
+    )
+    layers = scene.frame.vertices[0] // (scene.vertices - 1)
+    pays = (1.0 / _EFFICIENT - 1.0) * each * count / (overhead + _MESSAGES)
+    ranks = max(1, min(layers, int(pays)))
+    print(
+        f"ranks            up to {ranks} pay off (efficiency above {_EFFICIENT:.0%}); the grid has "
+        f"layers for {layers}"
+    )
+
+
+def _measure(case: Case) -> tuple[float, float]:
+    """Seconds a step and seconds a particle-step, from two samples of the case's own kind."""
+    times = []
+    for n in (8, (2048, 48, 14)[case.dimensions - 1]):
+        sim = Simulation(_sample(case, n), Serial())
+        sim.advance()
+        begin = perf_counter()
+        for _ in range(20):
+            sim.advance()
+        times.append((sim.count, (perf_counter() - begin) / 20))
+    (n0, t0), (n1, t1) = times
+    each = max((t1 - t0) / (n1 - n0), 1e-10)
+    return max(t0 - each * n0, 1e-6), each
+
+
+def _sample(case: Case, cells: int) -> Case:
+    """A block of the case's first material that fills a grid of `cells` cells along each edge."""
+    D = case.dimensions
+    body = next(iter(case.bodies.values()))
+    data: dict[str, Any] = {
+        "format": 1,
+        "dimensions": D,
+        "grid": {"origin": [0.0] * D, "size": [float(cells)] * D, "cell": [1.0] * D},
+        "method": case.method.model_dump(),
+        "time": {"end": 1e9, "step": {"courant": 1e-3}},
+        "materials": {"sample": case.materials[body.material].model_dump()},
+        "bodies": {
+            "sample": {
+                "material": "sample",
+                "region": {"box": {"min": [0.0] * D, "max": [float(cells)] * D}},
+            }
+        },
+        "boundaries": {"x-min": "fixed"},
+    }
+    return Case.model_validate(data)
+
+
+def _size(n: float) -> str:
+    """A number of bytes for people."""
+    for unit in ("bytes", "kB", "MB", "GB"):
+        if n < 1000:
+            return f"{n:.3g} {unit}"
+        n /= 1000
+    return f"{n:.3g} TB"
