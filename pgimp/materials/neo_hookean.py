@@ -38,11 +38,12 @@ class NeoHookeanParameters(NamedTuple):
     def speed(material, F, J):
         """Longitudinal wave along the largest stretch s: rho0 c^2 = mu (s^2+1) + lambda (1-ln J).
 
-        From the tangent d/ds of the nominal stress mu (s - 1/s) + lambda ln J / s, times s^2.
+        The acoustic tensor of direction n is mu |F^T n|^2 1 + (mu + lambda (1-ln J)) n (x) n. Where
+        its second part is negative the shear wave, mu s^2, is the faster one.
         """
         s2 = largest_stretch_squared(left_cauchy_green(F))
-        modulus = material.mu * (s2 + 1.0) + material.lam * (1.0 - log(J))
-        return sqrt(max(modulus, 0.0) / material.density)
+        along = material.mu + material.lam * (1.0 - log(J))
+        return sqrt((material.mu * s2 + max(along, 0.0)) / material.density)
 
 
 class NeoHookean(Material):
