@@ -10,13 +10,21 @@ import sys
 import time
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple, NoReturn
+from typing import Any, NamedTuple, NoReturn
 
 from pgimp.errors import PgimpError, UsageError
-from pgimp.parallel.comm import abort_on_error, describe, launcher, quiet_mpi, say, world
+from pgimp.parallel.comm import (
+    SharedUsageError,
+    abort_on_error,
+    describe,
+    launcher,
+    quiet_mpi,
+    say,
+    world,
+)
 
-# A rank other than the first waits this long before it prints an error of the command line: by
-# then the first has printed the same and the launcher has ended the job.
+# A rank other than the first waits this long before it prints an error of the set-up, which other
+# nodes may not have: if the first rank has it too, the launcher has ended the job by then.
 _FIRST_RANK_SPEAKS_SECONDS = 3.0
 _BROKEN_PIPE_STATUS = 141
 
@@ -59,11 +67,16 @@ usage: pgimp CASE.yaml [options]               run a case on one rank
 
 
 class Parser(argparse.ArgumentParser):
-    """An argument parser that raises `UsageError`: its message then appears once for all ranks."""
+    """An argument parser that answers once for all ranks and raises what it finds wrong."""
 
     def error(self, message: str) -> NoReturn:
-        """Raise the error with the usage line that belongs to it."""
-        raise UsageError(f"{message}\n{self.format_usage().rstrip()}")
+        """Raise a `SharedUsageError` with the usage line that belongs to it."""
+        raise SharedUsageError(f"{message}\n{self.format_usage().rstrip()}")
+
+    def print_help(self, file: Any = None) -> None:
+        """Print the help, on the first rank."""
+        if _is_first_rank():
+            super().print_help(file)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -97,8 +110,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _dispatch(words: list[str]) -> int:
     if not words:
-        print(OVERVIEW, file=sys.stderr)
-        return 2
+        raise SharedUsageError(f"which case?\n{OVERVIEW}")
     name = words[0]
     if name in COMMANDS:
         parser = Parser(
@@ -110,7 +122,8 @@ def _dispatch(words: list[str]) -> int:
     if "--version" in words:
         from importlib.metadata import version
 
-        print(f"pgimp {version('pgimp')}")
+        if _is_first_rank():
+            print(f"pgimp {version('pgimp')}")
         return 0
     parser = Parser(
         prog="pgimp",
@@ -125,35 +138,38 @@ def _dispatch(words: list[str]) -> int:
 
 
 def _execute(name: str, command: Command, parser: Parser, words: list[str]) -> int:
-    started = launcher()
-    if started is not None and started.rank > 0 and not command.parallel:
+    if not command.parallel and not _is_first_rank():
         return 0
+    started = launcher()
     if started is None or started.size == 1 or not command.parallel:
         quiet_mpi()
     implementation = importlib.import_module(f"pgimp.commands.{name}")
     implementation.add_arguments(parser)
     arguments = parser.parse_args(words)
-    if command is RUN:
-        _require_case(arguments.case)
     if not command.parallel:
         return implementation.execute(arguments)
-    with abort_on_error(world()):
+    comm = world()
+    with abort_on_error(comm):
+        if command is RUN:
+            missing = comm.bcast(_why_no_case(arguments.case) if comm.rank == 0 else "")
+            if missing:
+                raise UsageError(missing)
         return implementation.execute(arguments)
 
 
-def _require_case(name: str) -> None:
-    """Raise a `UsageError` with the nearest name unless there is a file of this name."""
+def _why_no_case(name: str) -> str:
+    """Say why there is no file of this name, and what was probably meant; empty if there is one."""
     path = Path(name)
-    if path.is_file():
-        return
+    if os.path.isdir(name):
+        return f"{name} is a directory; a case is a YAML file"
+    if os.path.exists(name):
+        return ""
     if name in COMMANDS:
-        raise UsageError(f"the command must be the first word: pgimp {name} ...")
-    if path.is_dir():
-        raise UsageError(f"{name} is a directory; a case is a YAML file")
+        return f"the command must be the first word: pgimp {name} ..."
     if not path.suffix and path.parent == Path("."):
         near = difflib.get_close_matches(name, COMMANDS, n=1)
         hint = f" Did you mean `pgimp {near[0]}`?" if near else ""
-        raise UsageError(
+        return (
             f"'{name}' is neither a case file here nor a command.{hint}\n"
             f"Commands are {', '.join(COMMANDS)}; a case is a YAML file."
         )
@@ -163,12 +179,18 @@ def _require_case(name: str) -> None:
         there = []
     near = difflib.get_close_matches(str(path), there, n=1)
     hint = f" Did you mean {near[0]}?" if near else ""
-    raise UsageError(f"there is no case file {name}.{hint}")
+    return f"there is no case file {name}.{hint}"
+
+
+def _is_first_rank() -> bool:
+    started = launcher()
+    return started is None or started.rank == 0
 
 
 def _complain(error: BaseException, status: int) -> int:
-    started = launcher()
-    if started is not None and started.rank > 0:
+    if not _is_first_rank():
+        if isinstance(error, SharedUsageError):
+            return status
         time.sleep(_FIRST_RANK_SPEAKS_SECONDS)
     say(describe(error))
     return status

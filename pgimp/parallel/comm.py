@@ -6,6 +6,7 @@ import os
 import sys
 import time
 import traceback
+import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any, NamedTuple, TypeVar
@@ -21,6 +22,10 @@ _SAME_FAILURE_SECONDS = 0.3
 _AGREEMENT_SECONDS = 20.0
 # Slurm numbers the batch script's and the interactive shell's own steps from here: no launcher.
 _FIRST_SPECIAL_SLURM_STEP = 0xFFFFFFF0
+
+
+class SharedUsageError(UsageError):
+    """An error that every rank finds by itself, so that it is enough if the first one says it."""
 
 
 class Launcher(NamedTuple):
@@ -103,7 +108,9 @@ def world() -> Any:
     Raises
     ------
     UsageError
-        If mpi4py finds no MPI library, or one that the launcher does not belong to.
+        If mpi4py finds no MPI library.
+    SharedUsageError
+        If it finds one that the launcher does not belong to.
     """
     started = launcher()
     if started is None or started.size == 1:
@@ -111,7 +118,10 @@ def world() -> Any:
         return Serial()
     count = "several" if started.size is None else str(started.size)
     try:
-        from mpi4py import MPI
+        with warnings.catch_warnings():
+            # About the mismatch that is checked below.
+            warnings.filterwarnings("ignore", "suspicious MPI execution environment")
+            from mpi4py import MPI
     except (ImportError, RuntimeError) as error:
         raise UsageError(
             f"{started.name} started {count} processes, but mpi4py cannot load an MPI library:\n"
@@ -123,7 +133,7 @@ def world() -> Any:
     comm = MPI.COMM_WORLD
     if comm.size == 1 and (started.size is not None or started.rank > 0):
         library = MPI.Get_library_version().strip("\0 \n").splitlines()[0].split(",")[0]
-        raise UsageError(
+        raise SharedUsageError(
             f"{started.name} started {count} processes, but the MPI library of mpi4py,\n"
             f"{library}, does not know that launcher: it sees a world of 1 rank, so every process\n"
             "would run the whole case on its own. Start pgimp with the mpirun that belongs to\n"
