@@ -1,8 +1,8 @@
-"""Exceptions whose message is written for people; the command line turns each into an exit status."""
+"""Exceptions whose messages are for people; the command line turns each into an exit status."""
 
 
 class PgimpError(Exception):
-    """Base of every error that pgimp raises on purpose; the message says what, where and what to do."""
+    """Base of the errors that pgimp raises on purpose: what is wrong, where, what to do."""
 
     exit_status = 1
 

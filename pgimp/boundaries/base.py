@@ -1,7 +1,7 @@
 """What the entries of all boundary conditions have in common, and the kernels' view of one."""
 
 from abc import abstractmethod
-from typing import ClassVar, NamedTuple
+from typing import NamedTuple
 
 from pgimp.case.base import Model
 from pgimp.kernels.jit import specialise
@@ -10,8 +10,10 @@ from pgimp.kernels.jit import specialise
 class Boundary(Model):
     """Base of the entries ``boundaries.FACE``."""
 
-    #: Whether the parameters change in time, so that they are made anew for every step.
-    varies: ClassVar[bool] = False
+    @property
+    def varies(self) -> bool:
+        """Whether the parameters change in time, so that they are made anew for every step."""
+        return False
 
     @abstractmethod
     def parameters(self, axis: int, side: int, start: float, end: float) -> NamedTuple:

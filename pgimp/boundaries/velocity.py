@@ -1,6 +1,6 @@
 """Prescribed velocity on a face: v as given at the step's end, a its rate over the step."""
 
-from typing import ClassVar, NamedTuple
+from typing import NamedTuple
 
 from pydantic import Field
 
@@ -31,12 +31,15 @@ class VelocityParameters(NamedTuple):
 class Velocity(Boundary):
     """Moves the material on a face at a given velocity, component by component."""
 
-    velocity: tuple[Number | None | Table, ...] = Field(
+    velocity: tuple[Number | Table | None, ...] = Field(
         description="velocity [length/time] along each direction: a number, a table over time, "
         "or null where the component is free"
     )
 
-    varies: ClassVar[bool] = True
+    @property
+    def varies(self) -> bool:
+        """See `Boundary.varies`."""
+        return any(isinstance(component, Table) for component in self.velocity)
 
     def parameters(self, axis: int, side: int, start: float, end: float) -> VelocityParameters:
         """See `Boundary.parameters`."""

@@ -63,7 +63,7 @@ class _Block(Simulation):
         locate(self.scene.shape, self.scene.frame, p, rows, self.scene.frame.vertices)
         here = self.slab.first <= p.layer[:count]
         here &= p.layer[:count] < self.slab.first + self.slab.layers
-        return Particles(*(array[:count][here] for array in p)), int(here.sum())
+        return Particles._make(array[:count][here] for array in p), int(here.sum())
 
 
 def _uniform(ids: np.ndarray) -> np.ndarray:

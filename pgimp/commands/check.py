@@ -105,7 +105,8 @@ def _facts(scene: Scene, lattice: Lattice, counts: np.ndarray, body: int) -> Bod
         if owner == body:
             v = scene.velocities(body, positions)
             top = max(top, float(np.sqrt((v * v).sum(axis=1)).max()))
-            low, high = np.minimum(low, positions.min(axis=0)), np.maximum(high, positions.max(axis=0))
+            low = np.minimum(low, positions.min(axis=0))
+            high = np.maximum(high, positions.max(axis=0))
     return BodyFacts(
         scene.body_names[body],
         int(counts[body].sum()),
@@ -123,8 +124,8 @@ def _step(case: Case, rate: float) -> float:
     dt = float(case.time.step)
     if dt * rate > REFUSED:
         raise CaseError(
-            f"time.step: {dt:g} is a Courant number of {dt * rate:.3g}, beyond the stability limit; "
-            f"use at most {DOUBTFUL / rate:.3g} (Courant 0.5), or step: {{courant: 0.3}}"
+            f"time.step: {dt:g} is a Courant number of {dt * rate:.3g}, beyond the stability "
+            f"limit; use at most {DOUBTFUL / rate:.3g} (Courant 0.5), or step: {{courant: 0.3}}"
         )
     return dt
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import shlex
 from collections.abc import Sequence
-from importlib.metadata import version
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -17,7 +16,7 @@ from pgimp.output.history import History
 from pgimp.output.log import Log, timing_table
 from pgimp.output.progress import Progress, duration, terminal_columns
 from pgimp.output.rundir import RunDirectory
-from pgimp.output.runinfo import describe_start
+from pgimp.output.runinfo import describe_start, installed
 from pgimp.output.schedule import Schedule
 from pgimp.parallel.comm import abort_on_error, describe, world
 
@@ -166,7 +165,7 @@ def _run(
     log = Log(comm.rank == 0, quiet)
     directory = RunDirectory(output, comm, overwrite)
     try:
-        log.say(f"pgimp {version('pgimp')}: {case.title or output.stem}")
+        log.say(f"pgimp {installed('pgimp') or '(not installed)'}: {case.title or output.stem}")
         sim = _set_up(case, comm, log)
         texts = {"case.yaml": dump_case(case)} | ({"input.yaml": text} if text else {})
         directory.prepare(texts, describe_start(comm, sim.count))

@@ -133,7 +133,7 @@ def grid_to_particles(
             if controlled:
                 c = evaluate("speed", materials, m, (F, J))
                 rate = max(rate, (c + sqrt(squared(v))) * inverse)
-            # One branch for all that rarely happens, NaN included; the speed limit is a sharper one.
+            # One branch for all that rarely happens, NaN included; its speed limit is sharper.
             now = first_vertex(shape, frame, 0, x[0])
             if not (
                 within(bounds, x)

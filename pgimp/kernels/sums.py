@@ -57,7 +57,7 @@ def layer_sums(frame, like, materials, particles, order, start, material_of, sum
 
 @kernel
 def fastest_rate(frame, like, materials, particles, order, material_of):
-    """Largest (c_p + |v_p|)/L over the particles, 1/time; times the step it is the Courant number."""
+    """Largest (c_p + |v_p|)/L over the particles, 1/time; times dt the Courant number."""
     inverse = 0.0
     for d in range(len(frame.inverse)):
         inverse = max(inverse, frame.inverse[d])

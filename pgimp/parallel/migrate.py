@@ -12,7 +12,7 @@ _TAG = 3
 
 
 def pack(particles: Particles, rows: np.ndarray) -> np.ndarray:
-    """Everything that the particles in `rows` carry, (n, width) float64; whole numbers bit by bit."""
+    """All that the particles in `rows` carry, (n, width) float64; whole numbers bit by bit."""
     n = len(rows)
     columns = []
     for array in particles:

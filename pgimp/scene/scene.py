@@ -67,8 +67,9 @@ class Scene:
         self.body_material = tuple(used.index(b.material) for b in case.bodies.values())
         self.material_of = np.array(self.body_material, np.int64)
         self.materials = tuple(case.materials[name].parameters() for name in used)
+        named = case.boundaries
         order = [f"{axis}-{end}" for axis in AXES for end in ("min", "max")]
-        self.faces = [Face(name, case.boundaries[name]) for name in order if name in case.boundaries]
+        self.faces = [Face(name, named[name]) for name in order if name in named]
         self.varies = any(face.condition.varies for face in self.faces)
 
     def _materials_in_use(self) -> set[str]:

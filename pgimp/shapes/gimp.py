@@ -16,7 +16,7 @@ class GimpParameters(NamedTuple):
     @staticmethod
     def first(shape, d, xi):
         """See `pgimp.shapes`."""
-        return int(floor(xi - shape.half[d]))
+        return floor(xi - shape.half[d])
 
     @staticmethod
     def weights(shape, d, f):

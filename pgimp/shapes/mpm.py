@@ -16,7 +16,7 @@ class MpmParameters(NamedTuple):
     @staticmethod
     def first(shape, d, xi):
         """See `pgimp.shapes`."""
-        return int(floor(xi))
+        return floor(xi)
 
     @staticmethod
     def weights(shape, d, f):

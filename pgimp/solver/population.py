@@ -95,7 +95,7 @@ class Population:
             larger[: len(array)] = array
             return larger
 
-        self.particles = Particles(*(extended(array) for array in self.particles))
+        self.particles = Particles._make(extended(array) for array in self.particles)
 
     def restore_order(self, arrivals: np.ndarray) -> None:
         """Put the particles in `arrivals`, rows whose layer has changed, in their places."""
