@@ -9,9 +9,11 @@ import os
 import shutil
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
+from setuptools import find_packages
 
 ROOT = Path(__file__).resolve().parents[1]
 SCRIPTS = ["scripts/setup", "scripts/run", "scripts/test", ".ci/run"]
@@ -266,3 +268,11 @@ def test_run_passes_the_status_on_and_explains_a_killed_rank(ready):
     assert done.returncode == 137
     assert "signal 9, as happens when memory runs out" in done.stderr
     assert ready.run("scripts/run", "case.yaml", STATUS="75").returncode == 75
+
+
+def test_wheel_has_every_module():
+    """A folder without ``__init__.py`` works where pgimp is developed and is missing in a wheel."""
+    configuration = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]
+    packages = find_packages(str(ROOT), include=configuration["packages"]["find"]["include"])
+    folders = {path.parent.relative_to(ROOT) for path in (ROOT / "pgimp").rglob("*.py")}
+    assert {".".join(folder.parts) for folder in folders} == set(packages)
