@@ -9,7 +9,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from pgimp.errors import CaseError, UsageError
+from pgimp.errors import CaseError, RunError, UsageError
 from pgimp.output.collective import explain, on_root
 from pgimp.output.frames import Frames
 from pgimp.output.history import History
@@ -230,12 +230,21 @@ def _advance(case: Case, sim: Any, directory: RunDirectory, log: Log) -> None:
     except BaseException as error:
         state = "stopped" if isinstance(error, KeyboardInterrupt) else "failed"
         directory.record_failure(state, sim.step, sim.time, describe(error))
+        if isinstance(error, RunError):
+            raise RunError(f"{error}\n  {_intact(frames, directory)}") from error
         raise
     finally:
         progress.close()
         history.close()
     total = perf_counter() - began
     _close(sim, frames.written, directory, log, seconds, total)
+
+
+def _intact(frames: Frames, directory: RunDirectory) -> str:
+    if not frames.written:
+        return f"{directory.path} holds no frame"
+    number = "1 frame" if frames.written == 1 else f"{frames.written} frames"
+    return f"{directory.path} holds {number}, to t = {frames.latest:.6g}, and history.csv"
 
 
 def _close(

@@ -59,6 +59,8 @@ class Field(NamedTuple):
 
 def _padded(values: Array, rows: Array, columns: int) -> Array:
     """Take `rows` of a (c, k) array and fill up with zeros to (n, columns)."""
+    if values.shape[1] == columns:
+        return values[rows]
     full = np.zeros((len(rows), columns))
     full[:, : values.shape[1]] = values[rows]
     return full
@@ -116,11 +118,12 @@ def displacement(source: Source) -> Array:
 
 def deformation(source: Source) -> Array:
     """Return the deformation gradient by rows, one on the diagonal in missing directions."""
-    dimension = source.dimension
+    dimension, local = source.dimension, source.particles.F[source.rows]
+    if dimension == 3:
+        return local
     full = np.zeros((len(source.rows), 3, 3))
     full[:, range(dimension, 3), range(dimension, 3)] = 1.0
-    local = source.particles.F[source.rows].reshape(-1, dimension, dimension)
-    full[:, :dimension, :dimension] = local
+    full[:, :dimension, :dimension] = local.reshape(-1, dimension, dimension)
     return full.reshape(-1, 9)
 
 

@@ -43,6 +43,8 @@ class Frames:
     ----------
     written : int
         Number of frames so far.
+    latest : float
+        Simulated time of the last of them.
     parallel : bool
         Whether all ranks write at once; else the frames go through rank 0.
     """
@@ -51,6 +53,7 @@ class Frames:
         self.folder = directory / "frames"
         self.comm = sim.comm
         self.written = 0
+        self.latest = 0.0
         self.parallel = self.comm.size > 1 and all(
             self.comm.allgather(bool(load_h5py().get_config().mpi))
         )
@@ -109,6 +112,7 @@ class Frames:
                     part.unlink(missing_ok=True)
             raise
         self.written += 1
+        self.latest = float(sim.time)
 
     def _create(self, part: Path, sim: Any, what: str) -> dict[str, int]:
         state = {"time": float(sim.time), "step": np.int64(sim.step)}

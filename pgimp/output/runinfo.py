@@ -66,10 +66,7 @@ def versions() -> dict[str, str | None]:
     """Return the versions of everything that the numbers may depend on, None for what is absent."""
     found: dict[str, str | None] = {"python": platform.python_version()}
     for package in (PROGRAM, "numpy", "numba", "llvmlite", "h5py", "mpi4py"):
-        try:
-            found[package] = version(package)
-        except PackageNotFoundError:
-            found[package] = None
+        found[package] = installed(package)
     found["hdf5"] = load_h5py().version.hdf5_version
     found["mpi"] = None
     mpi = sys.modules.get("mpi4py.MPI")
@@ -77,6 +74,14 @@ def versions() -> dict[str, str | None]:
         found["mpi"] = mpi.Get_library_version().strip("\0 \n").splitlines()[0]
     found["system"] = platform.platform()
     return found
+
+
+def installed(package: str) -> str | None:
+    """Return the version of an installed package; None if it is not installed."""
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return None
 
 
 def commit() -> str | None:
