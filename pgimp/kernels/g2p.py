@@ -67,7 +67,7 @@ def _fault(frame, x, v, u, J, dt):
 @kernel
 def grid_to_particles(
     shape, materials, frame, window, particles, order, start, material_of, G, dt,
-    tracked, controlled, bounds, reach, movers, moved,
+    tracked, controlled, bounds, reach, movers,
 ):  # fmt: skip
     """Advance all particles of a rank by one step, and notice what happened to them.
 
@@ -87,9 +87,7 @@ def grid_to_particles(
         Grown to the first vertices (least, greatest; y, z) of particles, at least of those beyond
         `bounds`.
     movers : (n,) int32
-        Filled with the rows of the particles that changed their layer, in canonical order.
-    moved : (layers,) uint8
-        Set to 1 for layers that lost particles, else to 0.
+        Filled with the places, in `order`, of the particles that changed their layer.
 
     Returns
     -------
@@ -107,7 +105,6 @@ def grid_to_particles(
         inverse = max(inverse, frame.inverse[d])
     limit = (dt * inverse) ** 2
     for layer in range(len(start) - 1):
-        moved[layer] = 0
         number = layer + window.lower[0]
         for k in range(start[layer], start[layer + 1]):
             p = order[k]
@@ -150,7 +147,6 @@ def grid_to_particles(
                     reach[1, d - 1] = max(reach[1, d - 1], j)
                 if now != number:
                     particles.layer[p] = now
-                    movers[found] = p
+                    movers[found] = k
                     found += 1
-                    moved[layer] = 1
     return 0, -1, found, rate

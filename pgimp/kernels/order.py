@@ -30,50 +30,68 @@ def reach_of(shape, frame, particles, rows, reach):
 
 
 @kernel
-def merge(particles, order, start, first, moved, arrivals, order_out, start_out):
+def merge(particles, order, start, left, first, arrivals, order_out, start_out):
     """Restore the canonical order after particles have changed their layers.
+
+    Between the changes, whole runs of the old order are copied: a change costs a binary search.
 
     Parameters
     ----------
     order, start
         The old order; `start` holds the beginnings of the layers ``first, first + 1, ...``.
-    moved : (layers,) uint8
-        1 for layers that have lost particles.
-    arrivals : (k,) int32
+    left : (k,) int32
+        Places in `order` of the particles that have left their layer, ascending.
+    arrivals : (l,) int32
         Rows of the particles that have come into a layer, in canonical order among themselves.
     order_out, start_out
         The new order.
+
+    Returns
+    -------
+    int
+        Number of particles in the new order.
     """
-    layer, cell, number = particles.layer, particles.cell, particles.id
-    q = 0
-    n = 0
+    n, a, gone = 0, 0, 0
     for j in range(len(start) - 1):
-        here = first + j
         start_out[j] = n
-        coming = q < len(arrivals) and layer[arrivals[q]] == here
-        if not coming and moved[j] == 0:
-            for k in range(start[j], start[j + 1]):
-                order_out[n] = order[k]
+        k, end = start[j], start[j + 1]
+        place = -1  # where the next arrival belongs; -1 when not yet known
+        while True:
+            if place < 0:
+                place = end + 1
+                if a < len(arrivals) and particles.layer[arrivals[a]] == first + j:
+                    place = _place(particles, order, k, end, arrivals[a])
+            leaves = left[gone] if gone < len(left) and left[gone] < end else end
+            stop = min(place, leaves)
+            order_out[n : n + stop - k] = order[k:stop]
+            n += stop - k
+            k = stop
+            if place <= leaves:
+                order_out[n] = arrivals[a]
                 n += 1
-            continue
-        for k in range(start[j], start[j + 1]):
-            p = order[k]
-            if layer[p] != here:
-                continue
-            while q < len(arrivals):
-                a = arrivals[q]
-                if layer[a] != here or cell[a] > cell[p]:
-                    break
-                if cell[a] == cell[p] and number[a] > number[p]:
-                    break
-                order_out[n] = a
-                n += 1
-                q += 1
-            order_out[n] = p
-            n += 1
-        while q < len(arrivals) and layer[arrivals[q]] == here:
-            order_out[n] = arrivals[q]
-            n += 1
-            q += 1
+                a += 1
+                place = -1
+            elif leaves < end:
+                k += 1
+                gone += 1
+            else:
+                break
     start_out[len(start) - 1] = n
     return n
+
+
+@kernel
+def _place(particles, order, low, high, arrival):
+    """First place in ``order[low:high]`` of a particle that comes after `arrival` by (cell, id)."""
+    cell, number = particles.cell[arrival], particles.id[arrival]
+    while low < high:
+        middle = (low + high) // 2
+        p = order[middle]
+        after = particles.cell[p] > cell
+        if particles.cell[p] == cell:
+            after = particles.id[p] > number
+        if after:
+            high = middle
+        else:
+            low = middle + 1
+    return low

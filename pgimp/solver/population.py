@@ -32,7 +32,6 @@ class Population:
         self._spare = np.empty_like(self.order)
         self.start = np.zeros(self.layers + 1, np.int64)
         self._spare_start = np.zeros_like(self.start)
-        self.moved = np.zeros(self.layers, np.uint8)
         self._used = count
         self._holes: list[int] = []
         self.sort()
@@ -97,8 +96,16 @@ class Population:
 
         self.particles = Particles._make(extended(array) for array in self.particles)
 
-    def restore_order(self, arrivals: np.ndarray) -> None:
-        """Put the particles in `arrivals`, rows whose layer has changed, in their places."""
+    def restore_order(self, left: np.ndarray, arrivals: np.ndarray) -> None:
+        """Restore the canonical order.
+
+        Parameters
+        ----------
+        left : (k,) int32
+            Places in `order` of the particles that have left their layer, ascending.
+        arrivals : (l,) int32
+            Rows of the particles that have come into a layer.
+        """
         p = self.particles
         keys = (p.id[arrivals], p.cell[arrivals], p.layer[arrivals])
         arrivals = arrivals[np.lexsort(keys)]
@@ -106,7 +113,7 @@ class Population:
         if len(self._spare) < room:
             self._spare = np.empty(room + room // 8, np.int32)
         count = merge(
-            p, self.order, self.start, self.first, self.moved, arrivals,
+            p, self.order, self.start, left, self.first, arrivals,
             self._spare, self._spare_start,
         )  # fmt: skip
         self.order, self._spare = self._spare[:count], self._whole(self.order)

@@ -25,7 +25,7 @@ from pgimp.solver.step import PHASES, step
 from pgimp.solver.warmup import warm_up
 
 #: Steps between two re-sorts of the particles' rows.
-RESORT = 64
+RESORT = 128
 
 #: A vertex lighter than this part of the lightest initial particle stands still.
 LIGHT = 1e-12

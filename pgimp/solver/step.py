@@ -50,18 +50,18 @@ def step(sim: "Simulation", dt: float, end: float) -> tuple[int, int, float]:
     fault, row, found, rate = grid_to_particles(  # (26, 27, 29, 30)
         shape, scene.materials, frame, window, particles, order, start, scene.material_of,
         grid.G, dt, scene.tracked, sim.clock.controlled, grid.bounds, sim.reach,
-        population.movers, population.moved,
+        population.movers,
     )  # fmt: skip
     times.append(perf_counter())
 
     if fault:
         return fault, row, rate
-    movers = population.movers[:found].copy()
-    coming = migrate(sim.comm, sim.slab, population, movers)
+    left = population.movers[:found].copy()
+    coming = migrate(sim.comm, sim.slab, population, order[left])
     times.append(perf_counter())
 
     if found or len(coming):
-        population.restore_order(coming)
+        population.restore_order(left, coming)
     times.append(perf_counter())
 
     for phase, begin, finish in zip(PHASES, times, times[1:], strict=False):

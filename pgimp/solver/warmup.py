@@ -17,13 +17,13 @@ def warm_up(scene: Scene, identity: tuple[float, ...]) -> None:
     frame, shape, vertices = scene.frame, scene.shape, scene.vertices
     p = Particles.empty(1, scene.dimension, False)
     rows = np.empty(0, np.int32)
-    start, moved = np.zeros(2, np.int64), np.zeros(1, np.uint8)
+    start = np.zeros(2, np.int64)
     reach = np.array([[2**62] * 2, [-(2**62)] * 2])
     grid = Grid(frame, vertices, 0, 1, 0)
     grid.cover(np.full((2, 2), vertices))
     locate(shape, frame, p, rows, frame.vertices)
     reach_of(shape, frame, p, rows, reach)
-    merge(p, rows, start, 0, moved, rows, rows.copy(), start.copy())
+    merge(p, rows, start, rows, 0, rows, rows.copy(), start.copy())
     particles_to_grid(
         shape, frame, grid.window, p, rows, start,
         grid.scratch, grid.G, grid.active, grid.partial, grid.shared,
@@ -36,7 +36,7 @@ def warm_up(scene: Scene, identity: tuple[float, ...]) -> None:
     )  # fmt: skip
     grid_to_particles(
         shape, scene.materials, frame, grid.window, p, rows, start, scene.material_of, grid.G,
-        1.0, True, False, grid.bounds, reach, rows.copy(), moved,
+        1.0, True, False, grid.bounds, reach, rows.copy(),
     )  # fmt: skip
     material_of = scene.material_of
     layer_sums(
