@@ -6,7 +6,7 @@ import shutil
 import h5py
 import numpy as np
 import pytest
-from test_output import Lines, make_case, make_sim
+from particle_source import Lines, make_case, make_sim
 
 from pgimp.commands import compare
 from pgimp.errors import RunError, UsageError

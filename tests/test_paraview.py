@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from test_output import make_case, make_sim
+from particle_source import make_case, make_sim
 
 from pgimp.output.frames import Frames
 from pgimp.output.reader import Frame

@@ -1,0 +1,142 @@
+"""Particles of known values on any number of ranks, to write frames of, and small disks to fill."""
+
+import os
+import subprocess
+from contextlib import contextmanager
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from pgimp.output.fields import OPTIONAL
+from pgimp.output.frames import Frames
+from pgimp.parallel.comm import Serial
+
+LATERAL = {1: 3, 2: 4, 3: 6}
+
+
+def make_case(fields=tuple(OPTIONAL)):
+    return SimpleNamespace(
+        title="a test", units="none", output=SimpleNamespace(fields=list(fields))
+    )
+
+
+def make_sim(comm, count, dimension, empty=()):
+    """Spread particles of random values over the ranks, in storage with holes and no order.
+
+    Returns the fake simulation and the values of all particles by id. Ranks in `empty` get none.
+    """
+    random = np.random.default_rng(7)
+    values = {
+        "id": np.arange(count),
+        "body": (2 * np.arange(count) // count).astype(np.int32),
+        "x": random.normal(size=(count, dimension)),
+        "v": random.normal(size=(count, dimension)),
+        "F": random.normal(size=(count, dimension**2)),
+        "sigma": random.normal(size=(count, LATERAL[dimension])),
+        "V": random.uniform(0.5, 2.0, size=count),
+        "origin": random.normal(size=(count, dimension)),
+    }
+    owner = random.integers(comm.size, size=count)
+    owner[np.isin(owner, empty)] = 0
+    mine = np.flatnonzero(owner == comm.rank)
+    storage = random.permutation(2 * len(mine) + 3)[: len(mine)]
+    particles = SimpleNamespace()
+    for name, of_all in values.items():
+        stored = np.full((2 * len(mine) + 3, *of_all.shape[1:]), -99, of_all.dtype)
+        stored[storage] = of_all[mine]
+        setattr(particles, name, stored)
+    scene = SimpleNamespace(
+        dimension=dimension,
+        body_names=("left", "right"),
+        material_names=("soft", "hard"),
+        body_material=(1, 0),
+    )
+    sim = SimpleNamespace(
+        comm=comm,
+        count=count,
+        time=0.1,
+        step=3,
+        dt=0.1,
+        scene=scene,
+        particles=particles,
+        live=lambda: storage,
+    )
+    return sim, values
+
+
+def expected(values, dimension):
+    """What a frame must hold, from the values by id and the definitions of the fields."""
+    count = len(values["id"])
+
+    def padded(array, columns):
+        return np.hstack([array, np.zeros((count, columns - array.shape[1]))])
+
+    deformation = np.tile(np.eye(3), (count, 1, 1))
+    gradient = values["F"].reshape(count, dimension, dimension)
+    deformation[:, :dimension, :dimension] = gradient
+    stress = padded(values["sigma"], 6)
+    tensor = stress[:, [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(count, 3, 3)
+    mean = np.trace(tensor, axis1=1, axis2=2) / 3
+    deviator = tensor - mean[:, None, None] * np.eye(3)
+    return {
+        "id": values["id"],
+        "body": values["body"],
+        "material": np.array([1, 0])[values["body"]],
+        "position": padded(values["x"], 3),
+        "volume": values["V"],
+        "radius": values["V"] ** (1 / dimension) / 2,
+        "velocity": padded(values["v"], 3),
+        "stress": stress,
+        "displacement": padded(values["x"] - values["origin"], 3),
+        "deformation": deformation.reshape(count, 9),
+        "pressure": -mean,
+        "von-mises": np.sqrt(1.5 * (deviator**2).sum(axis=(1, 2))),
+        "connectivity": np.arange(count),
+    }
+
+
+def write_frames(directory, comm, count, dimension, empty=(), streamed=False, number=2):
+    (directory / "frames").mkdir(parents=True, exist_ok=True)
+    comm.Barrier()
+    sim, values = make_sim(comm, count, dimension, empty)
+    frames = Frames(directory, make_case(), sim)
+    if streamed:
+        frames.parallel = False
+    for _ in range(number):
+        frames.write(sim)
+    return frames, values
+
+
+class Lines:
+    """A simulation of which only the history matters."""
+
+    def __init__(self):
+        self.comm, self.step, self.time = Serial(), 0, 0.0
+        self.values = np.random.default_rng(3).normal(size=4) * 10.0 ** np.array([0, 200, -300, 17])
+
+    def diagnostics(self):
+        return {"time": self.time, "step": self.step, "dt": 0.1 + 0.2} | {
+            f"value_{i}": value for i, value in enumerate([*self.values, float("nan"), -0.0])
+        }
+
+
+@contextmanager
+def small_disk(place):
+    """A file system of one megabyte; only root may mount one, which CI is."""
+    if os.geteuid() != 0:
+        pytest.skip("needs root to mount a small file system")
+    place.mkdir()
+    subprocess.run(["mount", "-t", "tmpfs", "-o", "size=1m", "tmpfs", place], check=True)
+    try:
+        yield place
+    finally:
+        subprocess.run(["umount", place], check=True)
+
+
+def fill_up(place, but=0):
+    """Take all space of a file system but so many bytes; returns the file that does."""
+    room = os.statvfs(place)
+    ballast = place / "ballast"
+    ballast.write_bytes(bytes(room.f_bavail * room.f_frsize - but))
+    return ballast

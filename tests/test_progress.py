@@ -1,0 +1,99 @@
+"""What a run says on the terminal and in its log, and when."""
+
+from types import SimpleNamespace
+
+import numpy as np
+
+from pgimp.output import progress
+from pgimp.output.log import Log, timing_table
+from pgimp.output.progress import Progress, duration
+from pgimp.output.schedule import Schedule
+from pgimp.parallel.comm import Serial
+
+
+def fixed_steps(schedule, step, number):
+    return [n for n in range(1, number + 1) if schedule.due(n * step, n, step)]
+
+
+def test_schedule_with_a_fixed_step():
+    assert fixed_steps(Schedule(0.1), 1e-4, 20000) == list(range(1000, 20001, 1000))
+    assert fixed_steps(Schedule(SimpleNamespace(steps=7)), 1e-4, 30) == [7, 14, 21, 28]
+    assert fixed_steps(Schedule(0.25), 0.1, 12) == [3, 5, 8, 10]
+    assert fixed_steps(Schedule(1e-6), 0.1, 4) == [1, 2, 3, 4]
+    assert fixed_steps(Schedule(0.5, [0.72, 0.3, 0.31]), 0.1, 12) == [3, 4, 5, 8, 10]
+    assert fixed_steps(Schedule(), 0.1, 100) == []
+    # However the product rounds, multiples of a third of a day fall on every 25,000th step.
+    assert fixed_steps(Schedule(28800.0 / 7), 28800.0 / 7 / 25000, 100_000) == [
+        25000,
+        50000,
+        75000,
+        100000,
+    ]
+
+
+def test_schedule_with_steps_of_any_size():
+    random = np.random.default_rng(5)
+    schedule, time, hits = Schedule(0.1), 0.0, []
+    for step in range(1, 400):
+        dt = random.uniform(0.001, 0.3)
+        before, time = time, time + dt
+        if schedule.due(time, step, dt):
+            hits.append(step)
+        crossed = int(np.floor(time / 0.1)) > int(np.floor(before / 0.1))
+        assert crossed == (hits[-1:] == [step])
+    assert hits
+
+
+def test_the_log_keeps_what_was_said(tmp_path, capsys):
+    log = Log(speaks=True)
+    log.say("before there is a directory")
+    log.keep_in(tmp_path / "log.txt")
+    log.say("after")
+    log.note("only in the file")
+    log.close()
+    assert capsys.readouterr().out == "before there is a directory\nafter\n"
+    text = (tmp_path / "log.txt").read_text()
+    assert text == "before there is a directory\nafter\nonly in the file\n"
+    quiet = Log(speaks=True, quiet=True)
+    quiet.say("to the file only")
+    assert capsys.readouterr().out == ""
+
+
+def test_timing_table():
+    table = timing_table(Serial(), {"P2G": 3.0, "frames": 1.0}, 5.0).splitlines()
+    cells = {line.split()[0]: line.split()[1:] for line in table[2:]}
+    assert cells["P2G"] == ["3.0000", "3.0000", "3.0000", "60.0", "%"]
+    assert cells["other"][-2:] == ["20.0", "%"]
+    assert cells["total"] == ["5.0000", "100.0", "%"]
+
+
+def test_plain_progress_lines_grow_rare(monkeypatch, capsys):
+    clock = SimpleNamespace(now=0.0)
+    monkeypatch.setattr(progress, "perf_counter", lambda: clock.now)
+    sim = SimpleNamespace(time=0.0, step=0, dt=1e-4, count=1000)
+    bar = Progress(Log(speaks=True), sim, 100.0, 0)
+    lines, looks = [], 0
+    for step in range(1, 1_000_000):
+        sim.step, sim.time = step, step * 1e-4
+        clock.now = step * 5e-4
+        bar.step()
+        if out := capsys.readouterr().out if bar._looked == clock.now else "":
+            lines.append((clock.now, out))
+        looks += bar._looked == clock.now
+    assert looks < 6000
+    pauses = np.diff([0.0, *(when for when, _ in lines)])
+    assert 10.0 <= pauses[0] < 10.5
+    assert (pauses[1:] > pauses[:-1] - 0.5).all() and 60.0 <= pauses[-1] < 60.5
+    when, line = lines[3]
+    assert f"/100  step {round(when / 5e-4)}  dt 0.0001  2e+06 particle-steps/s" in line
+    assert line.endswith(f"{duration(500.0 - when)} left\n")
+
+
+def test_durations():
+    assert [duration(s) for s in (0.0123, 9.996, 65.4, 3725.0, float("inf"))] == [
+        "0.0123 s",
+        "10 s",
+        "1:05 min",
+        "1:02:05 h",
+        "?",
+    ]
