@@ -9,7 +9,7 @@ from __future__ import annotations
 import inspect
 import math
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from pydantic import BaseModel, RootModel, TypeAdapter, ValidationError
@@ -26,7 +26,7 @@ AXES = "xyz"
 WHOLE = 1e-9
 """Relative tolerance of sizes in cells and of times in steps."""
 
-MOST_CELLS = 2**31
+MOST_CELLS = 10_000_000
 """Along one direction."""
 
 MOST_STEPS = 2**53
@@ -41,10 +41,11 @@ def whole(total: float, part: float) -> tuple[int, bool]:
     return count, abs(count * part - total) <= WHOLE * total
 
 
-def short(value: float, holds: Callable[[float], bool]) -> str:
-    """Return `value` in the fewest digits with which it still `holds`."""
+def nearest_whole(total: float, part: float) -> str:
+    """Return the nearest multiple of `part`, at least one, in the fewest digits that say it."""
+    value = whole(total, part)[0] * part
     texts = (f"{value:.{digits}g}" for digits in (6, 9, 12, 15))
-    return next((text for text in texts if holds(float(text))), repr(value))
+    return next((text for text in texts if whole(float(text), part)[1]), repr(value))
 
 
 def faces(dimensions: int) -> list[str]:
@@ -56,7 +57,7 @@ def check(parts: Mapping[str, Any]) -> list[Problem]:
     """Return what is wrong between the `parts` of a case, given by their key."""
     if "materials" in parts:
         parts = {"declared": tuple(parts["materials"]), **parts}
-    problems = []
+    problems: list[Problem] = []
     for run in _CHECKS:
         names = inspect.signature(run).parameters
         if all(name in parts for name in names):
@@ -102,7 +103,7 @@ def _kinds(
     dimensions: int, method: Any, materials: Mapping[str, Any], boundaries: Mapping[str, Any]
 ) -> Problems:
     """Check that every type exists in these dimensions."""
-    entries = {("method", "shape"): method}
+    entries: dict[tuple[str, ...], Any] = {("method", "shape"): method}
     entries |= {("materials", name, "model"): entry for name, entry in materials.items()}
     entries |= {("boundaries", name): entry for name, entry in boundaries.items()}
     for path, entry in entries.items():
@@ -126,14 +127,14 @@ def _grid(dimensions: int, grid: Any) -> Problems:
         count, exact = whole(size, cell)
         if count > MOST_CELLS:
             yield Problem(
-                ("grid", "cell", i), f"{size / cell:.3g} cells are too many (at most 2^31)"
+                ("grid", "cell", i),
+                f"{size / cell:.3g} cells are too many (at most 10 million along a direction)",
             )
         elif not exact:
-            nearest = short(count * cell, lambda value, cell=cell: whole(value, cell)[1])
             yield Problem(
                 ("grid", "size", i),
                 f"{size:.15g} is not a whole number of cells of {cell:.15g} "
-                f"({size / cell:.9g} cells); the nearest is {nearest}",
+                f"({size / cell:.9g} cells); the nearest is {nearest_whole(size, cell)}",
             )
         elif math.ulp(max(abs(low), abs(low + size))) > 1e-6 * cell:
             yield Problem(
@@ -157,11 +158,11 @@ def _time(time: Any) -> Problems:
     if count > MOST_STEPS:
         yield Problem(("time", "step"), f"{time.end / time.step:.3g} steps are too many")
     elif not exact:
-        nearest = short(count * time.step, lambda value: whole(value, time.step)[1])
         yield Problem(
             ("time", "end"),
             f"{time.end:.15g} is not a whole number of steps of {time.step:.15g} "
-            f"({time.end / time.step:.9g} steps); the nearest is {nearest}",
+            f"({time.end / time.step:.9g} steps); the nearest is "
+            f"{nearest_whole(time.end, time.step)}",
         )
 
 

@@ -17,6 +17,9 @@ from pydantic_core import CoreSchema, core_schema
 from pgimp.case.messages import explain, got, unknown
 from pgimp.case.problems import Problem, problem, raise_problems
 
+COMMENT = "defined under "
+"""What a JSON schema's comment starts with that stands for a reference to a definition."""
+
 Registry = Callable[[], Mapping[str, type[BaseModel]]]
 
 
@@ -37,8 +40,8 @@ class Dispatch(ABC):
         """Return the typed value as a case file writes it."""
 
     @abstractmethod
-    def forms(self, handler: GetJsonSchemaHandler) -> list[dict[str, Any]]:
-        """Return the JSON schemas of the forms, of which exactly one holds."""
+    def document(self, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        """Return the JSON schema of the value."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
         """Tell pydantic how to validate and to write the value."""
@@ -50,8 +53,8 @@ class Dispatch(ABC):
     def __get_pydantic_json_schema__(
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> dict[str, Any]:
-        """Document the forms."""
-        return {"oneOf": self.forms(handler)}
+        """Document the value."""
+        return self.document(handler)
 
 
 class ByField(Dispatch):
@@ -63,7 +66,7 @@ class ByField(Dispatch):
     def validate(self, value: Any) -> BaseModel:
         """See `Dispatch`."""
         known = self.registry()
-        if isinstance(value, tuple(known.values())):
+        if isinstance(value, BaseModel) and type(value) in known.values():
             return value
         if not isinstance(value, Mapping):
             raise problem(f"expected a mapping with the key '{self.key}', {got(value)}")
@@ -85,9 +88,10 @@ class ByField(Dispatch):
         content = plain(value)
         return {self.key: content[self.key], **content}
 
-    def forms(self, handler: GetJsonSchemaHandler) -> list[dict[str, Any]]:
+    def document(self, handler: GetJsonSchemaHandler) -> dict[str, Any]:
         """See `Dispatch`."""
-        return [handler(entry.__pydantic_core_schema__) for entry in self.registry().values()]
+        entries = self.registry().values()
+        return {"oneOf": [handler(entry.__pydantic_core_schema__) for entry in entries]}
 
 
 class ByKey(Dispatch):
@@ -99,7 +103,7 @@ class ByKey(Dispatch):
     def validate(self, value: Any) -> BaseModel:
         """See `Dispatch`."""
         known = self.registry()
-        if isinstance(value, tuple(known.values())):
+        if isinstance(value, BaseModel) and type(value) in known.values():
             return value
         names = ", ".join(known)
         if not isinstance(value, Mapping) or not value:
@@ -121,17 +125,9 @@ class ByKey(Dispatch):
         """See `Dispatch`."""
         return {name_of(value, self.registry()): plain(value)}
 
-    def forms(self, handler: GetJsonSchemaHandler) -> list[dict[str, Any]]:
-        """See `Dispatch`."""
-        return [
-            {
-                "type": "object",
-                "properties": {name: handler(entry.__pydantic_core_schema__)},
-                "required": [name],
-                "additionalProperties": False,
-            }
-            for name, entry in self.registry().items()
-        ]
+    def document(self, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        """Refer to a definition, since the types may contain one another."""
+        return {"$comment": COMMENT + self.what}
 
 
 class ByWord(Dispatch):
@@ -143,7 +139,7 @@ class ByWord(Dispatch):
     def validate(self, value: Any) -> BaseModel:
         """See `Dispatch`."""
         known = self.registry()
-        if isinstance(value, tuple(known.values())):
+        if isinstance(value, BaseModel) and type(value) in known.values():
             return value
         if isinstance(value, str):
             if value not in known:
@@ -152,28 +148,28 @@ class ByWord(Dispatch):
                 raise problem(f"expected {{{value}: ...}}, {got(value)}")
             return known[value].model_validate({})
         if not isinstance(value, Mapping) or not value:
-            names = ", ".join(known)
-            raise problem(f"expected a {self.what}, one of {names}; {got(value)}")
-        name = next((key for key in value if key in known), None)
-        if name is None:
+            raise problem(f"expected a {self.what}, one of {', '.join(known)}; {got(value)}")
+        names = [key for key in value if key in known]
+        if not names:
             found = [Problem((key,), unknown(self.what, str(key), known)) for key in value]
             raise_problems(self.what, found, value)
-        if _is_word(known[name]):
-            raise problem(f"write the plain word '{name}', {got(value)}")
-        return known[name].model_validate(value)
+        if _is_word(known[names[0]]):
+            raise problem(f"write the plain word '{names[0]}', {got(value)}")
+        return known[names[0]].model_validate(value)
 
     def write(self, value: BaseModel) -> Any:
         """See `Dispatch`."""
         return name_of(value, self.registry()) if _is_word(type(value)) else plain(value)
 
-    def forms(self, handler: GetJsonSchemaHandler) -> list[dict[str, Any]]:
+    def document(self, handler: GetJsonSchemaHandler) -> dict[str, Any]:
         """See `Dispatch`."""
-        return [
+        forms = [
             {"const": name, "description": inspect.getdoc(entry)}
             if _is_word(entry)
             else handler(entry.__pydantic_core_schema__)
             for name, entry in self.registry().items()
         ]
+        return {"oneOf": forms}
 
 
 class Either(Dispatch):
@@ -204,9 +200,9 @@ class Either(Dispatch):
         """See `Dispatch`."""
         return plain(value)
 
-    def forms(self, handler: GetJsonSchemaHandler) -> list[dict[str, Any]]:
+    def document(self, handler: GetJsonSchemaHandler) -> dict[str, Any]:
         """See `Dispatch`."""
-        return [handler(adapter.core_schema) for adapter in self.adapters.values()]
+        return {"oneOf": [handler(adapter.core_schema) for adapter in self.adapters.values()]}
 
 
 def _kind(value: Any) -> type | None:

@@ -167,8 +167,8 @@ class _Builder:
                 event,
                 f"'{sign}{event.anchor}': a case file has no anchors and aliases; write it out",
             )
-        if getattr(event, "tag", None):
-            raise self.fail(event, f"the tag '{event.tag}': a case file has no tags; leave it out")
+        if tag := getattr(event, "tag", None):
+            raise self.fail(event, f"the tag '{tag}': a case file has no tags; leave it out")
 
     def _node(self, event: NodeEvent) -> None:
         container, path = self.open[-1] if self.open else (None, ())
@@ -211,6 +211,7 @@ class _Builder:
             return {}
         if isinstance(event, SequenceStartEvent):
             return []
+        assert isinstance(event, ScalarEvent)
         return scalar(event.value) if event.style is None else event.value
 
 

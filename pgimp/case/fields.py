@@ -20,7 +20,9 @@ ALWAYS: dict[str, Field] = {
     "material": Field("1", "index of the material; the names are in the attributes"),
     "position": Field("3", "position of the centre [length]; zeros beyond the case's dimensions"),
     "volume": Field("1", "current volume, det(F) times the initial one [length^dimensions]"),
-    "radius": Field("1", "half the edge of a cube of this volume, to draw the particle [length]"),
+    "radius": Field(
+        "1", "half the side of a segment, square or cube of the current volume, to draw it [length]"
+    ),
 }
 """What every frame holds."""
 
@@ -46,14 +48,17 @@ HISTORY: dict[str, str] = {
     ),
     "kinetic-energy": "kinetic energy of the particles [energy]",
     "strain-energy": "strain energy [energy]",
-    "dissipated-energy": "energy that the scheme and the materials have dissipated [energy]",
-    "external-work": "work of gravity and of the boundaries since the start [energy]",
+    "dissipated-energy": (
+        "what closes the balance: energy at the start plus external work less kinetic and strain "
+        "energy [energy]"
+    ),
+    "external-work": "work of gravity and of the faces on the material since the start [energy]",
     "body.NAME.centre-x ..": "centre of mass of each body, one column a direction [length]",
     "body.NAME.kinetic-energy": "kinetic energy of each body [energy]",
     "body.NAME.strain-energy": "strain energy of each body [energy]",
     "reaction.FACE-x ..": (
-        "force of each named face on the material, one column a direction; "
-        "at x-min, compression gives a positive reaction.x-min-x [force]"
+        "mean force of each named face on the material since the last line, one column a "
+        "direction; compression at x-min gives a positive reaction.x-min-x [force]"
     ),
 }
 """Columns of ``history.csv``, in their order."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from importlib import import_module
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Self
 
 from pydantic import (
     AfterValidator,
@@ -30,10 +30,10 @@ from pgimp.case.base import (
     Steps,
     Vector,
 )
-from pgimp.case.checks import check, sound_parts, whole
+from pgimp.case.checks import check, faces, sound_parts, whole
 from pgimp.case.dispatch import ByField, ByWord, Either
 from pgimp.case.fields import FIELDS
-from pgimp.case.messages import explain
+from pgimp.case.messages import explain, unknown
 from pgimp.case.problems import Problem, problem, raise_problems
 from pgimp.scene.regions import RegionEntry
 from pgimp.scene.tables import VectorTable
@@ -51,6 +51,12 @@ def _dimensions(value: int) -> int:
     return value
 
 
+def _field(value: str) -> str:
+    if value not in FIELDS:
+        raise problem(unknown("field", value, FIELDS))
+    return value
+
+
 def _unique(values: tuple[Any, ...]) -> tuple[Any, ...]:
     for position, value in enumerate(values):
         if value in values[:position]:
@@ -60,7 +66,7 @@ def _unique(values: tuple[Any, ...]) -> tuple[Any, ...]:
 
 def _zeros(schema: dict[str, Any]) -> None:
     """Document the default of a vector whose length the dimensions of the case decide."""
-    schema["default"] = 0.0
+    del schema["default"]
 
 
 def _shapes() -> Mapping[str, type[BaseModel]]:
@@ -80,6 +86,12 @@ def _zero_vector(description: str) -> Any:
     return Field(
         default=(), validate_default=False, description=description, json_schema_extra=_zeros
     )
+
+
+FieldName = Annotated[
+    str, AfterValidator(_field), Field(strict=True, json_schema_extra={"enum": [*FIELDS]})
+]
+"""Name of a quantity that frames may hold."""
 
 
 class Grid(Model):
@@ -173,7 +185,7 @@ class Output(Model):
     at: tuple[NonNegative, ...] = Field(
         default=(), description="further times of frames, hit exactly by a shortened step [time]"
     )
-    fields: Annotated[tuple[Literal[tuple(FIELDS)], ...], AfterValidator(_unique)] = Field(
+    fields: Annotated[tuple[FieldName, ...], AfterValidator(_unique)] = Field(
         default=("velocity", "stress"), description="what frames hold besides position and size"
     )
 
@@ -208,9 +220,15 @@ class Case(Model):
     )
     time: Time = Field(description="end and step")
     materials: dict[Name, Annotated[Any, ByField(_materials, "model", "model")]] = Field(
-        min_length=1, description="the materials by name"
+        min_length=1,
+        description="the materials by name",
+        json_schema_extra={"additionalProperties": False},
     )
-    bodies: dict[Name, Body] = Field(min_length=1, description="the bodies by name")
+    bodies: dict[Name, Body] = Field(
+        min_length=1,
+        description="the bodies by name",
+        json_schema_extra={"additionalProperties": False},
+    )
     gravity: Annotated[
         tuple[float, ...] | VectorTable | None,
         Either(
@@ -226,6 +244,7 @@ class Case(Model):
         default={},
         description="conditions on faces of the domain, x-min to z-max; a face that is not named "
         "is open: it acts only on a particle whose centre crosses it, which stops the run",
+        json_schema_extra={"propertyNames": {"enum": [*faces(3)]}},
     )
     output: Output = Field(default=Output(), description="frames")
     history: History = Field(default=History(), description="history.csv")

@@ -31,7 +31,7 @@ def dump_case(case: Case) -> str:
 def _entry(key: str, value: Any, indent: str) -> str:
     """Return ``key: value`` on one line, or with its parts on lines of their own."""
     start = f"{indent}{_scalar(key)}:"
-    line = f"{start} {_flow(value)}\n"
+    line = f"{start} {flow(value)}\n"
     fits = len(line) <= WIDTH + 1 and not (key in SECTIONS and not indent)
     if fits or not value or not isinstance(value, dict | tuple | list):
         return line
@@ -46,18 +46,18 @@ def _block(value: Any, indent: str) -> str:
 
 def _item(value: Any, indent: str) -> str:
     """Return a list item from behind its dash."""
-    line = f"{_flow(value)}\n"
+    line = f"{flow(value)}\n"
     if len(indent) + 2 + len(line) <= WIDTH + 1 or not isinstance(value, dict | tuple | list):
         return line
     return _block(value, indent + "  ").removeprefix(indent + "  ")
 
 
-def _flow(value: Any) -> str:
+def flow(value: Any) -> str:
     """Return `value` on one line."""
     if isinstance(value, dict):
-        return "{" + ", ".join(f"{_scalar(k)}: {_flow(v)}" for k, v in value.items()) + "}"
+        return "{" + ", ".join(f"{_scalar(k)}: {flow(v)}" for k, v in value.items()) + "}"
     if isinstance(value, tuple | list):
-        return "[" + ", ".join(map(_flow, value)) + "]"
+        return "[" + ", ".join(map(flow, value)) + "]"
     return _scalar(value)
 
 

@@ -7,7 +7,7 @@ points lie inside, and a box around it.
 from pydantic import BaseModel
 
 from pgimp.scene.regions.ball import Ball
-from pgimp.scene.regions.base import Region, RegionEntry
+from pgimp.scene.regions.base import REGION, Region, RegionEntry
 from pgimp.scene.regions.box import Box
 from pgimp.scene.regions.combine import Difference, Union
 from pgimp.scene.regions.cylinder import Cylinder
@@ -21,4 +21,14 @@ REGIONS: dict[str, type[BaseModel]] = {
 }
 """The regions by their name in the case, ``region: {NAME: ...}``."""
 
-__all__ = ["REGIONS", "Ball", "Box", "Cylinder", "Difference", "Region", "RegionEntry", "Union"]
+__all__ = [
+    "REGION",
+    "REGIONS",
+    "Ball",
+    "Box",
+    "Cylinder",
+    "Difference",
+    "Region",
+    "RegionEntry",
+    "Union",
+]

@@ -49,5 +49,7 @@ def _registry() -> Mapping[str, type[BaseModel]]:
     return import_module("pgimp.scene.regions").REGIONS
 
 
-RegionEntry = Annotated[Any, ByKey(_registry, "region")]
+REGION = ByKey(_registry, "region")
+
+RegionEntry = Annotated[Any, REGION]
 """A region as a case writes it, ``{box: {...}}``; validated to a `Region`."""

@@ -1,0 +1,197 @@
+"""Reference of the case file, the frames and the history, in Markdown, from the schema."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from typing import NamedTuple
+
+from pgimp.case.base import LARGEST_COUNT
+from pgimp.case.fields import ALWAYS, FIELDS, HISTORY, Field
+from pgimp.case.jsonschema import Schema, json_schema
+from pgimp.case.writer import flow
+
+_UNIT = re.compile(
+    r"\s*\[((?:length|mass|time|stress|force|energy|volume|dimensions|[\d\s/^()])+)\]"
+)
+Rows = Iterator[tuple[str, ...]]
+
+_HEAD = ("key", "meaning", "unit", "allowed", "default")
+
+_INTRODUCTION = """\
+# Reference
+
+Every key of a case file, every field of a frame and every column of the history. This page is
+what `pgimp schema --markdown` prints; `pgimp schema` prints the JSON schema for editors.
+
+Units are those of any consistent set of length, mass and time: force is mass length/time^2,
+stress is mass/(length time^2), energy is mass length^2/time^2. In 2D (plane strain) everything is
+per unit thickness, in 1D per unit cross-section, so that volume is length^2 or length there.
+**Tension is positive** in stresses; pressure is positive in compression.
+
+A number is a number: `1e6`, `1.0e6` and `1000000` are the same, `"1.0"` and `true` are none. A
+name is a letter followed by letters, digits, `-` and `_`. Each key may be overridden on the command
+line: `--set time.end=3.0`, `--set bodies.bar.velocity.0=1.0` (entries of lists count from 0).
+"""
+
+
+class _Section(NamedTuple):
+    """The keys of one type that a registry offers."""
+
+    heading: str
+    path: str
+    schema: Schema
+
+
+def reference() -> str:
+    """Return the page as Markdown text."""
+    schema = json_schema()
+    sections: list[_Section] = []
+    rows = list(_rows("", schema, schema["$defs"], sections))
+    pages = [_INTRODUCTION, "## Case file\n", _table(_HEAD, rows)]
+    for section in sections:
+        pages += [f"### {section.heading}\n", section.schema["description"] + "\n"]
+        if below := list(_rows(section.path, section.schema, schema["$defs"], [])):
+            pages.append(_table(_HEAD, below))
+    columns = [(_code(name), *_split(text)) for name, text in HISTORY.items()]
+    pages += [
+        "## Frames\n",
+        "`frames/particles-NNNNNN.h5`, one row a particle in ascending `id`. Always there:\n",
+        _fields(ALWAYS),
+        "As `output.fields` asks for:\n",
+        _fields(FIELDS),
+        "## History\n",
+        "The columns of `history.csv`, in their order:\n",
+        _table(("column", "meaning", "unit"), columns),
+    ]
+    return "\n".join(pages)
+
+
+def _fields(fields: Mapping[str, Field]) -> str:
+    rows = [(_code(name), item.components, *_split(item.meaning)) for name, item in fields.items()]
+    return _table(("dataset", "components", "meaning", "unit"), rows)
+
+
+def _rows(
+    path: str, schema: Schema, definitions: Schema, sections: list[_Section], optional: bool = False
+) -> Rows:
+    """Yield a table row for every key below `path`.
+
+    Types that a registry offers go to `sections`. With `optional` the mapping at `path` is only
+    one of several forms.
+    """
+    for name, value in _properties(schema).items():
+        key = f"{path}.{name}" if path else name
+        whole = _resolve(value, definitions)
+        if name in schema.get("required", ()):
+            default = "" if optional else "required"
+        else:
+            default = _code(flow(value["default"])) if "default" in value else "zero"
+        meaning = _split(value.get("description", whole.get("description", "")))
+        yield _code(key), *meaning, _allowed(whole, definitions), default
+        yield from _below(key, whole, definitions, sections)
+    named = [*schema.get("patternProperties", {}).values(), schema.get("additionalProperties")]
+    for value in named:
+        if isinstance(value, dict):
+            place = "FACE" if "propertyNames" in schema else "NAME"
+            yield from _below(f"{path}.{place}", value, definitions, sections)
+
+
+def _below(path: str, value: Schema, definitions: Schema, sections: list[_Section]) -> Rows:
+    """Yield the rows below `path` for every form that its value may have."""
+    forms = _forms(value, definitions)
+    for form in forms:
+        word = _word(form)
+        if word is None:
+            yield from _rows(path, form, definitions, sections, optional=len(forms) > 1)
+        else:
+            entry = f"{{{_key_of(form)}: {word}, ...}}" if "properties" in form else word
+            section = _Section(f"`{path}: {entry}`", path, form)
+            if section not in sections:
+                sections.append(section)
+
+
+def _properties(schema: Schema) -> Schema:
+    """Return the properties, the one that names the type first."""
+    found = schema.get("properties", {})
+    return dict(sorted(found.items(), key=lambda item: "const" not in item[1]))
+
+
+def _key_of(form: Schema) -> str | None:
+    """Return the property that names the type of a mapping."""
+    return next((key for key, item in form.get("properties", {}).items() if "const" in item), None)
+
+
+def _word(form: Schema) -> str | None:
+    """Return the name of a type that a registry offers, None for any other form."""
+    key = _key_of(form)
+    return form.get("const") if key is None else form["properties"][key]["const"]
+
+
+def _forms(schema: Schema, definitions: Schema) -> list[Schema]:
+    """Return the forms that a value may have, those of nested choices too."""
+    whole = _resolve(schema, definitions)
+    choices = whole.get("oneOf", whole.get("anyOf"))
+    if choices is None:
+        return [whole]
+    return [form for choice in choices for form in _forms(choice, definitions)]
+
+
+def _resolve(schema: Schema, definitions: Schema) -> Schema:
+    if "$ref" not in schema:
+        return schema
+    return {**definitions[schema["$ref"].rpartition("/")[2]], **schema}
+
+
+def _allowed(schema: Schema, definitions: Schema) -> str:
+    """Say what a value may be."""
+    forms = _forms(schema, definitions)
+    return " or ".join(dict.fromkeys(_form(form, definitions) for form in forms))
+
+
+def _form(form: Schema, definitions: Schema) -> str:
+    if (word := _word(form)) is not None:
+        return _code(word)
+    if "enum" in form:
+        return ", ".join(_code(str(value)) for value in form["enum"])
+    kind = form["type"]
+    if kind == "array":
+        if "prefixItems" in form:
+            return f"[{', '.join(_allowed(item, definitions) for item in form['prefixItems'])}]"
+        if "$ref" in form["items"]:
+            return f"list of {form['items']['$ref'].rpartition('/')[2]}s"
+        return "list of " + re.sub(
+            "^(whole )?number", r"\1numbers", _allowed(form["items"], definitions)
+        )
+    if kind == "object":
+        keys = [key for key in form.get("required", ()) if key in form.get("properties", {})]
+        return _code("{" + ", ".join(f"{key}: .." for key in keys) + "}") if keys else "keys below"
+    if kind == "string":
+        return "name" if "pattern" in form else "text"
+    if kind == "null":
+        return _code("null")
+    limits = [
+        f"{sign} {form[bound]:g}"
+        for bound, sign in _BOUNDS.items()
+        if bound in form and form[bound] != LARGEST_COUNT
+    ]
+    return f"{'whole ' if kind == 'integer' else ''}number {' and '.join(limits)}".rstrip()
+
+
+_BOUNDS = {"exclusiveMinimum": ">", "minimum": "≥", "exclusiveMaximum": "<", "maximum": "≤"}
+
+
+def _split(text: str) -> tuple[str, str]:
+    """Return meaning and unit of a description."""
+    match = _UNIT.search(text)
+    return (_UNIT.sub("", text, count=1), match[1]) if match else (text, "")
+
+
+def _code(text: str) -> str:
+    return f"`{text}`"
+
+
+def _table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
+    lines = [head, tuple("---" for _ in head), *rows]
+    escaped = (" | ".join(cell.replace("|", "\\|") for cell in line) for line in lines)
+    return "".join(f"| {line} |\n" for line in escaped)
