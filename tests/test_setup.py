@@ -19,7 +19,7 @@ ROOT = Path(__file__).resolve().parents[1]
 SCRIPTS = ["scripts/setup", "scripts/run", "scripts/test", ".ci/run"]
 TOOLS = (
     "bash cat chmod cp cut dirname env flock grep head id mkdir mktemp nproc rm sed sha256sum tail "
-    "touch tr"
+    "touch tr true"
 ).split()
 PROGRAMS = {
     "openmpi-bin": ["mpirun"],
@@ -150,9 +150,12 @@ def test_script_is_bash_and_executable(script):
     assert done.stderr == ""
 
 
-def test_bare_machine_is_set_up_then_nothing_is_left_to_do(machine):
+@pytest.mark.parametrize("user", ["root", "sudo"])
+def test_bare_machine_is_set_up_then_nothing_is_left_to_do(machine, user):
     machine.add("apt-get", APT_GET)
-    machine.add("id", "#!/usr/bin/env bash\necho 0")
+    machine.add("id", f"#!/usr/bin/env bash\necho {0 if user == 'root' else 1000}")
+    if user == "sudo":
+        machine.add("sudo", '#!/usr/bin/env bash\n[ "$1" != -n ] || shift\nexec "$@"')
     done = machine.run("scripts/setup")
     assert done.returncode == 0, done.stdout + done.stderr
     install = next(line for line in machine.called.splitlines() if " install " in line)
