@@ -63,7 +63,11 @@ class _Block(Simulation):
         locate(self.scene.shape, self.scene.frame, p, rows, self.scene.frame.vertices)
         here = self.slab.first <= p.layer[:count]
         here &= p.layer[:count] < self.slab.first + self.slab.layers
-        return Particles._make(array[:count][here] for array in p), int(here.sum())
+        arrays = list(p)
+        del p
+        for i in range(len(arrays)):  # so that no more than one array is there twice
+            arrays[i] = arrays[i][:count][here]
+        return Particles._make(arrays), int(here.sum())
 
 
 def _uniform(ids: np.ndarray) -> np.ndarray:

@@ -45,14 +45,7 @@ class Population:
         """Sort the rows themselves by (layer, cell, id), closing the holes."""
         p, rows = self.particles, self.order
         locate(self.shape, self.frame, p, rows, self.frame.vertices)
-        cell, number = p.cell[rows], p.id[rows]
-        if len(rows) and self._keys_fit(cell, number):
-            # Both in one key: several times faster than sorting by two.
-            base = cell - cell.min()
-            permutation = np.argsort(base * (number.max() + 1) + number)
-        else:
-            permutation = np.lexsort((number, cell))
-        rows = rows[permutation]
+        rows = rows[self._sorting(p.cell[rows], p.id[rows])]
         for array in p:
             if array.size:
                 array[: len(rows)] = array[rows]
@@ -63,8 +56,18 @@ class Population:
         self._used, self._holes = len(rows), []
 
     @staticmethod
-    def _keys_fit(cell: IntArray, number: IntArray) -> bool:
-        return (int(cell.max()) - int(cell.min()) + 1) * (int(number.max()) + 1) < 2**63
+    def _sorting(cell: IntArray, number: IntArray) -> IntArray:
+        """Permutation that sorts by (cell, number); both arrays are overwritten."""
+        if not len(cell):
+            return np.arange(0)
+        cell -= cell.min()
+        numbers = int(number.max()) + 1
+        if (int(cell.max()) + 1) * numbers >= 2**63:
+            return np.lexsort((number, cell))
+        # Both in one key: several times faster than sorting by two.
+        cell *= numbers
+        cell += number
+        return np.argsort(cell)
 
     def reach(self) -> np.ndarray:
         """First vertices of the supports, (least, greatest; y, z)."""
