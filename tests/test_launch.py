@@ -307,3 +307,16 @@ def test_doctor_names_what_is_broken_and_the_cure(python):
     assert done.returncode == 1
     assert "WRONG  mpi4py" in done.stdout
     assert "What to do:\n  mpi4py: " in done.stdout
+
+
+def test_doctor_is_content_with_one_rank_where_there_is_no_mpi(monkeypatch, capsys):
+    """mpi4py's words on a machine without any MPI library, and no mpirun."""
+    from pgimp.commands import doctor
+
+    words = "cannot load MPI library\\nlibmpi.so.12: cannot open\\nlibmpi.so.40: cannot open"
+    monkeypatch.setattr(doctor, "_MPI_PROBE", f'raise RuntimeError("{words}")')
+    monkeypatch.setenv("PATH", "/nowhere")
+    assert main(["doctor"]) == 0
+    said = capsys.readouterr().out
+    assert "note   mpi4py       finds no MPI library: one rank only" in said
+    assert "pgimp works here" in said

@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 _PROBE_SECONDS = 120
+_LINES_OF_ERROR = 5
 _LAUNCHER_VARIABLES = ("OMPI_", "PMIX_", "PMI_", "PALS_", "MPI_LOCAL", "SLURM_STEP")
 
 _GET_MPI = (
@@ -38,7 +39,6 @@ from mpi4py import MPI
 print(json.dumps({{
     "version": mpi4py.__version__,
     "library": MPI.Get_library_version().strip("\\0 \\n").splitlines()[0].split(",")[0],
-    "vendor": MPI.get_vendor()[0],
     "files": mpi_libraries(),
 }}))
 """
@@ -234,22 +234,19 @@ def _mpirun() -> Finding:
 
 
 def _two_ranks(mpi: dict[str, Any], path: str) -> Finding:
-    launch = ["mpirun", "-n", "2"]
-    if mpi["vendor"] == "Open MPI":
-        launch = ["mpirun", "-q", "--oversubscribe", "--bind-to", "none", "-n", "2"]
-    tried = _try(_RANKS_PROBE, path, launch=launch)
-    if isinstance(tried, str) and mpi["vendor"] == "Open MPI" and "unrecognized" in tried.lower():
-        tried = _try(_RANKS_PROBE, path, launch=["mpirun", "-n", "2"])
+    for options in (["-q", "--oversubscribe", "--bind-to", "none"], []):  # Open MPI's; any other's
+        tried = _try(_RANKS_PROBE, path, launch=["mpirun", *options, "-n", "2"])
+        if isinstance(tried, dict):
+            break
+    cure = f"start pgimp with the mpirun that belongs to {mpi['library']}, or name mpirun's own "
+    cure += "library: MPI4PY_LIBMPI=/path/to/libmpi.so"
     if isinstance(tried, str):
-        cure = f"mpirun and {mpi['library']} do not work together here; start pgimp with the "
-        cure += "mpirun of that library, or name mpirun's own: MPI4PY_LIBMPI=/path/to/libmpi.so"
         return Finding("two ranks", tried, cure, broken=True)
     if tried["ranks"] != 2:
         return Finding(
             "two ranks",
             f"mpirun and mpi4py's {mpi['library']} do not belong together: each process is alone",
-            "put the mpirun of that library first in PATH, or name mpirun's own library: "
-            "MPI4PY_LIBMPI=/path/to/libmpi.so",
+            cure,
             broken=True,
         )
     return Finding(
@@ -282,10 +279,10 @@ def _run(words: list[str]) -> subprocess.CompletedProcess[str]:
     )
 
 
-def _try(script: str, *words: str, launch: list[str] | None = None) -> dict[str, Any] | str:
+def _try(script: str, *argv: str, launch: list[str] | None = None) -> dict[str, Any] | str:
     """Run a script that prints a JSON object; return that, or in words why there is none."""
     try:
-        done = _run([*(launch or []), sys.executable, "-c", script, *words])
+        done = _run([*(launch or []), sys.executable, "-c", script, *argv])
     except subprocess.TimeoutExpired:
         return f"does not come back (waited {_PROBE_SECONDS} s)"
     except OSError as error:
@@ -293,7 +290,11 @@ def _try(script: str, *words: str, launch: list[str] | None = None) -> dict[str,
     for line in reversed(done.stdout.splitlines()):
         if done.returncode == 0 and line.startswith("{"):
             return json.loads(line)
-    said = [line.strip() for line in done.stderr.splitlines() if line.strip(" -")]
+    # The message of an exception is what follows the indented lines of its traceback.
+    said: list[str] = []
+    for line in done.stderr.splitlines():
+        said = [] if line.startswith(" ") else [*said, line.strip("- ")]
+    words = " ".join(" ".join(said[-_LINES_OF_ERROR:]).split())
     if done.returncode < 0:
-        return f"crashes (signal {-done.returncode}) {said[-1] if said else ''}".rstrip()
-    return " ".join(said[-2:]) or f"fails with status {done.returncode}"
+        return f"crashes (signal {-done.returncode}) {words}".rstrip()
+    return words or f"fails with status {done.returncode}"
