@@ -229,8 +229,8 @@ def _mpirun() -> Finding:
         said = _run([mpirun, "--version"]).stdout.strip().splitlines()
     except (OSError, subprocess.SubprocessError) as error:
         return Finding("mpirun", f"{mpirun}: {error}", "install MPI again", broken=True)
-    words = next((line for line in said if "version" in line.lower() or "(" in line), "")
-    return Finding("mpirun", f"{words.strip() or 'unknown version'}, {mpirun}")
+    words = " ".join(said[: 1 if "(" in said[0] else 2]).split() if said else ["unknown version"]
+    return Finding("mpirun", f"{' '.join(words)}, {mpirun}")
 
 
 def _two_ranks(mpi: dict[str, Any], path: str) -> Finding:
