@@ -24,7 +24,7 @@ from ruamel.yaml.events import (
 )
 
 from pgimp.case.messages import describe, shorten
-from pgimp.case.syntax import explain_syntax
+from pgimp.case.syntax import explain_syntax, position
 from pgimp.errors import CaseError
 
 LARGEST_FILE = 4_000_000
@@ -69,8 +69,10 @@ def decode(content: bytes, filename: str) -> str:
         When it is too large, binary, or not UTF-8.
     """
     if len(content) > LARGEST_FILE:
-        megabytes = f"{len(content) / 1e6:.3g} MB"
-        raise CaseError(f"{filename}: {megabytes} are too large for a case file (at most 4 MB)")
+        raise CaseError(
+            f"{filename}: {len(content):,} bytes are too many for a case file "
+            f"(at most {LARGEST_FILE:,})"
+        )
     if b"\0" in content:
         raise CaseError(f"{filename}: a binary file, not a case file (YAML text in UTF-8)")
     try:
@@ -92,7 +94,7 @@ def parse(text: str, filename: str) -> Document:
         With file, line and column of what is no YAML, or not the YAML of a case file.
     """
     if len(text) > LARGEST_FILE:
-        raise CaseError(f"{filename}: too large for a case file (at most 4 MB)")
+        raise CaseError(f"{filename}: too large for a case file (at most {LARGEST_FILE:,} bytes)")
     text = text.removeprefix("\ufeff")
     if strange := _UNPRINTABLE.search(text):
         line = text.count("\n", 0, strange.start()) + 1
@@ -144,8 +146,7 @@ class _Builder:
         self.keys: list[str | None] = []
 
     def fail(self, event: Event, text: str) -> CaseError:
-        mark = event.start_mark
-        return CaseError(f"{self.filename}:{mark.line + 1}:{mark.column + 1}: {text}")
+        return CaseError(f"{position(self.filename, event.start_mark)}: {text}")
 
     def take(self, event: Event) -> None:
         """Take the next event of the parser."""

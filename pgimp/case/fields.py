@@ -41,10 +41,10 @@ HISTORY: dict[str, str] = {
     "step": "steps done",
     "dt": "length of the last step, 0 before the first [time]",
     "mass": "mass of all particles [mass]",
-    "momentum-x ..": "linear momentum, one column a direction [mass length/time]",
-    "angular-momentum-z (2D), -x -y -z (3D)": (
-        "angular momentum about the origin of the coordinates, counter-clockwise positive "
-        "[mass length^2/time]"
+    "momentum-AXIS": "linear momentum [mass length/time]",
+    "angular-momentum-AXIS": (
+        "angular momentum about the origin of the coordinates, counter-clockwise positive; "
+        "about z alone in 2D, none in 1D [mass length^2/time]"
     ),
     "kinetic-energy": "kinetic energy of the particles [energy]",
     "strain-energy": "strain energy [energy]",
@@ -53,12 +53,12 @@ HISTORY: dict[str, str] = {
         "energy [energy]"
     ),
     "external-work": "work of gravity and of the faces on the material since the start [energy]",
-    "body.NAME.centre-x ..": "centre of mass of each body, one column a direction [length]",
+    "body.NAME.centre-AXIS": "centre of mass of each body [length]",
     "body.NAME.kinetic-energy": "kinetic energy of each body [energy]",
     "body.NAME.strain-energy": "strain energy of each body [energy]",
-    "reaction.FACE-x ..": (
-        "mean force of each named face on the material since the last line, one column a "
-        "direction; compression at x-min gives a positive reaction.x-min-x [force]"
+    "reaction.FACE-AXIS": (
+        "mean force of each named face on the material since the last line; compression at x-min "
+        "gives a positive reaction.x-min-x [force]"
     ),
 }
-"""Columns of ``history.csv``, in their order."""
+"""Columns of ``history.csv``, in their order; AXIS stands for x, y, z, as many as there are."""

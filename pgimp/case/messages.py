@@ -170,6 +170,8 @@ def _text(item: ErrorDetails, keys: Mapping[str, str]) -> str:
         limit = context["min_length" if least else "max_length"]
         entries = "entry" if limit == 1 else "entries"
         return f"expected at {'least' if least else 'most'} {limit} {entries}, {got(value)}"
+    if kind == "string_type" and isinstance(value, bool | int | float):
+        return f"expected text, got {describe(value)}; text that looks like this needs quotes"
     if kind in _EXPECTED:
         return f"expected {_EXPECTED[kind]}, {got(value)}"
     if kind in ("literal_error", "enum"):
@@ -178,7 +180,8 @@ def _text(item: ErrorDetails, keys: Mapping[str, str]) -> str:
             return unknown("value", value, [name.strip("'") for name in expected.split(", ")])
         return f"expected one of {expected}, {got(value)}"
     if kind == "string_pattern_mismatch":
-        return f"a name starts with a letter; letters, digits, - and _ may follow; {got(value)}"
+        rule = "a name starts with a letter; letters, digits, - and _ may follow"
+        return f"{rule}; got {describe(value)}"
     return f"not a value that may stand here, {got(value)}"
 
 

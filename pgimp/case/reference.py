@@ -61,7 +61,8 @@ def reference() -> str:
         "As `output.fields` asks for:\n",
         _fields(FIELDS),
         "## History\n",
-        "The columns of `history.csv`, in their order:\n",
+        "The columns of `history.csv`, in their order. AXIS is `x`, `y`, `z`, as many as the case "
+        "has dimensions; NAME is each body, FACE each face that the case names.\n",
         _table(("column", "meaning", "unit"), columns),
     ]
     return "\n".join(pages)

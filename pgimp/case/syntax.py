@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import re
 
-from ruamel.yaml.error import MarkedYAMLError
+from ruamel.yaml.error import MarkedYAMLError, StreamMark
 
 _NO_SPACE = re.compile(r"""^\s*(?:-\s+)?([A-Za-z][A-Za-z0-9_-]*):(?![\s/])[^\s'"].*$""")
 
 
 def explain_syntax(error: MarkedYAMLError, text: str, filename: str) -> str:
-    """Return file, line, column and what is wrong there.
+    """Return file, line, column and what is wrong there; of an override its text instead.
 
     Parameters
     ----------
@@ -26,7 +26,12 @@ def explain_syntax(error: MarkedYAMLError, text: str, filename: str) -> str:
     start = error.context_mark.line + 1 if error.context_mark else mark.line + 1
     found = _missing_space(text, mark.line) if "flow" not in context else None
     found = found or _cause(problem, context, start)
-    return f"{filename}:{mark.line + 1}:{mark.column + 1}: {found}"
+    return f"{position(filename, mark)}: {found}"
+
+
+def position(name: str, mark: StreamMark) -> str:
+    """Return file, line and column of a mark; of an override its text alone."""
+    return name if name.startswith("--set ") else f"{name}:{mark.line + 1}:{mark.column + 1}"
 
 
 def _missing_space(text: str, line: int) -> str | None:
@@ -60,8 +65,10 @@ def _cause(problem: str, context: str, start: int) -> str:
         return f"a ',' or the closing '{closing}' is missing after line {start}"
     if "unexpected end of stream" in problem and "quoted" in context:
         return f"the quote that opens in line {start} is not closed"
+    if "expected '<document start>'" in problem:
+        return "this does not continue what stands above: is there a stray bracket, quote or %?"
     if "found '<stream end>'" in problem:
-        return "the file ends in the middle of a list or a mapping"
+        return "it ends in the middle of a list or a mapping"
     if "cannot start any token" in problem:
         return f"text that starts with {problem.split()[2]} needs quotes"
     return f"not valid YAML: {problem or 'cannot be read'}"

@@ -1,0 +1,154 @@
+"""What `pgimp schema` prints: the JSON schema for editors and the reference for people."""
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+from bad_cases import GOOD
+from case_strategies import cases
+from hypothesis import given, settings
+from schema_checker import Checker
+
+from pgimp.case.document import parse
+from pgimp.case.fields import ALWAYS, FIELDS, HISTORY
+from pgimp.case.jsonschema import json_schema
+from pgimp.case.overrides import apply
+from pgimp.case.reader import read_case
+from pgimp.case.schema import Case
+from pgimp.cli import main
+from pgimp.errors import CaseError
+from pgimp.output import fields as written
+from pgimp.parallel.comm import Serial
+from pgimp.solver.simulation import Simulation
+
+PAGE = Path(__file__).parents[1] / "cases" / "reference.md"
+
+
+def test_reference_is_current(capsys):
+    assert main(["schema", "--markdown"]) == 0
+    assert capsys.readouterr().out == PAGE.read_text(encoding="utf-8"), (
+        "run: pgimp schema --markdown > cases/reference.md"
+    )
+
+
+def test_the_reference_covers_what_frames_and_history_hold():
+    assert list(ALWAYS) == list(written.ALWAYS)
+    assert list(FIELDS) == list(written.OPTIONAL)
+    page = PAGE.read_text(encoding="utf-8")
+    for name in [*ALWAYS, *FIELDS, *HISTORY]:
+        assert f"| `{name}` |" in page
+
+
+@pytest.mark.parametrize("dimensions", [1, 2, 3])
+def test_the_reference_names_the_columns_that_the_solver_writes(dimensions):
+    def vector(number):
+        return [number] * dimensions
+
+    body = {"material": "m", "region": {"box": {"min": vector(0), "max": vector(1)}}}
+    case = Case.model_validate(
+        {
+            "format": 1,
+            "dimensions": dimensions,
+            "grid": {"size": vector(4), "cell": vector(1)},
+            "method": {"shape": "mpm", "particles_per_cell": vector(1)},
+            "time": {"end": 1, "step": {"courant": 0.3}},
+            "materials": {"m": {"model": "hooke", "young": 1, "poisson": 0, "density": 1}},
+            "bodies": {"b": body},
+            "boundaries": {"x-min": "fixed", "x-max": "slip"},
+        }
+    )
+    columns = list(Simulation(case, Serial()).diagnostics())
+    position = 0
+    for name in HISTORY:
+        face = "x-(min|max)" if "FACE" in name else "x"
+        pattern = name.replace("AXIS", "[xyz]").replace("NAME", "b").replace("FACE", face)
+        found = [column for column in columns if re.fullmatch(pattern, column)]
+        assert columns[position : position + len(found)] == found
+        assert found or (name == "angular-momentum-AXIS" and dimensions == 1)
+        position += len(found)
+    assert position == len(columns)
+
+
+def keys(data, path=""):
+    """Every key path of plain data, with names for what the case names."""
+    for name, value in data.items() if isinstance(data, dict) else ():
+        name = {"materials": "NAME", "bodies": "NAME", "boundaries": "FACE"}.get(path, name)
+        below = f"{path}.{name}" if path else name
+        if below != f"{path}.FACE" or isinstance(value, dict):
+            yield below
+        yield from keys(value, below)
+
+
+@settings(max_examples=30, deadline=None)
+@given(cases())
+def test_the_reference_has_every_key(data):
+    page = PAGE.read_text(encoding="utf-8")
+    resolved = Case.model_validate(data).model_dump(by_alias=True)
+    for key in keys(resolved):
+        if not key.endswith((".NAME", ".FACE")):
+            assert f"| `{key}` |" in page
+
+
+def test_every_key_is_described():
+    described = 0
+
+    def walk(schema):
+        nonlocal described
+        for name, value in schema.get("properties", {}).items():
+            assert value.get("description"), name
+            described += 1
+        for value in schema.values():
+            for item in value if isinstance(value, list) else [value]:
+                if isinstance(item, dict):
+                    walk(item)
+
+    walk(json_schema())
+    assert described > 50
+
+
+@settings(max_examples=60, deadline=None)
+@given(cases())
+def test_editors_accept_what_pgimp_accepts(data):
+    check = Checker(json_schema())
+    assert check(data)
+    assert check(json.loads(json.dumps(Case.model_validate(data).model_dump(by_alias=True))))
+
+
+@pytest.mark.parametrize(
+    ("override", "editors_see"),
+    [
+        ("time.stepp=1", True),
+        ("time.end=-1", True),
+        ("time.end=true", True),
+        ('time.end="1"', True),
+        ("time.step={courant: 2}", True),
+        ("dimensions=4", True),
+        ("boundaries.left=fixed", True),
+        ("boundaries.x-max=fix", True),
+        ("materials.steel.model=hook", True),
+        ("materials.steel.poisson=0.5", True),
+        ("materials.1a={model: hooke, young: 1, poisson: 0, density: 1}", True),
+        ("bodies.left.region={box: {min: [0, 0]}}", True),
+        ("bodies.left.region={union: [{ball: {centre: [1, 1], radius: 0}}]}", True),
+        ("bodies.left.velocity={rotation: {about: [0, 0]}}", True),
+        ("output.fields=[heat]", True),
+        ("gravity={table: [[0]]}", True),
+        # What a schema cannot say.
+        ("grid.cell=[0.3, 0.5]", False),
+        ("bodies.left.material=stone", False),
+    ],
+)
+def test_editors_see_mistakes(override, editors_see):
+    document = parse(GOOD, "case.yaml")
+    check = Checker(json_schema())
+    assert check(document.data)
+    with pytest.raises(CaseError):
+        read_case(GOOD, overrides=[override])
+    apply(document, [override])
+    assert check(document.data) is not editors_see
+
+
+def test_schema_command_prints_json(capsys):
+    assert main(["schema"]) == 0
+    assert json.loads(capsys.readouterr().out) == json_schema()
