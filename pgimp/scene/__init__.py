@@ -1,0 +1,1 @@
+"""The scene of a case: regions, tables, and the particles that fill the bodies."""
