@@ -63,7 +63,7 @@ class _Block(Simulation):
         locate(self.scene.shape, self.scene.frame, p, rows, self.scene.frame.vertices)
         here = self.slab.first <= p.layer[:count]
         here &= p.layer[:count] < self.slab.first + self.slab.layers
-        arrays = list(p)
+        arrays: list[np.ndarray] = list(p)
         del p
         for i in range(len(arrays)):  # so that no more than one array is there twice
             arrays[i] = arrays[i][:count][here]

@@ -13,14 +13,14 @@ import numpy as np
 
 from pgimp.case.load import load
 from pgimp.case.schema import Case
-from pgimp.errors import CaseError
 from pgimp.kernels.sums import fastest_rate
 from pgimp.output.progress import duration
 from pgimp.parallel.comm import Serial
 from pgimp.scene.lattice import Lattice
 from pgimp.scene.scene import Scene, count_particles
 from pgimp.solver.particles import Particles
-from pgimp.solver.simulation import DOUBTFUL, REFUSED, Simulation
+from pgimp.solver.simulation import Simulation
+from pgimp.solver.stability import DOUBTFUL, doubt, require_stable
 
 #: Cost of a step's messages on one node, seconds; what a rank must at least have to do besides.
 _MESSAGES = 20e-6
@@ -86,8 +86,8 @@ def report(case: Case) -> None:
     _report_cost(case, scene, count, steps)
     for note in notes:
         print(f"note: {note}")
-    if not scene.varies and dt * rate > DOUBTFUL:
-        print(f"warning: above Courant 0.5 a free surface may become unstable: {0.3 / rate:.3g}")
+    if dt * rate > DOUBTFUL:
+        print(f"warning: {doubt(dt, rate)}")
 
 
 def _facts(scene: Scene, lattice: Lattice, counts: np.ndarray, body: int) -> BodyFacts:
@@ -121,13 +121,8 @@ def _step(case: Case, rate: float) -> float:
     """Length of a step, the first one if it is controlled."""
     if not isinstance(case.time.step, float | int):
         return min(case.time.step.courant / rate, case.time.end)
-    dt = float(case.time.step)
-    if dt * rate > REFUSED:
-        raise CaseError(
-            f"time.step: {dt:g} is a Courant number of {dt * rate:.3g}, beyond the stability "
-            f"limit; use at most {DOUBTFUL / rate:.3g} (Courant 0.5), or step: {{courant: 0.3}}"
-        )
-    return dt
+    require_stable(float(case.time.step), rate)
+    return float(case.time.step)
 
 
 def _report_body(body: BodyFacts, case: Case, duration: float) -> None:

@@ -9,10 +9,11 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from pgimp.errors import CaseError, RunError, UsageError
+from pgimp.errors import RunError, UsageError
 from pgimp.output.collective import explain, on_root
 from pgimp.output.frames import Frames
 from pgimp.output.history import History
+from pgimp.output.interrupt import Interrupt
 from pgimp.output.log import Log, timing_table
 from pgimp.output.progress import Progress, duration, terminal_columns
 from pgimp.output.rundir import RunDirectory
@@ -137,28 +138,26 @@ def run(
     return reader.open(output)
 
 
-def _read(name: str, comm: Any) -> str:
+def _read(name: str, comm: Any) -> bytes:
     """Let rank 0 read the case file for all."""
 
-    def read() -> str:
+    def read() -> bytes:
         try:
-            return Path(name).read_bytes().decode("utf-8-sig")
-        except UnicodeDecodeError as error:
-            raise CaseError(f"{name} is no text in UTF-8 (byte {error.start}).") from error
+            return Path(name).read_bytes()
         except OSError as error:
             raise UsageError(f"cannot read the case {name}: {explain(error)}") from error
 
     return on_root(comm, read)
 
 
-def _parse(text: str, name: str, overrides: list[str]) -> Case:
+def _parse(text: bytes, name: str, overrides: list[str]) -> Case:
     from pgimp.case.reader import read_case
 
     return read_case(text, name, overrides)
 
 
 def _run(
-    case: Case, text: str | None, comm: Any, output: Path, overwrite: bool, quiet: bool
+    case: Case, text: bytes | None, comm: Any, output: Path, overwrite: bool, quiet: bool
 ) -> None:
     from pgimp.case.reader import dump_case
 
@@ -167,7 +166,7 @@ def _run(
     try:
         log.say(f"pgimp {installed('pgimp') or '(not installed)'}: {case.title or output.stem}")
         sim = _set_up(case, comm, log)
-        texts = {"case.yaml": dump_case(case)} | ({"input.yaml": text} if text else {})
+        texts = {"case.yaml": dump_case(case).encode()} | ({"input.yaml": text} if text else {})
         directory.prepare(texts, describe_start(comm, sim.count))
         log.keep_in(output / "log.txt")
         _advance(case, sim, directory, log)
@@ -216,17 +215,19 @@ def _advance(case: Case, sim: Any, directory: RunDirectory, log: Log) -> None:
     progress = Progress(log, sim, case.time.end, terminal_columns() if log.speaks else 0)
     began = perf_counter()
     try:
-        record(frame=True, line=True)
-        framed = True
-        while not sim.finished:
-            sim.advance()
-            time, step, dt = sim.time, sim.step, sim.dt
-            framed = frame_times.due(time, step, dt)
-            line = history_times.due(time, step, dt)
-            if framed or line:
-                record(framed, line)
-            progress.step()
-        record(frame=not framed, line=True)
+        with Interrupt() as interrupt:
+            record(frame=True, line=True)
+            framed = True
+            while not sim.finished:
+                sim.advance()
+                time, step, dt = sim.time, sim.step, sim.dt
+                framed = frame_times.due(time, step, dt)
+                line = history_times.due(time, step, dt)
+                if framed or line:
+                    record(framed, line)
+                progress.step()
+                interrupt.check()
+            record(frame=not framed, line=True)
     except BaseException as error:
         state = "stopped" if isinstance(error, KeyboardInterrupt) else "failed"
         directory.record_failure(state, sim.step, sim.time, describe(error))

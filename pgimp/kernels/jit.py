@@ -19,7 +19,7 @@ import sys
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 _SETTINGS = {"NUMBA_LOOP_VECTORIZE": "0", "NUMBA_DISABLE_INTEL_SVML": "1"}
 
@@ -103,7 +103,7 @@ def specialise(stub: Callable) -> Callable[[Callable], Callable]:
     same signature. Unlike closures and functions passed as arguments, kernels that call `stub`
     are found again in the disk cache.
     """
-    return overload(stub, jit_options=INLINE_OPTIONS, strict=False)
+    return overload(stub, jit_options=cast(Any, INLINE_OPTIONS), strict=False)
 
 
 def exact(stub: Callable) -> Callable[[Callable], Callable]:
@@ -112,7 +112,7 @@ def exact(stub: Callable) -> Callable[[Callable], Callable]:
     Whether LLVM contracts a product and a sum depends on what else uses the product, so that the
     same expression may round differently in two kernels.
     """
-    options = {**INLINE_OPTIONS, "fastmath": False}
+    options: Any = {**INLINE_OPTIONS, "fastmath": False}
     return overload(stub, jit_options=options, strict=False)
 
 
