@@ -1,0 +1,191 @@
+"""Slabs of a small scene, driven kernel by kernel without a case and without MPI."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from rank_threads import Comm
+
+from pgimp.kernels.g2p import grid_to_particles
+from pgimp.kernels.momentum import update_momentum
+from pgimp.kernels.p2g import particles_to_grid
+from pgimp.kernels.sums import SUMS, fastest_rate, layer_sums
+from pgimp.materials.hooke import HookeParameters
+from pgimp.materials.neo_hookean import NeoHookeanParameters
+from pgimp.parallel.halo import Halo
+from pgimp.parallel.slabs import Slab, slab_of
+from pgimp.shapes import SHAPES
+from pgimp.solver.grid import Grid
+from pgimp.solver.particles import Frame, Particles
+from pgimp.solver.population import Population
+
+#: Two bodies of different models: with one tuple in all tests the kernels are compiled once.
+MATERIALS = (NeoHookeanParameters(3.0, 2.0, 1.5), HookeParameters(1.0, 4.0, 0.8))
+MATERIAL_OF = np.array([0, 1], np.int64)
+
+SEED = 20040
+
+
+def entry(name: str, particles_per_cell: Sequence[int]) -> Any:
+    """Entry ``method`` of a case."""
+    return SHAPES[name].model_validate(
+        {"shape": name, "particles_per_cell": list(particles_per_cell)}
+    )
+
+
+def make_frame(shape: Any, origin: Sequence[float], cell: Sequence[float], cells: Sequence[int]):
+    """Grid of `cells`, with the ghost vertices that the shape needs."""
+    inverse = tuple(1.0 / float(size) for size in cell)
+    return Frame(tuple(origin), tuple(cell), inverse, tuple(cells), shape.vertices - 1)
+
+
+def random_particles(rng: np.random.Generator, x: np.ndarray) -> Particles:
+    """Particles of two bodies at `x` (n, D), deformed, stressed, of various masses and sizes."""
+    n, D = x.shape
+    p = Particles.empty(n, D, False)
+    p.x[:] = x
+    p.v[:] = rng.normal(size=p.v.shape)
+    p.F[:] += 0.2 * rng.uniform(-1.0, 1.0, p.F.shape)
+    p.sigma[:] = rng.normal(size=p.sigma.shape)
+    p.V0[:] = rng.uniform(0.5, 1.5, n)
+    p.V[:] = p.V0 * rng.uniform(0.8, 1.2, n)
+    p.m[:] = rng.uniform(0.5, 2.0, n)
+    p.id[:] = rng.permutation(n)
+    p.body[:] = rng.integers(0, 2, n)
+    return p
+
+
+def random_positions(rng: np.random.Generator, frame: Frame, n: int, inset: float = 0.0):
+    """Positions within the domain, (n, D), at least `inset` cells from its faces."""
+    xi = [rng.uniform(inset, cells - inset, n) for cells in frame.cells]
+    return np.stack(xi, axis=1) * frame.cell + frame.origin
+
+
+def place(particles: Particles, rows: np.ndarray, capacity: int) -> Particles:
+    """The same particles in the given rows of larger arrays; NaN and nonsense in between."""
+    spread = []
+    for array in particles:
+        larger = np.empty((capacity, *array.shape[1:]), array.dtype)
+        larger.fill(np.nan if array.dtype.kind == "f" else -77)
+        larger[rows] = array
+        spread.append(larger)
+    return Particles(*spread)
+
+
+def copy_of(particles):
+    return Particles(*(array.copy() for array in particles))
+
+
+class Rank:
+    """What one rank holds: population, grid and halo of its slab.
+
+    Parameters
+    ----------
+    shape : Shape
+        Entry of the case.
+    slab : Slab, optional
+        By default all layers of the grid.
+    reach : (2, 2) int64, optional
+        First vertices that the window has to cover; by default those of the particles.
+    """
+
+    def __init__(
+        self,
+        shape: Any,
+        frame: Frame,
+        particles: Particles,
+        slab: Slab | None = None,
+        comm: Any = None,
+        reach: np.ndarray | None = None,
+    ) -> None:
+        self.frame, self.vertices, self.shape = frame, shape.vertices, shape.parameters()
+        self.slab = slab or Slab(0, frame.vertices[0], None, None)
+        self.population = Population(particles, particles.capacity, self.shape, frame, self.slab)
+        shared = self.vertices - 1 if self.slab.below is not None else 0
+        self.grid = Grid(frame, self.vertices, self.slab.first, self.slab.layers, shared)
+        self.grid.cover(self.population.reach() if reach is None else reach)
+        self.halo = Halo(comm, self.slab, self.vertices - 1)
+
+    @property
+    def particles(self) -> Particles:
+        return self.population.particles
+
+    def particles_to_grid(self) -> None:
+        grid, population = self.grid, self.population
+        grid.G.fill(np.nan)  # only what the kernel sets may be used
+        grid.partial.fill(np.nan)
+        particles_to_grid(
+            self.shape, self.frame, grid.window, population.particles, population.order,
+            population.start, grid.scratch, grid.G, grid.active, grid.partial, grid.shared,
+        )  # fmt: skip
+        assert not grid.scratch.any()
+
+    def update_momentum(
+        self, dt: float, gravity: Sequence[float] = (), faces: tuple = (), lightest: float = 0.0
+    ) -> None:
+        """Momentum update; sets `impulse` (planes, faces, 3) and `work` (planes,)."""
+        grid = self.grid
+        owned = self.slab.layers if self.slab.above is not None else grid.planes
+        self.impulse, self.work = np.zeros((grid.planes, len(faces), 3)), np.zeros(grid.planes)
+        b = (*gravity, 0.0, 0.0, 0.0)[:3]
+        update_momentum(
+            self.frame, grid.window, grid.G, grid.active, dt, b, lightest, faces, owned,
+            self.impulse, self.work,
+        )  # fmt: skip
+
+    def grid_to_particles(self, dt: float, tracked: bool = True) -> tuple[int, int, int, float]:
+        """As the kernel; the movers' places in the order are in ``population.movers``."""
+        grid, population = self.grid, self.population
+        self.reach = grid.base.copy()
+        return grid_to_particles(
+            self.shape, MATERIALS, self.frame, grid.window, population.particles,
+            population.order, population.start, MATERIAL_OF, grid.G, dt, tracked, True,
+            grid.bounds, self.reach, population.movers,
+        )  # fmt: skip
+
+    def records(self) -> np.ndarray:
+        """Records of the vertices of all of the grid, (vertices of each direction, 8); else 0."""
+        grid, window = self.grid, self.grid.window
+        planes = grid.G.reshape(*window.extent, 8).copy()
+        planes[grid.active == 0] = 0.0
+        low = window.lower
+        shape = (*self.frame.vertices, 1, 1)[:3]
+        full = np.zeros((max(shape[0], low[0] + window.extent[0]), *shape[1:], 8))
+        where = tuple(slice(a, a + n) for a, n in zip(low, window.extent, strict=True))
+        full[where] = planes
+        assert not full[shape[0] :].any()  # planes beyond the grid stay empty
+        return full[: shape[0]].reshape(*self.frame.vertices, 8)
+
+
+def split(shape: Any, frame: Frame, particles: Particles, cuts: list[int], reach: np.ndarray):
+    """Ranks that share the particles; `cuts` as from `pgimp.parallel.slabs.cut`."""
+    whole = Rank(shape, frame, copy_of(particles))
+    boxes: dict = {}
+    ranks = []
+    for rank in range(len(cuts) - 1):
+        slab = slab_of(cuts, rank)
+        layer = whole.particles.layer
+        mine = (layer >= slab.first) & (layer < slab.first + slab.layers)
+        own = Particles(*(array[mine] for array in whole.particles))
+        ranks.append(Rank(shape, frame, own, slab, Comm(rank, boxes), reach))
+    return ranks
+
+
+def sums_of(rank, D, bodies, material_of):
+    """Result of `layer_sums`, (layers, bodies, columns)."""
+    sums = np.zeros((rank.slab.layers, bodies, SUMS))
+    population = rank.population
+    layer_sums(
+        rank.frame, tuple(np.eye(D).ravel().tolist()), MATERIALS, population.particles,
+        population.order, population.start, material_of, sums,
+    )  # fmt: skip
+    return sums
+
+
+def rate_of(rank, D, material_of):
+    """Result of `fastest_rate`."""
+    population = rank.population
+    return fastest_rate(
+        rank.frame, tuple(np.eye(D).ravel().tolist()), MATERIALS, population.particles,
+        population.order, material_of,
+    )  # fmt: skip

@@ -1,0 +1,289 @@
+"""Canonical order, migration and the cutting into slabs, against plain sorting."""
+
+import math
+import sys
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from hypothesis import assume, example, given, settings
+from hypothesis import strategies as st
+from kernel_driver import entry, make_frame
+from rank_threads import MPI, Comm, together
+
+from pgimp.parallel.migrate import migrate, pack, unpack
+from pgimp.parallel.slabs import Slab, cut, slab_of
+from pgimp.shapes import SHAPES
+from pgimp.solver.particles import Particles
+from pgimp.solver.population import Population
+
+CELL, CELLS = (0.3, 0.7), (9, 3)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def threads_for_ranks():
+    """`migrate` asks mpi4py for the names of two things; the messages go between threads."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(sys.modules, "mpi4py", SimpleNamespace(MPI=MPI))
+        yield
+
+
+class World:
+    """All particles in plain Python: position, cell at the last re-sort, a signature each."""
+
+    def __init__(self, name, ppc, xi, ranks, cut_at):
+        self.shape = entry(name, (ppc, ppc))
+        self.half = 0.5 / ppc if name == "gimp" else 0.0
+        self.frame = make_frame(self.shape, (-1.0, 2.0), CELL, CELLS)
+        self.x = {n: x * CELL + self.frame.origin for n, x in enumerate(xi)}
+        self.layer = {n: self.vertex(x, 0) for n, x in self.x.items()}
+        self.sort()
+        self.decompose(ranks, cut_at)
+
+    def vertex(self, x, d):
+        """First vertex that the particle reaches along direction d."""
+        xi = (x[d] - self.frame.origin[d]) * self.frame.inverse[d]
+        return math.floor(xi - self.half) + self.frame.ghost
+
+    def sort(self):
+        rows = self.frame.vertices[1]
+        self.cell = {n: self.vertex(x, 0) * rows + self.vertex(x, 1) for n, x in self.x.items()}
+
+    def expected(self, slab):
+        """Numbers of the slab's particles in canonical order."""
+        own = [n for n, at in self.layer.items() if slab.first <= at < slab.first + slab.layers]
+        return sorted(own, key=lambda n: (self.layer[n], self.cell[n], n))
+
+    def decompose(self, ranks, cut_at):
+        width, layers = self.shape.vertices - 1, self.frame.vertices[0]
+        cuts = [0]
+        for k in range(1, ranks):
+            low, high = cuts[-1] + width, layers - (ranks - k) * width
+            cuts.append(low + cut_at % (high - low + 1))
+        cuts.append(layers)
+        boxes = {}
+        self.ranks = []
+        for rank in range(ranks):
+            slab = slab_of(cuts, rank)
+            own = self.expected(slab)[::-1]
+            p = Particles.empty(max(len(own), 1), 2, False)
+            for row, n in enumerate(own):
+                p.x[row], p.id[row], p.m[row], p.sigma[row, 3] = self.x[n], n, n + 0.5, -n
+            population = Population(p, len(own), self.shape.parameters(), self.frame, slab)
+            self.ranks.append((Comm(rank, boxes), slab, population))
+
+    def move(self, steps):
+        """One step: particle n moves by ``steps[n]`` cells, then the ranks restore their order."""
+        low = np.array(self.frame.origin)
+        high = low + np.array(CELL) * CELLS
+        for n, step in steps.items():
+            self.x[n] = np.clip(self.x[n] + step * CELL, low, high)
+            self.layer[n] = self.vertex(self.x[n], 0)
+        together([lambda r=rank: self.advance(*r) for rank in self.ranks])
+
+    def advance(self, comm, slab, population):
+        p, order, movers, found = population.particles, population.order, population.movers, 0
+        for place, row in enumerate(order):
+            n = int(p.id[row])
+            p.x[row] = self.x[n]
+            if p.layer[row] != self.layer[n]:
+                p.layer[row] = self.layer[n]
+                movers[found] = place
+                found += 1
+        left = movers[:found].copy()
+        coming = migrate(comm, slab, population, order[left])
+        if found or len(coming):
+            population.restore_order(left, coming)
+
+    def resort(self):
+        self.sort()
+        for _, _, population in self.ranks:
+            population.sort()
+            count = len(population.order)
+            assert (population.order == np.arange(count)).all()
+
+    def check(self):
+        for _, slab, population in self.ranks:
+            p, order = population.particles, population.order
+            expected = self.expected(slab)
+            assert p.id[order].tolist() == expected
+            assert p.layer[order].tolist() == [self.layer[n] for n in expected]
+            assert p.cell[order].tolist() == [self.cell[n] for n in expected]
+            assert p.m[order].tolist() == [n + 0.5 for n in expected]
+            assert p.sigma[order, 3].tolist() == [-n for n in expected]
+            assert p.x[order].tolist() == [self.x[n].tolist() for n in expected]
+            beginnings = np.searchsorted(p.layer[order], slab.first + np.arange(slab.layers + 1))
+            assert (population.start == beginnings).all()
+            assert len(population.movers) >= len(order)
+            assert p.capacity >= len(order)
+
+
+def steps_of(kind, size, seed, n):
+    if kind == "all":
+        return {k: np.array([size, 0.0]) for k in range(n)}
+    if kind == "against":
+        return {k: np.array([size if k % 2 else -size, 0.0]) for k in range(n)}
+    rng = np.random.default_rng(seed)
+    return {k: rng.uniform(-1, 1, 2) for k in range(n) if rng.random() < 0.4}
+
+
+moves = st.tuples(
+    st.sampled_from(["all", "against", "some", "re-sort"]),
+    st.sampled_from([1.0, 0.5, -0.5, -1.0, 0.9]),
+    st.integers(0, 2**20),
+)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    name=st.sampled_from(sorted(SHAPES)),
+    ppc=st.sampled_from([1, 2, 3]),
+    xi=st.lists(
+        st.tuples(st.integers(0, 35), st.integers(0, 11)).map(lambda k: (np.array(k) + 0.5) / 4),
+        max_size=40,
+    ),
+    ranks=st.integers(1, 4),
+    cut_at=st.integers(0, 100),
+    script=st.lists(moves, max_size=12),
+)
+@example("mpm", 1, [np.array([4.5, 0.5])] * 3 + [np.array([5.5, 0.5])] * 3, 2, 4,
+         [("all", 1.0, 0), ("all", -1.0, 0), ("all", 1.0, 0)])  # fmt: skip
+@example("mpm", 2, [np.array([k + 0.5, j + 0.5]) for k in range(9) for j in range(3)], 3, 1,
+         [("against", 1.0, 0), ("some", 1.0, 1), ("against", -1.0, 0)])  # fmt: skip
+def test_order_after_any_moves(name, ppc, xi, ranks, cut_at, script):
+    """On 1 to 4 ranks, many steps: the order is that of sorting by (layer, cell, number)."""
+    world = World(name, ppc, xi, ranks, cut_at)
+    world.check()
+    for kind, size, seed in script:
+        if kind == "re-sort":
+            world.resort()
+        else:
+            world.move(steps_of(kind, size, seed, len(xi)))
+        world.check()
+
+
+def test_swapping_crowds():
+    """Half of a dense crowd moves one way, half the other, to and fro: every row is reused."""
+    rng = np.random.default_rng(5)
+    xi = [np.array([rng.uniform(0, 9), rng.uniform(0, 3)]) for _ in range(400)]
+    world = World("gimp", 2, xi, 3, 3)
+    for step in range(24):
+        size = 0.8 if step % 4 < 2 else -0.8
+        world.move(steps_of("against" if step % 3 else "all", size, step, len(xi)))
+        world.check()
+        if step == 12:
+            world.resort()
+            world.check()
+
+
+def test_large_numbers_sort_alike():
+    """Cell and number may be too large for one key; the order is the same."""
+    shape = entry("mpm", (1, 1, 1))
+    frame = make_frame(shape, (0.0,) * 3, (1.0,) * 3, (2**19,) * 3)
+    rng = np.random.default_rng(3)
+    n = 50
+    for largest in (2**52, 60):
+        p = Particles.empty(n, 3, False)
+        p.x[:] = rng.integers(0, 2**19, (n, 3)) + 0.5
+        p.x[n // 2 :] = p.x[: n - n // 2]
+        p.id[:] = rng.permutation(n) + largest - 60
+        keys = np.floor(p.x).astype(int).tolist()
+        expected = [k for _, k in sorted(zip(keys, p.id.tolist(), strict=True))]
+        slab = Slab(0, frame.vertices[0], None, None)
+        population = Population(p, n, shape.parameters(), frame, slab)
+        assert population.particles.id.tolist() == expected
+
+
+def test_rows_of_those_that_left_are_used_again():
+    """The store grows only when it has no holes left, and keeps what it holds."""
+    shape = entry("mpm", (1,))
+    frame = make_frame(shape, (0.0,), (1.0,), (9,))
+    p = Particles.empty(6, 1, True)
+    p.x[:, 0] = np.arange(6) + 0.5
+    p.id[:] = np.arange(6)
+    population = Population(p, 6, shape.parameters(), frame, Slab(0, 8, None, 1))
+    population.particles.layer[[1, 4]] = 8
+    population.release(np.array([1, 4], np.int32))
+    population.restore_order(np.array([1, 4], np.int32), np.empty(0, np.int32))
+    assert population.particles.id[population.order].tolist() == [0, 2, 3, 5]
+    assert sorted(population.admit(2).tolist()) == [1, 4]
+    assert population.particles.capacity == 6
+    assert population.admit(3).tolist() == [6, 7, 8]
+    assert population.particles.capacity >= 9
+    assert population.particles.id[[0, 2, 3, 5]].tolist() == [0, 2, 3, 5]
+    assert population.particles.origin.shape == (population.particles.capacity, 1)
+
+
+#: As float64: quiet and signalling NaN with payloads, infinity, denormals, zeros of both signs.
+PATTERNS = np.array(
+    [0x7FF8000000000123, 0x7FF0000000000001, -0x000FFFFFFFFFFFFF, -1, 0x7FF0000000000000, 1,
+     0x000FFFFFFFFFFFFF, 0, -(2**63), 2**63 - 1, 42, 2**53 + 1],
+    np.int64,
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("origin", [False, True])
+@pytest.mark.parametrize("D", [1, 2, 3])
+def test_packing_keeps_every_bit(D, origin):
+    """Whole numbers and floats of any bit pattern survive the way through a message."""
+    rng = np.random.default_rng(D)
+    n = len(PATTERNS)
+
+    def filled(capacity):
+        p = Particles.empty(capacity, D, origin)
+        for array in p:
+            raw = rng.integers(0, 256, array.nbytes, np.uint8)
+            array.reshape(-1).view(np.uint8)[:] = raw
+        return p
+
+    source, target = filled(n + 3), filled(2 * n)
+    rows, places = rng.permutation(n + 3)[:n], rng.permutation(2 * n)[:n]
+    source.id[rows] = source.cell[rows[::-1]] = PATTERNS
+    source.x[rows, 0] = PATTERNS.view(np.float64)
+    others = np.setdiff1d(np.arange(2 * n), places)
+    before = [array[others].tobytes() for array in target]
+
+    message = pack(source, rows.astype(np.int32))
+    wire = np.frombuffer(message.tobytes(), np.float64).reshape(message.shape)
+    unpack(wire, target, places.astype(np.int32))
+
+    for a, b in zip(source, target, strict=True):
+        assert a[rows].tobytes() == b[places].tobytes()
+    assert [array[others].tobytes() for array in target] == before
+    empty = pack(source, rows[:0])
+    assert empty.shape == (0, message.shape[1])
+    unpack(empty, target, rows[:0])
+
+
+@settings(max_examples=300, deadline=None)
+@given(
+    counts=st.lists(st.sampled_from([0, 0, 1, 2, 5, 40, 41, 1000]), min_size=1, max_size=60),
+    ranks=st.integers(1, 20),
+    width=st.integers(1, 3),
+)
+def test_cuts(counts, ranks, width):
+    """Every layer has one owner, none owns too few; idle ranks come last and only when needed."""
+    cuts = cut(np.array(counts), ranks, width)
+    layers, active = len(counts), len(cuts) - 1
+    assert cuts[0] == 0 and cuts[-1] == layers
+    widths = np.diff(cuts)
+    assert active == max(1, min(ranks, layers // width))
+    assert (widths >= width).all() or active == 1
+    slabs = [slab_of(cuts, rank) for rank in range(ranks)]
+    owned = [layer for slab in slabs for layer in range(slab.first, slab.first + slab.layers)]
+    assert owned == list(range(layers))
+    for rank, slab in enumerate(slabs):
+        assert (slab.layers > 0) == (rank < active)
+        assert slab.below == (rank - 1 if 0 < rank < active else None)
+        assert slab.above == (rank + 1 if rank + 1 < active else None)
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.lists(st.integers(0, 50), min_size=24, max_size=80), st.integers(1, 8))
+def test_balance(counts, ranks):
+    """Unless one layer is more than a share, cuts are within half a layer of equal shares."""
+    assume(max(counts) * ranks < sum(counts))
+    cuts = cut(np.array(counts), ranks, 1)
+    below = [sum(counts[:c]) for c in cuts]
+    for k in range(ranks + 1):
+        assert abs(below[k] - k * sum(counts) / ranks) <= max(counts) / 2 + 1e-9

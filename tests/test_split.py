@@ -1,0 +1,107 @@
+"""A step gives the same bits however the layers are cut into slabs."""
+
+from itertools import combinations
+
+import numpy as np
+import pytest
+from kernel_driver import (
+    MATERIAL_OF,
+    SEED,
+    Rank,
+    copy_of,
+    entry,
+    make_frame,
+    random_particles,
+    random_positions,
+    split,
+    sums_of,
+)
+from rank_threads import together
+
+from pgimp.boundaries import BOUNDARIES
+from pgimp.shapes import SHAPES
+
+ORIGIN, CELL = (-1.1, 0.3, 2.0), (0.7, 1.3, 0.9)
+DT, GRAVITY = 0.002, (1.5, -9.0, 4.0)
+ADVANCED = ("x", "v", "F", "sigma", "V", "layer")
+
+
+def all_cuts(layers, width):
+    """Ways to share the layers among two ranks, and among three."""
+    for number in (1, 2):
+        for inner in combinations(range(1, layers), number):
+            cuts = [0, *inner, layers]
+            if min(np.diff(cuts)) >= width:
+                yield cuts
+
+
+@pytest.mark.parametrize("D", [1, 2, 3])
+@pytest.mark.parametrize("name", SHAPES)
+@pytest.mark.parametrize("spread", ["everywhere", "clustered"])
+def test_a_step_on_any_slabs(name, D, spread):
+    """Every cut into two or three slabs: vertices, particles, sums, work and impulses."""
+    rng = np.random.default_rng(SEED)
+    cells = {"everywhere": ((12,), (7, 4), (5, 3, 2)), "clustered": ((16,), (9, 4), (6, 3, 2))}
+    shape = entry(name, (2,) * D)
+    frame = make_frame(shape, ORIGIN[:D], CELL[:D], cells[spread][D - 1])
+    x = random_positions(rng, frame, 60, 0.05)
+    if spread == "clustered":  # most slabs are empty
+        x[:, 0] = ORIGIN[0] + CELL[0] * rng.uniform(0.1, 1.9, 60)
+    particles = random_particles(rng, x)
+    face = BOUNDARIES["velocity"].model_validate({"velocity": [0.1, -0.2, 0.3][:D]})
+    faces = (face.parameters(D - 1, -1, 0.0, DT),)
+
+    whole = Rank(shape, frame, copy_of(particles))
+    reach = whole.population.reach()
+    sums = sums_of(whole, D, 2, MATERIAL_OF)
+    whole.particles_to_grid()
+    added = [plane.copy() for plane in planes(whole)]
+    whole.update_momentum(DT, GRAVITY[:D], faces)
+    done = planes(whole)
+    assert whole.grid_to_particles(DT)[0] == 0
+    after = {n: k for k, n in enumerate(whole.particles.id.tolist())}
+    assert np.abs(whole.impulse).max() > 0 and np.abs(whole.work).max() > 0
+
+    tried = 0
+    for cuts in all_cuts(frame.vertices[0], shape.vertices - 1):
+        ranks = split(shape, frame, particles, cuts, reach)
+        assert sum(len(rank.population.order) for rank in ranks) == 60
+        parts = [sums_of(rank, D, 2, MATERIAL_OF) for rank in ranks]
+        assert np.concatenate(parts).tobytes() == sums.tobytes()
+        for rank in ranks:
+            rank.particles_to_grid()
+        together([lambda r=rank: r.halo.exchange(r.grid) for rank in ranks])
+        agree(ranks, added)
+        for rank in ranks:
+            rank.update_momentum(DT, GRAVITY[:D], faces)
+        agree(ranks, done)
+        owned = [
+            slice(None, rank.slab.layers if rank.slab.above is not None else None) for rank in ranks
+        ]
+        for quantity in ("work", "impulse"):
+            every = [getattr(r, quantity)[own] for r, own in zip(ranks, owned, strict=True)]
+            assert np.concatenate(every).tobytes() == getattr(whole, quantity).tobytes()
+        for rank in ranks:
+            assert rank.grid_to_particles(DT)[0] == 0
+            rows = [after[n] for n in rank.particles.id.tolist()]
+            for field in ADVANCED:
+                expected = getattr(whole.particles, field)[rows]
+                assert getattr(rank.particles, field).tobytes() == expected.tobytes(), field
+        tried += 1
+    assert tried > 20
+
+
+def planes(rank):
+    """Planes of a rank's window, (planes, plane); None where inactive."""
+    return [
+        plane if active else np.zeros_like(plane)
+        for plane, active in zip(
+            rank.grid.G.reshape(rank.grid.planes, -1).copy(), rank.grid.active, strict=True
+        )
+    ]
+
+
+def agree(ranks, expected):
+    for rank in ranks:
+        for i, plane in enumerate(planes(rank)):
+            assert plane.tobytes() == expected[rank.slab.first + i].tobytes()

@@ -1,0 +1,293 @@
+"""Particles to grid, momentum update and grid to particles against plain NumPy (reference.py)."""
+
+import copy
+
+import numpy as np
+import pytest
+from kernel_driver import (
+    MATERIAL_OF,
+    MATERIALS,
+    SEED,
+    Rank,
+    entry,
+    make_frame,
+    random_particles,
+    random_positions,
+)
+from reference import Reference
+
+from pgimp.boundaries import BOUNDARIES
+from pgimp.kernels.g2p import INVERTED, NOT_FINITE, OUTSIDE, TOO_FAST
+from pgimp.shapes import SHAPES
+from pgimp.shapes.gimp import GimpParameters
+from pgimp.solver.particles import Particles
+
+ORIGIN, CELL, CELLS = (-1.1, 0.3, 2.0), (0.7, 1.3, 0.9), (5, 4, 3)
+PER_CELL = (2, 1, 3)
+COUNT = (20, 40, 40)
+DT, GRAVITY = 0.002, (1.5, -9.0, 4.0)
+
+#: Lighter vertices stand still: their v and a carry the rounding errors of tiny weights.
+LIGHTEST = 0.01
+
+EVERY = pytest.mark.parametrize(
+    ("name", "D"), [(name, D) for name in SHAPES for D in (1, 2, 3)]
+)  # fmt: skip
+
+
+def setting(name, D, seed=SEED):
+    """Rank with random particles and the reference with the same, both before a step."""
+    rng = np.random.default_rng(seed)
+    shape = entry(name, PER_CELL[:D])
+    frame = make_frame(shape, ORIGIN[:D], CELL[:D], CELLS[:D])
+    x = random_positions(rng, frame, COUNT[D - 1])
+    for d in range(D):  # some next to the faces, so that ghost vertices take contributions
+        x[2 * d, d] = ORIGIN[d] + CELL[d] * 0.03
+        x[2 * d + 1, d] = ORIGIN[d] + CELL[d] * (CELLS[d] - 0.03)
+    # ... and some next to where the layer changes, on either side.
+    edge = 2.0 if name == "mpm" else 2.0 + 0.5 / PER_CELL[0]
+    x[6:14, 0] = ORIGIN[0] + CELL[0] * (edge + np.tile([-1e-5, 1e-5], 4))
+    rank = Rank(shape, frame, random_particles(rng, x))
+    return rank, Reference(name, PER_CELL[:D], frame), copied(rank)
+
+
+def copied(rank):
+    """Copies of a rank's particles, in their canonical order."""
+    return Particles(*(array[rank.population.order].copy() for array in rank.particles))
+
+
+def close(a, b, tolerance=1e-12):
+    """Whether two arrays agree, in terms of the largest entry."""
+    a, b = np.asarray(a), np.asarray(b)
+    assert a.shape == b.shape
+    return np.abs(a - b).max() <= tolerance * max(np.abs(b).max(), 1e-300)
+
+
+def records_agree(rank, *expected):
+    """Compare the records' parts: a scalar (or None) and two vectors."""
+    G = rank.records()
+    D = G.ndim - 1
+    return (
+        all(
+            part is None or close(G[..., columns], part)
+            for columns, part in zip((0, slice(1, 1 + D), slice(5, 5 + D)), expected, strict=True)
+        )
+        and not G[..., [*range(1 + D, 4), *range(5 + D, 8)]].any()
+    )
+
+
+@EVERY
+def test_particles_to_grid(name, D):
+    """(16), (21), (22), and what the sums conserve: (24), (25), and the moment of momentum."""
+    rank, reference, p = setting(name, D)
+    rank.particles_to_grid()
+    reference.particles_to_grid(p)
+    assert records_agree(rank, reference.m, reference.p, reference.f)
+
+    G = rank.records().reshape(-1, 8)
+    x = np.stack([c.ravel() for c in np.meshgrid(*reference.vertices, indexing="ij")], axis=1)
+    momentum = G[:, 1 : 1 + D]
+    assert close(G[:, 0].sum(), p.m.sum())
+    assert close(momentum.sum(axis=0), (p.m[:, None] * p.v).sum(axis=0))
+    assert np.abs(G[:, 5:8].sum(axis=0)).max() < 1e-13 * np.abs(G[:, 5:8]).sum()
+    if D > 1:
+        turn = x[:, 0] @ momentum[:, 1] - x[:, 1] @ momentum[:, 0]
+        assert close(turn, p.m @ (p.x[:, 0] * p.v[:, 1] - p.x[:, 1] * p.v[:, 0]))
+
+
+@EVERY
+def test_momentum_update_without_walls(name, D):
+    """(14) and (17); a vertex that is too light stands still, and the work of gravity."""
+    rank, reference, p = setting(name, D)
+    rank.particles_to_grid()
+    reference.particles_to_grid(p)
+    lightest = 1.001 * float(np.median(reference.m[reference.m > 0]))
+    rank.update_momentum(DT, GRAVITY[:D], (), lightest)
+    reference.update_momentum(DT, GRAVITY, (), lightest)
+    assert (reference.v == 0).any() and (reference.v != 0).any()
+    assert records_agree(rank, reference.m, reference.v, reference.a)
+    assert close(rank.work.sum(), reference.work)
+
+
+def faces_of(kind, D):
+    """Condition on each face: what the kernel takes, what the reference takes."""
+    made = []
+    for axis in range(D):
+        for side in (-1, 1):
+            velocity, rate = (None,) * 3, (0.0,) * 3
+            entries = {}
+            if kind == "velocity":
+                # One component free, at the high end the normal one by a table: 1 + 2 t.
+                velocity = [0.3 + axis, -0.7, 0.9]
+                velocity[(axis + (1 if side < 0 else 2)) % 3] = None
+                values = [*velocity]
+                if side > 0:
+                    values[axis] = {"table": [[0.0, 1.0], [2.0, 5.0]]}
+                    velocity[axis], rate = 1 + 2 * 0.51, [2.0 * (d == axis) for d in range(3)]
+                entries = {"velocity": values[:D]}
+            condition = BOUNDARIES[kind].model_validate(entries)
+            kernel = condition.parameters(axis, side, 0.5, 0.51)
+            made.append((kernel, (kind, axis, side, velocity, rate)))
+    return made
+
+
+@EVERY
+@pytest.mark.parametrize("kind", BOUNDARIES)
+def test_every_condition_on_every_face(name, D, kind):
+    """Vertices on the face and beyond, whichever face; its impulse and work."""
+    rank, reference, p = setting(name, D)
+    rank.particles_to_grid()
+    reference.particles_to_grid(p)
+    sums = rank.grid.G.copy()
+    free = copy.deepcopy(reference)
+    free.update_momentum(DT, GRAVITY, (), LIGHTEST)
+    changed = []
+    for kernel, face in faces_of(kind, D):
+        rank.grid.G[:] = sums
+        rank.update_momentum(DT, GRAVITY[:D], (kernel,), LIGHTEST)
+        reference.update_momentum(DT, GRAVITY, (face,), LIGHTEST)
+        changed.append((reference.v != free.v).any())
+        assert records_agree(rank, reference.m, reference.v, reference.a)
+        assert close(rank.impulse.sum(axis=0)[:, :D], reference.impulse)
+        assert close(rank.work.sum(), reference.work)
+    assert any(changed) if kind == "separating" else all(changed)
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_conditions_meet_at_edges_and_corners(name):
+    """All kinds at once; where two faces meet each acts on what the one before left."""
+    rank, reference, p = setting(name, 3)
+    rank.particles_to_grid()
+    reference.particles_to_grid(p)
+    chosen = [
+        faces_of(kind, 3)[i]
+        for i, kind in enumerate(["slip", "separating", "velocity", "fixed", "separating", "slip"])
+    ]
+    rank.update_momentum(DT, GRAVITY, tuple(kernel for kernel, _ in chosen), LIGHTEST)
+    reference.update_momentum(DT, GRAVITY, [face for _, face in chosen], LIGHTEST)
+    assert records_agree(rank, reference.m, reference.v, reference.a)
+    assert close(rank.impulse.sum(axis=0), reference.impulse)
+    assert close(rank.work.sum(), reference.work)
+
+
+@EVERY
+@pytest.mark.parametrize("tracked", [True, False], ids=["tracked", "initial"])
+def test_grid_to_particles(name, D, tracked):
+    """(26), (27), (29), (30), stress, volume, fastest wave, layers."""
+    rank, reference, p = setting(name, D)
+    rank.particles_to_grid()
+    reference.particles_to_grid(p)
+    rank.update_momentum(DT, GRAVITY[:D], (), LIGHTEST)
+    reference.update_momentum(DT, GRAVITY, (), LIGHTEST)
+    before = copied(rank)
+    fault, _, found, rate = rank.grid_to_particles(DT, tracked)
+    reference.grid_to_particles(p, MATERIALS, MATERIAL_OF, DT, tracked)
+    assert fault == 0
+    after = copied(rank)
+    for field in ("x", "v", "F", "sigma", "V"):
+        assert close(getattr(after, field), getattr(p, field)), field
+    for field in ("V0", "m", "id", "cell", "body"):
+        assert (getattr(after, field) == getattr(p, field)).all(), field
+    assert (after.V != before.V).any() == tracked
+    assert close(rate, reference.rate)
+
+    layer = reference_layer(name, reference.frame, after.x[:, 0], PER_CELL[0])
+    assert (after.layer == layer).all()
+    changed = after.layer != before.layer
+    assert found == changed.sum() > 0
+    assert (rank.population.movers[:found] == np.flatnonzero(changed)).all()
+
+
+@EVERY
+def test_momentum_is_kept(name, D):
+    """(28): what gravity gives the vertices the particles have; none else, and first moments."""
+    rank, _, before = setting(name, D)
+    rank.particles_to_grid()
+    rank.update_momentum(DT, GRAVITY[:D])
+    assert rank.grid_to_particles(DT)[0] == 0
+    after = copied(rank)
+    m = before.m[:, None]
+    assert close((m * (after.v - before.v)).sum(axis=0), DT * m.sum() * np.array(GRAVITY[:D]))
+    assert close((m * (after.x - before.x)).sum(axis=0), DT * (m * after.v).sum(axis=0))
+
+
+def reference_layer(name, frame, x, per_cell):
+    """First vertex plane that a particle's box, or point, reaches."""
+    xi = (x - frame.origin[0]) / frame.cell[0]
+    return np.floor(xi - (0.5 / per_cell if name == "gimp" else 0.0)) + frame.ghost
+
+
+@EVERY
+def test_uniform_stress_has_no_force_inside(name, D):
+    """(33): particles that fill the body without gaps, two and a half a cell.
+
+    mpm sees two particles in one cell and three in the next, and pushes.
+    """
+    shape = entry(name, (2,) * D)
+    cells = (8, 6, 6)[:D]
+    frame = make_frame(shape, (0.0,) * D, CELL[:D], cells)
+    along = [np.arange(n * 5 // 2 - 5) * 0.4 + 1.27 for n in cells]
+    xi = np.stack([c.ravel() for c in np.meshgrid(*along, indexing="ij")], axis=1)
+    p = Particles.empty(len(xi), D, False)
+    p.x[:] = xi * frame.cell
+    p.V[:] = np.prod(frame.cell) * 0.4**D
+    p.m[:] = 1.0
+    p.id[:] = np.arange(len(xi))
+    p.sigma[:] = np.array([3.0, -2.0, 1.5, 0.7, -0.4, 1.1])[: p.sigma.shape[1]]
+    rank = Rank(shape, frame, p)
+    if name == "gimp":
+        rank.shape = GimpParameters((0.2,) * D)
+        rank.population.shape = rank.shape
+        rank.population.sort()
+    rank.particles_to_grid()
+    force = rank.records()[..., 5 : 5 + D]
+    ghost = frame.ghost
+    # The body fills 1.07 to (last centre + 0.2): vertices whose cells lie within it are interior.
+    inside = tuple(slice(ghost + 3, ghost + int(a[-1] + 0.2)) for a in along)
+    assert force[inside].size
+    scale = 3.0 * np.prod(frame.cell) / min(frame.cell)
+    if name == "gimp":
+        assert np.abs(force[inside]).max() < 1e-13 * scale
+        assert np.abs(force).max() > 0.1 * scale
+    else:
+        assert np.abs(force[inside]).max() > 0.1 * scale
+
+
+def still_particles(name):
+    """Rank in 3D with particles at rest, unstressed, 0.4 cells from the nearest face."""
+    rng = np.random.default_rng(SEED)
+    shape = entry(name, PER_CELL)
+    frame = make_frame(shape, ORIGIN, CELL, CELLS)
+    p = random_particles(rng, random_positions(rng, frame, 8, 0.4))
+    p.v[:], p.sigma[:] = 0.0, 0.0
+    p.x[3] = np.array(ORIGIN) + np.array(CELL) * 0.4
+    p.x[4] = np.array(ORIGIN) + np.array(CELL) * (np.array(CELLS) - 0.4)
+    return Rank(shape, frame, p)
+
+
+@pytest.mark.parametrize("name", SHAPES)
+@pytest.mark.parametrize(
+    ("field", "axis", "value", "reason"),
+    [
+        (None, 0, 0.0, 0),
+        ("v", 2, 0.39 * CELL[2] / DT, 0),
+        ("v", 2, 0.41 * CELL[2] / DT, OUTSIDE),
+        ("v", 1, -0.41 * CELL[1] / DT, OUTSIDE),
+        ("v", 0, -0.41 * CELL[0] / DT, OUTSIDE),
+        ("v", 2, 1.01 * CELL[2] / DT, TOO_FAST),
+        ("v", 1, -1.01 * CELL[1] / DT, TOO_FAST),
+        ("v", 1, np.nan, NOT_FINITE),
+        ("sigma", 3, np.inf, NOT_FINITE),
+        ("F", 0, -9.0, INVERTED),
+        ("F", 8, np.nan, NOT_FINITE),
+    ],
+)
+def test_a_particle_at_fault_stops_the_step(name, field, axis, value, reason):
+    rank = still_particles(name)
+    if field:
+        getattr(rank.particles, field)[:, axis] = value
+    rank.particles_to_grid()
+    rank.update_momentum(DT)
+    fault, row, _, _ = rank.grid_to_particles(DT)
+    assert fault == reason
+    assert row in rank.population.order if reason else row == -1
