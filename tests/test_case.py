@@ -62,6 +62,12 @@ def test_whole_numbers_are_the_same_however_they_are_written(count):
     assert type(case.method.particles_per_cell[0]) is int
 
 
+def test_a_file_from_any_editor_is_read():
+    text = GOOD.replace("Two bodies", "Höhe")
+    for content in (text.encode(), b"\xef\xbb\xbf" + text.encode(), text.replace("\n", "\r\n")):
+        assert read_case(content) == read_case(text)
+
+
 def test_rounding_does_not_make_sizes_and_times_odd():
     case = read_case(SMALL, overrides=["grid.cell=[0.1]", "grid.size=[50.1]", "time.end=0.3"])
     assert case.grid.cells == (501,)
@@ -110,13 +116,17 @@ def test_a_material_registered_later_is_known_everywhere(monkeypatch):
         """A material from outside the package."""
 
         model: Literal["putty"]
+        grip: float
 
-    text = SMALL.replace("linear-1d", "putty").replace("young:", "poisson: 0.1, young:")
+    text = SMALL.replace("linear-1d", "putty").replace("young:", "poisson: 0.1, grip: 2, young:")
     with pytest.raises(CaseError, match="unknown model 'putty'"):
         read_case(text)
     monkeypatch.setitem(MATERIALS, "putty", Putty)
     case = read_case(text)
     assert type(case.materials["bar"]) is Putty
+    for value in (".nan", ".inf", '"2"', "true"):
+        with pytest.raises(CaseError, match=r"materials\.bar\.grip: expected a"):
+            read_case(text, overrides=[f"materials.bar.grip={value}"])
     assert read_case(dump_case(case)) == case
     assert "putty" in json.dumps(json_schema())
 

@@ -79,9 +79,20 @@ def test_all_mistakes_at_once_in_the_order_of_the_file():
     ]
 
 
+def test_a_mistake_in_one_body_does_not_hide_that_in_another():
+    text = GOOD.replace("velocity: [1.0, 0.0]", "velocity: fast").replace(
+        "[8.0, 4.0]", "[8.0, 7.0]"
+    )
+    left, right = lines_of(text)
+    assert left.startswith("case.yaml:20: bodies.left.velocity: expected one number a direction")
+    assert right.startswith("case.yaml:23: bodies.right.region: reaches 1 beyond the domain")
+
+
 def test_a_body_is_not_blamed_for_a_mistake_in_its_material():
     (line,) = lines_of(GOOD.replace("young: 1.0e6", "young: -1"))
     assert "materials.steel.young" in line
+    (line,) = lines_of(GOOD, "materials={}")
+    assert line == "--set materials={}: materials: expected at least 1 entry, got {}"
 
 
 def test_at_most_twenty_messages():

@@ -76,7 +76,7 @@ def decode(content: bytes, filename: str) -> str:
     if b"\0" in content:
         raise CaseError(f"{filename}: a binary file, not a case file (YAML text in UTF-8)")
     try:
-        return content.decode("utf-8-sig")
+        return content.decode("utf-8")
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
         byte = content[error.start]
