@@ -19,7 +19,7 @@ def make(path):
     """Make a directory with all that a failed run leaves."""
     directory = RunDirectory(path, Serial())
     directory.prepare(
-        {"case.yaml": "resolved", "input.yaml": "verbatim"},
+        {"case.yaml": b"resolved", "input.yaml": b"verbatim"},
         {"state": "running", "began": "now", "steps": 0},
     )
     (path / "history.csv").write_text("time\n")
@@ -40,7 +40,7 @@ def test_overwrite_deletes_only_what_a_run_made(tmp_path):
         RunDirectory(path, Serial())
     directory = RunDirectory(path, Serial(), overwrite=True)
     assert (path / "frames" / "particles-000000.h5").exists()  # until the new run is sure to start
-    directory.prepare({"case.yaml": "new"}, {"state": "running"})
+    directory.prepare({"case.yaml": b"new"}, {"state": "running"})
     directory.release()
     there = {str(file.relative_to(path)) for file in path.rglob("*") if file.is_file()}
     assert there == {*foreign, "run.json", "case.yaml"}

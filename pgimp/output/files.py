@@ -14,15 +14,15 @@ def temporary(path: Path) -> Path:
     return path.with_name(f".{path.name}{TEMPORARY}")
 
 
-def write_text(path: Path, text: str) -> None:
-    """Write a text file through a temporary one.
+def write(path: Path, content: str | bytes) -> None:
+    """Write a file through a temporary one.
 
     Parameters
     ----------
     path : Path
         The file.
-    text : str
-        Its whole content.
+    content : str or bytes
+        All of it; text becomes UTF-8.
 
     Raises
     ------
@@ -31,8 +31,8 @@ def write_text(path: Path, text: str) -> None:
     """
     part = temporary(path)
     try:
-        with open(part, "w", encoding="utf-8", newline="") as stream:
-            stream.write(text)
+        with open(part, "wb") as stream:
+            stream.write(content.encode() if isinstance(content, str) else content)
             stream.flush()
             os.fsync(stream.fileno())
         part.rename(path)

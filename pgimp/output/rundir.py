@@ -16,7 +16,7 @@ from typing import Any
 from pgimp.errors import RunError, UsageError
 from pgimp.output import runinfo
 from pgimp.output.collective import explain, on_root
-from pgimp.output.files import write_text
+from pgimp.output.files import write
 
 RUN = "run.json"
 TOP = ("case.yaml", "input.yaml", "particles.xdmf", "history.csv", "log.txt", RUN)
@@ -115,12 +115,12 @@ class RunDirectory:
                 "Add --overwrite to replace it, or choose another directory with -o."
             )
 
-    def prepare(self, texts: dict[str, str], start: dict[str, Any]) -> None:
+    def prepare(self, texts: dict[str, bytes], start: dict[str, Any]) -> None:
         """Delete an older run and write the files that a run starts with; collective.
 
         Parameters
         ----------
-        texts : dict of str to str
+        texts : dict of str to bytes
             Files and their content.
         start : dict
             What run.json says of this start.
@@ -132,14 +132,14 @@ class RunDirectory:
         """
         on_root(self.comm, lambda: self._prepare(texts, start))
 
-    def _prepare(self, texts: dict[str, str], start: dict[str, Any]) -> None:
+    def _prepare(self, texts: dict[str, bytes], start: dict[str, Any]) -> None:
         try:
             for path in self._own_files():
                 path.unlink(missing_ok=True)
             runinfo.write(self.path / RUN, start)
             (self.path / "frames").mkdir(exist_ok=True)
             for name, text in texts.items():
-                write_text(self.path / name, text)
+                write(self.path / name, text)
         except OSError as error:
             raise self._refusal("write to", error) from error
 

@@ -15,7 +15,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-from pgimp.output.files import write_text
+from pgimp.output import files
 from pgimp.output.hdf5 import load_h5py
 
 PROGRAM = "pgimp"
@@ -153,7 +153,7 @@ def write(path: Path, start: dict[str, Any]) -> None:
         If it cannot be written.
     """
     content = {"program": PROGRAM, "format": FORMAT_VERSION, "starts": [start]}
-    write_text(path, json.dumps(content, indent=2) + "\n")
+    files.write(path, json.dumps(content, indent=2) + "\n")
 
 
 def update(path: Path, **changes: Any) -> None:
@@ -174,4 +174,4 @@ def update(path: Path, **changes: Any) -> None:
     content = read(path)
     if content is not None:
         content["starts"][-1].update(changes)
-        write_text(path, json.dumps(content, indent=2) + "\n")
+        files.write(path, json.dumps(content, indent=2) + "\n")

@@ -6,7 +6,7 @@ from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
 from pgimp.output.fields import FIELDS
-from pgimp.output.files import write_text
+from pgimp.output.files import write
 
 _NUMBER_TYPE = {"f": "Float", "i": "Int"}
 
@@ -48,7 +48,7 @@ class Collection:
         """
         name = frame.relative_to(self.path.parent).as_posix()
         self._grids.append(_grid(name, time, count, fields))
-        write_text(
+        write(
             self.path,
             '<?xml version="1.0" encoding="utf-8"?>\n<Xdmf Version="3.0">\n<Domain>\n'
             '<Grid Name="particles" GridType="Collection" CollectionType="Temporal">\n'

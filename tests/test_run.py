@@ -1,0 +1,285 @@
+"""Whole runs, as people start them: what they leave, how they end, how they are read again."""
+
+import json
+import re
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+from conftest import clean_env
+from particle_source import small_disk
+
+import pgimp
+from pgimp.output.fields import OPTIONAL
+
+CASE = """\
+# Two soft blocks in a closed box collide.
+format: 1
+title: Two soft blocks
+dimensions: 2
+grid: {origin: [0.0, 0.0], size: [12.0, 6.0], cell: [1.0, 1.0]}
+method: {shape: gimp, particles_per_cell: [2, 2]}
+time: {end: 2.0, step: 0.01}
+materials:
+  soft: {model: neo-hookean, young: 100.0, poisson: 0.3, density: 1.0}
+bodies:
+  left: {material: soft, region: {box: {min: [1.0, 1.0], max: [4.0, 4.0]}}, velocity: [1.0, 0.0]}
+  right: {material: soft, region: {box: {min: [6.0, 1.0], max: [9.0, 4.0]}}, velocity: [-1.0, 0.0]}
+boundaries: {x-min: fixed, x-max: fixed, y-min: slip, y-max: slip}
+output: {every: 0.3, at: [0.5, 1.0], fields: [velocity, stress, displacement, deformation]}
+history: {every: {steps: 30}}
+"""
+TIMES = [0.0, 0.3, 0.5, 0.6, 0.9, 1.0, 1.2, 1.5, 1.8, 2.0]
+PARTICLES = 72
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A folder with the case, in which runs are started."""
+    folder = tmp_path_factory.mktemp("run")
+    (folder / "blocks.yaml").write_text(CASE)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def start(folder, mpirun, python):
+    """``start(ranks, words)`` runs pgimp in that folder, on no launcher for one rank."""
+
+    def start(ranks, *words, folder=folder):
+        words = ["-m", "pgimp", *words]
+        if ranks == 1:
+            return python(words, cwd=folder)
+        return mpirun(ranks, words, cwd=folder)
+
+    return start
+
+
+@pytest.fixture(scope="module")
+def done(folder, start):
+    """The run of the case on one rank."""
+    job = start(1, "blocks.yaml")
+    assert job.returncode == 0, job.stderr
+    return folder / "blocks.out", job
+
+
+def test_what_a_run_leaves(done, folder):
+    directory, job = done
+    assert sorted(path.name for path in directory.iterdir()) == sorted(
+        "case.yaml frames history.csv input.yaml log.txt particles.xdmf run.json".split()
+    )
+    assert (directory / "input.yaml").read_bytes() == (folder / "blocks.yaml").read_bytes()
+    log = (directory / "log.txt").read_text()
+    assert log.startswith(job.stdout)
+    assert "Two soft blocks" in job.stdout and "72 particles in 2D on 1 rank" in job.stdout
+    assert "paraview blocks.out/particles.xdmf" in job.stdout
+    phases = [line.split()[0] for line in log.removeprefix(job.stdout).splitlines() if line]
+    assert {"P2G", "G2P", "frames", "history", "other", "total"} <= set(phases)
+    (entry,) = json.loads((directory / "run.json").read_text())["starts"]
+    assert (entry["state"], entry["steps"], entry["time"]) == ("done", 200, 2.0)
+    assert entry["ranks"] == 1 and list(entry["hosts"].values()) == [1]
+    assert entry["versions"]["numpy"] == np.__version__
+    assert "blocks.yaml" in entry["command"]
+
+
+def test_reading_a_run(done):
+    run = pgimp.open(done[0])
+    np.testing.assert_allclose(run.times, TIMES, rtol=1e-12)
+    assert run.state == "done" and run.case.title == "Two soft blocks"
+    assert run.frame(-1).time == 2.0 and run.frame(-1).step == 200
+    assert run.frame(0).bodies == ["left", "right"]
+    assert run.frame(0)["stress"].shape == (PARTICLES, 6)
+    history = run.history
+    assert list(history["step"]) == [0, 30, 60, 90, 120, 150, 180, 200]
+    np.testing.assert_allclose(history["mass"], 18.0, rtol=1e-13)
+    path = run.follow(40)
+    assert path["position"].shape == (len(TIMES), 3)
+    for frame, position, moved in zip(run, path["position"], path["displacement"], strict=True):
+        np.testing.assert_array_equal(frame["position"][40], position)
+        np.testing.assert_allclose(position - path["position"][0], moved, atol=1e-14)
+    with pytest.raises(KeyError, match="no particle 72"):
+        run.follow(PARTICLES)
+    with pytest.raises(IndexError, match="no frame 10: it has 10"):
+        run.frame(10)
+    with pytest.raises(KeyError, match="no field pressure; it has"):
+        run.frame(0)["pressure"]
+    with pytest.raises(pgimp.errors.UsageError, match="no run directory"):
+        pgimp.open(done[0] / "frames")
+
+
+def test_frames_hold_the_state_of_the_simulation(done):
+    """The same case, driven step by step from Python, has the same particles."""
+    from pgimp.parallel.comm import Serial
+
+    run = pgimp.open(done[0])
+    sim = pgimp.Simulation(run.case, Serial())
+    while not sim.finished:
+        sim.advance()
+    rows = sim.live()
+    order = rows[np.argsort(sim.particles.id[rows])]
+    last = run.frame(-1)
+    np.testing.assert_array_equal(last["position"][:, :2], sim.particles.x[order])
+    np.testing.assert_array_equal(last["stress"][:, :4], sim.particles.sigma[order])
+    np.testing.assert_array_equal(last["volume"], sim.particles.V[order])
+
+
+@pytest.mark.parametrize("ranks", [2, 3])
+def test_other_numbers_of_ranks_leave_the_same(done, start, ranks):
+    job = start(ranks, "blocks.yaml", "-o", f"ranks-{ranks}", "--quiet")
+    assert (job.returncode, job.stdout, job.stderr) == (0, "", "")
+    same = start(1, "compare", "blocks.out", f"ranks-{ranks}")
+    assert same.returncode == 0 and "bit for bit: 10 frames of 72 particles" in same.stdout
+
+
+def test_the_resolved_case_runs_to_the_same(done, start):
+    assert start(1, "blocks.out/case.yaml", "-o", "again", "--quiet").returncode == 0
+    same = start(1, "compare", "blocks.out", "again")
+    assert same.returncode == 0, same.stdout
+
+
+def test_output_does_not_change_the_particles(done, start, folder):
+    settings = ["output={every: {steps: 7}, fields: [stress]}", "history={every: 0.011}"]
+    words = [word for setting in settings for word in ("--set", setting)]
+    assert start(1, "blocks.yaml", "-o", "other-output", "--quiet", *words).returncode == 0
+    run, other = pgimp.open(done[0]), pgimp.open(folder / "other-output")
+    assert [frame.step for frame in other] == [*range(0, 200, 7), 200]
+    assert len(other.history) == 1 + int(2.0 / 0.011)
+    for field in ("position", "volume", "stress"):
+        assert run.frame(-1)[field].tobytes() == other.frame(-1)[field].tobytes()
+
+
+def test_without_parallel_hdf5_the_log_says_so(done, start, folder, mpirun):
+    script = folder / "streamed.py"
+    script.write_text(
+        "from types import SimpleNamespace\n"
+        "import pgimp\n"
+        "from pgimp.output import frames\n"
+        "frames.load_h5py = lambda: SimpleNamespace(\n"
+        "    get_config=lambda: SimpleNamespace(mpi=False))\n"
+        "run = pgimp.run('blocks.yaml', output='streamed')\n"
+        "assert len(run) == 10\n"
+    )
+    job = mpirun(3, [script], cwd=folder)
+    assert job.returncode == 0, job.stderr
+    assert len(re.findall("h5py has no MPI, so frames go through rank 0", job.stdout)) == 1
+    assert start(1, "compare", "blocks.out", "streamed").returncode == 0
+
+
+EVERY = ["--set", "output.at=[]"]
+FAST = ["--set", "bodies.right.velocity=[9.0, 0.0]", "--set", "boundaries={}"]
+
+
+@pytest.mark.parametrize("ranks", [1, 3])
+def test_a_failed_run_says_why_and_keeps_what_it_has(start, folder, ranks):
+    name = f"fails-{ranks}"
+    job = start(ranks, "blocks.yaml", "-o", name, *FAST)
+    assert job.returncode == 1
+    assert len(re.findall("left the domain through x-max", job.stderr)) == 1
+    assert f"{name} holds 2 frames, to t = 0.3, and history.csv" in job.stderr
+    run = pgimp.open(folder / name)
+    assert run.state == "failed" and "left the domain" in run.info["message"]
+    assert 30 <= run.info["steps"] < 50
+    assert "failed at step" in (folder / name / "log.txt").read_text()
+    np.testing.assert_allclose(run.times, [0.0, 0.3], rtol=1e-12)
+    assert list(run.history["step"]) == [0, 30]
+    held = start(ranks, "blocks.yaml", "-o", name)
+    assert held.returncode == 2
+    assert len(re.findall("holds a run [(]failed", held.stderr)) == 1
+    assert "--overwrite" in held.stderr
+    again = start(ranks, "blocks.yaml", "-o", name, "--overwrite", "--set", "time.end=0.1", *EVERY)
+    assert again.returncode == 0 and pgimp.open(folder / name).state == "done"
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_a_wrong_case_leaves_no_directory(start, folder, ranks):
+    job = start(ranks, "blocks.yaml", "-o", "wrong", "--set", "time={end: 10.0, step: 1.0}", *EVERY)
+    assert job.returncode == 2 and "Courant number" in job.stderr
+    assert "Traceback" not in job.stderr and not (folder / "wrong").exists()
+
+
+@pytest.mark.parametrize("ranks", [1, 3])
+def test_a_full_disk_ends_the_run(tmp_path, start, ranks):
+    fields = f"output={{every: {{steps: 1}}, fields: [{', '.join(OPTIONAL)}]}}"
+    with small_disk(tmp_path / "disk") as disk:
+        job = start(ranks, "blocks.yaml", "-o", disk / "out", "--set", fields)
+        assert job.returncode == 1, job.stderr
+        assert len(re.findall("No space left on device", job.stderr)) == 1
+        run = pgimp.open(disk / "out")
+        steps = [frame.step for frame in run]
+        assert steps == list(range(len(steps))) and len(steps) > 5
+        assert all(np.isfinite(frame["deformation"]).all() for frame in run)
+        assert not list((disk / "out").rglob("*.part"))
+
+
+@pytest.fixture
+def endless(folder):
+    """A run that would go on for hours, once its first frames are there."""
+    settings = ["time.end=200000.0", "output.every={steps: 50}", "output.at=[]"]
+    words = [word for setting in settings for word in ("--set", setting)]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "pgimp", "blocks.yaml", "-o", "endless", "--overwrite", *words],
+        cwd=folder,
+        env=clean_env(),
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    directory = folder / "endless"
+    patience = time.monotonic() + 60.0
+    while not (directory / "frames" / "particles-000004.h5").exists():
+        assert process.poll() is None and time.monotonic() < patience
+        time.sleep(0.05)
+    yield process, directory
+    process.kill()
+    process.communicate()
+
+
+def check_whole(run, count):
+    assert len(run) >= count
+    assert [frame.step for frame in run] == list(range(0, 50 * len(run), 50))
+    assert all(np.isfinite(frame["stress"]).all() for frame in run)
+    assert len(run.history) >= 50 * (len(run) - 1) // 30
+
+
+def test_a_run_can_be_read_while_it_goes_on_and_after_it_was_killed(endless, start):
+    process, directory = endless
+    run = pgimp.open(directory)
+    check_whole(run, 5)
+    assert run.state == "running"
+    seen = len(run)
+    other = start(1, "blocks.yaml", "-o", "endless", "--overwrite")
+    assert other.returncode == 2 and f"process {process.pid} on " in other.stderr
+    process.kill()
+    process.wait()
+    check_whole(run, seen + 1)
+    names = re.findall(r"particles-\d{6}\.h5", (directory / "particles.xdmf").read_text())
+    assert len(run) - 1 <= len(set(names)) <= len(run)
+    assert start(1, "compare", "endless", "endless").returncode == 0
+
+
+def test_ctrl_c_leaves_valid_files(endless):
+    process, directory = endless
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=30)
+    assert process.returncode == 130 and "Traceback" not in err
+    run = pgimp.open(directory)
+    assert run.state == "stopped"
+    check_whole(run, 5)
+    assert not list(directory.rglob("*.part"))
+
+
+def test_running_from_python(folder, monkeypatch, capsys):
+    monkeypatch.chdir(folder)
+    run = pgimp.run("blocks.yaml", output="python", overrides=["time.end=0.1", "output.at=[]"])
+    assert run.state == "done" and run.frame(-1).step == 10
+    assert "done: t = 0.1 after 10 steps" in capsys.readouterr().out
+    case = run.case
+    with pytest.raises(pgimp.errors.UsageError, match="needs output="):
+        pgimp.run(case)
+    with pytest.raises(pgimp.errors.UsageError, match="holds a run"):
+        pgimp.run(case, output="python")
+    again = pgimp.run(case, output="python", overwrite=True, quiet=True)
+    assert again.frame(-1)["position"].shape == (PARTICLES, 3)
+    assert not (folder / "python" / "input.yaml").exists()
