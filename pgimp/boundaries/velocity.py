@@ -1,12 +1,22 @@
 """Prescribed velocity on a face: v as given at the step's end, a its rate over the step."""
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 from pydantic import Field
 
 from pgimp.boundaries.base import Boundary
 from pgimp.case.base import Number
+from pgimp.case.dispatch import Either
 from pgimp.scene.tables import Table
+
+
+Component = Annotated[
+    float | Table | None,
+    Either(
+        "a number, null (free) or {table: [[time, value], ...]}",
+        {float: Number, dict: Table, None: None},
+    ),
+]
 
 
 class VelocityParameters(NamedTuple):
@@ -31,7 +41,7 @@ class VelocityParameters(NamedTuple):
 class Velocity(Boundary):
     """Moves the material on a face at a given velocity, component by component."""
 
-    velocity: tuple[Number | Table | None, ...] = Field(
+    velocity: tuple[Component, ...] = Field(
         description="velocity [length/time] along each direction: a number, a table over time, "
         "or null where the component is free"
     )

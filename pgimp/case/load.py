@@ -5,7 +5,7 @@ from pathlib import Path
 
 from pgimp.case.reader import read_case
 from pgimp.case.schema import Case
-from pgimp.errors import CaseError, UsageError
+from pgimp.errors import UsageError
 
 
 def load(name: str | Path, overrides: Sequence[str] = ()) -> Case:
@@ -26,9 +26,7 @@ def load(name: str | Path, overrides: Sequence[str] = ()) -> Case:
         For everything that is wrong in it, each with its line.
     """
     try:
-        text = Path(name).read_text(encoding="utf-8-sig")
+        text = Path(name).read_bytes()
     except OSError as error:
         raise UsageError(f"cannot read the case {name}: {error.strerror or error}") from None
-    except UnicodeDecodeError as error:
-        raise CaseError(f"{name} is no text in UTF-8 (byte {error.start})") from None
     return read_case(text, str(name), list(overrides))
