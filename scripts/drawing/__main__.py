@@ -1,0 +1,25 @@
+"""Draws the pictures that are named on the command line, or all."""
+
+import argparse
+
+from column import compaction
+from cost import error_and_cost
+from scenes import bar_vibration, block3d, disks
+
+PICTURES = {
+    "compaction": compaction,
+    "block3d": block3d,
+    "disks": disks,
+    "bar-vibration": bar_vibration,
+    "error-and-cost": error_and_cost,
+}
+
+parser = argparse.ArgumentParser(prog="scripts/pictures")
+parser.add_argument("names", nargs="*", metavar="NAME", help=", ".join(PICTURES))
+parser.add_argument("--redraw", action="store_true", help="draw from the runs that are there")
+arguments = parser.parse_args()
+unknown = sorted(set(arguments.names) - set(PICTURES))
+if unknown:
+    parser.error(f"there is no picture {unknown[0]}; there are {', '.join(PICTURES)}")
+for name in arguments.names or PICTURES:
+    PICTURES[name](arguments.redraw)

@@ -1,0 +1,58 @@
+"""Running cases and saving pictures: what all drawings share."""
+
+import subprocess
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy as np
+from PIL import Image
+
+import pgimp
+
+ROOT = Path(__file__).resolve().parents[2]
+RUNS = ROOT / "pictures.out"
+PICTURES = ROOT / "cases" / "pictures"
+BLUE, RED, GREEN, ORANGE, GREY = "#1f5fa8", "#c0392b", "#2e8b57", "#d98e04", "#8a8a8a"
+plt.rcParams.update(
+    {
+        "font.size": 10,
+        "axes.grid": True,
+        "grid.color": "#e4e4e4",
+        "axes.axisbelow": True,
+        "axes.spines.top": False,
+        "axes.spines.right": False,
+        "legend.frameon": False,
+        "figure.constrained_layout.use": True,
+        "savefig.dpi": 110,
+    }
+)
+
+
+def run(case, redraw, name=None, overrides=(), ranks=2):
+    """Run cases/CASE.yaml, unless it is only to be drawn again."""
+    directory = RUNS / f"{name or case}.out"
+    if not (redraw and directory.exists()):
+        words = [ROOT / "scripts/run", ROOT / f"cases/{case}.yaml", "-n", str(ranks)]
+        words += ["-o", directory, "--overwrite"]
+        for override in overrides:
+            words += ["--set", override]
+        subprocess.run(words, check=True)
+    return pgimp.open(directory)
+
+
+def frame_at(results, time):
+    """Return the first frame at or after a time."""
+    return results.frame(int(np.searchsorted(results.times, time - 1e-9)))
+
+
+def save(figure, name):
+    """Write the picture; without the alpha channel the file is a fifth smaller."""
+    PICTURES.mkdir(exist_ok=True)
+    path = PICTURES / f"{name}.png"
+    figure.savefig(path)
+    plt.close(figure)
+    Image.open(path).convert("RGB").save(path, optimize=True)
+    print(f"pictures: {path.relative_to(ROOT)}, {path.stat().st_size // 1024} kB")

@@ -1,0 +1,140 @@
+"""The other cases: disks, block, bar."""
+
+import numpy as np
+from common import BLUE, GREEN, RED, frame_at, plt, run, save
+from matplotlib.collections import EllipseCollection
+
+
+def energies(axis, results, unit):
+    """Draw the energies of a history."""
+    history = results.history
+    for name, colour in (("kinetic", BLUE), ("strain", RED)):
+        axis.plot(history["time"], history[f"{name}-energy"], color=colour, label=name)
+    axis.set_xlabel("time [s]")
+    axis.set_ylabel(f"energy [{unit}]")
+
+
+def disks(redraw):
+    """Three instants coloured by the von Mises stress, and the energies."""
+    results = run("disks", redraw)
+    times = (1.0, 2.0, 3.6)
+    top = np.percentile(frame_at(results, times[1])["von-mises"], 97)
+    figure = plt.figure(figsize=(9, 5.6))
+    grid = figure.add_gridspec(2, 3, height_ratios=(1.25, 1.0))
+    shown = []
+    for column, time in enumerate(times):
+        axis = figure.add_subplot(grid[0, column], aspect="equal")
+        frame = frame_at(results, time)
+        size = 2.5 * frame["radius"]
+        dots = EllipseCollection(
+            size,
+            size,
+            np.zeros(len(frame)),
+            units="x",
+            offsets=frame["position"][:, :2],
+            transOffset=axis.transData,
+            array=frame["von-mises"],
+            cmap="viridis",
+            clim=(0.0, top),
+        )
+        axis.add_collection(dots)
+        axis.set(xlim=(-0.05, 1.05), ylim=(-0.05, 1.05), xlabel="x [m]", xticks=(0, 0.5, 1))
+        axis.set(yticks=(0, 0.5, 1), ylabel="" if column else "y [m]")
+        axis.set_title(f"t = {frame.time:.2f} s", fontsize=10)
+        axis.grid(False)
+        shown.append(axis)
+    figure.colorbar(dots, ax=shown, label="von Mises stress [Pa]", shrink=0.85)
+    axis = figure.add_subplot(grid[1, :])
+    energies(axis, results, "J/m")
+    total = results.history["kinetic-energy"] + results.history["strain-energy"]
+    axis.plot(results.history["time"], total, "k--", lw=1.0, label="sum")
+    axis.legend(loc="center left", ncol=1)
+    save(figure, "disks")
+
+
+def skins(lattice, values):
+    """Three visible faces of a block of particles: arrays of shape (rows, columns, ...)."""
+    shape = lattice.max(axis=0) + 1
+    table = np.empty((*shape, *values.shape[1:]))
+    table[tuple(lattice.T)] = values
+    return table[:, 0], table[-1], table[:, :, -1]
+
+
+def block3d(redraw):
+    """The block at four instants in 3D, coloured by the von Mises stress, and the energies."""
+    results = run("block3d", redraw)
+    history = results.history
+    first = results.frame(0)["position"]
+    lattice = np.stack(
+        [np.unique(first[:, d].round(9), return_inverse=True)[1] for d in range(3)], 1
+    )
+    lowest = results.times[np.argmin([f["position"][:, 2].mean() for f in results.frames[:25]])]
+    figure = plt.figure(figsize=(9, 5.8))
+    above, below = figure.subfigures(2, 1, height_ratios=(1.0, 0.85))
+    axes = above.subplots(1, 4, subplot_kw={"projection": "3d", "computed_zorder": False})
+    colours = plt.cm.ScalarMappable(plt.Normalize(0.0, 60.0), "viridis")
+    for axis, time in zip(axes, (0.0, lowest, 0.46, 0.6), strict=True):
+        frame = frame_at(results, time)
+        corners = np.meshgrid([0.1, 1.9], [0.0, 1.2])
+        axis.plot_surface(*corners, np.zeros((2, 2)), color="#dcdcdc", shade=False, zorder=0)
+        faces = zip(
+            skins(lattice, frame["position"]), skins(lattice, frame["von-mises"]), strict=True
+        )
+        for place, stress in faces:
+            axis.plot_surface(
+                *np.moveaxis(place, -1, 0),
+                rcount=99,
+                ccount=99,
+                facecolors=colours.to_rgba(stress[:-1, :-1] / 1e3),
+                linewidth=0,
+                antialiased=False,
+                shade=False,
+                zorder=1,
+            )
+        axis.set(xlim=(0.1, 1.9), ylim=(0.0, 1.2), zlim=(0.0, 1.25))
+        axis.set_box_aspect((1.8, 1.2, 1.25), zoom=1.1)
+        axis.view_init(14, -52)
+        axis.set_axis_off()
+        axis.set_title(f"t = {frame.time:.2f} s", fontsize=10, y=0.98)
+    above.colorbar(
+        colours, ax=axes, label="von Mises stress [kPa]", location="bottom", aspect=50, shrink=0.6
+    )
+    left, right = below.subplots(1, 2)
+    energies(left, results, "J")
+    left.legend()
+    right.plot(history["time"], history["reaction.z-min-z"] / 1e3, color=GREEN)
+    right.set(xlabel="time [s]", ylabel="force of the floor [kN]")
+    save(figure, "block3d")
+
+
+def bar_displacement(place, time, gravity=9.81, speed=20.0, length=1.0):
+    """Exact displacement of the bar's material points: sagged state less two waves of its form."""
+
+    def sag(x):  # odd about the ceiling, even about the tip
+        x = np.mod(x, 4.0 * length)
+        half = np.mod(x, 2.0 * length)
+        return np.where(x < 2.0 * length, 1.0, -1.0) * (length * half - 0.5 * half**2)
+
+    waves = 0.5 * (sag(place + speed * time) + sag(place - speed * time))
+    return gravity / speed**2 * (sag(place) - waves)
+
+
+def bar_vibration(redraw):
+    """Displacement of the lowest particle against the exact one, and the energies."""
+    results = run("bar-vibration", redraw)
+    last = results.follow(len(results.frame(0)) - 1)
+    place = last["position"][0, 0]
+    moved = last["displacement"][:, 0]
+    fine = np.linspace(0.0, last["time"][-1], 1001)
+    figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.2))
+    left.plot(fine, 1e3 * bar_displacement(place, fine), "k-", lw=1.0, label="exact, 5 Hz")
+    left.plot(last["time"], 1e3 * moved, "o", color=BLUE, ms=3, label="pgimp")
+    left.set(xlabel="time [s]", ylabel="displacement of the tip [mm]", ylim=(-1, 31))
+    left.legend(ncol=2, loc="upper center")
+    energies(right, results, "J per m$^2$ of section")
+    history = results.history
+    right.plot(history["time"], history["external-work"], "k--", lw=1, label="work of gravity")
+    right.set(ylim=(-2, 205))
+    right.legend(ncol=3, loc="upper center", fontsize=9, columnspacing=1.0)
+    print(f"pictures: greatest error {np.abs(moved - bar_displacement(place, last['time'])).max()}")
+    save(figure, "bar-vibration")

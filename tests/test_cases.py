@@ -1,0 +1,149 @@
+"""Every case in cases/, coarsened: it runs, the ranks do not matter, and the physics is right."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import pgimp
+from pgimp.cli import main
+
+CASES = Path(__file__).resolve().parents[1] / "cases"
+COARSER = {
+    "bar-vibration": [
+        "grid.cell=[0.05]",
+        "grid.size=[1.1]",
+        "time.step=5.0e-4",
+        "time.end=0.45",
+        "output.every=0.05",
+    ],
+    "block3d": ["grid.cell=[0.2,0.2,0.2]", "time.end=0.7", "output.every=0.1"],
+    "compaction": [
+        "grid.cell=[2.5]",
+        "grid.size=[55.0]",
+        "method.particles_per_cell=[1]",
+        "time.step=2.5e-4",
+        "time.end=0.5",
+        "history.every={steps: 100}",
+    ],
+    "disks": ["grid.cell=[0.05,0.05]", "output.every=0.5"],
+}
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory, mpirun):
+    """``runs(name)`` is a case's run on one rank, from Python; on two it gave the same bits."""
+    folder = tmp_path_factory.mktemp("cases")
+    results = {}
+
+    def find(name):
+        if name in results:
+            return results[name]
+        path, one, two = CASES / f"{name}.yaml", folder / f"{name}-1", folder / f"{name}-2"
+        found = pgimp.run(path, output=one, overrides=COARSER[name], quiet=True)
+        words = ["-m", "pgimp", path, "-o", two, "--quiet"]
+        done = mpirun(
+            2, [*words, *(word for change in COARSER[name] for word in ("--set", change))]
+        )
+        assert done.returncode == 0, done.stderr
+        assert pgimp.open(two).info["ranks"] == 2
+        assert main(["compare", str(one), str(two)]) == 0
+        results[name] = found
+        return found
+
+    return find
+
+
+def test_every_case_is_run_here_and_shown():
+    names = {path.stem for path in CASES.glob("*.yaml")}
+    assert names == set(COARSER)
+    page = (CASES / "README.md").read_text(encoding="utf-8")
+    for name in names:
+        assert f"({name}.yaml)" in page
+        assert f"(pictures/{name}.png)" in page
+
+
+@pytest.mark.parametrize("name", COARSER)
+def test_case_opens_with_what_it_is(name):
+    text = (CASES / f"{name}.yaml").read_text(encoding="utf-8")
+    head = text[: text.index("\nformat:")]
+    parts = re.findall(r"^# (\w+)   +\S", head, re.MULTILINE)
+    assert parts == ["Physics", "Source", "Exact", "Expect", "Size", "Command"]
+    assert f"mpirun -n 2 pgimp cases/{name}.yaml" in head
+    assert max(map(len, text.splitlines())) <= 100
+
+
+@pytest.mark.parametrize("name", COARSER)
+def test_pictures_are_small(name):
+    assert 10_000 < (CASES / f"pictures/{name}.png").stat().st_size < 150_000
+
+
+def test_column_carries_its_weight(runs):
+    """Stress (42) and length (43) of the paper at W = 10000."""
+    frame = runs("compaction").frame(-1)
+    assert frame.time == 0.5
+    b, young, length = -200.0, 1.0e6, 50.0
+    end = length + b * length**2 / (2.0 * young)
+    x, stress = frame["position"][:, 0], frame["stress"][:, 0]
+    exact = young * (np.sqrt(2.0 * b * (end - x) / young + 1.0) - 1.0)
+    error = (np.abs(exact - stress) * 2.5).sum() / (-b * length * length)  # (47)
+    assert error < 1.0e-3
+    assert x[-1] + frame["radius"][-1] == pytest.approx(49.75, abs=0.0025)
+
+
+def test_bar_vibrates_at_its_frequency(runs):
+    """The momentum changes sign every half period, 0.1 s, and energy is kept."""
+    history = runs("bar-vibration").history
+    time, momentum = history["time"], history["momentum-x"]
+    at = np.flatnonzero(momentum[1:-1] * momentum[2:] < 0.0) + 1
+    part = momentum[at] / (momentum[at] - momentum[at + 1])
+    crossings = time[at] + part * (time[at + 1] - time[at])
+    np.testing.assert_allclose(crossings, [0.1, 0.2, 0.3, 0.4], rtol=0.005)
+    total = history["kinetic-energy"] + history["strain-energy"] - history["external-work"]
+    assert np.abs(total).max() < 0.01 * history["external-work"].max()
+    tip = runs("bar-vibration").follow(len(runs("bar-vibration").frame(0)) - 1)
+    assert tip["displacement"][:, 0].max() == pytest.approx(9.81 / 400.0, rel=0.02)
+
+
+def test_disks_collide_and_part(runs):
+    results = runs("disks")
+    history = results.history
+    kinetic = history["kinetic-energy"]
+    centres = [
+        [history[f"body.{body}.centre-{axis}"] for axis in "xy"] for body in ("left", "right")
+    ]
+    gap = np.hypot(*(np.array(centres[1]) - np.array(centres[0])))
+    assert gap[0] == pytest.approx(0.6 * np.sqrt(2.0), rel=1e-3)
+    assert 0.25 < gap.min() < 0.4
+    assert kinetic.min() < 0.1 * kinetic[0]
+    assert gap[-1] > 0.6
+    speed = (gap[-1] - gap[-20]) / (history["time"][-1] - history["time"][-20])
+    assert 0.85 < speed / (0.2 * np.sqrt(2.0)) <= 1.0
+    for axis in "xy":
+        assert np.abs(history[f"momentum-{axis}"]).max() < 1e-12
+    frame = results.frame(-1)  # no particle of one disk is left with the other
+    along = frame["position"][:, 0] + frame["position"][:, 1]
+    assert along[frame["body"] == 0].max() < along[frame["body"] == 1].min()
+
+
+def test_block_bounces(runs):
+    history = runs("block3d").history
+    time, height = history["time"], history["body.block.centre-z"]
+    push = history["reaction.z-min-z"]
+    falls = time < 0.15
+    drift = 0.5 * 9.81 * time * history["dt"].max()  # velocities lead positions by half a step
+    fall = 0.8 - 0.5 * 9.81 * time**2
+    assert (np.abs(height - fall) <= drift + 1e-12)[falls].all()
+    assert (push[falls] == 0.0).all()
+    assert (push >= -1e-9 * push.max()).all()  # the floor never pulls
+    lowest = height.argmin()
+    assert 0.25 < time[lowest] < 0.4
+    assert 0.3 < height[lowest] < 0.5
+    assert height[lowest:].max() > height[lowest] + 0.2
+    highest = lowest + height[lowest:].argmax()
+    assert push[highest] < 1e-6 * push.max()  # in the air
+    impulse = np.sum(push[1:] * np.diff(time))
+    momentum = history["momentum-z"][-1] + history["mass"][0] * 9.81 * time[-1]
+    assert impulse == pytest.approx(momentum, rel=1e-6)
+    assert 3.0e4 < push.max() < 8.0e4
