@@ -217,6 +217,23 @@ def test_a_full_disk_ends_the_run(tmp_path, start):
         assert not list((disk / "out").rglob("*.part"))
 
 
+def test_a_run_outlives_its_reader(folder):
+    """As in ``pgimp case.yaml | head``, or when a terminal is closed."""
+    process = subprocess.Popen(
+        [sys.executable, "-m", "pgimp", "blocks.yaml", "-o", "unheard"],
+        cwd=folder,
+        env=clean_env(),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    process.stdout.close()
+    _, err = process.communicate(timeout=60)
+    assert (process.returncode, err) == (0, "")
+    assert pgimp.open(folder / "unheard").state == "done"
+    assert "done: t = 2" in (folder / "unheard" / "log.txt").read_text()
+
+
 @pytest.fixture
 def endless(folder):
     """A run that would go on for hours, once its first frames are there."""

@@ -30,6 +30,11 @@ class Source(NamedTuple):
     dimension: int
     body_material: tuple[int, ...]
 
+    def take(self, symbol: str) -> Array:
+        """Return the wanted rows of an array of the particles: (n,) or (n, k)."""
+        # Several times faster than indexing with the rows.
+        return np.take(getattr(self.particles, symbol), self.rows, axis=0)
+
 
 class Field(NamedTuple):
     """How a field gets into a frame; what it means is said in `pgimp.case.fields`.
@@ -57,23 +62,23 @@ class Field(NamedTuple):
         return len(self.components.split())
 
 
-def _padded(values: Array, rows: Array, columns: int) -> Array:
-    """Take `rows` of a (c, k) array and fill up with zeros to (n, columns)."""
+def _padded(values: Array, columns: int) -> Array:
+    """Fill up an (n, k) array with zeros to (n, columns)."""
     if values.shape[1] == columns:
-        return values[rows]
-    full = np.zeros((len(rows), columns))
-    full[:, : values.shape[1]] = values[rows]
+        return values
+    full = np.zeros((len(values), columns))
+    full[:, : values.shape[1]] = values
     return full
 
 
 def identity(source: Source) -> Array:
     """Return the number of each particle."""
-    return source.particles.id[source.rows]
+    return source.take("id")
 
 
 def body(source: Source) -> Array:
     """Return the index of each particle's body."""
-    return source.particles.body[source.rows]
+    return source.take("body")
 
 
 def material(source: Source) -> Array:
@@ -83,12 +88,12 @@ def material(source: Source) -> Array:
 
 def position(source: Source) -> Array:
     """Return the centres, zero in missing directions."""
-    return _padded(source.particles.x, source.rows, 3)
+    return _padded(source.take("x"), 3)
 
 
 def volume(source: Source) -> Array:
     """Return the current volume; an area in 2D, a length in 1D."""
-    return source.particles.V[source.rows]
+    return source.take("V")
 
 
 def radius(source: Source) -> Array:
@@ -101,24 +106,22 @@ def radius(source: Source) -> Array:
 
 def velocity(source: Source) -> Array:
     """Return the velocity, zero in missing directions."""
-    return _padded(source.particles.v, source.rows, 3)
+    return _padded(source.take("v"), 3)
 
 
 def stress(source: Source) -> Array:
     """Return the Cauchy stress as xx, yy, zz, xy, yz, xz, zero where the dimension has none."""
-    return _padded(source.particles.sigma, source.rows, 6)
+    return _padded(source.take("sigma"), 6)
 
 
 def displacement(source: Source) -> Array:
     """Return position less initial position, zero in missing directions."""
-    particles = source.particles
-    moved = particles.x[source.rows] - particles.origin[source.rows]
-    return _padded(moved, np.arange(len(source.rows)), 3)
+    return _padded(source.take("x") - source.take("origin"), 3)
 
 
 def deformation(source: Source) -> Array:
     """Return the deformation gradient by rows, one on the diagonal in missing directions."""
-    dimension, local = source.dimension, source.particles.F[source.rows]
+    dimension, local = source.dimension, source.take("F")
     if dimension == 3:
         return local
     full = np.zeros((len(source.rows), 3, 3))
@@ -129,7 +132,7 @@ def deformation(source: Source) -> Array:
 
 def pressure(source: Source) -> Array:
     """Return minus a third of the trace of the stress: positive in compression."""
-    xx, yy, zz = source.particles.sigma[source.rows, :3].T
+    xx, yy, zz = source.take("sigma")[:, :3].T
     return -(xx + yy + zz) / 3.0
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable
 from contextlib import suppress
@@ -37,9 +38,18 @@ class Log:
         if not self.speaks:
             return
         if not self.quiet:
-            self.show(text)
-            sys.stdout.flush()
+            try:
+                self.show(text)
+                sys.stdout.flush()
+            except OSError:
+                self.fall_silent()
         self.note(text)
+
+    def fall_silent(self) -> None:
+        """Go on without the terminal: it was closed, or what read from a pipe has ended."""
+        self.quiet = True
+        with suppress(OSError, ValueError):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
     def note(self, text: str) -> None:
         """Keep a line without showing it."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import sys
+from contextlib import suppress
 from time import perf_counter
 from typing import Any
 
@@ -116,7 +117,11 @@ class Progress:
             f"{self._rates[1] * self._sim.count:.3g} particle-steps/s  {duration(left)} left"
         )
         if self._bar is not None:
-            self._bar.update(self._task, completed=time, text=text, refresh=True)
+            try:
+                self._bar.update(self._task, completed=time, text=text, refresh=True)
+            except OSError:
+                self._log.fall_silent()
+                self.close()
             return
         self._pause = min(_PAUSE_GROWTH * self._pause, _LONGEST_PAUSE_SECONDS)
         self._log.say(f"{100.0 * time / self._end:3.0f} %  {text}")
@@ -124,7 +129,8 @@ class Progress:
     def close(self) -> None:
         """Take the bar away."""
         if self._bar is not None:
-            self._bar.stop()
+            with suppress(OSError):
+                self._bar.stop()
             self._bar = None
             self._log.show = print
         self._active = False

@@ -61,7 +61,7 @@ class Rows:
             (np.bincount(arrived, minlength=length) == 1).all()
         )
         agree(comm, "order the particles", None if complete else "an id is missing or there twice")
-        self._place = arrived
+        self._source = np.argsort(arrived)
 
     def collect(self, values: Array) -> Array:
         """Bring the values of a field to the rank and the row they belong to.
@@ -78,10 +78,7 @@ class Rows:
         """
         if self.comm.size == 1:
             return np.ascontiguousarray(values)
-        arrived = self._move(values)
-        block = np.empty_like(arrived)
-        block[self._place] = arrived
-        return block
+        return np.take(self._move(values), self._source, axis=0)
 
     def _move(self, values: Array) -> Array:
         """Send each rank its share; what arrives is ordered by the sending rank, then by id."""
