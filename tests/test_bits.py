@@ -44,7 +44,9 @@ def crowd(name, D, n=100):
     rng = np.random.default_rng(SEED)
     shape, frame = setting(name, D, (6, 4, 3))
     x = random_positions(rng, frame, n, 0.05)
-    x[: n // 4, 0] = np.round(x[: n // 4, 0] / (CELL[0] / 4)) * (CELL[0] / 4)
+    # Some where layers change, so that any motion to the left takes them to another.
+    edges = rng.integers(1, frame.cells[0], n // 4) + 0.25 * (name == "gimp")
+    x[: n // 4, 0] = ORIGIN[0] + CELL[0] * edges
     return rng, shape, frame, random_particles(rng, x)
 
 
@@ -76,6 +78,7 @@ def test_grid_to_particles_does_not_see_the_neighbours(name, D):
     before = copy_of(whole.particles)
     assert whole.grid_to_particles(DT)[0] == 0
     expected = {field: bits(getattr(whole.particles, field)) for field in ADVANCED}
+    assert (before.layer != whole.particles.layer).sum() > 3
     rates = []
     for chosen, rows, capacity in selections(rng, len(particles.m)):
         rank = Rank(shape, frame, copy_of(before))

@@ -81,6 +81,8 @@ def test_a_step_on_any_slabs(name, D, spread):
         for quantity in ("work", "impulse"):
             every = [getattr(r, quantity)[own] for r, own in zip(ranks, owned, strict=True)]
             assert np.concatenate(every).tobytes() == getattr(whole, quantity).tobytes()
+            for rank, own in zip(ranks, owned, strict=True):
+                assert not getattr(rank, quantity)[own.stop or rank.grid.planes :].any()
         for rank in ranks:
             assert rank.grid_to_particles(DT)[0] == 0
             rows = [after[n] for n in rank.particles.id.tolist()]

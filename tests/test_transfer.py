@@ -17,7 +17,6 @@ from kernel_driver import (
 from reference import Reference
 
 from pgimp.boundaries import BOUNDARIES
-from pgimp.kernels.g2p import INVERTED, NOT_FINITE, OUTSIDE, TOO_FAST
 from pgimp.shapes import SHAPES
 from pgimp.shapes.gimp import GimpParameters
 from pgimp.solver.particles import Particles
@@ -93,6 +92,20 @@ def test_particles_to_grid(name, D):
     if D > 1:
         turn = x[:, 0] @ momentum[:, 1] - x[:, 1] @ momentum[:, 0]
         assert close(turn, p.m @ (p.x[:, 0] * p.v[:, 1] - p.x[:, 1] * p.v[:, 0]))
+
+
+@pytest.mark.parametrize("name", SHAPES)
+@pytest.mark.parametrize("D", [2, 3])
+def test_particles_to_grid_between_two_sorts(name, D):
+    """Particles have moved since their rows were sorted: the order within a layer is stale."""
+    rank, reference, _ = setting(name, D)
+    rng = np.random.default_rng(SEED)
+    for layer in np.unique(rank.particles.layer):
+        rows = np.flatnonzero(rank.particles.layer == layer)
+        rank.particles.x[rows, 1:] = rank.particles.x[rng.permutation(rows), 1:]
+    rank.particles_to_grid()
+    reference.particles_to_grid(copied(rank))
+    assert records_agree(rank, reference.m, reference.p, reference.f)
 
 
 @EVERY
@@ -251,43 +264,3 @@ def test_uniform_stress_has_no_force_inside(name, D):
         assert np.abs(force).max() > 0.1 * scale
     else:
         assert np.abs(force[inside]).max() > 0.1 * scale
-
-
-def still_particles(name):
-    """Rank in 3D with particles at rest, unstressed, 0.4 cells from the nearest face."""
-    rng = np.random.default_rng(SEED)
-    shape = entry(name, PER_CELL)
-    frame = make_frame(shape, ORIGIN, CELL, CELLS)
-    p = random_particles(rng, random_positions(rng, frame, 8, 0.4))
-    p.v[:], p.sigma[:] = 0.0, 0.0
-    p.x[3] = np.array(ORIGIN) + np.array(CELL) * 0.4
-    p.x[4] = np.array(ORIGIN) + np.array(CELL) * (np.array(CELLS) - 0.4)
-    return Rank(shape, frame, p)
-
-
-@pytest.mark.parametrize("name", SHAPES)
-@pytest.mark.parametrize(
-    ("field", "axis", "value", "reason"),
-    [
-        (None, 0, 0.0, 0),
-        ("v", 2, 0.39 * CELL[2] / DT, 0),
-        ("v", 2, 0.41 * CELL[2] / DT, OUTSIDE),
-        ("v", 1, -0.41 * CELL[1] / DT, OUTSIDE),
-        ("v", 0, -0.41 * CELL[0] / DT, OUTSIDE),
-        ("v", 2, 1.01 * CELL[2] / DT, TOO_FAST),
-        ("v", 1, -1.01 * CELL[1] / DT, TOO_FAST),
-        ("v", 1, np.nan, NOT_FINITE),
-        ("sigma", 3, np.inf, NOT_FINITE),
-        ("F", 0, -9.0, INVERTED),
-        ("F", 8, np.nan, NOT_FINITE),
-    ],
-)
-def test_a_particle_at_fault_stops_the_step(name, field, axis, value, reason):
-    rank = still_particles(name)
-    if field:
-        getattr(rank.particles, field)[:, axis] = value
-    rank.particles_to_grid()
-    rank.update_momentum(DT)
-    fault, row, _, _ = rank.grid_to_particles(DT)
-    assert fault == reason
-    assert row in rank.population.order if reason else row == -1
