@@ -14,6 +14,7 @@ from conftest import clean_env
 from particle_source import small_disk
 
 import pgimp
+from pgimp.errors import UsageError
 from pgimp.output.fields import OPTIONAL
 
 CASE = """\
@@ -49,11 +50,9 @@ def folder(tmp_path_factory):
 def start(folder, mpirun, python):
     """``start(ranks, words)`` runs pgimp in that folder, on no launcher for one rank."""
 
-    def start(ranks, *words, folder=folder):
+    def start(ranks, *words):
         words = ["-m", "pgimp", *words]
-        if ranks == 1:
-            return python(words, cwd=folder)
-        return mpirun(ranks, words, cwd=folder)
+        return python(words, cwd=folder) if ranks == 1 else mpirun(ranks, words, cwd=folder)
 
     return start
 
@@ -100,14 +99,14 @@ def test_reading_a_run(done):
     for frame, position, moved in zip(run, path["position"], path["displacement"], strict=True):
         np.testing.assert_array_equal(frame["position"][40], position)
         np.testing.assert_allclose(position - path["position"][0], moved, atol=1e-14)
-    with pytest.raises(KeyError, match="no particle 72"):
-        run.follow(PARTICLES)
-    with pytest.raises(IndexError, match="no frame 10: it has 10"):
-        run.frame(10)
-    with pytest.raises(KeyError, match="no field pressure; it has"):
-        run.frame(0)["pressure"]
-    with pytest.raises(pgimp.errors.UsageError, match="no run directory"):
-        pgimp.open(done[0] / "frames")
+    for error, message, attempt in (
+        (KeyError, "no particle 72", lambda: run.follow(PARTICLES)),
+        (IndexError, "no frame 10: it has 10", lambda: run.frame(10)),
+        (KeyError, "no field pressure; it has", lambda: run.frame(0)["pressure"]),
+        (UsageError, "no run directory", lambda: pgimp.open(done[0] / "frames")),
+    ):
+        with pytest.raises(error, match=message):
+            attempt()
 
 
 def test_frames_hold_the_state_of_the_simulation(done):
@@ -142,7 +141,7 @@ def test_the_resolved_case_runs_to_the_same(done, start):
 
 def test_output_does_not_change_the_particles(done, start, folder):
     settings = ["output={every: {steps: 7}, fields: [stress]}", "history={every: 0.011}"]
-    words = [word for setting in settings for word in ("--set", setting)]
+    words = [f"--set={setting}" for setting in settings]
     assert start(1, "blocks.yaml", "-o", "other-output", "--quiet", *words).returncode == 0
     run, other = pgimp.open(done[0]), pgimp.open(folder / "other-output")
     assert [frame.step for frame in other] == [*range(0, 200, 7), 200]
@@ -217,16 +216,21 @@ def test_a_full_disk_ends_the_run(tmp_path, start):
         assert not list((disk / "out").rglob("*.part"))
 
 
-def test_a_run_outlives_its_reader(folder):
-    """As in ``pgimp case.yaml | head``, or when a terminal is closed."""
-    process = subprocess.Popen(
-        [sys.executable, "-m", "pgimp", "blocks.yaml", "-o", "unheard"],
+def launch(folder, *words):
+    """Start a run and go on."""
+    return subprocess.Popen(
+        [sys.executable, "-m", "pgimp", *words],
         cwd=folder,
         env=clean_env(),
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
     )
+
+
+def test_a_run_outlives_its_reader(folder):
+    """As in ``pgimp case.yaml | head``, or when a terminal is closed."""
+    process = launch(folder, "blocks.yaml", "-o", "unheard")
     process.stdout.close()
     _, err = process.communicate(timeout=60)
     assert (process.returncode, err) == (0, "")
@@ -238,16 +242,9 @@ def test_a_run_outlives_its_reader(folder):
 def endless(folder):
     """A run that would go on for hours, once its first frames are there."""
     settings = ["time.end=200000.0", "output.every={steps: 50}", "output.at=[]"]
-    words = [word for setting in settings for word in ("--set", setting)]
+    words = [f"--set={setting}" for setting in settings]
     shutil.rmtree(folder / "endless", ignore_errors=True)
-    process = subprocess.Popen(
-        [sys.executable, "-m", "pgimp", "blocks.yaml", "-o", "endless", *words],
-        cwd=folder,
-        env=clean_env(),
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
+    process = launch(folder, "blocks.yaml", "-o", "endless", *words)
     directory = folder / "endless"
     patience = time.monotonic() + 60.0
     while not (directory / "frames" / "particles-000004.h5").exists():
@@ -298,9 +295,9 @@ def test_running_from_python(folder, monkeypatch, capsys):
     assert run.state == "done" and run.frame(-1).step == 10
     assert "done: t = 0.1 after 10 steps" in capsys.readouterr().out
     case = run.case
-    with pytest.raises(pgimp.errors.UsageError, match="needs output="):
+    with pytest.raises(UsageError, match="needs output="):
         pgimp.run(case)
-    with pytest.raises(pgimp.errors.UsageError, match="holds a run"):
+    with pytest.raises(UsageError, match="holds a run"):
         pgimp.run(case, output="python")
     again = pgimp.run(case, output="python", overwrite=True, quiet=True)
     assert again.frame(-1)["position"].shape == (PARTICLES, 3)

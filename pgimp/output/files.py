@@ -14,7 +14,7 @@ def temporary(path: Path) -> Path:
     return path.with_name(f".{path.name}{TEMPORARY}")
 
 
-def write(path: Path, content: str | bytes) -> None:
+def write(path: Path, content: str | bytes, durable: bool = True) -> None:
     """Write a file through a temporary one.
 
     Parameters
@@ -23,6 +23,8 @@ def write(path: Path, content: str | bytes) -> None:
         The file.
     content : str or bytes
         All of it; text becomes UTF-8.
+    durable : bool
+        Whether it must be whole even after a crash of the machine, which takes longer.
 
     Raises
     ------
@@ -34,7 +36,8 @@ def write(path: Path, content: str | bytes) -> None:
         with open(part, "wb") as stream:
             stream.write(content.encode() if isinstance(content, str) else content)
             stream.flush()
-            os.fsync(stream.fileno())
+            if durable:
+                os.fsync(stream.fileno())
         part.rename(path)
     except BaseException:
         with suppress(OSError):
