@@ -4,6 +4,8 @@ The soft solid has Young's modulus 100 and density 1, so that its waves travel a
 size 1 a time unit, and motions of order 0.1 strain it by about a hundredth.
 """
 
+import json
+
 import numpy as np
 
 from pgimp.case.schema import Case
@@ -106,3 +108,8 @@ def tracked(sim, *names):
         sim.advance()
         lines.append(sim.diagnostics())
     return np.array([[line[name] for name in names] for line in lines]).T
+
+
+def write_case(path, case):
+    """Write a case file; what is JSON is YAML."""
+    path.write_text(json.dumps(case, indent=1))
