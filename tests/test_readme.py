@@ -1,0 +1,167 @@
+"""README.md keeps its word: its commands, case, batch script and material work as printed."""
+
+import os
+import re
+import shlex
+import shutil
+import sys
+from pathlib import Path
+
+import pytest
+from conftest import run
+
+from pgimp.case.reader import read_case
+
+ROOT = Path(__file__).resolve().parents[1]
+TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
+BLOCKS = re.findall(r"^```(\w+)\n(.*?)^```$", TEXT, re.MULTILINE | re.DOTALL)
+ACTIVATE = ". .venv/bin/activate"
+# Root may use mpirun, and more ranks than cores, also where the command does not say so.
+ENVIRONMENT = {
+    "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}",
+    "OMPI_MCA_rmaps_base_oversubscribe": "1",
+    "OMPI_MCA_hwloc_base_binding_policy": "none",
+}
+SHORT = "--set time.end=0.004 --set output.every=null --quiet"
+INSTEAD = {
+    "scripts/test": f"{ROOT}/scripts/test --version",  # this test is one of those it would run
+    "pgimp bench": "pgimp bench --cells 4 --repeats 1",
+    # Into a folder of its own, with what this environment has already.
+    "pip install .": "python -m pip install -qq --no-deps --no-build-isolation --target installed "
+    "./source",
+}
+
+
+def blocks(language):
+    return [text for kind, text in BLOCKS if kind == language]
+
+
+def block_of(beginning):
+    """The only block of code that begins like this."""
+    (found,) = [text for _, text in BLOCKS if text.startswith(beginning)]
+    return found
+
+
+def commands():
+    """The commands of all shell blocks, in order, without comments."""
+    lines = [
+        shlex.join(shlex.split(line, comments=True)) for line in "".join(blocks("sh")).splitlines()
+    ]
+    return [line for line in lines if line and line != ACTIVATE]
+
+
+def shortened(command):
+    """What is run for a command: a few steps of a case, a small benchmark."""
+    if command in INSTEAD:
+        return INSTEAD[command]
+    if re.match(r"(mpirun -n \d+ )?pgimp cases/|scripts/run ", command):
+        return f"{command} {SHORT}".replace("scripts/run", f"{ROOT}/scripts/run")
+    return command
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A folder with the cases, in which the commands of README.md run."""
+    folder = tmp_path_factory.mktemp("readme")
+    (folder / "cases").symlink_to(ROOT / "cases")
+    source = folder / "source"
+    source.mkdir()
+    shutil.copytree(ROOT / "pgimp", source / "pgimp", ignore=shutil.ignore_patterns("__pycache__"))
+    for name in ("pyproject.toml", "README.md", "LICENSE"):
+        shutil.copy(ROOT / name, source)
+    return folder
+
+
+def test_commands_run(folder):
+    """Every command of the shell blocks, in order, in one folder."""
+    listed = commands()
+    assert listed[:2] == ["scripts/run cases/block3d.yaml", "scripts/test"]
+    assert len(listed) > 10
+    started = set()
+    for command in listed:
+        words = shlex.split(shortened(command))
+        if words[-1] == "--quiet" and "-o" not in words:
+            output = re.search(r"cases/([\w-]+)\.yaml", command)[1]
+            if output in started:  # the text's reader would add it, or has removed the other
+                words.append("--overwrite")
+            started.add(output)
+        done = run(words, cwd=folder, env=ENVIRONMENT)
+        assert done.returncode == 0, f"{command}\n{done.stdout}\n{done.stderr}"
+    assert (folder / "installed" / "pgimp" / "__main__.py").is_file()
+
+
+def test_first_case_is_printed_as_it_is():
+    printed = read_case(block_of("format: 1"), "README.md", [])
+    there = (ROOT / "cases/block3d.yaml").read_text(encoding="utf-8")
+    assert printed == read_case(there, "block3d.yaml", [])
+
+
+def test_batch_script_runs(folder):
+    script = folder / "job.sh"
+    script.write_text(block_of("#!/bin/bash").replace("--overwrite", f"--overwrite {SHORT}"))
+    assert ACTIVATE in script.read_text()
+    (folder / ".venv" / "bin").mkdir(parents=True)
+    (folder / ".venv" / "bin" / "activate").touch()  # the environment is active already
+    done = run(["bash", str(script)], cwd=folder, env=ENVIRONMENT | {"SLURM_NTASKS": "2"})
+    assert done.returncode == 0, done.stderr
+    assert '"ranks": 2' in (folder / "block3d.out" / "run.json").read_text()
+
+
+def test_python_example_runs(folder):
+    words = f"pgimp cases/block3d.yaml --set grid.cell=[0.2,0.2,0.2] {SHORT} --overwrite"
+    assert run(words.split(), cwd=folder, env=ENVIRONMENT).returncode == 0
+    done = run([sys.executable, "-c", block_of("import pgimp\n")], cwd=folder)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("done 0.004\n")
+
+
+def apply(difference, path):
+    """Apply a difference printed without line numbers: its old lines must be there, once."""
+    lines = difference.splitlines(keepends=True)
+    old = "".join(line[1:] for line in lines if line[0] in " -")
+    new = "".join(line[1:] for line in lines if line[0] in " +")
+    text = path.read_text()
+    assert text.count(old) == 1, f"{path.name} has changed: {old}"
+    path.write_text(text.replace(old, new))
+
+
+def test_material_works_as_printed(folder):
+    """The file, the registration and the test of README.md, in a copy of the package."""
+    package, tests = folder / "source" / "pgimp", folder / "source" / "tests"
+    (package / "materials" / "fluid.py").write_text(block_of('"""Slightly compressible'))
+    differences = blocks("diff")
+    assert len(differences) == 2
+    for difference in differences:
+        apply(difference, package / "materials" / "__init__.py")
+    shutil.copytree(ROOT / "tests", tests, ignore=shutil.ignore_patterns("__pycache__"))
+    (tests / "test_fluid.py").write_text(block_of('"""The fluid'))
+    source = folder / "source"
+    env = ENVIRONMENT | {"PYTHONPATH": str(source), "PGIMP_CACHE_DIR": str(folder / "cache")}
+    tested = run([sys.executable, "-m", "pytest", "tests/test_fluid.py"], 100, source, env)
+    assert tested.returncode == 0, tested.stdout
+    assert "5 passed" in tested.stdout
+    water = "materials.jelly={model: fluid, bulk: 1.0e3, viscosity: 1.0, density: 1.0e3}"
+    ruff = ["-m", "ruff", "check", "pgimp/materials", "tests/test_fluid.py"]
+    style = run([sys.executable, *ruff], cwd=source)
+    assert style.returncode == 0, style.stdout
+    words = [sys.executable, "-m", "pgimp", "cases/disks.yaml", "-o", "water.out"]
+    done = run([*words, "--set", water, "--set", "time.end=0.05"], 100, folder, env)
+    assert done.returncode == 0, done.stderr
+
+
+def test_links_and_pictures_exist():
+    targets = re.findall(r"\]\(([^)#]+)\)", TEXT)
+    assert "cases/pictures/error-and-cost.png" in targets
+    for target in targets:
+        assert (ROOT / target).exists(), target
+    for picture in (ROOT / "cases" / "pictures").iterdir():
+        assert picture.stat().st_size < 150_000, picture.name
+
+
+def test_options_and_commands_named_exist(python):
+    """Each command in a table is in the help, and so is each option of a run."""
+    text = python(["-m", "pgimp", "--help"]).stdout
+    for command in re.findall(r"^\| `pgimp (\w+)", TEXT, re.MULTILINE):
+        assert f"  {command} " in text
+    for option in re.findall(r"`(-o|--[\w-]+)(?: [\w.=]+)?`", TEXT.partition("| command")[0]):
+        assert option in text
