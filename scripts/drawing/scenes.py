@@ -18,14 +18,14 @@ def disks(redraw):
     """Three instants coloured by the von Mises stress, and the energies."""
     results = run("disks", redraw)
     times = (1.0, 2.0, 3.6)
-    top = np.percentile(frame_at(results, times[1])["von-mises"], 97)
+    top = np.percentile(frame_at(results, times[1])["von-mises"], 98.5)
     figure = plt.figure(figsize=(9, 5.6))
     grid = figure.add_gridspec(2, 3, height_ratios=(1.25, 1.0))
     shown = []
     for column, time in enumerate(times):
         axis = figure.add_subplot(grid[0, column], aspect="equal")
         frame = frame_at(results, time)
-        size = 2.5 * frame["radius"]
+        size = 2.7 * frame["radius"]
         dots = EllipseCollection(
             size,
             size,
@@ -43,7 +43,7 @@ def disks(redraw):
         axis.set_title(f"t = {frame.time:.2f} s", fontsize=10)
         axis.grid(False)
         shown.append(axis)
-    figure.colorbar(dots, ax=shown, label="von Mises stress [Pa]", shrink=0.85)
+    figure.colorbar(dots, ax=shown, label="von Mises stress [Pa]", shrink=0.85, extend="max")
     axis = figure.add_subplot(grid[1, :])
     energies(axis, results, "J/m")
     total = results.history["kinetic-energy"] + results.history["strain-energy"]
@@ -97,7 +97,13 @@ def block3d(redraw):
         axis.set_axis_off()
         axis.set_title(f"t = {frame.time:.2f} s", fontsize=10, y=0.98)
     above.colorbar(
-        colours, ax=axes, label="von Mises stress [kPa]", location="bottom", aspect=50, shrink=0.6
+        colours,
+        ax=axes,
+        label="von Mises stress [kPa]",
+        location="bottom",
+        aspect=50,
+        shrink=0.6,
+        extend="max",
     )
     left, right = below.subplots(1, 2)
     energies(left, results, "J")
