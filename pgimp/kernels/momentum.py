@@ -21,7 +21,9 @@ def update_momentum(frame, window, G, active, dt, gravity, lightest, faces, owne
     impulse : (planes, faces, 3) float64
         Grows by the momentum that each face gives to the material.
     work : (planes,) float64
-        Grows by the work of gravity and of moving faces.
+        Grows by the work of gravity and of moving faces: force times displacement, so that a
+        constant gravity's work is the weight times the way of the centre of mass. Kinetic energy
+        differs from that by an amount of order dt, also in free fall.
     """
     plane = window.stride[0]
     heavy = gravity[0] != 0.0 or gravity[1] != 0.0 or gravity[2] != 0.0
