@@ -34,6 +34,7 @@ class Population:
         self._spare_start = np.zeros_like(self.start)
         self._used = count
         self._holes: list[int] = []
+        self._left: list[int] = []
         self.sort()
 
     @property
@@ -53,7 +54,7 @@ class Population:
         self._spare = np.empty_like(self.order)
         edges = np.arange(self.first, self.first + self.layers + 1)
         self.start[:] = np.searchsorted(p.layer[: len(rows)], edges)
-        self._used, self._holes = len(rows), []
+        self._used, self._holes, self._left = len(rows), [], []
 
     @staticmethod
     def _sorting(cell: IntArray, number: IntArray) -> IntArray:
@@ -76,8 +77,12 @@ class Population:
         return reach
 
     def release(self, rows: np.ndarray) -> None:
-        """Give up the rows of particles that have left; their layer must be another rank's."""
-        self._holes.extend(rows.tolist())
+        """Give up the rows of particles that have left; their layer must be another rank's.
+
+        They stay as they are until `restore_order`, which finds places by the keys of the old
+        order's rows.
+        """
+        self._left.extend(rows.tolist())
 
     def admit(self, count: int) -> np.ndarray:
         """Rows for `count` newcomers: holes first, then new ones."""
@@ -119,8 +124,12 @@ class Population:
             p, self.order, self.start, left, self.first, arrivals,
             self._spare, self._spare_start,
         )  # fmt: skip
-        self.order, self._spare = self._spare[:count], self._whole(self.order)
+        old, self.order = self._whole(self.order), self._spare[:count]
+        # Also what is spare has room for all particles, see `movers`.
+        self._spare = old if len(old) >= count else np.empty_like(self._spare)
         self.start, self._spare_start = self._spare_start, self.start
+        self._holes += self._left
+        self._left = []
 
     @staticmethod
     def _whole(order: np.ndarray) -> np.ndarray:
