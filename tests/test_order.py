@@ -77,8 +77,10 @@ class World:
         low = np.array(self.frame.origin)
         high = low + np.array(CELL) * CELLS
         for n, step in steps.items():
-            self.x[n] = np.clip(self.x[n] + step * CELL, low, high)
-            self.layer[n] = self.vertex(self.x[n], 0)
+            x = np.clip(self.x[n] + step * CELL, low, high)
+            layer = self.vertex(x, 0)
+            if abs(layer - self.layer[n]) <= 1:  # two, by rounding, would have stopped the run
+                self.x[n], self.layer[n] = x, layer
         together([lambda r=rank: self.advance(*r) for rank in self.ranks])
 
     def advance(self, comm, slab, population):
@@ -148,6 +150,7 @@ moves = st.tuples(
 )
 @example("mpm", 1, [np.array([4.5, 0.5])] * 3 + [np.array([5.5, 0.5])] * 3, 2, 4,
          [("all", 1.0, 0), ("all", -1.0, 0), ("all", 1.0, 0)])  # fmt: skip
+@example("mpm", 1, [np.array([8.125, 0.125])], 3, 8, [("all", 1.0, 0), ("all", -1.0, 0)])
 @example("mpm", 2, [np.array([k + 0.5, j + 0.5]) for k in range(9) for j in range(3)], 3, 1,
          [("against", 1.0, 0), ("some", 1.0, 1), ("against", -1.0, 0)])  # fmt: skip
 def test_order_after_any_moves(name, ppc, xi, ranks, cut_at, script):

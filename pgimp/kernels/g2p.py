@@ -139,6 +139,8 @@ def grid_to_particles(
                 & (now == number)
             ):
                 fault = _fault(frame, x, v, u, J, dt)
+                if fault == 0 and abs(now - number) > 1:
+                    fault = TOO_FAST  # a cell, but for rounding: past a slab of one layer
                 if fault != 0:
                     return fault, p, found, rate
                 for d in range(1, len(x)):
