@@ -1,0 +1,295 @@
+"""Whole runs give the same bits on any number of ranks: every frame, and every line of history."""
+
+import hashlib
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scenes import BAR, SOFT, box, scene, wall, write_case
+
+import pgimp
+
+RANKS = (1, 2, 3, 4, 7)
+
+STIFF = {"model": "hooke", "young": 300.0, "poisson": 0.25, "density": 2.0}
+#: Two models in the scenes with gimp; those with mpm share the kernels of other tests.
+PAIR = {"soft": SOFT, "stiff": STIFF}
+LINE = {"soft": BAR, "stiff": {**BAR, "young": 400.0, "density": 2.0}}
+EVERYTHING = ["velocity", "stress", "deformation", "displacement"]
+
+
+def turning(body, about, rate, velocity):
+    """The same body, turning as it flies."""
+    motion = {"rotation": {"about": about, "rate": rate}, "translation": velocity}
+    return body | {"velocity": motion}
+
+
+def line_gimp():
+    """Two bars fly at each other past all slabs, collide, and leave the first slabs empty."""
+    bodies = {
+        "quick": box([1.0], [7.0], [8.0]),
+        "slow": box([20.0], [26.0], [-2.0], "stiff"),
+    }
+    return scene(
+        1,
+        bodies,
+        cells=[40],
+        end=2.0,
+        step=0.01,
+        materials=LINE,
+        output={"every": 0.5, "fields": EVERYTHING},
+        history={"every": {"steps": 20}},
+    )
+
+
+def line_mpm():
+    """Courant control, with stops; a bar falls on a floor, and a moving wall pushes another."""
+    bodies = {
+        "falls": box([1.0], [5.0], [-1.0]),
+        "pushed": box([26.0], [30.0], [0.0]),
+    }
+    ramp = [[0.0, [0.0]], [0.5, [-2.0]]]
+    push = [[0.0, 0.0], [0.5, -0.4]]
+    return scene(
+        1,
+        bodies,
+        cells=[30],
+        shape="mpm",
+        per_cell=3,
+        end=1.0,
+        step={"courant": 0.1},
+        gravity={"table": ramp},
+        boundaries={"x-min": "separating", "x-max": wall(push)},
+        output={"at": [0.3, 0.7], "fields": EVERYTHING},
+        history={"every": 0.1},
+    )
+
+
+def plane_gimp(**parts):
+    """Courant control; two squares fly up and across, one turns, one is dragged along a wall."""
+    bodies = {
+        "flies": turning(box([1.0, 2.0], [4.0, 5.0]), [2.5, 3.5], 0.4, [4.0, 6.0]),
+        "dragged": box([8.0, 0.0], [11.0, 2.0], None, "stiff"),
+    }
+    return scene(
+        2,
+        bodies,
+        cells=[16, 24],
+        end=1.5,
+        step={"courant": 0.25},
+        materials=PAIR,
+        boundaries={"y-min": wall(-1.5, 0.0), "x-max": "slip"},
+        **{
+            "output": {"every": 0.4, "at": [0.77], "fields": EVERYTHING},
+            "history": {"every": {"steps": 15}},
+        }
+        | parts,
+    )
+
+
+def plane_mpm():
+    """Two turning squares pass each other, one up, one down."""
+    bodies = {
+        "up": turning(box([1.0, 2.0], [3.0, 4.0]), [2.0, 3.0], 0.5, [2.9, 5.3]),
+        "down": turning(box([12.0, 6.0], [14.0, 8.0]), [13.0, 7.0], -0.4, [-3.1, -2.7]),
+    }
+    return scene(
+        2,
+        bodies,
+        cells=[16, 18],
+        shape="mpm",
+        end=1.4,
+        step=0.007,
+        boundaries={"y-min": "fixed", "y-max": "slip"},
+        output={"every": 0.35, "fields": EVERYTHING},
+        history={"every": {"steps": 10}},
+    )
+
+
+def space_gimp():
+    """Courant control; two blocks fly in y and z, collide on the way, one turns."""
+    bodies = {
+        "flies": turning(
+            box([1.0, 1.0, 1.0], [3.0, 3.0, 3.0]), [2.0] * 3, [0.2, 0.3, 0.4], [5.0, 6.0, 7.0]
+        ),
+        "meets": box([5.0, 5.0, 6.0], [7.0, 7.0, 8.0], [0.0, 3.0, 3.0], "stiff"),
+    }
+    return scene(
+        3,
+        bodies,
+        cells=[12, 12, 14],
+        end=0.9,
+        step={"courant": 0.3},
+        materials=PAIR,
+        gravity=[0.0, 0.0, -1.0],
+        boundaries={"z-min": "separating", "y-max": "slip"},
+        output={"every": 0.3, "fields": EVERYTHING},
+        history={"every": 0.1},
+    )
+
+
+def space_mpm():
+    """Long enough for a re-sort of the rows while a block crosses slabs."""
+    block = box([1.0, 1.0, 1.0], [3.0, 3.0, 3.0])
+    bodies = {
+        "flies": turning(block, [2.0] * 3, [0.1, -0.4, 0.3], [3.7, 2.9, 4.1]),
+        "stays": box([7.0, 1.0, 1.0], [9.0, 3.0, 2.0], None),
+    }
+    return scene(
+        3,
+        bodies,
+        cells=[12, 8, 10],
+        shape="mpm",
+        end=1.05,
+        step=0.007,
+        boundaries={"z-min": "slip"},
+        output={"every": 0.35, "fields": EVERYTHING},
+        history={"every": {"steps": 25}},
+    )
+
+
+def narrow():
+    """Three cells along x: room for four ranks at most."""
+    body = box([0.0, 1.0, 1.0], [3.0, 3.0, 3.0], [0.0, 5.0, 3.0])
+    second = box([0.0, 1.0, 6.0], [2.0, 2.0, 7.0], [0.4, 0.0, 0.0], "stiff")
+    return scene(
+        3,
+        {"wide": body, "small": second},
+        cells=[3, 12, 10],
+        end=1.0,
+        step=0.01,
+        materials=PAIR,
+        boundaries={"x-min": "slip", "x-max": "slip"},
+        output={"every": 0.5, "fields": EVERYTHING},
+        history={"every": {"steps": 20}},
+    )
+
+
+SCENES = {
+    each.__name__: each()
+    for each in (line_gimp, line_mpm, plane_gimp, plane_mpm, space_gimp, space_mpm, narrow)
+} | {
+    "other_output": plane_gimp(
+        output={"every": {"steps": 7}, "at": [0.77], "fields": ["velocity"]}, history={"every": 1.0}
+    )
+}
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory, mpirun, python):
+    """``runs[ranks]`` is the folder with that many ranks' runs of all scenes, by name."""
+    folder = tmp_path_factory.mktemp("ranks")
+    cases = [folder / f"{name}.yaml" for name in SCENES]
+    for path, case in zip(cases, SCENES.values(), strict=True):
+        write_case(path, case)
+    results = {}
+    for ranks in RANKS:
+        results[ranks] = folder / f"on-{ranks}"
+        results[ranks].mkdir()
+        words = [Path(__file__).with_name("rank_probe.py"), "runs", results[ranks], *cases]
+        job = python(words, timeout=300) if ranks == 1 else mpirun(ranks, words, timeout=300)
+        assert job.returncode == 0, job.stderr
+    return results
+
+
+def digests(run):
+    """Of all frames, and of the history."""
+    files = [*sorted((run / "frames").iterdir()), run / "history.csv"]
+    return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
+
+
+@pytest.mark.parametrize("ranks", RANKS[1:])
+@pytest.mark.parametrize("name", SCENES)
+def test_frames_and_history_are_the_same_bytes(runs, name, ranks):
+    alone, together = runs[1] / name, runs[ranks] / name
+    assert pgimp.open(together).info["ranks"] == ranks
+    # First what is easier to understand when it fails.
+    for mine, theirs in zip(pgimp.open(alone), pgimp.open(together), strict=True):
+        assert (mine.time, mine.step) == (theirs.time, theirs.step)
+        for field in mine.fields:
+            assert np.array_equal(mine[field], theirs[field]), (mine.number, field)
+    assert (alone / "history.csv").read_text() == (together / "history.csv").read_text()
+    assert digests(alone) == digests(together)
+
+
+def reach(frame, axis, body=None):
+    """Least and greatest coordinate of the particles, or of a body's."""
+    rows = slice(None) if body is None else frame["body"] == frame.bodies.index(body)
+    x = frame["position"][rows, axis]
+    return x.min(), x.max()
+
+
+@pytest.mark.parametrize(
+    ("name", "body"),
+    [
+        ("line_gimp", "quick"),
+        ("plane_gimp", "flies"),
+        ("plane_mpm", "up"),
+        ("plane_mpm", "down"),
+        ("space_gimp", "flies"),
+        ("space_mpm", "flies"),
+    ],
+)
+def test_the_scenes_cross_slabs(runs, name, body):
+    """A body that leaves the place where it was leaves the slabs that shared it out."""
+    first, *_, last = pgimp.open(runs[1] / name)
+    (low, high), (new_low, new_high) = reach(first, 0, body), reach(last, 0, body)
+    assert new_low > high or new_high < low
+    rows = last["body"] == last.bodies.index(body)
+    assert np.abs(last["stress"][rows]).max() > 1e-3  # and something happens
+
+
+def test_the_scenes_leave_slabs_empty(runs):
+    """A third of the particles are below x = 5 at the start, so are at least three slabs of 7."""
+    first, *_, last = pgimp.open(runs[1] / "line_gimp")
+    assert (first["position"][:, 0] < 5.0).mean() >= 1 / 3
+    assert last["position"][:, 0].min() > 7.0
+
+
+@pytest.mark.parametrize(
+    ("name", "axes"),
+    [("plane_gimp", [1]), ("plane_mpm", [1]), ("space_gimp", [1, 2]), ("space_mpm", [1, 2]),
+     ("narrow", [1])],
+)  # fmt: skip
+def test_the_scenes_outgrow_the_window_of_the_start(runs, name, axes):
+    """By more than the margin of 2 cells that the stored planes have."""
+    first, *_, last = pgimp.open(runs[1] / name)
+    for axis in axes:
+        (low, high), (new_low, new_high) = reach(first, axis), reach(last, axis)
+        assert new_high > high + 2.0 or new_low < low - 2.0
+
+
+def test_surplus_ranks_are_idle(runs):
+    text = (runs[7] / "narrow" / "log.txt").read_text()
+    assert "3 of 7 ranks own no layer" in " ".join(text.split())
+    for ranks in (2, 3, 4):
+        assert "own no layer" not in (runs[ranks] / "narrow" / "log.txt").read_text()
+
+
+def test_rows_were_sorted_anew_and_steps_followed_the_speed(runs):
+    for name in ("line_gimp", "plane_mpm", "space_mpm"):
+        assert pgimp.open(runs[1] / name).info["steps"] > 128
+    for name in ("line_mpm", "plane_gimp", "space_gimp"):
+        dt = pgimp.open(runs[1] / name).history["dt"][1:]
+        assert len(np.unique(dt)) > 5
+
+
+@pytest.mark.parametrize("ranks", RANKS)
+def test_other_output_gives_the_same_particles(runs, ranks):
+    one, other = pgimp.open(runs[1] / "plane_gimp"), pgimp.open(runs[ranks] / "other_output")
+    assert len(other) > len(one) and other.frames[-1].fields != one.frames[-1].fields
+    assert one.info["steps"] == other.info["steps"]
+    both = {frame.step: frame for frame in other}
+    shared = [frame for frame in one if frame.step in both]
+    assert len(shared) >= 3
+    for frame in shared:
+        for field in ("id", "position", "volume", "velocity"):
+            assert np.array_equal(frame[field], both[frame.step][field])
+
+
+def test_the_command_line_gives_the_same_bytes(runs, mpirun):
+    job = mpirun(3, ["-m", "pgimp", "line_gimp.yaml", "-o", "cli"], cwd=runs[1].parent)
+    assert job.returncode == 0, job.stderr
+    assert re.search(r"24 particles in 1D on 3 ranks", " ".join(job.stdout.split()))
+    assert digests(runs[1].parent / "cli") == digests(runs[1] / "line_gimp")
