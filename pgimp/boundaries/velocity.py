@@ -9,7 +9,6 @@ from pgimp.case.base import Number
 from pgimp.case.dispatch import Either
 from pgimp.scene.tables import Table
 
-
 Component = Annotated[
     float | Table | None,
     Either(

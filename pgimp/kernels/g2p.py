@@ -4,16 +4,8 @@ from math import isfinite, sqrt
 
 from pgimp.kernels.algebra import determinant, multiply, one_plus, symmetric
 from pgimp.kernels.jit import kernel, specialise
-from pgimp.kernels.transfer import (
-    components,
-    first_vertex,
-    gather,
-    gradient,
-    plus_scaled,
-    read,
-    support,
-    write,
-)
+from pgimp.kernels.transfer import components, first_vertex, gather, gradient, support
+from pgimp.kernels.tuples import plus_scaled, read, write
 from pgimp.materials.base import evaluate
 
 #: Why `grid_to_particles` stopped at a particle.

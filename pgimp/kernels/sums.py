@@ -5,7 +5,7 @@ from math import sqrt
 from pgimp.kernels.algebra import determinant, symmetric
 from pgimp.kernels.g2p import squared
 from pgimp.kernels.jit import kernel
-from pgimp.kernels.transfer import read
+from pgimp.kernels.tuples import read
 from pgimp.materials.base import evaluate
 
 #: Columns of `layer_sums`.

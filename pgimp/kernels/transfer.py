@@ -8,6 +8,7 @@ direction and over the directions that the compiler unrolls. They factor the sum
 
 from pgimp.kernels.jit import specialise
 from pgimp.kernels.simd import lane, load, pack, store
+from pgimp.kernels.tuples import plus_scaled, scaled
 from pgimp.shapes.base import first, weights
 
 
@@ -79,32 +80,6 @@ def _support(shape, frame, window, x, p, layer):
         )
 
     return support3
-
-
-def scaled(a, V):
-    """The tuple a V, of numbers or vectors."""
-
-
-@specialise(scaled)
-def _scaled(a, V):
-    if len(V) == 0:
-        return lambda a, V: ()
-    if len(V) == 1:
-        return lambda a, V: (a * V[0],)
-    return lambda a, V: (a * V[0], *scaled(a, V[1:]))
-
-
-def plus_scaled(a, V, U):
-    """The tuple a V + U, of numbers or vectors."""
-
-
-@specialise(plus_scaled)
-def _plus_scaled(a, V, U):
-    if len(V) == 0:
-        return lambda a, V, U: ()
-    if len(V) == 1:
-        return lambda a, V, U: (a * V[0] + U[0],)
-    return lambda a, V, U: (a * V[0] + U[0], *plus_scaled(a, V[1:], U[1:]))
 
 
 def charges(frame, particles, p):
@@ -291,33 +266,3 @@ def _gradient(D):
         lane(D[0], 2), lane(D[1], 2), lane(D[2], 2),
         lane(D[0], 3), lane(D[1], 3), lane(D[2], 3),
     )  # fmt: skip
-
-
-def read(array, p, i, like):
-    """Entries i, i+1, ... of row `p`, as many as `like` has."""
-
-
-@specialise(read)
-def _read(array, p, i, like):
-    if len(like) == 1:
-        return lambda array, p, i, like: (array[p, i],)
-    return lambda array, p, i, like: (array[p, i], *read(array, p, i + 1, like[1:]))
-
-
-def write(array, p, i, values):
-    """Set entries i, i+1, ... of row `p`."""
-
-
-@specialise(write)
-def _write(array, p, i, values):
-    def write_one(array, p, i, values):
-        array[p, i] = values[0]
-
-    if len(values) == 1:
-        return write_one
-
-    def write_all(array, p, i, values):
-        array[p, i] = values[0]
-        write(array, p, i + 1, values[1:])
-
-    return write_all

@@ -178,7 +178,7 @@ class Simulation:
 
     @property
     def particles(self) -> Particles:
-        """This rank's particles, with holes; see `live`."""
+        """The particles of this rank, with holes; see `live`."""
         return self.population.particles
 
     @property

@@ -1,0 +1,59 @@
+"""Tuples of numbers or vectors in kernels: arithmetic on them, rows of arrays to and from them."""
+
+from pgimp.kernels.jit import specialise
+
+
+def scaled(a, V):
+    """The tuple a V, of numbers or vectors."""
+
+
+@specialise(scaled)
+def _scaled(a, V):
+    if len(V) == 0:
+        return lambda a, V: ()
+    if len(V) == 1:
+        return lambda a, V: (a * V[0],)
+    return lambda a, V: (a * V[0], *scaled(a, V[1:]))
+
+
+def plus_scaled(a, V, U):
+    """The tuple a V + U, of numbers or vectors."""
+
+
+@specialise(plus_scaled)
+def _plus_scaled(a, V, U):
+    if len(V) == 0:
+        return lambda a, V, U: ()
+    if len(V) == 1:
+        return lambda a, V, U: (a * V[0] + U[0],)
+    return lambda a, V, U: (a * V[0] + U[0], *plus_scaled(a, V[1:], U[1:]))
+
+
+def read(array, p, i, like):
+    """Entries i, i+1, ... of row `p`, as many as `like` has."""
+
+
+@specialise(read)
+def _read(array, p, i, like):
+    if len(like) == 1:
+        return lambda array, p, i, like: (array[p, i],)
+    return lambda array, p, i, like: (array[p, i], *read(array, p, i + 1, like[1:]))
+
+
+def write(array, p, i, values):
+    """Set entries i, i+1, ... of row `p`."""
+
+
+@specialise(write)
+def _write(array, p, i, values):
+    def write_one(array, p, i, values):
+        array[p, i] = values[0]
+
+    if len(values) == 1:
+        return write_one
+
+    def write_all(array, p, i, values):
+        array[p, i] = values[0]
+        write(array, p, i + 1, values[1:])
+
+    return write_all
