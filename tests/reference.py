@@ -122,7 +122,7 @@ class Reference:
         self.a = np.where(heavy[..., None], self.f / m + b, 0.0)
         self.v = np.where(heavy[..., None], self.p / m + self.a * dt, 0.0)
         m = np.where(heavy, self.m, 0.0)[..., None]
-        self.impulse, self.work = [], 0.0
+        free, self.impulse = self.a.copy(), []
         for kind, axis, side, velocity, rate in faces:
             x = self.vertices[axis]
             L = self.frame.cell[axis]
@@ -149,8 +149,8 @@ class Reference:
                 self.a[where, d] = a
             force = m * (self.a - before)
             self.impulse.append(dt * force.reshape(-1, self.D).sum(axis=0))
-            self.work += dt * (force * self.v).sum()
-        self.work += dt * (m * b * self.v).sum()
+        # Where faces meet, the velocity that counts is the one that all of them leave.
+        self.work = dt * (m * (b + self.a - free) * self.v).sum()
 
     def grid_to_particles(self, particles, materials, material_of, dt, tracked):
         """(26), (27), (29), (30), volume and stress; and the largest (c + |v|)/L."""

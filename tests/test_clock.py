@@ -1,12 +1,14 @@
 """Time: whole numbers of fixed steps, and steps from the Courant number between stops."""
 
 from fractions import Fraction
+from math import inf, nan
 
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scenes import box, finish, scene, start
 
+from pgimp.errors import RunError
 from pgimp.solver.clock import CourantClock, FixedClock
 
 
@@ -111,3 +113,9 @@ def test_a_controlled_run_meets_its_stops_at_the_courant_number_asked_for():
 def test_a_fixed_run_ends_where_the_case_says():
     sim = finish(start(scene(1, box([2.0], [5.0]), end=0.7, step=0.1)))
     assert (sim.step, sim.time) == (7, 0.7)  # seven times 0.1 is 0.7000000000000001
+
+
+@pytest.mark.parametrize("rate", [1e17, inf, nan])
+def test_a_run_that_would_never_end_is_stopped(rate):
+    with pytest.raises(RunError, match="blown up"):
+        CourantClock(0.3, 1.0, ()).next(rate)

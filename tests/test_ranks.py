@@ -67,8 +67,13 @@ def line_mpm():
 
 
 def plane_gimp(**parts):
-    """Courant control; two squares fly up and across, one turns, one is dragged along a wall."""
+    """Courant control; squares fly up and across, one turns, one is dragged along a wall.
+
+    The upper and the lower one come into each layer together, in the order of neither's ids.
+    """
     bodies = {
+        "upper": box([6.0, 8.0], [7.0, 9.0], [2.0, 1.0]),
+        "lower": box([6.0, 5.0], [7.0, 6.0], [2.0, 1.0], "stiff"),
         "flies": turning(box([1.0, 2.0], [4.0, 5.0]), [2.5, 3.5], 0.4, [4.0, 6.0]),
         "dragged": box([8.0, 0.0], [11.0, 2.0], None, "stiff"),
     }

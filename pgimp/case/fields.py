@@ -50,9 +50,11 @@ HISTORY: dict[str, str] = {
     "strain-energy": "strain energy [energy]",
     "dissipated-energy": (
         "what closes the balance: energy at the start plus external work less kinetic and strain "
-        "energy [energy]"
+        "energy; of the order of the time step also where nothing is lost, for instance in free "
+        "fall, because work is force times displacement [energy]"
     ),
-    "external-work": "work of gravity and of the faces on the material since the start [energy]",
+    "external-work": "work of gravity and of the faces on the material since the start: force "
+    "times displacement [energy]",
     "body.NAME.centre-AXIS": "centre of mass of each body [length]",
     "body.NAME.kinetic-energy": "kinetic energy of each body [energy]",
     "body.NAME.strain-energy": "strain energy of each body [energy]",

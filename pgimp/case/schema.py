@@ -183,7 +183,9 @@ class Output(Model):
         "null: only the start and the end, which always have one [time]",
     )
     at: tuple[NonNegative, ...] = Field(
-        default=(), description="further times of frames, hit exactly by a shortened step [time]"
+        default=(),
+        description="further times of frames: a step under Courant control is shortened to meet "
+        "them; with a fixed step, the first step at or after them [time]",
     )
     fields: Annotated[tuple[FieldName, ...], AfterValidator(_unique)] = Field(
         default=("velocity", "stress"), description="what frames hold besides position and size"

@@ -116,14 +116,24 @@ def exact(stub: Callable) -> Callable[[Callable], Callable]:
     return overload(stub, jit_options=options, strict=False)
 
 
+#: What reading a damaged cache, or one that is being discarded, may raise.
+_DAMAGE = (
+    EOFError, pickle.UnpicklingError, AttributeError, ImportError, ValueError, KeyError,
+    FileNotFoundError,
+)  # fmt: skip
+_ATTEMPTS = 3
+
+
 def discard_damaged(call: Callable[[], Any]) -> Any:
     """Run a first call of kernels; when cached files turn out damaged, discard them and compile.
 
     A job that is killed, or a disk that fills up, while Numba writes leaves such files behind.
+    Another node that shares the folder may discard it at the same moment.
     """
-    try:
-        return call()
-    except (EOFError, pickle.UnpicklingError, AttributeError, ImportError, ValueError, KeyError):
-        shutil.rmtree(_FOLDER, ignore_errors=True)
-        _FOLDER.mkdir(parents=True, exist_ok=True)
-        return call()
+    for _ in range(_ATTEMPTS):
+        try:
+            return call()
+        except _DAMAGE:
+            shutil.rmtree(_FOLDER, ignore_errors=True)
+            _FOLDER.mkdir(parents=True, exist_ok=True)
+    return call()

@@ -41,7 +41,7 @@ def update_momentum(frame, window, G, active, dt, gravity, lightest, faces, owne
             else:
                 for d in range(1, 8):
                     G[r + d] = 0.0
-        constrain_plane(faces, 0, frame, window, G, i, dt, lightest, i < owned, impulse, work)
+        constrain_plane((), faces, frame, window, G, i, dt, lightest, i < owned, impulse, work)
         if heavy and i < owned:
             power = 0.0
             for r in range(i * plane, (i + 1) * plane, 8):
@@ -50,35 +50,82 @@ def update_momentum(frame, window, G, active, dt, gravity, lightest, faces, owne
             work[i] += dt * power
 
 
-def constrain_plane(faces, n, frame, window, G, i, dt, lightest, owned, impulse, work):
-    """Apply the conditions of all faces to plane `i`; `n` numbers the first of `faces`."""
+def constrain_plane(done, faces, frame, window, G, i, dt, lightest, owned, impulse, work):
+    """Apply the conditions of `faces` to the vertices of plane `i` that are on none of `done`."""
 
 
 @specialise(constrain_plane)
-def _constrain_plane(faces, n, frame, window, G, i, dt, lightest, owned, impulse, work):
+def _constrain_plane(done, faces, frame, window, G, i, dt, lightest, owned, impulse, work):
     if len(faces) == 0:
-        return lambda faces, n, frame, window, G, i, dt, lightest, owned, impulse, work: None
+        return lambda done, faces, frame, window, G, i, dt, lightest, owned, impulse, work: None
 
-    def constrain_all(faces, n, frame, window, G, i, dt, lightest, owned, impulse, work):
-        _constrain_face(faces[0], n, frame, window, G, i, dt, lightest, owned, impulse, work)
-        constrain_plane(faces[1:], n + 1, frame, window, G, i, dt, lightest, owned, impulse, work)
+    def constrain_all(done, faces, frame, window, G, i, dt, lightest, owned, impulse, work):
+        _constrain_face(done, faces, frame, window, G, i, dt, lightest, owned, impulse, work)
+        constrain_plane(
+            (*done, faces[0]), faces[1:], frame, window, G, i, dt, lightest, owned, impulse, work
+        )
 
     return constrain_all
 
 
 @kernel
-def _constrain_face(face, n, frame, window, G, i, dt, lightest, owned, impulse, work):
-    """Apply one face's condition to the vertices of plane `i` on the face and beyond it.
+def _beyond(face, frame, number):
+    """Whether a vertex, given by its numbers, is on a face or beyond it."""
+    wall = frame.ghost if face.side < 0 else frame.ghost + frame.cells[face.axis]
+    return (number[face.axis] - wall) * face.side >= 0
 
-    The momentum that the particles gain in a step is the sum of m a dt (28), so the face's part
-    of it is m times what the condition changes a by.
+
+def beyond_any(faces, frame, number):
+    """Whether a vertex is on one of the faces or beyond it."""
+
+
+@specialise(beyond_any)
+def _beyond_any(faces, frame, number):
+    if len(faces) == 0:
+        return lambda faces, frame, number: False
+    return lambda faces, frame, number: (
+        _beyond(faces[0], frame, number) or beyond_any(faces[1:], frame, number)
+    )
+
+
+def hold(faces, n, frame, number, v, a, momentum, impulse):
+    """Apply the conditions of all faces that a vertex is on or beyond, one after the other.
+
+    The momentum that the particles gain in a step is the sum of m a dt (28), so a face's part of
+    it is `momentum`, which is m dt, times what its condition changes a by; `impulse`, (faces, 3),
+    grows by that, from row `n` on. Returns the vertex's velocity and acceleration.
     """
+
+
+@specialise(hold)
+def _hold(faces, n, frame, number, v, a, momentum, impulse):
+    if len(faces) == 0:
+        return lambda faces, n, frame, number, v, a, momentum, impulse: (v, a)
+
+    def hold_first(faces, n, frame, number, v, a, momentum, impulse):
+        if _beyond(faces[0], frame, number):
+            before = a
+            v, a = constrain(faces[0], v, a)
+            for d in range(3):
+                impulse[n, d] += momentum * (a[d] - before[d])
+        return hold(faces[1:], n + 1, frame, number, v, a, momentum, impulse)
+
+    return hold_first
+
+
+@kernel
+def _constrain_face(done, faces, frame, window, G, i, dt, lightest, owned, impulse, work):
+    """Treat the vertices of plane `i` on or beyond the first of `faces` but none of `done`.
+
+    Where faces meet, a vertex is treated by all of them at once, because the work of each is its
+    force times the velocity that the last of them leaves.
+    """
+    face = faces[0]
     wall = frame.ghost if face.side < 0 else frame.ghost + frame.cells[face.axis]
     j0, j1 = 0, window.extent[1]
     k0, k1 = 0, window.extent[2]
     if face.axis == 0:
-        number = i + window.lower[0]
-        if (face.side < 0 and number > wall) or (face.side > 0 and number < wall):
+        if (i + window.lower[0] - wall) * face.side < 0:
             return
     elif face.axis == 1:
         if face.side < 0:
@@ -89,24 +136,18 @@ def _constrain_face(face, n, frame, window, G, i, dt, lightest, owned, impulse, 
         k1 = min(k1, wall - window.lower[2] + 1)
     else:
         k0 = max(k0, wall - window.lower[2])
-    px, py, pz, power = 0.0, 0.0, 0.0, 0.0
     for j in range(j0, j1):
         for k in range(k0, k1):
             r = i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
             m = G[r]
-            if not m > lightest:
+            number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
+            if not m > lightest or beyond_any(done, frame, number):
                 continue
-            a = (G[r + 5], G[r + 6], G[r + 7])
-            v, c = constrain(face, (G[r + 1], G[r + 2], G[r + 3]), a)
-            fx, fy, fz = m * (c[0] - a[0]), m * (c[1] - a[1]), m * (c[2] - a[2])
-            px += fx
-            py += fy
-            pz += fz
-            power += fx * v[0] + fy * v[1] + fz * v[2]
+            momentum = m * dt if owned else 0.0
+            before = (G[r + 5], G[r + 6], G[r + 7])
+            v = (G[r + 1], G[r + 2], G[r + 3])
+            v, a = hold(faces, len(done), frame, number, v, before, momentum, impulse[i])
+            for d in range(3):
+                work[i] += momentum * (a[d] - before[d]) * v[d]
             G[r + 1], G[r + 2], G[r + 3] = v
-            G[r + 5], G[r + 6], G[r + 7] = c
-    if owned:
-        impulse[i, n, 0] += dt * px
-        impulse[i, n, 1] += dt * py
-        impulse[i, n, 2] += dt * pz
-        work[i] += dt * power
+            G[r + 5], G[r + 6], G[r + 7] = a

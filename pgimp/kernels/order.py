@@ -20,6 +20,13 @@ def locate(shape, frame, particles, rows, vertices):
 
 
 @kernel
+def layers_of(shape, frame, x, layers):
+    """Set `layers`, (n,) int64, to those of particles at coordinates `x` along x."""
+    for i in range(len(x)):
+        layers[i] = first_vertex(shape, frame, 0, x[i])
+
+
+@kernel
 def reach_of(shape, frame, particles, rows, reach):
     """Grow `reach`, (2, 2) int64, to the first vertices (least, greatest; y, z) of `rows`."""
     for p in rows:

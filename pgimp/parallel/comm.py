@@ -165,14 +165,6 @@ class Serial:
     rank = 0
     size = 1
 
-    def Get_rank(self) -> int:
-        """Return 0."""
-        return 0
-
-    def Get_size(self) -> int:
-        """Return 1."""
-        return 1
-
     def Barrier(self) -> None:
         """Return at once."""
 

@@ -43,43 +43,48 @@ class Lattice:
         """Number of planes of points along x."""
         return len(self.coordinates[0])
 
-    def _box(self, low: Any, high: Any, widen: int = 0) -> list[tuple[int, int]]:
+    def _box(self, low: Any, high: Any) -> list[tuple[int, int]]:
         """Ranges of point numbers by direction that hold all points between two corners."""
         box = []
         for d, x in enumerate(self.coordinates):
-            begin = int(np.searchsorted(x, low[d], "left")) - widen
-            end = int(np.searchsorted(x, high[d], "right")) + widen
-            box.append((max(begin, 0), min(end, len(x))))
+            begin, end = np.searchsorted(x, low[d], "left"), np.searchsorted(x, high[d], "right")
+            box.append((int(begin), int(end)))
         return box
 
     def _blocks(
-        self, box: list[tuple[int, int]], planes: tuple[int, int], least: int = 1
-    ) -> Iterator[tuple[int, int, np.ndarray]]:
-        """Points of a box, some planes at a time: first plane, number of planes, (n, D) points."""
-        across = [x[a:b] for x, (a, b) in zip(self.coordinates[1:], box[1:], strict=True)]
-        if any(len(x) == 0 for x in across):
+        self, box: list[tuple[int, int]], planes: tuple[int, int], cells: bool = False
+    ) -> Iterator[tuple[int, tuple[int, ...], np.ndarray]]:
+        """Points of a box, not too many at a time, in the order of their ids.
+
+        Yields the first plane, the numbers of points by direction, and the points, (n, D). Planes
+        that hold many are cut along y; with `cells`, only between cells.
+        """
+        step = self.per_cell if cells else (1,) * len(box)
+        ranges = [(max(box[0][0], planes[0]), min(box[0][1], planes[1])), *box[1:]]
+        counts = [end - begin for begin, end in ranges]
+        if min(counts) <= 0:
             return
-        each = int(np.prod([len(x) for x in across], initial=1))
-        begin, end = max(box[0][0], planes[0]), min(box[0][1], planes[1])
-        size = max(least, _BLOCK // each)
-        for first in range(begin, end, size):
-            xs = self.coordinates[0][first : min(end, first + size)]
-            points = np.stack(np.meshgrid(xs, *across, indexing="ij"), axis=-1)
-            yield first, len(xs), points.reshape(-1, len(self.coordinates))
+        row = int(np.prod(counts[2:], initial=1))
+        width = counts[1] if len(box) > 1 else 1
+        deep = max(1, _BLOCK // (row * width) // step[0]) * step[0]
+        if len(box) > 1 and row * width * deep > _BLOCK:
+            width = max(1, _BLOCK // (row * deep) // step[1]) * step[1]
+        for x in range(*ranges[0], deep):
+            sides = [self.coordinates[0][x : min(ranges[0][1], x + deep)]]
+            for axis, (begin, end) in zip(self.coordinates[1:], ranges[1:], strict=True):
+                sides.append(axis[begin:end])
+            for y in range(0, len(sides[1]) if len(sides) > 1 else 1, width):
+                part = [sides[0], *(side[y : y + width] for side in sides[1:2]), *sides[2:]]
+                points = np.stack(np.meshgrid(*part, indexing="ij"), axis=-1)
+                yield x, tuple(map(len, part)), points.reshape(-1, len(box))
 
     def count(self, planes: tuple[int, int]) -> np.ndarray:
-        """Points of each body in each plane of a range, (bodies, planes) int64.
-
-        Raises
-        ------
-        CaseError
-            If a point lies in two bodies.
-        """
+        """Points of each body in each plane of a range, (bodies, planes) int64."""
         counts = np.zeros((len(self.regions), planes[1] - planes[0]), np.int64)
         for body, region in enumerate(self.regions):
-            for first, n, points in self._blocks(self._box(*region.bounds()), planes):
-                inside = region.contains(points).reshape(n, -1).sum(axis=1)
-                counts[body, first - planes[0] : first - planes[0] + n] = inside
+            for first, sizes, points in self._blocks(self._box(*region.bounds()), planes):
+                inside = region.contains(points).reshape(sizes[0], -1).sum(axis=1)
+                counts[body, first - planes[0] : first - planes[0] + sizes[0]] += inside
         return counts
 
     def close_pairs(self) -> Iterator[tuple[int, int, list[tuple[int, int]]]]:
@@ -117,7 +122,7 @@ class Lattice:
             names = (self.names[a], self.names[b])
             begin = -(-max(planes[0], box[0][0]) // step) * step
             for plane in range(begin, min(planes[1], box[0][1]), step):
-                for _, n, points in self._blocks(box, (plane, plane + step), step):
+                for _, sizes, points in self._blocks(box, (plane, plane + step), cells=True):
                     in_a = self.regions[a].contains(points)
                     in_b = self.regions[b].contains(points)
                     if (in_a & in_b).any():
@@ -128,16 +133,15 @@ class Lattice:
                             "move or cut one of them (region: {difference: [...]})"
                         )
                         break
-                    if self._cells(in_a, n, box) & self._cells(in_b, n, box):
+                    if self._cells(in_a, sizes) & self._cells(in_b, sizes):
                         shared.add(names)
                 else:
                     continue
                 break
         return errors, shared
 
-    def _cells(self, inside: np.ndarray, planes: int, box: list[tuple[int, int]]) -> set[int]:
-        """Numbers of the cells, within a box of whole cells, that hold points inside."""
-        sizes = [planes, *(b - a for a, b in box[1:])]
+    def _cells(self, inside: np.ndarray, sizes: tuple[int, ...]) -> set[int]:
+        """Numbers of the cells, within a block of whole cells, that hold points inside."""
         index = np.unravel_index(np.flatnonzero(inside), sizes)
         cell = np.zeros(len(index[0]), np.int64)
         for i, size, n in zip(index, sizes, self.per_cell, strict=True):
@@ -164,10 +168,14 @@ class Lattice:
         """
         ends = np.cumsum(counts.ravel()).reshape(counts.shape)
         for body, region in enumerate(self.regions):
+            plane, taken = -1, 0
             for first, _, points in self._blocks(self._box(*region.bounds()), planes):
+                if first != plane:
+                    plane, taken = first, 0
                 inside = points[region.contains(points)]
                 if len(inside):
-                    begin = ends[body, first] - counts[body, first]
+                    begin = ends[body, first] - counts[body, first] + taken
+                    taken += len(inside)
                     yield body, inside, np.arange(begin, begin + len(inside))
 
 

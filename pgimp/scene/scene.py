@@ -1,5 +1,6 @@
 """The scene: a case turned into what the solver works with, the same on every rank."""
 
+from math import prod
 from typing import Any
 
 import numpy as np
@@ -61,6 +62,8 @@ class Scene:
             ),
             ghost=self.vertices - 1,
         )
+        if prod(self.frame.vertices) >= 2**62:
+            raise CaseError("grid.cell: more cells than can be numbered; use larger ones")
         self.body_names = list(case.bodies)
         used = [name for name in case.materials if name in self._materials_in_use()]
         self.material_names = used

@@ -2,6 +2,11 @@
 
 from math import ceil
 
+from pgimp.errors import RunError
+
+#: More steps than this before the next stop of a Courant-controlled run mean that it has failed.
+_MOST_STEPS = 1e12
+
 
 class FixedClock:
     """Steps of one length: t = n * step, never a running sum.
@@ -66,9 +71,22 @@ class CourantClock:
         return self.time >= self.end
 
     def next(self, rate: float) -> tuple[float, float]:
-        """Length of the next step and the time at its end; `rate` is (c + |v|)/L."""
+        """Length of the next step and the time at its end; `rate` is (c + |v|)/L.
+
+        Raises
+        ------
+        RunError
+            If the steps have become so short that the run would never end.
+        """
         stop = next(t for t in self._stops if t > self.time)
         left = stop - self.time
+        if not left * rate < self._courant * _MOST_STEPS:
+            raise RunError(
+                f"after step {self.step}, at time {self.time:.6g}, waves or particles have become "
+                f"so fast, {rate:.3g} cells in a unit of time, that the end would take more than "
+                f"{_MOST_STEPS:.0e} steps: the solution has blown up\n"
+                "  try: a smaller time.step: {courant: ...}, slower loading, finer cells"
+            )
         # Rounding must not leave a sliver of a step before a stop.
         count = max(1, ceil(left * rate / self._courant * (1.0 - 1e-12)))
         dt = left / count

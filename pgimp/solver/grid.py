@@ -57,30 +57,40 @@ class Grid:
 
     def cover(self, reach: np.ndarray) -> None:
         """Store what the supports with first vertices within `reach` need, and a margin."""
+        self._store(reach + np.array([[-MARGIN], [MARGIN]]))
+
+    def extend(self, reach: np.ndarray) -> None:
+        """Widen the window, by a margin, on the sides where it does not hold `reach`."""
+        base = self.base.copy()
+        base[0] = np.where(reach[0] < base[0], reach[0] - MARGIN, base[0])
+        base[1] = np.where(reach[1] > base[1], reach[1] + MARGIN, base[1])
+        self._store(base)
+
+    def covers(self, reach: np.ndarray) -> bool:
+        """Whether the window holds the supports with first vertices within `reach`."""
+        return bool((reach[0] >= self.base[0]).all() and (reach[1] <= self.base[1]).all())
+
+    def _store(self, base: np.ndarray) -> None:
+        """Make room for the supports with first vertices within `base`, cut to the grid."""
         lower, extent = [self.first, 0, 0], [self.planes, 1, 1]
+        self.base = np.zeros_like(base)
         for d in range(1, len(self.frame.cells)):
             last = self.frame.vertices[d] - self.vertices
-            low = max(0, int(reach[0, d - 1]) - MARGIN)
-            high = min(last, int(reach[1, d - 1]) + MARGIN)
+            low, high = max(0, int(base[0, d - 1])), min(last, int(base[1, d - 1]))
             self.base[:, d - 1] = low, high
             lower[d], extent[d] = low, high - low + self.vertices
-        self.window = Window.over(
-            (lower[0], lower[1], lower[2]), (extent[0], extent[1], extent[2])
-        )
+        self.window = Window.over((lower[0], lower[1], lower[2]), (extent[0], extent[1], extent[2]))
         plane = self.window.stride[0]
         self.G = aligned(self.planes * plane)
         self.scratch = aligned(self.vertices * plane)
         self.partial = aligned(self.shared * (self.shared + 1) // 2 * plane)
         self.bounds = self._bounds()
 
-    def covers(self, reach: np.ndarray) -> bool:
-        """Whether the window holds the supports with first vertices within `reach`."""
-        return bool((reach[0] >= self.base[0]).all() and (reach[1] <= self.base[1]).all())
-
     def _bounds(self) -> tuple[tuple[float, float], ...]:
         """Coordinates within which a particle is sure to be in the domain and in the window.
 
-        Sure means that rounding cannot matter: within a billionth of a cell inside.
+        Sure means that rounding cannot matter: inside by a billionth of a cell and by many times
+        the rounding of coordinates of this size and of cell numbers of this size.
         """
         bounds = []
         for d, cells in enumerate(self.frame.cells):
@@ -90,5 +100,8 @@ class Grid:
                 low = max(low, float(self.base[0, d - 1] - self.frame.ghost) + 0.5)
                 high = min(high, float(self.base[1, d - 1] - self.frame.ghost) + 1.0)
             origin, cell = self.frame.origin[d], self.frame.cell[d]
-            bounds.append((origin + (low + 1e-9) * cell, origin + (high - 1e-9) * cell))
+            least, most = origin + low * cell, origin + high * cell
+            eps = np.finfo(float).eps
+            margin = (1e-9 + 8.0 * eps * cells) * cell + 8.0 * eps * max(abs(least), abs(most))
+            bounds.append((float(least + margin), float(most - margin)))
         return tuple(bounds)

@@ -8,7 +8,7 @@ import numpy as np
 from pgimp.case.schema import Case
 from pgimp.errors import RunError
 from pgimp.kernels.jit import discard_damaged
-from pgimp.kernels.order import locate
+from pgimp.kernels.order import layers_of
 from pgimp.kernels.sums import fastest_rate
 from pgimp.parallel.halo import Halo
 from pgimp.parallel.node import one_rank_first
@@ -94,11 +94,9 @@ class Simulation:
 
     def _layers_of(self, x: np.ndarray) -> np.ndarray:
         """Layers of particles at coordinates x, by the kernels' own function."""
-        points = Particles.empty(len(x), self.scene.dimension, False)
-        points.x[:, 0] = x
-        rows = np.arange(len(x), dtype=np.int32)
-        locate(self.scene.shape, self.scene.frame, points, rows, self.scene.frame.vertices)
-        return points.layer
+        layers = np.empty(len(x), np.int64)
+        layers_of(self.scene.shape, self.scene.frame, x, layers)
+        return layers
 
     def _create(
         self, lattice: Lattice, counts: np.ndarray, layer: np.ndarray
@@ -222,7 +220,7 @@ class Simulation:
             self.reach[0] = -all_ranks[1:3]
             self.reach[1] = all_ranks[3:5]
         if not self.grid.covers(self.reach):
-            self.grid.cover(self.reach)
+            self.grid.extend(self.reach)
             self.reach[:] = self.grid.base
 
     def _sort(self) -> None:

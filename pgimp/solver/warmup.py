@@ -4,7 +4,7 @@ import numpy as np
 
 from pgimp.kernels.g2p import grid_to_particles
 from pgimp.kernels.momentum import update_momentum
-from pgimp.kernels.order import locate, merge, reach_of
+from pgimp.kernels.order import layers_of, locate, merge, reach_of
 from pgimp.kernels.p2g import add_partials, particles_to_grid
 from pgimp.kernels.sums import SUMS, fastest_rate, layer_sums
 from pgimp.scene.scene import Scene
@@ -23,6 +23,7 @@ def warm_up(scene: Scene, identity: tuple[float, ...]) -> None:
     grid.cover(np.full((2, 2), vertices))
     locate(shape, frame, p, rows, frame.vertices)
     reach_of(shape, frame, p, rows, reach)
+    layers_of(shape, frame, np.empty(0), np.empty(0, np.int64))
     merge(p, rows, start, rows, 0, rows, rows.copy(), start.copy())
     particles_to_grid(
         shape, frame, grid.window, p, rows, start,

@@ -1,0 +1,87 @@
+"""The initial particles: the same however many points are tested at a time."""
+
+import numpy as np
+import pytest
+
+from pgimp.case.schema import Case
+from pgimp.errors import CaseError
+from pgimp.parallel.comm import Serial
+from pgimp.scene import lattice as lattice_module
+from pgimp.scene.lattice import Lattice
+from pgimp.scene.scene import Scene, count_particles
+
+
+def case(D, **changes):
+    cells, corner = [8, 7, 6][:D], [1.1, 0.9, 0.2][:D]
+    data = {
+        "format": 1,
+        "dimensions": D,
+        "grid": {"size": [float(n) for n in cells], "cell": [1.0] * D},
+        "method": {"shape": "gimp", "particles_per_cell": [2, 3, 1][:D]},
+        "time": {"end": 1.0, "step": {"courant": 0.3}},
+        "materials": {"a": {"model": "hooke", "young": 1.0, "poisson": 0.3, "density": 1.0}},
+        "bodies": {
+            "ball": {"material": "a", "region": {"ball": {"centre": [5.5, 4.0, 3.0][:D],
+                                                          "radius": 2.0}}},
+            "box": {"material": "a", "region": {"box": {"min": corner,
+                                                        "max": [c + 2.0 for c in corner]}}},
+        },
+    }  # fmt: skip
+    return Case.model_validate(data | changes)
+
+
+def particles(D):
+    scene_ = Scene(case(D))
+    lattice, counts, notes = count_particles(scene_, Serial())
+    p = scene_.populate(lattice, counts, (0, lattice.planes))
+    return p, counts, notes
+
+
+@pytest.mark.parametrize("D", [1, 2, 3])
+@pytest.mark.parametrize("block", [1, 7, 50])
+def test_small_blocks_make_the_same_particles(monkeypatch, D, block):
+    whole, counts, notes = particles(D)
+    monkeypatch.setattr(lattice_module, "_BLOCK", block)
+    parts, counts_of_parts, notes_of_parts = particles(D)
+    assert (counts == counts_of_parts).all()
+    assert notes == notes_of_parts
+    for a, b in zip(whole, parts, strict=True):
+        assert a.tobytes() == b.tobytes()
+
+
+@pytest.mark.parametrize("D", [1, 2, 3])
+def test_ids_count_by_body_then_position(D):
+    p, counts, _ = particles(D)
+    n = int(counts.sum())
+    assert sorted(p.id[:n]) == list(range(n))
+    rows = np.argsort(p.id[:n])
+    keys = [(int(p.body[r]), *p.x[r]) for r in rows]
+    assert keys == sorted(keys)
+
+
+def test_particles_are_the_points_that_the_regions_contain():
+    p, counts, _ = particles(2)
+    lattice = Lattice(case(2))
+    points = np.stack(np.meshgrid(*lattice.coordinates, indexing="ij"), axis=-1).reshape(-1, 2)
+    for body, region in enumerate(lattice.regions):
+        expected = points[region.contains(points)]
+        assert counts[body].sum() == len(expected)
+        assert (p.x[: len(p.id)][p.body == body] == expected).all()
+
+
+@pytest.mark.parametrize("block", [7, 10**6])
+def test_a_point_in_two_bodies_is_named(monkeypatch, block):
+    monkeypatch.setattr(lattice_module, "_BLOCK", block)
+    box = {"box": {"min": [4.0, 3.0], "max": [6.0, 6.0]}}
+    bodies = {
+        "ball": {"material": "a", "region": {"ball": {"centre": [5.5, 4.0], "radius": 2.0}}},
+        "box": {"material": "a", "region": box},
+    }
+    with pytest.raises(CaseError, match=r"bodies\.box\.region: the point \(.*\) lies in both"):
+        count_particles(Scene(case(2, bodies=bodies)), Serial())
+
+
+def test_more_cells_than_can_be_numbered_are_refused():
+    grid = {"size": [1e7, 1e7, 1e7], "cell": [1.0, 1.0, 1.0]}
+    with pytest.raises(CaseError, match="more cells than can be numbered"):
+        Scene(case(3, grid=grid))
