@@ -36,7 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--cells", type=int, default=32, help="cells along each edge of the block (default 32)"
     )
     parser.add_argument(
-        "--repeats", type=int, default=5, help=f"timed blocks of {RESORT} steps (default 5)"
+        "--repeats", type=int, default=10, help=f"timed blocks of {RESORT} steps (default 10)"
     )
     parser.add_argument(
         "--lattice", action="store_true", help="particles on a lattice, not at random positions"

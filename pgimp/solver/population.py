@@ -35,6 +35,7 @@ class Population:
         self._used = count
         self._holes: list[int] = []
         self._left: list[int] = []
+        self._room = np.empty(particles.capacity * max(a[0].size for a in particles))
         self.sort()
 
     @property
@@ -49,12 +50,25 @@ class Population:
         rows = rows[self._sorting(p.cell[rows], p.id[rows])]
         for array in p:
             if array.size:
-                array[: len(rows)] = array[rows]
+                self._permute(array, rows)
         self.order = np.arange(len(rows), dtype=np.int32)
         self._spare = np.empty_like(self.order)
         edges = np.arange(self.first, self.first + self.layers + 1)
         self.start[:] = np.searchsorted(p.layer[: len(rows)], edges)
         self._used, self._holes, self._left = len(rows), [], []
+
+    def _permute(self, array: np.ndarray, rows: np.ndarray) -> None:
+        """Put the given rows of an array first, in their order.
+
+        The room for that is kept: fresh memory would cost more time than the rest.
+        """
+        room = len(rows) * (array[0].nbytes // 8 or 1)
+        if len(self._room) < room:
+            self._room = np.empty(len(array) * (array[0].nbytes // 8 or 1))
+        taken = self._room[:room].view(array.dtype)[: len(rows) * array[0].size]
+        taken = taken.reshape(len(rows), *array.shape[1:])
+        np.take(array, rows, axis=0, out=taken, mode="clip")
+        array[: len(rows)] = taken
 
     @staticmethod
     def _sorting(cell: IntArray, number: IntArray) -> IntArray:
