@@ -1,5 +1,7 @@
 """A rank's particles in their canonical order, as they come, go and change layers."""
 
+from math import prod
+
 import numpy as np
 
 from pgimp.kernels.order import locate, merge, reach_of
@@ -35,7 +37,7 @@ class Population:
         self._used = count
         self._holes: list[int] = []
         self._left: list[int] = []
-        self._room = np.empty(particles.capacity * max(a[0].size for a in particles))
+        self._room = np.empty(0)
         self.sort()
 
     @property
@@ -62,11 +64,10 @@ class Population:
 
         The room for that is kept: fresh memory would cost more time than the rest.
         """
-        room = len(rows) * (array[0].nbytes // 8 or 1)
-        if len(self._room) < room:
-            self._room = np.empty(len(array) * (array[0].nbytes // 8 or 1))
-        taken = self._room[:room].view(array.dtype)[: len(rows) * array[0].size]
-        taken = taken.reshape(len(rows), *array.shape[1:])
+        size = len(rows) * prod(array.shape[1:])
+        if len(self._room) < size:
+            self._room = np.empty(max(array.size for array in self.particles))
+        taken = self._room.view(array.dtype)[:size].reshape(len(rows), *array.shape[1:])
         np.take(array, rows, axis=0, out=taken, mode="clip")
         array[: len(rows)] = taken
 
