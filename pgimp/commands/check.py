@@ -83,7 +83,7 @@ def report(case: Case) -> None:
     stable = 1.0 / rate
     print(f"step             {dt:.4g}, Courant {dt * rate:.3g}; Courant 1 is {stable:.4g}")
     print(f"steps            {steps:,} to t = {case.time.end:g}")
-    _report_cost(case, scene, count, steps)
+    _report_cost(case, scene, count, steps, bodies[0].wave_speed)
     for note in notes:
         print(f"note: {note}")
     if dt * rate > DOUBTFUL:
@@ -152,11 +152,11 @@ def _greatest_gravity(case: Case) -> float:
     return max(float(np.linalg.norm(v)) for v in vectors)
 
 
-def _report_cost(case: Case, scene: Scene, count: int, steps: int) -> None:
+def _report_cost(case: Case, scene: Scene, count: int, steps: int, speed: float) -> None:
     """Memory, time on this machine, and the number of ranks that pays off."""
     p = Particles.empty(1, scene.dimension, "displacement" in case.output.fields)
     bytes_each = sum(array.nbytes for array in p) + 8
-    overhead, each = _measure(case)
+    overhead, each = _measure(case, speed)
     print(
         f"memory           {_size(count * bytes_each)} for particles ({bytes_each} bytes each), "
         "and up to as much again while frames are written"
@@ -175,11 +175,11 @@ def _report_cost(case: Case, scene: Scene, count: int, steps: int) -> None:
     )
 
 
-def _measure(case: Case) -> tuple[float, float]:
+def _measure(case: Case, speed: float) -> tuple[float, float]:
     """Seconds a step and seconds a particle-step, from two samples of the case's own kind."""
     times = []
     for n in (8, (2048, 48, 14)[case.dimensions - 1]):
-        sim = Simulation(_sample(case, n), Serial())
+        sim = Simulation(_sample(case, n, speed), Serial())
         sim.advance()
         begin = perf_counter()
         for _ in range(20):
@@ -190,8 +190,8 @@ def _measure(case: Case) -> tuple[float, float]:
     return max(t0 - each * n0, 1e-6), each
 
 
-def _sample(case: Case, cells: int) -> Case:
-    """A block of the case's first material that fills a grid of `cells` cells along each edge."""
+def _sample(case: Case, cells: int, speed: float) -> Case:
+    """A block of the first body's material, in a grid of `cells` unit cells along each edge."""
     D = case.dimensions
     body = next(iter(case.bodies.values()))
     data: dict[str, Any] = {
@@ -199,7 +199,7 @@ def _sample(case: Case, cells: int) -> Case:
         "dimensions": D,
         "grid": {"origin": [0.0] * D, "size": [float(cells)] * D, "cell": [1.0] * D},
         "method": case.method.model_dump(),
-        "time": {"end": 1e9, "step": {"courant": 1e-3}},
+        "time": {"end": 1.0 / speed, "step": {"courant": 1e-3}},
         "materials": {"sample": case.materials[body.material].model_dump()},
         "bodies": {
             "sample": {
