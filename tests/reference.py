@@ -120,8 +120,9 @@ class Reference:
         m = np.where(heavy, self.m, 1.0)[..., None]
         b = np.asarray(gravity[: self.D], float)
         self.a = np.where(heavy[..., None], self.f / m + b, 0.0)
-        self.v = np.where(heavy[..., None], self.p / m + self.a * dt, 0.0)
-        m = np.where(heavy, self.m, 0.0)[..., None]
+        light = np.where((self.m > 0) & ~heavy, self.m, 1.0)[..., None]
+        self.v = np.where(heavy[..., None], self.p / m + self.a * dt, self.p / light)
+        m = self.m[..., None]
         free, self.impulse = self.a.copy(), []
         for kind, axis, side, velocity, rate in faces:
             x = self.vertices[axis]
@@ -131,7 +132,7 @@ class Reference:
             behind = np.broadcast_to(
                 at.reshape([-1 if d == axis else 1 for d in range(self.D)]), self.shape
             )
-            behind = behind & heavy
+            behind = behind & (self.m > 0)
             before = self.a.copy()
             for d in range(self.D):
                 where = behind.copy()

@@ -173,14 +173,7 @@ def test_a_body_in_flight_moves_as_one_at_rest():
     "shape",
     [
         "gimp",
-        pytest.param(
-            "mpm",
-            marks=pytest.mark.xfail(
-                strict=True,
-                reason="a vertex with less than 1e-12 of a particle stands still, but a point "
-                "beside the opposite vertex of its cell sees its velocity in full",
-            ),
-        ),
+        "mpm",
     ],
 )
 def test_uniform_flight_is_left_alone(shape, dimension, step):

@@ -110,7 +110,7 @@ def test_particles_to_grid_between_two_sorts(name, D):
 
 @EVERY
 def test_momentum_update_without_walls(name, D):
-    """(14) and (17); a vertex that is too light stands still, and the work of gravity."""
+    """(14) and (17); a vertex that is too light goes on as it was, and the work of gravity."""
     rank, reference, p = setting(name, D)
     rank.particles_to_grid()
     reference.particles_to_grid(p)

@@ -13,7 +13,8 @@ def update_momentum(frame, window, G, active, dt, gravity, lightest, faces, owne
     gravity : tuple of 3 float
         Body force per mass b, taken at the step's beginning.
     lightest : float
-        A vertex that is not heavier gets v = a = 0.
+        A vertex that is not heavier gets a = 0, and keeps v = p/m: a particle that passes it sees
+        its gradient in full, however small its weight.
     faces : tuple
         Parameters of the boundary conditions, see `pgimp.boundaries`.
     owned : int
@@ -39,9 +40,11 @@ def update_momentum(frame, window, G, active, dt, gravity, lightest, faces, owne
                     G[r + 5 + d] = a
                     G[r + 1 + d] = G[r + 1 + d] * inverse + dt * a
             else:
-                for d in range(1, 8):
-                    G[r + d] = 0.0
-        constrain_plane((), faces, frame, window, G, i, dt, lightest, i < owned, impulse, work)
+                inverse = 1.0 / m if m > 0.0 else 0.0
+                for d in range(3):
+                    G[r + 5 + d] = 0.0
+                    G[r + 1 + d] *= inverse
+        constrain_plane((), faces, frame, window, G, i, dt, i < owned, impulse, work)
         if heavy and i < owned:
             power = 0.0
             for r in range(i * plane, (i + 1) * plane, 8):
@@ -50,19 +53,19 @@ def update_momentum(frame, window, G, active, dt, gravity, lightest, faces, owne
             work[i] += dt * power
 
 
-def constrain_plane(done, faces, frame, window, G, i, dt, lightest, owned, impulse, work):
+def constrain_plane(done, faces, frame, window, G, i, dt, owned, impulse, work):
     """Apply the conditions of `faces` to the vertices of plane `i` that are on none of `done`."""
 
 
 @specialise(constrain_plane)
-def _constrain_plane(done, faces, frame, window, G, i, dt, lightest, owned, impulse, work):
+def _constrain_plane(done, faces, frame, window, G, i, dt, owned, impulse, work):
     if len(faces) == 0:
-        return lambda done, faces, frame, window, G, i, dt, lightest, owned, impulse, work: None
+        return lambda done, faces, frame, window, G, i, dt, owned, impulse, work: None
 
-    def constrain_all(done, faces, frame, window, G, i, dt, lightest, owned, impulse, work):
-        _constrain_face(done, faces, frame, window, G, i, dt, lightest, owned, impulse, work)
+    def constrain_all(done, faces, frame, window, G, i, dt, owned, impulse, work):
+        _constrain_face(done, faces, frame, window, G, i, dt, owned, impulse, work)
         constrain_plane(
-            (*done, faces[0]), faces[1:], frame, window, G, i, dt, lightest, owned, impulse, work
+            (*done, faces[0]), faces[1:], frame, window, G, i, dt, owned, impulse, work
         )
 
     return constrain_all
@@ -114,7 +117,7 @@ def _hold(faces, n, frame, number, v, a, momentum, impulse):
 
 
 @kernel
-def _constrain_face(done, faces, frame, window, G, i, dt, lightest, owned, impulse, work):
+def _constrain_face(done, faces, frame, window, G, i, dt, owned, impulse, work):
     """Treat the vertices of plane `i` on or beyond the first of `faces` but none of `done`.
 
     Where faces meet, a vertex is treated by all of them at once, because the work of each is its
@@ -141,7 +144,7 @@ def _constrain_face(done, faces, frame, window, G, i, dt, lightest, owned, impul
             r = i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
             m = G[r]
             number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
-            if not m > lightest or beyond_any(done, frame, number):
+            if not m > 0.0 or beyond_any(done, frame, number):
                 continue
             momentum = m * dt if owned else 0.0
             before = (G[r + 5], G[r + 6], G[r + 7])

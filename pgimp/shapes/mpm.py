@@ -20,7 +20,12 @@ class MpmParameters(NamedTuple):
 
     @staticmethod
     def weights(shape, d, f):
-        """Tent functions of the cell's two vertices (35)."""
+        """Tent functions of the cell's two vertices (35).
+
+        The gradient reaches the second vertex also when the particle stands on the first; so that
+        the vertex then has a velocity, the weight is never exactly zero.
+        """
+        f = max(f, 1e-60)
         return (1.0 - f, f), (-1.0, 1.0)
 
 
