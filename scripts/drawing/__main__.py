@@ -2,6 +2,7 @@
 
 import argparse
 
+from block import bench
 from column import compaction
 from cost import error_and_cost
 from scenes import bar_vibration, block3d, disks
@@ -12,6 +13,7 @@ PICTURES = {
     "disks": disks,
     "bar-vibration": bar_vibration,
     "error-and-cost": error_and_cost,
+    "bench": bench,
 }
 
 parser = argparse.ArgumentParser(prog="scripts/pictures")

@@ -146,12 +146,16 @@ def write_table(data):
     for cell in cells:
         entries = [_entry(table.get((kind.label, cell))) for kind in KINDS]
         lines.append(f"| {cell:g} | " + " | ".join(entries) + " |")
-    text = "\n".join([*lines, "", f"Measured on {data['origin']}.", ""])
+    put_between(START, "\n".join([*lines, "", f"Measured on {data['origin']}.", ""]))
+
+
+def put_between(start, text):
+    """Replace what README.md has between a mark and the next end mark."""
     page = (ROOT / "README.md").read_text(encoding="utf-8")
-    before, mark, rest = page.partition(START)
+    before, mark, rest = page.partition(start)
     _, end, after = rest.partition(END)
     if not (mark and end):
-        raise SystemExit(f"pictures: README.md lacks the marks {START.strip()} and {END}")
+        raise SystemExit(f"pictures: README.md lacks the marks {start.strip()} and {END}")
     (ROOT / "README.md").write_text(before + mark + text + end + after, encoding="utf-8")
 
 
