@@ -121,7 +121,7 @@ class Rank:
         assert not grid.scratch.any()
 
     def update_momentum(
-        self, dt: float, gravity: Sequence[float] = (), faces: tuple = (), lightest: float = 0.0
+        self, dt: float, gravity: Sequence[float] = (), faces: tuple = (), lightest: float = 5e-13
     ) -> None:
         """Momentum update; sets `impulse` (planes, faces, 3) and `work` (planes,)."""
         grid = self.grid
