@@ -43,5 +43,6 @@ def bench(redraw):
         cells = [ranks, *(f"{speed / 1e6:.1f}" for speed in speeds)]
         cells += [f"{error['velocity']:.1e}", f"{error['stress']:.1e}"]
         lines.append("| " + " | ".join(cells) + " |")
-    note = f"Medians of {ROUNDS} runs of either, by turns, on {data['origin'].removeprefix('one core of ')}."
+    machine = data["origin"].removeprefix("one core of ")
+    note = f"Medians of {ROUNDS} runs of either, by turns, on {machine}."
     put_between(START, "\n".join([*lines, "", note, ""]))
