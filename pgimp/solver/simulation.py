@@ -29,7 +29,7 @@ from pgimp.solver.warmup import warm_up
 #: slower by up to a thousandth with every step that the rows grow stale.
 RESORT = 48
 
-#: A vertex lighter than this part of the lightest initial particle stands still.
+#: A vertex lighter than this part of the lightest initial particle is not accelerated.
 LIGHT = 1e-12
 
 
