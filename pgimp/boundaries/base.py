@@ -1,7 +1,7 @@
 """What the entries of all boundary conditions have in common, and the kernels' view of one."""
 
 from abc import abstractmethod
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 from pgimp.case.base import Model
 from pgimp.kernels.jit import specialise
@@ -9,6 +9,9 @@ from pgimp.kernels.jit import specialise
 
 class Boundary(Model):
     """Base of the entries ``boundaries.FACE``."""
+
+    #: Whether the face reflects what particles carry beyond it, where their shape asks for that.
+    mirrors: ClassVar[bool] = True
 
     @property
     def varies(self) -> bool:

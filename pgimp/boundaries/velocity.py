@@ -1,6 +1,6 @@
 """Prescribed velocity on a face: v as given at the step's end, a its rate over the step."""
 
-from typing import Annotated, NamedTuple
+from typing import Annotated, ClassVar, NamedTuple
 
 from pydantic import Field
 
@@ -44,6 +44,8 @@ class Velocity(Boundary):
         description="velocity [length/time] along each direction: a number, a table over time, "
         "or null where the component is free"
     )
+
+    mirrors: ClassVar[bool] = False  # a moving wall is no plane of symmetry
 
     @property
     def varies(self) -> bool:

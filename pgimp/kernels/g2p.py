@@ -7,6 +7,7 @@ from pgimp.kernels.jit import kernel, specialise
 from pgimp.kernels.transfer import components, first_vertex, gather, gradient, support
 from pgimp.kernels.tuples import plus_scaled, read, write
 from pgimp.materials.base import evaluate
+from pgimp.shapes.base import size
 
 #: Why `grid_to_particles` stopped at a particle.
 NOT_FINITE, INVERTED, TOO_FAST, OUTSIDE = 1, 2, 3, 4
@@ -89,8 +90,11 @@ def grid_to_particles(
         Number of particles that changed their layer.
     rate : float
         Largest (c_p + |v_p|)/L, if controlled.
+    clamped : int
+        Number of particles whose half-width is clamped.
     """
     found = 0
+    clamped = 0
     rate = 0.0
     inverse = 0.0
     for d in range(len(frame.inverse)):
@@ -100,7 +104,7 @@ def grid_to_particles(
         number = layer + window.lower[0]
         for k in range(start[layer], start[layer + 1]):
             p = order[k]
-            place, W = support(shape, frame, window, particles.x, p, number)
+            place, W = support(shape, frame, window, particles, p, number)
             place += layer * window.stride[0]
             U, A, D = gather(G, place, W[0][0], W[0][1], W[0][2], W[1:])
             u = components(frame.origin, U)
@@ -123,7 +127,9 @@ def grid_to_particles(
                 c = evaluate("speed", materials, m, (F, J))
                 rate = max(rate, (c + sqrt(squared(v))) * inverse)
             # One branch for all that rarely happens, NaN included; its speed limit is sharper.
-            now = first_vertex(shape, frame, 0, x[0])
+            half, clamp = size(shape, frame.cell, F)
+            clamped += clamp
+            now = first_vertex(frame, 0, half[0], x[0])
             if not (
                 within(bounds, x)
                 & (J > 0.0)
@@ -134,13 +140,13 @@ def grid_to_particles(
                 if fault == 0 and abs(now - number) > 1:
                     fault = TOO_FAST  # a cell, but for rounding: past a slab of one layer
                 if fault != 0:
-                    return fault, p, found, rate
+                    return fault, p, found, rate, clamped
                 for d in range(1, len(x)):
-                    j = first_vertex(shape, frame, d, x[d])
+                    j = first_vertex(frame, d, half[d], x[d])
                     reach[0, d - 1] = min(reach[0, d - 1], j)
                     reach[1, d - 1] = max(reach[1, d - 1], j)
                 if now != number:
                     particles.layer[p] = now
                     movers[found] = k
                     found += 1
-    return 0, -1, found, rate
+    return 0, -1, found, rate, clamped

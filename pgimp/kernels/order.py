@@ -1,7 +1,8 @@
 """Canonical order: (layer now, cell at the last re-sort, id)."""
 
 from pgimp.kernels.jit import kernel
-from pgimp.kernels.transfer import first_vertex
+from pgimp.kernels.transfer import first_vertex, half_widths
+from pgimp.shapes.base import size
 
 
 @kernel
@@ -12,26 +13,28 @@ def locate(shape, frame, particles, rows, vertices):
     by it keeps the particles of one support together; `vertices` is the grid's size by direction.
     """
     for p in rows:
+        half = half_widths(shape, frame, particles, p)
         cell = 0
         for d in range(len(vertices)):
-            cell = cell * vertices[d] + first_vertex(shape, frame, d, particles.x[p, d])
+            cell = cell * vertices[d] + first_vertex(frame, d, half[d], particles.x[p, d])
         particles.cell[p] = cell
-        particles.layer[p] = first_vertex(shape, frame, 0, particles.x[p, 0])
+        particles.layer[p] = first_vertex(frame, 0, half[0], particles.x[p, 0])
 
 
 @kernel
-def layers_of(shape, frame, x, layers):
-    """Set `layers`, (n,) int64, to those of particles at coordinates `x` along x."""
+def layers_of(shape, frame, identity, x, layers):
+    """Set `layers`, (n,) int64, to those of undeformed particles at coordinates `x` along x."""
     for i in range(len(x)):
-        layers[i] = first_vertex(shape, frame, 0, x[i])
+        layers[i] = first_vertex(frame, 0, size(shape, frame.cell, identity)[0][0], x[i])
 
 
 @kernel
 def reach_of(shape, frame, particles, rows, reach):
     """Grow `reach`, (2, 2) int64, to the first vertices (least, greatest; y, z) of `rows`."""
     for p in rows:
+        half = half_widths(shape, frame, particles, p)
         for d in range(1, len(frame.origin)):
-            j = first_vertex(shape, frame, d, particles.x[p, d])
+            j = first_vertex(frame, d, half[d], particles.x[p, d])
             reach[0, d - 1] = min(reach[0, d - 1], j)
             reach[1, d - 1] = max(reach[1, d - 1], j)
 

@@ -49,7 +49,7 @@ def particles_to_grid(
         number = layer + window.lower[0]
         for k in range(start[layer], start[layer + 1]):
             p = order[k]
-            place, W = support(shape, frame, window, particles.x, p, number)
+            place, W = support(shape, frame, window, particles, p, number)
             A, S = charges(frame, particles, p)
             zero = pack(0.0, 0.0, 0.0, 0.0)
             scatter(scratch, place, W[0][0], W[0][1], W[0][2], W[1:], A, zero, S)

@@ -6,38 +6,61 @@ direction and over the directions that the compiler unrolls. They factor the sum
 3D the innermost vertex costs P2G three vector multiply-adds, and G2P three.
 """
 
-from pgimp.kernels.jit import specialise
+from math import floor
+
+from pgimp.kernels.jit import exact, specialise
 from pgimp.kernels.simd import lane, load, pack, store
-from pgimp.kernels.tuples import plus_scaled, scaled
-from pgimp.shapes.base import first, weights
+from pgimp.kernels.tuples import plus_scaled, read, scaled
+from pgimp.shapes.base import size, weights
 
 
-def first_vertex(shape, frame, d, x):
+def first_vertex(frame, d, half, x):
     """Number of the first vertex, along direction `d`, of a particle at coordinate `x`."""
 
 
-@specialise(first_vertex)
-def _first_vertex(shape, frame, d, x):
-    return lambda shape, frame, d, x: (
-        first(shape, d, (x - frame.origin[d]) * frame.inverse[d]) + frame.ghost
+@exact(first_vertex)  # all kernels must find the same layer, whatever the code around
+def _first_vertex(frame, d, half, x):
+    return lambda frame, d, half, x: (
+        floor((x - frame.origin[d]) * frame.inverse[d] - half) + frame.ghost
     )
 
 
-def _along(shape, frame, window, d, x, vertex):
+def deformation(frame, particles, p):
+    """Deformation gradient of particle `p`, a row-major tuple."""
+
+
+@specialise(deformation)
+def _deformation(frame, particles, p):
+    like = (0.0,) * len(frame.types[0]) ** 2
+    return lambda frame, particles, p: read(particles.F, p, 0, like)
+
+
+def half_widths(shape, frame, particles, p):
+    """Half-widths of particle `p` in cells; costs nothing where the shape keeps its size."""
+
+
+@specialise(half_widths)
+def _half_widths(shape, frame, particles, p):
+    return lambda shape, frame, particles, p: (
+        size(shape, frame.cell, deformation(frame, particles, p))[0]
+    )
+
+
+def _along(shape, frame, window, d, half, x, vertex):
     """Weights (19), gradients (20) and the window's stride, along direction `d`."""
 
 
 @specialise(_along)
-def _along_direction(shape, frame, window, d, x, vertex):
-    def along(shape, frame, window, d, x, vertex):
+def _along_direction(shape, frame, window, d, half, x, vertex):
+    def along(shape, frame, window, d, half, x, vertex):
         f = (x - frame.origin[d]) * frame.inverse[d] - (vertex - frame.ghost)
-        w, g = weights(shape, d, f)
+        w, g = weights(shape, half, f)
         return w, scaled(frame.inverse[d], g), window.stride[d]
 
     return along
 
 
-def support(shape, frame, window, x, p, layer):
+def support(shape, frame, window, particles, p, layer):
     """Support of particle `p`, whose layer is known.
 
     Returns
@@ -50,33 +73,38 @@ def support(shape, frame, window, x, p, layer):
 
 
 @specialise(support)
-def _support(shape, frame, window, x, p, layer):
+def _support(shape, frame, window, particles, p, layer):
     D = len(frame.types[0])
     if D == 1:
 
-        def support1(shape, frame, window, x, p, layer):
-            return 0, (_along(shape, frame, window, 0, x[p, 0], layer),)
+        def support1(shape, frame, window, particles, p, layer):
+            half = half_widths(shape, frame, particles, p)
+            return 0, (_along(shape, frame, window, 0, half[0], particles.x[p, 0], layer),)
 
         return support1
     if D == 2:
 
-        def support2(shape, frame, window, x, p, layer):
-            j = first_vertex(shape, frame, 1, x[p, 1])
+        def support2(shape, frame, window, particles, p, layer):
+            half = half_widths(shape, frame, particles, p)
+            x, y = particles.x[p, 0], particles.x[p, 1]
+            j = first_vertex(frame, 1, half[1], y)
             return (j - window.lower[1]) * window.stride[1], (
-                _along(shape, frame, window, 0, x[p, 0], layer),
-                _along(shape, frame, window, 1, x[p, 1], j),
+                _along(shape, frame, window, 0, half[0], x, layer),
+                _along(shape, frame, window, 1, half[1], y, j),
             )
 
         return support2
 
-    def support3(shape, frame, window, x, p, layer):
-        j = first_vertex(shape, frame, 1, x[p, 1])
-        k = first_vertex(shape, frame, 2, x[p, 2])
+    def support3(shape, frame, window, particles, p, layer):
+        half = half_widths(shape, frame, particles, p)
+        x, y, z = particles.x[p, 0], particles.x[p, 1], particles.x[p, 2]
+        j = first_vertex(frame, 1, half[1], y)
+        k = first_vertex(frame, 2, half[2], z)
         place = (j - window.lower[1]) * window.stride[1] + (k - window.lower[2]) * window.stride[2]
         return place, (
-            _along(shape, frame, window, 0, x[p, 0], layer),
-            _along(shape, frame, window, 1, x[p, 1], j),
-            _along(shape, frame, window, 2, x[p, 2], k),
+            _along(shape, frame, window, 0, half[0], x, layer),
+            _along(shape, frame, window, 1, half[1], y, j),
+            _along(shape, frame, window, 2, half[2], z, k),
         )
 
     return support3

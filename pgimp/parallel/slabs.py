@@ -14,7 +14,7 @@ class Slab(NamedTuple):
     above: int | None
 
 
-def cut(counts: np.ndarray, ranks: int, width: int) -> list[int]:
+def cut(counts: np.ndarray, ranks: int, width: int, ends: int = 0) -> list[int]:
     """Cut the layers into runs of about equally many particles.
 
     Parameters
@@ -25,6 +25,8 @@ def cut(counts: np.ndarray, ranks: int, width: int) -> list[int]:
         Ranks to share them; those for which there are too few layers get none.
     width : int
         Least number of layers of a rank: with thinner slabs nearest neighbours would not suffice.
+    ends : int
+        Least number of layers of the first and of the last rank, if more.
 
     Returns
     -------
@@ -32,12 +34,14 @@ def cut(counts: np.ndarray, ranks: int, width: int) -> list[int]:
         First layers of the ranks that own some, and the number of layers.
     """
     layers = len(counts)
-    active = max(1, min(ranks, layers // width))
+    ends = max(width, ends)
+    active = max(1, min(ranks, (layers - 2 * ends) // width + 2 if layers >= 2 * ends else 1))
     total = np.concatenate(([0], np.cumsum(counts)))
     cuts = [0]
     for k in range(1, active):
         ideal = int(np.abs(total * active - k * total[-1]).argmin())
-        cuts.append(min(max(ideal, cuts[-1] + width), layers - (active - k) * width))
+        least = cuts[-1] + (ends if k == 1 else width)
+        cuts.append(min(max(ideal, least), layers - ends - (active - 1 - k) * width))
     return [*cuts, layers]
 
 

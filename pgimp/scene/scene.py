@@ -42,16 +42,16 @@ class Scene:
     materials : tuple of NamedTuple
         Parameters of the materials in use, `material_of` the one of each body.
     faces : list of Face
-        Faces with a condition, x-min to z-max.
+        Faces with a condition, x-min to z-max; `mirrors` those that reflect what lies beyond.
     """
 
     def __init__(self, case: Case) -> None:
         self.case = case
         self.dimension = case.dimensions
         shape = case.method
-        self.shape = shape.parameters()
+        self.shape = shape.parameters(tuple(case.grid.cell))
         self.vertices: int = shape.vertices
-        self.tracked = shape.volume == "tracked"
+        self.tracked = shape.tracked
         grid = case.grid
         self.frame = Frame(
             origin=tuple(float(x) for x in grid.origin),
@@ -73,6 +73,7 @@ class Scene:
         named = case.boundaries
         order = [f"{axis}-{end}" for axis in AXES for end in ("min", "max")]
         self.faces = [Face(name, named[name]) for name in order if name in named]
+        self.mirrors = [f for f in self.faces if shape.mirrors and f.condition.mirrors]
         self.varies = any(face.condition.varies for face in self.faces)
 
     def _materials_in_use(self) -> set[str]:

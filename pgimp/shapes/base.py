@@ -1,6 +1,6 @@
 """What the entries of all shapes have in common, and the kernels' view of a shape."""
 
-from typing import Literal
+from typing import ClassVar, Literal
 
 from pydantic import Field
 
@@ -14,26 +14,49 @@ class Shape(Model):
     particles_per_cell: tuple[Count, ...] = Field(
         description="particles per cell along each direction"
     )
+
+    #: Vertices a direction in a support.
+    vertices: ClassVar[int]
+
+    @property
+    def tracked(self) -> bool:
+        """Whether the volume in the internal force (16) follows det(F)."""
+        return True
+
+    @property
+    def mirrors(self) -> bool:
+        """Whether walls reflect what lies beyond them."""
+        return False
+
+
+class PointShape(Shape):
+    """Base of the shapes whose size never changes, where the volume is a choice."""
+
     volume: Literal["tracked", "initial"] = Field(
         default="tracked",
         description="volume in the internal force (16): tracked, det(F) times the initial one, "
         "or the initial one throughout, as in the paper's MPM and GIMP runs",
     )
 
-
-def first(shape, d, xi):
-    """First vertex of the support along direction `d`; `xi` in cells from the grid's origin."""
-
-
-@exact(first)  # all kernels must find the same layer, whatever the code around
-def _first(shape, d, xi):
-    return shape.instance_class.first
+    @property
+    def tracked(self) -> bool:
+        """See `Shape.tracked`."""
+        return self.volume == "tracked"
 
 
-def weights(shape, d, f):
+def size(shape, cell, F):
+    """Half-widths of a particle's chi_p by direction, in cells, and whether they were clamped."""
+
+
+@exact(size)  # all kernels must find the same layer, whatever the code around
+def _size(shape, cell, F):
+    return shape.instance_class.size
+
+
+def weights(shape, half, f):
     """Weights and cell-scaled gradients of the support's vertices, two tuples."""
 
 
 @specialise(weights)
-def _weights(shape, d, f):
+def _weights(shape, half, f):
     return shape.instance_class.weights

@@ -1,11 +1,10 @@
 """Contiguous-particle GIMP: chi_p is a box of constant size, S_vp piecewise quadratic (36-40)."""
 
-from math import floor
 from typing import ClassVar, Literal, NamedTuple
 
 from pydantic import Field
 
-from pgimp.shapes.base import Shape
+from pgimp.shapes.base import PointShape
 
 
 class GimpParameters(NamedTuple):
@@ -14,18 +13,17 @@ class GimpParameters(NamedTuple):
     half: tuple[float, ...]
 
     @staticmethod
-    def first(shape, d, xi):
-        """See `pgimp.shapes`."""
-        return floor(xi - shape.half[d])
+    def size(shape, cell, F):
+        """Constant in time."""
+        return shape.half, 0
 
     @staticmethod
-    def weights(shape, d, f):
+    def weights(shape, half, f):
         """Weights (40), for f in [l, 1 + l), without branches: a branch costs 40 % here.
 
         With t = 1 + l - f, u = max(1 - l - f, 0), s = max(f - 1 + l, 0) the outer weights are
         (t^2 - u^2)/(4 l) and s^2/(4 l); the middle one makes the sum 1 (23).
         """
-        half = shape.half[d]
         t = 1.0 + half - f
         u = max(1.0 - half - f, 0.0)
         s = max(f - 1.0 + half, 0.0)
@@ -37,13 +35,13 @@ class GimpParameters(NamedTuple):
         return (w0, 1.0 - w0 - w2, w2), (g0, -g0 - g2, g2)
 
 
-class Gimp(Shape):
+class Gimp(PointShape):
     """Contiguous-particle GIMP whose particles keep their initial size: smooth; the default."""
 
     shape: Literal["gimp"] = Field(description="name of the shape")
 
     vertices: ClassVar[int] = 3
 
-    def parameters(self) -> GimpParameters:
+    def parameters(self, cell: tuple[float, ...]) -> GimpParameters:
         """Parameters of the kernels: l_p = L/(2 particles per cell)."""
         return GimpParameters(tuple(0.5 / n for n in self.particles_per_cell))

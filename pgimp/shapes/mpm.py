@@ -1,11 +1,10 @@
 """The material point method: particles are points, S_vp = S_v(x_p) (34, 35)."""
 
-from math import floor
 from typing import ClassVar, Literal, NamedTuple
 
 from pydantic import Field
 
-from pgimp.shapes.base import Shape
+from pgimp.shapes.base import PointShape
 
 
 class MpmParameters(NamedTuple):
@@ -14,12 +13,12 @@ class MpmParameters(NamedTuple):
     half: tuple[float, ...]
 
     @staticmethod
-    def first(shape, d, xi):
-        """See `pgimp.shapes`."""
-        return floor(xi)
+    def size(shape, cell, F):
+        """A point has none."""
+        return shape.half, 0
 
     @staticmethod
-    def weights(shape, d, f):
+    def weights(shape, half, f):
         """Tent functions of the cell's two vertices (35).
 
         The gradient reaches the second vertex also when the particle stands on the first; so that
@@ -29,13 +28,13 @@ class MpmParameters(NamedTuple):
         return (1.0 - f, f), (-1.0, 1.0)
 
 
-class Mpm(Shape):
+class Mpm(PointShape):
     """Material point method: the cheapest; noisy once particles cross cells."""
 
     shape: Literal["mpm"] = Field(description="name of the shape")
 
     vertices: ClassVar[int] = 2
 
-    def parameters(self) -> MpmParameters:
+    def parameters(self, cell: tuple[float, ...]) -> MpmParameters:
         """Parameters of the kernels."""
         return MpmParameters(tuple(0.0 for _ in self.particles_per_cell))

@@ -96,8 +96,8 @@ class Grid:
         for d, cells in enumerate(self.frame.cells):
             low, high = 0.0, float(cells)
             if d > 0:
-                # A support has its first vertex at or above floor(xi - 1/2).
-                low = max(low, float(self.base[0, d - 1] - self.frame.ghost) + 0.5)
+                # A support has its first vertex between floor(xi - 1) and floor(xi).
+                low = max(low, float(self.base[0, d - 1] - self.frame.ghost) + 1.0)
                 high = min(high, float(self.base[1, d - 1] - self.frame.ghost) + 1.0)
             origin, cell = self.frame.origin[d], self.frame.cell[d]
             least, most = origin + low * cell, origin + high * cell

@@ -57,6 +57,8 @@ class Simulation:
         What the user should know, the same on every rank.
     timings : dict of str to float
         Seconds spent in each phase by this rank.
+    clamped : int
+        Particle-steps of this rank with a half-width held at one cell.
 
     Raises
     ------
@@ -71,6 +73,7 @@ class Simulation:
         self.warnings: list[str] = []
         self.timings = dict.fromkeys((*PHASES, "sort"), 0.0)
         self.dt = 0.0
+        self.clamped = 0
         D = scene.dimension
         self.identity = tuple(float(i == j) for i in range(D) for j in range(D))
         self._make_clock()
@@ -96,7 +99,7 @@ class Simulation:
     def _layers_of(self, x: np.ndarray) -> np.ndarray:
         """Layers of particles at coordinates x, by the kernels' own function."""
         layers = np.empty(len(x), np.int64)
-        layers_of(self.scene.shape, self.scene.frame, x, layers)
+        layers_of(self.scene.shape, self.scene.frame, self.identity, x, layers)
         return layers
 
     def _create(
@@ -110,7 +113,9 @@ class Simulation:
     def _decompose(self, layer_counts: np.ndarray) -> None:
         """Give each rank its layers, about equally many particles each."""
         vertices = self.scene.vertices
-        cuts = cut(layer_counts, self.comm.size, vertices - 1)
+        # A vertex beyond a face and its mirror image must not lie on different ranks.
+        ends = 2 * vertices if self.scene.mirrors else 0
+        cuts = cut(layer_counts, self.comm.size, vertices - 1, ends)
         self.slab = slab_of(cuts, self.comm.rank)
         idle = self.comm.size - (len(cuts) - 1)
         if idle:

@@ -4,6 +4,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from pgimp.kernels.g2p import grid_to_particles
+from pgimp.kernels.mirror import fold, reflect
 from pgimp.kernels.momentum import update_momentum
 from pgimp.kernels.p2g import particles_to_grid
 from pgimp.parallel.migrate import migrate
@@ -39,21 +40,26 @@ def step(sim: "Simulation", dt: float, end: float) -> tuple[int, int, float]:
     sim.halo.exchange(grid)
     times.append(perf_counter())
 
+    for face in scene.mirrors:
+        fold(frame, window, grid.G, grid.active, face.axis, face.side)
     gravity = scene.gravity(sim.time)
     faces = sim.faces if not scene.varies else scene.face_parameters(sim.time, end)
     update_momentum(  # (14, 17) and the boundary conditions
         frame, window, grid.G, grid.active, dt, gravity, sim.lightest, faces,
         sim.owned_planes, sim.impulse, sim.work,
     )  # fmt: skip
+    for face in scene.mirrors:
+        reflect(frame, window, grid.G, grid.active, face.axis, face.side)
     times.append(perf_counter())
 
-    fault, row, found, rate = grid_to_particles(  # (26, 27, 29, 30)
+    fault, row, found, rate, clamped = grid_to_particles(  # (26, 27, 29, 30)
         shape, scene.materials, frame, window, particles, order, start, scene.material_of,
         grid.G, dt, scene.tracked, sim.clock.controlled, grid.bounds, sim.reach,
         population.movers,
     )  # fmt: skip
     times.append(perf_counter())
 
+    sim.clamped += clamped
     if fault:
         return fault, row, rate
     left = population.movers[:found].copy()

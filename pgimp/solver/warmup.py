@@ -3,6 +3,7 @@
 import numpy as np
 
 from pgimp.kernels.g2p import grid_to_particles
+from pgimp.kernels.mirror import fold, reflect
 from pgimp.kernels.momentum import update_momentum
 from pgimp.kernels.order import layers_of, locate, merge, reach_of
 from pgimp.kernels.p2g import add_partials, particles_to_grid
@@ -23,7 +24,7 @@ def warm_up(scene: Scene, identity: tuple[float, ...]) -> None:
     grid.cover(np.full((2, 2), vertices))
     locate(shape, frame, p, rows, frame.vertices)
     reach_of(shape, frame, p, rows, reach)
-    layers_of(shape, frame, np.empty(0), np.empty(0, np.int64))
+    layers_of(shape, frame, identity, np.empty(0), np.empty(0, np.int64))
     merge(p, rows, start, rows, 0, rows, rows.copy(), start.copy())
     particles_to_grid(
         shape, frame, grid.window, p, rows, start,
@@ -35,6 +36,9 @@ def warm_up(scene: Scene, identity: tuple[float, ...]) -> None:
         frame, grid.window, grid.G, grid.active, 1.0, scene.gravity(0.0), 0.0, faces, 1,
         np.zeros((1, len(faces), 3)), np.zeros(1),
     )  # fmt: skip
+    for face in scene.mirrors:
+        for mirror in (fold, reflect):
+            mirror(frame, grid.window, grid.G, np.zeros(0, np.uint8), face.axis, face.side)
     grid_to_particles(
         shape, scene.materials, frame, grid.window, p, rows, start, scene.material_of, grid.G,
         1.0, True, False, grid.bounds, reach, rows.copy(),

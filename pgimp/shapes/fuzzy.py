@@ -1,0 +1,130 @@
+"""Fuzzy particles (Fig. 3): chi_p is a tent, so that neighbours overlap and weights are cubic.
+
+`fuzzy-nearest` has the half-width d = L/(particles per cell): a particle overlaps its neighbours
+only, and chi_p(x_p) = 1. `fuzzy-constant` has d = L whatever the particles per cell, and the height
+1/(particles per cell). Either way the tents of a lattice sum to one inside a body, and S_vp, which
+is normalised by V_p, is the convolution of the grid's tent with a tent of unit area.
+
+At a body's surface the tents sum to one half only, and reach as far beyond it: nothing is added
+there, so the surface is smeared over d, its mass staying exact. Beyond a wall that means mass that
+the grid loses (``wall: ghost``) or gets back by reflection (``wall: mirror``).
+"""
+
+from typing import ClassVar, Literal, NamedTuple
+
+from pydantic import Field
+
+from pgimp.kernels.jit import specialise
+from pgimp.shapes.base import Shape
+from pgimp.shapes.stretch import stretched
+
+
+def tents(half, f):
+    """Convolution of the grid's tent with a tent of half-width `half`, and its derivative."""
+
+
+@specialise(tents)
+def _tents(half, f):
+    def convolve(half, f):
+        # Third powers of truncated distances: a to the tent's low end, b to its middle, c to its
+        # high end, each over the vertices before the first (n), the first (0), and so on.
+        a0, b0, c0 = f - half, f, f + half
+        b1 = max(b0 - 1.0, 0.0)
+        c1, c2 = max(c0 - 1.0, 0.0), max(c0 - 2.0, 0.0)
+        an, bn, cn = a0 + 1.0, b0 + 1.0, c0 + 1.0
+        A0, An = a0 * a0, an * an
+        B0, B1, Bn = b0 * b0, b1 * b1, bn * bn
+        C0, C1, C2, Cn = c0 * c0, c1 * c1, c2 * c2, cn * cn
+        r = 1.0 / (half * half)
+        q = r / 6.0
+        w0 = q * (
+            (An * an - 2.0 * A0 * a0)
+            - 2.0 * (Bn * bn - 2.0 * B0 * b0 + B1 * b1)
+            + (Cn * cn - 2.0 * C0 * c0 + C1 * c1)
+        )
+        w2 = q * (C1 * c1 - 2.0 * B1 * b1 - 2.0 * C2 * c2)
+        w3 = q * C2 * c2
+        h = 0.5 * r
+        g0 = h * ((An - 2.0 * A0) - 2.0 * (Bn - 2.0 * B0 + B1) + (Cn - 2.0 * C0 + C1))
+        g2 = h * (C1 - 2.0 * B1 - 2.0 * C2)
+        g3 = h * C2
+        return (w0, 1.0 - w0 - w2 - w3, w2, w3), (g0, -g0 - g2 - g3, g2, g3)
+
+    return convolve
+
+
+class FixedFuzzyParameters(NamedTuple):
+    """Half-widths of the particles' tents by direction, in cells."""
+
+    half: tuple[float, ...]
+
+    @staticmethod
+    def size(shape, cell, F):
+        """Constant in time."""
+        return shape.half, 0
+
+    @staticmethod
+    def weights(shape, half, f):
+        """See `pgimp.shapes`."""
+        return tents(half, f)
+
+
+class TrackedFuzzyParameters(NamedTuple):
+    """Initial half-widths of the particles' tents by direction, in cells."""
+
+    half: tuple[float, ...]
+
+    @staticmethod
+    def size(shape, cell, F):
+        """Follows the deformation."""
+        return stretched(shape.half, cell, F)
+
+    @staticmethod
+    def weights(shape, half, f):
+        """See `pgimp.shapes`."""
+        return tents(half, f)
+
+
+class _Fuzzy(Shape):
+    """What the two fuzzy shapes have in common."""
+
+    size: Literal["tracked", "fixed"] = Field(
+        default="tracked",
+        description="whether the tents follow the deformation; tracked ones converge at second "
+        "order whatever the particles per cell",
+    )
+    wall: Literal["ghost", "mirror"] = Field(
+        default="mirror",
+        description="what becomes of the part of a particle beyond a face with a condition: "
+        "carried by ghost vertices and lost, or reflected",
+    )
+
+    vertices: ClassVar[int] = 4
+
+    @property
+    def mirrors(self) -> bool:
+        """See `Shape.mirrors`."""
+        return self.wall == "mirror"
+
+    def _parameters(self, half: tuple[float, ...]) -> FixedFuzzyParameters | TrackedFuzzyParameters:
+        return (TrackedFuzzyParameters if self.size == "tracked" else FixedFuzzyParameters)(half)
+
+
+class FuzzyNearest(_Fuzzy):
+    """Tents that overlap their neighbours only."""
+
+    shape: Literal["fuzzy-nearest"] = Field(description="name of the shape")
+
+    def parameters(self, cell: tuple[float, ...]) -> NamedTuple:
+        """Parameters of the kernels: d = L/(particles per cell)."""
+        return self._parameters(tuple(1.0 / n for n in self.particles_per_cell))
+
+
+class FuzzyConstant(_Fuzzy):
+    """Tents of one cell's half-width, whatever the particles per cell."""
+
+    shape: Literal["fuzzy-constant"] = Field(description="name of the shape")
+
+    def parameters(self, cell: tuple[float, ...]) -> NamedTuple:
+        """Parameters of the kernels: d = L."""
+        return self._parameters(tuple(1.0 for _ in self.particles_per_cell))
