@@ -25,7 +25,7 @@ _SETTINGS = {"NUMBA_LOOP_VECTORIZE": "0", "NUMBA_DISABLE_INTEL_SVML": "1"}
 
 
 #: Where all that Numba compiles is written, within the package; a test holds everyone to it.
-COMPILED = ("kernels", "shapes", "materials", "boundaries", "solver/particles.py")
+COMPILED = ("kernels", "shapes", "materials", "boundaries", "exact", "solver/particles.py")
 
 
 def _sources_digest() -> str:
