@@ -32,11 +32,21 @@ def apply(document: Document, overrides: list[str]) -> None:
         path = written.strip().split(".")
         if not equals or not all(path):
             raise CaseError(f"{label}: expected KEY.PATH=VALUE, such as --set time.end=3.0")
-        value = parse(text, label)
-        place = _write(document.data, path, value.data, label)
-        for known in [known for known in document.places if known[: len(place)] == place]:
-            del document.places[known]
-        document.places[place] = label
+        change(document, path, parse(text, label).data, label)
+
+
+def change(document: Document, keys: list[str], value: Any, label: str) -> None:
+    """Write `value` at the end of the path `keys`; `label` is its place in messages.
+
+    Raises
+    ------
+    CaseError
+        When the path leads nowhere.
+    """
+    place = _write(document.data, keys, value, label)
+    for known in [known for known in document.places if known[: len(place)] == place]:
+        del document.places[known]
+    document.places[place] = label
 
 
 def _write(data: Any, keys: list[str], value: Any, label: str) -> Path:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TypeVar
 
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 
 from pgimp.case.document import Document, decode, parse, top_level
 from pgimp.case.messages import explain
@@ -15,6 +16,8 @@ from pgimp.case.writer import dump_case
 from pgimp.errors import CaseError
 
 __all__ = ["decode", "dump_case", "read_case"]
+
+M = TypeVar("M", bound=BaseModel)
 
 MOST_MESSAGES = 20
 
@@ -42,15 +45,38 @@ def read_case(text: str | bytes, filename: str = "case", overrides: Sequence[str
         With every problem on a line of its own (the first 20): file, line, key path, what is
         wrong, what is allowed.
     """
+    document = read_document(text, filename)
+    apply(document, list(overrides))
+    return validate(Case, document, filename)
+
+
+def read_document(text: str | bytes, filename: str) -> Document:
+    """Return the keys and values of a file, and the lines where they are.
+
+    Raises
+    ------
+    CaseError
+        With file, line and column of what is not valid.
+    """
     if isinstance(text, bytes):
         text = decode(text, filename)
     document = parse(text, filename)
     top_level(document, filename)
-    apply(document, list(overrides))
+    return document
+
+
+def validate(model: type[M], document: Document, filename: str) -> M:
+    """Return the typed content of a file.
+
+    Raises
+    ------
+    CaseError
+        See `read_case`.
+    """
     try:
-        return Case.model_validate(document.data)
+        return model.model_validate(document.data)
     except ValidationError as error:
-        problems = explain(Case, error, document.data)
+        problems = explain(model, error, document.data)
         raise CaseError(_report(problems, document, filename)) from None
 
 

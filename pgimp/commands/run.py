@@ -270,4 +270,4 @@ def _close(
     )
     table = timing_table(sim.comm, dict(sim.timings) | seconds, total)
     log.note(f"\n{table}")
-    directory.finish(sim.step, sim.time)
+    directory.finish(sim.step, sim.time, total - output)

@@ -183,13 +183,15 @@ class RunDirectory:
             with open(self.path / "log.txt", "a", encoding="utf-8") as stream:
                 stream.write(f"{state} at step {step}, t = {when!r}: {message}\n")
 
-    def finish(self, step: int, when: float) -> None:
+    def finish(self, step: int, when: float, seconds: float) -> None:
         """Note in run.json that the run is done; collective.
 
         Parameters
         ----------
         step, when : int, float
             Its last step and simulated time.
+        seconds : float
+            Wall time of its steps, without set-up and output.
 
         Raises
         ------
@@ -199,7 +201,7 @@ class RunDirectory:
 
         def action() -> None:
             try:
-                self._update(state="done", steps=step, time=when)
+                self._update(state="done", steps=step, time=when, seconds=seconds)
             except OSError as error:
                 raise self._refusal("write to", error) from error
 

@@ -49,6 +49,7 @@ def describe_start(comm: Any, particles: int) -> dict[str, Any]:
         "ended": None,
         "steps": 0,
         "time": 0.0,
+        "seconds": None,
         "message": None,
         "particles": particles,
         "ranks": comm.size,
