@@ -1,21 +1,11 @@
 """Prescribed velocity on a face: v as given at the step's end, a its rate over the step."""
 
-from typing import Annotated, ClassVar, NamedTuple
+from typing import ClassVar, NamedTuple
 
 from pydantic import Field
 
 from pgimp.boundaries.base import Boundary
-from pgimp.case.base import Number
-from pgimp.case.dispatch import Either
-from pgimp.scene.tables import Table
-
-Component = Annotated[
-    float | Table | None,
-    Either(
-        "a number, null (free) or {table: [[time, value], ...]}",
-        {float: Number, dict: Table, None: None},
-    ),
-]
+from pgimp.scene.tables import Component, Table, prescribed
 
 
 class VelocityParameters(NamedTuple):
@@ -54,21 +44,4 @@ class Velocity(Boundary):
 
     def parameters(self, axis: int, side: int, start: float, end: float) -> VelocityParameters:
         """See `Boundary.parameters`."""
-        held, velocity, rate = [False] * 3, [0.0] * 3, [0.0] * 3
-        for d, component in enumerate(self.velocity):
-            if component is None:
-                continue
-            held[d] = True
-            if isinstance(component, Table):
-                velocity[d] = component.value(end)
-                if end > start:
-                    rate[d] = (velocity[d] - component.value(start)) / (end - start)
-            else:
-                velocity[d] = float(component)
-        return VelocityParameters(
-            axis,
-            side,
-            (held[0], held[1], held[2]),
-            (velocity[0], velocity[1], velocity[2]),
-            (rate[0], rate[1], rate[2]),
-        )
+        return VelocityParameters(axis, side, *prescribed(self.velocity, start, end))

@@ -32,6 +32,10 @@ MOST_CELLS = 10_000_000
 MOST_STEPS = 2**53
 
 
+_NAMED = ("materials", "bodies", "boundaries", "tractions", "constraints")
+"""Parts of a case that are made of named entries."""
+
+
 def whole(total: float, part: float) -> tuple[int, bool]:
     """Return how many times `part` fits into `total`, rounded, at least 1; and whether exactly."""
     ratio = total / part
@@ -55,8 +59,9 @@ def faces(dimensions: int) -> list[str]:
 
 def check(parts: Mapping[str, Any]) -> list[Problem]:
     """Return what is wrong between the `parts` of a case, given by their key."""
-    if "materials" in parts:
-        parts = {"declared": tuple(parts["materials"]), **parts}
+    for name, key in (("declared", "materials"), ("body_names", "bodies")):
+        if key in parts:
+            parts = {name: tuple(parts[key]), **parts}
     problems: list[Problem] = []
     for run in _CHECKS:
         names = inspect.signature(run).parameters
@@ -70,14 +75,15 @@ def sound_parts(
 ) -> dict[str, Any]:
     """Return the typed parts of `data` that the `problems` do not touch.
 
-    Of materials, bodies and boundaries the sound entries are kept. ``declared`` holds the names
-    of all materials, also of those that are not sound.
+    Of materials, bodies, boundaries, tractions and constraints the sound entries are kept.
+    ``declared`` and ``body_names`` hold the names of all materials and bodies, also of those that
+    are not sound.
     """
     wrong = {item.path[:2] for item in problems}
     parts: dict[str, Any] = {}
     for name, field in model.model_fields.items():
         value = data.get(name, field.get_default(call_default_factory=True))
-        if name in ("materials", "bodies", "boundaries") and isinstance(value, Mapping):
+        if name in _NAMED and isinstance(value, Mapping):
             value = {key: item for key, item in value.items() if (name, key) not in wrong}
         elif any(path[:1] == (name,) for path in wrong):
             continue
@@ -85,8 +91,9 @@ def sound_parts(
             parts[name] = TypeAdapter(field.rebuild_annotation()).validate_python(value)
         except ValidationError:
             continue
-    if isinstance(data.get("materials"), Mapping) and ("materials",) not in wrong:
-        parts["declared"] = tuple(data["materials"])
+    for name, key in (("declared", "materials"), ("body_names", "bodies")):
+        if isinstance(data.get(key), Mapping) and (key,) not in wrong:
+            parts[name] = tuple(data[key])
     return parts
 
 
@@ -266,6 +273,51 @@ def _boundaries(dimensions: int, boundaries: Mapping[str, Any]) -> Problems:
             yield from _length(path, getattr(entry, field), dimensions)
 
 
+def _body_of(
+    path: tuple[str | int, ...], entry: Any, bodies: Mapping[str, Any], named: Iterable[str]
+) -> Problems:
+    """Check that an entry's body is known."""
+    if entry.body not in bodies and entry.body not in named:
+        yield Problem((*path, "body"), unknown("body", entry.body, named))
+
+
+def _tractions(
+    dimensions: int,
+    bodies: Mapping[str, Any],
+    body_names: Iterable[str],
+    tractions: Mapping[str, Any],
+) -> Problems:
+    """Check that tractions act on faces of boxes."""
+    for name, entry in tractions.items():
+        path: tuple[str | int, ...] = ("tractions", name)
+        yield from _body_of(path, entry, bodies, body_names)
+        if entry.face not in faces(dimensions):
+            yield Problem((*path, "face"), unknown("face", entry.face, faces(dimensions)))
+        if entry.body in bodies and name_of(bodies[entry.body].region, REGIONS) != "box":
+            kind = name_of(bodies[entry.body].region, REGIONS)
+            yield Problem(
+                (*path, "body"),
+                f"the region of '{entry.body}' is a {kind}; tractions act on faces of a box",
+            )
+        yield from _length((*path, "traction"), entry.traction, dimensions)
+        for i, (_, value) in enumerate(getattr(entry.traction, "table", ())):
+            yield from _length((*path, "traction", "table", i, 1), value, dimensions)
+
+
+def _constraints(
+    dimensions: int,
+    bodies: Mapping[str, Any],
+    body_names: Iterable[str],
+    constraints: Mapping[str, Any],
+) -> Problems:
+    """Check that constraints hold parts of bodies."""
+    for name, entry in constraints.items():
+        path: tuple[str | int, ...] = ("constraints", name)
+        yield from _body_of(path, entry, bodies, body_names)
+        yield from _region((*path, "region"), entry.region, dimensions)
+        yield from _length((*path, "velocity"), entry.velocity, dimensions)
+
+
 _CHECKS = (
     _kinds,
     _grid,
@@ -276,5 +328,7 @@ _CHECKS = (
     _regions,
     _gravity,
     _boundaries,
+    _tractions,
+    _constraints,
     _output,
 )

@@ -53,14 +53,17 @@ HISTORY: dict[str, str] = {
         "energy; of the order of the time step also where nothing is lost, for instance in free "
         "fall, because work is force times displacement [energy]"
     ),
-    "external-work": "work of gravity and of the faces on the material since the start: force "
-    "times displacement [energy]",
+    "external-work": "work of gravity, faces, tractions and constraints on the material since the "
+    "start: force times displacement [energy]",
     "body.NAME.centre-AXIS": "centre of mass of each body [length]",
     "body.NAME.kinetic-energy": "kinetic energy of each body [energy]",
     "body.NAME.strain-energy": "strain energy of each body [energy]",
     "reaction.FACE-AXIS": (
         "mean force of each named face on the material since the last line; compression at x-min "
         "gives a positive reaction.x-min-x [force]"
+    ),
+    "constraint.NAME-AXIS": (
+        "mean force of each constraint on the material since the last line [force]"
     ),
 }
 """Columns of ``history.csv``, in their order; AXIS stands for x, y, z, as many as there are."""

@@ -3,9 +3,12 @@
 from math import isfinite, sqrt
 
 from pgimp.kernels.algebra import determinant, multiply, one_plus, symmetric
+from pgimp.kernels.grips import gripped
 from pgimp.kernels.jit import kernel, specialise
+from pgimp.kernels.loads import add_power
 from pgimp.kernels.transfer import components, first_vertex, gather, gradient, support
 from pgimp.kernels.tuples import plus_scaled, read, write
+from pgimp.kernels.viscosity import stiffened, thicken
 from pgimp.materials.base import evaluate
 from pgimp.shapes.base import size
 
@@ -59,15 +62,17 @@ def _fault(frame, x, v, u, J, dt):
 
 @kernel
 def grid_to_particles(
-    shape, materials, frame, window, particles, order, start, material_of, G, dt,
-    tracked, controlled, bounds, reach, movers,
+    shape, materials, frame, window, particles, loads, grips, order, start, material_of, G, dt,
+    tracked, controlled, bounds, reach, movers, impulse, work,
 ):  # fmt: skip
     """Advance all particles of a rank by one step, and notice what happened to them.
 
     Parameters
     ----------
-    shape, materials, frame, window, particles, order, start, G
+    shape, materials, frame, window, particles, loads, order, start, G
         As in `particles_to_grid`; `G` holds velocities and accelerations.
+    grips : tuple of Grip
+        See `pgimp.kernels.grips`.
     material_of : (bodies,) int64
         Material of each body.
     tracked : bool
@@ -81,6 +86,10 @@ def grid_to_particles(
         `bounds`.
     movers : (n,) int32
         Filled with the places, in `order`, of the particles that changed their layer.
+    impulse : (planes, grips, 3) float64
+        Grows by the momentum that the grips give to particles, layer by layer.
+    work : (planes,) float64
+        Grows by the work of the loads and grips on particles, layer by layer.
 
     Returns
     -------
@@ -109,8 +118,13 @@ def grid_to_particles(
             U, A, D = gather(G, place, W[0][0], W[0][1], W[0][2], W[1:])
             u = components(frame.origin, U)
             a = components(frame.origin, A)
-            x = plus_scaled(dt, u, read(particles.x, p, 0, u))  # (26)
+            add_power(
+                loads, shape, frame, window, particles, p, number, W,
+                layer * window.stride[0], G, u, dt, work, layer,
+            )  # fmt: skip
             v = plus_scaled(dt, a, read(particles.v, p, 0, u))  # (27)
+            u, v = gripped(grips, particles, p, u, v, impulse, work, layer)
+            x = plus_scaled(dt, u, read(particles.x, p, 0, u))  # (26)
             L = gradient(D)  # (30)
             F = multiply(one_plus(dt, L), read(particles.F, p, 0, L))
             J = determinant(F)
@@ -123,8 +137,9 @@ def grid_to_particles(
             write(particles.sigma, p, 0, sigma)
             if tracked:
                 particles.V[p] = J * particles.V0[p]
+            slow = thicken(loads.viscosity, materials, m, particles, p, F, L)  # (45)
             if controlled:
-                c = evaluate("speed", materials, m, (F, J))
+                c = stiffened(loads.viscosity, evaluate("speed", materials, m, (F, J)), slow)
                 rate = max(rate, (c + sqrt(squared(v))) * inverse)
             # One branch for all that rarely happens, NaN included; its speed limit is sharper.
             half, clamp = size(shape, frame.cell, F)

@@ -1,18 +1,19 @@
-"""Particles to grid: mass and momentum (21, 22) and internal force (16), layer by layer.
+"""Particles to grid: mass and momentum (21, 22) and forces (16, 17, 18), layer by layer.
 
 A vertex sum is defined so that no decomposition can change its bits: the particles of one layer
 are summed, in canonical order, from zero into that layer's own planes; then the layers are added
-in increasing order. Gravity (17) is m_v b and needs no sum.
+in increasing order. Uniform gravity (17) is m_v b and needs no sum.
 """
 
 from pgimp.kernels.jit import kernel
+from pgimp.kernels.loads import scatter_loads, weight
 from pgimp.kernels.simd import load, pack, store
 from pgimp.kernels.transfer import charges, scatter, support
 
 
 @kernel
 def particles_to_grid(
-    shape, frame, window, particles, order, start, scratch, G, active, partial, shared
+    shape, frame, window, particles, loads, order, start, scratch, G, active, partial, shared
 ):
     """Sum all particles of a rank into its planes.
 
@@ -21,6 +22,8 @@ def particles_to_grid(
     shape, frame, window, particles
         See `pgimp.shapes`, `Frame`, `Window` (its first plane is that of the rank's first layer),
         `Particles`.
+    loads : Loads
+        See `pgimp.kernels.loads`.
     order : (n,) int32
         Rows of the particles in canonical order.
     start : (layers + 1,) int64
@@ -50,9 +53,10 @@ def particles_to_grid(
         for k in range(start[layer], start[layer + 1]):
             p = order[k]
             place, W = support(shape, frame, window, particles, p, number)
-            A, S = charges(frame, particles, p)
-            zero = pack(0.0, 0.0, 0.0, 0.0)
-            scatter(scratch, place, W[0][0], W[0][1], W[0][2], W[1:], A, zero, S)
+            A, S = charges(frame, loads.viscosity, particles, p)
+            B = weight(loads.force, frame, particles, p)
+            scatter(scratch, place, W[0][0], W[0][1], W[0][2], W[1:], A, B, S)
+            scatter_loads(loads, shape, frame, window, particles, p, number, W, scratch)
             low = min(low, place)
             high = max(high, place)
         # Behind the last particle's first vertex lies the rest of its support within the plane.

@@ -11,6 +11,7 @@ from math import floor
 from pgimp.kernels.jit import exact, specialise
 from pgimp.kernels.simd import lane, load, pack, store
 from pgimp.kernels.tuples import plus_scaled, read, scaled
+from pgimp.kernels.viscosity import viscous_pressure
 from pgimp.shapes.base import size, weights
 
 
@@ -110,7 +111,7 @@ def _support(shape, frame, window, particles, p, layer):
     return support3
 
 
-def charges(frame, particles, p):
+def charges(frame, viscosity, particles, p):
     """What a particle carries to the grid, as vectors.
 
     Returns
@@ -118,49 +119,53 @@ def charges(frame, particles, p):
     A : Vec4
         (m_p, m_p v_p), for (21) and (22).
     S : tuple of Vec4
-        For each direction i the column -V_p (0, sigma_xi, sigma_yi, sigma_zi), for (16).
+        For each direction i the column -V_p (0, sigma_xi, sigma_yi, sigma_zi), for (16), the
+        stress less the viscous pressure (45).
     """
 
 
 @specialise(charges)
-def _charges(frame, particles, p):
+def _charges(frame, viscosity, particles, p):
     D = len(frame.types[0])
     if D == 1:
 
-        def charges1(frame, particles, p):
+        def charges1(frame, viscosity, particles, p):
             m = particles.m[p]
             V = -particles.V[p]
+            q = viscous_pressure(viscosity, particles, p)
             return pack(m, m * particles.v[p, 0], 0.0, 0.0), (
-                pack(0.0, V * particles.sigma[p, 0], 0.0, 0.0),
+                pack(0.0, V * (particles.sigma[p, 0] - q), 0.0, 0.0),
             )
 
         return charges1
     if D == 2:
 
-        def charges2(frame, particles, p):
+        def charges2(frame, viscosity, particles, p):
             m = particles.m[p]
             V = -particles.V[p]
+            q = viscous_pressure(viscosity, particles, p)
             s = particles.sigma
             xy = V * s[p, 3]
             return pack(m, m * particles.v[p, 0], m * particles.v[p, 1], 0.0), (
-                pack(0.0, V * s[p, 0], xy, 0.0),
-                pack(0.0, xy, V * s[p, 1], 0.0),
+                pack(0.0, V * (s[p, 0] - q), xy, 0.0),
+                pack(0.0, xy, V * (s[p, 1] - q), 0.0),
             )
 
         return charges2
 
-    def charges3(frame, particles, p):
+    def charges3(frame, viscosity, particles, p):
         m = particles.m[p]
         V = -particles.V[p]
+        q = viscous_pressure(viscosity, particles, p)
         v = particles.v
         s = particles.sigma
         xy = V * s[p, 3]
         yz = V * s[p, 4]
         xz = V * s[p, 5]
         return pack(m, m * v[p, 0], m * v[p, 1], m * v[p, 2]), (
-            pack(0.0, V * s[p, 0], xy, xz),
-            pack(0.0, xy, V * s[p, 1], yz),
-            pack(0.0, xz, yz, V * s[p, 2]),
+            pack(0.0, V * (s[p, 0] - q), xy, xz),
+            pack(0.0, xy, V * (s[p, 1] - q), yz),
+            pack(0.0, xz, yz, V * (s[p, 2] - q)),
         )
 
     return charges3

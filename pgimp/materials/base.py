@@ -7,7 +7,7 @@ import numba
 from numba.extending import overload
 from pydantic import Field
 
-from pgimp.case.base import Model, Number, Positive
+from pgimp.case.base import Model, NonNegative, Number, Positive
 from pgimp.kernels.jit import INLINE_OPTIONS
 
 Poisson = Annotated[
@@ -16,10 +16,23 @@ Poisson = Annotated[
 Young = Annotated[Positive, Field(description="Young's modulus [stress]")]
 
 
+class ArtificialViscosity(Model):
+    """Pressure in compression that spreads shocks over some cells (45)."""
+
+    linear: NonNegative = Field(
+        description="c1 in q = c1 rho c L |D| + c2 rho (L D)^2, D the rate of volume change where "
+        "it is negative, c the wave speed, L the smallest side of a cell [1]"
+    )
+    quadratic: NonNegative = Field(description="c2 [1]")
+
+
 class Material(Model):
     """Base of the entries ``materials.NAME``."""
 
     density: Positive = Field(description="initial density [mass/volume]")
+    viscosity: ArtificialViscosity | None = Field(
+        default=None, description="artificial viscosity; null: none"
+    )
 
 
 def lame(young: float, poisson: float) -> tuple[float, float]:

@@ -7,11 +7,14 @@ by itself, s(s-1)/2 partial planes. Then both add prefix and partials in layer o
 
 from typing import Any
 
+import numpy as np
+
 from pgimp.kernels.p2g import add_partials
 from pgimp.parallel.slabs import Slab
 from pgimp.solver.grid import Grid, aligned
 
 _UP, _DOWN = 1, 2
+_MARKS = 4
 
 
 class Halo:
@@ -63,3 +66,22 @@ class Halo:
             add_partials(grid.G, 0, grid.partial, self.shared, plane)
         if above is not None:
             add_partials(grid.G, self.slab.layers, self._received, self.shared, plane)
+
+    def unite(self, grid: Grid) -> None:
+        """Unite what this rank and its neighbours have marked in the planes that they share."""
+        size = self.shared * (grid.window.stride[0] // 8)
+        marks, first = grid.marks, self.slab.layers * (grid.window.stride[0] // 8)
+        ends = ((self.slab.below, marks[:size]), (self.slab.above, marks[first : first + size]))
+        pairs = [
+            (neighbour, planes, np.empty_like(planes))
+            for neighbour, planes in ends
+            if neighbour is not None
+        ]
+        requests = []
+        for neighbour, planes, others in pairs:
+            requests.append(self.comm.Irecv(others, neighbour, _MARKS))
+            requests.append(self.comm.Isend(planes.copy(), neighbour, _MARKS))
+        for request in requests:
+            request.Wait()
+        for _, planes, others in pairs:
+            planes |= others

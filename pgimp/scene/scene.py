@@ -8,6 +8,7 @@ import numpy as np
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.scene.lattice import Lattice, census
+from pgimp.scene.loads import SceneLoads
 from pgimp.scene.tables import VectorTable
 from pgimp.solver.particles import Frame, Particles
 
@@ -74,6 +75,7 @@ class Scene:
         order = [f"{axis}-{end}" for axis in AXES for end in ("min", "max")]
         self.faces = [Face(name, named[name]) for name in order if name in named]
         self.mirrors = [f for f in self.faces if shape.mirrors and f.condition.mirrors]
+        self.loads = SceneLoads(case, used)
         self.varies = any(face.condition.varies for face in self.faces)
 
     def _materials_in_use(self) -> set[str]:
@@ -126,7 +128,8 @@ class Scene:
             First plane and end.
         """
         n = int(counts[:, planes[0] : planes[1]].sum())
-        p = Particles.empty(max(n, 1), self.dimension, "displacement" in self.case.output.fields)
+        origin = "displacement" in self.case.output.fields
+        p = Particles.empty(max(n, 1), self.dimension, origin, **self.loads.columns)
         volume = float(np.prod(self.frame.cell)) / float(np.prod(lattice.per_cell))
         row = 0
         for body, positions, ids in lattice.make(planes, counts):
@@ -140,6 +143,7 @@ class Scene:
             row += len(ids)
         if p.origin.shape[1]:
             p.origin[:] = p.x
+        self.loads.attach(p, row)
         return p
 
 

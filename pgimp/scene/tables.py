@@ -8,11 +8,12 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from collections.abc import Sequence
-from typing import TypeVar
+from typing import Annotated, TypeVar
 
 from pydantic import Field, model_validator
 
 from pgimp.case.base import Model, Number, Vector
+from pgimp.case.dispatch import Either
 from pgimp.case.problems import Problem, raise_problems
 
 V = TypeVar("V")
@@ -83,3 +84,41 @@ class VectorTable(Model):
         """Return the value at time `t`, shape (D,)."""
         (t0, v0), (t1, v1) = _neighbours(self.table, t)
         return tuple(_between(t, t0, t1, a, b) for a, b in zip(v0, v1, strict=True))
+
+
+Component = Annotated[
+    float | Table | None,
+    Either(
+        "a number, null (free) or {table: [[time, value], ...]}",
+        {float: Number, dict: Table, None: None},
+    ),
+]
+"""One component of a prescribed velocity."""
+
+Held = tuple[bool, bool, bool]
+Triple = tuple[float, float, float]
+
+
+def prescribed(
+    velocity: Sequence[float | Table | None], start: float, end: float
+) -> tuple[Held, Triple, Triple]:
+    """Return which components are held in a step, their values at its end, their rates over it.
+
+    Values and rates are zero where a component is free.
+    """
+    held, values, rates = [False] * 3, [0.0] * 3, [0.0] * 3
+    for d, component in enumerate(velocity):
+        if component is None:
+            continue
+        held[d] = True
+        if isinstance(component, Table):
+            values[d] = component.value(end)
+            if end > start:
+                rates[d] = (values[d] - component.value(start)) / (end - start)
+        else:
+            values[d] = float(component)
+    return (
+        (held[0], held[1], held[2]),
+        (values[0], values[1], values[2]),
+        (rates[0], rates[1], rates[2]),
+    )

@@ -23,6 +23,14 @@ class Shape(Model):
         """Whether the volume in the internal force (16) follows det(F)."""
         return True
 
+    #: Whether particles have a size, to which their share of a surface lies.
+    extended: ClassVar[bool] = True
+
+    @property
+    def follows(self) -> bool:
+        """Whether the particles' size follows the deformation."""
+        return False
+
     @property
     def mirrors(self) -> bool:
         """Whether walls reflect what lies beyond them."""

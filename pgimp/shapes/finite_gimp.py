@@ -27,22 +27,23 @@ class FiniteGimpParameters(NamedTuple):
 
     @staticmethod
     def weights(shape, half, f):
-        """Mean of the tent over the box, exact for half-widths up to a cell.
+        """Mean of the tent over the box, for f in [l, 1 + l), exact for half-widths up to a cell.
 
-        (G(xi + l) - G(xi - l))/(2 l), with the tent's integral G written in squares of truncated
-        distances; a_j belongs to the box's high end, b_j to its low end, over vertex j.
+        As `gimp`'s, but that a box of more than half a cell may reach a fourth vertex: with
+        a_j = max(f + l - j, 0) the outer weights are (t^2 - u^2)/(4 l), (a_1^2 - 2 a_2^2)/(4 l) and
+        a_2^2/(4 l).
         """
+        t = 1.0 + half - f
+        u = max(1.0 - half - f, 0.0)
+        a1 = max(f + half - 1.0, 0.0)
+        a2 = max(f + half - 2.0, 0.0)
         q = 0.25 / half
-        a0, a1, a2 = f + half, max(f + half - 1.0, 0.0), max(f + half - 2.0, 0.0)
-        b0 = f - half
-        an, bn = a0 + 1.0, b0 + 1.0
-        A0, A1, A2, B0 = a0 * a0, a1 * a1, a2 * a2, b0 * b0
-        w0 = (an * an - 2.0 * A0 + A1 - bn * bn + 2.0 * B0) * q
-        w2 = (A1 - 2.0 * A2) * q
-        w3 = A2 * q
-        g0 = (an - 2.0 * a0 + a1 - bn + 2.0 * b0) * (2.0 * q)
-        g2 = (a1 - 2.0 * a2) * (2.0 * q)
-        g3 = a2 * (2.0 * q)
+        w0 = (t * t - u * u) * q
+        w2 = (a1 * a1 - 2.0 * (a2 * a2)) * q
+        w3 = a2 * a2 * q
+        g0 = -2.0 * (t - u) * q
+        g2 = 2.0 * (a1 - 2.0 * a2) * q
+        g3 = 2.0 * a2 * q
         return (w0, 1.0 - w0 - w2 - w3, w2, w3), (g0, -g0 - g2 - g3, g2, g3)
 
 
@@ -52,6 +53,11 @@ class FiniteGimp(Shape):
     shape: Literal["finite-gimp"] = Field(description="name of the shape")
 
     vertices: ClassVar[int] = 4
+
+    @property
+    def follows(self) -> bool:
+        """See `Shape.follows`."""
+        return True
 
     def parameters(self, cell: tuple[float, ...]) -> FiniteGimpParameters:
         """Parameters of the kernels."""

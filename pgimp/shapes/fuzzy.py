@@ -20,34 +20,28 @@ from pgimp.shapes.stretch import stretched
 
 
 def tents(half, f):
-    """Convolution of the grid's tent with a tent of half-width `half`, and its derivative."""
+    """Weights and gradients of a tent of unit area, for f in [half, 1 + half); half at most 1."""
 
 
 @specialise(tents)
 def _tents(half, f):
     def convolve(half, f):
-        # Third powers of truncated distances: a to the tent's low end, b to its middle, c to its
-        # high end, each over the vertices before the first (n), the first (0), and so on.
-        a0, b0, c0 = f - half, f, f + half
-        b1 = max(b0 - 1.0, 0.0)
-        c1, c2 = max(c0 - 1.0, 0.0), max(c0 - 2.0, 0.0)
-        an, bn, cn = a0 + 1.0, b0 + 1.0, c0 + 1.0
-        A0, An = a0 * a0, an * an
-        B0, B1, Bn = b0 * b0, b1 * b1, bn * bn
-        C0, C1, C2, Cn = c0 * c0, c1 * c1, c2 * c2, cn * cn
+        # The particle's tent lies right of the first vertex, so that a weight is the sum of third
+        # powers of its low end's, middle's and high end's distance to where a grid tent ends:
+        # t, u, s to where that of the first vertex does, a_j and b_j from vertex j.
+        t, u, s = 1.0 + half - f, max(1.0 - f, 0.0), max(1.0 - half - f, 0.0)
+        b1 = max(f - 1.0, 0.0)
+        a1, a2 = max(f + half - 1.0, 0.0), max(f + half - 2.0, 0.0)
+        T, U, S, B1, A1, A2 = t * t, u * u, s * s, b1 * b1, a1 * a1, a2 * a2
         r = 1.0 / (half * half)
         q = r / 6.0
-        w0 = q * (
-            (An * an - 2.0 * A0 * a0)
-            - 2.0 * (Bn * bn - 2.0 * B0 * b0 + B1 * b1)
-            + (Cn * cn - 2.0 * C0 * c0 + C1 * c1)
-        )
-        w2 = q * (C1 * c1 - 2.0 * B1 * b1 - 2.0 * C2 * c2)
-        w3 = q * C2 * c2
+        w0 = q * (T * t - 2.0 * (U * u) + S * s)
+        w2 = q * (A1 * a1 - 2.0 * (B1 * b1) - 2.0 * (A2 * a2))
+        w3 = q * (A2 * a2)
         h = 0.5 * r
-        g0 = h * ((An - 2.0 * A0) - 2.0 * (Bn - 2.0 * B0 + B1) + (Cn - 2.0 * C0 + C1))
-        g2 = h * (C1 - 2.0 * B1 - 2.0 * C2)
-        g3 = h * C2
+        g0 = -h * (T - 2.0 * U + S)
+        g2 = h * (A1 - 2.0 * B1 - 2.0 * A2)
+        g3 = h * A2
         return (w0, 1.0 - w0 - w2 - w3, w2, w3), (g0, -g0 - g2 - g3, g2, g3)
 
     return convolve
@@ -100,6 +94,11 @@ class _Fuzzy(Shape):
     )
 
     vertices: ClassVar[int] = 4
+
+    @property
+    def follows(self) -> bool:
+        """See `Shape.follows`."""
+        return self.size == "tracked"
 
     @property
     def mirrors(self) -> bool:

@@ -31,9 +31,9 @@ class Diagnostics:
     def line(self, sim: "Simulation") -> dict[str, float] | None:
         """One line of the history on rank 0, None elsewhere; collective.
 
-        The reaction of a face is the mean force that it exerted on the material since the last
-        line: its impulse over the time. The dissipated energy closes the balance: initial energy
-        plus external work less kinetic and strain energy.
+        The reaction of a face, or of a constraint, is the mean force that it exerted on the
+        material since the last line: its impulse over the time. The dissipated energy closes the
+        balance: initial energy plus external work less kinetic and strain energy.
         """
         scene, population = sim.scene, sim.population
         sums = np.zeros((sim.slab.layers, len(scene.body_names), SUMS))
@@ -42,7 +42,8 @@ class Diagnostics:
             population.order, population.start, scene.material_of, sums,
         )  # fmt: skip
         own = sim.owned_planes
-        parts = sim.comm.gather((sums, sim.work[:own], sim.impulse[:own]))
+        impulse = np.concatenate([sim.impulse[:own], sim.grip_impulse[:own]], axis=1)
+        parts = sim.comm.gather((sums, sim.work[:own], impulse))
         if parts is None:
             return None
         bodies = np.add.reduce(np.concatenate([part[0] for part in parts]), axis=0)
@@ -75,13 +76,15 @@ class Diagnostics:
             line[f"body.{name}.kinetic-energy"] = float(sums[KINETIC])
             line[f"body.{name}.strain-energy"] = float(sums[STRAIN])
         force = self._reactions(sim.time, impulse)
-        for number, face in enumerate(scene.faces):
+        names = [f"reaction.{face.name}" for face in scene.faces]
+        names += [f"constraint.{name}" for name in scene.case.constraints]
+        for name, row in zip(names, force, strict=True):
             for i, axis in enumerate(axes):
-                line[f"reaction.{face.name}-{axis}"] = float(force[number, i])
+                line[f"{name}-{axis}"] = float(row[i])
         return line
 
     def _reactions(self, time: float, impulse: np.ndarray) -> np.ndarray:
-        """Mean forces of the faces since the last line, (faces, 3)."""
+        """Mean forces of faces and constraints since the last line, (faces + constraints, 3)."""
         if self._last is None:
             force = np.zeros_like(impulse)
         elif time > self._last[0]:

@@ -42,6 +42,8 @@ class Grid:
         Which planes take part in this step.
     partial, scratch : float64
         See `particles_to_grid`.
+    marks : (planes * plane / 8,) int64
+        See `pgimp.kernels.grips`; made when first asked for.
     base : (2, 2) int64
         First vertices (least, greatest; y, z) that a support in the window may have.
     """
@@ -85,6 +87,14 @@ class Grid:
         self.scratch = aligned(self.vertices * plane)
         self.partial = aligned(self.shared * (self.shared + 1) // 2 * plane)
         self.bounds = self._bounds()
+        self._marks = np.zeros(0, np.int64)
+
+    @property
+    def marks(self) -> np.ndarray:
+        """Which constraints hold each vertex, bit by bit."""
+        if len(self._marks) != len(self.G) // 8:
+            self._marks = np.zeros(len(self.G) // 8, np.int64)
+        return self._marks
 
     def _bounds(self) -> tuple[tuple[float, float], ...]:
         """Coordinates within which a particle is sure to be in the domain and in the window.

@@ -12,10 +12,14 @@
 | cell | cell of the first vertex at the last re-sort | (c,) | | |
 | layer | plane of the first vertex now | (c,) | | |
 | body | body number | (c,) | | |
-| origin | initial position; no columns unless the output asks for it | (c, D or 0) | length | |
+| origin | initial position | (c, D or 0) | length | |
+| q | viscous pressure | (c, 1 or 0) | stress | (45) |
+| patch | area and distance of each traction's patch | (c, 2 T) | area, length | (18) |
+| grip | number of the constraint that holds it, from 1; 0 is none | (c, 1 or 0) | | |
 
-`c` is the capacity. Which rows are alive, and their canonical order, is in `Order`; rows of
-particles that have left stay as holes until the next re-sort.
+`c` is the capacity; what a scene does not use has no columns. Which rows are alive, and their
+canonical order, is in `Population`; rows of particles that have left stay as holes until the next
+re-sort.
 """
 
 from typing import NamedTuple
@@ -42,10 +46,22 @@ class Particles(NamedTuple):
     layer: NDArray[np.int32]
     body: NDArray[np.int32]
     origin: FloatArray
+    q: FloatArray
+    patch: FloatArray
+    grip: NDArray[np.int32]
 
     @classmethod
-    def empty(cls, capacity: int, dimension: int, origin: bool) -> "Particles":
-        """Arrays for `capacity` particles, F = 1 and sigma = 0."""
+    def empty(
+        cls,
+        capacity: int,
+        dimension: int,
+        origin: bool = False,
+        *,
+        viscous: bool = False,
+        tractions: int = 0,
+        grips: bool = False,
+    ) -> "Particles":
+        """Arrays for `capacity` particles, F = 1 and sigma = 0, with the columns asked for."""
         D = dimension
         F = np.zeros((capacity, D * D))
         F[:, :: D + 1] = 1.0
@@ -62,6 +78,9 @@ class Particles(NamedTuple):
             layer=np.zeros(capacity, np.int32),
             body=np.zeros(capacity, np.int32),
             origin=np.zeros((capacity, D if origin else 0)),
+            q=np.zeros((capacity, 1 if viscous else 0)),
+            patch=np.zeros((capacity, 2 * tractions)),
+            grip=np.zeros((capacity, 1 if grips else 0), np.int32),
         )
 
     @property

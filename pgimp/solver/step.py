@@ -4,6 +4,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from pgimp.kernels.g2p import grid_to_particles
+from pgimp.kernels.grips import hold_marked, mark
 from pgimp.kernels.mirror import fold, reflect
 from pgimp.kernels.momentum import update_momentum
 from pgimp.kernels.p2g import particles_to_grid
@@ -29,15 +30,19 @@ def step(sim: "Simulation", dt: float, end: float) -> tuple[int, int, float]:
     scene, grid, population = sim.scene, sim.grid, sim.population
     shape, frame, particles, window = scene.shape, scene.frame, population.particles, grid.window
     order, start = population.order, population.start
+    loads, grips = scene.loads.at(sim.time), scene.loads.grips(sim.time, end)
     times = [perf_counter()]
 
-    particles_to_grid(  # (16, 21, 22)
-        shape, frame, window, particles, order, start,
+    particles_to_grid(  # (16, 17, 18, 21, 22)
+        shape, frame, window, particles, loads, order, start,
         grid.scratch, grid.G, grid.active, grid.partial, grid.shared,
     )  # fmt: skip
     times.append(perf_counter())
 
     sim.halo.exchange(grid)
+    if grips:
+        mark(shape, frame, window, particles, order, start, grid.marks)
+        sim.halo.unite(grid)
     times.append(perf_counter())
 
     for face in scene.mirrors:
@@ -48,14 +53,19 @@ def step(sim: "Simulation", dt: float, end: float) -> tuple[int, int, float]:
         frame, window, grid.G, grid.active, dt, gravity, sim.lightest, faces,
         sim.owned_planes, sim.impulse, sim.work,
     )  # fmt: skip
+    if grips:
+        hold_marked(
+            window, grid.G, grid.active, grid.marks, grips, dt,
+            sim.owned_planes, sim.grip_impulse, sim.work,
+        )  # fmt: skip
     for face in scene.mirrors:
         reflect(frame, window, grid.G, grid.active, face.axis, face.side)
     times.append(perf_counter())
 
     fault, row, found, rate, clamped = grid_to_particles(  # (26, 27, 29, 30)
-        shape, scene.materials, frame, window, particles, order, start, scene.material_of,
-        grid.G, dt, scene.tracked, sim.clock.controlled, grid.bounds, sim.reach,
-        population.movers,
+        shape, scene.materials, frame, window, particles, loads, grips, order, start,
+        scene.material_of, grid.G, dt, scene.tracked, sim.clock.controlled, grid.bounds, sim.reach,
+        population.movers, sim.grip_impulse, sim.work,
     )  # fmt: skip
     times.append(perf_counter())
 

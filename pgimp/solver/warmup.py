@@ -3,6 +3,7 @@
 import numpy as np
 
 from pgimp.kernels.g2p import grid_to_particles
+from pgimp.kernels.grips import hold_marked, mark
 from pgimp.kernels.mirror import fold, reflect
 from pgimp.kernels.momentum import update_momentum
 from pgimp.kernels.order import layers_of, locate, merge, reach_of
@@ -16,7 +17,8 @@ from pgimp.solver.particles import Particles
 def warm_up(scene: Scene, identity: tuple[float, ...]) -> None:
     """Call each kernel once with the types that the scene's steps will use."""
     frame, shape, vertices = scene.frame, scene.shape, scene.vertices
-    p = Particles.empty(1, scene.dimension, False)
+    p = Particles.empty(1, scene.dimension, **scene.loads.columns)
+    loads, grips = scene.loads.at(0.0), scene.loads.grips(0.0, 0.0)
     rows = np.empty(0, np.int32)
     start = np.zeros(2, np.int64)
     reach = np.array([[2**62] * 2, [-(2**62)] * 2])
@@ -27,7 +29,7 @@ def warm_up(scene: Scene, identity: tuple[float, ...]) -> None:
     layers_of(shape, frame, identity, np.empty(0), np.empty(0, np.int64))
     merge(p, rows, start, rows, 0, rows, rows.copy(), start.copy())
     particles_to_grid(
-        shape, frame, grid.window, p, rows, start,
+        shape, frame, grid.window, p, loads, rows, start,
         grid.scratch, grid.G, grid.active, grid.partial, grid.shared,
     )  # fmt: skip
     add_partials(grid.G, 0, grid.partial, 0, grid.window.stride[0])
@@ -40,9 +42,16 @@ def warm_up(scene: Scene, identity: tuple[float, ...]) -> None:
         for mirror in (fold, reflect):
             mirror(frame, grid.window, grid.G, np.zeros(0, np.uint8), face.axis, face.side)
     grid_to_particles(
-        shape, scene.materials, frame, grid.window, p, rows, start, scene.material_of, grid.G,
-        1.0, True, False, grid.bounds, reach, rows.copy(),
+        shape, scene.materials, frame, grid.window, p, loads, grips, rows, start,
+        scene.material_of, grid.G, 1.0, True, False, grid.bounds, reach, rows.copy(),
+        np.zeros((1, len(grips), 3)), np.zeros(1),
     )  # fmt: skip
+    if grips:
+        mark(shape, frame, grid.window, p, rows, start, grid.marks)
+        hold_marked(
+            grid.window, grid.G, np.zeros(0, np.uint8), grid.marks, grips, 1.0, 1,
+            np.zeros((1, len(grips), 3)), np.zeros(1),
+        )  # fmt: skip
     material_of = scene.material_of
     layer_sums(
         frame, identity, scene.materials, p, rows, start, material_of,

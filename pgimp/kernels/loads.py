@@ -1,0 +1,133 @@
+"""What a scene may add to a particle's stress: viscosity, surface tractions, a field of body force.
+
+Each is `()` in a scene without it; the types decide what is compiled, so that it costs nothing.
+"""
+
+from typing import Any, NamedTuple
+
+from pgimp.exact.base import body_force
+from pgimp.kernels.jit import specialise
+from pgimp.kernels.simd import pack
+from pgimp.kernels.tractions import scatter_tractions, traction_power
+from pgimp.kernels.tuples import read
+
+
+class Loads(NamedTuple):
+    """The loads of one step.
+
+    Attributes
+    ----------
+    viscosity : Viscosity or ()
+        See `pgimp.kernels.viscosity`.
+    tractions : tuple of Traction
+        See `pgimp.kernels.tractions`.
+    force : BodyForce or ()
+        See `pgimp.exact.base`.
+    """
+
+    viscosity: Any = ()
+    tractions: Any = ()
+    force: Any = ()
+
+
+def _force(force, frame, particles, p):
+    """Body force per mass of particle `p` as three numbers, (17)."""
+
+
+@specialise(_force)
+def _force_of(force, frame, particles, p):
+    D = len(frame.types[0])
+
+    def force1(force, frame, particles, p):
+        X = read(particles.origin, p, 0, frame.origin)
+        return body_force(force.solution, X, force.time)[0], 0.0, 0.0
+
+    def force2(force, frame, particles, p):
+        X = read(particles.origin, p, 0, frame.origin)
+        b = body_force(force.solution, X, force.time)
+        return b[0], b[1], 0.0
+
+    def force3(force, frame, particles, p):
+        X = read(particles.origin, p, 0, frame.origin)
+        return body_force(force.solution, X, force.time)
+
+    return (force1, force2, force3)[D - 1]
+
+
+def weight(force, frame, particles, p):
+    """Vector (0, m_p b(X_p)), which (17) adds to the force on the support's vertices."""
+
+
+@specialise(weight)
+def _weight(force, frame, particles, p):
+    if not hasattr(force, "instance_class"):
+        return lambda force, frame, particles, p: pack(0.0, 0.0, 0.0, 0.0)
+
+    def weight_of(force, frame, particles, p):
+        m = particles.m[p]
+        b = _force(force, frame, particles, p)
+        return pack(0.0, m * b[0], m * b[1], m * b[2])
+
+    return weight_of
+
+
+def _force_power(force, frame, particles, p, u):
+    """Power of the body force on particle `p`, which moves at `u`."""
+
+
+@specialise(_force_power)
+def _force_power_of(force, frame, particles, p, u):
+    if not hasattr(force, "instance_class"):
+        return lambda force, frame, particles, p, u: 0.0
+
+    def power(force, frame, particles, p, u):
+        b = _force(force, frame, particles, p)
+        rate = 0.0
+        for d in range(len(u)):
+            rate += b[d] * u[d]
+        return particles.m[p] * rate
+
+    return power
+
+
+def scatter_loads(loads, shape, frame, window, particles, p, layer, W, scratch):
+    """Add to a layer's own planes what particle `p` carries besides stress and body force."""
+
+
+@specialise(scatter_loads)
+def _scatter_loads(loads, shape, frame, window, particles, p, layer, W, scratch):
+    if len(loads.types[1]) == 0:
+        return lambda loads, shape, frame, window, particles, p, layer, W, scratch: None
+    return lambda loads, shape, frame, window, particles, p, layer, W, scratch: scatter_tractions(
+        loads.tractions, shape, frame, window, particles, p, layer, W, scratch
+    )
+
+
+def add_power(loads, shape, frame, window, particles, p, layer, W, start, G, u, dt, work, plane):
+    """Grow ``work[plane]`` by what the loads on particle `p`, which moves at `u`, do in a step.
+
+    `start` is the place of the layer's first plane in `G`.
+    """
+
+
+@specialise(add_power)
+def _add_power(loads, shape, frame, window, particles, p, layer, W, start, G, u, dt, work, plane):
+    tractions, force = len(loads.types[1]) > 0, hasattr(loads.types[2], "instance_class")
+
+    def add_none(
+        loads, shape, frame, window, particles, p, layer, W, start, G, u, dt, work, plane
+    ):
+        pass
+
+    def add_force(
+        loads, shape, frame, window, particles, p, layer, W, start, G, u, dt, work, plane
+    ):
+        work[plane] += dt * _force_power(loads.force, frame, particles, p, u)
+
+    def add_all(loads, shape, frame, window, particles, p, layer, W, start, G, u, dt, work, plane):
+        power = traction_power(
+            loads.tractions, shape, frame, window, particles, p, layer, W, start, G
+        )
+        work[plane] += dt * (power + _force_power(loads.force, frame, particles, p, u))
+
+    return add_all if tractions else (add_force if force else add_none)

@@ -1,0 +1,38 @@
+"""Prescribed motion of a part of a body: the entry in the case."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from pydantic import Field
+
+from pgimp.case.base import Model, Name
+from pgimp.scene.regions import RegionEntry
+from pgimp.scene.tables import Component, Table, prescribed
+
+if TYPE_CHECKING:
+    from pgimp.kernels.grips import Grip
+
+
+class ConstraintEntry(Model):
+    """Holds the particles of a body that are in a region at the start, and moves them."""
+
+    body: Name = Field(description="name of the body")
+    region: RegionEntry = Field(
+        description="its particles with their centre in here at the start are held"
+    )
+    velocity: tuple[Component, ...] = Field(
+        description="velocity [length/time] along each direction: a number, a table over time, "
+        "or null where the component is free"
+    )
+
+    @property
+    def varies(self) -> bool:
+        """Whether the parameters change in time."""
+        return any(isinstance(component, Table) for component in self.velocity)
+
+    def parameters(self, start: float, end: float) -> Grip:
+        """Parameters of the kernels for a step from `start` to `end`."""
+        from pgimp.kernels.grips import Grip
+
+        return Grip(*prescribed(self.velocity, start, end))
