@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from importlib import import_module
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
     AfterValidator,
@@ -35,8 +35,10 @@ from pgimp.case.dispatch import ByField, ByWord, Either
 from pgimp.case.fields import FIELDS
 from pgimp.case.messages import explain, unknown
 from pgimp.case.problems import Problem, problem, raise_problems
+from pgimp.scene.constraints import ConstraintEntry
 from pgimp.scene.regions import RegionEntry
 from pgimp.scene.tables import VectorTable
+from pgimp.scene.tractions import TractionEntry
 
 
 def _format(value: int) -> int:
@@ -168,6 +170,11 @@ class Body(Model):
 
     material: Name = Field(description="name of its material")
     region: RegionEntry = Field(description="the part of space that it fills at the start")
+    surface: Literal["cut", "whole"] = Field(
+        default="cut",
+        description="cut: a particle that the surface cuts has the volume, mass and momentum of "
+        "its part inside; whole: whole particles, those whose centre lies inside",
+    )
     velocity: Annotated[
         tuple[float, ...] | RigidMotion,
         Either("one number a direction or {rotation: ...}", {tuple: Vector, dict: RigidMotion}),
@@ -247,6 +254,17 @@ class Case(Model):
         description="conditions on faces of the domain, x-min to z-max; a face that is not named "
         "is open: it acts only on a particle whose centre crosses it, which stops the run",
         json_schema_extra={"propertyNames": {"enum": [*faces(3)]}},
+    )
+    tractions: dict[Name, TractionEntry] = Field(
+        default={},
+        description="forces on faces of bodies, by a name of their own",
+        json_schema_extra={"additionalProperties": False},
+    )
+    constraints: dict[Name, ConstraintEntry] = Field(
+        default={},
+        max_length=60,
+        description="prescribed motion of parts of bodies, by a name of their own",
+        json_schema_extra={"additionalProperties": False},
     )
     output: Output = Field(default=Output(), description="frames")
     history: History = Field(default=History(), description="history.csv")
