@@ -47,6 +47,7 @@ class Command(NamedTuple):
 RUN = Command("runs the case on all ranks", parallel=True)
 COMMANDS = {
     "check": Command("validates a case and estimates what it will cost"),
+    "study": Command("runs a case with many changes: a table and a plot of error against cost"),
     "compare": Command("tells whether two runs have the same particles, bit for bit"),
     "bench": Command("measures the speed of this machine by phase", parallel=True),
     "doctor": Command("checks that MPI, HDF5, h5py and Numba are there and fit each other"),

@@ -1,0 +1,205 @@
+"""``pgimp study STUDY.yaml``: a case with changes, run many times; its error against its cost."""
+
+from __future__ import annotations
+
+import argparse
+import fcntl
+import os
+import shlex
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from pgimp.errors import UsageError
+from pgimp.output import files
+from pgimp.output.collective import explain
+from pgimp.output.log import Log
+from pgimp.output.progress import duration, terminal_columns
+from pgimp.output.rundir import RUN
+from pgimp.parallel.comm import launcher
+from pgimp.study.measures import number
+from pgimp.study.plan import Plan, read_plan
+from pgimp.study.runs import DONE, Outcome, command, perform
+from pgimp.study.tables import as_csv, as_markdown, compare
+
+TABLE, PAGE, PICTURE, COPY = "study.csv", "study.md", "study.png", "study.yaml"
+_LOCK = ".lock"
+_BAR_COLUMNS = 24
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the command line.
+
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser
+        The parser to add to.
+    """
+    parser.add_argument("study", metavar="STUDY.yaml", help="the study file")
+    parser.add_argument(
+        "-o",
+        "--output",
+        metavar="DIR",
+        help="where runs, tables and plot go (default: the study's key folder, or its name with "
+        ".study.out, where pgimp is started)",
+    )
+    parser.add_argument(
+        "--list", action="store_true", help="check the study and print its runs, but run nothing"
+    )
+    parser.add_argument(
+        "--again", action="store_true", help="run also what is done already from an earlier call"
+    )
+    parser.add_argument("--quiet", action="store_true", help="nothing on the terminal but errors")
+
+
+def execute(args: argparse.Namespace) -> int:
+    """Run the command.
+
+    Returns
+    -------
+    int
+        0 if every run has a result, 1 otherwise.
+
+    Raises
+    ------
+    CaseError, UsageError
+        If the study, one of its cases or the command line is wrong; nothing has run then.
+    KeyboardInterrupt
+        After Ctrl-C; the runs done by then are in the tables.
+    """
+    started = launcher()
+    if started is not None:
+        raise UsageError(
+            f"{started.name} started this process, but a study starts its runs itself: call it "
+            "without a launcher, and name launcher and ranks in the study"
+        )
+    plan = read_plan(args.study)
+    folder = _folder(args, plan)
+    if args.list:
+        for run in plan.runs:
+            print(shlex.join(command(plan.study, run, folder / "runs" / run.name)))
+        return 0
+    log = Log(True, args.quiet)
+    with _claimed(folder):
+        outcomes = [Outcome(run) for run in plan.runs]
+        try:
+            with _ended_by_signals():
+                _run_all(plan, folder, outcomes, args.again, log)
+        finally:
+            _write(plan, folder, outcomes)
+    done = sum(one.state == DONE for one in outcomes)
+    log.say(f"{done} of {len(outcomes)} runs have a result; see {folder / PAGE}")
+    return 0 if done == len(outcomes) else 1
+
+
+def _folder(args: argparse.Namespace, plan: Plan) -> Path:
+    if args.output:
+        return Path(args.output)
+    if plan.study.folder is not None:
+        return Path(os.path.relpath(Path(args.study).parent / plan.study.folder))
+    return Path(f"{plan.name}.study.out")
+
+
+@contextmanager
+def _claimed(folder: Path) -> Iterator[None]:
+    """Make the folder and keep other studies out of it."""
+    if (folder / RUN).exists():
+        raise UsageError(f"{folder} is the directory of a run; name another with -o")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        lock = os.open(folder / _LOCK, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
+    except OSError as error:
+        raise UsageError(f"cannot use the folder {folder}: {explain(error)}") from error
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        os.close(lock)
+        raise UsageError(
+            f"a study is writing to {folder}; wait for it, stop it, or name another with -o"
+        ) from None
+    except OSError:
+        pass  # no locks on this file system: one study at a time is then the user's concern
+    try:
+        yield
+    finally:
+        os.close(lock)
+
+
+@contextmanager
+def _ended_by_signals() -> Iterator[None]:
+    """Let a request to end be as gentle as Ctrl-C: the run must not outlive its study."""
+
+    def interrupt(*_: Any) -> None:
+        raise KeyboardInterrupt
+
+    before = {kind: signal.getsignal(kind) for kind in (signal.SIGTERM, signal.SIGHUP)}
+    for kind, handler in before.items():
+        if handler != signal.SIG_IGN:  # as nohup asks for
+            signal.signal(kind, interrupt)
+    try:
+        yield
+    finally:
+        for kind, handler in before.items():
+            signal.signal(kind, handler)
+
+
+def _run_all(plan: Plan, folder: Path, outcomes: list[Outcome], again: bool, log: Log) -> None:
+    """Replace each of the outcomes by that of its run."""
+    with _bar(log, len(outcomes)) as show:
+        for i, run in enumerate(plan.runs):
+            show(i, run.name)
+            one = outcomes[i] = perform(plan.study, run, folder / "runs" / run.name, again)
+            if one.state == DONE:
+                text = f"error {number(one.error)} in {duration(one.costs['wall'])}"
+                text += " (from before)" if one.reused else ""
+            else:
+                text = f"{one.state}: {one.message}"
+            log.say(f"{i + 1}/{len(outcomes)} {run.name}: {text}")
+
+
+@contextmanager
+def _bar(log: Log, total: int) -> Iterator[Any]:
+    """Show how many runs are done, below the lines of the log; nothing if nobody watches."""
+    columns = 0 if log.quiet else terminal_columns()
+    if not columns:
+        yield lambda done, text: None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+    from rich.table import Column
+
+    bar = Progress(
+        BarColumn(bar_width=_BAR_COLUMNS),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+        TextColumn("{task.fields[text]}", table_column=Column(no_wrap=True, overflow="ellipsis")),
+        console=Console(force_terminal=True, width=columns),
+        transient=True,
+    )
+    task = bar.add_task("", total=total, text="")
+    log.show = lambda text: bar.console.print(text, markup=False, highlight=False, soft_wrap=True)
+    try:
+        with bar:
+            yield lambda done, text: bar.update(task, completed=done, text=text)
+    finally:
+        log.show = print
+
+
+def _write(plan: Plan, folder: Path, outcomes: list[Outcome]) -> None:
+    """Write tables and plot, each whole or not at all."""
+    from pgimp.study.plot import picture
+
+    compare(plan, outcomes)
+    try:
+        files.write(folder / COPY, plan.text)
+        files.write(folder / TABLE, as_csv(plan, outcomes))
+        files.write(folder / PAGE, as_markdown(plan, outcomes))
+        drawn = picture(plan, outcomes)
+        if drawn is None:
+            (folder / PICTURE).unlink(missing_ok=True)
+        else:
+            files.write(folder / PICTURE, drawn)
+    except OSError as error:
+        raise UsageError(f"cannot write to {folder}: {explain(error)}") from error

@@ -1,0 +1,1 @@
+"""Studies: a case run many times with changes, and its error against its cost."""

@@ -1,0 +1,190 @@
+"""The runs of a study: started one after the other, or found done already."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import signal
+import subprocess
+import sys
+import tempfile
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from pgimp.errors import PgimpError
+from pgimp.output import history, runinfo
+from pgimp.output.rundir import RUN
+from pgimp.study.measures import Unmeasured, costs, measure
+from pgimp.study.plan import Planned
+from pgimp.study.schema import Study, measure_of
+
+DONE, FAILED, ABSENT = "done", "failed", "not run"
+
+# What a run gets to end by itself: it notes in run.json that it was stopped.
+_PATIENCE = ((signal.SIGINT, 10.0), (signal.SIGTERM, 5.0), (signal.SIGKILL, None))
+_LINES_OF_MESSAGE = 3
+_LONGEST_MESSAGE = 600
+_TAIL_BYTES = 20_000
+
+
+@dataclass
+class Outcome:
+    """What became of a run."""
+
+    plan: Planned
+    state: str = ABSENT
+    reused: bool = False
+    message: str = ""
+    info: dict[str, Any] = field(default_factory=dict)
+    """What run.json says of it, if it is done."""
+    error: float | None = None
+    columns: dict[str, float] = field(default_factory=dict)
+    costs: dict[str, float] = field(default_factory=dict)
+    order: float | None = None
+    """Observed between the next coarser run of the curve and this one."""
+    fronts: list[str] = field(default_factory=list)
+    """The measures of cost on whose Pareto front it is."""
+
+
+def command(study: Study, run: Planned, output: Path) -> list[str]:
+    """Return the words that start a run."""
+    words = [*study.words, sys.executable, "-m", "pgimp", run.file]
+    words += [word for option in run.options for word in ("--set", option)]
+    return [*words, "-o", str(output), "--overwrite", "--quiet"]
+
+
+def perform(study: Study, run: Planned, output: Path, again: bool = False) -> Outcome:
+    """Run a case, unless the same run is there already, and measure it.
+
+    Parameters
+    ----------
+    study : Study
+        How runs are started, and what is measured.
+    run : Planned
+        The run.
+    output : Path
+        Its directory.
+    again : bool
+        Whether a finished run is run again.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        On Ctrl-C, after the run has ended.
+    """
+    outcome = Outcome(run)
+    outcome.reused = not again and _is_done(study, run, output)
+    if not outcome.reused and (why := _execute(study, run, output)):
+        outcome.state, outcome.message = FAILED, why
+        return outcome
+    outcome.info = _last_start(output)
+    _measure(study, output, outcome)
+    return outcome
+
+
+def _last_start(output: Path) -> dict[str, Any]:
+    content = runinfo.read(output / RUN)
+    return content["starts"][-1] if content else {}
+
+
+def _is_done(study: Study, run: Planned, output: Path) -> bool:
+    """Tell whether the directory holds this run, done by this version on as many ranks."""
+    info = _last_start(output)
+    if info.get("state") != DONE or info.get("seconds") is None:
+        return False
+    same = info["ranks"] == study.ranks
+    same = same and info["versions"][runinfo.PROGRAM] == runinfo.installed(runinfo.PROGRAM)
+    with suppress(OSError, ValueError):
+        return same and (output / "case.yaml").read_text(encoding="utf-8") == run.resolved
+    return False
+
+
+def _execute(study: Study, run: Planned, output: Path) -> str:
+    """Run the case; return why that failed, nothing if it did not."""
+    words = command(study, run, output)
+    with tempfile.TemporaryFile() as said:
+        try:
+            process = subprocess.Popen(
+                words,
+                stdin=subprocess.DEVNULL,
+                stdout=said,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,  # Ctrl-C reaches it through _end alone
+            )
+        except OSError as error:
+            return f"cannot start {shlex.quote(words[0])}: {error.strerror or error}"
+        try:
+            status = process.wait(study.timeout)
+        except subprocess.TimeoutExpired:
+            _end(process)
+            return f"stopped after {study.timeout:g} s, the study's timeout"
+        except BaseException:
+            _end(process)
+            raise
+        said.seek(max(0, said.seek(0, os.SEEK_END) - _TAIL_BYTES))
+        text = said.read().decode(errors="replace")
+    if status != 0:
+        return last_words(text, status)
+    info = _last_start(output)
+    if info.get("state") != DONE:
+        return f"ended without a finished run in {output}"
+    if info["ranks"] != study.ranks:
+        return f"the launcher started {info['ranks']} ranks instead of {study.ranks}"
+    return ""
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    """End a run with all that it started, the more rudely the longer it takes."""
+    for number, seconds in _PATIENCE:
+        with suppress(ProcessLookupError):
+            os.killpg(process.pid, number)
+        with suppress(subprocess.TimeoutExpired, KeyboardInterrupt):
+            process.wait(seconds)
+            return
+
+
+def last_words(text: str, status: int) -> str:
+    """Return why a run failed, from what it said and its exit status, in one line.
+
+    Parameters
+    ----------
+    text : str
+        What it wrote: pgimp's own message starts with ``pgimp:``, a launcher's remarks may follow.
+    status : int
+        Its exit status, negative for a signal.
+    """
+    lines = [line.strip() for line in text.splitlines()]
+    starts = [i for i, line in enumerate(lines) if line.startswith("pgimp: ")]
+    if starts:
+        # Ranks that fail together may all speak; the message ends where the launcher's begins.
+        kept = [lines[starts[-1]].removeprefix("pgimp: ")]
+        for line in lines[starts[-1] + 1 :]:
+            if not line or line.startswith("---"):
+                break
+            kept.append(line)
+    else:
+        kept = [line for line in lines if line.strip("-= ")][-_LINES_OF_MESSAGE:]
+    if status < 0:
+        with suppress(ValueError):
+            kept.append(f"(ended by {signal.Signals(-status).name})")
+    message = " ".join(kept) or f"ended with status {status} and said nothing"
+    limit = _LONGEST_MESSAGE
+    return message if len(message) <= limit else message[: limit - 3] + "..."
+
+
+def _measure(study: Study, output: Path, outcome: Outcome) -> None:
+    """Take cost and error from the run's directory."""
+    info = outcome.info
+    outcome.costs = costs(info["particles"], info["steps"], info["ranks"], info["seconds"])
+    try:
+        lines = history.read(output / "history.csv")
+        outcome.error = measure(lines, study.measure)
+        for entry in study.columns:
+            wanted = measure_of(entry)
+            outcome.columns[wanted.label] = measure(lines, wanted)
+    except (Unmeasured, PgimpError) as error:
+        outcome.state, outcome.message = FAILED, str(error)
+    else:
+        outcome.state = DONE
