@@ -25,6 +25,9 @@ if TYPE_CHECKING:
     from pgimp.case.schema import Case
     from pgimp.output.reader import Run
 
+#: Part of the mass past a wall that is worth a note.
+_NEGLIGIBLE = 1e-6
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command line of a run.
@@ -268,6 +271,13 @@ def _close(
         f"{frames} frame{'s' if frames > 1 else ''} and history.csv in {directory.path}; "
         f"look at them with: paraview {collection}"
     )
+    part, when, face = sim.diagnostic_sums.beyond
+    if part > _NEGLIGIBLE:
+        log.say(
+            f"note: particles carried up to {100.0 * part:.2g} % of the mass past {face} (t = "
+            f"{when:.6g}); what lies there the wall bears, so the rest is light by as much: a size "
+            "that follows the deformation (finite-gimp), or wall: mirror, avoids that"
+        )
     table = timing_table(sim.comm, dict(sim.timings) | seconds, total)
     log.note(f"\n{table}")
     directory.finish(sim.step, sim.time, total - output)

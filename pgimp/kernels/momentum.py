@@ -5,7 +5,9 @@ from pgimp.kernels.jit import kernel, specialise
 
 
 @kernel
-def update_momentum(frame, window, G, active, dt, gravity, lightest, faces, owned, impulse, work):
+def update_momentum(
+    frame, window, G, active, dt, gravity, lightest, faces, owned, impulse, beyond, work
+):  # fmt: skip
     """Turn the sums of a rank's active planes into velocities and accelerations.
 
     Parameters
@@ -21,12 +23,15 @@ def update_momentum(frame, window, G, active, dt, gravity, lightest, faces, owne
         Number of planes, from the first, whose sums this rank accounts for.
     impulse : (planes, faces, 3) float64
         Grows by the momentum that each face gives to the material.
+    beyond : (planes, faces) float64
+        Set to the mass on the vertices beyond each face: what particles carry past it.
     work : (planes,) float64
         Grows by the work of gravity and of moving faces: force times displacement, so that a
         constant gravity's work is the weight times the way of the centre of mass. Kinetic energy
         differs from that by an amount of order dt, also in free fall.
     """
     plane = window.stride[0]
+    beyond[:] = 0.0
     heavy = gravity[0] != 0.0 or gravity[1] != 0.0 or gravity[2] != 0.0
     for i in range(len(active)):
         if active[i] == 0:
@@ -44,7 +49,7 @@ def update_momentum(frame, window, G, active, dt, gravity, lightest, faces, owne
                 for d in range(3):
                     G[r + 5 + d] = 0.0
                     G[r + 1 + d] *= inverse
-        constrain_plane((), faces, frame, window, G, i, dt, i < owned, impulse, work)
+        constrain_plane((), faces, frame, window, G, i, dt, i < owned, impulse, beyond, work)
         if heavy and i < owned:
             power = 0.0
             for r in range(i * plane, (i + 1) * plane, 8):
@@ -53,19 +58,19 @@ def update_momentum(frame, window, G, active, dt, gravity, lightest, faces, owne
             work[i] += dt * power
 
 
-def constrain_plane(done, faces, frame, window, G, i, dt, owned, impulse, work):
+def constrain_plane(done, faces, frame, window, G, i, dt, owned, impulse, beyond, work):
     """Apply the conditions of `faces` to the vertices of plane `i` that are on none of `done`."""
 
 
 @specialise(constrain_plane)
-def _constrain_plane(done, faces, frame, window, G, i, dt, owned, impulse, work):
+def _constrain_plane(done, faces, frame, window, G, i, dt, owned, impulse, beyond, work):
     if len(faces) == 0:
-        return lambda done, faces, frame, window, G, i, dt, owned, impulse, work: None
+        return lambda done, faces, frame, window, G, i, dt, owned, impulse, beyond, work: None
 
-    def constrain_all(done, faces, frame, window, G, i, dt, owned, impulse, work):
-        _constrain_face(done, faces, frame, window, G, i, dt, owned, impulse, work)
+    def constrain_all(done, faces, frame, window, G, i, dt, owned, impulse, beyond, work):
+        _constrain_face(done, faces, frame, window, G, i, dt, owned, impulse, beyond, work)
         constrain_plane(
-            (*done, faces[0]), faces[1:], frame, window, G, i, dt, owned, impulse, work
+            (*done, faces[0]), faces[1:], frame, window, G, i, dt, owned, impulse, beyond, work
         )
 
     return constrain_all
@@ -117,7 +122,7 @@ def _hold(faces, n, frame, number, v, a, momentum, impulse):
 
 
 @kernel
-def _constrain_face(done, faces, frame, window, G, i, dt, owned, impulse, work):
+def _constrain_face(done, faces, frame, window, G, i, dt, owned, impulse, beyond, work):
     """Treat the vertices of plane `i` on or beyond the first of `faces` but none of `done`.
 
     Where faces meet, a vertex is treated by all of them at once, because the work of each is its
@@ -146,6 +151,8 @@ def _constrain_face(done, faces, frame, window, G, i, dt, owned, impulse, work):
             number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
             if not m > 0.0 or beyond_any(done, frame, number):
                 continue
+            if number[face.axis] != wall:
+                beyond[i, len(done)] += m
             momentum = m * dt if owned else 0.0
             before = (G[r + 5], G[r + 6], G[r + 7])
             v = (G[r + 1], G[r + 2], G[r + 3])

@@ -139,6 +139,7 @@ class Simulation:
         self.owned_planes = slab.layers if slab.above is not None else self.grid.planes
         self.work = np.zeros(self.grid.planes)
         self.impulse = np.zeros((self.grid.planes, len(scene.faces), 3))
+        self.beyond = np.zeros((self.grid.planes, len(scene.faces)))
         self.grip_impulse = np.zeros((self.grid.planes, len(scene.loads.constraints), 3))
         scene.loads.settle(self.population, comm)
         self.faces = scene.face_parameters(0.0, 0.0)

@@ -51,7 +51,7 @@ def step(sim: "Simulation", dt: float, end: float) -> tuple[int, int, float]:
     faces = sim.faces if not scene.varies else scene.face_parameters(sim.time, end)
     update_momentum(  # (14, 17) and the boundary conditions
         frame, window, grid.G, grid.active, dt, gravity, sim.lightest, faces,
-        sim.owned_planes, sim.impulse, sim.work,
+        sim.owned_planes, sim.impulse, sim.beyond, sim.work,
     )  # fmt: skip
     if grips:
         hold_marked(

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from pgimp.kernels.errors import ERRORS, initial_velocities, layer_errors
 from pgimp.kernels.g2p import grid_to_particles
 from pgimp.kernels.grips import hold_marked, mark
 from pgimp.kernels.mirror import fold, reflect
@@ -36,7 +37,7 @@ def warm_up(scene: Scene, identity: tuple[float, ...]) -> None:
     faces = scene.face_parameters(0.0, 0.0)
     update_momentum(
         frame, grid.window, grid.G, grid.active, 1.0, scene.gravity(0.0), 0.0, faces, 1,
-        np.zeros((1, len(faces), 3)), np.zeros(1),
+        np.zeros((1, len(faces), 3)), np.zeros((1, len(faces))), np.zeros(1),
     )  # fmt: skip
     for face in scene.mirrors:
         for mirror in (fold, reflect):
@@ -58,3 +59,10 @@ def warm_up(scene: Scene, identity: tuple[float, ...]) -> None:
         np.zeros((1, len(material_of), SUMS)),
     )  # fmt: skip
     fastest_rate(frame, identity, scene.materials, p, rows, material_of)
+    if scene.exact:
+        layer_errors(
+            scene.exact, 0.0, scene.follows, frame, identity, p, rows, start,
+            np.zeros((1, ERRORS)), np.zeros((1, ERRORS)),
+        )  # fmt: skip
+    if scene.moves:
+        initial_velocities(scene.exact, frame, p.x[:0], p.v[:0])
