@@ -26,6 +26,18 @@ def json_schema() -> Schema:
     return schema
 
 
+def study_schema() -> Schema:
+    """Return the JSON schema (draft 2020-12) that editors check a study file with."""
+    from pgimp.study.schema import Study
+
+    definitions: Schema = {}
+    schema = _collect(Study.model_json_schema(), definitions)
+    schema = {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
+    schema["title"] = "pgimp study file"
+    schema["$defs"] = dict(sorted(definitions.items()))
+    return schema
+
+
 def _regions(region: ByKey, definitions: Schema) -> list[Schema]:
     return [
         {

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from pgimp.case.base import LARGEST_COUNT
 from pgimp.case.fields import ALWAYS, FIELDS, HISTORY, Field
-from pgimp.case.jsonschema import Schema, json_schema
+from pgimp.case.jsonschema import Schema, json_schema, study_schema
 from pgimp.case.writer import flow
 
 _UNIT = re.compile(
@@ -45,7 +45,7 @@ class _Section(NamedTuple):
 
 def reference() -> str:
     """Return the page as Markdown text."""
-    schema = json_schema()
+    schema, study = json_schema(), study_schema()
     sections: list[_Section] = []
     rows = list(_rows("", schema, schema["$defs"], sections))
     pages = [_INTRODUCTION, "## Case file\n", _table(_HEAD, rows)]
@@ -64,6 +64,12 @@ def reference() -> str:
         "The columns of `history.csv`, in their order. AXIS is `x`, `y`, `z`, as many as the case "
         "has dimensions; NAME is each body, FACE each face that the case names.\n",
         _table(("column", "meaning", "unit"), columns),
+        "## Study file\n",
+        "What `pgimp study` takes. Key paths are those of `--set`. An entry of `sweep` is like\n"
+        "`{grid.cell: [[2.0], [1.0]], time.step: [2.0e-3, 1.0e-3]}`, two runs, or like\n"
+        "`{gimp: {method.shape: gimp}, mpm: {method.shape: mpm, time.step: 2.0e-4}}`, two others\n"
+        "with names of their own.\n",
+        _table(_HEAD, _rows("", study, study["$defs"], [])),
     ]
     return "\n".join(pages)
 

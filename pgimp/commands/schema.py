@@ -17,7 +17,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--markdown",
         action="store_true",
-        help="print the reference of case file, frames and history instead of the JSON schema",
+        help="print the reference of case file, frames, history and study file instead of the "
+        "JSON schema",
+    )
+    parser.add_argument(
+        "--study", action="store_true", help="print the JSON schema of the study file"
     )
 
 
@@ -34,7 +38,8 @@ def execute(args: argparse.Namespace) -> int:
 
         print(reference(), end="")
     else:
-        from pgimp.case.jsonschema import json_schema
+        from pgimp.case.jsonschema import json_schema, study_schema
 
-        print(json.dumps(json_schema(), indent=2, ensure_ascii=False))
+        schema = study_schema() if args.study else json_schema()
+        print(json.dumps(schema, indent=2, ensure_ascii=False))
     return 0

@@ -16,6 +16,8 @@ _MARKERS = "os^vDPX*"
 _LABELS = {"wall": "wall time [s]", "core": "wall time x ranks [s]"}
 _INCHES = (4.2, 4.2)
 _COLUMNS_OF_LEGEND = 4
+_FEW_DECADES = 10**2.3
+_LONG_NUMBER = 1.0e4
 
 
 def picture(plan: Plan, outcomes: Sequence[Outcome]) -> bytes | None:
@@ -36,6 +38,7 @@ def picture(plan: Plan, outcomes: Sequence[Outcome]) -> bytes | None:
     """
     from matplotlib import rc_context
     from matplotlib.figure import Figure
+    from matplotlib.ticker import NullFormatter
 
     costs = plan.study.cost
     drawn = [
@@ -62,6 +65,7 @@ def picture(plan: Plan, outcomes: Sequence[Outcome]) -> bytes | None:
         axes: Any = figure.subplots(1, count, sharey=True, squeeze=False)[0]
         for ax in axes:
             ax.set(xscale="log", yscale="log")
+            ax.xaxis.set_minor_formatter(NullFormatter())
         axes[0].set(xlabel=plan.study.plot.x, ylabel=f"error: {plan.study.measure.label}")
         for number, (curve, runs) in enumerate(curves(drawn).items()):
             line = {
@@ -87,6 +91,8 @@ def picture(plan: Plan, outcomes: Sequence[Outcome]) -> bytes | None:
             ncol=min(len(labels) + 1, _COLUMNS_OF_LEGEND),
             fontsize=9,
         )
+        for ax in axes:
+            _ticks(ax)
         left_out = len(outcomes) - len(drawn)
         if left_out:
             figure.supxlabel(f"{left_out} of {len(outcomes)} runs have no point", fontsize=8)
@@ -115,6 +121,7 @@ def _guides(ax: Any, drawn: Sequence[Outcome]) -> None:
             textcoords="offset points",
             fontsize=8,
             color="#555555",
+            bbox={"color": "white", "alpha": 0.7, "pad": 0.5},
         )
     ax.set_ylim(limits)
 
@@ -129,3 +136,13 @@ def _front(ax: Any, points: Sequence[tuple[float, float]]) -> Any:
     (line,) = ax.plot(xs, ys, drawstyle="steps-post", color="black", lw=1.4, alpha=0.55, zorder=1)
     ax.set(xlim=limits[0], ylim=limits[1])
     return line
+
+
+def _ticks(ax: Any) -> None:
+    """Label 1, 2 and 5 of each decade where there are few decades."""
+    from matplotlib.ticker import FuncFormatter, LogLocator
+
+    low, high = ax.get_xlim()
+    if high < _FEW_DECADES * low and high < _LONG_NUMBER:
+        ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
