@@ -6,10 +6,16 @@ vertex on the face and beyond it after the momentum update, with the vertex's ne
 acceleration, tuples of three. Faces that the case does not name are open: nothing is done.
 """
 
+from pgimp.boundaries.base import Boundary
 from pgimp.boundaries.fixed import Fixed
 from pgimp.boundaries.separating import Separating
 from pgimp.boundaries.slip import Slip
 from pgimp.boundaries.velocity import Velocity
 
 #: The conditions by their name in the case, ``boundaries: {FACE: NAME}``.
-BOUNDARIES = {"fixed": Fixed, "slip": Slip, "separating": Separating, "velocity": Velocity}
+BOUNDARIES: dict[str, type[Boundary]] = {
+    "fixed": Fixed,
+    "slip": Slip,
+    "separating": Separating,
+    "velocity": Velocity,
+}

@@ -100,7 +100,7 @@ class ByKey(Dispatch):
     def __init__(self, registry: Registry, what: str):
         self.registry, self.what = registry, what
 
-    def validate(self, value: Any) -> BaseModel:
+    def validate(self, value: Any) -> BaseModel | None:
         """See `Dispatch`."""
         known = self.registry()
         if isinstance(value, BaseModel) and type(value) in known.values():
@@ -172,6 +172,51 @@ class ByWord(Dispatch):
         return {"oneOf": forms}
 
 
+class ByName(ByKey):
+    """The name of a type in a registry, a mapping with it, ``{name: {...}}``, or nothing.
+
+    The plain name stands for the type with all its defaults.
+    """
+
+    def validate(self, value: Any) -> BaseModel | None:
+        """See `Dispatch`."""
+        if value is None:
+            return None
+        known = self.registry()
+        if isinstance(value, str):
+            if value not in known:
+                raise problem(unknown(self.what, value, known))
+            if needed := _required(known[value]):
+                keys = ", ".join(f"{key}: .." for key in needed)
+                raise problem(f"expected {{{value}: {{{keys}}}}}, {got(value)}")
+            return known[value].model_validate({})
+        return super().validate(value)
+
+    def write(self, value: BaseModel | None) -> Any:
+        """See `Dispatch`."""
+        if value is None or not _is_word(type(value)):
+            return None if value is None else super().write(value)
+        return name_of(value, self.registry())
+
+    def document(self, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        """See `Dispatch`."""
+        forms: list[dict[str, Any]] = []
+        for name, entry in self.registry().items():
+            if not _required(entry):
+                forms.append({"const": name, "description": inspect.getdoc(entry)})
+            if not _is_word(entry):
+                content = handler(entry.__pydantic_core_schema__)
+                forms.append(
+                    {
+                        "type": "object",
+                        "properties": {name: content},
+                        "required": [name],
+                        "additionalProperties": False,
+                    }
+                )
+        return {"oneOf": [*forms, {"type": "null"}]}
+
+
 class Either(Dispatch):
     """A value whose kind decides its form: ``0.5`` or ``{steps: 10}``."""
 
@@ -218,6 +263,11 @@ def _kind(value: Any) -> type | None:
 
 def _is_word(entry: type[BaseModel]) -> bool:
     return not entry.model_fields
+
+
+def _required(entry: type[BaseModel]) -> list[str]:
+    """Return the keys that a type needs."""
+    return [name for name, field in entry.model_fields.items() if field.is_required()]
 
 
 def name_of(value: BaseModel, known: Mapping[str, type[BaseModel]]) -> str:

@@ -65,5 +65,18 @@ HISTORY: dict[str, str] = {
     "constraint.NAME-AXIS": (
         "mean force of each constraint on the material since the last line [force]"
     ),
+    "error": (
+        "only with `exact`, as all that follows: error (47) of the stress, the sum of |exact - s| "
+        "times volume over the particles, relative to the initial volume times a stress that the "
+        "solution names: the column's weight, the stress behind the shock [1]"
+    ),
+    "error.displacement-l2": (
+        "root of the mean square error of the displacement, by initial volume [length]"
+    ),
+    "error.displacement-max": "greatest error of the displacement of a particle [length]",
+    "error.velocity-l2": "as for the displacement [length/time]",
+    "error.velocity-max": "as for the displacement [length/time]",
+    "error.stress-l2": "as for the displacement, of the Cauchy stress (Frobenius norm) [stress]",
+    "error.stress-max": "as for the displacement, of the Cauchy stress [stress]",
 }
 """Columns of ``history.csv``, in their order; AXIS stands for x, y, z, as many as there are."""

@@ -31,7 +31,7 @@ from pgimp.case.base import (
     Vector,
 )
 from pgimp.case.checks import check, faces, sound_parts, whole
-from pgimp.case.dispatch import ByField, ByWord, Either
+from pgimp.case.dispatch import ByField, ByName, ByWord, Either
 from pgimp.case.fields import FIELDS
 from pgimp.case.messages import explain, unknown
 from pgimp.case.problems import Problem, problem, raise_problems
@@ -81,6 +81,10 @@ def _materials() -> Mapping[str, type[BaseModel]]:
 
 def _boundaries() -> Mapping[str, type[BaseModel]]:
     return import_module("pgimp.boundaries").BOUNDARIES
+
+
+def _solutions() -> Mapping[str, type[BaseModel]]:
+    return import_module("pgimp.exact").EXACT
 
 
 def _zero_vector(description: str) -> Any:
@@ -266,6 +270,11 @@ class Case(Model):
         description="prescribed motion of parts of bodies, by a name of their own",
         json_schema_extra={"additionalProperties": False},
     )
+    exact: Annotated[Any, ByName(_solutions, "solution")] = Field(
+        default=None,
+        description="the exact solution of the case, from which history.csv gives the errors; "
+        "null: none known",
+    )
     output: Output = Field(default=Output(), description="frames")
     history: History = Field(default=History(), description="history.csv")
 
@@ -283,6 +292,8 @@ class Case(Model):
             problems.extend(check(sound_parts(cls, data, problems)))
         else:
             problems = check({name: getattr(case, name) for name in cls.model_fields})
+            if case.exact is not None and not problems:
+                problems = list(case.exact.misfits(case))
         raise_problems(cls.__name__, problems, data)
         return case
 

@@ -9,6 +9,17 @@ with kernels as static methods and ``scale(t)``, the stress that the error (47) 
 """
 
 from pgimp.exact.base import Solution
+from pgimp.exact.compaction import Compaction
+from pgimp.exact.generalized_vortex import GeneralizedVortex
+from pgimp.exact.shock import Shock
+from pgimp.exact.spinning_block import SpinningBlock
+from pgimp.exact.vibrating_bar import VibratingBar
 
 #: The solutions by their name in the case, ``exact: NAME`` or ``exact: {NAME: {...}}``.
-EXACT: dict[str, type[Solution]] = {}
+EXACT: dict[str, type[Solution]] = {
+    "compaction": Compaction,
+    "shock": Shock,
+    "vibrating-bar": VibratingBar,
+    "generalized-vortex": GeneralizedVortex,
+    "spinning-block": SpinningBlock,
+}

@@ -7,6 +7,7 @@ import numpy as np
 
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
+from pgimp.kernels.errors import initial_velocities
 from pgimp.scene.lattice import Lattice, census
 from pgimp.scene.loads import SceneLoads
 from pgimp.scene.tables import VectorTable
@@ -44,6 +45,8 @@ class Scene:
         Parameters of the materials in use, `material_of` the one of each body.
     faces : list of Face
         Faces with a condition, x-min to z-max; `mirrors` those that reflect what lies beyond.
+    exact : NamedTuple or ()
+        Parameters of the exact solution, if the case names one; `moves` if it gives the velocities.
     """
 
     def __init__(self, case: Case) -> None:
@@ -53,6 +56,7 @@ class Scene:
         self.shape = shape.parameters(tuple(case.grid.cell))
         self.vertices: int = shape.vertices
         self.tracked = shape.tracked
+        self.follows = shape.follows
         grid = case.grid
         self.frame = Frame(
             origin=tuple(float(x) for x in grid.origin),
@@ -75,8 +79,16 @@ class Scene:
         order = [f"{axis}-{end}" for axis in AXES for end in ("min", "max")]
         self.faces = [Face(name, named[name]) for name in order if name in named]
         self.mirrors = [f for f in self.faces if shape.mirrors and f.condition.mirrors]
-        self.loads = SceneLoads(case, used)
+        self.exact: Any = case.exact.parameters(case) if case.exact else ()
+        self.moves = bool(case.exact) and case.exact.moves
+        force = self.exact if case.exact and case.exact.forced else ()
+        self.loads = SceneLoads(case, used, force)
         self.varies = any(face.condition.varies for face in self.faces)
+
+    @property
+    def origins(self) -> bool:
+        """Whether particles keep their initial position."""
+        return bool(self.exact) or "displacement" in self.case.output.fields
 
     def _materials_in_use(self) -> set[str]:
         return {body.material for body in self.case.bodies.values()}
@@ -95,7 +107,11 @@ class Scene:
         return tuple(face.parameters(start, end) for face in self.faces)
 
     def velocities(self, body: int, positions: np.ndarray) -> np.ndarray:
-        """Initial velocity of a body's particles, (n, D): v0 + omega x (x - about)."""
+        """Initial velocity of a body's particles, (n, D): exact, or v0 + omega x (x - about)."""
+        if self.moves:
+            v = np.zeros_like(positions)
+            initial_velocities(self.exact, self.frame, positions, v)
+            return v
         motion = list(self.case.bodies.values())[body].velocity
         D = self.dimension
         if isinstance(motion, tuple):
@@ -128,8 +144,7 @@ class Scene:
             First plane and end.
         """
         n = int(counts[:, planes[0] : planes[1]].sum())
-        origin = "displacement" in self.case.output.fields
-        p = Particles.empty(max(n, 1), self.dimension, origin, **self.loads.columns)
+        p = Particles.empty(max(n, 1), self.dimension, self.origins, **self.loads.columns)
         volume = float(np.prod(self.frame.cell)) / float(np.prod(lattice.per_cell))
         row = 0
         for body, positions, ids in lattice.make(planes, counts):

@@ -4,6 +4,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pgimp.kernels.errors import (
+    DISPLACEMENT,
+    ERRORS,
+    STRESS,
+    STRESS_VOLUME,
+    VELOCITY,
+    VOLUME,
+    layer_errors,
+)
 from pgimp.kernels.sums import (
     ANGULAR,
     KINETIC,
@@ -43,13 +52,43 @@ class Diagnostics:
         )  # fmt: skip
         own = sim.owned_planes
         impulse = np.concatenate([sim.impulse[:own], sim.grip_impulse[:own]], axis=1)
-        parts = sim.comm.gather((sums, sim.work[:own], impulse))
+        parts = sim.comm.gather((sums, sim.work[:own], impulse, self._own_errors(sim)))
         if parts is None:
             return None
         bodies = np.add.reduce(np.concatenate([part[0] for part in parts]), axis=0)
         work = float(np.concatenate([part[1] for part in parts]).sum())
         impulse = np.add.reduce(np.concatenate([part[2] for part in parts]), axis=0)
-        return self._columns(sim, bodies, work, impulse)
+        line = self._columns(sim, bodies, work, impulse)
+        if scene.exact:
+            added = np.add.reduce(np.concatenate([part[3][0] for part in parts]), axis=0)
+            most = np.concatenate([part[3][1] for part in parts]).max(axis=0)
+            line |= self._errors(added, most, scene.exact.scale(sim.time))
+        return line
+
+    @staticmethod
+    def _own_errors(sim: "Simulation") -> tuple[np.ndarray, ...]:
+        """Sums and maxima of the errors by layer, of this rank's particles; () without any."""
+        scene, population = sim.scene, sim.population
+        if not scene.exact:
+            return ()
+        sums, most = np.zeros((2, sim.slab.layers, ERRORS))
+        layer_errors(
+            scene.exact, sim.time, scene.follows, scene.frame, sim.identity, population.particles,
+            population.order, population.start, sums, most,
+        )  # fmt: skip
+        return sums, most
+
+    @staticmethod
+    def _errors(sums: np.ndarray, most: np.ndarray, scale: float) -> dict[str, float]:
+        """Columns of the errors; `scale` is the stress that (47) refers to."""
+        error = float(sums[STRESS_VOLUME] / sums[VOLUME])
+        # Before the load sets in there is nothing to refer to, and no error.
+        line = {"error": error / scale if scale else error}
+        names = {"displacement": DISPLACEMENT, "velocity": VELOCITY, "stress": STRESS}
+        for name, column in names.items():
+            line[f"error.{name}-l2"] = float(np.sqrt(sums[column] / sums[VOLUME]))
+            line[f"error.{name}-max"] = float(most[column])
+        return line
 
     def _columns(
         self, sim: "Simulation", bodies: np.ndarray, work: float, impulse: np.ndarray

@@ -1,0 +1,60 @@
+"""What an exact solution gives the particles: initial velocities, and the errors of their state."""
+
+from math import sqrt
+
+from pgimp.exact.base import state
+from pgimp.kernels.algebra import contract, symmetric
+from pgimp.kernels.g2p import squared
+from pgimp.kernels.jit import kernel
+from pgimp.kernels.tuples import plus_scaled, read, write
+
+#: Columns of `layer_errors`.
+DISPLACEMENT, VELOCITY, STRESS, VOLUME, STRESS_VOLUME, ERRORS = 0, 1, 2, 3, 4, 5
+
+
+@kernel
+def layer_errors(solution, t, follows, frame, like, particles, order, start, sums, most):
+    """Add up errors in displacement, velocity and stress, layer by layer in canonical order.
+
+    Parameters
+    ----------
+    solution : NamedTuple
+        The exact solution, see `pgimp.exact`.
+    follows : bool
+        Whether the particles' size follows the deformation, so that (47) takes the current one.
+    like : tuple of D*D float
+        Tells the compiler the number of components of the stress.
+    sums : (layers, 5) float64
+        Zero on entry: initial volume times the squared errors, initial volume, and the error in
+        stress times volume (47).
+    most : (layers, 5) float64
+        Zero on entry: greatest errors, in the first three columns.
+    """
+    for layer in range(len(start) - 1):
+        row, top = sums[layer], most[layer]
+        for k in range(start[layer], start[layer + 1]):
+            p = order[k]
+            X = read(particles.origin, p, 0, frame.origin)
+            x = read(particles.x, p, 0, frame.origin)
+            u, v, sigma = state(solution, X, x, t)
+            du = squared(plus_scaled(-1.0, u, plus_scaled(-1.0, X, x)))
+            dv = squared(plus_scaled(-1.0, v, read(particles.v, p, 0, frame.origin)))
+            S = plus_scaled(-1.0, sigma, read(particles.sigma, p, 0, symmetric(like)))
+            ds = contract(S, S)
+            V0 = particles.V0[p]
+            row[0] += V0 * du
+            row[1] += V0 * dv
+            row[2] += V0 * ds
+            row[3] += V0
+            row[4] += sqrt(ds) * (particles.V[p] if follows else V0)
+            top[0] = max(top[0], sqrt(du))
+            top[1] = max(top[1], sqrt(dv))
+            top[2] = max(top[2], sqrt(ds))
+
+
+@kernel
+def initial_velocities(solution, frame, x, v):
+    """Set `v` (n, D) to the exact velocities at `x` (n, D) and time 0."""
+    for p in range(len(x)):
+        X = read(x, p, 0, frame.origin)
+        write(v, p, 0, state(solution, X, X, 0.0)[1])
