@@ -6,12 +6,13 @@ import pytest
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.parallel.comm import Serial
+from pgimp.scene import filling, measure
 from pgimp.scene import lattice as lattice_module
 from pgimp.scene.lattice import Lattice
 from pgimp.scene.scene import Scene, count_particles
 
 
-def case(D, **changes):
+def case(D, surface="cut", **changes):
     cells, corner = [8, 7, 6][:D], [1.1, 0.9, 0.2][:D]
     data = {
         "format": 1,
@@ -27,11 +28,14 @@ def case(D, **changes):
                                                         "max": [c + 2.0 for c in corner]}}},
         },
     }  # fmt: skip
-    return Case.model_validate(data | changes)
+    data |= changes
+    for body in data["bodies"].values():
+        body["surface"] = surface
+    return Case.model_validate(data)
 
 
-def particles(D):
-    scene_ = Scene(case(D))
+def particles(D, surface="cut"):
+    scene_ = Scene(case(D, surface))
     lattice, counts, notes = count_particles(scene_, Serial())
     p = scene_.populate(lattice, counts, (0, lattice.planes))
     return p, counts, notes
@@ -39,10 +43,15 @@ def particles(D):
 
 @pytest.mark.parametrize("D", [1, 2, 3])
 @pytest.mark.parametrize("block", [1, 7, 50])
-def test_small_blocks_make_the_same_particles(monkeypatch, D, block):
-    whole, counts, notes = particles(D)
+@pytest.mark.parametrize("surface", ["cut", "whole"])
+def test_small_blocks_make_the_same_particles(monkeypatch, D, block, surface):
+    whole, counts, notes = particles(D, surface)
     monkeypatch.setattr(lattice_module, "_BLOCK", block)
-    parts, counts_of_parts, notes_of_parts = particles(D)
+    monkeypatch.setattr(filling, "_BLOCK", block)
+    monkeypatch.setattr(filling, "_SLAB", 3 * block)
+    monkeypatch.setattr(filling, "_BRICK", block)
+    monkeypatch.setattr(measure, "_BATCH", block)
+    parts, counts_of_parts, notes_of_parts = particles(D, surface)
     assert (counts == counts_of_parts).all()
     assert notes == notes_of_parts
     for a, b in zip(whole, parts, strict=True):
@@ -59,18 +68,20 @@ def test_ids_count_by_body_then_position(D):
     assert keys == sorted(keys)
 
 
-def test_particles_are_the_points_that_the_regions_contain():
-    p, counts, _ = particles(2)
-    lattice = Lattice(case(2))
+def test_whole_particles_are_the_points_that_the_regions_contain():
+    p, counts, _ = particles(2, "whole")
+    case_ = case(2, "whole")
+    lattice = Lattice(case_)
     points = np.stack(np.meshgrid(*lattice.coordinates, indexing="ij"), axis=-1).reshape(-1, 2)
-    for body, region in enumerate(lattice.regions):
-        expected = points[region.contains(points)]
+    for body, entry in enumerate(case_.bodies.values()):
+        expected = points[entry.region.contains(points)]
         assert counts[body].sum() == len(expected)
         assert (p.x[: len(p.id)][p.body == body] == expected).all()
 
 
 @pytest.mark.parametrize("block", [7, 10**6])
-def test_a_point_in_two_bodies_is_named(monkeypatch, block):
+@pytest.mark.parametrize("surface", ["cut", "whole"])
+def test_a_point_in_two_bodies_is_named(monkeypatch, block, surface):
     monkeypatch.setattr(lattice_module, "_BLOCK", block)
     box = {"box": {"min": [4.0, 3.0], "max": [6.0, 6.0]}}
     bodies = {
@@ -78,7 +89,7 @@ def test_a_point_in_two_bodies_is_named(monkeypatch, block):
         "box": {"material": "a", "region": box},
     }
     with pytest.raises(CaseError, match=r"bodies\.box\.region: the point \(.*\) lies in both"):
-        count_particles(Scene(case(2, bodies=bodies)), Serial())
+        count_particles(Scene(case(2, surface, bodies=bodies)), Serial())
 
 
 def test_more_cells_than_can_be_numbered_are_refused():

@@ -101,12 +101,11 @@ def _facts(scene: Scene, lattice: Lattice, counts: np.ndarray, body: int) -> Bod
     )
     top = 0.0
     low, high = np.full(D, np.inf), np.full(D, -np.inf)
-    for owner, positions, _ in lattice.make((0, lattice.planes), counts):
-        if owner == body:
-            v = scene.velocities(body, positions)
-            top = max(top, float(np.sqrt((v * v).sum(axis=1)).max()))
-            low = np.minimum(low, positions.min(axis=0))
-            high = np.maximum(high, positions.max(axis=0))
+    for made in lattice.make((0, lattice.planes), counts, body):
+        v = scene.velocities(body, made.centroids)
+        top = max(top, float(np.sqrt((v * v).sum(axis=1)).max()))
+        low = np.minimum(low, made.positions.min(axis=0))
+        high = np.maximum(high, made.positions.max(axis=0))
     return BodyFacts(
         scene.body_names[body],
         int(counts[body].sum()),

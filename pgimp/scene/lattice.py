@@ -1,25 +1,49 @@
-"""The initial particles: a lattice of `particles_per_cell` points a cell, cut out by the regions.
+"""The initial particles: on a lattice of `particles_per_cell` points a cell, where bodies are.
 
-Particles are made slab by slab: first every rank counts the points of its share of the lattice's
+Particles are made slab by slab: first every rank counts those of its share of the lattice's
 planes, then, with the counts known to all, it makes the particles of its own layers only. No rank
-ever holds more. Ids number the particles by body, then by position (x first).
+ever holds more. Ids number the particles by body, then by position (x first). What a particle at a
+body's surface has of the body is found by `pgimp.scene.filling`.
 """
 
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
-from pgimp.scene.regions.base import Region
+from pgimp.scene.filling import SLIVER, Filling, Ranges, Survey
 
-#: Lattice points that are tested at a time.
+#: Particles that are made at a time.
 _BLOCK = 200_000
 
 
+class Made(NamedTuple):
+    """Some particles of one body.
+
+    Attributes
+    ----------
+    body : int
+    positions : (n, D) float64
+        Points of the lattice.
+    ids : (n,) int64
+    fractions : (n,) float64
+        Volumes, over that of a particle that no surface cuts.
+    centroids : (n, D) float64
+        Centres of mass of what the particles have of the body.
+    """
+
+    body: int
+    positions: NDArray[np.float64]
+    ids: NDArray[np.int64]
+    fractions: NDArray[np.float64]
+    centroids: NDArray[np.float64]
+
+
 class Lattice:
-    """The points at which particles may start, and the bodies that contain them.
+    """The points at which particles may start, and the bodies that fill the boxes round them.
 
     Parameters
     ----------
@@ -30,77 +54,49 @@ class Lattice:
     def __init__(self, case: Case) -> None:
         grid, per_cell = case.grid, case.method.particles_per_cell
         self.names = list(case.bodies)
-        self.regions: list[Region] = [body.region for body in case.bodies.values()]
         self.per_cell = per_cell
         self.coordinates = []
+        edges = []
         for d in range(case.dimensions):
             cells = round(grid.size[d] / grid.cell[d])
-            points = np.arange(cells * per_cell[d])
-            self.coordinates.append(grid.origin[d] + (points + 0.5) / per_cell[d] * grid.cell[d])
+            points = np.arange(cells * per_cell[d] + 1)
+            edges.append(grid.origin[d] + points / per_cell[d] * grid.cell[d])
+            centres = (points[:-1] + 0.5) / per_cell[d] * grid.cell[d]
+            self.coordinates.append(grid.origin[d] + centres)
+        self.fillings = [
+            Filling(body.region, edges, self.coordinates, body.surface == "cut")
+            for body in case.bodies.values()
+        ]
 
     @property
     def planes(self) -> int:
         """Number of planes of points along x."""
         return len(self.coordinates[0])
 
-    def _box(self, low: Any, high: Any) -> list[tuple[int, int]]:
-        """Ranges of point numbers by direction that hold all points between two corners."""
-        box = []
-        for d, x in enumerate(self.coordinates):
-            begin, end = np.searchsorted(x, low[d], "left"), np.searchsorted(x, high[d], "right")
-            box.append((int(begin), int(end)))
-        return box
-
-    def _blocks(
-        self, box: list[tuple[int, int]], planes: tuple[int, int], cells: bool = False
-    ) -> Iterator[tuple[int, tuple[int, ...], np.ndarray]]:
-        """Points of a box, not too many at a time, in the order of their ids.
-
-        Yields the first plane, the numbers of points by direction, and the points, (n, D). Planes
-        that hold many are cut along y; with `cells`, only between cells.
-        """
-        step = self.per_cell if cells else (1,) * len(box)
-        ranges = [(max(box[0][0], planes[0]), min(box[0][1], planes[1])), *box[1:]]
-        counts = [end - begin for begin, end in ranges]
-        if min(counts) <= 0:
-            return
-        row = int(np.prod(counts[2:], initial=1))
-        width = counts[1] if len(box) > 1 else 1
-        deep = max(1, _BLOCK // (row * width) // step[0]) * step[0]
-        if len(box) > 1 and row * width * deep > _BLOCK:
-            width = max(1, _BLOCK // (row * deep) // step[1]) * step[1]
-        for x in range(*ranges[0], deep):
-            sides = [self.coordinates[0][x : min(ranges[0][1], x + deep)]]
-            for axis, (begin, end) in zip(self.coordinates[1:], ranges[1:], strict=True):
-                sides.append(axis[begin:end])
-            for y in range(0, len(sides[1]) if len(sides) > 1 else 1, width):
-                part = [sides[0], *(side[y : y + width] for side in sides[1:2]), *sides[2:]]
-                points = np.stack(np.meshgrid(*part, indexing="ij"), axis=-1)
-                yield x, tuple(map(len, part)), points.reshape(-1, len(box))
-
     def count(self, planes: tuple[int, int]) -> np.ndarray:
-        """Points of each body in each plane of a range, (bodies, planes) int64."""
-        counts = np.zeros((len(self.regions), planes[1] - planes[0]), np.int64)
-        for body, region in enumerate(self.regions):
-            for first, sizes, points in self._blocks(self._box(*region.bounds()), planes):
-                inside = region.contains(points).reshape(sizes[0], -1).sum(axis=1)
-                counts[body, first - planes[0] : first - planes[0] + sizes[0]] += inside
+        """Particles of each body in each plane of a range, (bodies, planes) int64."""
+        counts = np.zeros((len(self.fillings), planes[1] - planes[0]), np.int64)
+        for body, filling in enumerate(self.fillings):
+            for survey in filling.slabs(planes):
+                begin, end = survey.ranges[0]
+                here = survey.exists.reshape(end - begin, -1).sum(axis=1)
+                counts[body, begin - planes[0] : end - planes[0]] = here
         return counts
 
-    def close_pairs(self) -> Iterator[tuple[int, int, list[tuple[int, int]]]]:
-        """Pairs of bodies that may share a cell, with the box of points where they may."""
-        for a, first in enumerate(self.regions):
-            for b in range(a + 1, len(self.regions)):
-                ends = list(zip(first.bounds(), self.regions[b].bounds(), strict=True))
-                low = np.maximum(*ends[0])
-                high = np.minimum(*ends[1])
-                cell = np.array([x[1] - x[0] if len(x) > 1 else 0.0 for x in self.coordinates])
-                if (low <= high + 2 * cell * np.array(self.per_cell)).all():
-                    box = self._box(np.minimum(low, high), np.maximum(low, high))
-                    yield a, b, self._whole_cells(box)
+    def close_pairs(self) -> Iterator[tuple[int, int, Ranges]]:
+        """Pairs of bodies that may share a cell, with the part of the lattice where they may."""
+        for a, first in enumerate(self.fillings):
+            for b in range(a + 1, len(self.fillings)):
+                both = list(zip(first.box, self.fillings[b].box, strict=True))
+                low = [max(begin for begin, _ in pair) for pair in both]
+                high = [min(end for _, end in pair) for pair in both]
+                near = [begin - end for begin, end in zip(low, high, strict=True)]
+                if all(gap <= 2 * n for gap, n in zip(near, self.per_cell, strict=True)):
+                    ends = zip(low, high, strict=True)
+                    yield a, b, self._whole_cells([(min(pair), max(pair)) for pair in ends])
 
-    def _whole_cells(self, box: list[tuple[int, int]]) -> list[tuple[int, int]]:
-        """A box of points widened to whole cells, and by a cell to each side."""
+    def _whole_cells(self, box: Ranges) -> Ranges:
+        """A part of the lattice widened to whole cells, and by a cell to each side."""
         return [
             (max((a // n - 1) * n, 0), min((-(-b // n) + 1) * n, len(x)))
             for (a, b), n, x in zip(box, self.per_cell, self.coordinates, strict=True)
@@ -112,77 +108,96 @@ class Lattice:
         Returns
         -------
         errors : list of str
-            One message for each pair of bodies that contain the same point.
+            One message for each pair of bodies that overlap.
         shared : set of pairs of names
-            Bodies with points in the same cell.
+            Bodies with particles in the same cell.
         """
         errors, shared = [], set()
         step = self.per_cell[0]
         for a, b, box in self.close_pairs():
             names = (self.names[a], self.names[b])
+            row = int(np.prod([end - begin for begin, end in box[1:]], initial=1))
+            deep = max(1, 5 * _BLOCK // (row * step)) * step
             begin = -(-max(planes[0], box[0][0]) // step) * step
-            for plane in range(begin, min(planes[1], box[0][1]), step):
-                for _, sizes, points in self._blocks(box, (plane, plane + step), cells=True):
-                    in_a = self.regions[a].contains(points)
-                    in_b = self.regions[b].contains(points)
-                    if (in_a & in_b).any():
-                        place = ", ".join(f"{x:g}" for x in points[(in_a & in_b).argmax()])
-                        errors.append(
-                            f"bodies.{names[1]}.region: the point ({place}) lies in both "
-                            f"'{names[0]}' and '{names[1]}'; a particle belongs to one body: "
-                            "move or cut one of them (region: {difference: [...]})"
-                        )
-                        break
-                    if self._cells(in_a, sizes) & self._cells(in_b, sizes):
-                        shared.add(names)
-                else:
-                    continue
-                break
+            last = min(planes[1], box[0][1])
+            for plane in range(begin, last, deep):
+                part = [(plane, min(plane + deep, last)), *box[1:]]
+                both = [self.fillings[body].survey(part) for body in (a, b)]
+                place = self._overlap(both, (self.fillings[a], self.fillings[b]))
+                if place is not None:
+                    errors.append(
+                        f"bodies.{names[1]}.region: the point ({place}) lies in both "
+                        f"'{names[0]}' and '{names[1]}'; a particle belongs to one body: "
+                        "move or cut one of them (region: {difference: [...]})"
+                    )
+                    break
+                if not self._cells(both[0]).isdisjoint(self._cells(both[1])):
+                    shared.add(names)
         return errors, shared
 
-    def _cells(self, inside: np.ndarray, sizes: tuple[int, ...]) -> set[int]:
-        """Numbers of the cells, within a block of whole cells, that hold points inside."""
-        index = np.unravel_index(np.flatnonzero(inside), sizes)
-        cell = np.zeros(len(index[0]), np.int64)
-        for i, size, n in zip(index, sizes, self.per_cell, strict=True):
+    @staticmethod
+    def _overlap(surveys: list[Survey], fillings: tuple[Filling, Filling]) -> str | None:
+        """The first point at which two bodies overlap, for people.
+
+        Bodies may share a box that a surface cuts as far as there is room: what is more, by more
+        than their surfaces' curvature leaves uncertain, is an overlap.
+        """
+        first, second = surveys
+        places = np.flatnonzero(first.exists & second.exists)
+        if len(places) == 0:
+            return None
+        points = fillings[0].points(first.ranges, places)
+        over = first.fraction(places) + second.fraction(places) > 1.0 + SLIVER
+        over |= fillings[0].region.contains(points) & fillings[1].region.contains(points)
+        if not over.any():
+            return None
+        return ", ".join(f"{x:g}" for x in points[over.argmax()])
+
+    def _cells(self, survey: Survey) -> set[int]:
+        """Numbers of the cells, within whole cells, that hold more than slivers of a body."""
+        places = np.flatnonzero(survey.exists)
+        places = places[survey.fraction(places) >= SLIVER]
+        sizes = tuple(end - begin for begin, end in survey.ranges)
+        cell = np.zeros(len(places), np.int64)
+        for i, size, n in zip(np.unravel_index(places, sizes), sizes, self.per_cell, strict=True):
             cell = cell * (size // n + 1) + i // n
         return set(np.unique(cell).tolist())
 
     def make(
-        self, planes: tuple[int, int], counts: np.ndarray
-    ) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
-        """Particles of a range of planes.
+        self, planes: tuple[int, int], counts: np.ndarray, only: int | None = None
+    ) -> Iterator[Made]:
+        """Particles of a range of planes, of all bodies or of one, in ascending id.
 
         Parameters
         ----------
         planes : (int, int)
             First plane and end.
         counts : (bodies, planes of the lattice) int64
-            Points of each body in each plane.
-
-        Yields
-        ------
-        body : int
-        positions : (n, D) float64
-        ids : (n,) int64
+            Particles of each body in each plane.
+        only : int, optional
+            The one body.
         """
         ends = np.cumsum(counts.ravel()).reshape(counts.shape)
-        for body, region in enumerate(self.regions):
-            plane, taken = -1, 0
-            for first, _, points in self._blocks(self._box(*region.bounds()), planes):
-                if first != plane:
-                    plane, taken = first, 0
-                inside = points[region.contains(points)]
-                if len(inside):
-                    begin = ends[body, first] - counts[body, first] + taken
-                    taken += len(inside)
-                    yield body, inside, np.arange(begin, begin + len(inside))
+        for body, filling in enumerate(self.fillings):
+            if only is not None and body != only:
+                continue
+            for survey in filling.slabs(planes):
+                plane = survey.ranges[0][0]
+                first = int(ends[body, plane] - counts[body, plane])
+                places = np.flatnonzero(survey.exists)
+                for begin in range(0, len(places), _BLOCK):
+                    part = places[begin : begin + _BLOCK]
+                    x = filling.points(survey.ranges, part)
+                    fractions = survey.fraction(part)
+                    centroids = x + survey.moment(part) / fractions[:, None]
+                    ids = np.arange(first + begin, first + begin + len(part))
+                    yield Made(body, x, ids, fractions, centroids)
 
 
 class Census(NamedTuple):
     """What all ranks know about the particles before any exists.
 
-    `counts` holds the points of each body in each plane, (bodies, planes); `notes` says which
+    `counts` holds the particles of each body in each plane, (bodies, planes); `notes` says which
     bodies share cells.
     """
 

@@ -139,7 +139,7 @@ class Scene:
         Parameters
         ----------
         counts : (bodies, planes) int64
-            Points of each body in each plane of the lattice.
+            Particles of each body in each plane of the lattice.
         planes : (int, int)
             First plane and end.
         """
@@ -147,15 +147,16 @@ class Scene:
         p = Particles.empty(max(n, 1), self.dimension, self.origins, **self.loads.columns)
         volume = float(np.prod(self.frame.cell)) / float(np.prod(lattice.per_cell))
         row = 0
-        for body, positions, ids in lattice.make(planes, counts):
-            rows = slice(row, row + len(ids))
-            p.x[rows] = positions
-            p.v[rows] = self.velocities(body, positions)
-            p.id[rows] = ids
-            p.body[rows] = body
-            p.V0[rows] = p.V[rows] = volume
-            p.m[rows] = volume * self.materials[self.body_material[body]].density
-            row += len(ids)
+        for made in lattice.make(planes, counts):
+            rows = slice(row, row + len(made.ids))
+            p.x[rows] = made.positions
+            # A field linear in space has its mean over a part (5) at the part's centroid.
+            p.v[rows] = self.velocities(made.body, made.centroids)
+            p.id[rows] = made.ids
+            p.body[rows] = made.body
+            p.V0[rows] = p.V[rows] = volume * made.fractions  # (3)
+            p.m[rows] = p.V0[rows] * self.materials[self.body_material[made.body]].density  # (4)
+            row += len(made.ids)
         if p.origin.shape[1]:
             p.origin[:] = p.x
         self.loads.attach(p, row)
@@ -163,7 +164,7 @@ class Scene:
 
 
 def count_particles(scene: Scene, comm: Any) -> tuple[Lattice, np.ndarray, list[str]]:
-    """Lattice, counts of its points by body and plane, and notes; collective.
+    """Lattice, counts of its particles by body and plane, and notes; collective.
 
     Raises
     ------

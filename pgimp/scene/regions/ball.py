@@ -6,7 +6,15 @@ import numpy as np
 from pydantic import Field
 
 from pgimp.case.base import Model, Positive, Vector
-from pgimp.scene.regions.base import Bounds, Mask, Points, Region
+from pgimp.scene.regions.base import (
+    Bounds,
+    Lengths,
+    Mask,
+    Plane,
+    Points,
+    Region,
+    across,
+)
 
 
 class Ball(Model, Region):
@@ -17,10 +25,15 @@ class Ball(Model, Region):
 
     def contains(self, points: Points) -> Mask:
         """See `Region.contains`."""
+        return self._square(points) < self.radius * self.radius
+
+    def _square(self, points: Points, axis: int | None = None) -> Lengths:
+        """Return the squared distance to the centre, without its part along `axis`."""
         square = np.zeros(len(points))
         for i, centre in enumerate(self.centre):
-            square += (points[:, i] - centre) ** 2
-        return square < self.radius * self.radius
+            if i != axis:
+                square += (points[:, i] - centre) ** 2
+        return square
 
     def bounds(self) -> Bounds:
         """See `Region.bounds`."""
@@ -28,3 +41,25 @@ class Ball(Model, Region):
             tuple(centre - self.radius for centre in self.centre),
             tuple(centre + self.radius for centre in self.centre),
         )
+
+    def distance(self, points: Points) -> Lengths:
+        """See `Region.distance`."""
+        return np.sqrt(self._square(points)) - self.radius
+
+    def curved(self, points: Points) -> Lengths:
+        """See `Region.curved`; an interval in 1D has none."""
+        if len(self.centre) == 1:
+            return np.full(len(points), np.inf)
+        return np.abs(self.distance(points))
+
+    def planes(self) -> list[Plane]:
+        """See `Region.planes`; those that touch it."""
+        low, high = self.bounds()
+        c = self.centre
+        return [across(i, at, c, c) for i in range(len(c)) for at in (low[i], high[i])]
+
+    def crossings(self, points: Points, axis: int) -> Lengths:
+        """See `Region.crossings`."""
+        with np.errstate(invalid="ignore"):
+            half = np.sqrt(self.radius * self.radius - self._square(points, axis))
+        return np.stack([self.centre[axis] - half, self.centre[axis] + half], axis=1)

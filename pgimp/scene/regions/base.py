@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from importlib import import_module
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,14 +15,33 @@ from pgimp.case.dispatch import ByKey
 
 Points = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+Lengths = NDArray[np.float64]
 Bounds = tuple[tuple[float, ...], tuple[float, ...]]
+
+
+class Plane(NamedTuple):
+    """A part of a surface, or a tangent of one, that lies in a plane across an axis.
+
+    `low` and `high` are the corners of a box around it; both hold `at` along the axis.
+    """
+
+    axis: int
+    at: float
+    low: tuple[float, ...]
+    high: tuple[float, ...]
+
+
+def across(axis: int, at: float, low: tuple[float, ...], high: tuple[float, ...]) -> Plane:
+    """Return the plane at coordinate `at` within the box from `low` to `high`."""
+    ends = [tuple(at if d == axis else x for d, x in enumerate(end)) for end in (low, high)]
+    return Plane(axis, at, ends[0], ends[1])
 
 
 class Region(ABC):
     """A part of space. Points on its surface are inside or outside by a fixed rule.
 
-    Whether a point is inside is computed for each point alone, in a fixed order of operations,
-    so that the answer does not depend on the other points of the call.
+    Everything is computed for each point alone, in a fixed order of operations, so that the answer
+    does not depend on the other points of the call.
     """
 
     @abstractmethod
@@ -43,6 +62,53 @@ class Region(ABC):
     @abstractmethod
     def bounds(self) -> Bounds:
         """Return the low and the high corner, shape (D,) each, of a box around the region."""
+
+    @abstractmethod
+    def distance(self, points: Points) -> Lengths:
+        """Return a bound of the distance to the surface: negative inside, never too far from zero.
+
+        It grows by no more than the way between two points, so that a ball round a point, of a
+        smaller radius than its amount, is all inside or all outside.
+        """
+
+    @abstractmethod
+    def curved(self, points: Points) -> Lengths:
+        """Return a bound of the distance to those parts of the surface that `planes` leaves out.
+
+        Zero or more; infinite where there are none.
+        """
+
+    @abstractmethod
+    def planes(self) -> list[Plane]:
+        """Return the parts of the surface across an axis, and places to cut at besides.
+
+        Curved surfaces are better measured apart on both sides of their extremes.
+        """
+
+    @abstractmethod
+    def crossings(self, points: Points, axis: int) -> Lengths:
+        """Tell where lines through the points may enter or leave the region.
+
+        Parameters
+        ----------
+        points : ndarray of float64, shape (n, D)
+            A point of each line.
+        axis : int
+            Direction of all lines.
+
+        Returns
+        -------
+        ndarray of float64, shape (n, k)
+            Coordinates along the axis in any order; NaN where a line has fewer than k.
+        """
+
+
+def roots(a: Lengths | float, b: Lengths, c: Lengths) -> Lengths:
+    """Return both solutions of a x^2 + 2 b x + c = 0, (n, 2); NaN where there are none."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        root = np.sqrt(b * b - a * c)
+        q = -(b + np.copysign(root, b))
+        return np.stack([q / a, c / q], axis=1)
 
 
 def _registry() -> Mapping[str, type[BaseModel]]:

@@ -7,7 +7,15 @@ from pydantic import Field, model_validator
 
 from pgimp.case.base import Model, Vector
 from pgimp.case.problems import Problem, raise_problems
-from pgimp.scene.regions.base import Bounds, Mask, Points, Region
+from pgimp.scene.regions.base import (
+    Bounds,
+    Lengths,
+    Mask,
+    Plane,
+    Points,
+    Region,
+    across,
+)
 
 
 class Box(Model, Region):
@@ -41,3 +49,24 @@ class Box(Model, Region):
     def bounds(self) -> Bounds:
         """See `Region.bounds`."""
         return self.min, self.max
+
+    def distance(self, points: Points) -> Lengths:
+        """See `Region.distance`."""
+        distance = np.full(len(points), -np.inf)
+        for i, (low, high) in enumerate(zip(self.min, self.max, strict=True)):
+            np.maximum(distance, low - points[:, i], out=distance)
+            np.maximum(distance, points[:, i] - high, out=distance)
+        return distance
+
+    def curved(self, points: Points) -> Lengths:
+        """See `Region.curved`; there are none."""
+        return np.full(len(points), np.inf)
+
+    def planes(self) -> list[Plane]:
+        """See `Region.planes`."""
+        ends = enumerate(zip(self.min, self.max, strict=True))
+        return [across(i, at, self.min, self.max) for i, pair in ends for at in pair]
+
+    def crossings(self, points: Points, axis: int) -> Lengths:
+        """See `Region.crossings`."""
+        return np.tile([self.min[axis], self.max[axis]], (len(points), 1))

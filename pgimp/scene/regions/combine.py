@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
+import numpy as np
 from pydantic import ConfigDict, Field, RootModel, model_validator
 
 from pgimp.case.base import tuples
-from pgimp.scene.regions.base import Bounds, Mask, Points, Region, RegionEntry
+from pgimp.scene.regions.base import Bounds, Lengths, Mask, Plane, Points, Region, RegionEntry
 
 
 class Combination(RootModel[Annotated[tuple[RegionEntry, ...], Field(min_length=2)]], Region):
@@ -20,6 +21,21 @@ class Combination(RootModel[Annotated[tuple[RegionEntry, ...], Field(min_length=
     def _take_lists(cls, data: Any) -> Any:
         return tuples(data)
 
+    def curved(self, points: Points) -> Lengths:
+        """See `Region.curved`."""
+        nearest = self.root[0].curved(points)
+        for region in self.root[1:]:
+            nearest = np.minimum(nearest, region.curved(points))
+        return nearest
+
+    def planes(self) -> list[Plane]:
+        """See `Region.planes`."""
+        return [plane for region in self.root for plane in region.planes()]
+
+    def crossings(self, points: Points, axis: int) -> Lengths:
+        """See `Region.crossings`."""
+        return np.concatenate([part.crossings(points, axis) for part in self.root], axis=1)
+
 
 class Union(Combination):
     """All points that lie in at least one of the regions."""
@@ -30,6 +46,13 @@ class Union(Combination):
         for region in self.root[1:]:
             inside |= region.contains(points)
         return inside
+
+    def distance(self, points: Points) -> Lengths:
+        """See `Region.distance`."""
+        distance = self.root[0].distance(points)
+        for region in self.root[1:]:
+            distance = np.minimum(distance, region.distance(points))
+        return distance
 
     def bounds(self) -> Bounds:
         """See `Region.bounds`."""
@@ -49,6 +72,13 @@ class Difference(Combination):
         for region in self.root[1:]:
             inside &= ~region.contains(points)
         return inside
+
+    def distance(self, points: Points) -> Lengths:
+        """See `Region.distance`."""
+        distance = self.root[0].distance(points)
+        for region in self.root[1:]:
+            distance = np.maximum(distance, -region.distance(points))
+        return distance
 
     def bounds(self) -> Bounds:
         """See `Region.bounds`; those of the first region."""

@@ -10,7 +10,16 @@ from pydantic import Field, model_validator
 
 from pgimp.case.base import Model, Positive, Vector
 from pgimp.case.problems import Problem, raise_problems
-from pgimp.scene.regions.base import Bounds, Mask, Points, Region
+from pgimp.scene.regions.base import (
+    Bounds,
+    Lengths,
+    Mask,
+    Plane,
+    Points,
+    Region,
+    across,
+    roots,
+)
 
 
 class Cylinder(Model, Region):
@@ -38,6 +47,11 @@ class Cylinder(Model, Region):
 
     def contains(self, points: Points) -> Mask:
         """See `Region.contains`."""
+        along, square = self._cylindrical(points)
+        return (0.0 <= along) & (along < self._length()) & (square < self.radius * self.radius)
+
+    def _cylindrical(self, points: Points) -> tuple[Lengths, Lengths]:
+        """Return the coordinate along the axis and the squared distance from it."""
         axis = self._axis()
         along = np.zeros(len(points))
         for i, a in enumerate(self.start):
@@ -45,10 +59,61 @@ class Cylinder(Model, Region):
         square = np.zeros(len(points))
         for i, a in enumerate(self.start):
             square += ((points[:, i] - a) - along * axis[i]) ** 2
-        return (0.0 <= along) & (along < self._length()) & (square < self.radius * self.radius)
+        return along, square
 
     def bounds(self) -> Bounds:
         """See `Region.bounds`."""
         reach = [self.radius * math.sqrt(max(0.0, 1.0 - u * u)) for u in self._axis()]
         pairs = list(zip(self.start, self.end, reach, strict=True))
         return tuple(min(a, b) - r for a, b, r in pairs), tuple(max(a, b) + r for a, b, r in pairs)
+
+    def _parallel(self) -> int | None:
+        """Return the direction that the axis has, if it is one of the grid's."""
+        moved = [i for i, (a, b) in enumerate(zip(self.start, self.end, strict=True)) if a != b]
+        return moved[0] if len(moved) == 1 else None
+
+    def distance(self, points: Points) -> Lengths:
+        """See `Region.distance`."""
+        along, square = self._cylindrical(points)
+        ends = np.maximum(-along, along - self._length())
+        return np.maximum(np.sqrt(square) - self.radius, ends)
+
+    def curved(self, points: Points) -> Lengths:
+        """See `Region.curved`; the mantle, and tilted ends."""
+        along, square = self._cylindrical(points)
+        mantle = np.abs(np.sqrt(square) - self.radius)
+        if self._parallel() is not None:
+            return mantle
+        return np.minimum(mantle, np.minimum(np.abs(along), np.abs(along - self._length())))
+
+    def planes(self) -> list[Plane]:
+        """See `Region.planes`; if the axis is one of the grid's, the ends and what touches."""
+        parallel = self._parallel()
+        if parallel is None:
+            return []
+        low, high = self.bounds()
+        found = [across(parallel, at, low, high) for at in (low[parallel], high[parallel])]
+        line = [tuple(ends[i] if i == parallel else self.start[i] for i in range(3))
+                for ends in (low, high)]  # fmt: skip
+        sides = [i for i in range(3) if i != parallel]
+        return found + [across(i, at, *line) for i in sides for at in (low[i], high[i])]
+
+    def crossings(self, points: Points, axis: int) -> Lengths:
+        """See `Region.crossings`; x is counted from each point's own coordinate."""
+        u = self._axis()
+        along = np.zeros(len(points))
+        for i, a in enumerate(self.start):
+            along += (points[:, i] - a) * u[i]
+        # Square of the distance from the axis: its constant, half its linear and quadratic terms.
+        c = np.full(len(points), -self.radius * self.radius)
+        b = np.zeros(len(points))
+        for i, a in enumerate(self.start):
+            away = (points[:, i] - a) - along * u[i]
+            slope = float(i == axis) - u[axis] * u[i]
+            c += away * away
+            b += away * slope
+        aa = sum((float(i == axis) - u[axis] * u[i]) ** 2 for i in range(3))
+        mantle = roots(aa, b, c) if aa > 0.0 else np.full((len(points), 2), np.nan)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            ends = np.stack([-along, self._length() - along], axis=1) / u[axis]
+        return np.concatenate([mantle, ends], axis=1) + points[:, axis : axis + 1]

@@ -1,0 +1,240 @@
+"""How much of each lattice box a body fills, and the particles that this makes of them.
+
+A lattice box is the box of a particle's full size round a lattice point. One that the surface
+cuts takes the share of volume, mass and momentum of its part inside (3-5), so that the sums over a
+body are those of the body (7, 8); it keeps its full size and its place at the lattice point. A part
+below `SLIVER` of a box merges inwards: it goes to the fullest of the neighbours.
+"""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pgimp.scene.measure import measure
+from pgimp.scene.regions.base import Region
+
+Ranges = list[tuple[int, int]]
+Places = NDArray[np.int64]
+Reals = NDArray[np.float64]
+
+#: Points that are looked at one by one at a time, and boxes at a time in slabs of planes.
+_BLOCK = 200_000
+_SLAB = 4_000_000
+
+#: Part of a box below which what the surface leaves of it merges into a neighbour, if one has more.
+SLIVER = 1e-3
+
+#: Points of a brick, for which one look may decide.
+_BRICK = 512
+
+
+class Survey(NamedTuple):
+    """Boxes of a part of the lattice that lie in a body.
+
+    Attributes
+    ----------
+    ranges : list of (int, int)
+        The part of the lattice: first box and end by direction; its boxes are numbered in C order.
+    whole : bool, one for each box
+        Boxes that lie inside altogether, those of `places` excepted.
+    places : (n,) int64
+        Numbers of boxes with a fraction other than 0 and 1, ascending.
+    fractions : (n,) float64
+        Volume of their parts inside, over that of a box.
+    moments : (n, D) float64
+        Integrals over their parts of the position relative to the box's centre, over the volume
+        of a box.
+    """
+
+    ranges: Ranges
+    whole: NDArray[np.bool_]
+    places: Places
+    fractions: Reals
+    moments: Reals
+
+    @property
+    def exists(self) -> NDArray[np.bool_]:
+        """Boxes with a particle."""
+        exists = self.whole.copy()
+        exists[self.places] = True
+        return exists
+
+    def fraction(self, places: Places) -> Reals:
+        """Fractions of the boxes with these numbers, (n,)."""
+        return self._take(places, self.whole[places].astype(float), self.fractions)
+
+    def moment(self, places: Places) -> Reals:
+        """Moments of the boxes with these numbers, (n, D)."""
+        return self._take(places, np.zeros((len(places), self.moments.shape[1])), self.moments)
+
+    def _take(self, places: Places, values: Reals, special: Reals) -> Reals:
+        """Replace the values of boxes that are among the special ones."""
+        if len(self.places):
+            at = np.minimum(np.searchsorted(self.places, places), len(self.places) - 1)
+            found = self.places[at] == places
+            values[found] = special[at[found]]
+        return values
+
+
+def _points(axes: list[Reals], ranges: Ranges, places: Places) -> NDArray[np.float64]:
+    """Points of a lattice by their numbers in a part of it, (n, D)."""
+    index = np.unravel_index(places, tuple(end - begin for begin, end in ranges))
+    parts = [x[i + r[0]] for x, i, r in zip(axes, index, ranges, strict=True)]
+    return np.stack(parts, axis=1)
+
+
+class Filling:
+    """The boxes of the lattice that a body fills.
+
+    Parameters
+    ----------
+    region : Region
+        The body's.
+    edges, centres : list of (n + 1,) and of (n,) float64
+        Coordinates of the lattice's boxes by direction.
+    cut : bool
+        Whether surfaces cut boxes; otherwise those whose centres lie inside are whole.
+    """
+
+    def __init__(self, region: Region, edges: list[Reals], centres: list[Reals], cut: bool) -> None:
+        self.region, self.edges, self.centres, self.cut = region, edges, centres, cut
+        low, high = region.bounds()
+        self.box: Ranges = []
+        for e, a, b in zip(edges, low, high, strict=True):
+            begin = int(np.searchsorted(e, a, "right")) - 1
+            end = int(np.searchsorted(e, b, "left"))
+            self.box.append((max(0, begin), min(len(e) - 1, end)))
+        self.size = np.array([(e[-1] - e[0]) / (len(e) - 1) for e in edges])
+        self.radius = 0.5 * float(np.sqrt((self.size * self.size).sum())) * (1.0 + 1e-9)
+        # What rounding of coordinates leaves of a box, or lacks of one.
+        reach = max(
+            float(np.abs(e[[0, -1]]).max() / h) for e, h in zip(edges, self.size, strict=True)
+        )
+        self.rounding = 1e-12 + 16.0 * float(np.finfo(float).eps) * reach
+
+    def slabs(self, planes: tuple[int, int]) -> Iterator[Survey]:
+        """Surveys of the body's boxes in a range of planes, slivers merged, in ascending order."""
+        first, last = max(planes[0], self.box[0][0]), min(planes[1], self.box[0][1])
+        if first >= last or any(begin >= end for begin, end in self.box):
+            return
+        row = int(np.prod([end - begin for begin, end in self.box[1:]], initial=1))
+        deep = max(1, _SLAB // row)
+        halo = 2 if self.cut else 0  # a sliver's neighbour, and of that the slivers around
+        for begin in range(first, last, deep):
+            end = min(begin + deep, last)
+            wide = (max(begin - halo, self.box[0][0]), min(end + halo, self.box[0][1]))
+            survey = self._merge(self.survey([wide, *self.box[1:]]))
+            part = slice((begin - wide[0]) * row, (end - wide[0]) * row)
+            at = slice(*np.searchsorted(survey.places, (part.start, part.stop)))
+            yield Survey(
+                [(begin, end), *self.box[1:]], survey.whole[part], survey.places[at] - part.start,
+                survey.fractions[at], survey.moments[at],
+            )  # fmt: skip
+
+    def survey(self, ranges: Ranges) -> Survey:
+        """Look at a part of the lattice, slivers as they are."""
+        shape = tuple(end - begin for begin, end in ranges)
+        inside, mixed = self._bricks(ranges)
+        whole = inside.reshape(-1)
+        cut, rows = [], np.flatnonzero(mixed)
+        for begin in range(0, len(rows), _BLOCK):
+            part = rows[begin : begin + _BLOCK]
+            points = self.points(ranges, part)
+            if self.cut:
+                distance = self.region.distance(points)
+                whole[part] = distance < -self.radius
+                cut.append(part[np.abs(distance) <= self.radius])
+            else:
+                whole[part] = self.region.contains(points)
+        places = np.concatenate(cut) if cut else np.zeros(0, np.int64)
+        fractions, moments = np.zeros(len(places)), np.zeros((len(places), len(ranges)))
+        for begin in range(0, len(places), _BLOCK):
+            few = slice(begin, begin + _BLOCK)
+            fractions[few], moments[few] = self._measure(ranges, shape, places[few])
+        whole[places] = fractions == 1.0
+        keep = (fractions > 0.0) & (fractions != 1.0)
+        return Survey(ranges, whole, places[keep], fractions[keep], moments[keep])
+
+    def _measure(
+        self, ranges: Ranges, shape: tuple[int, ...], places: Places
+    ) -> tuple[Reals, Reals]:
+        """Fractions and moments of boxes; exactly 0 or 1 where only rounding is left or missing."""
+        index = [i + r[0] for i, r in zip(np.unravel_index(places, shape), ranges, strict=True)]
+        low = np.stack([e[i] for e, i in zip(self.edges, index, strict=True)], axis=1)
+        high = np.stack([e[i + 1] for e, i in zip(self.edges, index, strict=True)], axis=1)
+        volume, moment = measure(self.region, low, high)
+        full = float(np.prod(self.size))
+        volume /= full
+        moment /= full
+        volume[volume <= self.rounding] = 0.0
+        volume[np.abs(volume - 1.0) <= self.rounding] = 1.0
+        return volume, moment
+
+    def points(self, ranges: Ranges, places: Places) -> NDArray[np.float64]:
+        """Centres of the boxes with these numbers in a part of the lattice, (n, D)."""
+        return _points(self.centres, ranges, places)
+
+    def _bricks(self, ranges: Ranges) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        """Boxes in bricks that lie inside altogether, and in bricks that may meet the surface."""
+        side = round(_BRICK ** (1.0 / len(ranges)))
+        middles, square = [], 0.0
+        for e, (begin, end) in zip(self.edges, ranges, strict=True):
+            low = np.arange(begin, end, side)
+            high = np.minimum(low + side, end)
+            middles.append(0.5 * (e[low] + e[high]))
+            square += float((e[high] - e[low]).max()) ** 2
+        radius = 0.5 * np.sqrt(square) * (1.0 + 1e-9)
+        shape = tuple(map(len, middles))
+        distance = np.empty(int(np.prod(shape)))
+        for begin in range(0, len(distance), _BLOCK):
+            places = np.arange(begin, min(begin + _BLOCK, len(distance)))
+            points = _points(middles, [(0, n) for n in shape], places)
+            distance[places] = self.region.distance(points)
+        masks = []
+        for mask in (distance < -radius, np.abs(distance) <= radius):
+            boxes = mask.reshape(shape)
+            for d, (begin, end) in enumerate(ranges):
+                boxes = np.repeat(boxes, side, axis=d)
+                boxes = boxes[(slice(None),) * d + (slice(0, end - begin),)]
+            masks.append(np.ascontiguousarray(boxes))
+        return masks[0], masks[1]
+
+    def _merge(self, survey: Survey) -> Survey:
+        """Give each sliver to the fullest of its neighbours, of equal ones to the first."""
+        small = np.flatnonzero(survey.fractions < SLIVER)
+        if len(small) == 0:
+            return survey
+        slivers = survey.places[small]
+        shape = tuple(end - begin for begin, end in survey.ranges)
+        index = np.unravel_index(slivers, shape)
+        target = np.full(len(slivers), -1)
+        fullest = np.full(len(slivers), np.nextafter(SLIVER, 0.0))
+        away = np.zeros((len(slivers), len(shape)))
+        for steps in np.ndindex(*(3,) * len(shape)):
+            step = np.array(steps) - 1
+            there = [i + s for i, s in zip(index, step, strict=True)]
+            valid = np.ones(len(slivers), bool)
+            for i, n in zip(there, shape, strict=True):
+                valid &= (0 <= i) & (i < n)
+            rows = np.flatnonzero(valid)
+            places = np.ravel_multi_index([i[rows] for i in there], shape)
+            fraction = survey.fraction(places)
+            better = fraction > fullest[rows]
+            rows = rows[better]
+            target[rows], fullest[rows] = places[better], fraction[better]
+            away[rows] = -step * self.size
+        goes = target >= 0
+        small, target, away = small[goes], target[goes], away[goes]
+        kept = np.ones(len(survey.places), bool)
+        kept[small] = False
+        places = np.union1d(survey.places[kept], target)
+        fractions, moments = survey.fraction(places), survey.moment(places)
+        whole = survey.whole.copy()
+        whole[places] = False
+        at = np.searchsorted(places, target)
+        given = survey.fractions[small]
+        np.add.at(fractions, at, given)  # one after the other, in the order of the boxes
+        np.add.at(moments, at, survey.moments[small] + given[:, None] * away)
+        return survey._replace(whole=whole, places=places, fractions=fractions, moments=moments)
