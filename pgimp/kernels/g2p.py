@@ -5,7 +5,7 @@ from math import isfinite, sqrt
 from pgimp.kernels.algebra import determinant, multiply, one_plus, symmetric
 from pgimp.kernels.grips import gripped
 from pgimp.kernels.jit import kernel, specialise
-from pgimp.kernels.loads import add_power
+from pgimp.kernels.loads import add_power, relaxed
 from pgimp.kernels.transfer import components, first_vertex, gather, gradient, support
 from pgimp.kernels.tuples import plus_scaled, read, write
 from pgimp.kernels.viscosity import stiffened, thicken
@@ -123,6 +123,7 @@ def grid_to_particles(
                 layer * window.stride[0], G, u, dt, work, layer,
             )  # fmt: skip
             v = plus_scaled(dt, a, read(particles.v, p, 0, u))  # (27)
+            v = relaxed(loads.relaxation, dt, v, u)
             u, v = gripped(grips, particles, p, u, v, impulse, work, layer)
             x = plus_scaled(dt, u, read(particles.x, p, 0, u))  # (26)
             L = gradient(D)  # (30)

@@ -1,4 +1,4 @@
-"""What a scene may add to a particle's stress: viscosity, surface tractions, a field of body force.
+"""What a scene may add to stress and gravity: viscosity, tractions, a body force, relaxation.
 
 Each is `()` in a scene without it; the types decide what is compiled, so that it costs nothing.
 """
@@ -9,7 +9,7 @@ from pgimp.exact.base import body_force
 from pgimp.kernels.jit import specialise
 from pgimp.kernels.simd import pack
 from pgimp.kernels.tractions import scatter_tractions, traction_power
-from pgimp.kernels.tuples import read
+from pgimp.kernels.tuples import plus_scaled, read, scaled
 
 
 class Loads(NamedTuple):
@@ -23,11 +23,14 @@ class Loads(NamedTuple):
         See `pgimp.kernels.tractions`.
     force : BodyForce or ()
         See `pgimp.exact.base`.
+    relaxation : float or ()
+        Rate at which particles take on the grid's velocity, see `relaxed`.
     """
 
     viscosity: Any = ()
     tractions: Any = ()
     force: Any = ()
+    relaxation: Any = ()
 
 
 def _force(force, frame, particles, p):
@@ -88,6 +91,26 @@ def _force_power_of(force, frame, particles, p, u):
         return particles.m[p] * rate
 
     return power
+
+
+def relaxed(rate, dt, v, u):
+    """Velocity v of a particle, after (27), moved towards the grid's at its place, u.
+
+    By (27) alone a particle keeps for ever what the grid cannot resolve of its velocity; this
+    relaxes it at a rate that does not depend on the step, with part of what the grid can resolve.
+    """
+
+
+@specialise(relaxed)
+def _relaxed(rate, dt, v, u):
+    if hasattr(rate, "count"):  # ()
+        return lambda rate, dt, v, u: v
+
+    def relax(rate, dt, v, u):
+        part = min(rate * dt, 1.0)
+        return plus_scaled(part, u, scaled(1.0 - part, v))
+
+    return relax
 
 
 def scatter_loads(loads, shape, frame, window, particles, p, layer, W, scratch):

@@ -39,6 +39,7 @@ class SceneLoads:
                 np.array([entry.quadratic if entry else 0.0 for entry in entries]),
                 float(min(case.grid.cell)),
             )
+        self.relaxation: Any = float(case.method.relaxation) or ()
         self.exact = exact
         self.tractions = list(case.tractions.values())
         self.constraints = list(case.constraints.values())
@@ -74,7 +75,8 @@ class SceneLoads:
         tractions = tuple(
             entry.parameters(2 * i, *self._patch, t) for i, entry in enumerate(self.tractions)
         )
-        return Loads(self.viscosity, tractions, BodyForce(self.exact, t) if self.exact else ())
+        force = BodyForce(self.exact, t) if self.exact else ()
+        return Loads(self.viscosity, tractions, force, self.relaxation)
 
     def _grips_at(self, start: float, end: float) -> tuple:
         return tuple(entry.parameters(start, end) for entry in self.constraints)

@@ -4,7 +4,7 @@ from typing import ClassVar, Literal
 
 from pydantic import Field
 
-from pgimp.case.base import Count, Model
+from pgimp.case.base import Count, Model, NonNegative
 from pgimp.kernels.jit import exact, specialise
 
 
@@ -13,6 +13,12 @@ class Shape(Model):
 
     particles_per_cell: tuple[Count, ...] = Field(
         description="particles per cell along each direction"
+    )
+
+    relaxation: NonNegative = Field(
+        default=0.0,
+        description="rate at which particles' velocities relax to the grid's: damps noise that "
+        "the grid cannot resolve, and a little of the motion that it can; 0: none [1/time]",
     )
 
     #: Vertices a direction in a support.
