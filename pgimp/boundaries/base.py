@@ -13,6 +13,9 @@ class Boundary(Model):
     #: Whether the face reflects what particles carry beyond it, where their shape asks for that.
     mirrors: ClassVar[bool] = True
 
+    #: Whether the material may leave the face.
+    releases: ClassVar[bool] = False
+
     @property
     def varies(self) -> bool:
         """Whether the parameters change in time, so that they are made anew for every step."""

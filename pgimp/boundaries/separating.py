@@ -1,6 +1,6 @@
 """A frictionless wall that lets go: the normal part is held only when moving into the wall."""
 
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 from pgimp.boundaries.base import Boundary
 
@@ -26,6 +26,8 @@ class SeparatingParameters(NamedTuple):
 
 class Separating(Boundary):
     """Frictionless wall from which the material lifts off freely: a floor, a stop."""
+
+    releases: ClassVar[bool] = True
 
     def parameters(self, axis: int, side: int, start: float, end: float) -> SeparatingParameters:
         """See `Boundary.parameters`."""

@@ -3,42 +3,102 @@
 The vertices beyond the face hand their sums to their mirror images before the momentum update:
 mass, tangential momentum and force add, the normal parts subtract. After it they get the
 reflection of their images' velocity and acceleration, which the particles then gather.
+
+What the particles gain over a step is the sum of m a dt over all vertices, with the masses m' that
+they carry beyond: the normal force f' from there counts twice in the images' motion, and m' moves
+against them. The face therefore gives -2 (f' + m' a) dt; see `fold` and `reflect`.
 """
+
+from typing import NamedTuple
 
 from pgimp.kernels.jit import kernel
 
 
+class Mirror(NamedTuple):
+    """A face that reflects.
+
+    Attributes
+    ----------
+    axis, side : int
+        The face: direction, and -1 for its low end or 1 for its high end.
+    number : int
+        Its place among all faces with a condition.
+    releases : bool
+        Whether it lets the material go: it then reflects nothing beyond a vertex that would leave.
+    """
+
+    axis: int
+    side: int
+    number: int
+    releases: bool
+
+
 @kernel
-def fold(frame, window, G, active, axis, side):
-    """Add the sums beyond a face to those of the mirror images; leaves zeros beyond."""
+def fold(frame, window, G, active, mirror, dt, gravity, owned, impulse):
+    """Add the sums beyond a face to those of the mirror images.
+
+    Beyond it vertices are left without mass, which `reflect` finds in their record's fifth place.
+
+    Parameters
+    ----------
+    frame, window, G, active, dt, gravity, owned, impulse
+        As in `update_momentum`.
+    mirror : Mirror
+        The face.
+    """
+    axis = mirror.axis
     for i in range(len(active)):
         if active[i] == 0:
             continue
         for j in range(window.extent[1]):
             for k in range(window.extent[2]):
-                g, r = _pair(frame, window, active, axis, side, i, j, k)
-                if r < 0:
+                g, r, wall = _places(frame, window, active, mirror, i, j, k)
+                if r < 0 or G[g] == 0.0:
                     continue
+                if mirror.releases:
+                    push = G[wall + 5 + axis] + G[wall] * gravity[axis]
+                    if (G[wall + 1 + axis] + dt * push) * mirror.side <= 0.0:
+                        continue
+                if i < owned:
+                    impulse[i, mirror.number, axis] -= 2.0 * dt * G[g + 5 + axis]
                 G[r] += G[g]
                 for d in range(3):
                     sign = -1.0 if d == axis else 1.0
                     G[r + 1 + d] += sign * G[g + 1 + d]
                     G[r + 5 + d] += sign * G[g + 5 + d]
+                mass = G[g]
                 for d in range(8):
                     G[g + d] = 0.0
+                G[g + 4] = mass
 
 
 @kernel
-def reflect(frame, window, G, active, axis, side):
-    """Set velocity and acceleration beyond a face from the mirror images."""
+def reflect(frame, window, G, active, mirror, dt, gravity, owned, impulse, work):
+    """Set velocity and acceleration beyond a face from the mirror images.
+
+    Of several faces the last one that has folded reflects first.
+
+    Parameters
+    ----------
+    frame, window, G, active, dt, gravity, owned, impulse, work
+        As in `update_momentum`, which has counted the work of gravity on what was folded as if it
+        moved with the images; its normal part moves against them.
+    mirror : Mirror
+        The face.
+    """
+    axis = mirror.axis
     for i in range(len(active)):
         if active[i] == 0:
             continue
         for j in range(window.extent[1]):
             for k in range(window.extent[2]):
-                g, r = _pair(frame, window, active, axis, side, i, j, k)
-                if r < 0:
+                g, r, _ = _places(frame, window, active, mirror, i, j, k)
+                if r < 0 or G[g] > 0.0:
                     continue
+                if i < owned:
+                    twice = 2.0 * dt * G[g + 4]
+                    impulse[i, mirror.number, axis] -= twice * G[r + 5 + axis]
+                    work[i] -= twice * gravity[axis] * G[r + 1 + axis]
                 for d in range(3):
                     sign = -1.0 if d == axis else 1.0
                     G[g + 1 + d] = sign * G[r + 1 + d]
@@ -46,18 +106,23 @@ def reflect(frame, window, G, active, axis, side):
 
 
 @kernel
-def _pair(frame, window, active, axis, side, i, j, k):
-    """Places of a vertex beyond the face and of its mirror image; -1 for other vertices."""
+def _places(frame, window, active, mirror, i, j, k):
+    """Places of a vertex beyond the face, of its mirror image, and of the one between on the face.
+
+    All are -1 for other vertices, and where the image is not stored: then the vertex has no weight.
+    """
+    axis, side = mirror.axis, mirror.side
     number = window.lower[axis] + (i if axis == 0 else (j if axis == 1 else k))
     wall = frame.ghost if side < 0 else frame.ghost + frame.cells[axis]
     beyond = (number - wall) * side
     if beyond <= 0:
-        return -1, -1
+        return -1, -1, -1
     shift = -2 * beyond * side
     image = number - window.lower[axis] + shift
     if image < 0 or image >= window.extent[axis]:
-        return -1, -1
+        return -1, -1, -1
     if axis == 0 and active[image] == 0:
-        return -1, -1
+        return -1, -1, -1
     place = i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
-    return place, place + shift * window.stride[axis]
+    step = shift * window.stride[axis]
+    return place, place + step, place + step // 2

@@ -8,6 +8,7 @@ import numpy as np
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.kernels.errors import initial_velocities
+from pgimp.kernels.mirror import Mirror
 from pgimp.scene.lattice import Lattice, census
 from pgimp.scene.loads import SceneLoads
 from pgimp.scene.tables import VectorTable
@@ -44,7 +45,9 @@ class Scene:
     materials : tuple of NamedTuple
         Parameters of the materials in use, `material_of` the one of each body.
     faces : list of Face
-        Faces with a condition, x-min to z-max; `mirrors` those that reflect what lies beyond.
+        Faces with a condition, x-min to z-max.
+    mirrors : list of Mirror
+        Those that reflect what lies beyond.
     exact : NamedTuple or ()
         Parameters of the exact solution, if the case names one; `moves` if it gives the velocities.
     """
@@ -78,7 +81,11 @@ class Scene:
         named = case.boundaries
         order = [f"{axis}-{end}" for axis in AXES for end in ("min", "max")]
         self.faces = [Face(name, named[name]) for name in order if name in named]
-        self.mirrors = [f for f in self.faces if shape.mirrors and f.condition.mirrors]
+        self.mirrors = [
+            Mirror(face.axis, face.side, number, face.condition.releases)
+            for number, face in enumerate(self.faces)
+            if shape.mirrors and face.condition.mirrors
+        ]
         self.exact: Any = case.exact.parameters(case) if case.exact else ()
         self.moves = bool(case.exact) and case.exact.moves
         force = self.exact if case.exact and case.exact.forced else ()

@@ -45,9 +45,11 @@ def step(sim: "Simulation", dt: float, end: float) -> tuple[int, int, float]:
         sim.halo.unite(grid)
     times.append(perf_counter())
 
-    for face in scene.mirrors:
-        fold(frame, window, grid.G, grid.active, face.axis, face.side)
     gravity = scene.gravity(sim.time)
+    for mirror in scene.mirrors:
+        fold(
+            frame, window, grid.G, grid.active, mirror, dt, gravity, sim.owned_planes, sim.impulse
+        )
     faces = sim.faces if not scene.varies else scene.face_parameters(sim.time, end)
     update_momentum(  # (14, 17) and the boundary conditions
         frame, window, grid.G, grid.active, dt, gravity, sim.lightest, faces,
@@ -58,8 +60,11 @@ def step(sim: "Simulation", dt: float, end: float) -> tuple[int, int, float]:
             window, grid.G, grid.active, grid.marks, grips, dt,
             sim.owned_planes, sim.grip_impulse, sim.work,
         )  # fmt: skip
-    for face in scene.mirrors:
-        reflect(frame, window, grid.G, grid.active, face.axis, face.side)
+    for mirror in reversed(scene.mirrors):
+        reflect(
+            frame, window, grid.G, grid.active, mirror, dt, gravity,
+            sim.owned_planes, sim.impulse, sim.work,
+        )  # fmt: skip
     times.append(perf_counter())
 
     fault, row, found, rate, clamped = grid_to_particles(  # (26, 27, 29, 30)

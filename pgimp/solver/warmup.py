@@ -39,9 +39,11 @@ def warm_up(scene: Scene, identity: tuple[float, ...]) -> None:
         frame, grid.window, grid.G, grid.active, 1.0, scene.gravity(0.0), 0.0, faces, 1,
         np.zeros((1, len(faces), 3)), np.zeros((1, len(faces))), np.zeros(1),
     )  # fmt: skip
-    for face in scene.mirrors:
-        for mirror in (fold, reflect):
-            mirror(frame, grid.window, grid.G, np.zeros(0, np.uint8), face.axis, face.side)
+    for mirror in scene.mirrors:
+        none, impulse = np.zeros(0, np.uint8), np.zeros((1, len(faces), 3))
+        given = (frame, grid.window, grid.G, none, mirror, 1.0, scene.gravity(0.0), 1, impulse)
+        fold(*given)
+        reflect(*given, np.zeros(1))
     grid_to_particles(
         shape, scene.materials, frame, grid.window, p, loads, grips, rows, start,
         scene.material_of, grid.G, 1.0, True, False, grid.bounds, reach, rows.copy(),
