@@ -1,10 +1,16 @@
 """Surface tractions (18): forces on faces of boxes, carried by the particles along the face.
 
-A particle at the face carries a patch of it: its area in the initial state and its distance from
-the particle's centre. The patch moves, stretches and turns with the particle; its force goes to the
-vertices by the integral of S_v over the patch, replaced by the mean over the box along the grid
-with the patch's second moments. In equilibrium that cancels the internal force (16) at the vertices
-just beyond the surface, however light they are.
+Where the stress is uniform, the particles' internal forces (16) cancel inside the body and leave
+-sigma grad(sum_p chi_p) at its surface. A traction is spread over the very same places: with boxes
+over the outermost particles' outer sides, with tents over the layer in which their sum falls to
+zero, and where the surface cuts particles over the outer sides of these and of their inner
+neighbours, in proportion. In equilibrium it then cancels the internal force at every vertex beyond
+the surface, however light, wherever the body has moved.
+
+So a particle at the face carries a patch: its area in the initial state is stored, its place
+relative to the particle is one for all. Patches move, stretch and turn as the particles of the
+shape do: where sizes follow F they stay exact for stretches along the grid and quarter turns; in
+between they have the right second moments. Points (mpm) carry the force where they are.
 """
 
 from math import sqrt
@@ -13,9 +19,6 @@ from typing import NamedTuple
 from pgimp.kernels.jit import kernel, specialise
 from pgimp.kernels.simd import lane, pack
 from pgimp.kernels.transfer import deformation, first_vertex, gather, half_widths, scatter
-
-#: Least half-width of a patch in cells: below, the mean would lose digits.
-THINNEST = 1e-4
 
 
 class Traction(NamedTuple):
@@ -26,9 +29,14 @@ class Traction(NamedTuple):
     axis, side : int
         The box's face: its normal in the initial state is `side` times the unit vector `axis`.
     column : int
-        Columns `column` (area) and `column` + 1 (distance along the axis) of ``particles.patch``.
+        Column of ``particles.patch`` with the patches' areas.
+    reach : float
+        Distance of a patch's centre from its particle's along the axis, in the initial state.
     half : tuple of float
-        Half the spacing of the particles by direction; zeros for points.
+        Half-widths of a patch by direction in the initial state: along the axis that of a box,
+        across it those of chi_p; zeros for points.
+    tents : bool
+        Whether chi_p, and so the patch across the axis, is a tent and not a box.
     follows : bool
         Whether patches follow the deformation gradient, as the particles of the shape do.
     traction : tuple of 3 float
@@ -40,7 +48,9 @@ class Traction(NamedTuple):
     axis: int
     side: int
     column: int
+    reach: float
     half: tuple[float, ...]
+    tents: bool
     follows: bool
     traction: tuple[float, float, float]
     pressure: float
@@ -74,49 +84,60 @@ def patch_force(traction, F, area):
 
 
 @kernel
-def _integral(r):
-    """Integral of the tent function from -1 to r, r in cells."""
-    r = min(max(r, -1.0), 1.0)
-    if r < 0.0:
-        return 0.5 * (1.0 + r) * (1.0 + r)
-    return 0.5 + r - 0.5 * r * r
-
-
-def _means(g, half, like):
-    """Means of the tents of vertices 0, 1, ... over [g - half, g + half], as many as in `like`."""
-
-
-@specialise(_means)
-def _means_of(g, half, like):
-    if len(like) == 1:
-        return lambda g, half, like: (
-            (_integral(g + half) - _integral(g - half)) / (2.0 * half),
-        )
-    return lambda g, half, like: (
-        (_integral(g + half) - _integral(g - half)) / (2.0 * half),
-        *_means(g - 1.0, half, like[1:]),
-    )
+def _rounding(tent, half, u):
+    """What the mean of abs(u + x), over x in a box or tent about 0, has more than abs(u)."""
+    r = half - abs(u)
+    if not r > 0.0:
+        return 0.0
+    return r * r * r / (3.0 * half * half) if tent else r * r / (2.0 * half)
 
 
 @kernel
-def _along(traction, frame, F, distance, x, d, vertex, like):
+def _mean(tent, half, g):
+    """Mean of the tent function of a vertex over a box or tent about g, in cells from the vertex.
+
+    Half-widths may be zero; nothing is lost by cancellation where the mean is small.
+    """
+    corners = _rounding(tent, half, g - 1.0) + _rounding(tent, half, g + 1.0)
+    return max(1.0 - abs(g), 0.0) + 0.5 * corners - _rounding(tent, half, g)
+
+
+def _means(tent, half, g, like):
+    """Means at vertices 0, 1, ..., as many as in `like`."""
+
+
+@specialise(_means)
+def _means_of(tent, half, g, like):
+    if len(like) == 1:
+        return lambda tent, half, g, like: (_mean(tent, half, g),)
+    return lambda tent, half, g, like: (
+        _mean(tent, half, g), *_means(tent, half, g - 1.0, like[1:]),
+    )  # fmt: skip
+
+
+@kernel
+def _along(traction, frame, F, x, d, vertex, like):
     """Weights of the support's vertices along direction `d`; the patch stays within the support."""
     D = len(frame.origin)
-    centre, square = 0.0, 0.0
-    if traction.follows:
-        for j in range(D):
-            if j == traction.axis:
-                centre = F[d * D + j] * distance
-            else:
-                square += (F[d * D + j] * traction.half[j]) ** 2
-    elif d == traction.axis:
-        centre = distance
-    else:
-        square = traction.half[d] ** 2
+    centre, deep, wide = 0.0, 0.0, 0.0
+    for j in range(D):
+        stretch = F[d * D + j] if traction.follows else (1.0 if j == d else 0.0)
+        if j == traction.axis:
+            centre = stretch * traction.side * traction.reach
+            deep = (stretch * traction.half[j]) ** 2
+        else:
+            wide += (stretch * traction.half[j]) ** 2
+    # The larger of the two decides on box or tent; a tent has half the second moment of a box.
+    tent = traction.tents and wide > 2.0 * deep
+    if tent:
+        deep *= 2.0
+    elif traction.tents:
+        wide *= 0.5
     last = len(like) - 1.0
-    half = min(max(sqrt(square) * frame.inverse[d], THINNEST), 0.5 * last)
-    g = (x + centre - frame.origin[d]) * frame.inverse[d] - (vertex - frame.ghost)
-    return _means(min(max(g, half), last - half), half, like)
+    half = min(sqrt(deep + wide) * frame.inverse[d], 0.5 * last)
+    g = (x - frame.origin[d]) * frame.inverse[d] - (vertex - frame.ghost)
+    g += centre * frame.inverse[d]
+    return _means(tent, half, min(max(g, half), last - half), like)
 
 
 def _support(traction, shape, frame, window, particles, p, layer, F, like):
@@ -128,29 +149,26 @@ def _support_of(traction, shape, frame, window, particles, p, layer, F, like):
     D = len(frame.types[0])
 
     def support1(traction, shape, frame, window, particles, p, layer, F, like):
-        o = particles.patch[p, traction.column + 1]
-        w = _along(traction, frame, F, o, particles.x[p, 0], 0, layer, like)
+        w = _along(traction, frame, F, particles.x[p, 0], 0, layer, like)
         return 0, ((w, w, window.stride[0]),)
 
     def support2(traction, shape, frame, window, particles, p, layer, F, like):
-        o = particles.patch[p, traction.column + 1]
         x, y = particles.x[p, 0], particles.x[p, 1]
         j = first_vertex(frame, 1, half_widths(shape, frame, particles, p)[1], y)
-        w = _along(traction, frame, F, o, x, 0, layer, like)
-        v = _along(traction, frame, F, o, y, 1, j, like)
+        w = _along(traction, frame, F, x, 0, layer, like)
+        v = _along(traction, frame, F, y, 1, j, like)
         return (j - window.lower[1]) * window.stride[1], (
             (w, w, window.stride[0]),
             (v, v, window.stride[1]),
         )
 
     def support3(traction, shape, frame, window, particles, p, layer, F, like):
-        o = particles.patch[p, traction.column + 1]
         x, y, z = particles.x[p, 0], particles.x[p, 1], particles.x[p, 2]
         half = half_widths(shape, frame, particles, p)
         j, k = first_vertex(frame, 1, half[1], y), first_vertex(frame, 2, half[2], z)
-        w = _along(traction, frame, F, o, x, 0, layer, like)
-        v = _along(traction, frame, F, o, y, 1, j, like)
-        u = _along(traction, frame, F, o, z, 2, k, like)
+        w = _along(traction, frame, F, x, 0, layer, like)
+        v = _along(traction, frame, F, y, 1, j, like)
+        u = _along(traction, frame, F, z, 2, k, like)
         place = (j - window.lower[1]) * window.stride[1] + (k - window.lower[2]) * window.stride[2]
         return place, (
             (w, w, window.stride[0]),

@@ -8,11 +8,26 @@ from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.kernels.loads import Loads
 from pgimp.kernels.viscosity import Viscosity
+from pgimp.scene.filling import SLIVER
 from pgimp.solver.particles import Particles
 from pgimp.solver.population import Population
 
-#: Part of a particle's width along a face's normal, below which it is too thin to carry tractions.
-_THIN = 1e-3
+
+def parts_of(low: float, high: float, edges: np.ndarray) -> np.ndarray:
+    """What the lattice's columns, given by their `edges`, have of [low, high], over their width.
+
+    Slivers merge inwards, as those of particles do.
+    """
+    begin, end = edges[:-1], edges[1:]
+    part = (np.minimum(end, high) - np.maximum(begin, low)) / (end - begin)
+    part = np.maximum(part, 0.0)
+    inside = np.flatnonzero(part)
+    if len(inside) > 1:
+        for sliver, target in ((inside[0], inside[1]), (inside[-1], inside[-2])):
+            if part[sliver] < SLIVER <= part[target]:
+                part[target] += part[sliver]
+                part[sliver] = 0.0
+    return part
 
 
 class SceneLoads:
@@ -45,8 +60,9 @@ class SceneLoads:
         self.constraints = list(case.constraints.values())
         grid, method = case.grid, case.method
         self.half = 0.5 * np.array(grid.cell) / np.array(method.particles_per_cell)
-        patch = tuple(float(h) for h in self.half) if method.extended else (0.0,) * len(self.half)
-        self._patch = (patch, method.follows)
+        size = np.array(method.parameters(tuple(grid.cell)).half) * np.array(grid.cell)
+        self._patch = (2.0 * self.half, size, method.chi, method.follows)
+        self._overlap = np.rint(size / (2.0 * self.half)).astype(int)
         self._varies = bool(exact) or any(entry.varies for entry in self.tractions)
         self._grips_vary = any(entry.varies for entry in self.constraints)
         self._loads = self._at(0.0)
@@ -73,7 +89,7 @@ class SceneLoads:
         from pgimp.exact.base import BodyForce
 
         tractions = tuple(
-            entry.parameters(2 * i, *self._patch, t) for i, entry in enumerate(self.tractions)
+            entry.parameters(i, *self._patch, t) for i, entry in enumerate(self.tractions)
         )
         force = BodyForce(self.exact, t) if self.exact else ()
         return Loads(self.viscosity, tractions, force, self.relaxation)
@@ -85,31 +101,29 @@ class SceneLoads:
         """Give the first `n` particles, in their initial state, their patches and grips."""
         rows = slice(0, n)
         for i, entry in enumerate(self.tractions):
-            mine = p.body[rows] == self.bodies.index(entry.body)
-            patch = np.zeros((int(mine.sum()), 2))
+            mine = np.flatnonzero(p.body[rows] == self.bodies.index(entry.body))
             body = self.case.bodies[entry.body]
-            entry.attach(body.region, p.x[rows][mine], self.half, self._outermost(entry), patch)
-            p.patch[np.flatnonzero(mine), 2 * i : 2 * i + 2] = patch
-            if not self._patch[1] and not self._patch[0][0]:
-                p.patch[rows, 2 * i + 1] = 0.0  # a point carries all at its place
+            low, high = body.region.bounds()
+            parts, columns = [], []
+            for d in range(len(self.half)):
+                edges, centres = self._lattice(d)
+                columns.append(np.searchsorted(centres, p.x[mine, d]))
+                if body.surface == "cut":
+                    parts.append(parts_of(low[d], high[d], edges))
+                else:
+                    parts.append(((low[d] <= centres) & (centres < high[d])).astype(float))
+            overlap = max(1, int(self._overlap[entry.axis]))
+            p.patch[mine, i] = entry.areas(parts, columns, 2.0 * self.half, overlap)
         for i, constraint in enumerate(self.constraints):
             mine = p.body[rows] == self.bodies.index(constraint.body)
             p.grip[rows, 0][mine & constraint.region.contains(p.x[rows])] = i + 1
 
-    def _outermost(self, entry: Any) -> float:
-        """Coordinate along the normal of the particles nearest to a traction's face."""
-        body, d = self.case.bodies[entry.body], entry.axis
-        low, high = body.region.min[d], body.region.max[d]
-        origin, h = self.case.grid.origin[d], float(self.half[d])
-        first = int(np.floor((low - origin) / (2 * h)))
-        last = int(np.ceil((high - origin) / (2 * h)))
-        x = origin + h * (2.0 * np.arange(first, last) + 1.0)
-        if body.surface == "whole":
-            enough = (low <= x) & (x < high)
-        else:
-            part = (np.minimum(x + h, high) - np.maximum(x - h, low)) / (2 * h)
-            enough = part >= min(_THIN, part.max())
-        return float(x[enough].max() if entry.side > 0 else x[enough].min())
+    def _lattice(self, d: int) -> tuple[np.ndarray, np.ndarray]:
+        """Edges and centres of the lattice's columns along direction `d`, as `Lattice` has them."""
+        grid, n = self.case.grid, self.case.method.particles_per_cell[d]
+        points = np.arange(grid.cells[d] * n + 1)
+        low, cell = grid.origin[d], grid.cell[d]
+        return low + points / n * cell, low + (points[:-1] + 0.5) / n * cell
 
     def settle(self, population: Population, comm: Any) -> None:
         """Let the patches of each traction have the whole area of its face; collective.
@@ -127,14 +141,14 @@ class SceneLoads:
         rows = population.order.astype(np.int64)
         sums = np.zeros((len(start) - 1, len(self.tractions)))
         layer = np.repeat(np.arange(len(sums)), np.diff(start))
-        np.add.at(sums, layer, p.patch[rows, 0::2])  # one after the other, in canonical order
+        np.add.at(sums, layer, p.patch[rows])  # one after the other, in canonical order
         held = np.bincount(p.grip[rows].ravel(), minlength=len(self.constraints) + 1)
         everywhere = comm.allgather((sums, held))
         total = np.add.reduce(np.concatenate([part[0] for part in everywhere]), axis=0)
         for i, (entry, area) in enumerate(zip(self.tractions, total, strict=True)):
             if area > 0.0:
                 exact = entry.area(self.case.bodies[entry.body].region)
-                p.patch[rows, 2 * i] *= exact / area
+                p.patch[rows, i] *= exact / area
         counts = np.sum([part[1] for part in everywhere], axis=0)
         for i, name in enumerate(self.case.constraints):
             if counts[i + 1] == 0:

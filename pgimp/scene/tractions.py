@@ -65,44 +65,71 @@ class TractionEntry(Model):
         """Which end along the axis: -1 or 1."""
         return -1 if self.face.endswith("min") else 1
 
-    def parameters(self, column: int, half: tuple[float, ...], follows: bool, t: float) -> Traction:
-        """Parameters of the kernels at time `t`; see `Traction`."""
+    def parameters(
+        self, column: int, spacing: np.ndarray, half: np.ndarray, chi: str, follows: bool, t: float
+    ) -> Traction:
+        """Parameters of the kernels.
+
+        Parameters
+        ----------
+        column : int
+            See `Traction`.
+        spacing, half : (D,) float64
+            Distance of the particles, and the half-widths of chi_p, in the initial state.
+        chi : str
+            Kind of chi_p.
+        follows : bool
+            Whether its size follows the deformation.
+        t : float
+            The time.
+        """
         from pgimp.kernels.tractions import Traction
 
         q, b = self.pressure, self.traction
         pressure = 0.0 if q is None else q.value(t) if isinstance(q, Table) else float(q)
         vector = () if b is None else b.value(t) if isinstance(b, VectorTable) else b
         x, y, z = (*(float(c) for c in vector), 0.0, 0.0, 0.0)[:3]
-        return Traction(self.axis, self.side, column, half, follows, (x, y, z), pressure)
+        wide = [0.0 if chi == "point" else float(h) for h in half]
+        # A sum of tents falls from one to zero between a particle's centre and its outer end.
+        reach = {"point": 0.0, "box": 0.5 * float(spacing[self.axis])}.get(
+            chi, 0.5 * wide[self.axis]
+        )
+        wide[self.axis] = reach if chi == "tent" else 0.0
+        return Traction(
+            self.axis, self.side, column, reach, tuple(wide), chi == "tent", follows, (x, y, z),
+            pressure,
+        )  # fmt: skip
 
-    def attach(
-        self, box: Any, X: np.ndarray, half: np.ndarray, outermost: float, patch: np.ndarray
-    ) -> None:
-        """Give particles their patches of the face.
+    def areas(
+        self, parts: list[np.ndarray], columns: list[np.ndarray], spacing: np.ndarray, overlap: int
+    ) -> np.ndarray:
+        """Areas of the particles' patches of the face, zeros for those that carry none.
 
         Parameters
         ----------
-        box : Box
-            Region of the body.
-        X : (n, D) float64
-            Initial positions of the body's particles.
-        half : (D,) float64
-            Half the spacing of the particles.
-        outermost : float
-            Coordinate, along the axis, of the particles that carry patches.
-        patch : (n, 2) float64
-            Set to area and distance, zeros for the particles that carry none.
+        parts : list of (columns,) float64
+            By direction, what the lattice's columns have of the box, over their width.
+        columns : list of (n,) int64
+            By direction, the particles' columns.
+        spacing : (D,) float64
+            Distance of the particles.
+        overlap : int
+            Columns after which the inner end of one chi_p meets the outer end of another.
         """
-        axis = self.axis
-        carry = np.abs(X[:, axis] - outermost) < half[axis]
-        area = np.ones(len(X))
-        for d in range(X.shape[1]):
-            if d != axis:
-                low = np.maximum(X[:, d] - half[d], box.min[d])
-                area *= np.maximum(np.minimum(X[:, d] + half[d], box.max[d]) - low, 0.0)
-        face = (box.min if self.side < 0 else box.max)[axis]
-        patch[:, 0] = np.where(carry, area, 0.0)
-        patch[:, 1] = np.where(carry, face - X[:, axis], 0.0)
+        area = np.ones(len(columns[0]))
+        for d, (part, column) in enumerate(zip(parts, columns, strict=True)):
+            if d != self.axis:
+                area *= part[column] * spacing[d]
+        inside = np.flatnonzero(parts[self.axis])
+        first, last = int(inside[0]), int(inside[-1])
+        part = parts[self.axis][first : last + 1][:: self.side].copy()
+        if len(part) > 1:
+            part[0] = 1.0  # the other face's affair
+        share = part / overlap
+        share[:-overlap] -= part[overlap:] / overlap
+        shares = np.zeros_like(parts[self.axis])
+        shares[first : last + 1] = share[:: self.side]
+        return area * shares[columns[self.axis]]
 
     def area(self, box: Any) -> float:
         """Area of the face."""

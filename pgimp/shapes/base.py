@@ -29,8 +29,8 @@ class Shape(Model):
         """Whether the volume in the internal force (16) follows det(F)."""
         return True
 
-    #: Whether particles have a size, to which their share of a surface lies.
-    extended: ClassVar[bool] = True
+    #: Kind of the characteristic function chi_p.
+    chi: ClassVar[Literal["point", "box", "tent"]] = "box"
 
     @property
     def follows(self) -> bool:

@@ -94,6 +94,7 @@ class _Fuzzy(Shape):
     )
 
     vertices: ClassVar[int] = 4
+    chi: ClassVar[Literal["point", "box", "tent"]] = "tent"
 
     @property
     def follows(self) -> bool:

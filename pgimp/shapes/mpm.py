@@ -34,7 +34,7 @@ class Mpm(PointShape):
     shape: Literal["mpm"] = Field(description="name of the shape")
 
     vertices: ClassVar[int] = 2
-    extended: ClassVar[bool] = False
+    chi: ClassVar[Literal["point", "box", "tent"]] = "point"
 
     def parameters(self, cell: tuple[float, ...]) -> MpmParameters:
         """Parameters of the kernels."""

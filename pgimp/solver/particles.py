@@ -14,7 +14,7 @@
 | body | body number | (c,) | | |
 | origin | initial position | (c, D or 0) | length | |
 | q | viscous pressure | (c, 1 or 0) | stress | (45) |
-| patch | area and distance of each traction's patch | (c, 2 T) | area, length | (18) |
+| patch | area of each traction's patch | (c, T) | area | (18) |
 | grip | number of the constraint that holds it, from 1; 0 is none | (c, 1 or 0) | | |
 
 `c` is the capacity; what a scene does not use has no columns. Which rows are alive, and their
@@ -79,7 +79,7 @@ class Particles(NamedTuple):
             body=np.zeros(capacity, np.int32),
             origin=np.zeros((capacity, D if origin else 0)),
             q=np.zeros((capacity, 1 if viscous else 0)),
-            patch=np.zeros((capacity, 2 * tractions)),
+            patch=np.zeros((capacity, tractions)),
             grip=np.zeros((capacity, 1 if grips else 0), np.int32),
         )
 
