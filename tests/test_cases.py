@@ -115,6 +115,8 @@ def test_disks_collide_and_part(runs):
     ]
     gap = np.hypot(*(np.array(centres[1]) - np.array(centres[0])))
     assert gap[0] == pytest.approx(0.6 * np.sqrt(2.0), rel=1e-3)
+    # Cut particles: fourth order, 1e-5 at a radius of 8 of them.
+    assert kinetic[0] == pytest.approx(1000.0 * np.pi * 0.2**2 * 0.02, rel=1e-5)
     assert 0.25 < gap.min() < 0.4
     assert kinetic.min() < 0.1 * kinetic[0]
     assert gap[-1] > 0.6

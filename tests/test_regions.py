@@ -178,3 +178,56 @@ def test_bounds_are_tight():
     assert region(**both).bounds() == ((0.0, -1.5), (3.5, 1.0))
     cut = {"difference": [box([0, 0], [1, 1]), ball([3, -1], 9)]}
     assert region(**cut).bounds() == ((0.0, 0.0), (1.0, 1.0))
+
+
+@st.composite
+def regions_and_points(draw, n):
+    """A region of any kind in any dimension, and points in and around it."""
+    found = region(**draw(entries(draw(st.integers(1, 3)))))
+    rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
+    low, high = (np.array(end) for end in found.bounds())
+    return found, rng.uniform(low - 1, high + 1, (n, len(low)))
+
+
+@settings(max_examples=150, deadline=None)
+@given(regions_and_points(60))
+def test_no_surface_is_nearer_than_the_distance(data):
+    found, points = data
+    distance, inside = found.distance(points), found.contains(points)
+    assert (inside == (distance < 0)).all()
+    for p, d, within in zip(points, distance, inside, strict=True):
+        way = np.sqrt(((points - p) ** 2).sum(axis=1))
+        assert (np.abs(found.distance(points) - d) <= way * (1 + 1e-12) + 1e-12).all()
+        assert (inside[way < abs(d)] == within).all()
+
+
+@settings(max_examples=150, deadline=None)
+@given(regions_and_points(20), st.integers(0, 2))
+def test_lines_enter_and_leave_at_crossings_only(data, axis):
+    found, points = data
+    axis %= points.shape[1]
+    crossings = found.crossings(points, axis)
+    for p, at in zip(points, crossings, strict=True):
+        line = np.tile(p, (200, 1))
+        line[:, axis] = np.linspace(p[axis] - 12, p[axis] + 12, 200)
+        inside = found.contains(line)
+        for i in np.flatnonzero(inside[1:] != inside[:-1]):
+            a, b = line[i : i + 2, axis]
+            assert ((a - 1e-9 <= at) & (at <= b + 1e-9)).any()
+
+
+@settings(max_examples=150, deadline=None)
+@given(regions_and_points(40), st.floats(0.05, 3.0))
+def test_a_box_that_neither_planes_nor_curves_meet_is_uniform(data, size):
+    found, points = data
+    D = points.shape[1]
+    rng = np.random.default_rng(1)
+    clear = found.curved(points) >= 0.5 * size * math.sqrt(D)
+    for p in points[clear]:
+        low, high = p - size / 2, p + size / 2
+        met = any(
+            (low <= plane.high).all() and (plane.low <= high).all() for plane in found.planes()
+        )
+        if not met:
+            inside = found.contains(rng.uniform(low, high, (50, D)))
+            assert (inside == inside[0]).all()

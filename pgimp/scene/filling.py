@@ -4,6 +4,15 @@ A lattice box is the box of a particle's full size round a lattice point. One th
 cuts takes the share of volume, mass and momentum of its part inside (3-5), so that the sums over a
 body are those of the body (7, 8); it keeps its full size and its place at the lattice point. A part
 below `SLIVER` of a box merges inwards: it goes to the fullest of the neighbours.
+
+The sums are exact to rounding for boxes, their unions and differences. The mass of a ball
+converges with fourth order: its error is 2e-4, 2e-5, 9e-7, 7e-8 where the radius is 2, 4, 8, 16
+boxes; that of whole particles, 6e-2, 1e-2, 3e-3, 1e-3, with an order between one and two. A rim
+that no plane along the grid contains, as of a tilted cylinder, leaves 1e-3, 1e-4, 6e-5, 8e-6.
+
+What does not follow from the sums: a cut particle stands at its lattice point, not at the centroid
+of its part, so that the centre of mass of a body is off by at most half a box's size times the part
+of the mass that is in cut particles: by second order.
 """
 
 from collections.abc import Iterator
@@ -202,7 +211,10 @@ class Filling:
         return masks[0], masks[1]
 
     def _merge(self, survey: Survey) -> Survey:
-        """Give each sliver to the fullest of its neighbours, of equal ones to the first."""
+        """Give each sliver to its fullest neighbour, of equals to the nearest, then to the first.
+
+        Near means that few coordinates differ.
+        """
         small = np.flatnonzero(survey.fractions < SLIVER)
         if len(small) == 0:
             return survey
@@ -212,8 +224,8 @@ class Filling:
         target = np.full(len(slivers), -1)
         fullest = np.full(len(slivers), np.nextafter(SLIVER, 0.0))
         away = np.zeros((len(slivers), len(shape)))
-        for steps in np.ndindex(*(3,) * len(shape)):
-            step = np.array(steps) - 1
+        steps = np.array(list(np.ndindex(*(3,) * len(shape)))) - 1
+        for step in steps[np.argsort(np.abs(steps).sum(axis=1), kind="stable")]:
             there = [i + s for i, s in zip(index, step, strict=True)]
             valid = np.ones(len(slivers), bool)
             for i, n in zip(there, shape, strict=True):
