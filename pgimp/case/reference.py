@@ -175,6 +175,8 @@ def _form(form: Schema, definitions: Schema) -> str:
         return _code("{" + ", ".join(f"{key}: .." for key in keys) + "}") if keys else "keys below"
     if kind == "string":
         return "name" if "pattern" in form else "text"
+    if kind == "boolean":
+        return "`true` or `false`"
     if kind == "null":
         return _code("null")
     limits = [

@@ -180,6 +180,8 @@ class _Cases:
         self, key: str, data: dict[str, Any], variant: Variant, place: tuple[str, ...]
     ) -> str:
         value = self._value(key, data, variant, place)
+        if value is _ABSENT:
+            return ""
         return value if isinstance(value, str) else f"{key.rpartition('.')[2]} {short(value)}"
 
     def _value(self, key: str, data: Any, variant: Variant, place: tuple[str, ...]) -> Any:

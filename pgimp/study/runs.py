@@ -24,7 +24,7 @@ DONE, FAILED, ABSENT = "done", "failed", "not run"
 
 # What a run gets to end by itself: it notes in run.json that it was stopped.
 _PATIENCE = ((signal.SIGINT, 10.0), (signal.SIGTERM, 5.0), (signal.SIGKILL, None))
-_LINES_OF_MESSAGE = 3
+_LINES_OF_TRACEBACK = 2
 _LONGEST_MESSAGE = 600
 _TAIL_BYTES = 20_000
 
@@ -94,10 +94,11 @@ def _is_done(study: Study, run: Planned, output: Path) -> bool:
     info = _last_start(output)
     if info.get("state") != DONE or info.get("seconds") is None:
         return False
-    same = info["ranks"] == study.ranks
-    same = same and info["versions"][runinfo.PROGRAM] == runinfo.installed(runinfo.PROGRAM)
+    version = info.get("versions", {}).get(runinfo.PROGRAM)
+    if info.get("ranks") != study.ranks or version != runinfo.installed(runinfo.PROGRAM):
+        return False
     with suppress(OSError, ValueError):
-        return same and (output / "case.yaml").read_text(encoding="utf-8") == run.resolved
+        return (output / "case.yaml").read_text(encoding="utf-8") == run.resolved
     return False
 
 
@@ -142,7 +143,9 @@ def _end(process: subprocess.Popen[bytes]) -> None:
             os.killpg(process.pid, number)
         with suppress(subprocess.TimeoutExpired, KeyboardInterrupt):
             process.wait(seconds)
-            return
+            break
+    with suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGKILL)  # what it left behind
 
 
 def last_words(text: str, status: int) -> str:
@@ -155,17 +158,19 @@ def last_words(text: str, status: int) -> str:
     status : int
         Its exit status, negative for a signal.
     """
-    lines = [line.strip() for line in text.splitlines()]
+    lines = [line.rstrip() for line in text.splitlines()]
     starts = [i for i, line in enumerate(lines) if line.startswith("pgimp: ")]
     if starts:
-        # Ranks that fail together may all speak; the message ends where the launcher's begins.
+        # Indented lines are advice, and what is intact; after dashes the launcher speaks.
         kept = [lines[starts[-1]].removeprefix("pgimp: ")]
         for line in lines[starts[-1] + 1 :]:
-            if not line or line.startswith("---"):
+            if not line or line.startswith((" ", "---")):
                 break
             kept.append(line)
     else:
-        kept = [line for line in lines if line.strip("-= ")][-_LINES_OF_MESSAGE:]
+        kept = [line.strip() for line in lines if line.strip("-= ")]
+        if any(line.startswith("Traceback") for line in kept):
+            kept = kept[-_LINES_OF_TRACEBACK:]
     if status < 0:
         with suppress(ValueError):
             kept.append(f"(ended by {signal.Signals(-status).name})")
@@ -181,10 +186,14 @@ def _measure(study: Study, output: Path, outcome: Outcome) -> None:
     try:
         lines = history.read(output / "history.csv")
         outcome.error = measure(lines, study.measure)
-        for entry in study.columns:
-            wanted = measure_of(entry)
-            outcome.columns[wanted.label] = measure(lines, wanted)
     except (Unmeasured, PgimpError) as error:
         outcome.state, outcome.message = FAILED, str(error)
-    else:
-        outcome.state = DONE
+        return
+    outcome.state = DONE
+    lacking = []
+    for wanted in map(measure_of, study.columns):
+        try:
+            outcome.columns[wanted.label] = measure(lines, wanted)
+        except Unmeasured as error:
+            lacking.append(str(error))
+    outcome.message = "; ".join(lacking)

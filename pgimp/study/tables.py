@@ -46,7 +46,8 @@ def as_csv(plan: Plan, outcomes: Sequence[Outcome]) -> str:
     table = csv.writer(stream, lineterminator="\n")
     head = ["run", "state", "curve", *keys, f"x: {study.plot.x}", "error", "order", "ranks"]
     head += ["particles", *COSTS, *(f"front: {cost}" for cost in study.cost)]
-    table.writerow([*head, *columns, "reused", "message"])
+    head += [f"history: {column}" for column in columns]
+    table.writerow([*head, "reused", "message"])
     for one in outcomes:
         run, info = one.plan, one.info
         row: list[Any] = [run.name, one.state, run.curve, *(run.values.get(key) for key in keys)]
@@ -59,7 +60,7 @@ def as_csv(plan: Plan, outcomes: Sequence[Outcome]) -> str:
 
 
 def as_markdown(plan: Plan, outcomes: Sequence[Outcome]) -> str:
-    """Return study.md: the runs by curve from coarse to fine, what failed, and where it ran."""
+    """Return study.md: the runs by curve from coarse to fine, remarks, and where they ran."""
     study = plan.study
     columns = list(dict.fromkeys(measure_of(entry).label for entry in study.columns))
     many = len({one.plan.curve for one in outcomes}) > 1
@@ -71,10 +72,9 @@ def as_markdown(plan: Plan, outcomes: Sequence[Outcome]) -> str:
         for one in runs:
             lines.append(_row([*([curve] if many else []), *_cells(one, extra, columns)]))
     lines += ["", *_legend(plan), ""]
-    wrong = [one for one in outcomes if one.state != DONE]
-    if wrong:
-        lines += ["## Without a result", ""]
-        lines += [f"- {one.plan.name}: {one.message or one.state}" for one in wrong]
+    told = [one for one in outcomes if one.message or one.state != DONE]
+    if told:
+        lines += [f"- {one.plan.name}: {one.state}; {one.message}".rstrip("; ") for one in told]
         lines.append("")
     lines += [f"- {line}" for line in _origin(outcomes)]
     return "\n".join(lines) + "\n"
@@ -130,10 +130,9 @@ def _origin(outcomes: Sequence[Outcome]) -> Iterator[str]:
         yield f"Runs of {began[0]}" + (f" to {began[-1]}" if began[-1] != began[0] else "")
     reused = sum(one.reused for one in outcomes)
     failed = sum(one.state == FAILED for one in outcomes)
-    yield (
-        f"Written {datetime.date.today().isoformat()}: {len(outcomes)} runs, {reused} of them from "
-        f"before, {failed} failed"
-    )
+    runs = f"{len(outcomes)} run{'s' if len(outcomes) > 1 else ''}"
+    today = datetime.date.today().isoformat()
+    yield f"Written {today}: {runs}, of which {reused} from before, {failed} failed"
 
 
 def _unlike(values: Any) -> list[str]:
