@@ -11,6 +11,7 @@ import pytest
 from conftest import run
 
 from pgimp.case.reader import read_case
+from pgimp.study.plan import read_plan
 
 ROOT = Path(__file__).resolve().parents[1]
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -24,6 +25,7 @@ ENVIRONMENT = {
 }
 SHORT = "--set time.end=0.004 --set output.every=null --quiet"
 INSTEAD = {
+    "pgimp study cases/studies/compaction.yaml": "pgimp study cases/studies/compaction.yaml --list",
     "scripts/test": f"{ROOT}/scripts/test --version",  # this test is one of those it would run
     "pgimp bench": "pgimp bench --cells 4 --repeats 1",
     # Into a folder of its own, with what this environment has already.
@@ -91,9 +93,18 @@ def test_commands_run(folder):
 
 
 def test_first_case_is_printed_as_it_is():
-    printed = read_case(block_of("format: 1"), "README.md", [])
+    printed = read_case(block_of("format: 1\ntitle"), "README.md", [])
     there = (ROOT / "cases/block3d.yaml").read_text(encoding="utf-8")
     assert printed == read_case(there, "block3d.yaml", [])
+
+
+def test_the_study_is_one(tmp_path):
+    """It is a part of the study in cases/studies."""
+    text = block_of("format: 1\ncase: ")
+    path = tmp_path / "printed.yaml"
+    path.write_text(text.replace("../compaction.yaml", str(ROOT / "cases/compaction.yaml")))
+    there = read_plan(ROOT / "cases/studies/compaction.yaml").runs
+    assert {run.name for run in read_plan(path).runs} < {run.name for run in there}
 
 
 def test_batch_script_runs(folder):

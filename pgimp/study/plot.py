@@ -15,7 +15,7 @@ _COLOURS = ("#1f5fa8", "#c0392b", "#2e8b57", "#d98e04", "#7d3c98", "#16a2b8", "#
 _MARKERS = "os^vDPX*"
 _LABELS = {"wall": "wall time [s]", "core": "wall time x ranks [s]"}
 _INCHES = (4.2, 4.2)
-_COLUMNS_OF_LEGEND = 4
+_COLUMNS_OF_LEGEND = 6
 _FEW_DECADES = 10**2.3
 _LONG_NUMBER = 1.0e4
 
@@ -66,7 +66,10 @@ def picture(plan: Plan, outcomes: Sequence[Outcome]) -> bytes | None:
         for ax in axes:
             ax.set(xscale="log", yscale="log")
             ax.xaxis.set_minor_formatter(NullFormatter())
-        axes[0].set(xlabel=plan.study.plot.x, ylabel=f"error: {plan.study.measure.label}")
+        label = plan.study.measure.label
+        axes[0].set(
+            xlabel=plan.study.plot.x, ylabel=label if label == "error" else f"error: {label}"
+        )
         for number, (curve, runs) in enumerate(curves(drawn).items()):
             line = {
                 "color": _COLOURS[number % len(_COLOURS)],

@@ -102,11 +102,12 @@ def _cells(one: Outcome, extra: Sequence[str], columns: Sequence[str]) -> Iterat
 def _legend(plan: Plan) -> Iterator[str]:
     wanted = plan.study.measure
     at = {"end": "at the end", "max": "at its largest"}.get(str(wanted.at), f"at t = {wanted.at}")
-    what = wanted.column if not wanted.reference else f"{wanted.column} - {wanted.reference!r}"
-    over = f" / {abs(wanted.reference)!r}" if wanted.relative else ""
+    less = f" less {wanted.reference!r}" if wanted.reference else ""
+    over = f", over {abs(wanted.reference)!r}" if wanted.relative else ""
     yield (
-        f"The error is abs({what}){over} of history.csv {at}. The order is that of the error in "
-        f"{plan.study.plot.x} since the line above it in the curve. Wall time is that of the "
+        f"The error is the absolute value of `{wanted.column}`{less} in history.csv{over}, {at}. "
+        f"The order is that of the error in "
+        f"`{plan.study.plot.x}` since the line above it in the curve. Wall time is that of the "
         "steps, without set-up and output. On the front of a cost are the runs that no other one "
         "beats in both error and that cost."
     )
