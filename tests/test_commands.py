@@ -46,7 +46,11 @@ def test_check_prints_what_the_paper_says(column, python):
         ("time.step=2e-3", 2, "Courant number of 2.02, beyond the stability limit"),
         ("time.step=8e-4", 0, "above 0.5 a free surface"),
         ("materials.bar.young=1.0", 0, "one consistent set"),
-        ("bodies.bar.region.box.max=[0.2]", 2, "bodies.bar.region: holds no particle"),
+        (
+            "bodies.bar={material: bar, surface: whole, region: {box: {min: [0], max: [0.2]}}}",
+            2,
+            "bodies.bar.region: holds no particle",
+        ),
     ],
 )
 def test_check_finds_what_a_run_would_meet(column, python, change, status, message):

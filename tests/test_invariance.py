@@ -29,9 +29,12 @@ def test_a_rotation_starts_as_asked_in_the_plane():
     sim = start(disk(8, 1.0, 0.004))
     r = field(sim, "x") - CENTRE
     turn = RATE * np.stack([-r[:, 1], r[:, 0]], axis=1)
-    np.testing.assert_allclose(field(sim, "v"), turn, rtol=0, atol=1e-16)
-    # Of the true disk, R^4 omega pi/2: the lattice resolves its edge to 0.3 %.
-    assert spin(sim) == pytest.approx(np.pi / 2 * RATE, rel=0.01)
+    whole = field(sim, "V") == (0.5 / 8) ** 2
+    assert whole.mean() > 0.8
+    np.testing.assert_allclose(field(sim, "v")[whole], turn[whole], rtol=0, atol=1e-16)
+    # Of the true disk, R^4 omega pi/2. Cut particles have the momentum of their part, but stand at
+    # its box's middle, which is at most h/2 further out: of a mass of 2 h/R, so by (h/R)^2, 0.4 %.
+    assert spin(sim) == pytest.approx(np.pi / 2 * RATE, rel=0.004)
     px, py = field(sim, "m") @ field(sim, "v")
     about = spin(sim) + CENTRE[0] * py - CENTRE[1] * px
     assert sim.diagnostics()["angular-momentum-z"] == pytest.approx(about, rel=1e-12)
@@ -53,7 +56,7 @@ def test_a_disk_turns_and_loses_angular_momentum_at_second_order_in_the_cell_siz
     """The mass that is lumped at a vertex has its centre elsewhere, most of all at the skin.
 
     Measured over a quarter of a turn, with cells of a quarter, an eighth and a sixteenth of the
-    radius: 5.3 %, 1.0 % and 0.19 %.
+    radius: 1.9 %, 0.26 % and 0.056 %; with whole particles 5.3 %, 1.0 % and 0.19 %.
     """
     losses = []
     for cells, step in ((4, 0.004), (8, 0.004), (16, 0.002)):
@@ -62,7 +65,7 @@ def test_a_disk_turns_and_loses_angular_momentum_at_second_order_in_the_cell_siz
         before, r0 = spin(sim), field(sim, "x") - CENTRE
         finish(sim)
         losses.append(abs(spin(sim) / before - 1.0))
-    assert losses[2] < 0.004
+    assert losses[2] < 0.001
     assert all(a / b > 3.0 for a, b in pairwise(losses))  # second order: 4
     angle = RATE * sim.time
     turned = r0 @ np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])

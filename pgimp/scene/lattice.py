@@ -229,7 +229,8 @@ def census(lattice: Lattice, comm: Any) -> Census:
             problems.append(
                 f"bodies.{name}.region: holds no particle: no point of the lattice of "
                 f"{' x '.join(str(n) for n in lattice.per_cell)} particles a cell lies inside; "
-                "use a larger region, smaller cells (grid.cell) or more particles per cell"
+                "use a larger region, smaller cells (grid.cell), more particles per cell or "
+                "surface: cut"
             )
     if problems:
         raise CaseError("\n".join(problems))
