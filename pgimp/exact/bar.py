@@ -1,5 +1,6 @@
 """What the solutions of the elastic bar have in common: s = E (F - 1) (41), a bar from x-min on."""
 
+from abc import abstractmethod
 from collections.abc import Iterator, Mapping
 from math import sqrt
 from typing import Any, ClassVar, NamedTuple
@@ -40,6 +41,16 @@ class BarSolution(Solution):
 
     def mismatches(self, case: Any, name: str, body: Any) -> Iterator[Problem]:
         """The bar must be a box from wall to wall, or from the wall to a free end."""
+        wrong = list(self._wrong_place(case, name, body))
+        yield from wrong
+        if not wrong:
+            yield from self.unlike(case, name, body.velocity[0], bar_of(case))
+
+    @abstractmethod
+    def unlike(self, case: Any, name: str, velocity: float, bar: Bar) -> Iterator[Problem]:
+        """As `mismatches`, for a bar in its place, whose body has an initial velocity."""
+
+    def _wrong_place(self, case: Any, name: str, body: Any) -> Iterator[Problem]:
         region, low, high = body.region, case.grid.origin[0], case.grid.corner[0]
         path = ("bodies", name, "region")
         slack = WHOLE * case.grid.cell[0]

@@ -16,7 +16,7 @@ import numpy as np
 from pydantic import Field
 
 from pgimp.case.problems import Problem
-from pgimp.exact.bar import BarSolution, bar_of
+from pgimp.exact.bar import Bar, BarSolution, bar_of
 from pgimp.kernels.jit import kernel
 from pgimp.scene.tables import VectorTable
 
@@ -117,19 +117,19 @@ class Compaction(BarSolution):
         "false: the column is in equilibrium at any time",
     )
 
-    def mismatches(self, case: Any, name: str, body: Any) -> Iterator[Problem]:
+    def unlike(self, case: Any, name: str, velocity: float, bar: Bar) -> Iterator[Problem]:
         """The load is a table, with `dynamic` one ramp from zero on; the column starts at rest."""
-        yield from super().mismatches(case, name, body)
-        if any(body.velocity):
+        if velocity:
             text = "the exact solution starts at rest; leave this out"
             yield Problem(("bodies", name, "velocity"), text)
         table = case.gravity
         if not isinstance(table, VectorTable):
-            yield Problem(("gravity",), "the exact solution needs a table over time")
+            text = "the exact solution needs a table over time"
+            missing = table is None
+            yield Problem(("gravity",), f"missing; {text}" if missing else text, missing)
             return
         if self.dynamic:
             yield from self._no_ramp(table.table, case.time.end)
-        bar = bar_of(case)
         for i, (_, (b,)) in enumerate(table.table):
             if bar.density * -b * bar.length >= bar.young:
                 text = "the weight reaches Young's modulus and crushes the column"
