@@ -258,8 +258,11 @@ def test_the_pareto_front_is_that_of_brute_force(points):
 
 
 def test_the_last_words_of_a_run():
-    advice = "\n  try: smaller steps\n  run.out holds 1 frame"
-    assert last_words(f"noise\npgimp: rank 1: it broke{advice}\n", 1) == "rank 1: it broke"
+    rest = "\n  run.out holds 1 frame, to t = 0, and history.csv\n"
+    place = "rank 1: it broke\n  in step 7"
+    assert last_words(f"noise\npgimp: {place}{rest}", 1) == "rank 1: it broke in step 7"
+    advice = f"\n  try: smaller steps{rest}"
+    assert last_words(f"pgimp: {place}{advice}", 1) == "rank 1: it broke in step 7"
     launcher = "\n-----\nmpirun has exited due to process rank 0\n-----\n"
     assert last_words(f"pgimp: no\nsuch thing{launcher}", 1) == "no such thing"
     assert last_words("", 5) == "ended with status 5 and said nothing"

@@ -27,6 +27,7 @@ from pgimp.study.tables import as_csv, as_markdown, compare
 TABLE, PAGE, PICTURE, COPY = "study.csv", "study.md", "study.png", "study.yaml"
 _LOCK = ".lock"
 _BAR_COLUMNS = 24
+_REFRESHES = 2.0
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -177,6 +178,7 @@ def _bar(log: Log, total: int) -> Iterator[Any]:
         TextColumn("{task.fields[text]}", table_column=Column(no_wrap=True, overflow="ellipsis")),
         console=Console(force_terminal=True, width=columns),
         transient=True,
+        refresh_per_second=_REFRESHES,  # the runs are being timed
     )
     task = bar.add_task("", total=total, text="")
     log.show = lambda text: bar.console.print(text, markup=False, highlight=False, soft_wrap=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shlex
 import signal
 import subprocess
@@ -25,6 +26,7 @@ DONE, FAILED, ABSENT = "done", "failed", "not run"
 # What a run gets to end by itself: it notes in run.json that it was stopped.
 _PATIENCE = ((signal.SIGINT, 10.0), (signal.SIGTERM, 5.0), (signal.SIGKILL, None))
 _LINES_OF_TRACEBACK = 2
+_REST = re.compile(r"  (try: |.* holds (no|\d+) frames?)")
 _LONGEST_MESSAGE = 600
 _TAIL_BYTES = 20_000
 
@@ -161,12 +163,12 @@ def last_words(text: str, status: int) -> str:
     lines = [line.rstrip() for line in text.splitlines()]
     starts = [i for i, line in enumerate(lines) if line.startswith("pgimp: ")]
     if starts:
-        # Indented lines are advice, and what is intact; after dashes the launcher speaks.
+        # Advice follows, and what is intact; after dashes the launcher speaks.
         kept = [lines[starts[-1]].removeprefix("pgimp: ")]
         for line in lines[starts[-1] + 1 :]:
-            if not line or line.startswith((" ", "---")):
+            if not line or line.startswith("---") or _REST.match(line):
                 break
-            kept.append(line)
+            kept.append(line.strip())
     else:
         kept = [line.strip() for line in lines if line.strip("-= ")]
         if any(line.startswith("Traceback") for line in kept):
