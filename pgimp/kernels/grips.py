@@ -1,8 +1,10 @@
 """Prescribed motion of a part of a body (``constraints``): grips that hold particles and vertices.
 
 Particles that a constraint holds move exactly as it says. Each marks the vertices of its support
-that get at least a quarter of it along every direction; these are held too, so that the material
-is gripped up to the region's edge, which may lie between vertices. What one rank marks in the
+that get at least a quarter of it along every direction; these are held too. A grip therefore acts
+up to a vertex near the region's edge: exactly there where the edge is a plane of vertices, else,
+for boxes and points, up to 0.63 of a cell off, and it jumps from vertex to vertex as it moves.
+Tents (fuzzy) slip by 0.1 to 0.3 of a cell more. What one rank marks in the
 planes it shares with another is united by ``or``, so that no order can matter.
 """
 
