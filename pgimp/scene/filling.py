@@ -117,6 +117,8 @@ class Filling:
             self.box.append((max(0, begin), min(len(e) - 1, end)))
         self.size = np.array([(e[-1] - e[0]) / (len(e) - 1) for e in edges])
         self.radius = 0.5 * float(np.sqrt((self.size * self.size).sum())) * (1.0 + 1e-9)
+        # Fractions and moments by the part of the lattice: one rank first counts and then makes.
+        self._measured: dict[tuple[tuple[int, int], ...], tuple[Reals, Reals]] = {}
         # What rounding of coordinates leaves of a box, or lacks of one.
         reach = max(
             float(np.abs(e[[0, -1]]).max() / h) for e, h in zip(edges, self.size, strict=True)
@@ -158,10 +160,14 @@ class Filling:
             else:
                 whole[part] = self.region.contains(points)
         places = np.concatenate(cut) if cut else np.zeros(0, np.int64)
-        fractions, moments = np.zeros(len(places)), np.zeros((len(places), len(ranges)))
-        for begin in range(0, len(places), _BLOCK):
-            few = slice(begin, begin + _BLOCK)
-            fractions[few], moments[few] = self._measure(ranges, shape, places[few])
+        key = tuple(ranges)
+        if key not in self._measured:
+            fractions, moments = np.zeros(len(places)), np.zeros((len(places), len(ranges)))
+            for begin in range(0, len(places), _BLOCK):
+                few = slice(begin, begin + _BLOCK)
+                fractions[few], moments[few] = self._measure(ranges, shape, places[few])
+            self._measured[key] = fractions, moments
+        fractions, moments = self._measured[key]
         whole[places] = fractions == 1.0
         keep = (fractions > 0.0) & (fractions != 1.0)
         return Survey(ranges, whole, places[keep], fractions[keep], moments[keep])
