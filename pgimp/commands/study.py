@@ -15,6 +15,7 @@ from typing import Any
 from pgimp.errors import UsageError
 from pgimp.output import files
 from pgimp.output.collective import explain
+from pgimp.output.interrupt import Interrupt
 from pgimp.output.log import Log
 from pgimp.output.progress import duration, terminal_columns
 from pgimp.output.rundir import RUN
@@ -86,8 +87,8 @@ def execute(args: argparse.Namespace) -> int:
     with _claimed(folder):
         outcomes = [Outcome(run) for run in plan.runs]
         try:
-            with _ended_by_signals():
-                _run_all(plan, folder, outcomes, args.again, log)
+            with Interrupt(signal.SIGTERM, signal.SIGHUP) as interrupt:
+                _run_all(plan, folder, outcomes, args.again, log, interrupt)
         finally:
             _write(plan, folder, outcomes)
     done = sum(one.state == DONE for one in outcomes)
@@ -128,30 +129,20 @@ def _claimed(folder: Path) -> Iterator[None]:
         os.close(lock)
 
 
-@contextmanager
-def _ended_by_signals() -> Iterator[None]:
-    """Let a request to end be as gentle as Ctrl-C: the run must not outlive its study."""
-
-    def interrupt(*_: Any) -> None:
-        raise KeyboardInterrupt
-
-    before = {kind: signal.getsignal(kind) for kind in (signal.SIGTERM, signal.SIGHUP)}
-    for kind, handler in before.items():
-        if handler != signal.SIG_IGN:  # as nohup asks for
-            signal.signal(kind, interrupt)
-    try:
-        yield
-    finally:
-        for kind, handler in before.items():
-            signal.signal(kind, handler)
-
-
-def _run_all(plan: Plan, folder: Path, outcomes: list[Outcome], again: bool, log: Log) -> None:
+def _run_all(
+    plan: Plan,
+    folder: Path,
+    outcomes: list[Outcome],
+    again: bool,
+    log: Log,
+    interrupt: Interrupt,
+) -> None:
     """Replace each of the outcomes by that of its run."""
     with _bar(log, len(outcomes)) as show:
         for i, run in enumerate(plan.runs):
             show(i, run.name)
-            one = outcomes[i] = perform(plan.study, run, folder / "runs" / run.name, again)
+            output = folder / "runs" / run.name
+            one = outcomes[i] = perform(plan.study, run, output, again, interrupt.check)
             if one.state == DONE:
                 text = f"error {number(one.error)} in {duration(one.costs['wall'])}"
                 text += " (from before)" if one.reused else ""

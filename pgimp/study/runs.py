@@ -9,8 +9,11 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +31,7 @@ _PATIENCE = ((signal.SIGINT, 10.0), (signal.SIGTERM, 5.0), (signal.SIGKILL, None
 _LINES_OF_TRACEBACK = 2
 _REST = re.compile(r"  (try: |.* holds (no|\d+) frames?)")
 _LONGEST_MESSAGE = 600
+_LOOK_SECONDS = 0.2
 _TAIL_BYTES = 20_000
 
 
@@ -57,7 +61,13 @@ def command(study: Study, run: Planned, output: Path) -> list[str]:
     return [*words, "-o", str(output), "--overwrite", "--quiet"]
 
 
-def perform(study: Study, run: Planned, output: Path, again: bool = False) -> Outcome:
+def perform(
+    study: Study,
+    run: Planned,
+    output: Path,
+    again: bool = False,
+    check: Callable[[], None] = lambda: None,
+) -> Outcome:
     """Run a case, unless the same run is there already, and measure it.
 
     Parameters
@@ -70,15 +80,13 @@ def perform(study: Study, run: Planned, output: Path, again: bool = False) -> Ou
         Its directory.
     again : bool
         Whether a finished run is run again.
-
-    Raises
-    ------
-    KeyboardInterrupt
-        On Ctrl-C, after the run has ended.
+    check : callable
+        Called all the time; what it raises ends the run, and then comes through.
     """
+    check()
     outcome = Outcome(run)
     outcome.reused = not again and _is_done(study, run, output)
-    if not outcome.reused and (why := _execute(study, run, output)):
+    if not outcome.reused and (why := _execute(study, run, output, check)):
         outcome.state, outcome.message = FAILED, why
         return outcome
     outcome.info = _last_start(output)
@@ -104,7 +112,7 @@ def _is_done(study: Study, run: Planned, output: Path) -> bool:
     return False
 
 
-def _execute(study: Study, run: Planned, output: Path) -> str:
+def _execute(study: Study, run: Planned, output: Path, check: Callable[[], None]) -> str:
     """Run the case; return why that failed, nothing if it did not."""
     words = command(study, run, output)
     with tempfile.TemporaryFile() as said:
@@ -119,7 +127,7 @@ def _execute(study: Study, run: Planned, output: Path) -> str:
         except OSError as error:
             return f"cannot start {shlex.quote(words[0])}: {error.strerror or error}"
         try:
-            status = process.wait(study.timeout)
+            status = _wait(process, study.timeout, check)
         except subprocess.TimeoutExpired:
             _end(process)
             return f"stopped after {study.timeout:g} s, the study's timeout"
@@ -136,6 +144,21 @@ def _execute(study: Study, run: Planned, output: Path) -> str:
     if info["ranks"] != study.ranks:
         return f"the launcher started {info['ranks']} ranks instead of {study.ranks}"
     return ""
+
+
+def _wait(
+    process: subprocess.Popen[bytes], seconds: float | None, check: Callable[[], None]
+) -> int:
+    """Wait until a run has ended, or the time is over; return its status."""
+    until = time.monotonic() + (inf if seconds is None else seconds)
+    while True:
+        left = until - time.monotonic()
+        try:
+            return process.wait(min(_LOOK_SECONDS, max(left, 0.0)))
+        except subprocess.TimeoutExpired:
+            if left <= 0.0:
+                raise
+        check()
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:
