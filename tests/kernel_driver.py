@@ -7,6 +7,8 @@ import numpy as np
 from rank_threads import Comm
 
 from pgimp.kernels.g2p import grid_to_particles
+from pgimp.kernels.loads import Loads
+from pgimp.kernels.mirror import Mirror, fold, reflect
 from pgimp.kernels.momentum import update_momentum
 from pgimp.kernels.p2g import particles_to_grid
 from pgimp.kernels.sums import SUMS, fastest_rate, layer_sums
@@ -25,12 +27,36 @@ MATERIAL_OF = np.array([0, 1], np.int64)
 
 SEED = 20040
 
+#: All shapes by their names, the fuzzy ones once more with a size that stays.
+VARIANTS = (*SHAPES, "fuzzy-nearest-fixed", "fuzzy-constant-fixed")
 
-def entry(name: str, particles_per_cell: Sequence[int]) -> Any:
-    """Entry ``method`` of a case."""
+#: One of each kind of kernel: the fuzzy shapes differ from each other in nothing but a number.
+KINDS = ("mpm", "gimp", "finite-gimp", "fuzzy-nearest", "fuzzy-constant-fixed")
+
+IDENTITIES = tuple(tuple(np.eye(D).ravel().tolist()) for D in (1, 2, 3))
+
+
+def entry(name: str, particles_per_cell: Sequence[int], **parts: Any) -> Any:
+    """Entry ``method`` of a case; `name` is one of `VARIANTS`."""
+    if name.endswith("-fixed"):
+        name, parts = name.removesuffix("-fixed"), {"size": "fixed", **parts}
     return SHAPES[name].model_validate(
-        {"shape": name, "particles_per_cell": list(particles_per_cell)}
+        {"shape": name, "particles_per_cell": list(particles_per_cell), **parts}
     )
+
+
+def initial_half(name: str, per_cell: int) -> float:
+    """Half-width of chi_p in cells, before any deformation (method.md's table)."""
+    if name == "mpm":
+        return 0.0
+    if name.startswith("fuzzy"):
+        return 1.0 if "constant" in name else 1.0 / per_cell
+    return 0.5 / per_cell
+
+
+def follows(name: str) -> bool:
+    """Whether the half-widths follow the deformation."""
+    return name not in ("mpm", "gimp") and not name.endswith("-fixed")
 
 
 def make_frame(shape: Any, origin: Sequence[float], cell: Sequence[float], cells: Sequence[int]):
@@ -98,7 +124,8 @@ class Rank:
         comm: Any = None,
         reach: np.ndarray | None = None,
     ) -> None:
-        self.frame, self.vertices, self.shape = frame, shape.vertices, shape.parameters()
+        self.frame, self.vertices = frame, shape.vertices
+        self.shape = shape.parameters(frame.cell)
         self.slab = slab or Slab(0, frame.vertices[0], None, None)
         self.population = Population(particles, particles.capacity, self.shape, frame, self.slab)
         shared = self.vertices - 1 if self.slab.below is not None else 0
@@ -115,32 +142,43 @@ class Rank:
         grid.G.fill(np.nan)  # only what the kernel sets may be used
         grid.partial.fill(np.nan)
         particles_to_grid(
-            self.shape, self.frame, grid.window, population.particles, population.order,
+            self.shape, self.frame, grid.window, population.particles, Loads(), population.order,
             population.start, grid.scratch, grid.G, grid.active, grid.partial, grid.shared,
         )  # fmt: skip
         assert not grid.scratch.any()
 
     def update_momentum(
-        self, dt: float, gravity: Sequence[float] = (), faces: tuple = (), lightest: float = 5e-13
+        self,
+        dt: float,
+        gravity: Sequence[float] = (),
+        faces: tuple = (),
+        lightest: float = 5e-13,
+        mirrors: Sequence[Mirror] = (),
     ) -> None:
         """Momentum update; sets `impulse` (planes, faces, 3) and `work` (planes,)."""
         grid = self.grid
         owned = self.slab.layers if self.slab.above is not None else grid.planes
         self.impulse, self.work = np.zeros((grid.planes, len(faces), 3)), np.zeros(grid.planes)
+        self.beyond = np.full((grid.planes, len(faces)), np.nan)
         b = (*gravity, 0.0, 0.0, 0.0)[:3]
+        place = self.frame, grid.window, grid.G, grid.active
+        for mirror in mirrors:
+            fold(*place, mirror, dt, b, owned, self.impulse)
         update_momentum(
-            self.frame, grid.window, grid.G, grid.active, dt, b, lightest, faces, owned,
-            self.impulse, self.work,
-        )  # fmt: skip
+            *place, dt, b, lightest, faces, owned, self.impulse, self.beyond, self.work
+        )
+        for mirror in reversed(mirrors):
+            reflect(*place, mirror, dt, b, owned, self.impulse, self.work)
 
-    def grid_to_particles(self, dt: float, tracked: bool = True) -> tuple[int, int, int, float]:
+    def grid_to_particles(self, dt: float, tracked: bool = True) -> tuple:
         """As the kernel; the movers' places in the order are in ``population.movers``."""
         grid, population = self.grid, self.population
         self.reach = grid.base.copy()
         return grid_to_particles(
-            self.shape, MATERIALS, self.frame, grid.window, population.particles,
+            self.shape, MATERIALS, self.frame, grid.window, population.particles, Loads(), (),
             population.order, population.start, MATERIAL_OF, grid.G, dt, tracked, True,
             grid.bounds, self.reach, population.movers,
+            np.zeros((grid.planes, 0, 3)), np.zeros(grid.planes),
         )  # fmt: skip
 
     def records(self) -> np.ndarray:
@@ -176,7 +214,7 @@ def sums_of(rank, D, bodies, material_of):
     sums = np.zeros((rank.slab.layers, bodies, SUMS))
     population = rank.population
     layer_sums(
-        rank.frame, tuple(np.eye(D).ravel().tolist()), MATERIALS, population.particles,
+        rank.frame, IDENTITIES[D - 1], MATERIALS, population.particles,
         population.order, population.start, material_of, sums,
     )  # fmt: skip
     return sums
@@ -186,6 +224,6 @@ def rate_of(rank, D, material_of):
     """Result of `fastest_rate`."""
     population = rank.population
     return fastest_rate(
-        rank.frame, tuple(np.eye(D).ravel().tolist()), MATERIALS, population.particles,
+        rank.frame, IDENTITIES[D - 1], MATERIALS, population.particles,
         population.order, material_of,
     )  # fmt: skip

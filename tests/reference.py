@@ -5,6 +5,8 @@ arrays that are zero outside the support. Matrices are (3, 3) also in 1D and 2D 
 """
 
 import numpy as np
+from kernel_driver import follows, initial_half
+from quadrature import chi_of, integrals
 
 
 def matrix(F):
@@ -54,12 +56,17 @@ def speed(material, F, D):
 
 
 def weights(name, xi, L, half):
-    """Weight S_vp and its gradient in 1D, xi = x_p - x_v; (35) for mpm, (40) for gimp."""
+    """Weight S_vp and its gradient in 1D, xi = x_p - x_v.
+
+    (35) for mpm, (40) for gimp, the integrals (19, 20) themselves for the shapes of any size.
+    """
     r, sign = np.abs(xi), np.sign(xi)
     if name == "mpm":
         inside = r < L
         return np.where(inside, 1 - r / L, 0.0), np.where(inside, -sign / L, 0.0)
-    assert name == "gimp"
+    if name != "gimp":
+        weight, slope = integrals(chi_of(name), half, 0.0, -xi, L)
+        return weight[0], slope[0]
     cases = [r < half, r < L - half, r < L + half]
     weight = [
         1 - (xi**2 + half**2) / (2 * L * half),
@@ -76,17 +83,31 @@ class Reference:
     def __init__(self, name, per_cell, frame):
         self.name, self.frame = name, frame
         self.D = len(frame.cells)
-        self.half = [0.5 * L / n for L, n in zip(frame.cell, per_cell, strict=True)]
+        cells = [initial_half(name, n) for n in per_cell]
+        self.half = np.array(cells) * np.array(frame.cell)
         self.vertices = [
             origin + (np.arange(cells + 1 + 2 * frame.ghost) - frame.ghost) * L
             for origin, L, cells in zip(frame.origin, frame.cell, frame.cells, strict=True)
         ]
         self.shape = tuple(len(x) for x in self.vertices)
 
-    def of(self, x):
+    def half_widths(self, F):
+        """Of a particle, and whether they had to be clamped to a cell.
+
+        A box of half-widths l has the second moments l^2/3 along the axes and none across; F
+        makes them F l^2 F^T/3. A tent's are l^2/6.
+        """
+        half = self.half
+        if follows(self.name):
+            F = np.reshape(F, (self.D, self.D))
+            half = np.sqrt(np.diag(F @ np.diag(half**2) @ F.T))
+        return np.minimum(half, self.frame.cell), bool((half > self.frame.cell).any())
+
+    def of(self, x, F):
         """S_vp, (vertices), and grad S_vp, (vertices, D), of a particle at x: products (19, 20)."""
+        half, _ = self.half_widths(F)
         pairs = [
-            weights(self.name, x[d] - self.vertices[d], self.frame.cell[d], self.half[d])
+            weights(self.name, x[d] - self.vertices[d], self.frame.cell[d], half[d])
             for d in range(self.D)
         ]
         S = np.ones(self.shape)
@@ -105,21 +126,25 @@ class Reference:
         self.p = np.zeros((*self.shape, self.D))
         self.f = np.zeros((*self.shape, self.D))
         for k in range(len(particles.m)):
-            S, grad = self.of(particles.x[k])
+            S, grad = self.of(particles.x[k], particles.F[k])
             sigma = tensor(particles.sigma[k])[: self.D, : self.D]
             self.m += particles.m[k] * S
             self.p += particles.m[k] * S[..., None] * particles.v[k]
             self.f -= particles.V[k] * grad @ sigma
 
-    def update_momentum(self, dt, gravity, faces, lightest):
+    def update_momentum(self, dt, gravity, faces, lightest, mirrors=()):
         """(14) with (17), then the conditions of `faces`: (kind, axis, side, velocity, rate).
 
-        Sets the impulse of each face, (faces, D), and the work of gravity and faces.
+        Sets the impulse of each face, (faces, D), and the work of gravity and faces; with
+        `mirrors`, see `fold`, both are only those of the vertices that are left.
         """
+        gone = np.zeros(self.shape, bool)
+        force = self.f + self.m[..., None] * np.asarray(gravity[: self.D], float)  # (14)
+        folded = [self.fold(force, dt, gone, *mirror) for mirror in mirrors]
         heavy = self.m > lightest
         m = np.where(heavy, self.m, 1.0)[..., None]
         b = np.asarray(gravity[: self.D], float)
-        self.a = np.where(heavy[..., None], self.f / m + b, 0.0)
+        self.a = np.where(heavy[..., None], force / m, 0.0)
         light = np.where((self.m > 0) & ~heavy, self.m, 1.0)[..., None]
         self.v = np.where(heavy[..., None], self.p / m + self.a * dt, self.p / light)
         m = self.m[..., None]
@@ -152,12 +177,56 @@ class Reference:
             self.impulse.append(dt * force.reshape(-1, self.D).sum(axis=0))
         # Where faces meet, the velocity that counts is the one that all of them leave.
         self.work = dt * (m * (b + self.a - free) * self.v).sum()
+        for (axis, side, _), every in zip(mirrors[::-1], folded[::-1], strict=True):
+            sign = np.where(np.arange(self.D) == axis, -1.0, 1.0)
+            for (beyond, image), taken in zip(self.images(axis, side), every, strict=True):
+                for field in (self.v, self.a):
+                    rows = np.moveaxis(field, axis, 0)
+                    rows[beyond][taken] = sign * rows[image][taken]
+
+    def images(self, axis, side):
+        """Vertex numbers along `axis` beyond a face, and their mirror images'."""
+        ghost, cells = self.frame.ghost, self.frame.cells[axis]
+        wall = ghost if side < 0 else ghost + cells
+        pairs = [(wall + side * k, wall - side * k) for k in range(1, ghost + 1)]
+        return [(g, r) for g, r in pairs if 0 <= r < self.shape[axis]]
+
+    def fold(self, force, dt, gone, axis, side, releases):
+        """Add what is beyond a face to the mirror images, but not where the face lets go.
+
+        `gone` becomes true for vertices that have given away what they had: at edges, where faces
+        meet that may let go, those take no more.
+
+        Returns
+        -------
+        list of (vertices of the other directions) bool
+            What was folded, for each pair of `images`.
+        """
+        wall = self.frame.ghost + (side > 0) * self.frame.cells[axis]
+        m, p, f = (np.moveaxis(field, axis, 0) for field in (self.m, self.p, force))
+        into = p[wall][..., axis] + dt * f[wall][..., axis]
+        taken = into * side > 0 if releases else np.ones(m[wall].shape, bool)
+        sign = np.where(np.arange(self.D) == axis, -1.0, 1.0)
+        lost, folded = np.moveaxis(gone, axis, 0), []
+        for beyond, image in self.images(axis, side):
+            where = taken & (m[beyond] > 0) & ~lost[image]
+            m[image] += np.where(where, m[beyond], 0.0)
+            m[beyond] = np.where(where, 0.0, m[beyond])
+            for field in (p, f):
+                field[image] += np.where(where[..., None], sign * field[beyond], 0.0)
+                field[beyond] = np.where(where[..., None], 0.0, field[beyond])
+            lost[beyond] |= where
+            folded.append(where)
+        return folded
 
     def grid_to_particles(self, particles, materials, material_of, dt, tracked):
-        """(26), (27), (29), (30), volume and stress; and the largest (c + |v|)/L."""
-        self.rate = 0.0
+        """(26), (27), (29), (30), volume and stress; and the largest (c + |v|)/L.
+
+        Also counts the particles whose half-width is clamped by then.
+        """
+        self.rate, self.clamped = 0.0, 0
         for k in range(len(particles.m)):
-            S, grad = self.of(particles.x[k])
+            S, grad = self.of(particles.x[k], particles.F[k])
             L = np.zeros((3, 3))
             for r in range(self.D):
                 for c in range(self.D):
@@ -166,6 +235,7 @@ class Reference:
             particles.v[k] += dt * np.tensordot(S, self.a, self.D)
             F = (np.eye(3) + dt * L) @ matrix(particles.F[k])
             particles.F[k] = F[: self.D, : self.D].reshape(-1)
+            self.clamped += self.half_widths(particles.F[k])[1]
             J = np.linalg.det(F)
             if tracked:
                 particles.V[k] = J * particles.V0[k]

@@ -37,7 +37,8 @@ def scene(dimension, body, *, cells=None, cell=1.0, shape="gimp", per_cell=2, **
     per_cell : int or list
         Particles per cell along each direction.
     **parts
-        Further keys of the case; `end` and `step` stand for those of ``time``.
+        Further keys of the case; `end` and `step` stand for those of ``time``, `volume`, `size` and
+        `wall` for those of ``method``.
     """
     each = [cell] * dimension if np.isscalar(cell) else list(cell)
     count = [8] * dimension if cells is None else cells
@@ -45,7 +46,7 @@ def scene(dimension, body, *, cells=None, cell=1.0, shape="gimp", per_cell=2, **
     method = {
         "shape": shape,
         "particles_per_cell": [per_cell] * dimension if np.isscalar(per_cell) else per_cell,
-        "volume": parts.pop("volume", "tracked"),
+        **{name: parts.pop(name) for name in ("volume", "size", "wall") if name in parts},
     }
     return {
         "format": 1,

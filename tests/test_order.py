@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
-from kernel_driver import entry, make_frame
+from kernel_driver import entry, initial_half, make_frame
 from rank_threads import MPI, Comm, together
 
 from pgimp.parallel.migrate import migrate, pack, unpack
@@ -33,7 +33,7 @@ class World:
 
     def __init__(self, name, ppc, xi, ranks, cut_at):
         self.shape = entry(name, (ppc, ppc))
-        self.half = 0.5 / ppc if name == "gimp" else 0.0
+        self.half = initial_half(name, ppc)
         self.frame = make_frame(self.shape, (-1.0, 2.0), CELL, CELLS)
         self.x = {n: x * CELL + self.frame.origin for n, x in enumerate(xi)}
         self.layer = {n: self.vertex(x, 0) for n, x in self.x.items()}
@@ -69,7 +69,7 @@ class World:
             p = Particles.empty(max(len(own), 1), 2, False)
             for row, n in enumerate(own):
                 p.x[row], p.id[row], p.m[row], p.sigma[row, 3] = self.x[n], n, n + 0.5, -n
-            population = Population(p, len(own), self.shape.parameters(), self.frame, slab)
+            population = Population(p, len(own), self.shape.parameters(CELL), self.frame, slab)
             self.ranks.append((Comm(rank, boxes), slab, population))
 
     def move(self, steps):
@@ -193,7 +193,7 @@ def test_large_numbers_sort_alike():
         keys = np.floor(p.x).astype(int).tolist()
         expected = [k for _, k in sorted(zip(keys, p.id.tolist(), strict=True))]
         slab = Slab(0, frame.vertices[0], None, None)
-        population = Population(p, n, shape.parameters(), frame, slab)
+        population = Population(p, n, shape.parameters(frame.cell), frame, slab)
         assert population.particles.id.tolist() == expected
 
 
@@ -204,7 +204,8 @@ def test_rows_of_those_that_left_are_used_again():
     p = Particles.empty(6, 1, True)
     p.x[:, 0] = np.arange(6) + 0.5
     p.id[:] = np.arange(6)
-    population = Population(p, 6, shape.parameters(), frame, Slab(0, 8, None, 1))
+    slab = Slab(0, 8, None, 1)
+    population = Population(p, 6, shape.parameters(frame.cell), frame, slab)
     population.particles.layer[[1, 4]] = 8
     population.release(np.array([1, 4], np.int32))
     population.restore_order(np.array([1, 4], np.int32), np.empty(0, np.int32))

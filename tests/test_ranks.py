@@ -171,10 +171,57 @@ def narrow():
     )
 
 
+def squeezed(dimension, shape, faces, **parts):
+    """Two blocks at the ends of the slabs, where mirrors are; the one at x-max hits the other."""
+    low, high = [0.0] * dimension, [10.0, *[3.0] * (dimension - 1)]
+    velocity = [0.8] * dimension
+    bodies = {"wide": box(low, high, velocity)}
+    if dimension > 1:
+        start = [14.0, *[3.5] * (dimension - 1)]
+        hit = box(start, [16.0, *[5.5] * (dimension - 1)], [-8.0, *[-2.5] * (dimension - 1)])
+        rate = 0.5 if dimension == 2 else [0.2, 0.4, 0.5]
+        bodies["hits"] = turning(hit, [c + 1.0 for c in start], rate, hit["velocity"])
+    else:
+        bodies["hits"] = box([14.0], [16.0], [-8.0])
+    return scene(
+        dimension,
+        bodies,
+        cells=[16, 8, 8][:dimension],
+        shape=shape,
+        per_cell=2 if dimension < 3 else 1,
+        end=0.72,
+        step={"courant": 0.25},
+        gravity=[0.0] * (dimension - 1) + [-1.0],
+        boundaries=faces,
+        output={"every": 0.24, "fields": EVERYTHING},
+        history={"every": 0.12},
+        **parts,
+    )
+
+
+#: The shapes whose size is tracked, and tents that stay; mirrors at x-min, x-max and elsewhere.
+SIZED = {
+    "line_finite": squeezed(1, "finite-gimp", {"x-min": "slip", "x-max": "separating"}),
+    "line_fuzzy": squeezed(1, "fuzzy-constant", {"x-min": "fixed", "x-max": "separating"}),
+    "plane_finite": squeezed(2, "finite-gimp", {"x-min": "slip", "y-min": "separating"}),
+    "plane_fuzzy": squeezed(
+        2, "fuzzy-nearest", {"x-min": "slip", "x-max": "separating", "y-min": "separating"}
+    ),
+    "plane_ghost": squeezed(
+        2, "fuzzy-constant", {"x-min": "slip", "y-min": "fixed"}, size="fixed", wall="ghost"
+    ),
+    "space_finite": squeezed(3, "finite-gimp", {"x-min": "fixed", "z-min": "slip"}),
+    "space_fuzzy": squeezed(
+        3, "fuzzy-constant",
+        {"x-min": "fixed", "x-max": "separating", "y-min": "slip", "z-min": "fixed"},
+        size="fixed",
+    ),
+}  # fmt: skip
+
 SCENES = {
     each.__name__: each()
     for each in (line_gimp, line_mpm, plane_gimp, plane_mpm, space_gimp, space_mpm, narrow)
-} | {
+} | SIZED | {
     "other_output": plane_gimp(
         output={"every": {"steps": 7}, "at": [0.77], "fields": ["velocity"]}, history={"every": 1.0}
     )

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scenes import box, energy, field, finish, scene, start, stir, take_over, tracked, wall
 
-SHAPES = ("gimp", "mpm")
+SHAPES = ("gimp", "mpm", "fuzzy-nearest")
 CELLS = {"cells": [16, 12], "cell": 0.5}
 
 #: Conditions on a floor; the last ones move, among them one that speeds up, and one that lifts.

@@ -14,7 +14,7 @@ from pgimp.solver.particles import Frame
 @kernel
 def first_vertices(shape, frame, y, found):
     for i in range(len(y)):
-        found[i] = first_vertex(shape, frame, 1, y[i])
+        found[i] = first_vertex(frame, 1, shape.half[1], y[i])
 
 
 def plane_grid(origin, cell, cells, vertices):

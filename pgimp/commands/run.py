@@ -271,6 +271,14 @@ def _close(
         f"{frames} frame{'s' if frames > 1 else ''} and history.csv in {directory.path}; "
         f"look at them with: paraview {collection}"
     )
+    clamped = sim.comm.allreduce(sim.clamped)
+    if clamped:
+        share = 100.0 * clamped / (sim.count * sim.step)
+        log.say(
+            f"note: in {clamped} particle-steps ({share:.2g} %) a particle was stretched to a "
+            "half-width of more than one cell; its reach is held at one cell, so that neighbours "
+            "may lose contact: use fewer or larger cells along the stretch"
+        )
     part, when, face = sim.diagnostic_sums.beyond
     if part > _NEGLIGIBLE:
         log.say(

@@ -4,9 +4,10 @@ The vertices beyond the face hand their sums to their mirror images before the m
 mass, tangential momentum and force add, the normal parts subtract. After it they get the
 reflection of their images' velocity and acceleration, which the particles then gather.
 
-What the particles gain over a step is the sum of m a dt over all vertices, with the masses m' that
-they carry beyond: the normal force f' from there counts twice in the images' motion, and m' moves
-against them. The face therefore gives -2 (f' + m' a) dt; see `fold` and `reflect`.
+This is the motion of the grid under a constraint: velocities beyond the face are the reflection of
+those within. So it keeps energy, and momentum but for what the face gives: particles gain the sum
+of m a dt over all vertices with the mass m' that they carry beyond, where the normal force is f'.
+Reflection turns both around, so that the face gives -2 (f' + m' a) dt, a being the images'.
 """
 
 from typing import NamedTuple
@@ -37,7 +38,8 @@ class Mirror(NamedTuple):
 def fold(frame, window, G, active, mirror, dt, gravity, owned, impulse):
     """Add the sums beyond a face to those of the mirror images.
 
-    Beyond it vertices are left without mass, which `reflect` finds in their record's fifth place.
+    A vertex beyond it is left with the face's number, less than zero, in place of its mass, which
+    moves to its record's fifth place: `reflect` needs both, and for the rest it has no mass.
 
     Parameters
     ----------
@@ -53,14 +55,18 @@ def fold(frame, window, G, active, mirror, dt, gravity, owned, impulse):
         for j in range(window.extent[1]):
             for k in range(window.extent[2]):
                 g, r, wall = _places(frame, window, active, mirror, i, j, k)
-                if r < 0 or G[g] == 0.0:
+                if r < 0 or not G[g] > 0.0 or G[r] < 0.0:
                     continue
                 if mirror.releases:
                     push = G[wall + 5 + axis] + G[wall] * gravity[axis]
-                    if (G[wall + 1 + axis] + dt * push) * mirror.side <= 0.0:
+                    into = (G[wall + 1 + axis] + dt * push) * mirror.side
+                    if not (G[wall] > 0.0 and into > 0.0):
                         continue
+                # Gravity will act on all mass of the image alike; on this part it acts against it.
+                weight = G[g] * gravity[axis]
+                G[r + 5 + axis] -= 2.0 * weight
                 if i < owned:
-                    impulse[i, mirror.number, axis] -= 2.0 * dt * G[g + 5 + axis]
+                    impulse[i, mirror.number, axis] -= 2.0 * dt * (G[g + 5 + axis] + weight)
                 G[r] += G[g]
                 for d in range(3):
                     sign = -1.0 if d == axis else 1.0
@@ -69,6 +75,7 @@ def fold(frame, window, G, active, mirror, dt, gravity, owned, impulse):
                 mass = G[g]
                 for d in range(8):
                     G[g + d] = 0.0
+                G[g] = -1.0 - mirror.number
                 G[g + 4] = mass
 
 
@@ -93,7 +100,7 @@ def reflect(frame, window, G, active, mirror, dt, gravity, owned, impulse, work)
         for j in range(window.extent[1]):
             for k in range(window.extent[2]):
                 g, r, _ = _places(frame, window, active, mirror, i, j, k)
-                if r < 0 or G[g] > 0.0:
+                if r < 0 or G[g] != -1.0 - mirror.number:
                     continue
                 if i < owned:
                     twice = 2.0 * dt * G[g + 4]

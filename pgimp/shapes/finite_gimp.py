@@ -2,9 +2,11 @@
 
 In one dimension this is the paper's Finite GIMP: half-width l_p F. In two and three dimensions a
 deformed box is approximated by the box, along the grid's directions, with the same second moments:
-right under stretches along the grid and under rotation by any angle; under shear the parallelepiped
-is replaced by that box, which covers the same extent but not the same points, so that neighbours
-overlap a little and the particles are a partition of unity only to first order in the shear.
+exact under stretches along the grid, and a cube keeps its size under rotation by any angle. Under
+shear it has the parallelepiped's spread along each direction but not its tilt: neighbours overlap
+here and leave gaps there, on a part of the volume that grows with the square of the shear (a simple
+shear g makes boxes wider by g^2/2), so that the particles are a partition of unity to first order.
+The same holds for boxes of a lattice that has turned, which stay along the grid.
 """
 
 from typing import ClassVar, Literal, NamedTuple
