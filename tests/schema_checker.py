@@ -89,5 +89,6 @@ RULES = {
     "minLength": length(str, lambda n, limit: n >= limit)("minLength"),
     "minItems": length(list, lambda n, limit: n >= limit)("minItems"),
     "maxItems": length(list, lambda n, limit: n <= limit)("maxItems"),
+    "maxProperties": length(dict, lambda n, limit: n <= limit)("maxProperties"),
     "minProperties": length(dict, lambda n, limit: n >= limit)("minProperties"),
 }

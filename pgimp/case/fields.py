@@ -65,6 +65,11 @@ HISTORY: dict[str, str] = {
     "constraint.NAME-AXIS": (
         "mean force of each constraint on the material since the last line [force]"
     ),
+    "beyond.FACE": (
+        "mass that particles carry past each named face in the last step, on vertices beyond it: a "
+        "particle of fixed size does where the material is compressed against a wall, and what "
+        "lies there the wall bears [mass]"
+    ),
     "error": (
         "only with `exact`, as all that follows: error (47) of the stress, the sum of |exact - s| "
         "times volume over the particles, relative to the initial volume times a stress that the "
