@@ -30,7 +30,8 @@ from pgimp.case.base import (
     Steps,
     Vector,
 )
-from pgimp.case.checks import check, faces, sound_parts, whole
+from pgimp.case.check_domain import faces, whole
+from pgimp.case.checks import check, sound_parts
 from pgimp.case.dispatch import ByField, ByName, ByWord, Either
 from pgimp.case.fields import FIELDS
 from pgimp.case.messages import explain, unknown

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 from math import sqrt
 from typing import Any, ClassVar, NamedTuple
 
-from pgimp.case.checks import WHOLE
+from pgimp.case.check_domain import WHOLE
 from pgimp.case.problems import Problem
 from pgimp.exact.base import Solution
 from pgimp.scene.regions import Box

@@ -1,0 +1,133 @@
+"""Checks of bodies and of what acts on them: tractions and constraints."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from pydantic import RootModel
+
+from pgimp.case.check_domain import AXES, WHOLE, Problems, check_grid, faces, length
+from pgimp.case.dispatch import name_of
+from pgimp.case.messages import unknown
+from pgimp.case.problems import Problem
+from pgimp.scene.regions import REGIONS
+
+
+def check_materials(bodies: Mapping[str, Any], declared: Iterable[str]) -> Problems:
+    """Check that the bodies' materials are known."""
+    for name, body in bodies.items():
+        if body.material not in declared:
+            text = unknown("material", body.material, declared)
+            yield Problem(("bodies", name, "material"), text)
+
+
+def check_velocities(dimensions: int, bodies: Mapping[str, Any]) -> Problems:
+    """Check that initial velocities fit the dimensions."""
+    for name, body in bodies.items():
+        path = ("bodies", name, "velocity")
+        if isinstance(body.velocity, tuple):
+            yield from length(path, body.velocity, dimensions)
+            continue
+        rotation = body.velocity.rotation
+        yield from length((*path, "translation"), body.velocity.translation, dimensions)
+        yield from length((*path, "rotation", "about"), rotation.about, dimensions)
+        if dimensions == 1:
+            yield Problem((*path, "rotation"), "there is no rotation in one dimension")
+        elif dimensions == 2 and isinstance(rotation.rate, tuple):
+            text = f"expected a number in 2D, got a list of {len(rotation.rate)}"
+            yield Problem((*path, "rotation", "rate"), text)
+        elif dimensions == 3 and not isinstance(rotation.rate, tuple):
+            text = f"expected a vector along the axis in 3D, got {rotation.rate:.15g}"
+            yield Problem((*path, "rotation", "rate"), text)
+        elif dimensions == 3:
+            yield from length((*path, "rotation", "rate"), rotation.rate, dimensions)
+
+
+def _region(path: tuple[str | int, ...], region: Any, dimensions: int) -> Problems:
+    """Check one region and those that it is made of."""
+    name = name_of(region, REGIONS)
+    path = (*path, name)
+    if isinstance(region, RootModel):
+        for i, part in enumerate(region.root):
+            yield from _region((*path, i), part, dimensions)
+        return
+    if dimensions not in region.DIMENSIONS:
+        allowed = " and ".join(f"{d}D" for d in region.DIMENSIONS)
+        hint = "; in 2D a disk is a ball" if dimensions == 2 else ""
+        yield Problem(path, f"a {name} exists in {allowed} only{hint}")
+        return
+    for field, info in type(region).model_fields.items():
+        yield from length((*path, info.alias or field), getattr(region, field), dimensions)
+
+
+def check_regions(dimensions: int, grid: Any, bodies: Mapping[str, Any]) -> Problems:
+    """Check that regions fit the dimensions and lie in the domain."""
+    sound = not list(check_grid(dimensions, grid))
+    for name, body in bodies.items():
+        path = ("bodies", name, "region")
+        wrong = list(_region(path, body.region, dimensions))
+        yield from wrong
+        if wrong or not sound:
+            continue
+        low, high = body.region.bounds()
+        for i in range(dimensions):
+            least, most = grid.origin[i], grid.corner[i]
+            slack = WHOLE * grid.cell[i]
+            if low[i] < least - slack:
+                yield _beyond(path, f"{AXES[i]}-min", low[i], least)
+            if high[i] > most + slack:
+                yield _beyond(path, f"{AXES[i]}-max", high[i], most)
+
+
+def _beyond(path: tuple[str | int, ...], face: str, reach: float, wall: float) -> Problem:
+    return Problem(
+        path,
+        f"reaches {abs(reach - wall):.6g} beyond the domain at {face}: to {reach:.15g}, "
+        f"where the domain ends at {wall:.15g}",
+    )
+
+
+def _body_of(
+    path: tuple[str | int, ...], entry: Any, bodies: Mapping[str, Any], named: Iterable[str]
+) -> Problems:
+    """Check that an entry's body is known."""
+    if entry.body not in bodies and entry.body not in named:
+        yield Problem((*path, "body"), unknown("body", entry.body, named))
+
+
+def check_tractions(
+    dimensions: int,
+    bodies: Mapping[str, Any],
+    body_names: Iterable[str],
+    tractions: Mapping[str, Any],
+) -> Problems:
+    """Check that tractions act on faces of boxes."""
+    for name, entry in tractions.items():
+        path: tuple[str | int, ...] = ("tractions", name)
+        yield from _body_of(path, entry, bodies, body_names)
+        if entry.face not in faces(dimensions):
+            yield Problem((*path, "face"), unknown("face", entry.face, faces(dimensions)))
+        if entry.body in bodies and name_of(bodies[entry.body].region, REGIONS) != "box":
+            kind = name_of(bodies[entry.body].region, REGIONS)
+            yield Problem(
+                (*path, "body"),
+                f"the region of '{entry.body}' is a {kind}; tractions act on faces of a box",
+            )
+        yield from length((*path, "traction"), entry.traction, dimensions)
+        for i, (_, value) in enumerate(getattr(entry.traction, "table", ())):
+            yield from length((*path, "traction", "table", i, 1), value, dimensions)
+
+
+def check_constraints(
+    dimensions: int,
+    bodies: Mapping[str, Any],
+    body_names: Iterable[str],
+    constraints: Mapping[str, Any],
+) -> Problems:
+    """Check that constraints hold parts of bodies."""
+    for name, entry in constraints.items():
+        path: tuple[str | int, ...] = ("constraints", name)
+        yield from _body_of(path, entry, bodies, body_names)
+        yield from _region((*path, "region"), entry.region, dimensions)
+        yield from length((*path, "velocity"), entry.velocity, dimensions)

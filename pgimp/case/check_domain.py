@@ -1,0 +1,132 @@
+"""Checks of grid, method, time, output, gravity and boundaries, and what other checks need too."""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from pgimp.case.messages import describe, unknown
+from pgimp.case.problems import Problem
+
+Problems = Iterator[Problem]
+
+AXES = "xyz"
+
+WHOLE = 1e-9
+"""Relative tolerance of sizes in cells and of times in steps."""
+
+MOST_CELLS = 10_000_000
+"""Along one direction."""
+
+MOST_STEPS = 2**53
+
+
+def whole(total: float, part: float) -> tuple[int, bool]:
+    """Return how many times `part` fits into `total`, rounded, at least 1; and whether exactly."""
+    ratio = total / part
+    if math.isinf(ratio):
+        return sys.maxsize, False
+    count = max(1, round(ratio))
+    return count, abs(count * part - total) <= WHOLE * total
+
+
+def nearest_whole(total: float, part: float) -> str:
+    """Return the nearest multiple of `part`, at least one, in the fewest digits that say it."""
+    value = whole(total, part)[0] * part
+    texts = (f"{value:.{digits}g}" for digits in (6, 9, 12, 15))
+    return next((text for text in texts if whole(float(text), part)[1]), repr(value))
+
+
+def faces(dimensions: int) -> list[str]:
+    """Return the names of the domain's faces."""
+    return [f"{axis}-{side}" for axis in AXES[:dimensions] for side in ("min", "max")]
+
+
+def length(path: tuple[str | int, ...], value: Any, dimensions: int) -> Problems:
+    """Check that a vector has one entry a direction."""
+    if isinstance(value, tuple) and len(value) != dimensions:
+        entries = "entry" if dimensions == 1 else "entries"
+        yield Problem(
+            path, f"expected {dimensions} {entries}, one a direction, got {describe(value)}"
+        )
+
+
+def check_grid(dimensions: int, grid: Any) -> Problems:
+    """Check that sizes are whole cells, which float64 coordinates can tell apart."""
+    wrong = [
+        item
+        for name in ("origin", "size", "cell")
+        for item in length(("grid", name), getattr(grid, name), dimensions)
+    ]
+    if wrong:
+        yield from wrong
+        return
+    for i, (low, size, cell) in enumerate(zip(grid.origin, grid.size, grid.cell, strict=True)):
+        count, exact = whole(size, cell)
+        if count > MOST_CELLS:
+            yield Problem(
+                ("grid", "cell", i),
+                f"{size / cell:.3g} cells are too many (at most 10 million along a direction)",
+            )
+        elif not exact:
+            yield Problem(
+                ("grid", "size", i),
+                f"{size:.15g} is not a whole number of cells of {cell:.15g} "
+                f"({size / cell:.9g} cells); the nearest is {nearest_whole(size, cell)}",
+            )
+        elif math.ulp(max(abs(low), abs(low + size))) > 1e-6 * cell:
+            yield Problem(
+                ("grid", "origin", i),
+                f"near {low:.15g} a float64 cannot resolve cells of {cell:.15g}; "
+                "move the origin closer to 0",
+            )
+
+
+def check_method(dimensions: int, method: Any) -> Problems:
+    """Check that there is one number of particles a direction."""
+    counts = method.particles_per_cell
+    yield from length(("method", "particles_per_cell"), counts, dimensions)
+
+
+def check_time(time: Any) -> Problems:
+    """Check that the end is a whole number of fixed steps."""
+    if time.steps is None:
+        return
+    count, exact = whole(time.end, time.step)
+    if count > MOST_STEPS:
+        yield Problem(("time", "step"), f"{time.end / time.step:.3g} steps are too many")
+    elif not exact:
+        yield Problem(
+            ("time", "end"),
+            f"{time.end:.15g} is not a whole number of steps of {time.step:.15g} "
+            f"({time.end / time.step:.9g} steps); the nearest is "
+            f"{nearest_whole(time.end, time.step)}",
+        )
+
+
+def check_output(time: Any, output: Any) -> Problems:
+    """Check that frames lie between the start and the end."""
+    for i, instant in enumerate(output.at):
+        if instant > time.end:
+            yield Problem(
+                ("output", "at", i), f"{instant:.15g} is after the end at {time.end:.15g}"
+            )
+
+
+def check_gravity(dimensions: int, gravity: Any) -> Problems:
+    """Check that gravity fits the dimensions."""
+    yield from length(("gravity",), gravity, dimensions)
+    for i, (_, value) in enumerate(getattr(gravity, "table", ())):
+        yield from length(("gravity", "table", i, 1), value, dimensions)
+
+
+def check_boundaries(dimensions: int, boundaries: Mapping[str, Any]) -> Problems:
+    """Check that the domain has the faces, and that vectors fit the dimensions."""
+    for face, entry in boundaries.items():
+        if face not in faces(dimensions):
+            yield Problem(("boundaries", face), unknown("face", face, faces(dimensions)))
+        for field in type(entry).model_fields:
+            path = ("boundaries", face, field)
+            yield from length(path, getattr(entry, field), dimensions)
