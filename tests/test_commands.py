@@ -44,7 +44,8 @@ def test_check_prints_what_the_paper_says(column, python):
     ("change", "status", "message"),
     [
         ("time.step=2e-3", 2, "Courant number of 2.02, beyond the stability limit"),
-        ("time.step=8e-4", 0, "above 0.5 a free surface"),
+        ("time.step=8e-4", 0, "above 0.45 a free surface"),
+        ("method.shape=mpm", 0, "above 0.1 a free surface"),
         ("materials.bar.young=1.0", 0, "one consistent set"),
         (
             "bodies.bar={material: bar, surface: whole, region: {box: {min: [0], max: [0.2]}}}",

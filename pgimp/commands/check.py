@@ -20,7 +20,7 @@ from pgimp.scene.lattice import Lattice
 from pgimp.scene.scene import Scene, count_particles
 from pgimp.solver.particles import Particles
 from pgimp.solver.simulation import Simulation
-from pgimp.solver.stability import DOUBTFUL, doubt, require_stable
+from pgimp.solver.stability import doubt, require_stable
 
 #: Cost of a step's messages on one node, seconds; what a rank must at least have to do besides.
 _MESSAGES = 20e-6
@@ -86,8 +86,8 @@ def report(case: Case) -> None:
     _report_cost(case, scene, count, steps, bodies[0].wave_speed)
     for note in notes:
         print(f"note: {note}")
-    if dt * rate > DOUBTFUL:
-        print(f"warning: {doubt(dt, rate)}")
+    if warning := doubt(dt, rate, case.method.stable):
+        print(f"warning: {warning}")
 
 
 def _facts(scene: Scene, lattice: Lattice, counts: np.ndarray, body: int) -> BodyFacts:
@@ -120,7 +120,7 @@ def _step(case: Case, rate: float) -> float:
     """Length of a step, the first one if it is controlled."""
     if not isinstance(case.time.step, float | int):
         return min(case.time.step.courant / rate, case.time.end)
-    require_stable(float(case.time.step), rate)
+    require_stable(float(case.time.step), rate, case.method.stable)
     return float(case.time.step)
 
 

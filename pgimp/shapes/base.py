@@ -24,6 +24,10 @@ class Shape(Model):
     #: Vertices a direction in a support.
     vertices: ClassVar[int]
 
+    #: Courant number up to which free surfaces stay stable wherever they lie in their cells, up to
+    #: four particles a cell and direction (``scripts/hard courant``); above, there is a warning.
+    stable: ClassVar[float] = 0.45
+
     @property
     def tracked(self) -> bool:
         """Whether the volume in the internal force (16) follows det(F)."""

@@ -115,6 +115,8 @@ class FuzzyNearest(_Fuzzy):
 
     shape: Literal["fuzzy-nearest"] = Field(description="name of the shape")
 
+    stable: ClassVar[float] = 0.5
+
     def parameters(self, cell: tuple[float, ...]) -> NamedTuple:
         """Parameters of the kernels: d = L/(particles per cell)."""
         return self._parameters(tuple(1.0 / n for n in self.particles_per_cell))
@@ -124,6 +126,8 @@ class FuzzyConstant(_Fuzzy):
     """Tents of one cell's half-width, whatever the particles per cell."""
 
     shape: Literal["fuzzy-constant"] = Field(description="name of the shape")
+
+    stable: ClassVar[float] = 0.9
 
     def parameters(self, cell: tuple[float, ...]) -> NamedTuple:
         """Parameters of the kernels: d = L."""

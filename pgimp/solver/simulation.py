@@ -21,7 +21,7 @@ from pgimp.solver.faults import describe
 from pgimp.solver.grid import Grid
 from pgimp.solver.particles import Particles
 from pgimp.solver.population import Population
-from pgimp.solver.stability import DOUBTFUL, doubt, require_stable
+from pgimp.solver.stability import doubt, require_stable
 from pgimp.solver.step import PHASES, step
 from pgimp.solver.warmup import warm_up
 
@@ -164,9 +164,10 @@ class Simulation:
     def _check_step(self) -> None:
         """Compare the step with the stability limit."""
         dt = self.clock.next(self.rate)[0]
-        require_stable(dt, self.rate)
-        if dt * self.rate > DOUBTFUL:
-            self.warnings.append(doubt(dt, self.rate))
+        stable = self.case.method.stable
+        require_stable(dt, self.rate, stable)
+        if warning := doubt(dt, self.rate, stable):
+            self.warnings.append(warning)
 
     @property
     def time(self) -> float:

@@ -2,11 +2,11 @@
 
 from pgimp.errors import CaseError
 
-#: Courant numbers above which a step is refused, or warned about.
-REFUSED, DOUBTFUL = 1.0, 0.5
+#: Courant number above which a step is refused. Warned about are steps above `Shape.stable`.
+REFUSED = 1.0
 
 
-def require_stable(dt: float, rate: float) -> None:
+def require_stable(dt: float, rate: float, stable: float) -> None:
     """Refuse a step beyond the limit.
 
     Parameters
@@ -15,6 +15,8 @@ def require_stable(dt: float, rate: float) -> None:
         The step.
     rate : float
         Largest (c_p + |v_p|)/L, 1/time.
+    stable : float
+        Courant number up to which the shape is stable at free surfaces.
 
     Raises
     ------
@@ -24,15 +26,20 @@ def require_stable(dt: float, rate: float) -> None:
     courant = dt * rate
     # A controlled step of Courant 1 must not be refused for rounding.
     if not courant <= REFUSED * (1.0 + 1e-9):
+        safe = min(stable, 0.3)
         raise CaseError(
             f"time.step: {dt:g} is a Courant number of {courant:.3g}, beyond the stability limit; "
-            f"use at most {DOUBTFUL / rate:.3g} (Courant 0.5), or step: {{courant: 0.3}}"
+            f"use at most {stable / rate:.3g} (Courant {stable:g}), or step: {{courant: {safe:g}}}"
         )
 
 
-def doubt(dt: float, rate: float) -> str:
-    """Warning about a Courant number above `DOUBTFUL`."""
+def doubt(dt: float, rate: float, stable: float) -> str:
+    """Warning about a Courant number above `stable`, empty where there is nothing to say."""
+    if dt * rate <= stable * (1.0 + 1e-9):
+        return ""
+    safe = min(stable, 0.3)
     return (
-        f"time.step: {dt:g} is a Courant number of {dt * rate:.3g}; above {DOUBTFUL:g} a free "
-        f"surface may become unstable: {0.3 / rate:.3g} is safe (Courant 0.3)"
+        f"time.step: {dt:g} is a Courant number of {dt * rate:.3g}; above {stable:g} a free "
+        f"surface may become unstable with this shape; {safe / rate:.3g} is safer (Courant "
+        f"{safe:g})"
     )
