@@ -27,6 +27,14 @@ COARSER = {
         "time.end=0.5",
         "history.every={steps: 100}",
     ],
+    "shock": ["grid.cell=[2.0]", "time.step=2.5e-4", "output.at=[]"],
+    "vortex": ["grid.cell=[0.1,0.1]", "time.step=1.0e-2", "time.end=0.6", "output.every=0.3"],
+    "spinning-block": [
+        "grid.cell=[0.2,0.2,0.2]",
+        "time.step=4.0e-3",
+        "time.end=0.5",
+        "output.every=0.25",
+    ],
     "disks": ["grid.cell=[0.05,0.05]", "output.every=0.5"],
 }
 
@@ -104,6 +112,22 @@ def test_bar_vibrates_at_its_frequency(runs):
     assert np.abs(total).max() < 0.01 * history["external-work"].max()
     tip = runs("bar-vibration").follow(len(runs("bar-vibration").frame(0)) - 1)
     assert tip["displacement"][:, 0].max() == pytest.approx(9.81 / 400.0, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("name", "most", "displacement"),
+    [
+        ("compaction", None, 0.02),
+        ("shock", 0.11, 0.1),
+        ("vortex", 0.6, 0.05),
+        ("spinning-block", 0.2, 0.12),
+    ],
+)
+def test_errors_against_the_exact_solution_are_small(runs, name, most, displacement):
+    """In cells twice as large, or more, than those of the cases."""
+    history = runs(name).history
+    assert most is None or history["error"].max() < most
+    assert 0.0 < history["error.displacement-l2"].max() < displacement
 
 
 def test_disks_collide_and_part(runs):

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from reference import neo_hookean
 
 UNIT = st.floats(0.0, 1.0)
+INNER = st.floats(0.002, 0.998)  # differences do not reach beyond the body
 FORCED = ["vortex", "block2d", "block3d"]
 FREE = ["dynamic", "free", "held"]
 
@@ -34,7 +35,7 @@ def inside(solution, place):
 
 @pytest.mark.parametrize("name", CASES)
 @settings(max_examples=10, deadline=None)
-@given(st.tuples(UNIT, UNIT, UNIT), UNIT)
+@given(st.tuples(INNER, INNER, INNER), UNIT)
 def test_velocity_and_stress_follow_from_the_displacement(name, place, t):
     solution = exact(name)
     X, t = inside(solution, place), 0.01 + 0.6 * t
@@ -53,7 +54,7 @@ def test_velocity_and_stress_follow_from_the_displacement(name, place, t):
 
 @pytest.mark.parametrize("name", FORCED + FREE)
 @settings(max_examples=8, deadline=None)
-@given(st.tuples(UNIT, UNIT, UNIT), UNIT)
+@given(st.tuples(INNER, INNER, INNER), UNIT)
 def test_momentum_is_balanced(name, place, t):
     """rho0 x_tt = Div P + rho0 b, with P and x_tt by differences."""
     solution = exact(name)
@@ -120,7 +121,7 @@ def test_the_faces_of_the_block_are_free(name, place, t, axis, high):
 
 @pytest.mark.parametrize("name", FORCED)
 def test_the_motion_is_large(name):
-    """Stretches from below 0.75 to above 1.3: block of up to 0.4 and -0.3, ring of shear 0.92."""
+    """Stretches from below 0.8 to above 1.3: block of up to 1.4 and 0.75, ring of shear 0.92."""
     solution = exact(name)
     stretches = []
     for t in (0.25, 0.5, 0.75):
@@ -128,7 +129,7 @@ def test_the_motion_is_large(name):
             F = solution.gradient(inside(solution, place), t)
             stretches.append(np.linalg.svd(F)[1])
     least, most = np.min(stretches), np.max(stretches)
-    assert least < 0.75 and most > 1.3
+    assert least < 0.8 and most > 1.3
 
 
 def test_dynamic_compaction_against_the_sum_of_its_modes():

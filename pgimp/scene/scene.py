@@ -157,8 +157,10 @@ class Scene:
         for made in lattice.make(planes, counts):
             rows = slice(row, row + len(made.ids))
             p.x[rows] = made.positions
-            # A field linear in space has its mean over a part (5) at the part's centroid.
-            p.v[rows] = self.velocities(made.body, made.centroids)
+            # A field linear in space has its mean over a part (5) at the part's centroid; an exact
+            # solution refers to the particle's place.
+            places = made.positions if self.moves else made.centroids
+            p.v[rows] = self.velocities(made.body, places)
             p.id[rows] = made.ids
             p.body[rows] = made.body
             p.V0[rows] = p.V[rows] = volume * made.fractions  # (3)
