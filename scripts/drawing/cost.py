@@ -158,11 +158,11 @@ def write_table(data):
     """Put the points into README.md, between their marks."""
     cells = sorted({point["cell"] for point in data["points"]}, reverse=True)
     table = {(point["kind"], point["cell"]): point for point in data["points"]}
-    lines = ["| cell | " + " | ".join(kind.label for kind in KINDS) + " |"]
-    lines.append("|---" * (len(KINDS) + 1) + "|")
-    for cell in cells:
-        entries = [_entry(table.get((kind.label, cell))) for kind in KINDS]
-        lines.append(f"| {cell:g} | " + " | ".join(entries) + " |")
+    lines = ["| cell | " + " | ".join(f"{cell:g}" for cell in cells) + " |"]
+    lines.append("|---" * (len(cells) + 1) + "|")
+    for kind in KINDS:
+        entries = [_entry(table.get((kind.label, cell))) for cell in cells]
+        lines.append(f"| {kind.label} | " + " | ".join(entries) + " |")
     put_between(START, "\n".join([*lines, "", f"Measured on {data['origin']}.", ""]))
 
 

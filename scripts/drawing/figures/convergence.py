@@ -16,6 +16,7 @@ STEP, QUICK_STEP = 1.0e-5, 5.0e-5
 QUICK_CELLS = (10.0, 5.0, 2.5, 1.0, 0.5, 0.25)
 MARKERS = {1: "s", 2: "o", 4: "^"}
 CROSSED = {1: "x", 2: "+", 4: "1"}
+LEGEND = {"fontsize": 7, "frameon": True, "framealpha": 0.9, "edgecolor": "none"}
 #: Where runs that stop are shown, above all errors.
 STOPPED = 30.0
 
@@ -137,7 +138,7 @@ def ours(axis, results, methods):
     guides(axis)
     axis.set(xlim=(0.01, 100.0), ylim=(1e-7, 100.0), xscale="log", yscale="log")
     axis.set(xlabel="cell size (column: 50)", ylabel="error (47) at W = 10000")
-    axis.legend(loc="lower right", fontsize=7, ncol=1, labelspacing=0.25)
+    axis.legend(loc="lower right", labelspacing=0.25, **LEGEND)
 
 
 def guides(axis):
@@ -145,7 +146,7 @@ def guides(axis):
     ends = [0.02, 50.0]
     axis.plot(ends, [4e-3 * x for x in ends], "--", color="#b0b0b0", lw=1.0, zorder=0)
     axis.plot(ends, [2e-4 * x * x for x in ends], "-", color="#b0b0b0", lw=1.0, zorder=0)
-    for x, y, order in ((0.016, 1.3e-4, 1), (0.016, 1.3e-6, 2)):
+    for x, y, order in ((0.016, 2.4e-4, 1), (0.016, 1.3e-6, 2)):
         axis.text(x, y, f"order {order}", fontsize=8, color="#808080")
 
 
@@ -167,7 +168,7 @@ def speeds(axes, results):
         guides(axis)
         axis.set(xlim=(0.01, 100.0), ylim=(1e-7, 1.0), xscale="log", yscale="log")
         axis.set_xlabel("cell size (column: 50)")
-        axis.legend(loc="lower right", fontsize=8)
+        axis.legend(loc="lower right", **LEGEND)
     axes[0].set_ylabel("error (47)")
     axes[0].set_title("W = 10000: the ramp's waves vanish", fontsize=10)
     axes[1].set_title("one wave transit later: they are at their greatest", fontsize=10)

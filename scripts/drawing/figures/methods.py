@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 from common import BLUE, GREEN, GREY, ORANGE, RED
 
-PURPLE, BROWN = "#7b4fa3", "#8c5a2b"
+PURPLE, BROWN, PINK = "#7b4fa3", "#8c5a2b", "#d6559b"
 
 
 class Method(NamedTuple):
@@ -14,7 +14,6 @@ class Method(NamedTuple):
     entry: str
     colour: str
     marker: str
-    filled: bool = False
 
 
 #: "initial" and "tracked" are the volume in (16); the paper's MPM and GIMP keep the initial one.
@@ -25,7 +24,7 @@ METHODS = {
     "mpm-tracked": Method("MPM, volume tracked", "shape: mpm, volume: tracked", ORANGE, "v"),
     "gimp-tracked": Method("GIMP, volume tracked", "shape: gimp, volume: tracked", PURPLE, "s"),
     "fuzzy-nearest": Method("fuzzy-nearest", "shape: fuzzy-nearest", BROWN, "D"),
-    "fuzzy-constant": Method("fuzzy-constant", "shape: fuzzy-constant", "#0f8b8d", "p"),
+    "fuzzy-constant": Method("fuzzy-constant", "shape: fuzzy-constant", PINK, "p"),
     "fuzzy-nearest-fixed": Method(
         "fuzzy-nearest, size fixed, wall ghost",
         "shape: fuzzy-nearest, size: fixed, wall: ghost",
