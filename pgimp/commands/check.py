@@ -153,9 +153,7 @@ def _greatest_gravity(case: Case) -> float:
 
 def _report_cost(case: Case, scene: Scene, count: int, steps: int, speed: float) -> None:
     """Memory, time on this machine, and the number of ranks that pays off."""
-    p = Particles.empty(
-        1, scene.dimension, scene.origins, **scene.loads.columns
-    )
+    p = Particles.empty(1, scene.dimension, scene.origins, **scene.loads.columns)
     bytes_each = sum(array.nbytes for array in p) + 8
     overhead, each = _measure(case, speed)
     print(
