@@ -34,6 +34,8 @@ class Diagnostics:
     """Sums of one simulation; what refers to earlier lines is kept on rank 0."""
 
     def __init__(self) -> None:
+        #: Greatest part of the mass beyond a face in any line, when, and which; on rank 0.
+        self.beyond = (0.0, 0.0, "")
         self._first_energy: float | None = None
         self._last: tuple[float, np.ndarray, np.ndarray] | None = None
 
@@ -52,13 +54,16 @@ class Diagnostics:
         )  # fmt: skip
         own = sim.owned_planes
         impulse = np.concatenate([sim.impulse[:own], sim.grip_impulse[:own]], axis=1)
-        parts = sim.comm.gather((sums, sim.work[:own], impulse, self._own_errors(sim)))
+        faces = (impulse, sim.beyond[:own])
+        parts = sim.comm.gather((sums, sim.work[:own], faces, self._own_errors(sim)))
         if parts is None:
             return None
         bodies = np.add.reduce(np.concatenate([part[0] for part in parts]), axis=0)
         work = float(np.concatenate([part[1] for part in parts]).sum())
-        impulse = np.add.reduce(np.concatenate([part[2] for part in parts]), axis=0)
-        line = self._columns(sim, bodies, work, impulse)
+        impulse, beyond = (
+            np.add.reduce(np.concatenate([part[2][i] for part in parts]), axis=0) for i in (0, 1)
+        )
+        line = self._columns(sim, bodies, work, impulse, beyond)
         if scene.exact:
             added = np.add.reduce(np.concatenate([part[3][0] for part in parts]), axis=0)
             most = np.concatenate([part[3][1] for part in parts]).max(axis=0)
@@ -91,7 +96,12 @@ class Diagnostics:
         return line
 
     def _columns(
-        self, sim: "Simulation", bodies: np.ndarray, work: float, impulse: np.ndarray
+        self,
+        sim: "Simulation",
+        bodies: np.ndarray,
+        work: float,
+        impulse: np.ndarray,
+        beyond: np.ndarray,
     ) -> dict[str, float]:
         scene = sim.scene
         axes = AXES[: scene.dimension]
@@ -120,6 +130,9 @@ class Diagnostics:
         for name, row in zip(names, force, strict=True):
             for i, axis in enumerate(axes):
                 line[f"{name}-{axis}"] = float(row[i])
+        for face, mass in zip(scene.faces, beyond, strict=True):
+            line[f"beyond.{face.name}"] = float(mass)
+            self.beyond = max(self.beyond, (float(mass) / line["mass"], sim.time, face.name))
         return line
 
     def _reactions(self, time: float, impulse: np.ndarray) -> np.ndarray:
