@@ -27,7 +27,7 @@ def folder(tmp_path_factory):
     """The folder of a quick reproduction."""
     folder = tmp_path_factory.mktemp("paper")
     words = [sys.executable, ROOT / "scripts/drawing/paper.py", "--quick", "-o", folder]
-    done = run([str(word) for word in words], timeout=500)
+    done = run([str(word) for word in words], timeout=580)
     assert done.returncode == 0, done.stdout + done.stderr
     return folder
 

@@ -106,7 +106,7 @@ def zoom(results, path, columns):
         for method in methods:
             if not method.startswith("mpm"):  # far outside
                 _points(axis, results[shock_run(method)][-1], METHODS[method])
-        axis.legend(loc="upper left", title="t/(wave transit time) = 1", **LEGEND)
+        axis.legend(loc="upper center", title="t/(wave transit time) = 1", **LEGEND)
     _save(figure, path)
 
 
