@@ -3,10 +3,13 @@
 import numpy as np
 import pytest
 from kernel_driver import (
+    IDENTITIES,
+    KINDS,
     SEED,
     Rank,
     copy_of,
     entry,
+    initial_half,
     make_frame,
     place,
     random_particles,
@@ -15,8 +18,9 @@ from kernel_driver import (
     sums_of,
 )
 
+from pgimp.kernels.jit import kernel
 from pgimp.kernels.order import locate, reach_of
-from pgimp.shapes import SHAPES
+from pgimp.kernels.transfer import half_widths
 from pgimp.solver.particles import Particles
 
 ORIGIN, CELL = (-1.1, 0.3, 2.0), (0.7, 1.3, 0.9)
@@ -25,7 +29,7 @@ LENGTHS = (*range(1, 18), 33, 64, 100)
 ADVANCED = ("x", "v", "F", "sigma", "V", "layer")
 
 EVERY = pytest.mark.parametrize(
-    ("name", "D"), [(name, D) for name in SHAPES for D in (1, 2, 3)]
+    ("name", "D"), [(name, D) for name in KINDS for D in (1, 2, 3)]
 )  # fmt: skip
 
 
@@ -45,9 +49,26 @@ def crowd(name, D, n=100):
     shape, frame = setting(name, D, (6, 4, 3))
     x = random_positions(rng, frame, n, 0.05)
     # Some where layers change, so that any motion to the left takes them to another.
-    edges = rng.integers(1, frame.cells[0], n // 4) + 0.25 * (name == "gimp")
-    x[: n // 4, 0] = ORIGIN[0] + CELL[0] * edges
-    return rng, shape, frame, random_particles(rng, x)
+    particles = random_particles(rng, x)
+    half = sizes(shape, frame, particles)[: n // 4, 0]
+    edges = rng.integers(1, frame.cells[0], n // 4) + half
+    particles.x[: n // 4, 0] = ORIGIN[0] + CELL[0] * np.minimum(edges, frame.cells[0] - 0.1)
+    return rng, shape, frame, particles
+
+
+@kernel
+def find_sizes(shape, frame, particles, half):
+    for p in range(len(half)):
+        found = half_widths(shape, frame, particles, p)
+        for d in range(len(found)):
+            half[p, d] = found[d]
+
+
+def sizes(shape, frame, particles):
+    """Half-widths of the particles, (n, D) in cells."""
+    half = np.zeros(particles.x.shape)
+    find_sizes(shape.parameters(frame.cell), frame, particles, half)
+    return half
 
 
 def selections(rng, n):
@@ -112,8 +133,9 @@ def test_particles_to_grid_does_not_see_the_storage(name, D):
 def test_particles_to_grid_does_not_see_the_neighbours(name, D):
     """Of particles too far apart to share a vertex each gives what it gives alone."""
     rng = np.random.default_rng(SEED)
+    apart = 4 if name in ("mpm", "gimp") else 5
     shape, frame = setting(name, D, ((120,), (40, 12), (16, 8, 12))[D - 1])
-    corners = np.meshgrid(*(np.arange(0, cells, 4) for cells in frame.cells), indexing="ij")
+    corners = np.meshgrid(*(np.arange(0, cells, apart) for cells in frame.cells), indexing="ij")
     xi = np.stack([c.ravel() for c in corners], axis=1)
     xi = xi + rng.uniform(0.0, 1.0, xi.shape)
     particles = random_particles(rng, xi * frame.cell + frame.origin)
@@ -194,11 +216,14 @@ def test_all_kernels_find_the_same_layer(name, D):
         frame = make_frame(shape, (origin,) * D, (L,) * D, (40, 3, 3)[:D])
         lattice = origin + (np.arange(40 * per_cell) + 0.5) * (L / per_cell)
         vertices = origin + np.arange(1, 40) * L
-        edges = vertices + 0.5 * L / per_cell
+        edges = vertices + initial_half(name, per_cell) * L
+        edges = np.minimum(edges, origin + 39.9 * L)
         x0 = np.concatenate([lattice, vertices, edges])
         x = np.full((len(x0), D), origin + 1.5 * L)
         x[:, 0] = x0
-        rank = Rank(shape, frame, random_particles(rng, x))
+        particles = random_particles(rng, x)
+        particles.F[len(lattice) :: 2] = IDENTITIES[D - 1]
+        rank = Rank(shape, frame, particles)
         layer = rank.particles.layer.copy()
         rank.grid.active[:] = 1
         assert not rank.grid.G.any()

@@ -76,7 +76,7 @@ def test_a_disk_turns_and_loses_angular_momentum_at_second_order_in_the_cell_siz
     assert np.sqrt((strain**2).sum(axis=(1, 2)).mean()) < 1e-3
 
 
-@pytest.mark.parametrize("shape", ["gimp", "mpm"])
+@pytest.mark.parametrize("shape", ["gimp", "mpm", "finite-gimp", "fuzzy-nearest"])
 def test_no_direction_is_special(shape):
     """The axes of a scene with different cells, particles and walls along each, permuted."""
     turned = []
@@ -177,6 +177,8 @@ def test_a_body_in_flight_moves_as_one_at_rest():
     [
         "gimp",
         "mpm",
+        "finite-gimp",
+        "fuzzy-constant",
     ],
 )
 def test_uniform_flight_is_left_alone(shape, dimension, step):

@@ -81,11 +81,15 @@ class Scene:
         named = case.boundaries
         order = [f"{axis}-{end}" for axis in AXES for end in ("min", "max")]
         self.faces = [Face(name, named[name]) for name in order if name in named]
-        self.mirrors = [
-            Mirror(face.axis, face.side, number, face.condition.releases)
-            for number, face in enumerate(self.faces)
-            if shape.mirrors and face.condition.mirrors
-        ]
+        # Those that may let go come last: where they meet others, they see the sums of both.
+        self.mirrors = sorted(
+            (
+                Mirror(face.axis, face.side, number, face.condition.releases)
+                for number, face in enumerate(self.faces)
+                if shape.mirrors and face.condition.mirrors
+            ),
+            key=lambda mirror: mirror.releases,
+        )
         self.exact: Any = case.exact.parameters(case) if case.exact else ()
         self.moves = bool(case.exact) and case.exact.moves
         force = self.exact if case.exact and case.exact.forced else ()
