@@ -5,6 +5,7 @@ import argparse
 from block import bench
 from column import compaction
 from cost import error_and_cost
+from exact import shock, spinning_block, vortex
 from scenes import bar_vibration, block3d, disks
 
 PICTURES = {
@@ -12,6 +13,9 @@ PICTURES = {
     "block3d": block3d,
     "disks": disks,
     "bar-vibration": bar_vibration,
+    "shock": shock,
+    "vortex": vortex,
+    "spinning-block": spinning_block,
     "error-and-cost": error_and_cost,
     "bench": bench,
 }

@@ -15,6 +15,7 @@ import pgimp
 ROOT = Path(__file__).resolve().parents[2]
 RUNS = ROOT / "pictures.out"
 PICTURES = ROOT / "cases" / "pictures"
+LARGE = 140_000  # bytes
 BLUE, RED, GREEN, ORANGE, GREY = "#1f5fa8", "#c0392b", "#2e8b57", "#d98e04", "#8a8a8a"
 plt.rcParams.update(
     {
@@ -49,10 +50,18 @@ def frame_at(results, time):
 
 
 def save(figure, name):
-    """Write the picture; without the alpha channel the file is a fifth smaller."""
+    """Write the picture; without the alpha channel the file is a fifth smaller.
+
+    One that is still large gets a palette of its own.
+    """
     PICTURES.mkdir(exist_ok=True)
     path = PICTURES / f"{name}.png"
     figure.savefig(path)
     plt.close(figure)
-    Image.open(path).convert("RGB").save(path, optimize=True)
+    image = Image.open(path).convert("RGB")
+    image.save(path, optimize=True)
+    if path.stat().st_size > LARGE:
+        image.quantize(192, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE).save(
+            path, optimize=True
+        )
     print(f"pictures: {path.relative_to(ROOT)}, {path.stat().st_size // 1024} kB")

@@ -1,0 +1,132 @@
+"""The cases with exact solutions: shock, vortex, spinning block."""
+
+import numpy as np
+from common import BLUE, GREEN, GREY, RED, frame_at, plt, run, save
+from matplotlib.collections import EllipseCollection
+
+TRANSIT = 0.05
+
+
+def shock(redraw):
+    """Stress along the bar at the paper's four instants, with viscosity and without."""
+    runs = (
+        ("with viscosity", BLUE, run("shock", redraw)),
+        (
+            "without",
+            RED,
+            run("shock", redraw, "shock-bare", ["materials.bar.viscosity=null"]),
+        ),
+    )
+    figure, axes = plt.subplots(1, 4, figsize=(9, 3.0), sharey=True)
+    for axis, part in zip(axes, (0.25, 0.3, 0.75, 1.0), strict=True):
+        time = part * TRANSIT
+        front = (1.0 - 1.0 / 50.0) * 1000.0 * time
+        axis.plot([0, front, front, 50], [-20, -20, 0, 0], "k-", lw=1, label="exact")
+        for label, colour, results in runs[::-1]:
+            frame = frame_at(results, time)
+            place, stress = frame["position"][:, 0], frame["stress"][:, 0] / 1e3
+            axis.plot(place, stress, ".-", color=colour, ms=3, lw=0.6, label=label)
+        axis.set(xlabel="x", xlim=(0, 50), ylim=(-28, 2))
+        axis.set_title(f"t = {part:g} transits", fontsize=10)
+    axes[0].set_ylabel("stress [1000]")
+    axes[1].legend(fontsize=8, loc="center right")
+    save(figure, "shock")
+
+
+def dots(axis, frame, name, top, scale=1.0):
+    """Draw the particles as dots of their size, coloured by a field."""
+    size = 2.3 * frame["radius"]
+    shown = EllipseCollection(
+        size,
+        size,
+        np.zeros(len(frame)),
+        units="x",
+        offsets=frame["position"][:, :2],
+        transOffset=axis.transData,
+        array=scale * frame[name],
+        cmap="viridis",
+        clim=(0.0, top),
+    )
+    axis.add_collection(shown)
+    axis.grid(False)
+    return shown
+
+
+def vortex(redraw):
+    """Ring and a line that was radial, at three instants; errors over time at three cell sizes."""
+    cells = (0.1, 0.05, 0.025)
+    results = {}
+    for cell in cells:
+        change = [f"grid.cell=[{cell},{cell}]", f"time.step={0.08 * cell}"]
+        results[cell] = run("vortex", redraw, f"vortex-{cell}", change)
+    figure = plt.figure(figsize=(9, 5.6))
+    above, below = figure.subfigures(2, 1, height_ratios=(1.25, 1.0))
+    axes = above.subplots(1, 3, subplot_kw={"aspect": "equal"})
+    top = np.percentile(frame_at(results[0.05], 0.5)["von-mises"], 99)
+    for column, time in enumerate((0.0, 0.5, 1.0)):
+        frame = frame_at(results[0.05], time)
+        axis = axes[column]
+        shown = dots(axis, frame, "von-mises", top)
+        radius = np.linspace(0.75, 1.25, 60)
+        s = (radius - 1.0) / 0.5
+        angle = 0.15 * np.sin(np.pi * time) * (1.0 - 4.0 * s * s) ** 2
+        for spoke in np.arange(8) * np.pi / 4:
+            axis.plot(
+                radius * np.cos(angle + spoke), radius * np.sin(angle + spoke), color=RED, lw=1.2
+            )
+        axis.set(xlim=(-1.3, 1.3), ylim=(-1.3, 1.3), xlabel="x [m]")
+        axis.set(ylabel="" if column else "y [m]")
+        axis.set_title(f"t = {time:g} s", fontsize=10)
+    above.colorbar(shown, ax=axes, label="von Mises stress [Pa]", shrink=0.85, extend="max")
+    lower = below.subplots(1, 3)
+    for column, (name, label, factor) in enumerate(
+        (("displacement-l2", "displacement [mm]", 1e3), ("stress-l2", "stress [Pa]", 1.0))
+    ):
+        axis = lower[column]
+        for cell, colour in zip(cells, (GREY, GREEN, BLUE), strict=True):
+            history = results[cell].history[1:]
+            axis.semilogy(
+                history["time"], factor * history[f"error.{name}"], color=colour, label=f"{cell} m"
+            )
+        axis.set(xlabel="time [s]", ylabel=f"rms error: {label}")
+    lower[0].legend(fontsize=8, title="cell", title_fontsize=8, loc="lower right")
+    axis = lower[2]
+    worst = [1e3 * results[cell].history["error.displacement-l2"].max() for cell in cells]
+    axis.loglog(cells, worst, "o-", color=BLUE, label="displacement")
+    axis.loglog(cells, worst[-1] * (np.array(cells) / cells[-1]) ** 2, "k--", lw=1, label="order 2")
+    axis.set(xlabel="cell [m]", ylabel="greatest rms error [mm]")
+    axis.set_xticks(cells, [str(cell) for cell in cells])
+    axis.minorticks_off()
+    axis.legend(fontsize=9)
+    save(figure, "vortex")
+
+
+def spinning_block(redraw):
+    """The block at four instants, and the errors over time."""
+    results = run("spinning-block", redraw)
+    figure = plt.figure(figsize=(9, 5.4))
+    above, below = figure.subfigures(2, 1, height_ratios=(1.15, 1.0))
+    axes = above.subplots(1, 4, subplot_kw={"projection": "3d"})
+    for axis, time in zip(axes, (0.0, 0.25, 0.5, 0.75), strict=True):
+        frame = frame_at(results, time)
+        place = frame["position"]
+        mises = frame["von-mises"] / 1e3
+        shown = axis.scatter(*place.T, c=mises, s=5, vmin=0, vmax=60, cmap="viridis", lw=0)
+        axis.set(xlim=(-0.65, 0.65), ylim=(-0.65, 0.65), zlim=(-0.65, 0.65))
+        axis.set_box_aspect((1, 1, 1), zoom=1.3)
+        axis.view_init(22, -60)
+        axis.set_axis_off()
+        axis.set_title(f"t = {time:g} s", fontsize=10, y=1.0)
+    above.colorbar(
+        shown, ax=axes, label="von Mises stress [kPa]", location="bottom", aspect=50, shrink=0.6
+    )
+    history = results.history[1:]
+    quantities = (("displacement", "displacement [mm]", 1e3), ("stress", "stress [kPa]", 1e-3))
+    for axis, (name, label, factor) in zip(below.subplots(1, 2), quantities, strict=True):
+        for kind, text, colour in (("l2", "mean square", BLUE), ("max", "greatest", RED)):
+            axis.semilogy(
+                history["time"], factor * history[f"error.{name}-{kind}"], color=colour, label=text
+            )
+        axis.set(xlabel="time [s]", ylabel=f"error: {label}")
+        axis.legend(fontsize=9)
+    save(figure, "spinning-block")
