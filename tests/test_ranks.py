@@ -312,6 +312,19 @@ def test_the_scenes_outgrow_the_window_of_the_start(runs, name, axes):
         assert new_high > high + 2.0 or new_low < low - 2.0
 
 
+def test_the_log_counts_held_half_widths_over_all_ranks(runs):
+    """Tents of a whole cell, of which a blow stretches some in some steps."""
+    said = []
+    for ranks in RANKS:
+        text = " ".join((runs[ranks] / "line_fuzzy" / "log.txt").read_text().split())
+        said += re.findall(r"in (\d+) particle-steps [(](\S+) %[)] a particle was stretched", text)
+        assert "was stretched" not in (runs[ranks] / "line_gimp" / "log.txt").read_text()
+    assert len(said) == len(RANKS) and len(set(said)) == 1
+    steps = pgimp.open(runs[1] / "line_fuzzy").info["steps"]
+    assert 0 < int(said[0][0]) < 24 * steps
+    assert float(said[0][1]) == pytest.approx(100 * int(said[0][0]) / (24 * steps), rel=0.05)
+
+
 def test_surplus_ranks_are_idle(runs):
     text = (runs[7] / "narrow" / "log.txt").read_text()
     assert "3 of 7 ranks own no layer" in " ".join(text.split())
