@@ -1,0 +1,71 @@
+"""Runs the hard cases with every method and maps the stable Courant numbers; see scripts/hard."""
+
+import argparse
+import json
+import os
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from multiprocessing import get_context
+from time import perf_counter
+
+from jobs import jobs
+from runs import ROOT
+from table import (
+    CASES_MARK,
+    COURANT_MARK,
+    cases_table,
+    courant_table,
+    put_between,
+    write_csv,
+)
+
+OUT = ROOT / "hard.out"
+
+
+def main():
+    """Run what is asked for, and write hard.csv, hard.md and the tables of README.md."""
+    parser = argparse.ArgumentParser(prog="scripts/hard")
+    parser.add_argument("words", nargs="*", metavar="WHAT", help="cases, courant, pictures")
+    parser.add_argument("--quick", action="store_true", help="minutes; writes no README")
+    parser.add_argument("--redraw", action="store_true", help="tables from what is there")
+    options = parser.parse_args()
+    words = options.words or ["cases", "courant", "pictures"]
+    for word in words:
+        if word not in ("cases", "courant", "pictures"):
+            parser.error(f"there is no {word}; there are cases, courant, pictures")
+    OUT.mkdir(exist_ok=True)
+    store = OUT / ("quick.json" if options.quick else "hard.json")
+    kept = json.loads(store.read_text()) if store.exists() else {}
+    if not options.redraw:
+        began = perf_counter()
+        todo = jobs(options.quick, words)
+        with ProcessPoolExecutor(min(2, os.cpu_count()), get_context("spawn")) as pool:
+            waiting = {pool.submit(*job): key for key, job in todo.items()}
+            for number, future in enumerate(as_completed(waiting), 1):
+                key = waiting[future]
+                kept["/".join(map(str, key))] = future.result()
+                print(f"hard: {number} of {len(waiting)}: {key[1:]}, "
+                      f"{perf_counter() - began:.0f} s", flush=True)  # fmt: skip
+                store.write_text(json.dumps(kept, indent=1))
+    keys = ["/".join(map(str, key)) for key in jobs(options.quick, words)]
+    records = [kept[key] for key in keys if key.startswith("case") and key in kept]
+    points = [kept[key] for key in keys if key.startswith("courant") and key in kept]
+    texts = []
+    if records:
+        write_csv(records, OUT / "hard.csv")
+        texts.append((CASES_MARK, cases_table(records)))
+    if points:
+        write_csv(points, OUT / "courant.csv")
+        texts.append((COURANT_MARK, courant_table(points)))
+    (OUT / "hard.md").write_text("\n".join(text for _, text in texts), encoding="utf-8")
+    for mark, text in texts:
+        print(text)
+        if not options.quick:
+            put_between(mark, text)
+    if "pictures" in words and not options.quick:
+        from pictures import draw
+
+        draw()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,109 @@
+"""Map of the largest stable Courant number: free bodies at many offsets, by bisection.
+
+A scene holds free bodies that start at rest, each at another offset to the grid, shaken by tiny
+random velocities, so that everything is linear. A Courant number, of the code's definition dt max
+((c + |v|)/L), is stable for a body if its energy is less than tenfold after the last step.
+"""
+
+import numpy as np
+
+from pgimp.case.schema import Case
+from pgimp.errors import RunError
+from pgimp.parallel.comm import Serial
+from pgimp.solver.clock import FixedClock
+from pgimp.solver.simulation import Simulation
+
+BAR = {"model": "linear-1d", "young": 1.0, "density": 1.0}
+SOLID = {"model": "neo-hookean", "young": 1.0, "poisson": 0.3, "density": 1.0}
+#: Cells along a body, cells from one to the next, bodies.
+BODIES = {1: (8, 12, 16), 2: (4, 8, 9)}
+LARGEST = 1.0
+SHAKE = 1e-7
+
+
+def free_bodies(method, dimension, per_cell, count=None):
+    """Simulation of the free bodies, all of `BODIES` unless `count` says how many."""
+    length, pitch, most = BODIES[dimension]
+    count = count or most
+    bodies = {
+        f"b{k}": {
+            "material": "solid",
+            "region": {
+                "box": {
+                    "min": [2.0 + k * pitch] + [2.0] * (dimension - 1),
+                    "max": [2.0 + k * pitch + length] + [2.0 + length] * (dimension - 1),
+                }
+            },
+        }
+        for k in range(count)
+    }
+    case = {
+        "format": 1,
+        "dimensions": dimension,
+        "grid": {
+            "size": [pitch * count + 4.0] + [length + 6.0] * (dimension - 1),
+            "cell": [1.0] * dimension,
+        },
+        "method": method | {"particles_per_cell": [per_cell] * dimension},
+        "time": {"end": 1e6, "step": 0.1},
+        "materials": {"solid": BAR if dimension == 1 else SOLID},
+        "bodies": bodies,
+    }
+    return Simulation(Case.model_validate(case), Serial())
+
+
+def stable_bodies(method, dimension, per_cell, courant, steps):
+    """Which bodies are stable at a Courant number, (bodies,) bool."""
+    sim = free_bodies(method, dimension, per_cell)
+    count = BODIES[dimension][2]
+    p, rows = sim.particles, sim.live()
+    random = np.random.default_rng(1)
+    # From one body to the next the offset grows by an irrational part of a cell, like a golden
+    # section, so that it covers the cell evenly and never hits a lattice of particles.
+    golden = np.array([0.6180339887498949, 0.7548776662466927])[:dimension]
+    offsets = np.mod(0.1234 + np.outer(np.arange(count), golden), 1.0)
+    p.x[rows] += offsets[p.body[rows]]
+    p.v[rows] = SHAKE * random.standard_normal(p.v[rows].shape)
+    sim.population.sort()
+    sim.clock = FixedClock(courant / sim.rate, 1e12)
+    first = energies(sim)
+    try:
+        for step in range(steps):
+            sim.advance()
+            if step % 250 == 249 and (energies(sim) > 1e8 * first).any():
+                break
+    except RunError:
+        return np.zeros(count, bool)
+    return energies(sim) < 10.0 * first
+
+
+def energies(sim):
+    """Kinetic and strain energy of each body."""
+    line = sim.diagnostics()
+    names = sim.scene.body_names
+    return np.array(
+        [line[f"body.{n}.kinetic-energy"] + line[f"body.{n}.strain-energy"] for n in names]
+    )
+
+
+def limits(method, dimension, per_cell, steps, tolerance=0.01):
+    """Largest stable Courant numbers: of all bodies together, and of the most stable body."""
+    return tuple(
+        _bisect(
+            lambda courant, together=together: together(
+                stable_bodies(method, dimension, per_cell, courant, steps)
+            ),
+            tolerance,
+        )
+        for together in (np.all, np.any)
+    )
+
+
+def _bisect(stable, tolerance):
+    low, high = 0.0, LARGEST
+    if stable(high):
+        return high
+    while high - low > tolerance:
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if stable(middle) else (low, middle)
+    return low

@@ -1,0 +1,41 @@
+"""What the processes of scripts/hard do, one job at a time."""
+
+from courant import limits
+from rows import METHODS, ROWS, grazed, measured
+
+
+def case_job(number, method, quick):
+    """A run of the table; a row past the last is that of the grazing bars."""
+    if number == len(ROWS):
+        return grazed(method)
+    return measured(ROWS[number], method, quick)
+
+
+def courant_job(method, dimension, per_cell, quick):
+    """A point of the map."""
+    steps = 500 if quick else 4000 if dimension == 1 else 1500
+    both = limits({"shape": method}, dimension, per_cell, steps, 0.05 if quick else 0.01)
+    return {
+        "method": method,
+        "dimension": dimension,
+        "per_cell": per_cell,
+        "all": both[0],
+        "best": both[1],
+    }
+
+
+def jobs(quick, words):
+    """Every job with the key that it is kept by."""
+    found = {}
+    if "cases" in words:
+        rows = [i for i, row in enumerate(ROWS) if not quick or row.quick is not None]
+        for number in (*rows, len(ROWS)):
+            known = ROWS[number].methods if number < len(ROWS) else METHODS
+            found |= {("case", number, m): (case_job, number, m, quick) for m in known}
+    if "courant" in words:
+        for dimension in (1,) if quick else (1, 2):
+            for per_cell in (1, 2, 4):
+                for m in METHODS:
+                    key = ("courant", dimension, per_cell, m)
+                    found[key] = (courant_job, m, dimension, per_cell, quick)
+    return found

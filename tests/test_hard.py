@@ -1,0 +1,111 @@
+"""The hard cases: every file runs and stays stable; what README.md's tables say, in short runs."""
+
+import re
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "scripts" / "hard_cases"))
+
+import courant  # noqa: E402
+import rows  # noqa: E402
+from runs import BOUND, CASES, begin, watch  # noqa: E402
+
+NAMES = sorted(path.stem for path in CASES.glob("*.yaml"))
+
+#: Shorter and coarser, as the same physics.
+SHORTER = {
+    "translation": {"time.end": 20.0},
+    "column": {"grid.cell": [1.0], "time.step": 2.0e-4, "time.end": 0.5},
+    "shock": {},
+    "spinning": {"time.end": 31.41592653589793, "output.every": None},
+    "stretch": {"time.end": 1.0},
+    "bending": {"grid.cell": [0.25, 0.25], "materials.rubber.poisson": 0.3},
+    "grazing": {"time.end": 0.8},
+    "blocks": {"grid.cell": [0.1, 0.1], "grid.size": [5.0, 2.5]},
+}
+
+
+def done(name, method, changes=None, lines=50):
+    return watch(begin(name, rows.METHODS[method] | (changes or {})), lines)
+
+
+def test_every_case_is_here():
+    assert set(SHORTER) == set(NAMES)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_case_opens_with_what_it_is(name):
+    text = (CASES / f"{name}.yaml").read_text(encoding="utf-8")
+    head = text[: text.index("\nformat:")]
+    parts = re.findall(r"^# (\w+)   +\S", head, re.MULTILINE)
+    assert parts == ["Physics", "Source", "Exact", "Expect", "Size", "Command"]
+    assert max(map(len, text.splitlines())) <= 100
+    assert f"pgimp cases/hard/{name}.yaml" in head
+    assert f"(hard/{name}.yaml)" in (ROOT / "cases" / "README.md").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_case_is_stable_with_its_own_method(name):
+    run = watch(begin(name, SHORTER[name]), 50)
+    assert run.stable, (run.fault, run.growth)
+    assert run.growth < BOUND
+
+
+def test_mpm_cannot_carry_a_stressed_block_through_cells():
+    """Within a tenth of the flight; finite-gimp stays within a percent of the exact stress."""
+    short = {"time.end": 40.0}
+    point, box = (done("translation", method, short) for method in ("mpm", "finite-gimp"))
+    assert box.stable
+    assert box.lines["error"][-1] < 0.01
+    assert point.fault or point.lines["error"][-1] > 10.0 * box.lines["error"][-1]
+
+
+def test_mpm_fails_on_a_fine_column():
+    fine = {"grid.cell": [0.25], "time.step": 5.0e-5, "time.end": 0.5, "output.at": []}
+    assert done("column", "mpm", fine).fault
+    run = done("column", "finite-gimp", fine)
+    assert run.stable
+    assert run.lines["error"][-1] < 1.0e-3
+
+
+def test_viscosity_reduces_the_overshoot_of_the_shock():
+    plain, thick = (
+        rows.shock_error(done("shock", "finite-gimp", changes))
+        for changes in ({"materials.bar.viscosity": None}, {})
+    )
+    assert thick[1]["overshoot"] < 0.5 * plain[1]["overshoot"]
+    assert thick[0] < plain[0]
+
+
+def test_wide_tents_do_not_lock():
+    """Nearly incompressible, on cells a quarter of the beam's height."""
+    coarse = {"grid.cell": [0.25, 0.25], "time.step": {"courant": 0.4}}
+    boxes, tents = (
+        rows.deflection_error(done("bending", method, coarse))[0]
+        for method in ("finite-gimp", "fuzzy-constant")
+    )
+    assert boxes > 0.4
+    assert tents < 0.15
+
+
+@pytest.mark.parametrize("method", ["gimp", "finite-gimp", "fuzzy-nearest", "fuzzy-constant"])
+def test_boxes_and_tents_may_graze_a_vertex(method):
+    for depth in (1e-3, 1e-9, 1e-12):
+        assert rows.grazing(method, depth, steps=500) < BOUND
+
+
+def test_points_may_not_graze_a_vertex():
+    assert rows.grazing("mpm", 1e-3, steps=500) > 1.0
+
+
+@pytest.mark.parametrize(
+    ("shape", "per_cell", "low", "high"), [("gimp", 2, 0.55, 0.66), ("finite-gimp", 4, 0.44, 0.55)]
+)
+def test_largest_stable_courant_number(shape, per_cell, low, high):
+    """Of free bars at all offsets; 0.59 and 0.48 by an independent implementation."""
+    together, best = courant.limits({"shape": shape}, 1, per_cell, 1500, 0.03)
+    assert low < together < high
+    assert together <= best
