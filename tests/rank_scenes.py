@@ -1,0 +1,218 @@
+"""Scenes whose bodies cross slabs, for whole runs on several ranks."""
+
+from scenes import BAR, SOFT, box, scene, wall
+
+STIFF = {"model": "hooke", "young": 300.0, "poisson": 0.25, "density": 2.0}
+#: Two models in the scenes with gimp; those with mpm share the kernels of other tests.
+PAIR = {"soft": SOFT, "stiff": STIFF}
+LINE = {"soft": BAR, "stiff": {**BAR, "young": 400.0, "density": 2.0}}
+EVERYTHING = ["velocity", "stress", "deformation", "displacement"]
+
+
+def turning(body, about, rate, velocity):
+    """The same body, turning as it flies."""
+    motion = {"rotation": {"about": about, "rate": rate}, "translation": velocity}
+    return body | {"velocity": motion}
+
+
+def line_gimp():
+    """Two bars fly at each other past all slabs, collide, and leave the first slabs empty."""
+    bodies = {
+        "quick": box([1.0], [7.0], [8.0]),
+        "slow": box([20.0], [26.0], [-2.0], "stiff"),
+    }
+    return scene(
+        1,
+        bodies,
+        cells=[40],
+        end=2.0,
+        step=0.01,
+        materials=LINE,
+        output={"every": 0.5, "fields": EVERYTHING},
+        history={"every": {"steps": 20}},
+    )
+
+
+def line_mpm():
+    """Courant control, with stops; a bar falls on a floor, and a moving wall pushes another."""
+    bodies = {
+        "falls": box([1.0], [5.0], [-1.0]),
+        "pushed": box([26.0], [30.0], [0.0]),
+    }
+    ramp = [[0.0, [0.0]], [0.5, [-2.0]]]
+    push = [[0.0, 0.0], [0.5, -0.4]]
+    return scene(
+        1,
+        bodies,
+        cells=[30],
+        shape="mpm",
+        per_cell=3,
+        end=1.0,
+        step={"courant": 0.1},
+        gravity={"table": ramp},
+        boundaries={"x-min": "separating", "x-max": wall(push)},
+        output={"at": [0.3, 0.7], "fields": EVERYTHING},
+        history={"every": 0.1},
+    )
+
+
+def plane_gimp(**parts):
+    """Courant control; squares fly up and across, one turns, one is dragged along a wall.
+
+    The upper and the lower one come into each layer together, in the order of neither's ids.
+    """
+    bodies = {
+        "upper": box([6.0, 8.0], [7.0, 9.0], [2.0, 1.0]),
+        "lower": box([6.0, 5.0], [7.0, 6.0], [2.0, 1.0], "stiff"),
+        "flies": turning(box([1.0, 2.0], [4.0, 5.0]), [2.5, 3.5], 0.4, [4.0, 6.0]),
+        "dragged": box([8.0, 0.0], [11.0, 2.0], None, "stiff"),
+    }
+    return scene(
+        2,
+        bodies,
+        cells=[16, 24],
+        end=1.5,
+        step={"courant": 0.25},
+        materials=PAIR,
+        boundaries={"y-min": wall(-1.5, 0.0), "x-max": "slip"},
+        **{
+            "output": {"every": 0.4, "at": [0.77], "fields": EVERYTHING},
+            "history": {"every": {"steps": 15}},
+        }
+        | parts,
+    )
+
+
+def plane_mpm():
+    """Two turning squares pass each other, one up, one down."""
+    bodies = {
+        "up": turning(box([1.0, 2.0], [3.0, 4.0]), [2.0, 3.0], 0.5, [2.9, 5.3]),
+        "down": turning(box([12.0, 6.0], [14.0, 8.0]), [13.0, 7.0], -0.4, [-3.1, -2.7]),
+    }
+    return scene(
+        2,
+        bodies,
+        cells=[16, 18],
+        shape="mpm",
+        end=1.4,
+        step=0.007,
+        boundaries={"y-min": "fixed", "y-max": "slip"},
+        output={"every": 0.35, "fields": EVERYTHING},
+        history={"every": {"steps": 10}},
+    )
+
+
+def space_gimp():
+    """Courant control; two blocks fly in y and z, collide on the way, one turns."""
+    bodies = {
+        "flies": turning(
+            box([1.0, 1.0, 1.0], [3.0, 3.0, 3.0]), [2.0] * 3, [0.2, 0.3, 0.4], [5.0, 6.0, 7.0]
+        ),
+        "meets": box([5.0, 5.0, 6.0], [7.0, 7.0, 8.0], [0.0, 3.0, 3.0], "stiff"),
+    }
+    return scene(
+        3,
+        bodies,
+        cells=[12, 12, 14],
+        end=0.9,
+        step={"courant": 0.3},
+        materials=PAIR,
+        gravity=[0.0, 0.0, -1.0],
+        boundaries={"z-min": "separating", "y-max": "slip"},
+        output={"every": 0.3, "fields": EVERYTHING},
+        history={"every": 0.1},
+    )
+
+
+def space_mpm():
+    """Long enough for a re-sort of the rows while a block crosses slabs."""
+    block = box([1.0, 1.0, 1.0], [3.0, 3.0, 3.0])
+    bodies = {
+        "flies": turning(block, [2.0] * 3, [0.1, -0.4, 0.3], [3.7, 2.9, 4.1]),
+        "stays": box([7.0, 1.0, 1.0], [9.0, 3.0, 2.0], None),
+    }
+    return scene(
+        3,
+        bodies,
+        cells=[12, 8, 10],
+        shape="mpm",
+        end=1.05,
+        step=0.007,
+        boundaries={"z-min": "slip"},
+        output={"every": 0.35, "fields": EVERYTHING},
+        history={"every": {"steps": 25}},
+    )
+
+
+def narrow():
+    """Three cells along x: room for four ranks at most."""
+    body = box([0.0, 1.0, 1.0], [3.0, 3.0, 3.0], [0.0, 5.0, 3.0])
+    second = box([0.0, 1.0, 6.0], [2.0, 2.0, 7.0], [0.4, 0.0, 0.0], "stiff")
+    return scene(
+        3,
+        {"wide": body, "small": second},
+        cells=[3, 12, 10],
+        end=1.0,
+        step=0.01,
+        materials=PAIR,
+        boundaries={"x-min": "slip", "x-max": "slip"},
+        output={"every": 0.5, "fields": EVERYTHING},
+        history={"every": {"steps": 20}},
+    )
+
+
+def squeezed(dimension, shape, faces, **parts):
+    """Two blocks at the ends of the slabs, where mirrors are; the one at x-max hits the other."""
+    low, high = [0.0] * dimension, [10.0, *[3.0] * (dimension - 1)]
+    velocity = [0.8] * dimension
+    bodies = {"wide": box(low, high, velocity)}
+    if dimension > 1:
+        start = [14.0, *[3.5] * (dimension - 1)]
+        hit = box(start, [16.0, *[5.5] * (dimension - 1)], [-8.0, *[-2.5] * (dimension - 1)])
+        rate = 0.5 if dimension == 2 else [0.2, 0.4, 0.5]
+        bodies["hits"] = turning(hit, [c + 1.0 for c in start], rate, hit["velocity"])
+    else:
+        bodies["hits"] = box([14.0], [16.0], [-8.0])
+    return scene(
+        dimension,
+        bodies,
+        cells=[16, 8, 8][:dimension],
+        shape=shape,
+        per_cell=2 if dimension < 3 else 1,
+        end=0.72,
+        step={"courant": 0.25},
+        gravity=[0.0] * (dimension - 1) + [-1.0],
+        boundaries=faces,
+        output={"every": 0.24, "fields": EVERYTHING},
+        history={"every": 0.12},
+        **parts,
+    )
+
+
+#: The shapes whose size is tracked, and tents that stay; mirrors at x-min, x-max and elsewhere.
+SIZED = {
+    "line_finite": squeezed(1, "finite-gimp", {"x-min": "slip", "x-max": "separating"}),
+    "line_fuzzy": squeezed(1, "fuzzy-constant", {"x-min": "fixed", "x-max": "separating"}),
+    "plane_finite": squeezed(2, "finite-gimp", {"x-min": "slip", "y-min": "separating"}),
+    "plane_fuzzy": squeezed(
+        2, "fuzzy-nearest", {"x-min": "slip", "x-max": "separating", "y-min": "separating"}
+    ),
+    "plane_ghost": squeezed(
+        2, "fuzzy-constant", {"x-min": "slip", "y-min": "fixed"}, size="fixed", wall="ghost"
+    ),
+    "space_finite": squeezed(3, "finite-gimp", {"x-min": "fixed", "z-min": "slip"}),
+    "space_fuzzy": squeezed(
+        3, "fuzzy-constant",
+        {"x-min": "fixed", "x-max": "separating", "y-min": "slip", "z-min": "fixed"},
+        size="fixed",
+    ),
+}  # fmt: skip
+
+SCENES = {
+    each.__name__: each()
+    for each in (line_gimp, line_mpm, plane_gimp, plane_mpm, space_gimp, space_mpm, narrow)
+} | SIZED | {
+    "other_output": plane_gimp(
+        output={"every": {"steps": 7}, "at": [0.77], "fields": ["velocity"]}, history={"every": 1.0}
+    )
+}
