@@ -55,12 +55,12 @@ def test_case_is_stable_with_its_own_method(name):
 
 
 def test_mpm_cannot_carry_a_stressed_block_through_cells():
-    """Within a tenth of the flight; finite-gimp stays within a percent of the exact stress."""
-    short = {"time.end": 40.0}
-    point, box = (done("translation", method, short) for method in ("mpm", "finite-gimp"))
-    assert box.stable
-    assert box.lines["error"][-1] < 0.01
-    assert point.fault or point.lines["error"][-1] > 10.0 * box.lines["error"][-1]
+    """Stretched in a tenth of the time; finite-gimp stays within half a percent of the stress."""
+    short = {"time.end": 40.0, "exact.spinning-block.period": 80.0}
+    assert done("translation", "mpm", short).fault
+    run = done("translation", "finite-gimp", short)
+    assert run.stable
+    assert run.lines["error"][-1] < 0.005
 
 
 def test_mpm_fails_on_a_fine_column():
