@@ -37,8 +37,9 @@ from pgimp.case.fields import FIELDS
 from pgimp.case.messages import explain, unknown
 from pgimp.case.problems import Problem, problem, raise_problems
 from pgimp.scene.constraints import ConstraintEntry
+from pgimp.scene.motion import RigidMotion, zero_vector
 from pgimp.scene.regions import RegionEntry
-from pgimp.scene.tables import VectorTable
+from pgimp.scene.tables import VaryingVector
 from pgimp.scene.tractions import TractionEntry
 
 
@@ -67,11 +68,6 @@ def _unique(values: tuple[Any, ...]) -> tuple[Any, ...]:
     return values
 
 
-def _zeros(schema: dict[str, Any]) -> None:
-    """Document the default of a vector whose length the dimensions of the case decide."""
-    del schema["default"]
-
-
 def _shapes() -> Mapping[str, type[BaseModel]]:
     return import_module("pgimp.shapes").SHAPES
 
@@ -88,13 +84,6 @@ def _solutions() -> Mapping[str, type[BaseModel]]:
     return import_module("pgimp.exact").EXACT
 
 
-def _zero_vector(description: str) -> Any:
-    """Return a field for a vector that is zero where the case leaves it out."""
-    return Field(
-        default=(), validate_default=False, description=description, json_schema_extra=_zeros
-    )
-
-
 FieldName = Annotated[
     str, AfterValidator(_field), Field(strict=True, json_schema_extra={"enum": [*FIELDS]})
 ]
@@ -104,7 +93,7 @@ FieldName = Annotated[
 class Grid(Model):
     """Regular grid; its faces are the boundary of the domain."""
 
-    origin: Vector = _zero_vector("low corner of the domain [length]")
+    origin: Vector = zero_vector("low corner of the domain [length]")
     size: tuple[Positive, ...] = Field(
         min_length=1,
         max_length=3,
@@ -150,26 +139,6 @@ class Time(Model):
         return None if isinstance(self.step, CourantStep) else whole(self.end, self.step)[0]
 
 
-class Rotation(Model):
-    """Rigid rotation."""
-
-    about: Vector = Field(description="a point of the axis [length]")
-    rate: Annotated[
-        float | tuple[float, ...],
-        Either("a number (2D) or a list of three (3D)", {float: Number, tuple: Vector}),
-    ] = Field(
-        description="angular velocity: a number in 2D, counter-clockwise positive; "
-        "a vector along the axis in 3D [1/time]"
-    )
-
-
-class RigidMotion(Model):
-    """Velocity of a rigid motion: translation + rate x (position - about)."""
-
-    rotation: Rotation = Field(description="rotation about an axis")
-    translation: Vector = _zero_vector("velocity added everywhere [length/time]")
-
-
 class Body(Model):
     """A body: a region filled with particles of one material."""
 
@@ -183,7 +152,7 @@ class Body(Model):
     velocity: Annotated[
         tuple[float, ...] | RigidMotion,
         Either("one number a direction or {rotation: ...}", {tuple: Vector, dict: RigidMotion}),
-    ] = _zero_vector("initial velocity: a vector or a rigid motion [length/time]")
+    ] = zero_vector("initial velocity: a vector or a rigid motion [length/time]")
 
 
 class Output(Model):
@@ -243,13 +212,7 @@ class Case(Model):
         description="the bodies by name",
         json_schema_extra={"additionalProperties": False},
     )
-    gravity: Annotated[
-        tuple[float, ...] | VectorTable | None,
-        Either(
-            "one number a direction or {table: [[time, [..]], ...]}",
-            {tuple: Vector, dict: VectorTable, None: None},
-        ),
-    ] = Field(
+    gravity: VaryingVector = Field(
         default=None,
         description="body force per mass: a vector, or a table over time, linear in between and "
         "held at both ends; null: none [length/time^2]",

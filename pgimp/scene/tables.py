@@ -86,6 +86,15 @@ class VectorTable(Model):
         return tuple(_between(t, t0, t1, a, b) for a, b in zip(v0, v1, strict=True))
 
 
+VaryingVector = Annotated[
+    tuple[float, ...] | VectorTable | None,
+    Either(
+        "one number a direction or {table: [[time, [..]], ...]}",
+        {tuple: Vector, dict: VectorTable, None: None},
+    ),
+]
+"""A vector, constant or over time."""
+
 Component = Annotated[
     float | Table | None,
     Either(

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 from pydantic import Field, model_validator
 
-from pgimp.case.base import Model, Name, Number, Vector
+from pgimp.case.base import Model, Name, Number
 from pgimp.case.dispatch import Either
 from pgimp.case.problems import Problem, raise_problems
-from pgimp.scene.tables import Table, VectorTable
+from pgimp.scene.tables import Table, VaryingVector, VectorTable
 
 if TYPE_CHECKING:
     from pgimp.kernels.tractions import Traction
@@ -21,13 +21,7 @@ class TractionEntry(Model):
 
     body: Name = Field(description="name of the body, whose region is a box")
     face: str = Field(description="face of its box, x-min to z-max")
-    traction: Annotated[
-        tuple[float, ...] | VectorTable | None,
-        Either(
-            "one number a direction or {table: [[time, [..]], ...]}",
-            {tuple: Vector, dict: VectorTable, None: None},
-        ),
-    ] = Field(
+    traction: VaryingVector = Field(
         default=None,
         description="force per current area: a vector, or a table over time, linear in between "
         "and held at both ends [stress]",

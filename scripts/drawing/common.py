@@ -8,6 +8,7 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.collections import EllipseCollection
 from PIL import Image
 
 import pgimp
@@ -47,6 +48,25 @@ def run(case, redraw, name=None, overrides=(), ranks=2):
 def frame_at(results, time):
     """Return the first frame at or after a time."""
     return results.frame(int(np.searchsorted(results.times, time - 1e-9)))
+
+
+def dots(axis, frame, name, top, size=2.3):
+    """Draw particles as dots, `size` times their radius across, coloured by a field up to `top`."""
+    size = size * frame["radius"]
+    shown = EllipseCollection(
+        size,
+        size,
+        np.zeros(len(frame)),
+        units="x",
+        offsets=frame["position"][:, :2],
+        transOffset=axis.transData,
+        array=frame[name],
+        cmap="viridis",
+        clim=(0.0, top),
+    )
+    axis.add_collection(shown)
+    axis.grid(False)
+    return shown
 
 
 def save(figure, name):

@@ -1,8 +1,7 @@
 """The cases with exact solutions: shock, vortex, spinning block."""
 
 import numpy as np
-from common import BLUE, GREEN, GREY, RED, frame_at, plt, run, save
-from matplotlib.collections import EllipseCollection
+from common import BLUE, GREEN, GREY, RED, dots, frame_at, plt, run, save
 
 TRANSIT = 0.05
 
@@ -31,25 +30,6 @@ def shock(redraw):
     axes[0].set_ylabel("stress [1000]")
     axes[1].legend(fontsize=8, loc="center right")
     save(figure, "shock")
-
-
-def dots(axis, frame, name, top, scale=1.0):
-    """Draw the particles as dots of their size, coloured by a field."""
-    size = 2.3 * frame["radius"]
-    shown = EllipseCollection(
-        size,
-        size,
-        np.zeros(len(frame)),
-        units="x",
-        offsets=frame["position"][:, :2],
-        transOffset=axis.transData,
-        array=scale * frame[name],
-        cmap="viridis",
-        clim=(0.0, top),
-    )
-    axis.add_collection(shown)
-    axis.grid(False)
-    return shown
 
 
 def vortex(redraw):

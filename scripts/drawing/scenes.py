@@ -1,8 +1,7 @@
 """The other cases: disks, block, bar."""
 
 import numpy as np
-from common import BLUE, GREEN, RED, frame_at, plt, run, save
-from matplotlib.collections import EllipseCollection
+from common import BLUE, GREEN, RED, dots, frame_at, plt, run, save
 
 
 def energies(axis, results, unit):
@@ -21,29 +20,16 @@ def disks(redraw):
     top = np.percentile(frame_at(results, times[1])["von-mises"], 98.5)
     figure = plt.figure(figsize=(9, 5.6))
     grid = figure.add_gridspec(2, 3, height_ratios=(1.25, 1.0))
-    shown = []
+    axes = []
     for column, time in enumerate(times):
         axis = figure.add_subplot(grid[0, column], aspect="equal")
         frame = frame_at(results, time)
-        size = 2.7 * frame["radius"]
-        dots = EllipseCollection(
-            size,
-            size,
-            np.zeros(len(frame)),
-            units="x",
-            offsets=frame["position"][:, :2],
-            transOffset=axis.transData,
-            array=frame["von-mises"],
-            cmap="viridis",
-            clim=(0.0, top),
-        )
-        axis.add_collection(dots)
+        shown = dots(axis, frame, "von-mises", top, 2.7)
         axis.set(xlim=(-0.05, 1.05), ylim=(-0.05, 1.05), xlabel="x [m]", xticks=(0, 0.5, 1))
         axis.set(yticks=(0, 0.5, 1), ylabel="" if column else "y [m]")
         axis.set_title(f"t = {frame.time:.2f} s", fontsize=10)
-        axis.grid(False)
-        shown.append(axis)
-    figure.colorbar(dots, ax=shown, label="von Mises stress [Pa]", shrink=0.85, extend="max")
+        axes.append(axis)
+    figure.colorbar(shown, ax=axes, label="von Mises stress [Pa]", shrink=0.85, extend="max")
     axis = figure.add_subplot(grid[1, :])
     energies(axis, results, "J/m")
     total = results.history["kinetic-energy"] + results.history["strain-energy"]

@@ -1,0 +1,42 @@
+"""Initial motion of a body: its entry in the case."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from pydantic import Field
+
+from pgimp.case.base import Model, Number, Vector
+from pgimp.case.dispatch import Either
+
+
+def _zeros(schema: dict[str, Any]) -> None:
+    """Document the default of a vector whose length the dimensions of the case decide."""
+    del schema["default"]
+
+
+def zero_vector(description: str) -> Any:
+    """Return a field for a vector that is zero where the case leaves it out."""
+    return Field(
+        default=(), validate_default=False, description=description, json_schema_extra=_zeros
+    )
+
+
+class Rotation(Model):
+    """Rigid rotation."""
+
+    about: Vector = Field(description="a point of the axis [length]")
+    rate: Annotated[
+        float | tuple[float, ...],
+        Either("a number (2D) or a list of three (3D)", {float: Number, tuple: Vector}),
+    ] = Field(
+        description="angular velocity: a number in 2D, counter-clockwise positive; "
+        "a vector along the axis in 3D [1/time]"
+    )
+
+
+class RigidMotion(Model):
+    """Velocity of a rigid motion: translation + rate x (position - about)."""
+
+    rotation: Rotation = Field(description="rotation about an axis")
+    translation: Vector = zero_vector("velocity added everywhere [length/time]")
