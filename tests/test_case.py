@@ -141,7 +141,7 @@ def test_the_resolved_case_reads_like_one_written_by_hand():
         "units: none\n"
         "dimensions: 1\n"
         "grid: {origin: [0.0], size: [54.0], cell: [1.0]}\n"
-        "method: {shape: gimp, particles_per_cell: [2], relaxation: 0.0, volume: tracked}\n"
+        "method: {shape: gimp, particles_per_cell: [2], relaxation: 0.0, affine: false, volume: tracked}\n"
         "time: {end: 2.0, step: 0.0001}\n"
         "materials:\n"
         "  bar: {model: linear-1d, density: 1.0, viscosity: null, young: 1000000.0}\n"

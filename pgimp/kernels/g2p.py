@@ -5,7 +5,7 @@ from math import isfinite, sqrt
 from pgimp.kernels.algebra import determinant, multiply, one_plus, symmetric
 from pgimp.kernels.grips import gripped
 from pgimp.kernels.jit import kernel, specialise
-from pgimp.kernels.loads import add_power, relaxed
+from pgimp.kernels.loads import add_power, keep_gradient, relaxed
 from pgimp.kernels.transfer import components, first_vertex, gather, gradient, support
 from pgimp.kernels.tuples import plus_scaled, read, write
 from pgimp.kernels.viscosity import stiffened, thicken
@@ -127,6 +127,7 @@ def grid_to_particles(
             u, v = gripped(grips, particles, p, u, v, impulse, work, layer)
             x = plus_scaled(dt, u, read(particles.x, p, 0, u))  # (26)
             L = gradient(D)  # (30)
+            keep_gradient(loads.affine, particles, p, L)
             F = multiply(one_plus(dt, L), read(particles.F, p, 0, L))
             J = determinant(F)
             m = material_of[particles.body[p]]

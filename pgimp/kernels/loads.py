@@ -9,7 +9,7 @@ from pgimp.exact.base import body_force
 from pgimp.kernels.jit import specialise
 from pgimp.kernels.simd import pack
 from pgimp.kernels.tractions import scatter_tractions, traction_power
-from pgimp.kernels.tuples import plus_scaled, read, scaled
+from pgimp.kernels.tuples import plus_scaled, read, scaled, write
 
 
 class Loads(NamedTuple):
@@ -25,12 +25,15 @@ class Loads(NamedTuple):
         See `pgimp.exact.base`.
     relaxation : float or ()
         Rate at which particles take on the grid's velocity, see `relaxed`.
+    affine : float or ()
+        A number where particles carry the gradient of their velocity, see `transfer.slopes`.
     """
 
     viscosity: Any = ()
     tractions: Any = ()
     force: Any = ()
     relaxation: Any = ()
+    affine: Any = ()
 
 
 def _force(force, frame, particles, p):
@@ -111,6 +114,17 @@ def _relaxed(rate, dt, v, u):
         return plus_scaled(part, u, scaled(1.0 - part, v))
 
     return relax
+
+
+def keep_gradient(affine, particles, p, L):
+    """Let particle `p` keep its velocity gradient where it carries one."""
+
+
+@specialise(keep_gradient)
+def _keep_gradient(affine, particles, p, L):
+    if hasattr(affine, "count"):  # ()
+        return lambda affine, particles, p, L: None
+    return lambda affine, particles, p, L: write(particles.L, p, 0, L)
 
 
 def scatter_loads(loads, shape, frame, window, particles, p, layer, W, scratch):

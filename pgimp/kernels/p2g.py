@@ -8,7 +8,7 @@ in increasing order. Uniform gravity (17) is m_v b and needs no sum.
 from pgimp.kernels.jit import kernel
 from pgimp.kernels.loads import scatter_loads, weight
 from pgimp.kernels.simd import load, pack, store
-from pgimp.kernels.transfer import charges, scatter, support
+from pgimp.kernels.transfer import charges, scatter, slopes, support
 
 
 @kernel
@@ -55,7 +55,8 @@ def particles_to_grid(
             place, W = support(shape, frame, window, particles, p, number)
             A, S = charges(frame, loads.viscosity, particles, p)
             B = weight(loads.force, frame, particles, p)
-            scatter(scratch, place, W[0][0], W[0][1], W[0][2], W[1:], A, B, S)
+            C = slopes(loads.affine, frame, particles, p)
+            scatter(scratch, place, W[0][0], W[0][1], W[0][3], W[0][2], W[1:], A, B, S, C)
             scatter_loads(loads, shape, frame, window, particles, p, number, W, scratch)
             low = min(low, place)
             high = max(high, place)

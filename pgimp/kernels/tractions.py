@@ -150,7 +150,7 @@ def _support_of(traction, shape, frame, window, particles, p, layer, F, like):
 
     def support1(traction, shape, frame, window, particles, p, layer, F, like):
         w = _along(traction, frame, F, particles.x[p, 0], 0, layer, like)
-        return 0, ((w, w, window.stride[0]),)
+        return 0, ((w, w, window.stride[0], w),)
 
     def support2(traction, shape, frame, window, particles, p, layer, F, like):
         x, y = particles.x[p, 0], particles.x[p, 1]
@@ -158,8 +158,8 @@ def _support_of(traction, shape, frame, window, particles, p, layer, F, like):
         w = _along(traction, frame, F, x, 0, layer, like)
         v = _along(traction, frame, F, y, 1, j, like)
         return (j - window.lower[1]) * window.stride[1], (
-            (w, w, window.stride[0]),
-            (v, v, window.stride[1]),
+            (w, w, window.stride[0], w),
+            (v, v, window.stride[1], v),
         )
 
     def support3(traction, shape, frame, window, particles, p, layer, F, like):
@@ -171,9 +171,9 @@ def _support_of(traction, shape, frame, window, particles, p, layer, F, like):
         u = _along(traction, frame, F, z, 2, k, like)
         place = (j - window.lower[1]) * window.stride[1] + (k - window.lower[2]) * window.stride[2]
         return place, (
-            (w, w, window.stride[0]),
-            (v, v, window.stride[1]),
-            (u, u, window.stride[2]),
+            (w, w, window.stride[0], w),
+            (v, v, window.stride[1], v),
+            (u, u, window.stride[2], u),
         )
 
     return (support1, support2, support3)[D - 1]
@@ -205,7 +205,9 @@ def scatter_tractions(tractions, shape, frame, window, particles, p, layer, W, s
         place, V = _support(tractions[t], shape, frame, window, particles, p, layer, F, W[0][0])
         force = pack(0.0, f[0], f[1], f[2])
         zero = pack(0.0, 0.0, 0.0, 0.0)
-        scatter(scratch, place, V[0][0], V[0][1], V[0][2], V[1:], zero, force, _nothing(W))
+        scatter(
+            scratch, place, V[0][0], V[0][1], V[0][1], V[0][2], V[1:], zero, force, _nothing(W), ()
+        )
 
 
 @kernel

@@ -48,7 +48,7 @@ def _half_widths(shape, frame, particles, p):
 
 
 def _along(shape, frame, window, d, half, x, vertex):
-    """Weights (19), gradients (20) and the window's stride, along direction `d`."""
+    """Weights (19), gradients (20), the window's stride and arms, along direction `d`."""
 
 
 @specialise(_along)
@@ -56,9 +56,20 @@ def _along_direction(shape, frame, window, d, half, x, vertex):
     def along(shape, frame, window, d, half, x, vertex):
         f = (x - frame.origin[d]) * frame.inverse[d] - (vertex - frame.ghost)
         w, g = weights(shape, half, f)
-        return w, scaled(frame.inverse[d], g), window.stride[d]
+        return w, scaled(frame.inverse[d], g), window.stride[d], _arms(w, f, frame.cell[d])
 
     return along
+
+
+def _arms(w, f, cell):
+    """Weights times the vertices' coordinates relative to the particle's."""
+
+
+@specialise(_arms)
+def _arms_of(w, f, cell):
+    if len(w) == 1:
+        return lambda w, f, cell: (-w[0] * f * cell,)
+    return lambda w, f, cell: (-w[0] * f * cell, *_arms(w[1:], f - 1.0, cell))
 
 
 def support(shape, frame, window, particles, p, layer):
@@ -69,7 +80,7 @@ def support(shape, frame, window, particles, p, layer):
     place : int
         Of the support's first vertex within its plane of the window, in float64.
     W : tuple
-        For each direction a triple: weights (19), gradients (20), stride.
+        For each direction: weights (19), gradients (20), stride, weights times arms.
     """
 
 
@@ -171,55 +182,105 @@ def _charges(frame, viscosity, particles, p):
     return charges3
 
 
-def scatter(G, place, w, g, stride, rest, A, B, S):
+def slopes(affine, frame, particles, p):
+    """How a particle's momentum varies in space: m_p dv/dx_i for each direction; () if it does not.
+
+    With it, a vertex gets m_p (v_p + L_p (x_v - x_p)) S_vp. The particle's momentum remains, since
+    the arms' weighted sum is zero, and fields that are linear arrive as they are up to the surface.
+    """
+
+
+@specialise(slopes)
+def _slopes(affine, frame, particles, p):
+    D = len(frame.types[0])
+    if hasattr(affine, "count"):  # ()
+        return lambda affine, frame, particles, p: ()
+
+    def slopes1(affine, frame, particles, p):
+        return (pack(0.0, particles.m[p] * particles.L[p, 0], 0.0, 0.0),)
+
+    def slopes2(affine, frame, particles, p):
+        m, L = particles.m[p], particles.L
+        return (
+            pack(0.0, m * L[p, 0], m * L[p, 2], 0.0),
+            pack(0.0, m * L[p, 1], m * L[p, 3], 0.0),
+        )
+
+    def slopes3(affine, frame, particles, p):
+        m, L = particles.m[p], particles.L
+        return (
+            pack(0.0, m * L[p, 0], m * L[p, 3], m * L[p, 6]),
+            pack(0.0, m * L[p, 1], m * L[p, 4], m * L[p, 7]),
+            pack(0.0, m * L[p, 2], m * L[p, 5], m * L[p, 8]),
+        )
+
+    return (slopes1, slopes2, slopes3)[D - 1]
+
+
+def _sloped(w, A, e, C):
+    """The vector w A + e C_0, w A where C is ()."""
+
+
+@specialise(_sloped)
+def _sloped_by(w, A, e, C):
+    if len(C) == 0:
+        return lambda w, A, e, C: w * A
+    return lambda w, A, e, C: w * A + e * C[0]
+
+
+def scatter(G, place, w, g, e, stride, rest, A, B, S, C):
     """Add a particle to its support: A times S_vp, and the sum of S_i dS_vp/dx_i to the force.
 
     Parameters
     ----------
     place : int
-        Of the first vertex; `w`, `g`, `stride` belong to the current direction, `rest` holds the
-        following ones.
+        Of the first vertex; `w`, `g`, `e`, `stride` belong to the current direction, `rest` holds
+        the following ones.
     B : Vec4
         The force so far: the sum over the directions that came before.
     S : tuple of Vec4
         Stress columns of the current direction and the following ones, times the weights so far.
+    C : tuple of Vec4
+        Likewise what `slopes` gives.
     """
 
 
 @specialise(scatter)
-def _scatter(G, place, w, g, stride, rest, A, B, S):
+def _scatter(G, place, w, g, e, stride, rest, A, B, S, C):
     last = len(w) == 1
     if len(rest) == 0:
 
-        def vertex(G, place, w, g, stride, rest, A, B, S):
-            store(G, place, load(G, place) + w[0] * A)
+        def vertex(G, place, w, g, e, stride, rest, A, B, S, C):
+            store(G, place, load(G, place) + _sloped(w[0], A, e[0], C))
             store(G, place + 4, load(G, place + 4) + (w[0] * B + g[0] * S[0]))
 
         if last:
             return vertex
 
-        def vertices(G, place, w, g, stride, rest, A, B, S):
-            store(G, place, load(G, place) + w[0] * A)
+        def vertices(G, place, w, g, e, stride, rest, A, B, S, C):
+            store(G, place, load(G, place) + _sloped(w[0], A, e[0], C))
             store(G, place + 4, load(G, place + 4) + (w[0] * B + g[0] * S[0]))
-            scatter(G, place + stride, w[1:], g[1:], stride, rest, A, B, S)
+            scatter(G, place + stride, w[1:], g[1:], e[1:], stride, rest, A, B, S, C)
 
         return vertices
 
-    def line(G, place, w, g, stride, rest, A, B, S):
+    def line(G, place, w, g, e, stride, rest, A, B, S, C):
         scatter(
-            G, place, rest[0][0], rest[0][1], rest[0][2], rest[1:],
-            w[0] * A, w[0] * B + g[0] * S[0], scaled(w[0], S[1:]),
+            G, place, rest[0][0], rest[0][1], rest[0][3], rest[0][2], rest[1:],
+            _sloped(w[0], A, e[0], C), w[0] * B + g[0] * S[0], scaled(w[0], S[1:]),
+            scaled(w[0], C[1:]),
         )  # fmt: skip
 
     if last:
         return line
 
-    def lines(G, place, w, g, stride, rest, A, B, S):
+    def lines(G, place, w, g, e, stride, rest, A, B, S, C):
         scatter(
-            G, place, rest[0][0], rest[0][1], rest[0][2], rest[1:],
-            w[0] * A, w[0] * B + g[0] * S[0], scaled(w[0], S[1:]),
+            G, place, rest[0][0], rest[0][1], rest[0][3], rest[0][2], rest[1:],
+            _sloped(w[0], A, e[0], C), w[0] * B + g[0] * S[0], scaled(w[0], S[1:]),
+            scaled(w[0], C[1:]),
         )  # fmt: skip
-        scatter(G, place + stride, w[1:], g[1:], stride, rest, A, B, S)
+        scatter(G, place + stride, w[1:], g[1:], e[1:], stride, rest, A, B, S, C)
 
     return lines
 

@@ -55,6 +55,7 @@ class SceneLoads:
                 float(min(case.grid.cell)),
             )
         self.relaxation: Any = float(case.method.relaxation) or ()
+        self.affine: Any = 1.0 if case.method.affine else ()
         self.exact = exact
         self.tractions = list(case.tractions.values())
         self.constraints = list(case.constraints.values())
@@ -72,6 +73,7 @@ class SceneLoads:
     def columns(self) -> dict[str, Any]:
         """The columns that particles need, for `Particles.empty`."""
         return {
+            "affine": bool(self.affine),
             "viscous": bool(self.viscosity),
             "tractions": len(self.tractions),
             "grips": bool(self.constraints),
@@ -92,7 +94,7 @@ class SceneLoads:
             entry.parameters(i, *self._patch, t) for i, entry in enumerate(self.tractions)
         )
         force = BodyForce(self.exact, t) if self.exact else ()
-        return Loads(self.viscosity, tractions, force, self.relaxation)
+        return Loads(self.viscosity, tractions, force, self.relaxation, self.affine)
 
     def _grips_at(self, start: float, end: float) -> tuple:
         return tuple(entry.parameters(start, end) for entry in self.constraints)

@@ -117,6 +117,16 @@ class Scene:
         """Parameters of all faces' kernels for a step."""
         return tuple(face.parameters(start, end) for face in self.faces)
 
+    def _velocity_gradients(self, body: int, positions: np.ndarray) -> np.ndarray:
+        """Gradient of the initial velocity, (n, D*D), by differences over half a cell."""
+        L = np.empty((len(positions), self.dimension, self.dimension))
+        for d in range(self.dimension):
+            step = np.zeros(self.dimension)
+            step[d] = 0.25 * self.frame.cell[d]
+            ends = (self.velocities(body, positions + side * step) for side in (1.0, -1.0))
+            L[:, :, d] = np.subtract(*ends) / (2.0 * step[d])
+        return L.reshape(len(positions), -1)
+
     def velocities(self, body: int, positions: np.ndarray) -> np.ndarray:
         """Initial velocity of a body's particles, (n, D): exact, or v0 + omega x (x - about)."""
         if self.moves:
@@ -165,6 +175,8 @@ class Scene:
             # solution refers to the particle's place.
             places = made.positions if self.moves else made.centroids
             p.v[rows] = self.velocities(made.body, places)
+            if p.L.shape[1]:
+                p.L[rows] = self._velocity_gradients(made.body, places)
             p.id[rows] = made.ids
             p.body[rows] = made.body
             p.V0[rows] = p.V[rows] = volume * made.fractions  # (3)

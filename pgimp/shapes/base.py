@@ -21,6 +21,13 @@ class Shape(Model):
         "the grid cannot resolve, and a little of the motion that it can; 0: none [1/time]",
     )
 
+    affine: bool = Field(
+        default=False,
+        description="whether particles give the grid their velocity together with its gradient, "
+        "v + L (x_v - x_p): linear fields then arrive as they are up to free surfaces, and spin "
+        "lasts",
+    )
+
     #: Vertices a direction in a support.
     vertices: ClassVar[int]
 

@@ -13,6 +13,7 @@
 | layer | plane of the first vertex now | (c,) | | |
 | body | body number | (c,) | | |
 | origin | initial position | (c, D or 0) | length | |
+| L | velocity gradient, row-major | (c, D*D or 0) | 1/time | (30) |
 | q | viscous pressure | (c, 1 or 0) | stress | (45) |
 | patch | area of each traction's patch | (c, T) | area | (18) |
 | grip | number of the constraint that holds it, from 1; 0 is none | (c, 1 or 0) | | |
@@ -46,6 +47,7 @@ class Particles(NamedTuple):
     layer: NDArray[np.int32]
     body: NDArray[np.int32]
     origin: FloatArray
+    L: FloatArray
     q: FloatArray
     patch: FloatArray
     grip: NDArray[np.int32]
@@ -57,6 +59,7 @@ class Particles(NamedTuple):
         dimension: int,
         origin: bool = False,
         *,
+        affine: bool = False,
         viscous: bool = False,
         tractions: int = 0,
         grips: bool = False,
@@ -78,6 +81,7 @@ class Particles(NamedTuple):
             layer=np.zeros(capacity, np.int32),
             body=np.zeros(capacity, np.int32),
             origin=np.zeros((capacity, D if origin else 0)),
+            L=np.zeros((capacity, D * D if affine else 0)),
             q=np.zeros((capacity, 1 if viscous else 0)),
             patch=np.zeros((capacity, tractions)),
             grip=np.zeros((capacity, 1 if grips else 0), np.int32),
