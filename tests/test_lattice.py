@@ -1,5 +1,8 @@
 """The initial particles: the same however many points are tested at a time."""
 
+from concurrent.futures import ThreadPoolExecutor
+from threading import Barrier
+
 import numpy as np
 import pytest
 
@@ -8,7 +11,7 @@ from pgimp.errors import CaseError
 from pgimp.parallel.comm import Serial
 from pgimp.scene import filling, measure
 from pgimp.scene import lattice as lattice_module
-from pgimp.scene.lattice import Lattice
+from pgimp.scene.lattice import Lattice, census
 from pgimp.scene.scene import Scene, count_particles
 
 
@@ -96,3 +99,42 @@ def test_more_cells_than_can_be_numbered_are_refused():
     grid = {"size": [1e7, 1e7, 1e7], "cell": [1.0, 1.0, 1.0]}
     with pytest.raises(CaseError, match="more cells than can be numbered"):
         Scene(case(3, grid=grid))
+
+
+class Gathering:
+    """One of several ranks, which are threads, that only gather."""
+
+    def __init__(self, rank, size, shelf, barrier):
+        self.rank, self.size, self.shelf, self.barrier = rank, size, shelf, barrier
+
+    def allgather(self, part):
+        self.shelf[self.rank] = part
+        self.barrier.wait(timeout=20)
+        return list(self.shelf)
+
+
+def refusal(case, size):
+    """What `census` says of a case on so many ranks."""
+    shelf, barrier = [None] * size, Barrier(size)
+
+    def ask(rank):
+        with pytest.raises(CaseError) as error:
+            census(Lattice(case), Gathering(rank, size, shelf, barrier))
+        return str(error.value)
+
+    with ThreadPoolExecutor(size) as pool:
+        (words,) = set(pool.map(ask, range(size)))
+    return words
+
+
+def test_of_several_overlaps_any_number_of_ranks_names_the_same():
+    def slab(low, high):
+        box = {"box": {"min": [low, 0.0], "max": [high, 7.0]}}
+        return {"material": "a", "region": box}
+
+    # The first pair overlaps at the far end of the grid, the second at the near one.
+    bodies = {"a": slab(5.0, 8.0), "b": slab(7.0, 8.0), "c": slab(0.0, 1.0), "d": slab(0.0, 2.0)}
+    overlapping = case(2, bodies=bodies)
+    alone = refusal(overlapping, 1)
+    assert "in both 'a' and 'b'" in alone
+    assert [refusal(overlapping, size) for size in (2, 3, 5)] == [alone] * 3

@@ -102,13 +102,15 @@ class Lattice:
             for (a, b), n, x in zip(box, self.per_cell, self.coordinates, strict=True)
         ]
 
-    def meetings(self, planes: tuple[int, int]) -> tuple[list[str], set[tuple[str, str]]]:
+    def meetings(
+        self, planes: tuple[int, int]
+    ) -> tuple[list[tuple[tuple[int, int], str]], set[tuple[str, str]]]:
         """Where bodies come together, among the points of a range of planes.
 
         Returns
         -------
-        errors : list of str
-            One message for each pair of bodies that overlap.
+        errors : list of ((int, int), str)
+            The bodies' numbers and a message for each pair of bodies that overlap.
         shared : set of pairs of names
             Bodies with particles in the same cell.
         """
@@ -125,11 +127,12 @@ class Lattice:
                 both = [self.fillings[body].survey(part) for body in (a, b)]
                 place = self._overlap(both, (self.fillings[a], self.fillings[b]))
                 if place is not None:
-                    errors.append(
+                    message = (
                         f"bodies.{names[1]}.region: the point ({place}) lies in both "
                         f"'{names[0]}' and '{names[1]}'; a particle belongs to one body: "
                         "move or cut one of them (region: {difference: [...]})"
                     )
+                    errors.append(((a, b), message))
                     break
                 if not self._cells(both[0]).isdisjoint(self._cells(both[1])):
                     shared.add(names)
@@ -223,7 +226,9 @@ def census(lattice: Lattice, comm: Any) -> Census:
     errors, shared = lattice.meetings(share)
     results = comm.allgather((own, errors, shared))
     counts = np.concatenate([result[0] for result in results], axis=1)
-    problems = list(dict.fromkeys(e for result in results for e in result[1]))[:1]
+    overlaps = [overlap for result in results for overlap in result[1]]
+    overlaps.sort(key=lambda overlap: overlap[0])  # of a pair the first point along x stays first
+    problems = [message for _, message in overlaps[:1]]
     for body, name in enumerate(lattice.names):
         if counts[body].sum() == 0:
             problems.append(
