@@ -20,7 +20,7 @@ class Launch(Protocol):
         self,
         n: int,
         args: Sequence[str],
-        timeout: float = 60.0,
+        timeout: float = 120.0,
         cwd: str | Path | None = None,
         env: Mapping[str, str] | None = None,
     ) -> subprocess.CompletedProcess[str]: ...
@@ -39,7 +39,7 @@ def clean_env(more: Mapping[str, str] | None = None) -> dict[str, str]:
 
 def run(
     words: Sequence[str],
-    timeout: float = 60.0,
+    timeout: float = 120.0,
     cwd: str | Path | None = None,
     env: Mapping[str, str] | None = None,
 ) -> subprocess.CompletedProcess[str]:
@@ -75,7 +75,7 @@ def mpirun() -> Launch:
     The result has `returncode`, `stdout` and `stderr`; mpirun's own remarks are left out.
     """
 
-    def launch(n, args, timeout=60.0, cwd=None, env=None):
+    def launch(n, args, timeout=120.0, cwd=None, env=None):
         options = ["-q", "--oversubscribe", "--bind-to", "none", "-n", str(n)]
         return run(["mpirun", *options, sys.executable, *map(str, args)], timeout, cwd, env)
 
@@ -86,7 +86,7 @@ def mpirun() -> Launch:
 def python():
     """``python(args)`` runs ``python ARGS...`` as one process without a launcher, like `mpirun`."""
 
-    def launch(args, timeout=60.0, cwd=None, env=None):
+    def launch(args, timeout=120.0, cwd=None, env=None):
         return run([sys.executable, *map(str, args)], timeout, cwd, env)
 
     return launch

@@ -25,7 +25,7 @@ def runs(tmp_path_factory, mpirun, python):
         results[ranks] = folder / f"on-{ranks}"
         results[ranks].mkdir()
         words = [Path(__file__).with_name("rank_probe.py"), "runs", results[ranks], *cases]
-        job = python(words, timeout=300) if ranks == 1 else mpirun(ranks, words, timeout=300)
+        job = python(words, timeout=900) if ranks == 1 else mpirun(ranks, words, timeout=900)
         assert job.returncode == 0, job.stderr
     return results
 

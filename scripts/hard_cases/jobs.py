@@ -14,7 +14,8 @@ def case_job(number, method, quick):
 def courant_job(method, dimension, per_cell, quick):
     """A point of the map."""
     steps = 500 if quick else 4000 if dimension == 1 else 1500
-    both = limits({"shape": method}, dimension, per_cell, steps, 0.05 if quick else 0.01)
+    shape, _, affine = method.partition(", ")
+    both = limits({"shape": shape, "affine": bool(affine)}, dimension, per_cell, steps, 0.05 if quick else 0.01)
     return {
         "method": method,
         "dimension": dimension,
@@ -31,11 +32,12 @@ def jobs(quick, words):
         rows = [i for i, row in enumerate(ROWS) if not quick or row.quick is not None]
         for number in (*rows, len(ROWS)):
             known = ROWS[number].methods if number < len(ROWS) else METHODS
-            found |= {("case", number, m): (case_job, number, m, quick) for m in known}
+            label = ROWS[number].label if number < len(ROWS) else "grazing"
+            found |= {("case", label, m): (case_job, number, m, quick) for m in known}
     if "courant" in words:
         for dimension in (1,) if quick else (1, 2):
             for per_cell in (1, 2, 4):
-                for m in METHODS:
+                for m in (*METHODS, "gimp, affine", "finite-gimp, affine"):
                     key = ("courant", dimension, per_cell, m)
                     found[key] = (courant_job, m, dimension, per_cell, quick)
     return found
