@@ -119,9 +119,11 @@ class Simulation:
         self.slab = slab_of(cuts, self.comm.rank)
         idle = self.comm.size - (len(cuts) - 1)
         if idle:
+            each = vertices - 1
+            outer = f", {ends} next to a wall that mirrors" if ends > each else ""
             self.notes.append(
                 f"{idle} of {self.comm.size} ranks own no layer: the grid's {cuts[-1]} layers feed "
-                f"at most {len(cuts) - 1} ranks ({vertices - 1} layers each); use fewer ranks"
+                f"at most {len(cuts) - 1} ranks ({each} layers each{outer}); use fewer ranks"
             )
 
     def _settle(self, particles: Particles, count: int) -> None:
