@@ -48,7 +48,7 @@ def test_a_particle_at_fault_stops_the_step(name, field, axis, value, reason):
         getattr(rank.particles, field)[:, axis] = value
     rank.particles_to_grid()
     rank.update_momentum(DT)
-    fault, row, _, _ = rank.grid_to_particles(DT)
+    fault, row, *_ = rank.grid_to_particles(DT)
     assert fault == reason
     assert row in rank.population.order if reason else row == -1
 
@@ -71,7 +71,7 @@ def test_rounding_takes_no_particle_past_two_layers(name):
         layer = int(rank.particles.layer[0])
         rank.particles_to_grid()
         rank.update_momentum(DT)
-        fault, _, found, _ = rank.grid_to_particles(DT)
+        fault, _, found, *_ = rank.grid_to_particles(DT)
         assert fault in (0, TOO_FAST)
         stopped += fault == TOO_FAST
         assert fault or layer - rank.particles.layer[0] == found <= 1
