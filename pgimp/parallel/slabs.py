@@ -13,6 +13,11 @@ class Slab(NamedTuple):
     below: int | None
     above: int | None
 
+    @property
+    def neighbours(self) -> bool:
+        """Whether there are any."""
+        return self.below is not None or self.above is not None
+
 
 def cut(counts: np.ndarray, ranks: int, width: int, ends: int = 0) -> list[int]:
     """Cut the layers into runs of about equally many particles.

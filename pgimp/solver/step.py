@@ -3,6 +3,8 @@
 from time import perf_counter
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from pgimp.kernels.g2p import grid_to_particles
 from pgimp.kernels.grips import hold_marked, mark
 from pgimp.kernels.mirror import fold, reflect
@@ -15,6 +17,9 @@ if TYPE_CHECKING:
 
 #: Phases of a step, as `Simulation.timings` names them.
 PHASES = ("P2G", "exchange", "momentum", "G2P", "migrate", "order")
+
+#: Rows of the movers where nobody moves.
+NOBODY = np.empty(0, np.int32)
 
 
 def step(sim: "Simulation", dt: float, end: float) -> tuple[int, int, float]:
@@ -77,8 +82,10 @@ def step(sim: "Simulation", dt: float, end: float) -> tuple[int, int, float]:
     sim.clamped += clamped
     if fault:
         return fault, row, rate
-    left = population.movers[:found].copy()
-    coming = migrate(sim.comm, sim.slab, population, order[left])
+    left = coming = NOBODY
+    if found or sim.slab.neighbours:
+        left = population.movers[:found].copy()
+        coming = migrate(sim.comm, sim.slab, population, order[left])
     times.append(perf_counter())
 
     if found or len(coming):

@@ -15,7 +15,8 @@ def courant_job(method, dimension, per_cell, quick):
     """A point of the map."""
     steps = 500 if quick else 4000 if dimension == 1 else 1500
     shape, _, affine = method.partition(", ")
-    both = limits({"shape": shape, "affine": bool(affine)}, dimension, per_cell, steps, 0.05 if quick else 0.01)
+    entry = {"shape": shape, "affine": bool(affine)}
+    both = limits(entry, dimension, per_cell, steps, 0.05 if quick else 0.01)
     return {
         "method": method,
         "dimension": dimension,
