@@ -175,7 +175,8 @@ def test_a_grip_acts_up_to_a_vertex_near_its_edge(stretched, shape):
         for error, edge in zip(stretched(offset, shape)[2], (offset, -offset), strict=True):
             # A vertex: what the grip acts beyond its edge makes up a whole number.
             assert abs(error + edge - round(error + edge)) < 0.01
-            assert abs(error) < 0.64
+            # The last particle held may end a quarter of a cell before the region does.
+            assert -0.26 < error < 1.01
 
 
 def test_constraints_that_share_vertices_split_what_they_give():

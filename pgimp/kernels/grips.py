@@ -1,11 +1,11 @@
 """Prescribed motion of a part of a body (``constraints``): grips that hold particles and vertices.
 
-Particles that a constraint holds move exactly as it says. Each marks the vertices of its support
-that get at least a quarter of it along every direction; these are held too. A grip therefore acts
-up to a vertex near the region's edge: exactly there where the edge is a plane of vertices, else,
-for boxes and points, up to 0.63 of a cell off, and it jumps from vertex to vertex as it moves.
-Tents (fuzzy) slip by 0.1 to 0.3 of a cell more. What one rank marks in the
-planes it shares with another is united by ``or``, so that no order can matter.
+Particles that a constraint holds move exactly as it says. Each marks the vertices that it reaches;
+these are held too, so that the material moves with the particles where it touches them, and does
+not tear from them sooner than need be. A grip therefore acts up to a vertex near the region's edge:
+exactly there where the edge is a plane of vertices, else up to a cell further, and it jumps from
+vertex to vertex as it moves. What one rank marks in the planes it shares with another is united by
+``or``, so that no order can matter.
 """
 
 from typing import NamedTuple
@@ -13,8 +13,8 @@ from typing import NamedTuple
 from pgimp.kernels.jit import kernel, specialise
 from pgimp.kernels.transfer import support
 
-#: Least weight along a direction of a vertex that a held particle holds.
-FIRM = 0.25
+#: Least weight along a direction of a vertex that a held particle reaches; less is rounding.
+FIRM = 1e-9
 
 
 class Grip(NamedTuple):
@@ -26,7 +26,7 @@ class Grip(NamedTuple):
 
 
 def _mark(mask, bit, place, W):
-    """Set a bit at the vertices that get much of a particle; `place` counts vertices."""
+    """Set a bit at the vertices that a particle reaches; `place` counts vertices."""
 
 
 @specialise(_mark)
