@@ -26,7 +26,7 @@ class Loads(NamedTuple):
     relaxation : float or ()
         Rate at which particles take on the grid's velocity, see `relaxed`.
     affine : float or ()
-        A number where particles carry the gradient of their velocity, see `transfer.slopes`.
+        A number where particles carry their velocity gradient, see `pgimp.kernels.charges`.
     """
 
     viscosity: Any = ()

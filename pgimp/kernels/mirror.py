@@ -49,11 +49,14 @@ def fold(frame, window, G, active, mirror, dt, gravity, owned, impulse):
         The face.
     """
     axis = mirror.axis
-    for i in range(len(active)):
+    i0, i1 = _beyond(frame, window, mirror, 0)
+    j0, j1 = _beyond(frame, window, mirror, 1)
+    k0, k1 = _beyond(frame, window, mirror, 2)
+    for i in range(i0, i1):
         if active[i] == 0:
             continue
-        for j in range(window.extent[1]):
-            for k in range(window.extent[2]):
+        for j in range(j0, j1):
+            for k in range(k0, k1):
                 g, r, wall = _places(frame, window, active, mirror, i, j, k)
                 if r < 0 or not G[g] > 0.0 or G[r] < 0.0:
                     continue
@@ -94,11 +97,14 @@ def reflect(frame, window, G, active, mirror, dt, gravity, owned, impulse, work)
         The face.
     """
     axis = mirror.axis
-    for i in range(len(active)):
+    i0, i1 = _beyond(frame, window, mirror, 0)
+    j0, j1 = _beyond(frame, window, mirror, 1)
+    k0, k1 = _beyond(frame, window, mirror, 2)
+    for i in range(i0, i1):
         if active[i] == 0:
             continue
-        for j in range(window.extent[1]):
-            for k in range(window.extent[2]):
+        for j in range(j0, j1):
+            for k in range(k0, k1):
                 g, r, _ = _places(frame, window, active, mirror, i, j, k)
                 if r < 0 or G[g] != -1.0 - mirror.number:
                     continue
@@ -110,6 +116,17 @@ def reflect(frame, window, G, active, mirror, dt, gravity, owned, impulse, work)
                     sign = -1.0 if d == axis else 1.0
                     G[g + 1 + d] = sign * G[r + 1 + d]
                     G[g + 5 + d] = sign * G[r + 5 + d]
+
+
+@kernel
+def _beyond(frame, window, mirror, d):
+    """Range of the window's vertices along direction `d` that may lie beyond the face."""
+    if d != mirror.axis:
+        return 0, window.extent[d]
+    if mirror.side < 0:
+        return 0, min(window.extent[d], max(0, frame.ghost - window.lower[d]))
+    wall = frame.ghost + frame.cells[d]
+    return max(0, wall + 1 - window.lower[d]), window.extent[d]
 
 
 @kernel

@@ -5,10 +5,11 @@ are summed, in canonical order, from zero into that layer's own planes; then the
 in increasing order. Uniform gravity (17) is m_v b and needs no sum.
 """
 
+from pgimp.kernels.charges import charges, slopes
 from pgimp.kernels.jit import kernel
 from pgimp.kernels.loads import scatter_loads, weight
 from pgimp.kernels.simd import load, pack, store
-from pgimp.kernels.transfer import charges, scatter, slopes, support
+from pgimp.kernels.transfer import scatter, support
 
 
 @kernel
