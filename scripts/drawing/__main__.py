@@ -2,7 +2,7 @@
 
 import argparse
 
-from block import bench
+from block import bench, methods
 from column import compaction
 from cost import error_and_cost
 from exact import shock, spinning_block, vortex
@@ -18,6 +18,7 @@ PICTURES = {
     "spinning-block": spinning_block,
     "error-and-cost": error_and_cost,
     "bench": bench,
+    "methods": methods,
 }
 
 parser = argparse.ArgumentParser(prog="scripts/pictures")
