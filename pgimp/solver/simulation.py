@@ -32,6 +32,9 @@ RESORT = 48
 #: A vertex lighter than this part of the lightest initial particle is not accelerated.
 LIGHT = 1e-12
 
+#: What a rank may wish for after a step; the greatest wish of all ranks is granted on all.
+NOTHING, CHECKPOINT, STOP, FAULT = range(4)
+
 
 class Simulation:
     """A case on the ranks of a communicator; creating it and advancing it are collective.
@@ -59,6 +62,10 @@ class Simulation:
         Seconds spent in each phase by this rank.
     clamped : int
         Particle-steps of this rank with a half-width held at one cell.
+    wish : int
+        What this rank asks for, `NOTHING` to `FAULT`; it goes with the reduction of every step.
+    granted : int
+        The greatest wish of all ranks at the end of the last step, the same on all.
 
     Raises
     ------
@@ -74,6 +81,7 @@ class Simulation:
         self.timings = dict.fromkeys((*PHASES, "sort"), 0.0)
         self.dt = 0.0
         self.clamped = 0
+        self.wish = self.granted = NOTHING
         D = scene.dimension
         self.identity = tuple(float(i == j) for i in range(D) for j in range(D))
         self._make_clock()
@@ -219,11 +227,11 @@ class Simulation:
             self._sort()
 
     def _agree(self, rate: float) -> None:
-        """Let all ranks know the greatest speed and the window that all particles need."""
-        self.rate = rate
+        """Let all ranks know the greatest speed and wish, and the window that all need."""
+        self.rate, self.granted = rate, self.wish
         if self.comm.size > 1:
             low, high = self.reach
-            mine = np.array([rate, *(-low), *high], float)
+            mine = np.array([rate, *(-low), *high, self.wish], float)
             all_ranks = np.empty_like(mine)
             from mpi4py import MPI
 
@@ -231,6 +239,7 @@ class Simulation:
             self.rate = float(all_ranks[0])
             self.reach[0] = -all_ranks[1:3]
             self.reach[1] = all_ranks[3:5]
+            self.granted = int(all_ranks[5])
         if not self.grid.covers(self.reach):
             self.grid.extend(self.reach)
             self.reach[:] = self.grid.base
