@@ -156,6 +156,7 @@ def test_the_resolved_case_reads_like_one_written_by_hand():
         "exact: null\n"
         "output: {every: null, at: [], fields: [velocity, stress]}\n"
         "history: {every: {steps: 100}}\n"
+        "checkpoint: {every: {wall: 900.0}, keep: 2}\n"
     )
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import inspect
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Annotated, Any
 
 from pydantic import BaseModel, GetJsonSchemaHandler, TypeAdapter, ValidationError
 from pydantic_core import CoreSchema, core_schema
@@ -229,10 +229,14 @@ class Either(Dispatch):
             What may be written, for the message where the value has no form.
         forms : mapping of type to type
             What to validate a value as that is a number (key float), a list (tuple), a mapping
-            (dict) or nothing (None).
+            (dict) or nothing (None); a `Dispatch` too.
         """
         self.expected = expected
-        self.adapters = {kind: TypeAdapter(form) for kind, form in forms.items()}
+        self.forms = forms
+        self.adapters = {
+            kind: TypeAdapter(Annotated[Any, form] if isinstance(form, Dispatch) else form)
+            for kind, form in forms.items()
+        }
 
     def validate(self, value: Any) -> Any:
         """See `Dispatch`."""
@@ -247,7 +251,11 @@ class Either(Dispatch):
 
     def document(self, handler: GetJsonSchemaHandler) -> dict[str, Any]:
         """See `Dispatch`."""
-        return {"oneOf": [handler(adapter.core_schema) for adapter in self.adapters.values()]}
+        forms = [
+            form.document(handler) if isinstance(form, Dispatch) else handler(adapter.core_schema)
+            for form, adapter in zip(self.forms.values(), self.adapters.values(), strict=True)
+        ]
+        return {"oneOf": forms}
 
 
 def _kind(value: Any) -> type | None:

@@ -183,6 +183,37 @@ class History(Model):
     )
 
 
+class WallTime(Model):
+    """A time on the clock at the wall."""
+
+    wall: Positive = Field(description="every so many seconds of wall time")
+
+
+class Checkpoint(Model):
+    """Complete states of the run, from which `--resume` goes on; the end always has one."""
+
+    every: Annotated[
+        float | Steps | WallTime | None,
+        Either(
+            "a time above zero, {steps: 10}, {wall: 900} or null",
+            {
+                float: Positive,
+                dict: ByWord(lambda: _INTERVALS, "kind of interval"),
+                None: None,
+            },
+        ),
+    ] = Field(
+        default=WallTime(wall=900.0),
+        description="a checkpoint at the first step at or after every multiple of this simulated "
+        "time or number of steps, or after so many seconds of wall time; null: only at the end, "
+        "and where the run is asked to stop [time]",
+    )
+    keep: Count = Field(default=2, description="how many are kept; older ones are deleted")
+
+
+_INTERVALS: Mapping[str, type[BaseModel]] = {"steps": Steps, "wall": WallTime}
+
+
 class Case(Model):
     """A case: everything that defines a run."""
 
@@ -241,6 +272,7 @@ class Case(Model):
     )
     output: Output = Field(default=Output(), description="frames")
     history: History = Field(default=History(), description="history.csv")
+    checkpoint: Checkpoint = Field(default=Checkpoint(), description="checkpoints")
 
     @model_validator(mode="wrap")
     @classmethod
