@@ -21,3 +21,10 @@ class UsageError(PgimpError):
 
 class RunError(PgimpError):
     """The run failed (exit status 1)."""
+
+
+class DamagedError(Exception):
+    """A checkpoint cannot be used: what is wrong with it, in one line.
+
+    It is no end yet, for there may be another one; so it has no exit status.
+    """

@@ -47,11 +47,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 class _Block(Simulation):
     """The block, its particles moved to random positions within their cells."""
 
-    def _decompose(self, layer_counts: np.ndarray) -> None:
+    def decompose(self, layer_counts: np.ndarray) -> None:
         # Of a cell's positions, the part below the half-width has its support one vertex earlier.
         half = self.scene.shape.half[0]
         moved = np.round(half * layer_counts).astype(np.int64)
-        super()._decompose(layer_counts - moved + np.append(moved[1:], 0))
+        super().decompose(layer_counts - moved + np.append(moved[1:], 0))
 
     def _create(
         self, lattice: Lattice, counts: np.ndarray, layer: np.ndarray

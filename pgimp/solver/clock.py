@@ -33,14 +33,16 @@ class FixedClock:
 
     def next(self, rate: float) -> tuple[float, float]:
         """Length of the next step and the time at its end."""
-        following = self.step + 1
-        last = following == self._steps
-        return self._dt, self.end if last else following * self._dt
+        return self._dt, (self.step + 1) * self._dt
 
     def advance(self, time: float) -> None:
         """Note that the step to `time` is done."""
         self.time = time
         self.step += 1
+
+    def restore(self, step: int, time: float) -> None:
+        """Go on after `step` steps."""
+        self.step, self.time = step, step * self._dt
 
 
 class CourantClock:
@@ -96,3 +98,7 @@ class CourantClock:
         """Note that the step to `time` is done."""
         self.time = time
         self.step += 1
+
+    def restore(self, step: int, time: float) -> None:
+        """Go on after `step` steps, at `time`."""
+        self.step, self.time = step, time

@@ -36,8 +36,8 @@ class Diagnostics:
     def __init__(self) -> None:
         #: Greatest part of the mass beyond a face in any line, when, and which; on rank 0.
         self.beyond = (0.0, 0.0, "")
-        self._first_energy: float | None = None
-        self._last: tuple[float, np.ndarray, np.ndarray] | None = None
+        self.first_energy: float | None = None
+        self.last: tuple[float, np.ndarray, np.ndarray] | None = None
 
     def line(self, sim: "Simulation") -> dict[str, float] | None:
         """One line of the history on rank 0, None elsewhere; collective.
@@ -107,8 +107,8 @@ class Diagnostics:
         axes = AXES[: scene.dimension]
         total = np.add.reduce(bodies, axis=0)
         kinetic, strain = float(total[KINETIC]), float(total[STRAIN])
-        if self._first_energy is None:
-            self._first_energy = kinetic + strain
+        if self.first_energy is None:
+            self.first_energy = kinetic + strain
         line = {"time": sim.time, "step": sim.step, "dt": sim.dt, "mass": float(total[MASS])}
         for i, axis in enumerate(axes):
             line[f"momentum-{axis}"] = float(total[MOMENTUM + i])
@@ -117,7 +117,7 @@ class Diagnostics:
             line[f"angular-momentum-{AXES[i]}"] = float(total[ANGULAR + i])
         line["kinetic-energy"] = kinetic
         line["strain-energy"] = strain
-        line["dissipated-energy"] = self._first_energy + work - kinetic - strain
+        line["dissipated-energy"] = self.first_energy + work - kinetic - strain
         line["external-work"] = work
         for name, sums in zip(scene.body_names, bodies, strict=True):
             for i, axis in enumerate(axes):
@@ -137,11 +137,11 @@ class Diagnostics:
 
     def _reactions(self, time: float, impulse: np.ndarray) -> np.ndarray:
         """Mean forces of faces and constraints since the last line, (faces + constraints, 3)."""
-        if self._last is None:
+        if self.last is None:
             force = np.zeros_like(impulse)
-        elif time > self._last[0]:
-            force = (impulse - self._last[1]) / (time - self._last[0])
+        elif time > self.last[0]:
+            force = (impulse - self.last[1]) / (time - self.last[0])
         else:
-            return self._last[2]
-        self._last = (time, impulse, force)
+            return self.last[2]
+        self.last = (time, impulse, force)
         return force

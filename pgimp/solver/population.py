@@ -15,6 +15,16 @@ class Population:
     ones in canonical order (layer now, cell at the last re-sort, id). A particle that changes its
     layer only moves in that list; the row of one that leaves is a hole until the next re-sort.
 
+    Parameters
+    ----------
+    particles, count
+        The rows, of which the first `count` are alive.
+    slab : Slab
+        The layers.
+    start : (layers + 1,) int64, optional
+        Where each layer begins, of rows that are in canonical order by the cells they have;
+        without it they are sorted by where they are.
+
     Attributes
     ----------
     particles : Particles
@@ -25,7 +35,9 @@ class Population:
         Where each layer begins in `order`.
     """
 
-    def __init__(self, particles: Particles, count: int, shape, frame: Frame, slab) -> None:
+    def __init__(
+        self, particles: Particles, count: int, shape, frame: Frame, slab, start=None
+    ) -> None:
         self.particles = particles
         self.shape = shape
         self.frame = frame
@@ -38,7 +50,10 @@ class Population:
         self._holes: list[int] = []
         self._left: list[int] = []
         self._room = np.empty(0)
-        self.sort()
+        if start is None:
+            self.sort()
+        else:
+            self.start[:] = start
 
     @property
     def movers(self) -> np.ndarray:

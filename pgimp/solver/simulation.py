@@ -22,6 +22,7 @@ from pgimp.solver.grid import Grid
 from pgimp.solver.particles import Particles
 from pgimp.solver.population import Population
 from pgimp.solver.stability import doubt, require_stable
+from pgimp.solver.state import restore
 from pgimp.solver.step import PHASES, step
 from pgimp.solver.warmup import warm_up
 
@@ -45,6 +46,8 @@ class Simulation:
         What to simulate.
     comm : communicator
         mpi4py's, or `pgimp.parallel.comm.Serial`.
+    source : CheckpointFile, optional
+        The state to go on from; without it the case begins.
 
     Attributes
     ----------
@@ -71,9 +74,11 @@ class Simulation:
     ------
     CaseError
         The same on every rank, for what only the scene's particles show.
+    DamagedError
+        The same on every rank, if the checkpoint does not hold a state of this case.
     """
 
-    def __init__(self, case: Case, comm: Any) -> None:
+    def __init__(self, case: Case, comm: Any, source: Any = None) -> None:
         self.case, self.comm = case, comm
         self.scene = scene = Scene(case)
         self.notes: list[str] = []
@@ -88,12 +93,15 @@ class Simulation:
         with one_rank_first(comm):
             discard_damaged(lambda: warm_up(scene, self.identity))
 
+        if source is not None:
+            restore(self, source)
+            return
         lattice, counts, notes = count_particles(scene, comm)
         self.notes += notes
         self.count = int(counts.sum())
         layer = self._layers_of(lattice.coordinates[0])
-        self._decompose(np.bincount(layer, counts.sum(axis=0), scene.frame.vertices[0]))
-        self._settle(*self._create(lattice, counts, layer))
+        self.decompose(np.bincount(layer, counts.sum(axis=0), scene.frame.vertices[0]))
+        self.settle(*self._create(lattice, counts, layer))
         self._check_step()
 
     def _make_clock(self) -> None:
@@ -118,7 +126,7 @@ class Simulation:
         begin, end = int(own[0]), int(own[1])
         return self.scene.populate(lattice, counts, (begin, end)), int(counts[:, begin:end].sum())
 
-    def _decompose(self, layer_counts: np.ndarray) -> None:
+    def decompose(self, layer_counts: np.ndarray) -> None:
         """Give each rank its layers, about equally many particles each."""
         vertices = self.scene.vertices
         # A vertex beyond a face and its mirror image must not lie on different ranks.
@@ -134,12 +142,15 @@ class Simulation:
                 f"at most {len(cuts) - 1} ranks ({each} layers each{outer}); use fewer ranks"
             )
 
-    def _settle(self, particles: Particles, count: int) -> None:
-        """Put this rank's particles in order, and make grid and accumulators for them."""
+    def settle(self, particles: Particles, count: int, start: np.ndarray | None = None) -> None:
+        """Put this rank's particles in order, and make grid and accumulators for them.
+
+        With `start`, the beginnings of the layers, they are in order and have all they carry.
+        """
         scene, comm, slab = self.scene, self.comm, self.slab
         masses = comm.allgather(float(particles.m[:count].min(initial=np.inf)))
         self.lightest = LIGHT * min(masses)
-        self.population = Population(particles, count, scene.shape, scene.frame, slab)
+        self.population = Population(particles, count, scene.shape, scene.frame, slab, start)
         shared = scene.vertices - 1 if slab.below is not None else 0
         self.grid = Grid(scene.frame, scene.vertices, slab.first, slab.layers, shared)
         self.halo = Halo(comm, slab, scene.vertices - 1)
@@ -151,7 +162,8 @@ class Simulation:
         self.impulse = np.zeros((self.grid.planes, len(scene.faces), 3))
         self.beyond = np.zeros((self.grid.planes, len(scene.faces)))
         self.grip_impulse = np.zeros((self.grid.planes, len(scene.loads.constraints), 3))
-        scene.loads.settle(self.population, comm)
+        if start is None:
+            scene.loads.settle(self.population, comm)
         self.faces = scene.face_parameters(0.0, 0.0)
         self.diagnostic_sums = Diagnostics()
         rates = comm.allgather(self._fastest())
