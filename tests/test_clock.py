@@ -19,6 +19,7 @@ def ticks(clock, rate=lambda time: 1.0):
         before, speed = clock.time, rate(clock.time)
         dt, after = clock.next(speed)
         clock.advance(after)
+        assert clock.time == pytest.approx(after, rel=1e-15)
         steps.append((before, dt, clock.time, speed))
         assert clock.step == len(steps)
     return steps
