@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import socket
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -15,7 +13,7 @@ from pgimp.errors import RunError
 from pgimp.output.collective import agree, explain, on_root
 from pgimp.output.fields import ALWAYS, FIELDS, Source
 from pgimp.output.files import publish, temporary
-from pgimp.output.framefile import Dataset, FrameFile, create
+from pgimp.output.framefile import Dataset, FrameFile, create, reachable
 from pgimp.output.hdf5 import load_h5py
 from pgimp.output.rows import Rows
 from pgimp.output.xdmf import Collection
@@ -23,7 +21,7 @@ from pgimp.output.xdmf import Collection
 FORMAT_VERSION = 1
 MEANING = case_fields.ALWAYS | case_fields.FIELDS
 CONNECTIVITY = Dataset(
-    "connectivity", "<i8", 0, {"meaning": "the row itself, for the cells of XDMF readers"}
+    "connectivity", "<i8", (), {"meaning": "the row itself, for the cells of XDMF readers"}
 )
 
 
@@ -64,7 +62,7 @@ class Frames:
             Dataset(
                 name,
                 field.dtype,
-                field.columns,
+                (field.columns,) if field.columns else (),
                 {"meaning": MEANING[name].meaning}
                 | ({"components": field.components.split()} if field.components else {})
                 | ({"names": names[name]} if name in names else {}),
@@ -103,7 +101,7 @@ class Frames:
         try:
             offsets = on_root(self.comm, lambda: self._create(part, sim, what))
             if self.parallel:
-                agree(self.comm, what, self._reachable(part))
+                agree(self.comm, what, reachable(part))
             self._fill(part, sim, rows, offsets, what)
             on_root(self.comm, lambda: self._publish(part, path, sim, what))
         except BaseException:
@@ -120,17 +118,6 @@ class Frames:
             return create(part, self._datasets, sim.count, state | self._attributes)
         except OSError as error:
             raise RunError(f"cannot {what}: {explain(error)}") from error
-
-    def _reachable(self, part: Path) -> str | None:
-        """Find out whether this rank sees the file, before it enters a collective call for it."""
-        try:
-            os.close(os.open(part, os.O_RDWR))
-        except OSError as error:
-            return (
-                f"{explain(error)} on {socket.gethostname()}; the run directory must be on a file "
-                "system that all ranks share"
-            )
-        return None
 
     def _fill(self, part: Path, sim: Any, rows: Rows, offsets: dict[str, int], what: str) -> None:
         scene = sim.scene

@@ -29,7 +29,7 @@ def load_h5py() -> ModuleType:
     return h5py
 
 
-def open_file(path: Path, mode: str) -> Any:
+def open_file(path: Path, mode: str, **options: Any) -> Any:
     """Open an HDF5 file from one process alone.
 
     Files get their final name only when they are complete, and a run locks its directory; so HDF5
@@ -41,6 +41,8 @@ def open_file(path: Path, mode: str) -> Any:
         The file.
     mode : str
         As in h5py.
+    **options
+        Further ones of h5py.File.
 
     Returns
     -------
@@ -51,4 +53,4 @@ def open_file(path: Path, mode: str) -> Any:
     version = h5py.version.hdf5_version_tuple
     lockless = version >= (1, 10, 7) and version not in ((1, 11, 0), (1, 12, 0))
     locking = {"locking": False} if lockless else {}
-    return h5py.File(path, mode, libver=("earliest", "v110"), **locking)
+    return h5py.File(path, mode, libver=("earliest", "v110"), **locking, **options)
