@@ -1,0 +1,265 @@
+"""When a run is to stop before its end: signals, the wall time, the limit of the batch job."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+import signal
+import subprocess
+import threading
+import time
+from collections.abc import Sequence
+from contextlib import suppress
+from math import inf
+from typing import Any
+
+from pgimp import signals
+
+# Kept free before a limit besides what a checkpoint takes: for the files to be closed, and for
+# interpreter and launcher to leave.
+_MARGIN_PART = 0.05
+_LONGEST_MARGIN = 60.0
+_SQUEUE_SECONDS = 5.0
+# A process that a signal ended has this much and the signal's number as status, in a shell.
+_SIGNAL_STATUS = 128
+
+_WALL_TIME = re.compile(r"(?:(\d+)-(\d\d?)|(\d+))(?::(\d\d))?(?::(\d\d))?", re.ASCII)
+_SLURM_TIME = re.compile(r"(?:(\d+)-)?(?:(\d+):)?(\d+):(\d\d)", re.ASCII)
+
+
+def wall_time(text: str) -> float:
+    """Read a wall time, as a type for `argparse`.
+
+    Parameters
+    ----------
+    text : str
+        ``HH:MM:SS`` with any number of hours, or with days as Slurm writes it, ``D-HH:MM:SS``;
+        after days, minutes and seconds may be left out. Without days all three are needed: what
+        ``90:00`` means, and ``90``, differs from one scheduler to another.
+
+    Returns
+    -------
+    float
+        Seconds.
+
+    Raises
+    ------
+    argparse.ArgumentTypeError
+        If it is something else, or zero.
+    """
+    match = _WALL_TIME.fullmatch(text.strip())
+    seconds = 0
+    if match is not None and (match[1] is not None or match[5] is not None):
+        days, hours, minutes = int(match[1] or 0), int(match[2] or match[3]), int(match[4] or 0)
+        rest = int(match[5] or 0)
+        if minutes < 60 and rest < 60 and (match[1] is None or hours < 24):
+            seconds = ((24 * days + hours) * 60 + minutes) * 60 + rest
+    if seconds == 0:
+        raise argparse.ArgumentTypeError(
+            f"'{text}' is no wall time; write HH:MM:SS or D-HH:MM:SS, for example 2:00:00"
+        )
+    return float(seconds)
+
+
+def clock(seconds: float) -> str:
+    """Write a time as `wall_time` reads it, in hours, minutes and seconds.
+
+    Parameters
+    ----------
+    seconds : float
+        The time; rounded to whole seconds.
+    """
+    minutes, rest = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours}:{minutes:02}:{rest:02}"
+
+
+def slurm_seconds_left() -> float | None:
+    """Ask how long the Slurm job around this process may go on.
+
+    Returns
+    -------
+    float or None
+        Seconds; None outside of a job, if the job has no limit, and if nobody knows.
+    """
+    job = os.environ.get("SLURM_JOB_ID", "")
+    if not job:
+        return None
+    # In newer versions; a time that is past belongs to a job that ended, in a shell that it left.
+    end = os.environ.get("SLURM_JOB_END_TIME", "")
+    if end.isdecimal():
+        left = int(end) - time.time()
+        return left if left > 0.0 else None
+    with suppress(OSError, ValueError, subprocess.SubprocessError):
+        # The job's id besides, because the id of an array asks for all of its jobs.
+        lines = subprocess.run(
+            ["squeue", "--noheader", f"--jobs={job}", "--states=running", "--format=%A %L"],
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            text=True,
+            timeout=_SQUEUE_SECONDS,
+        ).stdout.splitlines()
+        for number, text in (line.split() for line in lines):
+            match = _SLURM_TIME.fullmatch(text)
+            if number == job and match is not None:
+                days, hours, minutes, rest = (int(part or 0) for part in match.groups())
+                return float(((24 * days + hours) * 60 + minutes) * 60 + rest)
+    return None
+
+
+class Held:
+    """Keeps signals from striking, for example within a write; a context manager.
+
+    They are noted in `pgimp.signals.received`. Only those are held that have their default effect:
+    a handler of the program around stays. A second SIGINT strikes at once. Outside of the main
+    thread, where Python allows no handlers, nothing is held.
+
+    Parameters
+    ----------
+    numbers : sequence of int
+        The signals.
+
+    Attributes
+    ----------
+    came : list of int
+        Those that came, known when the context has ended.
+    """
+
+    def __init__(self, numbers: Sequence[int]) -> None:
+        self.came: list[int] = []
+        self._numbers = tuple(numbers)
+        self._usual: dict[int, Any] = {}
+
+    def __enter__(self) -> Held:
+        """Install the handlers."""
+        if threading.current_thread() is threading.main_thread():
+            for number in self._numbers:
+                usual = signal.getsignal(number)
+                if usual in (signal.default_int_handler, signal.SIG_DFL):
+                    self._usual[number] = usual
+                    signals.catch(number)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Give the signals their usual effect again."""
+        for number, usual in self._usual.items():
+            signal.signal(number, usual)
+        self.came = [number for number in signals.received if number in self._usual]
+        for number in self.came:
+            signals.received.remove(number)
+
+    def check(self) -> None:
+        """Raise if one of them came.
+
+        Raises
+        ------
+        KeyboardInterrupt
+            If so.
+        """
+        if any(number in self._usual for number in signals.received):
+            raise KeyboardInterrupt
+
+
+class Stop:
+    """Tells a run when to stop before its end; a context manager around all that the run writes.
+
+    In the command ``pgimp`` signals have been noted since it was started. Called from Python, they
+    are noted within this context, as far as the program around has no handlers of its own. That
+    program then gets what was meant for it too when the context ends in good order, which is when
+    the files are closed: a KeyboardInterrupt after SIGINT, a SystemExit after SIGTERM.
+
+    Parameters
+    ----------
+    comm : communicator
+        Of all ranks; rank 0 looks at the clock for all.
+    wall_time : float or None
+        How long the run may take, in seconds since the command was started, or since now when
+        called from Python. Inside a Slurm job the limit of the job counts as well.
+
+    Attributes
+    ----------
+    reason : str
+        Why the run is to stop: a signal's name, or which limit; empty while there is no reason.
+    signal : int
+        The signal that came; 0 if none.
+    """
+
+    def __init__(self, comm: Any, wall_time: float | None) -> None:
+        self.reason = ""
+        self.signal = 0
+        self._comm = comm
+        self._held = Held(() if signals.installed else signals.STOPPING)
+        self._listens = threading.current_thread() is threading.main_thread()
+        self._latest, self._limit = inf, ""
+        if comm.rank == 0:
+            now = time.monotonic()
+            began = signals.BEGAN if signals.installed else now
+            if wall_time is not None:
+                self._mind(began + wall_time, wall_time, f"the wall time {clock(wall_time)}")
+            left = slurm_seconds_left()
+            if left is not None:
+                self._mind(now + left, left, "Slurm's limit")
+
+    def _mind(self, end: float, whole: float, name: str) -> None:
+        latest = end - min(_MARGIN_PART * whole, _LONGEST_MARGIN)
+        if latest < self._latest:
+            self._latest, self._limit = latest, name
+
+    def __enter__(self) -> Stop:
+        """Install the handlers that the program around does not have."""
+        self._held.__enter__()
+        return self
+
+    def __exit__(self, kind: object, *_: object) -> None:
+        """Restore the handlers, and pass on to the program around what was meant for it too.
+
+        Raises
+        ------
+        KeyboardInterrupt, SystemExit
+            If the context ends in good order, after SIGINT and SIGTERM; never in the command.
+        """
+        self._held.__exit__()
+        if kind is None and not signals.installed:
+            came = (self.signal, *self._held.came)
+            if signal.SIGINT in came:
+                raise KeyboardInterrupt
+            if signal.SIGTERM in came:
+                raise SystemExit(_SIGNAL_STATUS + signal.SIGTERM)
+
+    def requested(self, reserve: float) -> bool:
+        """Tell whether this rank knows of a reason to stop.
+
+        Parameters
+        ----------
+        reserve : float
+            Seconds that a checkpoint takes. What follows it gets a margin besides: 5 % of the whole
+            time, but at most a minute.
+        """
+        if self.reason:
+            return True
+        if signals.received and self._listens:
+            self.signal = signals.received[0]
+            self.reason = signal.Signals(self.signal).name
+        elif time.monotonic() + reserve >= self._latest:
+            self.reason = self._limit
+        return bool(self.reason)
+
+    def agree(self, reserve: float) -> bool:
+        """Tell whether any rank knows of a reason to stop, which all then know; collective.
+
+        Parameters
+        ----------
+        reserve : float
+            As for `requested`.
+        """
+        self.requested(reserve)
+        for reason, number in self._comm.allgather((self.reason, self.signal)):
+            if reason:
+                self.reason, self.signal = reason, number
+                return True
+        return False
+
+    def __str__(self) -> str:
+        """The reason in words: ``on SIGUSR1``, ``before the wall time 2:00:00``."""
+        return f"{'on' if self.signal else 'before'} {self.reason}"
