@@ -4,9 +4,14 @@ From Python: ``load`` a case, ``run`` it (under mpirun on all ranks), drive a ``
 step, ``open`` a run directory. Importing pgimp imports neither MPI nor Numba nor h5py.
 """
 
-from typing import TYPE_CHECKING, Any
+from __future__ import annotations
+
+# As `typing` has it, which is not imported: a run's handlers of signals wait for this file.
+TYPE_CHECKING = False
 
 if TYPE_CHECKING:
+    from typing import Any
+
     from pgimp.case.load import load
     from pgimp.commands.run import run
     from pgimp.output.reader import open

@@ -1,7 +1,33 @@
-"""``python -m pgimp`` is the command ``pgimp``."""
+"""The command ``pgimp``, also as ``python -m pgimp``.
+
+Signals come first, before imports that take longer than all else: until its handler stands, any of
+them kills the process. A run notes them from here on; with the other commands they keep their
+usual effect.
+"""
 
 import sys
 
-from pgimp.cli import main
+from pgimp import commands, signals
 
-sys.exit(main())
+if not commands.COMMANDS.keys() & sys.argv[1:2]:
+    signals.install()
+
+from pgimp import cli
+
+
+def main() -> int:
+    """Run the command line.
+
+    Returns
+    -------
+    int
+        The exit status, which signals no longer change.
+    """
+    try:
+        return cli.main()
+    finally:
+        signals.ignore()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

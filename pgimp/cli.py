@@ -10,8 +10,9 @@ import sys
 import time
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, NamedTuple, NoReturn
+from typing import Any, NoReturn
 
+from pgimp.commands import COMMANDS
 from pgimp.errors import PgimpError, UsageError
 from pgimp.parallel.comm import (
     SharedUsageError,
@@ -27,35 +28,11 @@ from pgimp.parallel.comm import (
 # nodes may not have: if the first rank has it too, the launcher has ended the job by then.
 _FIRST_RANK_SPEAKS_SECONDS = 3.0
 _BROKEN_PIPE_STATUS = 141
-
-
-class Command(NamedTuple):
-    """A word of the command line; its module in `pgimp.commands` has the same name.
-
-    Attributes
-    ----------
-    summary : str
-        One line for the overview.
-    parallel : bool
-        Whether it runs on all ranks; the other commands run on one and never initialise MPI.
-    """
-
-    summary: str
-    parallel: bool = False
-
-
-RUN = Command("runs the case on all ranks", parallel=True)
-COMMANDS = {
-    "check": Command("validates a case and estimates what it will cost"),
-    "study": Command("runs a case with many changes: a table and a plot of error against cost"),
-    "compare": Command("tells whether two runs have the same particles, bit for bit"),
-    "bench": Command("measures the speed of this machine by phase", parallel=True),
-    "doctor": Command("checks that MPI, HDF5, h5py and Numba are there and fit each other"),
-    "schema": Command("prints the JSON schema of the case file, for editors"),
-}
+# These and a run are on all ranks; the other commands run on one and never initialise MPI.
+_PARALLEL = ("run", "bench")
 
 COMMAND_LIST = "commands:\n" + "\n".join(
-    f"  {name:<9} {command.summary}" for name, command in COMMANDS.items()
+    f"  {name:<9} {summary}" for name, summary in COMMANDS.items()
 )
 OVERVIEW = f"""\
 usage: pgimp CASE.yaml [options]               run a case on one rank
@@ -116,10 +93,10 @@ def _dispatch(words: list[str]) -> int:
     if name in COMMANDS:
         parser = Parser(
             prog=f"pgimp {name}",
-            description=f"{COMMANDS[name].summary.capitalize()}.",
+            description=f"{COMMANDS[name].capitalize()}.",
             allow_abbrev=False,
         )
-        return _execute(name, COMMANDS[name], parser, words[1:])
+        return _execute(name, parser, words[1:])
     if "--version" in words:
         from importlib.metadata import version
 
@@ -135,23 +112,24 @@ def _dispatch(words: list[str]) -> int:
         allow_abbrev=False,
     )
     parser.add_argument("--version", action="store_true", help="print the version and exit")
-    return _execute("run", RUN, parser, words)
+    return _execute("run", parser, words)
 
 
-def _execute(name: str, command: Command, parser: Parser, words: list[str]) -> int:
-    if not command.parallel and not _is_first_rank():
+def _execute(name: str, parser: Parser, words: list[str]) -> int:
+    parallel = name in _PARALLEL
+    if not parallel and not _is_first_rank():
         return 0
     started = launcher()
-    if started is None or started.size == 1 or not command.parallel:
+    if started is None or started.size == 1 or not parallel:
         quiet_mpi()
     implementation = importlib.import_module(f"pgimp.commands.{name}")
     implementation.add_arguments(parser)
     arguments = parser.parse_args(words)
-    if not command.parallel:
+    if not parallel:
         return implementation.execute(arguments)
     comm = world()
     with abort_on_error(comm):
-        if command is RUN:
+        if name == "run":
             missing = comm.bcast(_why_no_case(arguments.case) if comm.rank == 0 else "")
             if missing:
                 raise UsageError(missing)

@@ -1,1 +1,11 @@
 """The commands, a module each: ``add_arguments(parser)`` and ``execute(args) -> int``."""
+
+#: What the overview says of the commands; any other word on the command line is a case to run.
+COMMANDS = {
+    "check": "validates a case and estimates what it will cost",
+    "study": "runs a case with many changes: a table and a plot of error against cost",
+    "compare": "tells whether two runs have the same particles, bit for bit",
+    "bench": "measures the speed of this machine by phase",
+    "doctor": "checks that MPI, HDF5, h5py and Numba are there and fit each other",
+    "schema": "prints the JSON schema of the case file, for editors",
+}

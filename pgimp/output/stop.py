@@ -24,7 +24,7 @@ _SQUEUE_SECONDS = 5.0
 # A process that a signal ended has this much and the signal's number as status, in a shell.
 _SIGNAL_STATUS = 128
 
-_WALL_TIME = re.compile(r"(?:(\d+)-(\d\d?)|(\d+))(?::(\d\d))?(?::(\d\d))?", re.ASCII)
+_WALL_TIME = re.compile(r"(?:(\d{1,5})-(\d\d?)|(\d{1,7}))(?::(\d\d))?(?::(\d\d))?", re.ASCII)
 _SLURM_TIME = re.compile(r"(?:(\d+)-)?(?:(\d+):)?(\d+):(\d\d)", re.ASCII)
 
 
