@@ -117,7 +117,7 @@ def create(
                     properties,
                 )
                 h5py.Dataset(made).attrs.update(dataset.attributes)
-                offsets[dataset.name] = made.get_offset() or 0
+                offsets[dataset.name] = made.get_offset() if math.prod(shape) else 0
     except RuntimeError as error:  # closing a file that could not be flushed
         raise OSError(str(error)) from error
     _reserve(path, path.stat().st_size)
@@ -125,7 +125,7 @@ def create(
         with open(path, "r+b") as stream:
             for name, array in whole.items():
                 stream.seek(offsets[name])
-                stream.write(np.ascontiguousarray(array).reshape(-1).view(np.uint8).data)
+                stream.write(np.ravel(array).view(np.uint8).data)
     return offsets
 
 
@@ -231,8 +231,8 @@ class FrameFile:
     def _keep(self, error: Exception) -> None:
         """Remember the first error; HDF5's come as exceptions of many types."""
         if self.error is None:
-            known = isinstance(error, OSError)
-            self.error = explain(error) if known else " ".join(str(error).split())
+            text = " ".join(str(error).split()) or type(error).__name__
+            self.error = explain(error) if isinstance(error, OSError) else text
 
     def write(self, name: str, block: Array) -> None:
         """Write this rank's rows of a dataset; collective.
@@ -276,7 +276,7 @@ class FrameFile:
             if before.start + before.size == start and before.size + block.nbytes <= self._most:
                 start, size, checksum = self.written.pop()
         if size + block.nbytes:
-            checksum = zlib.crc32(block.reshape(-1).view(np.uint8).data, checksum)
+            checksum = zlib.crc32(np.ravel(block).view(np.uint8).data, checksum)
             self.written.append(Written(start, size + block.nbytes, checksum))
 
     def _put(self, name: str, block: Array, first: int) -> None:

@@ -1,0 +1,188 @@
+"""A checkpoint on the disk, read without trust.
+
+It is an HDF5 file after a user block with pgimp's own header. Reading goes by that header alone:
+the HDF5 library can crash on a file that is damaged.
+"""
+
+from __future__ import annotations
+
+import os
+import stat
+import weakref
+import zlib
+from pathlib import Path
+
+import numpy as np
+
+from pgimp.errors import DamagedError
+from pgimp.output.checkpointheader import LAYOUT, Place, parse
+from pgimp.output.checkpointwriter import write
+
+__all__ = ["LAYOUT", "CheckpointFile", "DamagedError", "write"]
+
+Array = np.ndarray
+
+# What is read at once.
+_BLOCK = 4 << 20
+
+
+class CheckpointFile:
+    """A checkpoint that is open for reading, with its header checked; `verify` checks the rest.
+
+    Every rank opens it for itself, without MPI. It is closed when nobody has it any more.
+
+    Parameters
+    ----------
+    path : path-like
+        The file.
+
+    Attributes
+    ----------
+    path : Path
+        As given.
+    size : int
+        Bytes of the file.
+    about : dict
+        As it was given to `write`, but that tuples are lists.
+    count : int
+        Number of rows.
+    rows : dict of str to (dtype, tuple)
+        Type and shape of a row of each dataset of rows.
+    whole : dict of str to (dtype, tuple)
+        Type and shape of the other datasets.
+
+    Raises
+    ------
+    DamagedError
+        If it cannot be read, is no checkpoint, or is not as it was written; says why in a line,
+        without the name of the file.
+    """
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = Path(path)
+        try:
+            # A named pipe without a writer would block.
+            self._descriptor = os.open(self.path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+        except OSError as error:
+            raise DamagedError(_cannot_read(error)) from None
+        except ValueError:
+            raise DamagedError("its name is no name of a file") from None
+        weakref.finalize(self, os.close, self._descriptor)
+        about = os.fstat(self._descriptor)
+        if not stat.S_ISREG(about.st_mode):
+            kind = "a folder" if stat.S_ISDIR(about.st_mode) else "no regular file"
+            raise DamagedError(f"it is {kind}")
+        self.size = about.st_size
+        header, room = parse(self._read, self.size)
+        for start in range(room, header.begin, _BLOCK):
+            if any(self._read(start, min(_BLOCK, header.begin - start))):
+                raise DamagedError("something was written between its header and its data")
+        self.about = header.about
+        self.count = header.count
+        self.rows = _shapes(header.rows)
+        self.whole = _shapes(header.whole)
+        self._header = header
+
+    def verify(self, part: int, parts: int) -> None:
+        """Compare the checksums of a part of the file, so that ranks can share the work.
+
+        Parameters
+        ----------
+        part, parts : int
+            Which one of how many parts of about equal size, from 0.
+
+        Raises
+        ------
+        DamagedError
+            If something in this part is not as it was written.
+        """
+        begin = self._header.begin
+        for start, size, checksum in self._header.pieces:
+            if (start - begin + size // 2) * parts // (self.size - begin) != part:
+                continue
+            found = 0
+            for at in range(start, start + size, _BLOCK):
+                found = zlib.crc32(self._read(at, min(_BLOCK, start + size - at)), found)
+            if found != checksum:
+                raise DamagedError(f"bytes {start} to {start + size} do not have their checksum")
+
+    def read(self, name: str, first: int, last: int) -> Array:
+        """Read rows of a dataset.
+
+        Parameters
+        ----------
+        name : str
+            One of `rows`.
+        first, last : int
+            From row `first` up to but not including row `last`.
+
+        Returns
+        -------
+        ndarray, shape (last - first, ...)
+            The rows, in the machine's byte order.
+
+        Raises
+        ------
+        DamagedError
+            If the file has no such rows, or cannot be read.
+        """
+        if name not in self.rows or not 0 <= first <= last <= self.count:
+            raise DamagedError(f"it has no rows {first} to {last} of {name}")
+        place = self._header.rows[name]
+        array = np.empty((last - first, *place.shape), place.dtype)
+        self._fill(array, place.offset + place.extent(first))
+        return array.astype(array.dtype.newbyteorder("="), copy=False)
+
+    def read_whole(self, name: str) -> Array:
+        """Read one of `whole`.
+
+        Returns
+        -------
+        ndarray
+            In the machine's byte order.
+
+        Raises
+        ------
+        DamagedError
+            If the file does not have it, or cannot be read.
+        """
+        if name not in self.whole:
+            raise DamagedError(f"it has no {name}")
+        place = self._header.whole[name]
+        array = np.empty(place.shape, place.dtype)
+        self._fill(array, place.offset)
+        return array.astype(array.dtype.newbyteorder("="), copy=False)
+
+    def _read(self, start: int, length: int) -> bytes:
+        data = bytearray(length)
+        return bytes(data[: self._read_into(memoryview(data), start)])
+
+    def _fill(self, array: Array, start: int) -> None:
+        if array.size:
+            view = array.reshape(-1).view(np.uint8).data
+            if self._read_into(view, start) < len(view):
+                raise DamagedError("it ends before its data")
+
+    def _read_into(self, view: memoryview, start: int) -> int:
+        """Read from byte `start` on until `view` is full or the file ends; return how much."""
+        done = 0
+        try:
+            while done < len(view):
+                some = os.preadv(self._descriptor, [view[done : done + _BLOCK]], start + done)
+                if some == 0:
+                    break
+                done += some
+        except OSError as error:
+            raise DamagedError(_cannot_read(error)) from None
+        return done
+
+
+def _shapes(places: dict[str, Place]) -> dict[str, tuple[np.dtype, tuple[int, ...]]]:
+    return {
+        name: (np.dtype(place.dtype).newbyteorder("="), tuple(place.shape))
+        for name, place in places.items()
+    }
+
+
+def _cannot_read(error: OSError) -> str:
+    return f"it cannot be read: {os.strerror(error.errno or 0)}"
