@@ -15,10 +15,10 @@ from typing import Any
 from pgimp.errors import UsageError
 from pgimp.output import files
 from pgimp.output.collective import explain
-from pgimp.output.interrupt import Interrupt
 from pgimp.output.log import Log
 from pgimp.output.progress import duration, terminal_columns
 from pgimp.output.rundir import RUN
+from pgimp.output.stop import Held
 from pgimp.parallel.comm import launcher
 from pgimp.study.measures import number
 from pgimp.study.plan import Plan, read_plan
@@ -87,8 +87,8 @@ def execute(args: argparse.Namespace) -> int:
     with _claimed(folder):
         outcomes = [Outcome(run) for run in plan.runs]
         try:
-            with Interrupt(signal.SIGTERM, signal.SIGHUP) as interrupt:
-                _run_all(plan, folder, outcomes, args.again, log, interrupt)
+            with Held((signal.SIGINT, signal.SIGTERM, signal.SIGHUP)) as held:
+                _run_all(plan, folder, outcomes, args.again, log, held)
         finally:
             _write(plan, folder, outcomes)
     done = sum(one.state == DONE for one in outcomes)
@@ -135,14 +135,14 @@ def _run_all(
     outcomes: list[Outcome],
     again: bool,
     log: Log,
-    interrupt: Interrupt,
+    held: Held,
 ) -> None:
     """Replace each of the outcomes by that of its run."""
     with _bar(log, len(outcomes)) as show:
         for i, run in enumerate(plan.runs):
             show(i, run.name)
             output = folder / "runs" / run.name
-            one = outcomes[i] = perform(plan.study, run, output, again, interrupt.check)
+            one = outcomes[i] = perform(plan.study, run, output, again, held.check)
             if one.state == DONE:
                 text = f"error {number(one.error)} in {duration(one.costs['wall'])}"
                 text += " (from before)" if one.reused else ""

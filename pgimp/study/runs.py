@@ -26,8 +26,13 @@ from pgimp.study.schema import Study, measure_of
 
 DONE, FAILED, ABSENT = "done", "failed", "not run"
 
-# What a run gets to end by itself: it notes in run.json that it was stopped.
-_PATIENCE = ((signal.SIGINT, 10.0), (signal.SIGTERM, 5.0), (signal.SIGKILL, None))
+# What a run gets to end by itself: the first time with a checkpoint, the second at once.
+_PATIENCE = (
+    (signal.SIGINT, 10.0),
+    (signal.SIGINT, 2.0),
+    (signal.SIGTERM, 5.0),
+    (signal.SIGKILL, None),
+)
 _LINES_OF_TRACEBACK = 2
 _REST = re.compile(r"  (try: |.* holds (no|\d+) frames?)")
 _LONGEST_MESSAGE = 600
