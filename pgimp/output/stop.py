@@ -94,7 +94,7 @@ def slurm_seconds_left() -> float | None:
     with suppress(OSError, ValueError, subprocess.SubprocessError):
         # The job's id besides, because the id of an array asks for all of its jobs.
         lines = subprocess.run(
-            ["squeue", "--noheader", f"--jobs={job}", "--states=running", "--format=%A %L"],
+            ["squeue", "--noheader", f"--jobs={job}", "--format=%A %L"],
             stdin=subprocess.DEVNULL,
             capture_output=True,
             text=True,
