@@ -68,7 +68,7 @@ def done(folder, start):
 def test_what_a_run_leaves(done, folder):
     directory, job = done
     assert sorted(path.name for path in directory.iterdir()) == sorted(
-        "case.yaml frames history.csv input.yaml log.txt particles.xdmf run.json".split()
+        "case.yaml checkpoints frames history.csv input.yaml log.txt particles.xdmf run.json".split()
     )
     assert (directory / "input.yaml").read_bytes() == (folder / "blocks.yaml").read_bytes()
     log = (directory / "log.txt").read_text()
@@ -153,17 +153,15 @@ def test_output_does_not_change_the_particles(done, start, folder):
 def test_without_parallel_hdf5_the_log_says_so(done, start, folder, mpirun):
     script = folder / "streamed.py"
     script.write_text(
-        "from types import SimpleNamespace\n"
         "import pgimp\n"
-        "from pgimp.output import frames\n"
-        "frames.load_h5py = lambda: SimpleNamespace(\n"
-        "    get_config=lambda: SimpleNamespace(mpi=False))\n"
+        "from pgimp.output import hdf5\n"
+        "hdf5.parallel = lambda comm: False\n"
         "run = pgimp.run('blocks.yaml', output='streamed')\n"
         "assert len(run) == 10\n"
     )
     job = mpirun(3, [script], cwd=folder)
     assert job.returncode == 0, job.stderr
-    assert len(re.findall("h5py has no MPI, so frames go through rank 0", job.stdout)) == 1
+    assert len(re.findall("h5py has no MPI, so files go through rank 0", job.stdout)) == 1
     assert start(1, "compare", "blocks.out", "streamed").returncode == 0
 
 
@@ -278,11 +276,11 @@ def test_a_run_can_be_read_while_it_goes_on_and_after_it_was_killed(endless, sta
     assert start(1, "compare", "endless", "endless").returncode == 0
 
 
-def test_ctrl_c_leaves_valid_files(endless):
+def test_ctrl_c_leaves_valid_files_and_a_checkpoint(endless):
     process, directory = endless
     process.send_signal(signal.SIGINT)
     _, err = process.communicate(timeout=30)
-    assert process.returncode == 130 and "Traceback" not in err
+    assert process.returncode == 75 and "Traceback" not in err
     run = pgimp.open(directory)
     assert run.state == "stopped"
     check_whole(run, 5)

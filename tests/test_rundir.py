@@ -26,6 +26,11 @@ def make(path):
     (path / "log.txt").write_text("log\n")
     (path / "frames" / "particles-000000.h5").write_text("frame")
     (path / "frames" / ".particles-000001.h5.part").write_text("half a frame")
+    (path / "checkpoints" / "step-000000005.h5").write_text("checkpoint")
+    (path / "checkpoints" / "step-000000006.h5.damaged").write_text("found damaged")
+    (path / "checkpoints" / ".step-000000007.h5.part").write_text("half a checkpoint")
+    (path / "failure").mkdir()
+    (path / "failure" / "report.txt").write_text("report")
     directory.record_failure("failed", 7, 0.5, "it broke")
     directory.release()
 
@@ -34,6 +39,7 @@ def test_overwrite_deletes_only_what_a_run_made(tmp_path):
     path = tmp_path / "out"
     make(path)
     foreign = ["notes.txt", "frames/mine.h5", "frames/particles-1.h5", "case.yaml.bak"]
+    foreign += ["checkpoints/step-5.h5", "failure/notes.txt"]
     for name in foreign:
         (path / name).write_text("mine")
     with pytest.raises(UsageError, match=r"holds a run \(failed.*7 steps(.|\n)*--overwrite"):
@@ -45,6 +51,22 @@ def test_overwrite_deletes_only_what_a_run_made(tmp_path):
     there = {str(file.relative_to(path)) for file in path.rglob("*") if file.is_file()}
     assert there == {*foreign, "run.json", "case.yaml"}
     assert {(path / name).read_text() for name in foreign} == {"mine"}
+
+
+def test_resuming_deletes_only_what_was_half_written(tmp_path):
+    path = tmp_path / "out"
+    make(path)
+    before = {file for file in path.rglob("*") if file.is_file()}
+    directory = RunDirectory(path, Serial(), resume=True)
+    assert (directory.before["state"], directory.before["steps"]) == ("failed", 7)
+    directory.prepare({"case.yaml": b"new"}, {"state": "running"}, resume=True)
+    directory.release()
+    gone = before - {file for file in path.rglob("*") if file.is_file()}
+    names = {".failed", ".particles-000001.h5.part", ".step-000000007.h5.part"}
+    assert {file.name for file in gone} == names
+    first, second = json.loads((path / "run.json").read_text())["starts"]
+    assert (first["state"], first["message"]) == ("failed", "it broke")
+    assert second["state"] == "running"
 
 
 @pytest.mark.parametrize("overwrite", [False, True])

@@ -3,30 +3,26 @@
 from __future__ import annotations
 
 import argparse
-import shlex
 from collections.abc import Sequence
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from pgimp.errors import RunError, UsageError
+from pgimp.errors import UsageError
 from pgimp.output.collective import explain, on_root
-from pgimp.output.frames import Frames
-from pgimp.output.history import History
-from pgimp.output.interrupt import Interrupt
-from pgimp.output.log import Log, timing_table
-from pgimp.output.progress import Progress, duration, terminal_columns
+from pgimp.output.log import Log
+from pgimp.output.progress import duration
 from pgimp.output.rundir import RunDirectory
 from pgimp.output.runinfo import describe_start, installed
-from pgimp.output.schedule import Schedule
-from pgimp.parallel.comm import abort_on_error, describe, world
+from pgimp.output.stop import Stop, wall_time
+from pgimp.parallel.comm import abort_on_error, world
 
 if TYPE_CHECKING:
     from pgimp.case.schema import Case
     from pgimp.output.reader import Run
 
-#: Part of the mass past a wall that is worth a note.
-_NEGLIGIBLE = 1e-6
+#: Exit status of a run that stopped before its end on request, with a checkpoint.
+STOPPED = 75
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -51,8 +47,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=[],
         help="change a value of the case, for example --set grid.cell=[0.5]; repeatable",
     )
-    parser.add_argument(
+    what = parser.add_mutually_exclusive_group()
+    what.add_argument(
+        "--resume",
+        action="store_true",
+        help="go on from the newest intact checkpoint in the run directory; begin if there is none",
+    )
+    what.add_argument(
         "--overwrite", action="store_true", help="replace the run that the directory holds"
+    )
+    parser.add_argument(
+        "--wall-time",
+        metavar="HH:MM:SS",
+        type=wall_time,
+        help="stop in time, with a checkpoint and exit status 75, so that all ends within this",
     )
     parser.add_argument("--quiet", action="store_true", help="nothing on the terminal but errors")
 
@@ -68,7 +76,7 @@ def execute(args: argparse.Namespace) -> int:
     Returns
     -------
     int
-        0; every failure is an exception.
+        0 if the run is done, 75 if it stopped early on request; every failure is an exception.
 
     Raises
     ------
@@ -81,8 +89,10 @@ def execute(args: argparse.Namespace) -> int:
     text = _read(args.case, comm)
     case = _parse(text, args.case, args.set)
     output = Path(args.output or f"{Path(args.case).stem}.out")
-    _run(case, text, comm, output, args.overwrite, args.quiet)
-    return 0
+    log = Log(comm.rank == 0, args.quiet)
+    with Stop(comm, args.wall_time) as stop:
+        ended = _run(case, text, comm, output, args.overwrite, args.resume, log, stop)
+    return 0 if ended else STOPPED
 
 
 def run(
@@ -92,6 +102,8 @@ def run(
     *,
     overrides: Sequence[str] = (),
     overwrite: bool = False,
+    resume: bool = False,
+    wall_time: float | None = None,
     quiet: bool = False,
 ) -> Run:
     """Run a case from Python; collective.
@@ -109,6 +121,10 @@ def run(
         Changes to the case's file, as ``key.path=value``.
     overwrite : bool
         Whether a run that the directory holds may be replaced.
+    resume : bool
+        Whether to go on from the newest intact checkpoint in the directory, if there is one.
+    wall_time : float, optional
+        Seconds after which the run has stopped, with a checkpoint; its state is then "stopped".
     quiet : bool
         Whether the terminal gets nothing but errors.
 
@@ -123,6 +139,8 @@ def run(
         If the case is wrong or the directory cannot be used.
     RunError
         If the run fails. On more than one rank this ends the whole job with status 1.
+    KeyboardInterrupt, SystemExit
+        After SIGINT or SIGTERM, once a checkpoint is written and the files are closed.
     """
     from pgimp.output import reader
 
@@ -137,7 +155,11 @@ def run(
             raise UsageError("overrides change a case's file; change the Case itself instead")
         if output is None:
             raise UsageError("a case that comes from no file needs output=, its run directory")
-        _run(case, text, comm, Path(output), overwrite, quiet)
+        if overwrite and resume:
+            raise UsageError("a run is either replaced or resumed; choose one")
+        with Stop(comm, wall_time) as stop:
+            log = Log(comm.rank == 0, quiet)
+            _run(case, text, comm, Path(output), overwrite, resume, log, stop)
     return reader.open(output)
 
 
@@ -160,28 +182,44 @@ def _parse(text: bytes, name: str, overrides: list[str]) -> Case:
 
 
 def _run(
-    case: Case, text: bytes | None, comm: Any, output: Path, overwrite: bool, quiet: bool
-) -> None:
+    case: Case,
+    text: bytes | None,
+    comm: Any,
+    output: Path,
+    overwrite: bool,
+    resume: bool,
+    log: Log,
+    stop: Stop,
+) -> bool:
+    """Run a case in a directory; tell whether it reached its end."""
     from pgimp.case.reader import dump_case
+    from pgimp.output.resume import Resumed
+    from pgimp.output.resume import resume as take_up
+    from pgimp.output.running import advance
 
-    log = Log(comm.rank == 0, quiet)
-    directory = RunDirectory(output, comm, overwrite)
+    directory = RunDirectory(output, comm, overwrite, resume)
     try:
         log.say(f"pgimp {installed('pgimp') or '(not installed)'}: {case.title or output.stem}")
-        sim = _set_up(case, comm, log)
+        began = perf_counter()
+        found = take_up(case, comm, directory, log) if resume else None
+        if found == "done":
+            log.say(f"{output} holds this run, done already: nothing is left to do")
+            return True
+        resumed = found if isinstance(found, Resumed) else None
+        sim = _set_up(case, comm, log, began) if resumed is None else resumed.sim
+        step = None if resumed is None else sim.step
         texts = {"case.yaml": dump_case(case).encode()} | ({"input.yaml": text} if text else {})
-        directory.prepare(texts, describe_start(comm, sim.count))
+        directory.prepare(texts, describe_start(comm, sim.count, step), resumed is not None)
         log.keep_in(output / "log.txt")
-        _advance(case, sim, directory, log)
+        return advance(case, sim, resumed and resumed.about, directory, log, stop)
     finally:
         directory.release()
         log.close()
 
 
-def _set_up(case: Case, comm: Any, log: Log) -> Any:
+def _set_up(case: Case, comm: Any, log: Log, began: float) -> Any:
     from pgimp.solver.simulation import Simulation
 
-    began = perf_counter()
     sim = Simulation(case, comm)
     ranks = f"{comm.size} ranks" if comm.size > 1 else "1 rank"
     log.say(
@@ -193,99 +231,3 @@ def _set_up(case: Case, comm: Any, log: Log) -> Any:
     for warning in sim.warnings:
         log.say(f"warning: {warning}")
     return sim
-
-
-def _advance(case: Case, sim: Any, directory: RunDirectory, log: Log) -> None:
-    """Take all steps, with frames and history lines where they fall due."""
-    frames = Frames(directory.path, case, sim)
-    if sim.comm.size > 1 and not frames.parallel:
-        log.say("note: this h5py has no MPI, so frames go through rank 0 block by block")
-    history = History(directory.path / "history.csv")
-    frame_times = Schedule(case.output.every, case.output.at)
-    history_times = Schedule(case.history.every)
-    seconds = {"frames": 0.0, "history": 0.0}
-
-    def record(frame: bool, line: bool) -> None:
-        start = perf_counter()
-        if line:
-            history.write(sim)
-        middle = perf_counter()
-        if frame:
-            frames.write(sim)
-        seconds["history"] += middle - start
-        seconds["frames"] += perf_counter() - middle
-
-    progress = Progress(log, sim, case.time.end, terminal_columns() if log.speaks else 0)
-    began = perf_counter()
-    try:
-        with Interrupt() as interrupt:
-            record(frame=True, line=True)
-            framed = True
-            while not sim.finished:
-                sim.advance()
-                time, step, dt = sim.time, sim.step, sim.dt
-                framed = frame_times.due(time, step, dt)
-                line = history_times.due(time, step, dt)
-                if framed or line:
-                    record(framed, line)
-                progress.step()
-                interrupt.check()
-            record(frame=not framed, line=True)
-    except BaseException as error:
-        state = "stopped" if isinstance(error, KeyboardInterrupt) else "failed"
-        directory.record_failure(state, sim.step, sim.time, describe(error))
-        if isinstance(error, RunError):
-            raise RunError(f"{error}\n  {_intact(frames, directory)}") from error
-        raise
-    finally:
-        progress.close()
-        history.close()
-    total = perf_counter() - began
-    _close(sim, frames.written, directory, log, seconds, total)
-
-
-def _intact(frames: Frames, directory: RunDirectory) -> str:
-    if not frames.written:
-        return f"{directory.path} holds no frame"
-    number = "1 frame" if frames.written == 1 else f"{frames.written} frames"
-    return f"{directory.path} holds {number}, to t = {frames.latest:.6g}, and history.csv"
-
-
-def _close(
-    sim: Any,
-    frames: int,
-    directory: RunDirectory,
-    log: Log,
-    seconds: dict[str, float],
-    total: float,
-) -> None:
-    """Say what was done, and note it in run.json."""
-    output = sum(seconds.values())
-    rate = sim.count * sim.step / total if total > 0.0 else 0.0
-    log.say(
-        f"done: t = {sim.time:.6g} after {sim.step} steps in {duration(total)}, "
-        f"{rate:.3g} particle-steps/s; output took {100.0 * output / max(total, 1e-9):.0f} %"
-    )
-    collection = shlex.quote(str(directory.path / "particles.xdmf"))
-    log.say(
-        f"{frames} frame{'s' if frames > 1 else ''} and history.csv in {directory.path}; "
-        f"look at them with: paraview {collection}"
-    )
-    clamped = sim.comm.allreduce(sim.clamped)
-    if clamped:
-        share = 100.0 * clamped / (sim.count * sim.step)
-        log.say(
-            f"note: in {clamped} particle-steps ({share:.2g} %) a particle was stretched to a "
-            "half-width of more than one cell; its reach is held at one cell, so that neighbours "
-            "may lose contact: use fewer or larger cells along the stretch"
-        )
-    part, when, face = sim.diagnostic_sums.beyond
-    if part > _NEGLIGIBLE:
-        log.say(
-            f"note: particles carried up to {100.0 * part:.2g} % of the mass past {face} (t = "
-            f"{when:.6g}); what lies there the wall bears, so the rest is light by as much: a size "
-            "that follows the deformation (finite-gimp), or wall: mirror, avoids that"
-        )
-    table = timing_table(sim.comm, dict(sim.timings) | seconds, total)
-    log.note(f"\n{table}")
-    directory.finish(sim.step, sim.time, total - output)

@@ -14,8 +14,10 @@ from pgimp.output.collective import agree, explain, on_root
 from pgimp.output.fields import ALWAYS, FIELDS, Source
 from pgimp.output.files import publish, temporary
 from pgimp.output.framefile import Dataset, FrameFile, create, reachable
-from pgimp.output.hdf5 import load_h5py
+from pgimp.output.hdf5 import parallel
+from pgimp.output.reader import Frame
 from pgimp.output.rows import Rows
+from pgimp.output.rundir import FRAME
 from pgimp.output.xdmf import Collection
 
 FORMAT_VERSION = 1
@@ -41,8 +43,8 @@ class Frames:
     ----------
     written : int
         Number of frames so far.
-    latest : float
-        Simulated time of the last of them.
+    latest, step : float, int
+        Simulated time and step of the last of them; the step is -1 before the first.
     parallel : bool
         Whether all ranks write at once; else the frames go through rank 0.
     """
@@ -52,9 +54,8 @@ class Frames:
         self.comm = sim.comm
         self.written = 0
         self.latest = 0.0
-        self.parallel = self.comm.size > 1 and all(
-            self.comm.allgather(bool(load_h5py().get_config().mpi))
-        )
+        self.step = -1
+        self.parallel = parallel(self.comm)
         self.fields = [*ALWAYS, *(name for name in FIELDS if name in case.output.fields)]
         scene = sim.scene
         names = {"body": list(scene.body_names), "material": list(scene.material_names)}
@@ -110,7 +111,56 @@ class Frames:
                     part.unlink(missing_ok=True)
             raise
         self.written += 1
-        self.latest = float(sim.time)
+        self.latest, self.step = float(sim.time), int(sim.step)
+
+    def resume(self, number: int) -> list[str]:
+        """Go on after the first `number` frames; later ones are deleted; collective.
+
+        Parameters
+        ----------
+        number : int
+            How many there were when the state was kept from which the run goes on.
+
+        Returns
+        -------
+        list of str
+            What is wrong with frames that should be there; those are not listed any more.
+
+        Raises
+        ------
+        RunError
+            On every rank, if the folder cannot be read or written.
+        """
+        self.written = number
+        notes, self.latest, self.step = on_root(self.comm, lambda: self._list_again(number))
+        return notes
+
+    def _list_again(self, number: int) -> tuple[list[str], float, int]:
+        notes, time, step = [], 0.0, -1
+        try:
+            paths = {}
+            for path in self.folder.iterdir():
+                if match := FRAME.fullmatch(path.name):
+                    paths[int(match[1])] = path
+            before = sorted(i for i in paths if i < number)
+            if len(before) < number:
+                notes.append(f"{number - len(before)} of the {number} earlier frames are missing")
+            for path in (paths[i] for i in before):
+                try:
+                    frame = Frame(path)
+                except RunError as error:
+                    notes.append(f"{error}; particles.xdmf goes on without it")
+                    continue
+                time, step = frame.time, frame.step
+                fields = [name for name in FIELDS if name in frame]
+                self._collection.add(path, time, len(frame), fields)
+            self._collection.write()
+            for i in paths:
+                if i >= number:
+                    paths[i].unlink()
+        except OSError as error:
+            raise RunError(f"cannot go on in {self.folder}: {explain(error)}") from error
+        return notes, time, step
 
     def _create(self, part: Path, sim: Any, what: str) -> dict[str, int]:
         state = {"time": float(sim.time), "step": np.int64(sim.step)}
@@ -137,5 +187,6 @@ class Frames:
         try:
             publish(part, path)
             self._collection.add(path, float(sim.time), sim.count, self.fields)
+            self._collection.write()
         except OSError as error:
             raise RunError(f"cannot {what}: {explain(error)}") from error

@@ -20,12 +20,18 @@ class History:
     ----------
     path : Path
         The file; rank 0 creates it with the first line.
+
+    Attributes
+    ----------
+    step : int
+        Step of the last line; -1 before the first.
     """
 
     def __init__(self, path: Path) -> None:
         self.path = path
+        self.step = -1
         self._descriptor = -1
-        self._step = -1
+        self._columns = ""
 
     def write(self, sim: Any) -> None:
         """Write a line about the present state, unless there is one already; collective.
@@ -40,18 +46,69 @@ class History:
         RunError
             On every rank, if the line cannot be written; the lines before it stay.
         """
-        if sim.step == self._step:
+        if sim.step == self.step:
             return
-        self._step = sim.step
+        self.step = sim.step
         values = sim.diagnostics()
         on_root(sim.comm, lambda: self._append(values))
 
+    def resume(self, comm: Any, step: int) -> None:
+        """Go on after the line of a step, or the last one before it; later lines are cut off.
+
+        Parameters
+        ----------
+        comm : communicator
+            Of all ranks; the call is collective.
+        step : int
+            The step from which the run goes on.
+
+        Raises
+        ------
+        RunError
+            On every rank, if the file cannot be read or written, or is no history.
+        """
+        self.step = on_root(comm, lambda: self._cut(step))
+
+    def _cut(self, step: int) -> int:
+        lines = read(self.path)
+        steps = lines["step"] if "step" in (lines.dtype.names or ()) else np.empty(0)
+        number = int(np.sum(steps <= step))
+        try:
+            if not number:
+                self.path.unlink(missing_ok=True)
+                return -1
+            with open(self.path, "r+b") as stream:
+                self._columns = stream.readline().decode().rstrip("\n")
+                for _ in range(number):
+                    stream.readline()
+                stream.truncate(stream.tell())
+        except OSError as error:
+            raise RunError(f"cannot go on with {self.path}: {explain(error)}") from error
+        return int(steps[number - 1])
+
+    def sync(self) -> None:
+        """See to it that the lines so far outlast a crash of the machine; on rank 0."""
+        if self._descriptor >= 0:
+            try:
+                os.fsync(self._descriptor)
+            except OSError as error:
+                raise RunError(f"cannot write {self.path}: {explain(error)}") from error
+
     def _append(self, values: dict[str, float]) -> None:
+        columns = ",".join(values)
+        if self._columns not in ("", columns):
+            raise RunError(
+                f"cannot go on with {self.path}: its columns are not those of this version's "
+                "history; move it away, and the run goes on with a new one"
+            )
         try:
             if self._descriptor < 0:
-                flags = os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC
+                start = 0 if self._columns else os.O_TRUNC
+                flags = os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC | start
                 self._descriptor = os.open(self.path, flags, 0o666)
-                self._line(",".join(values))
+            if not self._columns:
+                self._line(columns)
+                self._columns = columns
             self._line(",".join(format(value, ".17g") for value in values.values()))
         except OSError as error:
             raise RunError(f"cannot write {self.path}: {explain(error)}") from error

@@ -21,9 +21,20 @@ from pgimp.output.files import write
 RUN = "run.json"
 TOP = ("case.yaml", "input.yaml", "particles.xdmf", "history.csv", "log.txt", RUN)
 FRAME = re.compile(r"particles-(\d{6,})\.h5")
+FOLDERS = ("frames", "checkpoints")
+FAILURE = "failure"
+# Of each folder, what a run writes there.
+_DATA = {
+    "frames": FRAME,
+    "checkpoints": re.compile(r"step-\d{9,}\.h5(\.damaged)?"),
+    FAILURE: re.compile(r"particles\.h5|particles\.xdmf|report\.txt"),
+}
 _LOCK = ".lock"
 _FAILED = ".failed"
-_PART = re.compile(r"\.(case\.yaml|input\.yaml|run\.json|particles\.xdmf|particles-\d+\.h5)\.part")
+_PART = re.compile(
+    r"\.(case\.yaml|input\.yaml|run\.json|report\.txt|particles\.(xdmf|h5)|"
+    r"(particles|step)-\d+\.h5)\.part"
+)
 # Of ranks that fail together the lowest speaks on the terminal; so it does here.
 _HEAD_START_SECONDS = 0.01
 _LONGEST_HEAD_START_SECONDS = 0.2
@@ -40,6 +51,13 @@ class RunDirectory:
         Of all ranks; creation is collective.
     overwrite : bool
         Whether a run that is there may be replaced.
+    resume : bool
+        Whether a run that is there is to go on.
+
+    Attributes
+    ----------
+    before : dict or None
+        The last start of the run that is there, as run.json has it.
 
     Raises
     ------
@@ -50,21 +68,23 @@ class RunDirectory:
         On every rank, if the disk is full.
     """
 
-    def __init__(self, path: Path, comm: Any, overwrite: bool = False) -> None:
+    def __init__(
+        self, path: Path, comm: Any, overwrite: bool = False, resume: bool = False
+    ) -> None:
         self.path = path
         self.comm = comm
         self._lock = -1
         self._created = False
-        on_root(comm, lambda: self._claim(overwrite))
+        self.before = on_root(comm, lambda: self._claim(overwrite or resume))
 
-    def _claim(self, overwrite: bool) -> None:
+    def _claim(self, may_hold_a_run: bool) -> dict[str, Any] | None:
         try:
             if self.path.exists() and not self.path.is_dir():
                 raise UsageError(f"{self.path} is a file; name a directory with -o.")
             self._created = not self.path.exists()
             self.path.mkdir(parents=True, exist_ok=True)
             self._take_lock()
-            self._examine(overwrite)
+            return self._examine(may_hold_a_run)
         except OSError as error:
             self.release()
             raise self._refusal("use", error) from error
@@ -98,25 +118,31 @@ class RunDirectory:
         line = f"process {os.getpid()} on {socket.gethostname()}, since {runinfo.now()}\n"
         os.write(self._lock, line.encode())
 
-    def _examine(self, overwrite: bool) -> None:
-        """Raise unless the directory is free, or holds a run that may go."""
-        there = [name for name in (*TOP, "frames") if (self.path / name).exists()]
+    def _examine(self, may_hold_a_run: bool) -> dict[str, Any] | None:
+        """Return the last start of the run that is there; raise unless what is there may be."""
+        there = [name for name in (*TOP, *FOLDERS) if (self.path / name).exists()]
         run = runinfo.read(self.path / RUN)
         if run is None and there:
             raise UsageError(
                 f"{self.path} has a {there[0]}, but no run of pgimp: a run there would replace it."
                 "\nChoose another directory with -o."
             )
-        if run is not None and not overwrite:
-            last = run["starts"][-1]
+        if run is None:
+            return None
+        last = run["starts"][-1]
+        if not may_hold_a_run:
             raise UsageError(
                 f"{self.path} holds a run ({last['state']}, begun {last['began']}, "
                 f"{last['steps']} steps).\n"
-                "Add --overwrite to replace it, or choose another directory with -o."
+                "Add --resume to go on with it, --overwrite to replace it, or choose another "
+                "directory with -o."
             )
+        return last
 
-    def prepare(self, texts: dict[str, bytes], start: dict[str, Any]) -> None:
-        """Delete an older run and write the files that a run starts with; collective.
+    def prepare(self, texts: dict[str, bytes], start: dict[str, Any], resume: bool = False) -> None:
+        """Write the files that a run starts with; collective.
+
+        An older run is deleted, or, to go on with it, cleared of what was half written.
 
         Parameters
         ----------
@@ -124,20 +150,27 @@ class RunDirectory:
             Files and their content.
         start : dict
             What run.json says of this start.
+        resume : bool
+            Whether to go on with the run that is there.
 
         Raises
         ------
         UsageError, RunError
             On every rank, if that is not possible.
         """
-        on_root(self.comm, lambda: self._prepare(texts, start))
+        on_root(self.comm, lambda: self._prepare(texts, start, resume))
 
-    def _prepare(self, texts: dict[str, bytes], start: dict[str, Any]) -> None:
+    def _prepare(self, texts: dict[str, bytes], start: dict[str, Any], resume: bool) -> None:
         try:
             for path in self._own_files():
-                path.unlink(missing_ok=True)
-            runinfo.write(self.path / RUN, start)
-            (self.path / "frames").mkdir(exist_ok=True)
+                if not resume or path.name == _FAILED or _PART.fullmatch(path.name):
+                    path.unlink(missing_ok=True)
+            if resume:
+                runinfo.append(self.path / RUN, start)
+            else:
+                runinfo.write(self.path / RUN, start)
+            for name in FOLDERS:
+                (self.path / name).mkdir(exist_ok=True)
             for name, text in texts.items():
                 write(self.path / name, text)
         except OSError as error:
@@ -145,13 +178,11 @@ class RunDirectory:
 
     def _own_files(self) -> Iterator[Path]:
         """Yield the files of a run but run.json: without it the rest is taken for no run."""
-        folder = self.path / "frames"
-        for entry in folder.iterdir() if folder.is_dir() else ():
-            if FRAME.fullmatch(entry.name) or _PART.fullmatch(entry.name):
-                yield entry
-        for entry in self.path.iterdir():
-            if _PART.fullmatch(entry.name):
-                yield entry
+        for name, data in {"": _PART, **_DATA}.items():
+            folder = self.path / name
+            for entry in folder.iterdir() if folder.is_dir() else ():
+                if data.fullmatch(entry.name) or _PART.fullmatch(entry.name):
+                    yield entry
         for name in (_FAILED, *TOP):
             if name != RUN:
                 yield self.path / name
@@ -183,15 +214,21 @@ class RunDirectory:
             with open(self.path / "log.txt", "a", encoding="utf-8") as stream:
                 stream.write(f"{state} at step {step}, t = {when!r}: {message}\n")
 
-    def finish(self, step: int, when: float, seconds: float) -> None:
-        """Note in run.json that the run is done; collective.
+    def finish(
+        self, state: str, step: int, when: float, seconds: float, message: str | None = None
+    ) -> None:
+        """Note in run.json that the run ended in good order; collective.
 
         Parameters
         ----------
+        state : str
+            "done" or "stopped".
         step, when : int, float
             Its last step and simulated time.
         seconds : float
             Wall time of its steps, without set-up and output.
+        message : str, optional
+            Why it stopped.
 
         Raises
         ------
@@ -201,7 +238,7 @@ class RunDirectory:
 
         def action() -> None:
             try:
-                self._update(state="done", steps=step, time=when, seconds=seconds)
+                self._update(state=state, steps=step, time=when, seconds=seconds, message=message)
             except OSError as error:
                 raise self._refusal("write to", error) from error
 

@@ -27,7 +27,7 @@ def now() -> str:
     return datetime.datetime.now().astimezone().isoformat(timespec="seconds")
 
 
-def describe_start(comm: Any, particles: int) -> dict[str, Any]:
+def describe_start(comm: Any, particles: int, resumed: int | None = None) -> dict[str, Any]:
     """Collect what is to be known of a start of a run.
 
     Parameters
@@ -36,6 +36,8 @@ def describe_start(comm: Any, particles: int) -> dict[str, Any]:
         Of all ranks; the call is collective.
     particles : int
         Number of particles of the run.
+    resumed : int, optional
+        The step from which an earlier start is resumed.
 
     Returns
     -------
@@ -51,10 +53,11 @@ def describe_start(comm: Any, particles: int) -> dict[str, Any]:
         "time": 0.0,
         "seconds": None,
         "message": None,
+        "resumed_from": resumed,
         "particles": particles,
         "ranks": comm.size,
         "hosts": dict(Counter(hosts or [])),
-        "cpu": _cpu(),
+        "cpu": cpu(),
         "process": os.getpid(),
         "command": shlex.join(sys.argv),
         "working_directory": str(Path.cwd()),
@@ -107,7 +110,8 @@ def commit() -> str | None:
     return match[1] if match else None
 
 
-def _cpu() -> str:
+def cpu() -> str:
+    """Return the type of the processor."""
     try:
         text = Path("/proc/cpuinfo").read_text()
     except OSError:
@@ -154,6 +158,32 @@ def write(path: Path, start: dict[str, Any]) -> None:
         If it cannot be written.
     """
     content = {"program": PROGRAM, "format": FORMAT_VERSION, "starts": [start]}
+    files.write(path, json.dumps(content, indent=2) + "\n")
+
+
+def append(path: Path, start: dict[str, Any]) -> None:
+    """Add a start to a run.json.
+
+    Parameters
+    ----------
+    path : Path
+        The file; if it is not there, it is made.
+    start : dict
+        From `describe_start`.
+
+    Raises
+    ------
+    OSError
+        If it cannot be written; the older version then stays.
+    """
+    content = read(path)
+    if content is None:
+        write(path, start)
+        return
+    last = content["starts"][-1]
+    if last["state"] == "running":
+        last |= {"state": "failed", "message": "ended without a word: killed, or its machine was"}
+    content["starts"].append(start)
     files.write(path, json.dumps(content, indent=2) + "\n")
 
 

@@ -28,7 +28,7 @@ class Collection:
         self._grids: list[str] = []
 
     def add(self, frame: Path, time: float, count: int, fields: list[str]) -> None:
-        """Add a frame and write the file anew.
+        """Add a frame.
 
         Parameters
         ----------
@@ -40,14 +40,18 @@ class Collection:
             Its number of particles.
         fields : list of str
             Its fields, `position` among them.
+        """
+        name = frame.relative_to(self.path.parent).as_posix()
+        self._grids.append(_grid(name, time, count, fields))
+
+    def write(self) -> None:
+        """Write the file anew, with all frames so far.
 
         Raises
         ------
         OSError
-            If the file cannot be written; the older version then stays.
+            If it cannot be written; the older version then stays.
         """
-        name = frame.relative_to(self.path.parent).as_posix()
-        self._grids.append(_grid(name, time, count, fields))
         write(
             self.path,
             '<?xml version="1.0" encoding="utf-8"?>\n<Xdmf Version="3.0">\n<Domain>\n'

@@ -2,6 +2,7 @@
 
 from math import ceil
 
+from pgimp.case.schema import Case
 from pgimp.errors import RunError
 
 #: More steps than this before the next stop of a Courant-controlled run mean that it has failed.
@@ -106,3 +107,11 @@ class CourantClock:
     def restore(self, step: int, time: float) -> None:
         """Go on after `step` steps, at `time`."""
         self.step, self.time = step, time
+
+
+def clock_of(case: Case) -> FixedClock | CourantClock:
+    """Clock of a case, at its begin."""
+    time = case.time
+    if isinstance(time.step, float | int):
+        return FixedClock(float(time.step), float(time.end))
+    return CourantClock(time.step.courant, float(time.end), case.output.at)

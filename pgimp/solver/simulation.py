@@ -9,15 +9,15 @@ from pgimp.case.schema import Case
 from pgimp.errors import RunError
 from pgimp.kernels.jit import discard_damaged
 from pgimp.kernels.order import layers_of
-from pgimp.kernels.sums import fastest_rate
+from pgimp.kernels.sums import SUMS, fastest_rate
 from pgimp.parallel.halo import Halo
 from pgimp.parallel.node import one_rank_first
 from pgimp.parallel.slabs import cut, slab_of
 from pgimp.scene.lattice import Lattice
 from pgimp.scene.scene import Scene, count_particles
-from pgimp.solver.clock import CourantClock, FixedClock
+from pgimp.solver.clock import clock_of
 from pgimp.solver.diagnostics import Diagnostics
-from pgimp.solver.faults import describe
+from pgimp.solver.faults import ROOM, Failure, collect
 from pgimp.solver.grid import Grid
 from pgimp.solver.particles import Particles
 from pgimp.solver.population import Population
@@ -55,20 +55,27 @@ class Simulation:
         Simulated time, steps done, length of the last step (0 before the first).
     finished : bool
         Whether the end of the case is reached.
-    count, local_count : int
-        Particles of all ranks, and of this one.
+    count : int
+        Particles of all ranks at the start, which is one more than the greatest id; see `present`.
+    local_count : int
+        Particles of this rank.
     particles : Particles
         This rank's; rows of living particles are given by `live`.
     notes, warnings : list of str
         What the user should know, the same on every rank.
     timings : dict of str to float
         Seconds spent in each phase by this rank.
-    clamped : int
-        Particle-steps of this rank with a half-width held at one cell.
+    particle_steps, clamped : int
+        Particle-steps of this rank in this process, and those, since the start, with a half-width
+        held at one cell.
     wish : int
         What this rank asks for, `NOTHING` to `FAULT`; it goes with the reduction of every step.
     granted : int
         The greatest wish of all ranks at the end of the last step, the same on all.
+    faults, failed : (room, 2) int64, int
+        Rows and faults of this rank's particles at fault, and their number, which may be greater.
+    failure : Failure or None
+        The step that failed.
 
     Raises
     ------
@@ -85,11 +92,13 @@ class Simulation:
         self.warnings: list[str] = []
         self.timings = dict.fromkeys((*PHASES, "sort"), 0.0)
         self.dt = 0.0
-        self.clamped = 0
+        self.particle_steps = self.clamped = 0
+        self.faults, self.failed = np.zeros((ROOM, 2), np.int64), 0
+        self.failure: Failure | None = None
         self.wish = self.granted = NOTHING
         D = scene.dimension
         self.identity = tuple(float(i == j) for i in range(D) for j in range(D))
-        self._make_clock()
+        self.clock = clock_of(case)
         with one_rank_first(comm):
             discard_damaged(lambda: warm_up(scene, self.identity))
 
@@ -103,14 +112,6 @@ class Simulation:
         self.decompose(np.bincount(layer, counts.sum(axis=0), scene.frame.vertices[0]))
         self.settle(*self._create(lattice, counts, layer))
         self._check_step()
-
-    def _make_clock(self) -> None:
-        time = self.case.time
-        self.clock: FixedClock | CourantClock
-        if isinstance(time.step, float | int):
-            self.clock = FixedClock(float(time.step), float(time.end))
-        else:
-            self.clock = CourantClock(time.step.courant, float(time.end), self.case.output.at)
 
     def _layers_of(self, x: np.ndarray) -> np.ndarray:
         """Layers of particles at coordinates x, by the kernels' own function."""
@@ -162,6 +163,8 @@ class Simulation:
         self.impulse = np.zeros((self.grid.planes, len(scene.faces), 3))
         self.beyond = np.zeros((self.grid.planes, len(scene.faces)))
         self.grip_impulse = np.zeros((self.grid.planes, len(scene.loads.constraints), 3))
+        leavers = (len(scene.body_names), SUMS) if scene.exits else (0, 0)
+        self.escaped = np.zeros((self.grid.planes, *leavers))
         if start is None:
             scene.loads.settle(self.population, comm)
         self.faces = scene.face_parameters(0.0, 0.0)
@@ -177,11 +180,11 @@ class Simulation:
         )  # fmt: skip
 
     def _agree_on_reach(self, reach: np.ndarray) -> np.ndarray:
-        """Least and greatest first vertices of all ranks."""
-        if self.comm.size == 1:
-            return reach
-        every = np.array(self.comm.allgather(reach))
-        return np.stack([every[:, 0].min(axis=0), every[:, 1].max(axis=0)])
+        """Least and greatest first vertices of all ranks; 0 where there are no particles."""
+        if self.comm.size > 1:
+            every = np.array(self.comm.allgather(reach))
+            reach = np.stack([every[:, 0].min(axis=0), every[:, 1].max(axis=0)])
+        return np.where(reach[0] > reach[1], 0, reach)
 
     def _check_step(self) -> None:
         """Compare the step with the stability limit."""
@@ -216,6 +219,10 @@ class Simulation:
         """Number of this rank's particles."""
         return len(self.population.order)
 
+    def present(self) -> int:
+        """Particles of all ranks now; collective."""
+        return int(self.comm.allreduce(self.local_count))
+
     def live(self) -> np.ndarray:
         """Rows of this rank's particles in canonical order, (n,) int64."""
         return self.population.order.astype(np.int64)
@@ -226,15 +233,21 @@ class Simulation:
         Raises
         ------
         RunError
-            On the rank that finds a particle at fault.
+            On every rank, if particles of any are at fault; the step is then done but for the
+            clock, and there will be no other.
         """
+        if self.failure:
+            raise RunError(self.failure.text)
         dt, end = self.clock.next(self.rate)
-        fault, row, rate = step(self, dt, end)
-        if fault:
-            raise RunError(describe(self, fault, row, end, dt))
+        self.failed, rate = step(self, dt, end)
+        if self.failed:
+            self.wish = FAULT
+        self._agree(rate)
+        if self.granted == FAULT:
+            self.failure = collect(self, end, dt)
+            raise RunError(self.failure.text)
         self.dt = dt
         self.clock.advance(end)
-        self._agree(rate)
         if self.step % RESORT == 0:
             self._sort()
 

@@ -5,23 +5,22 @@ be had again from the case, or only saves time (the window, the holes between ro
 """
 
 import math
-from collections.abc import Callable, Iterator, Mapping
-from typing import TYPE_CHECKING, Any, TypeVar
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from pgimp.errors import DamagedError, UsageError
 from pgimp.kernels.order import locate
+from pgimp.parallel.together import all_or_none
 from pgimp.solver.particles import Particles
 
 if TYPE_CHECKING:
     from pgimp.solver.simulation import Simulation
 
-T = TypeVar("T")
-
 #: Sums by plane that a simulation keeps from step to step.
-ACCUMULATORS = ("work", "impulse", "beyond", "grip_impulse")
+ACCUMULATORS = ("work", "impulse", "beyond", "grip_impulse", "escaped")
 
 _MODEL = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)
 
@@ -40,7 +39,25 @@ class State(BaseModel):
     clamped: int = Field(ge=0)
     first_energy: float | None
     last_line: float | None
-    most_beyond: tuple[float, float, str]
+    beyond: float = Field(ge=0.0)
+    beyond_time: float = Field(ge=0.0)
+    beyond_face: str
+
+    @classmethod
+    def of(cls, source: Any) -> Self:
+        """State that a checkpoint holds.
+
+        Raises
+        ------
+        DamagedError
+            If it holds none.
+        """
+        try:
+            return cls.model_validate(source.about.get("state"))
+        except ValidationError as error:
+            first = error.errors()[0]
+            name = ".".join(map(str, first["loc"])) or "state"
+            raise DamagedError(f"its {name} is not what it must be: {first['msg']}") from None
 
 
 class Ordered(Mapping[str, np.ndarray]):
@@ -102,7 +119,9 @@ def capture(sim: "Simulation") -> tuple[dict[str, Any], Ordered, dict[str, np.nd
         clamped=sum(part[1] for part in parts),
         first_energy=records.first_energy,
         last_line=records.last[0] if records.last else None,
-        most_beyond=records.beyond,
+        beyond=records.beyond[0],
+        beyond_time=records.beyond[1],
+        beyond_face=records.beyond[2],
     )
     whole = {"layers": np.concatenate([part[0] for part in parts]).astype(np.int64)}
     for i, name in enumerate(ACCUMULATORS):
@@ -134,12 +153,14 @@ def restore(sim: "Simulation", source: Any) -> None:
         On every rank, if frames are to have what it does not hold.
     """
     comm, scene = sim.comm, sim.scene
-    state, layers = _all(comm, lambda: _outline(sim, source))
+    state, layers = all_or_none(comm, lambda: _outline(sim, source), DamagedError)
     sim.count, sim.clamped = state.count, state.clamped if comm.rank == 0 else 0
     sim.decompose(layers)
     first, end = sim.slab.first, sim.slab.first + sim.slab.layers
     edges = np.concatenate([[0], np.cumsum(layers)])
-    particles = _all(comm, lambda: _particles(sim, source, edges[first : end + 1]))
+    particles = all_or_none(
+        comm, lambda: _particles(sim, source, edges[first : end + 1]), DamagedError, UsageError
+    )
     sim.settle(particles, int(edges[end] - edges[first]), edges[first : end + 1] - edges[first])
 
     own = sim.owned_planes
@@ -158,12 +179,13 @@ def restore(sim: "Simulation", source: Any) -> None:
                 found[name] = _whole(source, name, shape)
         return found
 
-    found = _all(comm, sums)
+    found = all_or_none(comm, sums, DamagedError)
     for name in ACCUMULATORS:
         if name in found:
             getattr(sim, name)[:own] = found[name]
     records = sim.diagnostic_sums
-    records.first_energy, records.beyond = state.first_energy, state.most_beyond
+    records.first_energy = state.first_energy
+    records.beyond = (state.beyond, state.beyond_time, state.beyond_face)
     if state.last_line is not None:
         none = np.zeros((0, 3))
         last = (found.get("last-impulse", none), found.get("last-force", none))
@@ -172,28 +194,9 @@ def restore(sim: "Simulation", source: Any) -> None:
     sim.dt, sim.rate, sim.lightest = state.dt, state.rate, state.lightest
 
 
-def _all(comm: Any, action: Callable[[], T]) -> T:
-    """Do something on every rank; what one finds damaged, all raise."""
-    result = None
-    cause: DamagedError | UsageError | None = None
-    try:
-        result = action()
-    except (DamagedError, UsageError) as error:
-        cause = error
-    for first in comm.allgather(cause):
-        if first is not None:
-            raise first
-    return result  # type: ignore[return-value]
-
-
 def _outline(sim: "Simulation", source: Any) -> tuple[State, np.ndarray]:
     """State and number of particles by layer, in agreement with each other and the scene."""
-    try:
-        state = State.model_validate(source.about.get("state"))
-    except ValidationError as error:
-        where = error.errors()[0]
-        name = ".".join(map(str, where["loc"])) or "state"
-        raise DamagedError(f"its {name} is not what it must be: {where['msg']}") from None
+    state = State.of(source)
     frame = sim.scene.frame
     layers = _whole(source, "layers", (frame.vertices[0],))
     if (layers < 0).any() or (layers > source.count).any() or layers.sum() != source.count:

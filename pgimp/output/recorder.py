@@ -1,0 +1,140 @@
+"""All that a run writes while it goes on: frames, history and checkpoints, each in its time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from pgimp.output.checkpoints import About, Checkpoints
+from pgimp.output.collective import on_root
+from pgimp.output.frames import Frames
+from pgimp.output.history import History
+from pgimp.output.schedule import Schedule
+
+
+class Recorder:
+    """The output of a run.
+
+    Parameters
+    ----------
+    directory : Path
+        The run directory, prepared; the same on every rank.
+    case : Case
+        Says when what is written.
+    sim : Simulation
+        The run, at its begin or as resumed.
+
+    Attributes
+    ----------
+    frames : Frames
+    history : History
+    checkpoints : Checkpoints
+    seconds : dict of str to float
+        What this rank has spent on each.
+    """
+
+    def __init__(self, directory: Path, case: Any, sim: Any) -> None:
+        self._sim = sim
+        self.frames = Frames(directory, case, sim)
+        self.history = History(directory / "history.csv")
+        self.checkpoints = Checkpoints(directory, case, sim)
+        self._frame_times = Schedule(case.output.every, case.output.at)
+        self._line_times = Schedule(case.history.every)
+        self.seconds = {"frames": 0.0, "history": 0.0, "checkpoints": 0.0}
+
+    def begin(self) -> None:
+        """Write the state at the start; collective.
+
+        Raises
+        ------
+        RunError
+            On every rank, if that is not possible; so for all that follows.
+        """
+        self._record(frame=True, line=True)
+
+    def resume(self, about: About) -> list[str]:
+        """Take up the output where it was when a checkpoint was written; collective.
+
+        Parameters
+        ----------
+        about : About
+            What the checkpoint says.
+
+        Returns
+        -------
+        list of str
+            What is missing of the earlier output.
+        """
+        sim = self._sim
+        notes = self.frames.resume(about.frames)
+        self.history.resume(sim.comm, sim.step)
+        if self.history.step != about.history:
+            notes.append(
+                f"{self.history.path} ends at step {self.history.step}, but it had a line of step "
+                f"{about.history}: lines are missing"
+            )
+        for schedule in (self._frame_times, self._line_times):
+            schedule.skip(sim.time, sim.step, sim.dt)
+        self.checkpoints.resume(sim.comm, sim.step)
+        return notes
+
+    def step(self, now: bool) -> None:
+        """Write what falls due after a step; collective.
+
+        Parameters
+        ----------
+        now : bool
+            Whether a checkpoint is wanted besides those that the steps bring.
+        """
+        sim = self._sim
+        frame = self._frame_times.due(sim.time, sim.step, sim.dt)
+        line = self._line_times.due(sim.time, sim.step, sim.dt)
+        if frame or line:
+            self._record(frame, line)
+        if self.checkpoints.due(sim) or now:
+            self.checkpoint()
+
+    def end(self) -> None:
+        """Write the state at the end, as far as it is not there yet; collective."""
+        self._record(frame=self.frames.step != self._sim.step, line=True)
+        self.checkpoint()
+
+    def checkpoint(self) -> None:
+        """Write a checkpoint, unless this step has one; collective."""
+        with self._timed("checkpoints"):
+            # What is to follow a line of the history must not survive it.
+            on_root(self._sim.comm, self.history.sync)
+            self.checkpoints.write(self._sim, self.frames.written, self.history.step)
+
+    def _record(self, frame: bool, line: bool) -> None:
+        if line:
+            with self._timed("history"):
+                self.history.write(self._sim)
+        if frame:
+            with self._timed("frames"):
+                self.frames.write(self._sim)
+
+    @contextmanager
+    def _timed(self, what: str) -> Iterator[None]:
+        began = perf_counter()
+        yield
+        self.seconds[what] += perf_counter() - began
+
+    def kept(self) -> str:
+        """Say in a sentence what the run directory holds so far."""
+        folder = self.checkpoints.folder.parent
+        frames = self.frames.written
+        if not frames:
+            return f"{folder} holds no frame"
+        number = "1 frame" if frames == 1 else f"{frames} frames"
+        text = f"{folder} holds {number}, to t = {self.frames.latest:.6g}, and history.csv"
+        if self.checkpoints.latest < 0:
+            return f"{text}, but no checkpoint"
+        return f"{text}; the checkpoint of step {self.checkpoints.latest} is intact: --resume"
+
+    def close(self) -> None:
+        """Close the history."""
+        self.history.close()

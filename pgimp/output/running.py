@@ -1,0 +1,148 @@
+"""Running a simulation to its end, or to where it is asked to stop, with all its output."""
+
+from __future__ import annotations
+
+import shlex
+from time import perf_counter
+
+from pgimp.case.schema import Case
+from pgimp.errors import RunError
+from pgimp.output.checkpoints import About
+from pgimp.output.log import Log, timing_table
+from pgimp.output.progress import Progress, duration, terminal_columns
+from pgimp.output.recorder import Recorder
+from pgimp.output.rundir import RunDirectory
+from pgimp.output.stop import Stop
+from pgimp.parallel.comm import describe
+from pgimp.solver.simulation import CHECKPOINT, NOTHING, STOP, Simulation
+
+#: Part of the mass past a wall that is worth a note.
+_NEGLIGIBLE = 1e-6
+
+
+def advance(
+    case: Case, sim: Simulation, about: About | None, directory: RunDirectory, log: Log, stop: Stop
+) -> bool:
+    """Take all steps, with frames, history lines and checkpoints where they fall due; collective.
+
+    Parameters
+    ----------
+    case : Case
+        What is simulated.
+    sim : Simulation
+        At its begin, or as resumed.
+    about : About or None
+        What the checkpoint that it was resumed from says.
+    directory : RunDirectory
+        Prepared for the run.
+    log : Log
+        Told how it goes.
+    stop : Stop
+        Tells when to stop before the end, with a checkpoint.
+
+    Returns
+    -------
+    bool
+        Whether the end was reached.
+
+    Raises
+    ------
+    RunError
+        If the run fails, on the ranks that find it.
+    """
+    recorder = Recorder(directory.path, case, sim)
+    if sim.comm.size > 1 and not recorder.frames.parallel:
+        log.say("note: this h5py has no MPI, so files go through rank 0 block by block")
+    progress = Progress(log, sim, case.time.end, terminal_columns() if log.speaks else 0)
+    began, first = perf_counter(), sim.step
+    try:
+        if about is None:
+            recorder.begin()
+        else:
+            for note in recorder.resume(about):
+                log.say(f"note: {note}")
+        # What came before the first step, set-up included, has been held until here.
+        stopped = stop.agree(recorder.checkpoints.seconds)
+        while not (stopped or sim.finished):
+            sim.wish = _wish(sim, recorder, stop, (perf_counter() - began) / (sim.step - first + 1))
+            sim.advance()
+            recorder.step(now=sim.granted == CHECKPOINT)
+            progress.step()
+            stopped = sim.granted == STOP
+        if not sim.finished:
+            stop.agree(0.0)
+            recorder.checkpoint()
+            ended = False
+        else:
+            recorder.end()
+            ended = True
+    except BaseException as error:
+        state = "stopped" if isinstance(error, KeyboardInterrupt) else "failed"
+        directory.record_failure(state, sim.step, sim.time, describe(error))
+        if isinstance(error, RunError):
+            raise RunError(f"{error}\n  {recorder.kept()}") from error
+        raise
+    finally:
+        progress.close()
+        recorder.close()
+    total = perf_counter() - began
+    if ended:
+        _say_done(sim, first, recorder, directory, log, total)
+    else:
+        log.say(
+            f"stopped {stop} at step {sim.step}, t = {sim.time:.6g}, with a checkpoint; the same "
+            "command with --resume goes on"
+        )
+    seconds = recorder.seconds
+    table = timing_table(sim.comm, dict(sim.timings) | seconds, total)
+    log.note(f"\n{table}")
+    directory.finish(
+        "done" if ended else "stopped",
+        sim.step,
+        sim.time,
+        total - sum(seconds.values()),
+        None if ended else f"stopped {stop}",
+    )
+    return ended
+
+
+def _wish(sim: Simulation, recorder: Recorder, stop: Stop, step: float) -> int:
+    """What this rank asks for after the next step; `step` is how long one takes."""
+    if stop.requested(recorder.checkpoints.seconds + 2.0 * step):
+        return STOP
+    return CHECKPOINT if sim.comm.rank == 0 and recorder.checkpoints.overdue else NOTHING
+
+
+def _say_done(
+    sim: Simulation, first: int, recorder: Recorder, directory: RunDirectory, log: Log, total: float
+) -> None:
+    """Say what was done since the step `first`, in `total` seconds."""
+    output = sum(recorder.seconds.values())
+    steps = sim.step - first
+    rate = sim.count * steps / total if total > 0.0 else 0.0
+    since = f" since step {first}" if first else ""
+    log.say(
+        f"done: t = {sim.time:.6g} after {steps} steps{since} in {duration(total)}, "
+        f"{rate:.3g} particle-steps/s; output took {100.0 * output / max(total, 1e-9):.0f} %"
+    )
+    frames = recorder.frames.written
+    collection = shlex.quote(str(directory.path / "particles.xdmf"))
+    log.say(
+        f"{frames} frame{'s' if frames > 1 else ''} and history.csv in {directory.path}; "
+        f"look at them with: paraview {collection}"
+    )
+    clamped = sim.comm.allreduce(sim.clamped)
+    if clamped:
+        share = 100.0 * clamped / (sim.count * sim.step)
+        log.say(
+            f"note: in {clamped} particle-steps ({share:.2g} %) a particle was stretched to a "
+            "half-width of more than one cell; its reach is held at one cell, so that neighbours "
+            "may lose contact: use fewer or larger cells along the stretch"
+        )
+    part, when, face = sim.diagnostic_sums.beyond
+    if part > _NEGLIGIBLE:
+        log.say(
+            f"note: particles carried up to {100.0 * part:.2g} % of the mass past {face} (t = "
+            f"{when:.6g}); what lies there the wall bears, so the rest is light by as much: a size "
+            "that follows the deformation (finite-gimp), or wall: mirror, avoids that"
+        )
