@@ -12,8 +12,6 @@ from pgimp import commands, signals
 if not commands.COMMANDS.keys() & sys.argv[1:2]:
     signals.install()
 
-from pgimp import cli
-
 
 def main() -> int:
     """Run the command line.
@@ -24,7 +22,12 @@ def main() -> int:
         The exit status, which signals no longer change.
     """
     try:
+        from pgimp import cli
+
         return cli.main()
+    except KeyboardInterrupt:  # within the import
+        print("pgimp: interrupted", file=sys.stderr)
+        return 130
     finally:
         signals.ignore()
 

@@ -303,10 +303,10 @@ import signal, sys
 sys.argv[1:] = {words}
 signal.signal(signal.SIGINT, signal.{interrupt})
 import pgimp.__main__ as entry
-from pgimp import signals
+from pgimp import cli, signals
 numbers = signals.STOPPING
 print([int(signal.getsignal(number) is signals.note) for number in numbers])
-entry.cli.main = lambda: 7
+cli.main = lambda: 7
 print(entry.main(), [int(signal.getsignal(number) == signal.SIG_IGN) for number in numbers])
 """
 
@@ -345,6 +345,15 @@ def wait_for_handler(process, number=signal.SIGUSR1):
     while not int(re.search(r"SigCgt:\s*(\w+)", status.read_text())[1], 16) >> (number - 1) & 1:
         assert process.poll() is None and time.monotonic() - began < 30.0
     return time.monotonic() - began
+
+
+def test_ctrl_c_twice_in_the_first_moments_is_answered_in_one_line():
+    process = start([CONSOLE, "none.yaml"])
+    wait_for_handler(process)
+    for _ in range(2):
+        process.send_signal(signal.SIGINT)
+        time.sleep(0.02)
+    assert (process.wait(30), process.stderr.read()) == (130, "pgimp: interrupted\n")
 
 
 @pytest.mark.parametrize("words", [[CONSOLE], [sys.executable, "-m", "pgimp"]])
