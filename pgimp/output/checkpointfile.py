@@ -75,7 +75,7 @@ class CheckpointFile:
         self.size = about.st_size
         header, room = parse(self._read, self.size)
         for start in range(room, header.begin, _BLOCK):
-            if any(self._read(start, min(_BLOCK, header.begin - start))):
+            if self._read(start, min(_BLOCK, header.begin - start)).strip(b"\0"):
                 raise DamagedError("something was written between its header and its data")
         self.about = header.about
         self.count = header.count
@@ -97,12 +97,14 @@ class CheckpointFile:
             If something in this part is not as it was written.
         """
         begin = self._header.begin
+        block = memoryview(bytearray(_BLOCK))
         for start, size, checksum in self._header.pieces:
             if (start - begin + size // 2) * parts // (self.size - begin) != part:
                 continue
             found = 0
             for at in range(start, start + size, _BLOCK):
-                found = zlib.crc32(self._read(at, min(_BLOCK, start + size - at)), found)
+                some = block[: min(_BLOCK, start + size - at)]
+                found = zlib.crc32(some[: self._read_into(some, at)], found)
             if found != checksum:
                 raise DamagedError(f"bytes {start} to {start + size} do not have their checksum")
 
@@ -154,8 +156,8 @@ class CheckpointFile:
         return array.astype(array.dtype.newbyteorder("="), copy=False)
 
     def _read(self, start: int, length: int) -> bytes:
-        data = bytearray(length)
-        return bytes(data[: self._read_into(memoryview(data), start)])
+        data = memoryview(bytearray(length))
+        return bytes(data[: self._read_into(data, start)])
 
     def _fill(self, array: Array, start: int) -> None:
         if array.size:

@@ -70,14 +70,20 @@ def write(
     parallel = parallel and comm.size > 1
     lengths: set[int] = set()
     shapes = {}
-    for name in rows:
-        array = rows[name]
-        lengths.add(len(array))
-        shapes[name] = (_little(array).str, array.shape[1:])
-        del array
+    cause = None
+    try:
+        for name in rows:
+            array = rows[name]
+            lengths.add(len(array))
+            shapes[name] = (_little(array).str, array.shape[1:])
+            del array
+    except MemoryError:
+        cause = "out of memory"
+    agree(comm, what, cause)
     told = comm.allgather((list(lengths or {0}), shapes))
     if any(len(some) > 1 or others != shapes for some, others in told):
         raise RunError(f"cannot {what}: the arrays of its ranks do not fit each other")
+    shapes = told[0][1]  # in the same order on every rank
     share = _Blocks(comm, [0, *accumulate(some[0] for some, _ in told)])
     plan = _Plan(part, about, shapes, share)
     try:
@@ -94,6 +100,7 @@ def write(
             if any(comm.allgather(file.error)):
                 break
             file.write(name, block)
+            del block
         file.close()
         agree(comm, what, file.error)
         if comm.rank == 0:

@@ -46,12 +46,21 @@ def write(path: Path, content: str | bytes, durable: bool = True) -> None:
 
 
 def publish(part: Path, path: Path) -> None:
-    """Give a finished temporary file its name, so that a crash of the machine leaves it whole."""
-    for name in (part, path.parent):
-        descriptor = os.open(name, os.O_RDONLY)
+    """Give a finished temporary file its name, so that a crash of the machine leaves it whole.
+
+    Raises
+    ------
+    OSError
+        If that fails, almost always before the file has its name.
+    """
+    folder = os.open(path.parent, os.O_RDONLY)
+    try:
+        descriptor = os.open(part, os.O_RDONLY)
         try:
             os.fsync(descriptor)
         finally:
             os.close(descriptor)
-        if name is part:
-            part.rename(path)
+        part.rename(path)
+        os.fsync(folder)
+    finally:
+        os.close(folder)
