@@ -8,7 +8,7 @@ NUMBER = st.floats(allow_nan=False, allow_infinity=False)
 NAME = st.from_regex("[A-Za-z][A-Za-z0-9_-]{0,12}", fullmatch=True) | st.sampled_from(
     ["null", "true", "False", "yes", "on", "e5", "Infinity"]
 )
-TEXT = st.text(st.characters(exclude_categories=["Cs"]), max_size=40)
+TEXT = st.text(st.characters(exclude_categories=["Cc", "Cs", "Zl", "Zp"]), max_size=40)
 
 
 def rows(draw, values):
@@ -60,6 +60,11 @@ def cases(draw):
         "boundaries": {
             "x-max": draw(st.sampled_from(["fixed", "slip", "separating"])),
             "x-min": {"velocity": [draw(component) for _ in range(dimensions)]},
+        },
+        "escape": {
+            face: draw(st.sampled_from(["stop", "remove"]))
+            for face in ("y-min", "y-max", "z-min", "z-max")[: 2 * dimensions - 2]
+            if draw(st.booleans())
         },
         "output": {
             "every": draw(st.none() | st.floats(1e-300, 1e300)),

@@ -87,6 +87,7 @@ RULES = {
     "exclusiveMinimum": bound(lambda v, limit: v > limit)("exclusiveMinimum"),
     "exclusiveMaximum": bound(lambda v, limit: v < limit)("exclusiveMaximum"),
     "minLength": length(str, lambda n, limit: n >= limit)("minLength"),
+    "maxLength": length(str, lambda n, limit: n <= limit)("maxLength"),
     "minItems": length(list, lambda n, limit: n >= limit)("minItems"),
     "maxItems": length(list, lambda n, limit: n <= limit)("maxItems"),
     "maxProperties": length(dict, lambda n, limit: n <= limit)("maxProperties"),

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import (
+    AfterValidator,
     BaseModel,
     BeforeValidator,
     ConfigDict,
@@ -17,7 +19,7 @@ from pydantic import (
 
 from pgimp.case.dispatch import Either
 from pgimp.case.messages import explain
-from pgimp.case.problems import raise_problems
+from pgimp.case.problems import problem, raise_problems
 
 LARGEST_COUNT = 2**53
 """Largest whole number that a float64 counts up to without gaps."""
@@ -90,8 +92,21 @@ Count = Annotated[int, Field(strict=True, ge=1, le=LARGEST_COUNT), BeforeValidat
 Vector = Annotated[tuple[Number, ...], Field(strict=True, min_length=1, max_length=3)]
 """One number a direction of the case."""
 
-Name = Annotated[str, StringConstraints(strict=True, pattern=r"^[A-Za-z][A-Za-z0-9_-]*$")]
+Name = Annotated[str, StringConstraints(strict=True, pattern=r"^[A-Za-z][A-Za-z0-9_-]{0,99}$")]
 """Name of a material or a body."""
+
+_CONTROL = re.compile("[\\x00-\\x1f\\x7f-\\x9f\u2028\u2029]")
+
+
+def _one_line(text: str) -> str:
+    """Refuse what could move a terminal's cursor or end a file's line."""
+    if found := _CONTROL.search(text):
+        raise problem(f"expected a line of text, but it has the character U+{ord(found[0]):04X}")
+    return text
+
+
+Label = Annotated[str, StringConstraints(strict=True, max_length=1000), AfterValidator(_one_line)]
+"""A line of text for people: no line breaks, no control characters."""
 
 
 class Steps(Model):

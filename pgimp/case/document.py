@@ -23,7 +23,7 @@ from ruamel.yaml.events import (
     SequenceStartEvent,
 )
 
-from pgimp.case.messages import describe, shorten
+from pgimp.case.messages import describe, dotted, shorten
 from pgimp.case.syntax import explain_syntax, position
 from pgimp.errors import CaseError
 
@@ -32,6 +32,12 @@ LARGEST_FILE = 4_000_000
 
 DEEPEST = 32
 """Levels of nesting."""
+
+MOST_VALUES = 200_000
+"""Keys, values and list entries: some seconds of reading; a table of 50,000 rows."""
+
+MOST_MESSAGES = 9
+"""Lines about what is wrong; the mistakes in the others are often the same."""
 
 Path = tuple[str | int, ...]
 
@@ -73,6 +79,8 @@ def decode(content: bytes, filename: str) -> str:
             f"{filename}: {len(content):,} bytes are too many for a case file "
             f"(at most {LARGEST_FILE:,})"
         )
+    if content.startswith((b"\xff\xfe", b"\xfe\xff")):
+        raise CaseError(f"{filename}: UTF-16 text; save the file as UTF-8 text")
     if b"\0" in content:
         raise CaseError(f"{filename}: a binary file, not a case file (YAML text in UTF-8)")
     try:
@@ -111,8 +119,14 @@ def parse(text: str, filename: str) -> Document:
     except (YAMLError, ValueError) as error:
         raise CaseError(f"{filename}: not valid YAML: {shorten(str(error), 200)}") from None
     if builder.twice:
-        raise CaseError("\n".join(builder.twice))
+        raise CaseError(few(builder.twice, filename))
     return Document(builder.root, builder.places)
+
+
+def few(lines: list[str], filename: str) -> str:
+    """Return the first `MOST_MESSAGES` lines, and how many more there are."""
+    more = len(lines) - MOST_MESSAGES
+    return "\n".join([*lines[:MOST_MESSAGES], *[f"{filename}: and {more} more"] * (more > 0)])
 
 
 def scalar(text: str) -> Any:
@@ -140,7 +154,7 @@ class _Builder:
         self.root: Any = None
         self.places: dict[Path, int | str] = {}
         self.twice: list[str] = []
-        self.documents = 0
+        self.documents = self.values = 0
         self.open: list[tuple[Any, Path]] = []
         self.key: str | None = None
         self.keys: list[str | None] = []
@@ -158,6 +172,11 @@ class _Builder:
             self.open.pop()
             self.key = self.keys.pop()
         elif isinstance(event, NodeEvent):
+            self.values += 1
+            if self.values > MOST_VALUES:
+                raise self.fail(
+                    event, f"more than {MOST_VALUES:,} keys and values are too many for a case"
+                )
             self._check(event)
             self._node(event)
 
@@ -166,10 +185,12 @@ class _Builder:
             sign = "*" if isinstance(event, AliasEvent) else "&"
             raise self.fail(
                 event,
-                f"'{sign}{event.anchor}': a case file has no anchors and aliases; write it out",
+                f"'{sign}{shorten(event.anchor)}': a case file has no anchors and aliases; "
+                "write it out",
             )
         if tag := getattr(event, "tag", None):
-            raise self.fail(event, f"the tag '{tag}': a case file has no tags; leave it out")
+            name = shorten(str(tag))
+            raise self.fail(event, f"the tag '{name}': a case file has no tags; leave it out")
 
     def _node(self, event: NodeEvent) -> None:
         container, path = self.open[-1] if self.open else (None, ())
@@ -199,10 +220,9 @@ class _Builder:
         self.key, line = event.value, event.start_mark.line + 1
         if self.key in container:
             first = self.places[(*path, self.key)]
-            dotted = ".".join(map(str, (*path, self.key)))
             self.twice.append(
-                f"{self.filename}:{line}: {dotted}: the key is there already, in line {first}; "
-                "remove one of them"
+                f"{self.filename}:{line}: {dotted((*path, self.key))}: the key is there already, "
+                f"in line {first}; remove one of them"
             )
         self.places[(*path, self.key)] = line
 

@@ -5,14 +5,15 @@ from __future__ import annotations
 import difflib
 import re
 from collections.abc import Iterable, Mapping
+from itertools import islice
 from typing import Any
 
 from pydantic import BaseModel
 from pydantic_core import ErrorDetails, ValidationError
 
-from pgimp.case.problems import ABSENT, KIND, Problem
+from pgimp.case.problems import ABSENT, KIND, MOST_PROBLEMS, Problem
 
-_NUMBER_LIKE = re.compile(r"[-+]?(\d[\d_]*\.?\d*|\.\d+)([eEdD][-+]?\d+)?")
+_NUMBER_LIKE = re.compile(r"[-+]?(\d[\d_]*(\.\d*)?|\.\d+)([eEdD][-+]?\d+)?")
 _COLON = re.compile(r"([A-Za-z][A-Za-z0-9_-]*):(\S.*)")
 
 
@@ -27,7 +28,7 @@ def describe(value: Any) -> str:
     if isinstance(value, str):
         return f"the text '{shorten(value)}'"
     if isinstance(value, Mapping):
-        return f"a mapping with the keys {', '.join(map(str, value))}" if value else "{}"
+        return f"a mapping with the keys {_listed(value)}" if value else "{}"
     if isinstance(value, list | tuple):
         return f"a list of {len(value)}" if value else "an empty list"
     return f"a value of type {type(value).__name__}"
@@ -45,22 +46,34 @@ def shorten(text: str, width: int = 60) -> str:
     return line if len(line) <= width else line[: width - 3] + "..."
 
 
+def dotted(path: Iterable[str | int]) -> str:
+    """Return keys and list indices joined by dots, on one printable line."""
+    return ".".join(shorten(str(part)) for part in path)
+
+
+def _listed(names: Iterable[Any], most: int = 30) -> str:
+    """Return names joined by commas, not too many of them."""
+    shown = [shorten(str(name)) for name in islice(names, most + 1)]
+    return ", ".join(shown[:most]) + (", ..." if len(shown) > most else "")
+
+
 def got(value: Any) -> str:
     """Say what was found in place of something else, with a hint at the usual slips."""
     text = f"got {describe(value)}"
     if isinstance(value, str):
         if _NUMBER_LIKE.fullmatch(value):
             plain = re.sub("[dD]", "e", value.replace("_", ""))
-            text += f"; write the number as {plain}, without quotes"
+            text += f"; write the number as {shorten(plain)}, without quotes"
         elif match := _COLON.fullmatch(value):
-            text += f"; a space is missing after the colon: '{match[1]}: {shorten(match[2])}'"
+            parts = f"{shorten(match[1])}: {shorten(match[2])}"
+            text += f"; a space is missing after the colon: '{parts}'"
     return text
 
 
 def nearest(name: str, known: Iterable[str]) -> str | None:
     """Return the known name that `name` most likely stands for."""
     by_fold = {item.casefold().replace("_", "-"): item for item in known}
-    found = difflib.get_close_matches(name.casefold().replace("_", "-"), by_fold, 1, 0.6)
+    found = difflib.get_close_matches(name[:100].casefold().replace("_", "-"), by_fold, 1, 0.6)
     return by_fold[found[0]] if found else None
 
 
@@ -72,10 +85,10 @@ def unknown(what: str, name: str, known: Iterable[str], label: str = "known") ->
     if what == "key" and match and match[1] in names:
         return f"{text}; a space is missing after the colon: '{match[1]}: {shorten(match[2])}'"
     if guess := nearest(name, names):
-        text += f"; did you mean '{guess}'?"
+        text += f"; did you mean '{shorten(guess)}'?"
     else:
         text += ";"
-    return f"{text} {label}: {', '.join(names) if names else 'none'}"
+    return f"{text} {label}: {_listed(names) if names else 'none'}"
 
 
 def keys_of(model: type[BaseModel]) -> dict[str, str]:
@@ -98,7 +111,7 @@ def explain(model: type[BaseModel], error: ValidationError, value: Any) -> list[
         What was validated.
     """
     keys = keys_of(model)
-    details = error.errors(include_url=False)
+    details = error.errors(include_url=False)[:MOST_PROBLEMS]
     meant = {
         nearest(str(item["loc"][0]), keys)
         for item in details
@@ -117,10 +130,12 @@ def explain(model: type[BaseModel], error: ValidationError, value: Any) -> list[
         else:
             foreign.setdefault(path, []).append(_text(item, keys))
     # The branches of a union that the value does not even start to fit say nothing.
-    places = [*(item.path for item in own), *foreign]
-    for path, texts in foreign.items():
-        if not any(place[: len(path)] == path and place != path for place in places):
-            own.append(Problem(path, _either(texts)))
+    around = {
+        place[:length]
+        for place in (*(item.path for item in own), *foreign)
+        for length in range(len(place))
+    }
+    own += [Problem(path, _either(texts)) for path, texts in foreign.items() if path not in around]
     return own
 
 
@@ -170,6 +185,8 @@ def _text(item: ErrorDetails, keys: Mapping[str, str]) -> str:
         limit = context["min_length" if least else "max_length"]
         entries = "entry" if limit == 1 else "entries"
         return f"expected at {'least' if least else 'most'} {limit} {entries}, {got(value)}"
+    if kind == "string_too_long":
+        return f"expected at most {context['max_length']} characters, got {len(value):,}"
     if kind == "string_type" and isinstance(value, bool | int | float):
         return f"expected text, got {describe(value)}; text that looks like this needs quotes"
     if kind in _EXPECTED:
@@ -180,7 +197,7 @@ def _text(item: ErrorDetails, keys: Mapping[str, str]) -> str:
             return unknown("value", value, [name.strip("'") for name in expected.split(", ")])
         return f"expected one of {expected}, {got(value)}"
     if kind == "string_pattern_mismatch":
-        rule = "a name starts with a letter; letters, digits, - and _ may follow"
+        rule = "a name starts with a letter; up to 99 letters, digits, - and _ may follow"
         return f"{rule}; got {describe(value)}"
     return f"not a value that may stand here, {got(value)}"
 

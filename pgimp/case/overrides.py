@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from pgimp.case.document import Document, Path, parse
-from pgimp.case.messages import describe, shorten
+from pgimp.case.document import DEEPEST, Document, Path, parse
+from pgimp.case.messages import describe, dotted, shorten
 from pgimp.errors import CaseError
 
 
@@ -30,7 +30,7 @@ def apply(document: Document, overrides: list[str]) -> None:
         label = f"--set {shorten(override)}"
         written, equals, text = override.partition("=")
         path = written.strip().split(".")
-        if not equals or not all(path):
+        if not equals or not all(path) or len(path) > DEEPEST:
             raise CaseError(f"{label}: expected KEY.PATH=VALUE, such as --set time.end=3.0")
         change(document, path, parse(text, label).data, label)
 
@@ -68,12 +68,14 @@ def _write(data: Any, keys: list[str], value: Any, label: str) -> Path:
 
 def _part(data: Any, key: str, path: Path, label: str) -> str | int:
     """Return the key or the list index that `key` is in `data`."""
-    where = ".".join(map(str, path))
+    where = dotted(path)
     if isinstance(data, dict):
         return key
     if isinstance(data, list):
         if key.isdecimal() and key.isascii() and len(key) < 10 and int(key) < len(data):
             return int(key)
         last = len(data) - 1
-        raise CaseError(f"{label}: {where} is a list with the entries 0 to {last}, not '{key}'")
-    raise CaseError(f"{label}: {where} is {describe(data)} and has no key '{key}'")
+        raise CaseError(
+            f"{label}: {where} is a list with the entries 0 to {last}, not '{shorten(key)}'"
+        )
+    raise CaseError(f"{label}: {where} is {describe(data)} and has no key '{shorten(key)}'")

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from itertools import islice
 from typing import Any, NamedTuple
 
 from pydantic_core import InitErrorDetails, PydanticCustomError, ValidationError
+
+MOST_PROBLEMS = 1000
+"""As many are looked at where a part of a case has more: nobody reads them all."""
 
 KIND, ABSENT = "problem", "absent"
 """Error types under which pydantic carries a `Problem`; absent: the last key is not there."""
@@ -28,7 +32,7 @@ def problem(text: str, absent: bool = False) -> PydanticCustomError:
 
 
 def raise_problems(title: str, problems: Iterable[Problem], value: Any = None) -> Any:
-    """Raise all `problems` with `value` at once; do nothing when there are none.
+    """Raise the `problems` with `value` at once; do nothing when there are none.
 
     Raises
     ------
@@ -37,7 +41,7 @@ def raise_problems(title: str, problems: Iterable[Problem], value: Any = None) -
     """
     details = [
         InitErrorDetails(type=problem(item.text, item.absent), loc=item.path, input=value)
-        for item in problems
+        for item in islice(problems, MOST_PROBLEMS)
     ]
     if details:
         raise ValidationError.from_exception_data(title, details)

@@ -7,8 +7,8 @@ from typing import TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from pgimp.case.document import Document, decode, parse, top_level
-from pgimp.case.messages import explain
+from pgimp.case.document import Document, decode, few, parse, top_level
+from pgimp.case.messages import dotted, explain
 from pgimp.case.overrides import apply
 from pgimp.case.problems import Problem
 from pgimp.case.schema import Case
@@ -18,8 +18,6 @@ from pgimp.errors import CaseError
 __all__ = ["decode", "dump_case", "read_case"]
 
 M = TypeVar("M", bound=BaseModel)
-
-MOST_MESSAGES = 20
 
 
 def read_case(text: str | bytes, filename: str = "case", overrides: Sequence[str] = ()) -> Case:
@@ -42,8 +40,8 @@ def read_case(text: str | bytes, filename: str = "case", overrides: Sequence[str
     Raises
     ------
     CaseError
-        With every problem on a line of its own (the first 20): file, line, key path, what is
-        wrong, what is allowed.
+        With every problem on a line of its own (the first `document.MOST_MESSAGES`): file, line,
+        key path, what is wrong, what is allowed.
     """
     document = read_document(text, filename)
     apply(document, list(overrides))
@@ -85,12 +83,8 @@ def _report(problems: list[Problem], document: Document, filename: str) -> str:
     lines = []
     for item in problems:
         place = document.place(item.path)
-        key = ".".join(map(str, item.path))
         where = f"{filename}:{place}" if isinstance(place, int) else place or filename
         order = place if isinstance(place, int) else 0 if place is None else len(document.places)
-        lines.append((isinstance(place, str), order, f"{where}: {key}: {item.text}"))
+        lines.append((isinstance(place, str), order, f"{where}: {dotted(item.path)}: {item.text}"))
     texts = [text for _, _, text in sorted(lines, key=lambda line: line[:2])]
-    if len(texts) > MOST_MESSAGES:
-        more = len(texts) - MOST_MESSAGES
-        texts = [*texts[:MOST_MESSAGES], f"{filename}: and {more} more"]
-    return "\n".join(dict.fromkeys(texts))
+    return few(list(dict.fromkeys(texts)), filename)

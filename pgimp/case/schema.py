@@ -22,6 +22,7 @@ from pydantic import (
 from pgimp.case.base import (
     Count,
     Interval,
+    Label,
     Model,
     Name,
     NonNegative,
@@ -220,8 +221,8 @@ class Case(Model):
     format: Annotated[Count, AfterValidator(_format)] = Field(
         description="version of the case file's format", json_schema_extra={"enum": [1]}
     )
-    title: str = Field(default="", description="one line about the case")
-    units: str = Field(
+    title: Label = Field(default="", description="one line about the case")
+    units: Label = Field(
         default="none", description="a label only; any consistent set of length, mass and time"
     )
     dimensions: Annotated[Count, AfterValidator(_dimensions)] = Field(

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, Field, StringConstraints, model_validator
 
-from pgimp.case.base import Count, Model, NonNegative, Number, Positive
+from pgimp.case.base import Count, Label, Model, NonNegative, Number, Positive
 from pgimp.case.dispatch import Either
 from pgimp.case.messages import describe, got, unknown
 from pgimp.case.problems import Problem, problem, raise_problems
@@ -174,7 +174,7 @@ class Study(Model):
     format: Annotated[Count, AfterValidator(_format)] = Field(
         description="version of the study file's format", json_schema_extra={"enum": [1]}
     )
-    title: str = Field(default="", description="one line about the study")
+    title: Label = Field(default="", description="one line about the study")
     case: Text | None = Field(
         default=None, description="the case file, relative to the study file; may be swept instead"
     )
