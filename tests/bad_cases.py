@@ -195,6 +195,10 @@ MISTAKES = [
     ("[1.0, 2.0]]", "[1e-300, 1e300]]", "28: boundaries.y-min.velocity.1.table.1", "too large"),
     ("{table: [[0.0, 0.0], ", "{tabel: [[0.0, 0.0], ", "28: boundaries.y-min.velocity.1.tabel",
      "did you mean 'table'?"),
+    ("output:", "escape: {y-min: remove}\noutput:", "29: escape.y-min", "y-min has a condition"),
+    ("output:", "escape: {z-max: remove}\noutput:", "29: escape.z-max", "unknown face 'z-max'"),
+    ("output:", "escape: {x-max: go}\noutput:", "29: escape.x-max", "value 'go'; known: remove, st"),
+    ("output:", "escape: x-max\noutput:", "29: escape", "expected a mapping of keys to values"),
     # YAML
     ("  end: 1.0", "\tend: 1.0", "8:1", "a tab; indent with spaces only"),
     ("  end: 1.0", "   end: 1.0", "9:3", "the indentation does not fit"),

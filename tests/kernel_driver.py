@@ -113,7 +113,14 @@ class Rank:
         By default all layers of the grid.
     reach : (2, 2) int64, optional
         First vertices that the window has to cover; by default those of the particles.
+
+    Attributes
+    ----------
+    exits, room : int
+        Faces that let particles go, and most particles at fault that are listed.
     """
+
+    exits, room = 0, 8
 
     def __init__(
         self,
@@ -171,15 +178,22 @@ class Rank:
             reflect(*place, mirror, dt, b, owned, self.impulse, self.work)
 
     def grid_to_particles(self, dt: float, tracked: bool = True) -> tuple:
-        """As the kernel; the movers' places in the order are in ``population.movers``."""
+        """First fault and its row, then as the kernel from the movers on.
+
+        Rows and faults of all are in `faults`; the movers' places in ``population.movers``.
+        """
         grid, population = self.grid, self.population
         self.reach = grid.base.copy()
-        return grid_to_particles(
+        room = np.zeros((self.room, 2), np.int64)
+        self.failed, self.leavers, *rest = grid_to_particles(
             self.shape, MATERIALS, self.frame, grid.window, population.particles, Loads(), (),
             population.order, population.start, MATERIAL_OF, grid.G, dt, tracked, True,
-            grid.bounds, self.reach, population.movers,
+            grid.bounds, self.exits, self.reach, population.movers, room,
             np.zeros((grid.planes, 0, 3)), np.zeros(grid.planes),
         )  # fmt: skip
+        self.faults = room[: self.failed]
+        row, fault = self.faults[0] if self.failed else (-1, 0)
+        return (int(fault), int(row), *rest)
 
     def records(self) -> np.ndarray:
         """Records of the vertices of all of the grid, (vertices of each direction, 8); else 0."""

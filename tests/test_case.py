@@ -151,6 +151,7 @@ def test_the_resolved_case_reads_like_one_written_by_hand():
         "velocity: [0.0]}\n"
         "gravity: null\n"
         "boundaries: {}\n"
+        "escape: {}\n"
         "tractions: {}\n"
         "constraints: {}\n"
         "exact: null\n"

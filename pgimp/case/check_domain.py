@@ -130,3 +130,19 @@ def check_boundaries(dimensions: int, boundaries: Mapping[str, Any]) -> Problems
         for field in type(entry).model_fields:
             path = ("boundaries", face, field)
             yield from length(path, getattr(entry, field), dimensions)
+
+
+def check_escape(
+    dimensions: int, boundaries: Mapping[str, Any], escape: Mapping[str, str]
+) -> Problems:
+    """Check that the domain has the faces, and that they are open."""
+    for face in escape:
+        path = ("escape", face)
+        if face not in faces(dimensions):
+            yield Problem(path, unknown("face", face, faces(dimensions)))
+        elif face in boundaries:
+            yield Problem(
+                path,
+                f"{face} has a condition (boundaries), through which nothing is to leave; remove "
+                "one of the two",
+            )

@@ -22,6 +22,7 @@ from pgimp.case.check_bodies import (
 from pgimp.case.check_domain import (
     Problems,
     check_boundaries,
+    check_escape,
     check_gravity,
     check_grid,
     check_method,
@@ -30,7 +31,7 @@ from pgimp.case.check_domain import (
 )
 from pgimp.case.problems import Problem
 
-_NAMED = ("materials", "bodies", "boundaries", "tractions", "constraints")
+_NAMED = ("materials", "bodies", "boundaries", "escape", "tractions", "constraints")
 """Parts of a case that are made of named entries."""
 
 
@@ -52,7 +53,7 @@ def sound_parts(
 ) -> dict[str, Any]:
     """Return the typed parts of `data` that the `problems` do not touch.
 
-    Of materials, bodies, boundaries, tractions and constraints the sound entries are kept.
+    Of parts that are made of named entries the sound ones are kept.
     ``declared`` and ``body_names`` hold the names of all materials and bodies, also of those that
     are not sound.
     """
@@ -98,6 +99,7 @@ _CHECKS = (
     check_regions,
     check_gravity,
     check_boundaries,
+    check_escape,
     check_tractions,
     check_constraints,
     check_output,

@@ -50,12 +50,22 @@ HISTORY: dict[str, str] = {
     "strain-energy": "strain energy [energy]",
     "dissipated-energy": (
         "what closes the balance: energy at the start plus external work less kinetic and strain "
-        "energy; of the order of the time step also where nothing is lost, for instance in free "
+        "energy, and less that of particles that were removed; of the order of the time step also where nothing is lost, for instance in free "
         "fall, because work is force times displacement [energy]"
     ),
     "external-work": "work of gravity, faces, tractions and constraints on the material since the "
     "start: force times displacement [energy]",
-    "body.NAME.centre-AXIS": "centre of mass of each body [length]",
+    "escaped.mass": (
+        "only where `escape` removes particles, as all columns of this name: mass of those that "
+        "were removed since the start, so that with `mass` it is constant [mass]"
+    ),
+    "escaped.momentum-AXIS": "their momentum when they were removed [mass length/time]",
+    "escaped.angular-momentum-AXIS": "their angular momentum then [mass length^2/time]",
+    "escaped.kinetic-energy": "their kinetic energy then [energy]",
+    "escaped.strain-energy": "their strain energy then [energy]",
+    "body.NAME.centre-AXIS": (
+        "centre of mass of each body; nan when all its particles were removed [length]"
+    ),
     "body.NAME.kinetic-energy": "kinetic energy of each body [energy]",
     "body.NAME.strain-energy": "strain energy of each body [energy]",
     "reaction.FACE-AXIS": (

@@ -252,7 +252,14 @@ class Case(Model):
     boundaries: dict[str, Annotated[Any, ByWord(_boundaries, "boundary condition")]] = Field(
         default={},
         description="conditions on faces of the domain, x-min to z-max; a face that is not named "
-        "is open: it acts only on a particle whose centre crosses it, which stops the run",
+        "is open: it acts only on a particle whose centre crosses it, as `escape` says",
+        json_schema_extra={"propertyNames": {"enum": [*faces(3)]}},
+    )
+    escape: dict[str, Literal["stop", "remove"]] = Field(
+        default={},
+        description="what becomes of a particle whose centre has crossed an open face: stop, which "
+        "is the default, ends the run; remove takes it out, and what it had of mass, momentum and "
+        "energy goes into the columns `escaped` of the history. For example {x-max: remove}",
         json_schema_extra={"propertyNames": {"enum": [*faces(3)]}},
     )
     tractions: dict[Name, TractionEntry] = Field(

@@ -12,8 +12,14 @@ from pgimp.kernels.viscosity import stiffened, thicken
 from pgimp.materials.base import evaluate
 from pgimp.shapes.base import size
 
-#: Why `grid_to_particles` stopped at a particle.
+#: What is wrong with a particle at fault.
 NOT_FINITE, INVERTED, TOO_FAST, OUTSIDE = 1, 2, 3, 4
+
+#: What `_fault` says of a particle that has left through a face that lets it go.
+_LEAVES = -1
+
+#: The layer of such a particle.
+GONE = -1
 
 
 def within(bounds, x):
@@ -41,7 +47,7 @@ def _squared(v):
 
 
 @kernel
-def _fault(frame, x, v, u, J, dt):
+def _fault(frame, exits, x, v, u, J, dt):
     """Name the fault of a particle that failed the combined check; 0 if there is none."""
     for d in range(len(x)):
         if not (isfinite(x[d]) and isfinite(v[d])):
@@ -53,19 +59,24 @@ def _fault(frame, x, v, u, J, dt):
     for d in range(len(x)):
         if not abs(u[d]) * dt * frame.inverse[d] <= 1.0:
             return TOO_FAST
+    fault = 0
     for d in range(len(x)):
         xi = (x[d] - frame.origin[d]) * frame.inverse[d]
         if not (xi >= 0.0 and xi <= frame.cells[d]):
-            return OUTSIDE
-    return 0
+            if exits >> (2 * d + (xi > 0.0)) & 1 == 0:
+                return OUTSIDE
+            fault = _LEAVES
+    return fault
 
 
 @kernel
 def grid_to_particles(
     shape, materials, frame, window, particles, loads, grips, order, start, material_of, G, dt,
-    tracked, controlled, bounds, reach, movers, impulse, work,
+    tracked, controlled, bounds, exits, reach, movers, faults, impulse, work,
 ):  # fmt: skip
     """Advance all particles of a rank by one step, and notice what happened to them.
+
+    A particle at fault is left as it was computed, in its layer; the others go on.
 
     Parameters
     ----------
@@ -81,11 +92,16 @@ def grid_to_particles(
         Whether the next step depends on the particles' speeds.
     bounds : tuple of D pairs
         Coordinates within which a particle is sure to stay in the domain and in the window.
+    exits : int
+        Bit 2 d + s is set for a face, of direction d at the low (s = 0) or high end (1), through
+        which particles may leave; one that has left through such faces alone gets the layer `GONE`.
     reach : (2, 2) int64
         Grown to the first vertices (least, greatest; y, z) of particles, at least of those beyond
         `bounds`.
     movers : (n,) int32
-        Filled with the places, in `order`, of the particles that changed their layer.
+        Filled with the places, in `order`, of the particles that changed their layer or left.
+    faults : (room, 2) int64
+        Filled with row and fault of the particles at fault, of the first ones if there are more.
     impulse : (planes, grips, 3) float64
         Grows by the momentum that the grips give to particles, layer by layer.
     work : (planes,) float64
@@ -93,15 +109,15 @@ def grid_to_particles(
 
     Returns
     -------
-    fault, row : int
-        Reason and row of the first particle at fault, else 0 and -1.
-    movers : int
-        Number of particles that changed their layer.
+    faults, leavers, movers : int
+        Number of particles at fault, of those that left, of those that left or changed their layer.
     rate : float
         Largest (c_p + |v_p|)/L, if controlled.
     clamped : int
         Number of particles whose half-width is clamped.
     """
+    failed = 0
+    leavers = 0
     found = 0
     clamped = 0
     rate = 0.0
@@ -153,11 +169,21 @@ def grid_to_particles(
                 & ((squared(u) + squared(v)) * limit <= 1.0)
                 & (now == number)
             ):
-                fault = _fault(frame, x, v, u, J, dt)
+                fault = _fault(frame, exits, x, v, u, J, dt)
+                if fault == _LEAVES:
+                    particles.layer[p] = GONE
+                    movers[found] = k
+                    found += 1
+                    leavers += 1
+                    continue
                 if fault == 0 and abs(now - number) > 1:
                     fault = TOO_FAST  # a cell, but for rounding: past a slab of one layer
                 if fault != 0:
-                    return fault, p, found, rate, clamped
+                    if failed < len(faults):
+                        faults[failed, 0] = p
+                        faults[failed, 1] = fault
+                    failed += 1
+                    continue
                 for d in range(1, len(x)):
                     j = first_vertex(frame, d, half[d], x[d])
                     reach[0, d - 1] = min(reach[0, d - 1], j)
@@ -166,4 +192,4 @@ def grid_to_particles(
                     particles.layer[p] = now
                     movers[found] = k
                     found += 1
-    return 0, -1, found, rate, clamped
+    return failed, leavers, found, rate, clamped

@@ -81,6 +81,10 @@ class Scene:
         named = case.boundaries
         order = [f"{axis}-{end}" for axis in AXES for end in ("min", "max")]
         self.faces = [Face(name, named[name]) for name in order if name in named]
+        #: Faces through which particles may leave; see `grid_to_particles`.
+        self.exits = sum(
+            1 << order.index(face) for face, way in case.escape.items() if way == "remove"
+        )
         # Those that may let go come last: where they meet others, they see the sums of both.
         self.mirrors = sorted(
             (

@@ -44,7 +44,8 @@ class Diagnostics:
 
         The reaction of a face, or of a constraint, is the mean force that it exerted on the
         material since the last line: its impulse over the time. The dissipated energy closes the
-        balance: initial energy plus external work less kinetic and strain energy.
+        balance: initial energy plus external work less kinetic and strain energy, also that of
+        particles that were removed.
         """
         scene, population = sim.scene, sim.population
         sums = np.zeros((sim.slab.layers, len(scene.body_names), SUMS))
@@ -55,7 +56,9 @@ class Diagnostics:
         own = sim.owned_planes
         impulse = np.concatenate([sim.impulse[:own], sim.grip_impulse[:own]], axis=1)
         faces = (impulse, sim.beyond[:own])
-        parts = sim.comm.gather((sums, sim.work[:own], faces, self._own_errors(sim)))
+        parts = sim.comm.gather(
+            (sums, sim.work[:own], faces, self._own_errors(sim), sim.escaped[:own])
+        )
         if parts is None:
             return None
         bodies = np.add.reduce(np.concatenate([part[0] for part in parts]), axis=0)
@@ -63,7 +66,8 @@ class Diagnostics:
         impulse, beyond = (
             np.add.reduce(np.concatenate([part[2][i] for part in parts]), axis=0) for i in (0, 1)
         )
-        line = self._columns(sim, bodies, work, impulse, beyond)
+        escaped = np.add.reduce(np.concatenate([part[4] for part in parts]), axis=(0, 1))
+        line = self._columns(sim, bodies, escaped, work, impulse, beyond)
         if scene.exact:
             added = np.add.reduce(np.concatenate([part[3][0] for part in parts]), axis=0)
             most = np.concatenate([part[3][1] for part in parts]).max(axis=0)
@@ -86,6 +90,8 @@ class Diagnostics:
     @staticmethod
     def _errors(sums: np.ndarray, most: np.ndarray, scale: float) -> dict[str, float]:
         """Columns of the errors; `scale` is the stress that (47) refers to."""
+        if not sums[VOLUME]:  # all particles were removed
+            sums = np.full_like(sums, np.nan)
         error = float(sums[STRESS_VOLUME] / sums[VOLUME])
         # Before the load sets in there is nothing to refer to, and no error.
         line = {"error": error / scale if scale else error}
@@ -99,6 +105,7 @@ class Diagnostics:
         self,
         sim: "Simulation",
         bodies: np.ndarray,
+        escaped: np.ndarray,
         work: float,
         impulse: np.ndarray,
         beyond: np.ndarray,
@@ -109,19 +116,17 @@ class Diagnostics:
         kinetic, strain = float(total[KINETIC]), float(total[STRAIN])
         if self.first_energy is None:
             self.first_energy = kinetic + strain
-        line = {"time": sim.time, "step": sim.step, "dt": sim.dt, "mass": float(total[MASS])}
-        for i, axis in enumerate(axes):
-            line[f"momentum-{axis}"] = float(total[MOMENTUM + i])
-        # A motion along x alone has no moment about the origin, one in the plane only that about z.
-        for i in ((), (2,), (0, 1, 2))[scene.dimension - 1]:
-            line[f"angular-momentum-{AXES[i]}"] = float(total[ANGULAR + i])
-        line["kinetic-energy"] = kinetic
-        line["strain-energy"] = strain
-        line["dissipated-energy"] = self.first_energy + work - kinetic - strain
+        line = {"time": sim.time, "step": sim.step, "dt": sim.dt}
+        line |= self._totals("", total, scene.dimension)
+        left = float(escaped[KINETIC] + escaped[STRAIN]) if scene.exits else 0.0
+        line["dissipated-energy"] = self.first_energy + work - kinetic - strain - left
         line["external-work"] = work
+        if scene.exits:
+            line |= self._totals("escaped.", escaped, scene.dimension)
         for name, sums in zip(scene.body_names, bodies, strict=True):
             for i, axis in enumerate(axes):
-                line[f"body.{name}.centre-{axis}"] = float(sums[MOMENT + i] / sums[MASS])
+                centre = sums[MOMENT + i] / sums[MASS] if sums[MASS] else np.nan
+                line[f"body.{name}.centre-{axis}"] = float(centre)
             line[f"body.{name}.kinetic-energy"] = float(sums[KINETIC])
             line[f"body.{name}.strain-energy"] = float(sums[STRAIN])
         force = self._reactions(sim.time, impulse)
@@ -132,8 +137,22 @@ class Diagnostics:
                 line[f"{name}-{axis}"] = float(row[i])
         for face, mass in zip(scene.faces, beyond, strict=True):
             line[f"beyond.{face.name}"] = float(mass)
-            self.beyond = max(self.beyond, (float(mass) / line["mass"], sim.time, face.name))
+            if total[MASS]:
+                part = float(mass / total[MASS])
+                self.beyond = max(self.beyond, (part, sim.time, face.name))
         return line
+
+    @staticmethod
+    def _totals(prefix: str, sums: np.ndarray, dimension: int) -> dict[str, float]:
+        """Columns of mass, momentum, angular momentum and energies."""
+        line = {"mass": sums[MASS]}
+        for i, axis in enumerate(AXES[:dimension]):
+            line[f"momentum-{axis}"] = sums[MOMENTUM + i]
+        # A motion along x alone has no moment about the origin, one in the plane only that about z.
+        for i in ((), (2,), (0, 1, 2))[dimension - 1]:
+            line[f"angular-momentum-{AXES[i]}"] = sums[ANGULAR + i]
+        line |= {"kinetic-energy": sums[KINETIC], "strain-energy": sums[STRAIN]}
+        return {prefix + name: float(value) for name, value in line.items()}
 
     def _reactions(self, time: float, impulse: np.ndarray) -> np.ndarray:
         """Mean forces of faces and constraints since the last line, (faces + constraints, 3)."""

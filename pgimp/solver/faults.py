@@ -1,11 +1,14 @@
-"""What to tell people when a particle stops the run."""
+"""Particles that stop the run: all ranks learn of them together, and what people are told."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from pgimp.kernels.g2p import INVERTED, NOT_FINITE, OUTSIDE, TOO_FAST
 
 if TYPE_CHECKING:
     from pgimp.solver.simulation import Simulation
+
+#: So many particles at fault are listed on each rank; the others are only counted.
+ROOM = 1024
 
 _WHAT = {
     NOT_FINITE: "has a position, velocity or deformation that is not a finite number",
@@ -21,31 +24,65 @@ _ADVICE = {
     INVERTED: f"{_UNSTABLE}, shape: gimp instead of mpm",
     TOO_FAST: _UNSTABLE,
     OUTSIDE: "a larger grid (grid.origin, grid.size), a condition on that face (boundaries), "
-    "an earlier time.end",
+    "letting particles go there (escape), an earlier time.end",
 }
 
 
-def describe(sim: "Simulation", fault: int, row: int, time: float, dt: float) -> str:
-    """Message about the particle in `row`: what, which, when, where, and what to try."""
-    p = sim.particles
+class Failure(NamedTuple):
+    """The step that failed; the same on every rank.
+
+    Attributes
+    ----------
+    number : int
+        Particles at fault on all ranks.
+    step, time, dt : int, float, float
+        Number, end and length of the step.
+    text : str
+        What to tell people.
+    """
+
+    number: int
+    step: int
+    time: float
+    dt: float
+    text: str
+
+
+def collect(sim: "Simulation", time: float, dt: float) -> Failure:
+    """Put together what all ranks know of the step to `time` that failed; collective.
+
+    The message is about the first particle at fault in canonical order.
+    """
+    first = _describe(sim, time, dt) if sim.failed else None
+    found = sim.comm.allgather((sim.failed, first))
+    number = sum(part[0] for part in found)
+    what, where, advice = next(part[1] for part in found if part[1])
+    others = number - 1
+    if others:
+        are = "others are" if others > 1 else "other is"
+        where += f"; {others} {are} at fault in the same step"
+    return Failure(number, sim.step + 1, time, dt, f"{what}\n  {where}\n  try: {advice}")
+
+
+def _describe(sim: "Simulation", time: float, dt: float) -> tuple[str, str, str]:
+    """What is wrong with the rank's first particle at fault, when and where, what to try."""
+    p, (row, fault) = sim.particles, sim.faults[0].tolist()
     place = ", ".join(f"{x:.6g}" for x in p.x[row])
     velocity = ", ".join(f"{v:.4g}" for v in p.v[row])
-    face = f" through {_face(sim, row)}" if fault == OUTSIDE else ""
+    face = f" through {face_of(sim, row)}" if fault == OUTSIDE else ""
     return (
-        f"particle {p.id[row]} of body '{sim.scene.body_names[p.body[row]]}' {_WHAT[fault]}{face}\n"
-        f"  in step {sim.step + 1} to time {time:.6g} (dt {dt:.4g}), at ({place}), velocity "
-        f"({velocity}), on rank {sim.comm.rank}\n"
-        f"  try: {_ADVICE[fault]}"
+        f"particle {p.id[row]} of body '{sim.scene.body_names[p.body[row]]}' {_WHAT[fault]}{face}",
+        f"in step {sim.step + 1} to time {time:.6g} (dt {dt:.4g}), at ({place}), velocity "
+        f"({velocity}), on rank {sim.comm.rank}",
+        _ADVICE[fault],
     )
 
 
-def _face(sim: "Simulation", row: int) -> str:
-    """Name of the face beyond which the particle lies."""
+def face_of(sim: "Simulation", row: int) -> str:
+    """Name of the face, of those that let nothing go, beyond which a particle lies."""
     frame = sim.scene.frame
     for d, x in enumerate(sim.particles.x[row]):
         xi = (x - frame.origin[d]) * frame.inverse[d]
-        if xi < 0.0:
-            return f"{'xyz'[d]}-min"
-        if xi > frame.cells[d]:
-            return f"{'xyz'[d]}-max"
+        if not 0.0 <= xi <= frame.cells[d] and not sim.scene.exits >> (2 * d + (xi > 0.0)) & 1:
+            return f"{'xyz'[d]}-{'max' if xi > 0.0 else 'min'}"
     return "a face"

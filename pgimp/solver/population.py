@@ -107,7 +107,7 @@ class Population:
         return reach
 
     def release(self, rows: np.ndarray) -> None:
-        """Give up the rows of particles that have left; their layer must be another rank's.
+        """Give up the rows of particles that have left, to another rank or for good.
 
         They stay as they are until `restore_order`, which finds places by the keys of the old
         order's rows.

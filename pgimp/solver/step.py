@@ -11,6 +11,7 @@ from pgimp.kernels.mirror import fold, reflect
 from pgimp.kernels.momentum import update_momentum
 from pgimp.kernels.p2g import particles_to_grid
 from pgimp.parallel.migrate import migrate
+from pgimp.solver.escapes import let_go
 
 if TYPE_CHECKING:
     from pgimp.solver.simulation import Simulation
@@ -22,13 +23,13 @@ PHASES = ("P2G", "exchange", "momentum", "G2P", "migrate", "order")
 NOBODY = np.empty(0, np.int32)
 
 
-def step(sim: "Simulation", dt: float, end: float) -> tuple[int, int, float]:
+def step(sim: "Simulation", dt: float, end: float) -> tuple[int, float]:
     """Advance a rank's particles to time `end`, `dt` away.
 
     Returns
     -------
-    fault, row : int
-        See `grid_to_particles`; the particles have not migrated when there is a fault.
+    failed : int
+        Number of the rank's particles at fault; they are listed in `sim.faults`.
     rate : float
         Largest (c_p + |v_p|)/L of the rank, if the step is controlled.
     """
@@ -72,20 +73,20 @@ def step(sim: "Simulation", dt: float, end: float) -> tuple[int, int, float]:
         )  # fmt: skip
     times.append(perf_counter())
 
-    fault, row, found, rate, clamped = grid_to_particles(  # (26, 27, 29, 30)
+    failed, leavers, found, rate, clamped = grid_to_particles(  # (26, 27, 29, 30)
         shape, scene.materials, frame, window, particles, loads, grips, order, start,
-        scene.material_of, grid.G, dt, scene.tracked, sim.clock.controlled, grid.bounds, sim.reach,
-        population.movers, sim.grip_impulse, sim.work,
+        scene.material_of, grid.G, dt, scene.tracked, sim.clock.controlled, grid.bounds,
+        scene.exits, sim.reach, population.movers, sim.faults, sim.grip_impulse, sim.work,
     )  # fmt: skip
     times.append(perf_counter())
 
     sim.clamped += clamped
-    if fault:
-        return fault, row, rate
+    sim.particle_steps += len(order)
     left = coming = NOBODY
     if found or sim.slab.neighbours:
         left = population.movers[:found].copy()
-        coming = migrate(sim.comm, sim.slab, population, order[left])
+        movers = let_go(sim, left) if leavers else order[left]
+        coming = migrate(sim.comm, sim.slab, population, movers)
     times.append(perf_counter())
 
     if found or len(coming):
@@ -94,4 +95,4 @@ def step(sim: "Simulation", dt: float, end: float) -> tuple[int, int, float]:
 
     for phase, begin, finish in zip(PHASES, times, times[1:], strict=False):
         sim.timings[phase] += finish - begin
-    return fault, row, rate
+    return failed, rate
