@@ -147,7 +147,7 @@ def test_a_bad_override_is_named(override, message):
         (b"format: 1\ntitle: Stra\xdfe\n", "case.yaml:2: the byte 0xdf is not UTF-8"),
         ("format: 1".encode("utf-16"), "case.yaml: UTF-16 text; save the file as UTF-8"),
         ("format: 1".encode("utf-16-be"), "case.yaml: a binary file"),
-        (b"a: " + b"x" * 4_000_000, "case.yaml: 4,000,003 bytes are too many for a case file"),
+        (b"a: " + b"x" * 4_000_000, "case.yaml: too large for a case file (at most 4,000,000"),
     ],
 )
 def test_a_file_that_is_no_case(content, message):

@@ -98,14 +98,14 @@ Name = Annotated[str, StringConstraints(strict=True, pattern=r"^[A-Za-z][A-Za-z0
 _CONTROL = re.compile("[\\x00-\\x1f\\x7f-\\x9f\u2028\u2029]")
 
 
-def _one_line(text: str) -> str:
+def one_line(text: str) -> str:
     """Refuse what could move a terminal's cursor or end a file's line."""
     if found := _CONTROL.search(text):
         raise problem(f"expected a line of text, but it has the character U+{ord(found[0]):04X}")
     return text
 
 
-Label = Annotated[str, StringConstraints(strict=True, max_length=1000), AfterValidator(_one_line)]
+Label = Annotated[str, StringConstraints(strict=True, max_length=1000), AfterValidator(one_line)]
 """A line of text for people: no line breaks, no control characters."""
 
 

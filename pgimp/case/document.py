@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field
+from pathlib import Path as FilePath
 from typing import Any
 
 from ruamel.yaml import YAML
@@ -66,6 +67,18 @@ class Document:
         return None
 
 
+def read(name: str | FilePath) -> bytes:
+    """Return the content of a file, of one that is too large only as much as shows it.
+
+    Raises
+    ------
+    OSError
+        When it cannot be read.
+    """
+    with open(name, "rb") as stream:
+        return stream.read(LARGEST_FILE + 1)
+
+
 def decode(content: bytes, filename: str) -> str:
     """Return the text of a case file.
 
@@ -75,10 +88,7 @@ def decode(content: bytes, filename: str) -> str:
         When it is too large, binary, or not UTF-8.
     """
     if len(content) > LARGEST_FILE:
-        raise CaseError(
-            f"{filename}: {len(content):,} bytes are too many for a case file "
-            f"(at most {LARGEST_FILE:,})"
-        )
+        raise CaseError(f"{filename}: too large for a case file (at most {LARGEST_FILE:,} bytes)")
     if content.startswith((b"\xff\xfe", b"\xfe\xff")):
         raise CaseError(f"{filename}: UTF-16 text; save the file as UTF-8 text")
     if b"\0" in content:

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+from pgimp.case.document import read
 from pgimp.case.reader import read_case
 from pgimp.case.schema import Case
 from pgimp.errors import UsageError
@@ -26,7 +27,7 @@ def load(name: str | Path, overrides: Sequence[str] = ()) -> Case:
         For everything that is wrong in it, each with its line.
     """
     try:
-        text = Path(name).read_bytes()
+        text = read(name)
     except OSError as error:
         raise UsageError(f"cannot read the case {name}: {error.strerror or error}") from None
     return read_case(text, str(name), list(overrides))

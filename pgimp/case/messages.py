@@ -185,6 +185,8 @@ def _text(item: ErrorDetails, keys: Mapping[str, str]) -> str:
         limit = context["min_length" if least else "max_length"]
         entries = "entry" if limit == 1 else "entries"
         return f"expected at {'least' if least else 'most'} {limit} {entries}, {got(value)}"
+    if kind == "string_too_short":
+        return "expected text, got none"
     if kind == "string_too_long":
         return f"expected at most {context['max_length']} characters, got {len(value):,}"
     if kind == "string_type" and isinstance(value, bool | int | float):

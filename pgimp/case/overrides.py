@@ -30,7 +30,7 @@ def apply(document: Document, overrides: list[str]) -> None:
         label = f"--set {shorten(override)}"
         written, equals, text = override.partition("=")
         path = written.strip().split(".")
-        if not equals or not all(path) or len(path) > DEEPEST:
+        if not equals or not all(path):
             raise CaseError(f"{label}: expected KEY.PATH=VALUE, such as --set time.end=3.0")
         change(document, path, parse(text, label).data, label)
 
@@ -41,8 +41,10 @@ def change(document: Document, keys: list[str], value: Any, label: str) -> None:
     Raises
     ------
     CaseError
-        When the path leads nowhere.
+        When the path leads nowhere, or deeper than any case.
     """
+    if len(keys) > DEEPEST:
+        raise CaseError(f"{label}: a path of {len(keys):,} keys is too long (at most {DEEPEST})")
     place = _write(document.data, keys, value, label)
     for known in [known for known in document.places if known[: len(place)] == place]:
         del document.places[known]

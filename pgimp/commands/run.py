@@ -166,13 +166,15 @@ def run(
 def _read(name: str, comm: Any) -> bytes:
     """Let rank 0 read the case file for all."""
 
-    def read() -> bytes:
+    def content() -> bytes:
+        from pgimp.case.document import read
+
         try:
-            return Path(name).read_bytes()
+            return read(name)
         except OSError as error:
             raise UsageError(f"cannot read the case {name}: {explain(error)}") from error
 
-    return on_root(comm, read)
+    return on_root(comm, content)
 
 
 def _parse(text: bytes, name: str, overrides: list[str]) -> Case:

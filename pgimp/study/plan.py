@@ -5,11 +5,13 @@ from __future__ import annotations
 import os
 from collections import defaultdict
 from collections.abc import Mapping
+from copy import deepcopy
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pgimp.case.document import Document
+from pgimp.case.document import MOST_MESSAGES, Document, read
+from pgimp.case.messages import dotted
 from pgimp.case.overrides import change
 from pgimp.case.reader import read_document, validate
 from pgimp.case.schema import Case
@@ -18,7 +20,6 @@ from pgimp.errors import CaseError, UsageError
 from pgimp.study.schema import CASE, Study, missing_file
 from pgimp.study.sweep import Variant, short, variants
 
-MOST_MESSAGES = 20
 _ABSENT = object()
 
 
@@ -67,7 +68,7 @@ def read_plan(name: str | Path) -> Plan:
         For everything that is wrong in it or in the cases that it makes.
     """
     try:
-        text = Path(name).read_bytes()
+        text = read(name)
     except OSError as error:
         raise UsageError(f"cannot read the study {name}: {error.strerror or error}") from None
     document = read_document(text, str(name))
@@ -89,7 +90,7 @@ class _Cases:
         self.name = name
         self.study = study
         self.document = document
-        self.texts: dict[str, bytes] = {}
+        self.documents: dict[str, Document | OSError | CaseError] = {}
         self.wrong: dict[str, list[str]] = defaultdict(list)
 
     def complain(self) -> None:
@@ -107,7 +108,19 @@ class _Cases:
         """Return file, line and key of a part of the study."""
         place = self.document.place(path)
         where = f"{self.name}:{place}" if place else self.name
-        return f"{where}: {'.'.join(map(str, path))}"
+        return f"{where}: {dotted(path)}"
+
+    def read(self, path: str) -> Document:
+        """Return the content of a case's file, to be changed; many runs may share the file."""
+        if path not in self.documents:
+            try:
+                self.documents[path] = read_document(read(path), path)
+            except (OSError, CaseError) as error:
+                self.documents[path] = error
+        found = self.documents[path]
+        if isinstance(found, Document):
+            return deepcopy(found)
+        raise found
 
     def make(self, variant: Variant) -> tuple[str, Case | None]:
         """Return the file and the case of a run, None where it is wrong."""
@@ -121,9 +134,7 @@ class _Cases:
             return "", None
         path = os.path.relpath(Path(self.name).parent / file)
         try:
-            if path not in self.texts:
-                self.texts[path] = Path(path).read_bytes()
-            document = read_document(self.texts[path], path)
+            document = self.read(path)
             for one in variant.changes:
                 if one.key != CASE:
                     change(document, one.key.split("."), one.value, self.label(one.place))

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, Field, StringConstraints, model_validator
 
-from pgimp.case.base import Count, Label, Model, NonNegative, Number, Positive
+from pgimp.case.base import Count, Label, Model, NonNegative, Number, Positive, one_line
 from pgimp.case.dispatch import Either
 from pgimp.case.messages import describe, got, unknown
 from pgimp.case.problems import Problem, problem, raise_problems
@@ -107,7 +107,9 @@ def _unique(values: tuple[str, ...]) -> tuple[str, ...]:
     return values
 
 
-Text = Annotated[str, StringConstraints(strict=True, min_length=1)]
+Text = Annotated[
+    str, StringConstraints(strict=True, min_length=1, max_length=1000), AfterValidator(one_line)
+]
 KeyPath = Text
 """Keys and list indices joined by dots, as ``--set`` takes them."""
 
@@ -202,12 +204,12 @@ class Study(Model):
         default=(), description="what else the tables show of each run, in the form of error"
     )
     ranks: Count = Field(default=1, description="ranks of every run")
-    launcher: Annotated[tuple[str, ...], Field(min_length=1), AfterValidator(_launcher)] | None = (
-        Field(
-            default=None,
-            description="words that start a run, with {ranks} for their number; null: mpirun -n "
-            "{ranks}, or nothing for one rank",
-        )
+    launcher: (
+        Annotated[tuple[Label, ...], Field(min_length=1), AfterValidator(_launcher)] | None
+    ) = Field(
+        default=None,
+        description="words that start a run, with {ranks} for their number; null: mpirun -n "
+        "{ranks}, or nothing for one rank",
     )
     timeout: Positive | None = Field(
         default=None, description="a run that takes longer is stopped [s]"
