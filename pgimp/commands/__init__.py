@@ -4,6 +4,7 @@
 COMMANDS = {
     "check": "validates a case and estimates what it will cost",
     "study": "runs a case with many changes: a table and a plot of error against cost",
+    "batch": "writes a script for Slurm or PBS that takes a run to its end",
     "compare": "tells whether two runs have the same particles, bit for bit",
     "bench": "measures the speed of this machine by phase",
     "doctor": "checks that MPI, HDF5, h5py and Numba are there and fit each other",
