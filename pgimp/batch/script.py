@@ -154,8 +154,8 @@ _SLURM_PARTS = {
     "cancel": "scancel",
     "number": "SLURM_JOB_ID",
     "story": """\
-# @@notice seconds before its time is up, or up to a minute earlier, Slurm sends this script SIGUSR1,
-# which it passes on. The run writes a checkpoint and ends with status 75; the job then goes back
+# @@notice seconds before its time is up, or up to a minute earlier, Slurm sends this script a
+# signal, SIGUSR1, which it passes on. The run writes a checkpoint and ends with status 75; the job then goes back
 # into the queue, under the same number, and goes on from there. So does one whose node failed.""",
     "timer": "",
     "timed": "",
@@ -164,7 +164,7 @@ if ! scontrol requeue "$SLURM_JOB_ID"; then
     say "cannot requeue the job; submit this script again to go on from the checkpoint"
     exit 75
 fi
-say "requeued, to go on from the checkpoint"""",
+say 'requeued, to go on from the checkpoint'""",
 }
 
 _PBS_PARTS = {
