@@ -1,6 +1,7 @@
 """What tests let all ranks of one start do: several runs in a row, or one that is disturbed.
 
-rank_probe.py runs FOLDER CASE.yaml ...     runs cases, each into FOLDER/NAME of the case
+rank_probe.py runs FOLDER CASE.yaml ...     runs cases, each into FOLDER/NAME of the case, with
+                                            checkpoints; what is there goes on from the newest one
 rank_probe.py poison RANK STEP WORDS ...    pgimp WORDS; on one rank a particle's F becomes NaN
 """
 
@@ -28,7 +29,9 @@ if __name__ == "__main__":
 
         folder = Path(sys.argv[2])
         for case in sys.argv[3:]:
-            run(case, output=folder / Path(case).stem, quiet=True)
+            checkpoints = ["checkpoint={every: {steps: 11}, keep: 1000}"]
+            output = folder / Path(case).stem
+            run(case, output=output, overrides=checkpoints, resume=True, quiet=True)
     else:
         from pgimp.cli import main
 

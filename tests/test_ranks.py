@@ -2,6 +2,7 @@
 
 import hashlib
 import re
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,9 @@ from scenes import write_case
 import pgimp
 
 RANKS = (1, 2, 3, 4, 7)
+#: Runs that are resumed: on how many ranks they began, on how many and where they go on.
+RESUMED = {(3, 2): 0.4, (2, 4): 0.8, (7, 1): 0.0}
+
 
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory, mpirun, python):
@@ -21,13 +25,27 @@ def runs(tmp_path_factory, mpirun, python):
     for path, case in zip(cases, SCENES.values(), strict=True):
         write_case(path, case)
     results = {}
-    for ranks in RANKS:
-        results[ranks] = folder / f"on-{ranks}"
-        results[ranks].mkdir()
-        words = [Path(__file__).with_name("rank_probe.py"), "runs", results[ranks], *cases]
+    for start in (*RANKS, *RESUMED):
+        before, ranks = start if isinstance(start, tuple) else (0, start)
+        results[start] = folder / f"on-{ranks}-after-{before}"
+        if before:
+            shutil.copytree(results[before], results[start])
+            for run in results[start].iterdir():
+                go_back(run, RESUMED[start])
+        words = [Path(__file__).with_name("rank_probe.py"), "runs", results[start], *cases]
         job = python(words, timeout=900) if ranks == 1 else mpirun(ranks, words, timeout=900)
         assert job.returncode == 0, job.stderr
     return results
+
+
+def go_back(run, part):
+    """Delete all checkpoints after a part of a run, as if it had been killed before the next."""
+    checkpoints = sorted((run / "checkpoints").iterdir())
+    assert len(checkpoints) > 2
+    for path in checkpoints[1 + int(part * (len(checkpoints) - 2)) :]:
+        path.unlink()
+    info = run / "run.json"
+    info.write_text(info.read_text().replace('"state": "done"', '"state": "running"'))
 
 
 def digests(run):
@@ -48,6 +66,17 @@ def test_frames_and_history_are_the_same_bytes(runs, name, ranks):
             assert np.array_equal(mine[field], theirs[field]), (mine.number, field)
     assert (alone / "history.csv").read_text() == (together / "history.csv").read_text()
     assert digests(alone) == digests(together)
+
+
+@pytest.mark.parametrize("start", RESUMED, ids=lambda start: "{}-then-{}".format(*start))
+@pytest.mark.parametrize("name", SCENES)
+def test_resumed_runs_leave_the_same_bytes(runs, name, start):
+    alone, resumed = runs[1] / name, runs[start] / name
+    assert pgimp.open(resumed).info["ranks"] == start[1]
+    assert pgimp.open(resumed).info["resumed_from"] >= 11
+    for name in ("history.csv", "particles.xdmf"):
+        assert (alone / name).read_text() == (resumed / name).read_text()
+    assert digests(alone) == digests(resumed)
 
 
 def reach(frame, axis, body=None):
