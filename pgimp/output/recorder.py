@@ -94,7 +94,8 @@ class Recorder:
         line = self._line_times.due(sim.time, sim.step, sim.dt)
         if frame or line:
             self._record(frame, line)
-        if self.checkpoints.due(sim) or now:
+        # The one of the end comes after the frame of the end.
+        if (self.checkpoints.due(sim) or now) and not sim.finished:
             self.checkpoint()
 
     def end(self) -> None:

@@ -1,0 +1,289 @@
+"""Going on from a checkpoint: what is taken up, what is refused, what is said."""
+
+import json
+import os
+import shutil
+import time
+
+import numpy as np
+import pytest
+from test_run import CASE
+
+import pgimp
+from pgimp.case.load import load
+from pgimp.case.schema import Case
+from pgimp.errors import RunError, UsageError
+from pgimp.output.checkpointfile import CheckpointFile
+from pgimp.output.checkpoints import number_of, present
+from pgimp.parallel.comm import Serial
+
+EVERY = "checkpoint={every: {steps: 40}, keep: 3}"
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("resume")
+    (folder / "blocks.yaml").write_text(CASE)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def whole(folder):
+    """A run that was never stopped."""
+    return pgimp.run(folder / "blocks.yaml", output=folder / "whole", overrides=[EVERY], quiet=True)
+
+
+@pytest.fixture
+def run(folder, tmp_path, whole):
+    """``run(*overrides, back=80)`` resumes a copy of the run, from step 80 if nothing is changed.
+
+    The copy is as if the run had been killed before its next checkpoint.
+    """
+    output = tmp_path / "run"
+    shutil.copytree(whole.path, output)
+    info = json.loads((output / "run.json").read_text())
+    info["starts"][-1]["state"] = "running"
+    (output / "run.json").write_text(json.dumps(info))
+
+    def resume(*overrides, back=160, **options):
+        for path in present(output / "checkpoints"):
+            if number_of(path) > back:
+                path.unlink()
+        options = {"quiet": True, "resume": True} | options
+        return pgimp.run(
+            folder / "blocks.yaml", output=output, overrides=[EVERY, *overrides], **options
+        )
+
+    resume.output = output
+    return resume
+
+
+def check_same(one, other):
+    for name in ("history.csv", "particles.xdmf", "case.yaml"):
+        assert (one.path / name).read_bytes() == (other.path / name).read_bytes()
+    for mine, theirs in zip(one, other, strict=True):
+        assert mine.path.read_bytes() == theirs.path.read_bytes()
+
+
+def steps(run):
+    return [number_of(path) for path in present(run.path / "checkpoints")]
+
+
+def test_the_last_checkpoints_are_kept_and_the_end_has_one(whole):
+    assert steps(whole) == [200, 160, 120]
+    file = CheckpointFile(present(whole.path / "checkpoints")[0])
+    assert file.count == 72 and file.about["frames"] == len(whole)
+    np.testing.assert_array_equal(np.sort(file.read("id", 0, 72)), np.arange(72))
+
+
+@pytest.mark.parametrize("back", [120, 160])
+def test_a_resumed_run_leaves_the_same_files(run, whole, back):
+    resumed = run(back=back)
+    assert resumed.info["resumed_from"] == back and resumed.state == "done"
+    check_same(whole, resumed)
+    assert steps(resumed) == steps(whole)
+    first, second = json.loads((resumed.path / "run.json").read_text())["starts"]
+    assert (first["state"], second["state"]) == ("failed", "done")
+    assert "ended without a word" in first["message"]
+
+
+def test_half_a_line_and_half_a_file_of_a_run_that_was_killed_are_cut_off(run, whole):
+    history = run.output / "history.csv"
+    history.write_text(history.read_text()[:-30])
+    (run.output / "frames" / ".particles-000009.h5.part").write_text("half")
+    (run.output / "checkpoints" / ".step-000000999.h5.part").write_text("half")
+    resumed = run()
+    check_same(whole, resumed)
+    assert not list(run.output.rglob("*.part"))
+
+
+def test_what_is_missing_of_the_earlier_output_is_said(run, capsys):
+    frames = sorted((run.output / "frames").iterdir())
+    frames[1].unlink()
+    frames[2].write_bytes(frames[2].read_bytes()[:100])
+    history = run.output / "history.csv"
+    history.write_text("".join(history.read_text().splitlines(keepends=True)[:3]))
+    resumed = run(quiet=False)
+    said = capsys.readouterr().out
+    assert "note: 1 of the 8 earlier frames are missing" in said
+    assert f"cannot read {frames[2]}" in said
+    assert "history.csv ends at step 30, but it had a line of step 150: lines are missing" in said
+    assert [*resumed.history["step"]] == [0, 30, 180, 200]
+    assert (resumed.path / "particles.xdmf").read_text().count("<Time") == 8
+
+
+def test_what_may_change_changes_no_particle(run, whole, capsys):
+    changes = ["title=Another", "output={every: 0.1, fields: [stress]}", "history={every: 0.05}"]
+    resumed = run(*changes, quiet=False)
+    said = capsys.readouterr().out
+    assert "note: title is now Another, was \"Two soft blocks\"" in said
+    assert "note: output is now {every: 0.1" in said and "note: time.end" not in said
+    assert resumed.case.title == "Another"
+    for field in resumed.frame(-1).fields:
+        assert whole.frame(-1)[field].tobytes() == resumed.frame(-1)[field].tobytes()
+    assert resumed.history["step"][-2:].tolist() == [195, 200]
+
+
+def test_a_prolonged_run_has_the_bits_of_a_longer_one(run, folder):
+    longer = pgimp.run(
+        folder / "blocks.yaml",
+        output=folder / "longer",
+        overrides=["time.end=2.6", EVERY],
+        quiet=True,
+    )
+    resumed = run("time.end=2.6", back=200)
+    assert resumed.info["resumed_from"] == 200 and resumed.frame(-1).step == 260
+    for field in longer.frame(-1).fields:
+        assert longer.frame(-1)[field].tobytes() == resumed.frame(-1)[field].tobytes()
+
+
+def test_another_case_is_refused_with_what_differs(run):
+    before = {path: path.read_bytes() for path in run.output.rglob("*") if path.is_file()}
+    with pytest.raises(UsageError) as error:
+        run("materials.soft.young=200.0", "boundaries.y-max=fixed", "output.every=0.4", back=200)
+    text = str(error.value)
+    assert "  materials.soft.young is 200.0, was 100.0\n" in text
+    assert "  boundaries.y-max is fixed, was slip\n" in text and "output.every" not in text
+    assert "choose another directory with -o" in text
+    after = {path: path.read_bytes() for path in run.output.rglob("*") if path.is_file()}
+    assert after == before
+
+
+def test_an_end_that_has_passed_is_refused(run):
+    with pytest.raises(UsageError, match=r"time\.end: 1\.5 has passed, the run is at t = 1\.6"):
+        run("time.end=1.5", "output.at=[]")
+
+
+def test_a_damaged_checkpoint_is_named_and_skipped(run, whole, capsys):
+    newest = run.output / "checkpoints" / "step-000000160.h5"
+    data = bytearray(newest.read_bytes())
+    data[len(data) // 2] ^= 4
+    newest.write_bytes(data)
+    resumed = run(quiet=False)
+    said = capsys.readouterr().out
+    assert f"warning: {newest} cannot be used: " in said and "earlier" in said
+    assert resumed.info["resumed_from"] == 120
+    check_same(whole, resumed)
+    assert steps(resumed) == [200, 160, 120]  # the damaged one has not pushed out an intact one
+    assert newest.with_name(newest.name + ".damaged").read_bytes() == data
+
+
+def test_without_an_intact_checkpoint_nothing_is_touched(run):
+    for path in present(run.output / "checkpoints"):
+        path.write_bytes(path.read_bytes()[:-1])
+    before = {path: path.read_bytes() for path in run.output.rglob("*") if path.is_file()}
+    with pytest.raises(RunError, match=r"none of the 3 checkpoints in .* can be used"):
+        run(back=200)
+    after = {path: path.read_bytes() for path in run.output.rglob("*") if path.is_file()}
+    assert after == before
+
+
+def test_without_a_checkpoint_the_run_begins_anew(run, whole, capsys, tmp_path, folder):
+    resumed = run(back=-1, quiet=False)
+    assert "no checkpoint in" in capsys.readouterr().out
+    assert resumed.info["resumed_from"] is None
+    check_same(whole, resumed)
+    fresh = pgimp.run(
+        folder / "blocks.yaml", output=tmp_path / "new", overrides=[EVERY], resume=True, quiet=True
+    )
+    check_same(whole, fresh)
+
+
+def test_without_a_checkpoint_another_case_is_refused_too(run):
+    with pytest.raises(UsageError, match=r"materials\.soft\.young is 200\.0, was 100\.0"):
+        run("materials.soft.young=200.0", back=-1)
+
+
+def test_a_run_that_is_done_stays_as_it_is(folder, whole, capsys):
+    before = {path: path.read_bytes() for path in whole.path.rglob("*") if path.is_file()}
+    case = folder / "blocks.yaml"
+    same = pgimp.run(case, output=whole.path, overrides=[EVERY], resume=True)
+    assert "done already" in capsys.readouterr().out and same.state == "done"
+    assert {path: path.read_bytes() for path in whole.path.rglob("*") if path.is_file()} == before
+
+
+def test_another_version_or_processor_is_a_warning(run, whole, capsys, monkeypatch):
+    from pgimp.output import runinfo
+
+    monkeypatch.setattr(runinfo, "cpu", lambda: "another processor")
+    resumed = run(quiet=False)
+    said = capsys.readouterr().out
+    assert "warning: the checkpoint was written with cpu" in said and "another processor" in said
+    check_same(whole, resumed)
+
+
+def test_checkpoints_by_simulated_time_by_wall_time_and_none(folder, tmp_path):
+    def made(text):
+        output = tmp_path / text[:12].strip("{").replace(":", "").replace(" ", "-")
+        overrides = [f"checkpoint={{every: {text}, keep: 1000}}", "time.end=0.5", "output.at=[]"]
+        return steps(pgimp.run(folder / "blocks.yaml", output=output, overrides=overrides))
+
+    assert made("0.125") == [50, 38, 25, 13]
+    assert made("null") == [50]
+    assert len(made("{wall: 1.0e-9}")) == 50
+    assert made("{wall: 900}") == [50]
+
+
+def test_displacement_needs_the_initial_positions(tmp_path, folder):
+    case, output = folder / "blocks.yaml", tmp_path / "run"
+    few = ["output={fields: [stress]}", "checkpoint={every: {steps: 40}}"]
+    pgimp.run(case, output=output, overrides=[*few, "time.end=1.0"], quiet=True)
+    with pytest.raises(UsageError, match="displacement needs the initial positions"):
+        pgimp.run(case, output=output, overrides=["checkpoint={every: 1.0}"], resume=True)
+
+
+def test_a_state_is_what_the_simulation_goes_on_with(folder):
+    """Taken out and put back at any step, also in the middle between two re-sorts."""
+    from pgimp.solver.simulation import Simulation
+    from pgimp.solver.state import capture
+
+    class Memory:
+        def __init__(self, sim):
+            state, rows, self._whole = capture(sim)
+            self.about, self._rows = {"state": json.loads(json.dumps(state))}, dict(rows)
+            self.count = sim.local_count
+            self.rows = {name: (a.dtype, a.shape[1:]) for name, a in self._rows.items()}
+            self.whole = {name: (a.dtype, a.shape) for name, a in self._whole.items()}
+
+        def read(self, name, first, last):
+            return self._rows[name][first:last]
+
+        def read_whole(self, name):
+            return self._whole[name]
+
+        def __eq__(self, other):
+            arrays, others = self._rows | self._whole, other._rows | other._whole
+            return self.about == other.about and all(
+                arrays[name].tobytes() == others[name].tobytes() for name in {*arrays, *others}
+            )
+
+    case: Case = load(folder / "blocks.yaml")
+    sim = Simulation(case, Serial())
+    for step in range(1, 130):
+        sim.advance()
+        if step % 30 == 0:
+            sim.diagnostics()
+        if step in (1, 30, 47, 48, 49, 100):
+            copy = Simulation(case, Serial(), Memory(sim))
+            assert Memory(copy) == Memory(sim)
+            started = step
+    while copy.step < sim.step:
+        copy.advance()
+        if copy.step % 30 == 0:
+            copy.diagnostics()
+    assert started == 100 and Memory(copy) == Memory(sim)
+
+
+def test_a_run_stops_before_its_wall_time(folder, tmp_path, capsys):
+    began = time.monotonic()
+    run = pgimp.run(
+        folder / "blocks.yaml",
+        output=tmp_path / "run",
+        overrides=["time.end=200000.0", "output={every: null}"],
+        wall_time=2.0,
+    )
+    assert time.monotonic() - began < 2.0
+    assert run.state == "stopped" and steps(run) == [run.info["steps"]]
+    assert "stopped before the wall time 0:00:02 at step" in capsys.readouterr().out
+    assert run.info["message"] == "stopped before the wall time 0:00:02"
+    assert len(run) == 1 and os.listdir(run.path / "checkpoints")
