@@ -197,7 +197,7 @@ MISTAKES = [
      "did you mean 'table'?"),
     ("output:", "escape: {y-min: remove}\noutput:", "29: escape.y-min", "y-min has a condition"),
     ("output:", "escape: {z-max: remove}\noutput:", "29: escape.z-max", "unknown face 'z-max'"),
-    ("output:", "escape: {x-max: go}\noutput:", "29: escape.x-max", "value 'go'; known: remove, st"),
+    ("output:", "escape: {x-max: go}\noutput:", "29: escape.x-max", "unknown value 'go'; known: "),
     ("output:", "escape: x-max\noutput:", "29: escape", "expected a mapping of keys to values"),
     # YAML
     ("  end: 1.0", "\tend: 1.0", "8:1", "a tab; indent with spaces only"),

@@ -21,10 +21,11 @@ def make_case(fields=tuple(OPTIONAL)):
     )
 
 
-def make_sim(comm, count, dimension, empty=()):
+def make_sim(comm, count, dimension, empty=(), gone=()):
     """Spread particles of random values over the ranks, in storage with holes and no order.
 
-    Returns the fake simulation and the values of all particles by id. Ranks in `empty` get none.
+    Returns the fake simulation and the values of all particles by id. Ranks in `empty` get none;
+    particles in `gone` have left.
     """
     random = np.random.default_rng(7)
     values = {
@@ -39,7 +40,7 @@ def make_sim(comm, count, dimension, empty=()):
     }
     owner = random.integers(comm.size, size=count)
     owner[np.isin(owner, empty)] = 0
-    mine = np.flatnonzero(owner == comm.rank)
+    mine = np.setdiff1d(np.flatnonzero(owner == comm.rank), gone)
     storage = random.permutation(2 * len(mine) + 3)[: len(mine)]
     particles = SimpleNamespace()
     for name, of_all in values.items():
@@ -51,6 +52,7 @@ def make_sim(comm, count, dimension, empty=()):
         body_names=("left", "right"),
         material_names=("soft", "hard"),
         body_material=(1, 0),
+        exits=int(len(gone) > 0),
     )
     sim = SimpleNamespace(
         comm=comm,
@@ -62,7 +64,7 @@ def make_sim(comm, count, dimension, empty=()):
         particles=particles,
         live=lambda: storage,
     )
-    return sim, values
+    return sim, {name: np.delete(of_all, gone, axis=0) for name, of_all in values.items()}
 
 
 def expected(values, dimension):
@@ -96,13 +98,13 @@ def expected(values, dimension):
     }
 
 
-def write_frames(directory, comm, count, dimension, empty=(), streamed=False, number=2):
+def write_frames(directory, comm, count, dimension, empty=(), streamed=False, number=2, gone=()):
     (directory / "frames").mkdir(parents=True, exist_ok=True)
     comm.Barrier()
-    sim, values = make_sim(comm, count, dimension, empty)
+    sim, values = make_sim(comm, count, dimension, empty, gone)
     frames = Frames(directory, make_case(), sim)
     if streamed:
-        frames.parallel = False
+        frames.file.parallel = False
     for _ in range(number):
         frames.write(sim)
     return frames, values

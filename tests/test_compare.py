@@ -128,6 +128,29 @@ def test_other_order(pair, capsys):
     assert status == 1 and "frame 1 (t = 0.1): the particles have other ids or another order" in out
 
 
+def test_particles_that_left_one_run(pair, capsys, monkeypatch):
+    """Those that both have are compared by their ids, also where blocks of rows do not match."""
+    monkeypatch.setattr(compare, "_BLOCK_ROWS", 4)
+    change(pair[0], 1, "stress", (30, 3), lambda value: 9.0)
+    change(pair[1], 1, "stress", (30, 3), lambda value: 7.0)
+    change(pair[1], 1, "volume", 8, lambda value: value + 1.0)  # of a particle only there
+    for directory, gone in zip(pair, ([2, 3, 8, 9, 10, 20], [*range(20, 29)]), strict=True):
+        with h5py.File(directory / "frames" / "particles-000001.h5", "r+") as file:
+            for name in list(file):
+                attributes, values = dict(file[name].attrs), np.delete(file[name][:], gone, axis=0)
+                del file[name]
+                file[name] = values
+                file[name].attrs.update(attributes)
+    status, out = call(capsys, *pair)
+    assert status == 1
+    assert out.splitlines()[:-1] == [
+        f"frame 1 (t = 0.1): 8 of 25 particles only in {pair[0]}: 21, 22, 23, 24, 25, ...",
+        f"frame 1 (t = 0.1): 5 of 22 particles only in {pair[1]}: 2, 3, 8, 9, 10",
+        "frame 1 (t = 0.1), stress: 1 of 17 particles differ, worst is particle 30 xy: "
+        "9.0 and 7.0, difference 2",
+    ]
+
+
 def test_missing_frame(pair, capsys):
     (pair[1] / "frames" / "particles-000002.h5").unlink()
     for directories in (pair, pair[::-1]):
@@ -157,7 +180,7 @@ def test_other_time_step_fields_and_number(pair, capsys):
         "frame 1 (t = 0.1): time 0.1 and 0.10000000000000002",
         f"frame 1 (t = 0.1): only {pair[0]} has the field stress",
         "frame 1 (t = 0.1), volume: of another shape or type",
-        "frame 2 (t = 0.2): 31 and 30 particles",
+        f"frame 2 (t = 0.2): 1 of 31 particles only in {pair[0]}: 30",
     ]
 
 

@@ -82,7 +82,9 @@ def test_field_values_do_not_depend_on_the_neighbours(name, dimension):
 
 
 # Two particles on three or four ranks: some have no rows. Rank 1 has no particles in any case.
-COUNTS = (2, 3001)
+# Of the third kind some have left, among them all of the first share of ids; of the last kind all.
+COUNTS = {"2": 2, "3001": 3001, "some": 3001, "none": 5}
+GONE = {"some": [*range(1100), *range(1200, 3001, 7)], "none": range(5)}
 WAYS = ("parallel", "streamed", "streamed-in-small-blocks")
 
 
@@ -92,24 +94,31 @@ def test_every_number_of_ranks_writes_the_same_file(tmp_path, mpirun, ranks):
     job = mpirun(ranks, [__file__, tmp_path], env=path)
     assert job.returncode == 0, job.stdout + job.stderr
     assert job.stdout.split() == ["True", "False", "False"] * len(COUNTS)
-    for count in COUNTS:
-        serial = tmp_path / f"serial-{count}"
-        _, values = write_frames(serial, Serial(), count, 3)
+    for kind, count in COUNTS.items():
+        serial = tmp_path / f"serial-{kind}"
+        _, values = write_frames(serial, Serial(), count, 3, gone=GONE.get(kind, ()))
+        assert len(values["id"]) == count - len(GONE.get(kind, ()))
         wanted = digests(serial)
         assert set(wanted) == {"particles-000000.h5", "particles-000001.h5"}
         for way in WAYS:
-            directory = tmp_path / f"{way}-{count}"
-            assert digests(directory) == wanted, (count, way)
+            directory = tmp_path / f"{way}-{kind}"
+            assert digests(directory) == wanted, (kind, way)
             xdmf = (directory / "particles.xdmf").read_bytes()
             assert xdmf == (serial / "particles.xdmf").read_bytes()
             with h5py.File(directory / "frames" / "particles-000001.h5") as file:
-                np.testing.assert_array_equal(file["stress"][:], expected(values, 3)["stress"])
+                for name in ("id", "stress"):
+                    np.testing.assert_array_equal(file[name][:], expected(values, 3)[name])
 
 
-def test_a_lost_particle_is_noticed():
-    ids = np.array([0, 1, 3, 3])
-    with pytest.raises(RunError, match="an id is missing or there twice"):
-        Rows(Serial(), ids, np.arange(4), 4)
+@pytest.mark.parametrize("ids", [[0, 1, 3, 3], [0, 1, 3], [0, 1, 2, 4]])
+def test_a_lost_particle_is_noticed(ids):
+    ids = np.array(ids)
+    for complete in (True, False):
+        if complete or len(ids) > 3:
+            with pytest.raises(RunError, match="an id is missing or there twice"):
+                Rows(Serial(), ids, np.arange(len(ids)), 4, complete)
+        else:
+            assert Rows(Serial(), ids, np.arange(len(ids)), 4, complete).count == 3
 
 
 def test_reading_back_notices_a_changed_byte(tmp_path):
@@ -151,10 +160,11 @@ def test_history_lines_hold_every_bit(tmp_path):
 
 if __name__ == "__main__":
     comm = world()
-    for count in COUNTS:
+    for kind, count in COUNTS.items():
         for way in WAYS:
             framefile._BLOCK = 1000 if way == WAYS[2] else 4 << 20
-            directory = Path(sys.argv[1]) / f"{way}-{count}"
-            frames, _ = write_frames(directory, comm, count, 3, (1,), way != WAYS[0])
+            directory = Path(sys.argv[1]) / f"{way}-{kind}"
+            gone = GONE.get(kind, ())
+            frames, _ = write_frames(directory, comm, count, 3, (1,), way != WAYS[0], gone=gone)
             if comm.rank == 0:
                 print(frames.parallel)

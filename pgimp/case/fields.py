@@ -36,6 +36,15 @@ FIELDS: dict[str, Field] = {
 }
 """What ``output.fields`` may name."""
 
+FAILURE: dict[str, Field] = {
+    "fault": Field(
+        "1",
+        "0: a neighbour; 1: position, velocity or deformation is not a finite number; 2: inside "
+        "out (det F <= 0); 3: moved by more than a cell in a step; 4: left the domain",
+    )
+}
+"""What the particles in ``failure`` have besides."""
+
 HISTORY: dict[str, str] = {
     "time": "simulated time [time]",
     "step": "steps done",
@@ -50,8 +59,9 @@ HISTORY: dict[str, str] = {
     "strain-energy": "strain energy [energy]",
     "dissipated-energy": (
         "what closes the balance: energy at the start plus external work less kinetic and strain "
-        "energy, and less that of particles that were removed; of the order of the time step also where nothing is lost, for instance in free "
-        "fall, because work is force times displacement [energy]"
+        "energy, and less that of particles that were removed; of the order of the time step also "
+        "where nothing is lost, for instance in free fall, because work is force times "
+        "displacement [energy]"
     ),
     "external-work": "work of gravity, faces, tractions and constraints on the material since the "
     "start: force times displacement [energy]",

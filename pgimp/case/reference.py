@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple
 
 from pgimp.case.base import LARGEST_COUNT
-from pgimp.case.fields import ALWAYS, FIELDS, HISTORY, Field
+from pgimp.case.fields import ALWAYS, FAILURE, FIELDS, HISTORY, Field
 from pgimp.case.jsonschema import Schema, json_schema, study_schema
 from pgimp.case.writer import flow
 
@@ -60,6 +60,9 @@ def reference() -> str:
         _fields(ALWAYS),
         "As `output.fields` asks for:\n",
         _fields(FIELDS),
+        "When a particle stops the run, `failure/particles.h5` holds it and those around it, as\n"
+        "they were computed, with all fields and\n",
+        _fields(FAILURE),
         "## History\n",
         "The columns of `history.csv`, in their order. AXIS is `x`, `y`, `z`, as many as the case "
         "has dimensions; NAME is each body, FACE each face that the case names.\n",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -12,6 +12,7 @@ import numpy as np
 
 from pgimp.errors import UsageError
 from pgimp.output.fields import FIELDS
+from pgimp.output.pairs import Pair
 from pgimp.output.reader import Frame, Run
 
 Array = np.ndarray
@@ -173,8 +174,8 @@ def differences(first: Run, second: Run, tolerance: Tolerance | None = None) -> 
     Yields
     ------
     str
-        A line about each difference: in the numbers of frames, in the fields of each common frame,
-        in the history.
+        A line about each difference: in the numbers of frames; in each common frame in the
+        particles that there are, and in the fields of those that both have; in the history.
 
     Raises
     ------
@@ -188,11 +189,15 @@ def differences(first: Run, second: Run, tolerance: Tolerance | None = None) -> 
     for run, mine, others in ((first, frames[0], frames[1]), (second, frames[1], frames[0])):
         only = sorted(set(mine) - set(others))
         if only:
-            names = ", ".join(map(str, only[:5])) + (", ..." if len(only) > 5 else "")
-            yield f"{len(only)} of {len(mine)} frames are only in {run.path}: {names}"
+            yield f"{len(only)} of {len(mine)} frames are only in {run.path}: {_some(only)}"
     for number in sorted(set(frames[0]) & set(frames[1])):
         yield from _frame(frames[0][number], frames[1][number], tolerance)
     yield from _history(first.history, second.history, tolerance)
+
+
+def _some(numbers: Sequence[int] | Array) -> str:
+    """Name the first of several numbers."""
+    return ", ".join(map(str, numbers[:5])) + (", ..." if len(numbers) > 5 else "")
 
 
 def _frame(first: Frame, second: Frame, tolerance: Tolerance) -> Iterator[str]:
@@ -205,22 +210,22 @@ def _frame(first: Frame, second: Frame, tolerance: Tolerance) -> Iterator[str]:
         for field in one.fields:
             if field not in other:
                 yield f"{name}: only {one.path.parents[1]} has the field {field}"
-    if len(first) != len(second):
-        yield f"{name}: {len(first)} and {len(second)} particles"
-        return
-    if _worst(first, second, "id", Tolerance()) is not None:
+    pair = Pair(first, second, _BLOCK_ROWS)
+    if not pair.comparable:
         yield f"{name}: the particles have other ids or another order"
         return
+    for frame, only in zip((first, second), pair.only, strict=True):
+        if len(only):
+            where = frame.path.parents[1]
+            yield f"{name}: {len(only)} of {len(frame)} particles only in {where}: {_some(only)}"
     for field in first.fields:
         if field != "id" and field in second:
-            yield from _field(name, field, first, second, tolerance)
+            yield from _field(name, field, pair, tolerance)
 
 
-def _field(
-    name: str, field: str, first: Frame, second: Frame, tolerance: Tolerance
-) -> Iterator[str]:
+def _field(name: str, field: str, pair: Pair, tolerance: Tolerance) -> Iterator[str]:
     try:
-        worst = _worst(first, second, field, tolerance)
+        worst = _worst(pair, field, tolerance)
     except ValueError:
         yield f"{name}, {field}: of another shape or type"
         return
@@ -228,19 +233,16 @@ def _field(
         component = ""
         if field in FIELDS and FIELDS[field].components:
             component = f" {FIELDS[field].components.split()[worst.column]}"
-        particle = int(first.rows("id", worst.row, worst.row + 1)[0])
         yield (
-            f"{name}, {field}: {worst.number} of {len(first)} particles differ, "
-            f"worst is particle {particle}{component}: {worst}"
+            f"{name}, {field}: {worst.number} of {len(pair)} particles differ, "
+            f"worst is particle {pair.number(worst.row)}{component}: {worst}"
         )
 
 
-def _worst(first: Frame, second: Frame, field: str, tolerance: Tolerance) -> Worst | None:
+def _worst(pair: Pair, field: str, tolerance: Tolerance) -> Worst | None:
     """Compare a field block by block; a ValueError says that the two are of different kinds."""
     number, worst = 0, None
-    for start in range(0, len(first), _BLOCK_ROWS):
-        one = first.rows(field, start, start + _BLOCK_ROWS)
-        two = second.rows(field, start, start + _BLOCK_ROWS)
+    for start, one, two in pair.blocks(field):
         if one.shape != two.shape or one.dtype != two.dtype:
             raise ValueError(field)
         one, two = one.reshape(len(one), -1), two.reshape(len(two), -1)

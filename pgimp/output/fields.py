@@ -71,6 +71,11 @@ def _padded(values: Array, columns: int) -> Array:
     return full
 
 
+def no_fault(source: Source) -> Array:
+    """Return 0 for each particle: nothing is wrong with it."""
+    return np.zeros(len(source.rows), np.int32)
+
+
 def identity(source: Source) -> Array:
     """Return the number of each particle."""
     return source.take("id")
@@ -165,3 +170,8 @@ OPTIONAL = {
 """Fields that a frame has when the case's ``output.fields`` names them."""
 
 FIELDS = ALWAYS | OPTIONAL
+
+FAILURE = {"fault": Field(no_fault, dtype="<i4")}
+"""Fields that only the particles of a failed run's bundle have."""
+
+EVERY = FIELDS | FAILURE

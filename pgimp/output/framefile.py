@@ -244,6 +244,8 @@ class FrameFile:
         block : ndarray, shape (n, ...)
             The rows, of the dataset's type, in C order.
         """
+        if not self.bounds[-1]:
+            return  # no rank has a row, and HDF5 fails to write nothing to nothing
         row_bytes = block.dtype.itemsize * math.prod(block.shape[1:])
         at_once = max(1, _BLOCK // max(1, row_bytes))
         if self.comm.rank > 0 and not self.parallel:

@@ -232,7 +232,7 @@ class Run:
         return history.read(self.path / "history.csv")
 
     def follow(self, number: int) -> dict[str, Array]:
-        """Follow a particle through the frames.
+        """Follow a particle through the frames, to the last one before it left the domain.
 
         Parameters
         ----------
@@ -242,7 +242,8 @@ class Run:
         Returns
         -------
         dict of str to ndarray, each of shape (frames,) or (frames, k)
-            ``time``, ``step`` and each field that all frames have.
+            ``time``, ``step`` and each field that all frames have; of a particle that was removed
+            only for the frames that have it.
 
         Raises
         ------
@@ -256,6 +257,8 @@ class Run:
             ids = frame["id"]
             row = int(np.searchsorted(ids, number))
             if row == len(ids) or ids[row] != number:
+                if values["time"]:
+                    break
                 raise KeyError(f"{self.path} has no particle {number} in frame {frame.number}")
             values["time"].append(frame.time)
             values["step"].append(frame.step)

@@ -14,7 +14,7 @@ Array = np.ndarray
 class Rows:
     """The rows that this rank writes, and the permutation that brings their values here.
 
-    Rank r of P takes the rows from r N/P to (r+1) N/P. The permutation is found once a frame; then
+    Rank r of P takes the ids from r N/P to (r+1) N/P. The permutation is found once a frame; then
     each field is moved on its own, so that no more than one is in memory.
 
     Parameters
@@ -22,14 +22,18 @@ class Rows:
     comm : communicator
         Of all ranks; creation is collective.
     ids : ndarray of int64, shape (n,)
-        Numbers of this rank's particles; over all ranks each of 0 to count-1 once.
+        Numbers of this rank's particles; over all ranks each of 0 to N-1 once, or at most once.
     storage : ndarray of int64, shape (n,)
         Where those particles are stored.
     count : int
-        N, the number of particles of all ranks.
+        N, the number of ids.
+    complete : bool
+        Whether no id may be missing.
 
     Attributes
     ----------
+    count : int
+        Number of rows of all ranks.
     bounds : list of int
         Where each rank's rows start, and `count`.
     first, last : int
@@ -40,28 +44,31 @@ class Rows:
     Raises
     ------
     RunError
-        On every rank, if an id is missing or twice there.
+        On every rank, if an id is twice there, or missing where it must not.
     """
 
-    def __init__(self, comm: Any, ids: Array, storage: Array, count: int) -> None:
+    def __init__(
+        self, comm: Any, ids: Array, storage: Array, count: int, complete: bool = True
+    ) -> None:
         self.comm = comm
-        self.count = count
-        self.bounds = [rank * count // comm.size for rank in range(comm.size + 1)]
-        self.first, self.last = self.bounds[comm.rank : comm.rank + 2]
+        shares = [rank * count // comm.size for rank in range(comm.size + 1)]
         order = np.argsort(ids, kind="stable")
         self.storage = storage[order]
-        self._sent = np.diff(np.searchsorted(ids[order], self.bounds))
+        self._sent = np.diff(np.searchsorted(ids[order], shares))
         self._received = self._sent
         if comm.size > 1:
             self._received = np.empty_like(self._sent)
             comm.Alltoall(self._sent, self._received)
-        arrived = self._move(ids[order]) - self.first
-        length = self.last - self.first
-        complete = len(arrived) == length and bool(
-            (np.bincount(arrived, minlength=length) == 1).all()
-        )
-        agree(comm, "order the particles", None if complete else "an id is missing or there twice")
+        arrived = self._move(ids[order])
         self._source = np.argsort(arrived)
+        once = bool((np.diff(arrived[self._source]) > 0).all()) and self._sent.sum() == len(ids)
+        whole = not complete or len(arrived) == shares[comm.rank + 1] - shares[comm.rank]
+        cause = None if once and whole else "an id is missing or there twice"
+        agree(comm, "order the particles", cause)
+        lengths = np.diff(shares) if complete else comm.allgather(len(arrived))
+        self.bounds = np.cumsum([0, *lengths]).tolist()
+        self.first, self.last = self.bounds[comm.rank : comm.rank + 2]
+        self.count = self.bounds[-1]
 
     def collect(self, values: Array) -> Array:
         """Bring the values of a field to the rank and the row they belong to.

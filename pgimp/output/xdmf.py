@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
-from pgimp.output.fields import FIELDS
+from pgimp.output.fields import EVERY
 from pgimp.output.files import write
 
 _NUMBER_TYPE = {"f": "Float", "i": "Int"}
@@ -73,7 +73,7 @@ def _grid(file: str, time: float, count: int, fields: list[str]) -> str:
         "</Geometry>",
     ]
     for name in fields:
-        field = FIELDS[name]
+        field = EVERY[name]
         if name == "position":
             continue
         lines += [
