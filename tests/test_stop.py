@@ -2,6 +2,7 @@
 
 import argparse
 import ctypes
+import json
 import os
 import re
 import signal
@@ -14,6 +15,7 @@ from types import SimpleNamespace
 
 import pytest
 from conftest import clean_env
+from test_run import CASE
 
 from pgimp import commands, signals
 from pgimp.output import stop as module
@@ -88,12 +90,12 @@ def first_moment(stop, at, reserve, among):
     return None
 
 
-@pytest.mark.parametrize(("whole", "margin"), [(100.0, 5.0), (7200.0, 60.0)])
+@pytest.mark.parametrize(("whole", "margin"), [(10.0, 1.0), (100.0, 5.0), (7200.0, 60.0)])
 def test_a_wall_time_leaves_room_for_the_checkpoint_and_a_margin(at, whole, margin):
     stop = Stop(Serial(), whole)
     assert stop.reason == ""
-    last = 1000.0 + whole - margin - 8.0
-    assert first_moment(stop, at, 8.0, (1000.0, last - 0.01, last)) == last
+    last = 1000.0 + whole - margin - 0.5
+    assert first_moment(stop, at, 0.5, (1000.0, last - 0.01, last)) == last
     assert stop.reason == f"the wall time {clock(whole)}" and stop.signal == 0
     assert str(stop) == f"before the wall time {clock(whole)}"
     at(0.0)
@@ -164,7 +166,7 @@ def test_the_environment_of_newer_slurms_saves_asking(squeue, at, monkeypatch):
     assert first_moment(stop, at, 0.0, (1094.0, 1095.0)) == 1095.0
     assert stop.reason == "Slurm's limit" and str(stop) == "before Slurm's limit"
     stop = Stop(Serial(), 4.0)
-    assert first_moment(stop, at, 0.0, (1095.0, 1099.0)) == 1099.0
+    assert first_moment(stop, at, 0.0, (1097.0, 1098.0)) == 1098.0
     assert stop.reason == "the wall time 0:00:04"
     # A shell that has outlived its job is not in it any more.
     monkeypatch.setenv("SLURM_JOB_END_TIME", "999999999")
@@ -341,6 +343,9 @@ def start(words, **more):
 def wait_for_handler(process, number=signal.SIGUSR1):
     """Return the seconds until the process has a handler for the signal; that is the window."""
     began = time.monotonic()
+    python = os.fsencode(sys.executable)
+    while not Path(f"/proc/{process.pid}/cmdline").read_bytes().startswith(python):
+        assert process.poll() is None  # before exec it has the launcher's handlers
     status = Path(f"/proc/{process.pid}/status")
     while not int(re.search(r"SigCgt:\s*(\w+)", status.read_text())[1], 16) >> (number - 1) & 1:
         assert process.poll() is None and time.monotonic() - began < 30.0
@@ -369,3 +374,81 @@ def test_once_the_handler_stands_no_signal_kills_whatever_the_moment(words, reco
         assert "there is no case file none.yaml" in process.stderr.read()
     record_property("longest window in ms", 1e3 * max(windows))
     print("windows in ms:", *(f"{1e3 * window:.0f}" for window in sorted(windows)))
+
+
+@pytest.fixture
+def running(tmp_path):
+    """``running(ranks)`` starts a run of hours; returns what was started, and the ranks' ids."""
+    (tmp_path / "blocks.yaml").write_text(CASE)
+    words = ["-m", "pgimp", "blocks.yaml", "-o", "out", "--set=time.end=200000.0"]
+    words += ["--set=output.every={steps: 100000}", "--set=output.at=[]"]
+    started = []
+
+    def go(ranks, *more):
+        mpirun = ["mpirun", "-q", "--oversubscribe", "--bind-to", "none", "-n", ranks]
+        command = [*(mpirun if ranks > 1 else []), sys.executable, *words, *more]
+        process = start(command, cwd=tmp_path)
+        started.append(process)
+        children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
+        until = time.monotonic() + 30.0
+        while ranks > 1 and len(children.read_text().split()) < ranks:
+            assert process.poll() is None and time.monotonic() < until
+            time.sleep(0.005)
+        pids = [process.pid] if ranks == 1 else list(map(int, children.read_text().split()))
+        return process, pids
+
+    yield go
+    for process in started:
+        process.kill()
+        process.communicate()
+
+
+def wait_for_steps(process, folder):
+    until = time.monotonic() + 60.0
+    while not (folder / "out" / "frames" / "particles-000000.h5").exists():
+        assert process.poll() is None and time.monotonic() < until
+        time.sleep(0.02)
+    time.sleep(0.1)
+
+
+def check_stopped(process, folder, why):
+    _, said = process.communicate(timeout=30)
+    assert (process.returncode, said) == (75, "")
+    info = json.loads((folder / "out" / "run.json").read_text())["starts"][-1]
+    assert (info["state"], info["message"]) == ("stopped", f"stopped {why}")
+    assert f"stopped {why} at step {info['steps']}, " in (folder / "out" / "log.txt").read_text()
+    assert (folder / "out" / "checkpoints" / f"step-{info['steps']:09d}.h5").exists()
+    assert not list(folder.rglob("*.part"))
+    return info["steps"]
+
+
+@pytest.mark.parametrize(
+    ("ranks", "addressee", "number"),
+    [
+        (1, 0, signal.SIGTERM),
+        (2, 1, signal.SIGINT),
+        (3, "mpirun", signal.SIGUSR1),
+    ],
+)
+def test_a_signal_to_any_rank_stops_the_run_with_a_checkpoint(
+    running, tmp_path, ranks, addressee, number
+):
+    process, pids = running(ranks)
+    wait_for_steps(process, tmp_path)
+    os.kill(process.pid if addressee == "mpirun" else pids[addressee], number)
+    assert check_stopped(process, tmp_path, f"on {signal.Signals(number).name}") > 0
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_a_signal_during_set_up_stops_the_run_before_its_first_step(running, tmp_path, ranks):
+    process, pids = running(ranks)
+    wait_for_handler(SimpleNamespace(pid=pids[-1], poll=process.poll))
+    os.kill(pids[-1], signal.SIGTERM)
+    assert check_stopped(process, tmp_path, "on SIGTERM") == 0
+
+
+def test_a_run_ends_within_its_wall_time(running, tmp_path):
+    began = time.monotonic()
+    process, _ = running(1, "--wall-time=0:00:03")
+    assert check_stopped(process, tmp_path, "before the wall time 0:00:03") > 0
+    assert 2.0 < time.monotonic() - began < 3.0

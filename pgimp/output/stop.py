@@ -19,7 +19,7 @@ from pgimp import signals
 # Kept free before a limit besides what a checkpoint takes: for the files to be closed, and for
 # interpreter and launcher to leave.
 _MARGIN_PART = 0.05
-_LONGEST_MARGIN = 60.0
+_SHORTEST_MARGIN, _LONGEST_MARGIN = 1.0, 60.0
 _SQUEUE_SECONDS = 5.0
 # A process that a signal ended has this much and the signal's number as status, in a shell.
 _SIGNAL_STATUS = 128
@@ -202,7 +202,8 @@ class Stop:
                 self._mind(now + left, left, "Slurm's limit")
 
     def _mind(self, end: float, whole: float, name: str) -> None:
-        latest = end - min(_MARGIN_PART * whole, _LONGEST_MARGIN)
+        margin = max(_SHORTEST_MARGIN, min(_MARGIN_PART * whole, _LONGEST_MARGIN))
+        latest = end - margin
         if latest < self._latest:
             self._latest, self._limit = latest, name
 
@@ -234,7 +235,7 @@ class Stop:
         ----------
         reserve : float
             Seconds that a checkpoint takes. What follows it gets a margin besides: 5 % of the whole
-            time, but at most a minute.
+            time, but at least a second and at most a minute.
         """
         if self.reason:
             return True

@@ -141,6 +141,8 @@ def _execute(study: Study, run: Planned, output: Path, check: Callable[[], None]
             raise
         said.seek(max(0, said.seek(0, os.SEEK_END) - _TAIL_BYTES))
         text = said.read().decode(errors="replace")
+    if status == os.EX_TEMPFAIL:
+        return str(_last_start(output).get("message"))
     if status != 0:
         return last_words(text, status)
     info = _last_start(output)
