@@ -155,8 +155,9 @@ _SLURM_PARTS = {
     "number": "SLURM_JOB_ID",
     "story": """\
 # @@notice seconds before its time is up, or up to a minute earlier, Slurm sends this script a
-# signal, SIGUSR1, which it passes on. The run writes a checkpoint and ends with status 75; the job then goes back
-# into the queue, under the same number, and goes on from there. So does one whose node failed.""",
+# signal, SIGUSR1, which it passes on. The run writes a checkpoint and ends with status 75; the job
+# then goes back into the queue, under the same number, and goes on from there. So does a job whose
+# node failed.""",
     "timer": "",
     "timed": "",
     "again": """\
@@ -243,13 +244,11 @@ if [ "$signals" != 0 ]; then
     signals=0
     tell_run
 fi
-while :; do
-    seen=$signals
-    status=0
-    wait "$run" || status=$?
-    # A signal ends the waiting, not the run.
-    [ "$signals" != "$seen" ] || break
-done
+# Not `wait` alone: a signal ends it, and bash may then have lost the status of the run.
+while kill -0 "$run" 2>/dev/null; do sleep 1; done
+trap '' USR1
+status=0
+wait "$run" || status=$?
 
 # --- What next? ---
 
