@@ -1,0 +1,191 @@
+"""Runs under mpirun that are disturbed, and what must be true of all that they leave."""
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import xml.etree.ElementTree
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+
+import pgimp
+from pgimp.output.checkpointfile import CheckpointFile
+from pgimp.output.checkpoints import present
+
+#: Two soft blocks collide in a box; some seconds, with frames and checkpoints all the time.
+CASE = """\
+format: 1
+title: Two soft blocks
+dimensions: 2
+grid: {origin: [0.0, 0.0], size: [24.0, 8.0], cell: [0.5, 0.5]}
+method: {shape: gimp, particles_per_cell: [2, 2]}
+time: {end: 4.0, step: 0.01}
+materials:
+  soft: {model: neo-hookean, young: 100.0, poisson: 0.3, density: 1.0}
+bodies:
+  left: {material: soft, region: {box: {min: [1.0, 1.0], max: [9.0, 7.0]}}, velocity: [2.0, 0.0]}
+  right: {material: soft, region: {box: {min: [12.0, 1.0], max: [20.0, 7.0]}}, velocity: [-1, 0]}
+boundaries: {x-min: fixed, x-max: fixed, y-min: slip, y-max: slip}
+output: {every: {steps: 37}}
+history: {every: {steps: 10}}
+checkpoint: {every: {steps: 25}, keep: 3}
+"""
+
+#: A job that has not ended after this is taken for hung.
+PATIENCE = 60.0
+
+
+def environment(tcp=False):
+    """Environment of a job of its own; root may use mpirun, and ranks may talk by TCP."""
+    launcher = ("OMPI_", "PMIX_", "PMI_", "SLURM_")
+    env = {name: value for name, value in os.environ.items() if not name.startswith(launcher)}
+    env |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+    return env | ({"OMPI_MCA_btl": "tcp,self"} if tcp else {})
+
+
+class Job:
+    """A run that goes on while it is being disturbed.
+
+    Parameters
+    ----------
+    ranks : int
+        How many; 1 is without mpirun.
+    words : sequence
+        What follows ``pgimp``.
+    folder : Path
+        Where it is started.
+    tcp : bool
+        Whether the ranks talk by TCP.
+    """
+
+    def __init__(self, ranks, words, folder, tcp=False):
+        command = [sys.executable, "-m", "pgimp", *map(str, words)]
+        if ranks > 1:
+            options = ["--oversubscribe", "--bind-to", "none", "-n", str(ranks)]
+            command = ["mpirun", *options, *command]
+        self.count = ranks
+        self.began = time.monotonic()
+        self._said = tempfile.TemporaryFile("w+", errors="replace")
+        self.process = subprocess.Popen(
+            command,
+            cwd=folder,
+            env=environment(tcp),
+            stdin=subprocess.DEVNULL,
+            stdout=self._said,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+        )
+
+    @property
+    def running(self):
+        """Whether it has not ended yet."""
+        return self.process.poll() is None
+
+    def ranks(self):
+        """Process ids of the ranks that are there by now."""
+        if self.count == 1:
+            return [self.process.pid]
+        try:
+            tasks = Path(f"/proc/{self.process.pid}/task")
+            children = {
+                int(child)
+                for task in tasks.iterdir()
+                for child in (task / "children").read_text().split()
+            }
+        except OSError:
+            return []
+        return sorted(children)
+
+    def wait(self, patience=PATIENCE):
+        """Status and seconds until the end; None as status if it hangs, and it is ended."""
+        began = time.monotonic()
+        try:
+            status = self.process.wait(patience)
+        except subprocess.TimeoutExpired:
+            status = None
+            for pid in (*self.ranks(), self.process.pid):
+                os.kill(pid, signal.SIGKILL)
+            self.process.wait()
+        return status, time.monotonic() - began
+
+    @property
+    def said(self):
+        """What it wrote to the terminal."""
+        self._said.seek(0)
+        return self._said.read()
+
+
+def whole(folder, name, words, ranks=1, tcp=False):
+    """Run to the end without a disturbance, and return what is left; an error if that fails."""
+    job = Job(ranks, [*words, "-o", name, "--overwrite"], folder, tcp)
+    status, _ = job.wait(10 * PATIENCE)
+    if status != 0:
+        sys.exit(f"the undisturbed run failed with status {status}:\n{job.said}")
+    return pgimp.open(folder / name)
+
+
+def unreadable(directory):
+    """Read all that a run has left; return what is wrong with it, one line each."""
+    wrong = []
+    if not (directory / "run.json").exists():
+        return wrong
+    run = pgimp.open(directory)
+    try:
+        steps = [frame.step for frame in run]
+        for frame in run:
+            if not all(np.isfinite(frame[name]).all() for name in frame.fields):
+                wrong.append(f"frame {frame.number} has values that are no numbers")
+        if steps != sorted(set(steps)):
+            wrong.append(f"frames of the steps {steps}")
+        lines = run.history["step"].tolist() if len(run.history) else []
+        if lines != sorted(set(lines)):
+            wrong.append(f"lines of the steps {lines}")
+    except pgimp.errors.PgimpError as error:
+        wrong.append(str(error))
+    series = directory / "particles.xdmf"
+    if series.exists():
+        tree = xml.etree.ElementTree.parse(series)
+        files = {item.text.split(":")[0] for item in tree.iter("DataItem")}
+        wrong += [
+            f"{name} is listed, but not there" for name in files if not (directory / name).exists()
+        ]
+    for path in present(directory / "checkpoints"):
+        try:
+            CheckpointFile(path).verify(0, 1)
+        except pgimp.errors.DamagedError as error:
+            wrong.append(f"{path.name}: {error}")
+    return wrong
+
+
+def differences(one, other):
+    """Return in what two run directories differ, bit for bit: frames, series and history."""
+    files = ["history.csv", "particles.xdmf"]
+    files += sorted(f"frames/{path.name}" for path in (one / "frames").glob("*.h5"))
+    wrong = [
+        name
+        for name in files
+        if not (other / name).exists() or (one / name).read_bytes() != (other / name).read_bytes()
+    ]
+    extra = {path.name for path in (other / "frames").iterdir()} - {
+        path.name for path in (one / "frames").iterdir()
+    }
+    return wrong + sorted(extra)
+
+
+@contextmanager
+def scratch(name):
+    """Give a folder that goes at the end, if the proof succeeded by returning no failure."""
+    folder = Path(tempfile.mkdtemp(prefix=f"pgimp-{name}-"))
+    failures = []
+    yield folder, failures
+    if failures:
+        print(f"{len(failures)} failures; see {folder}:")
+        for line in failures:
+            print(f"  {line}")
+    else:
+        shutil.rmtree(folder)
