@@ -32,7 +32,8 @@ def arrays(source):
 def probe(reader, body):
     """Return the times of a reader, what it shows at each, and a threshold by body at the last."""
     reader.UpdatePipelineInformation()
-    times = list(reader.TimestepValues)
+    times = reader.TimestepValues
+    times = list(times) if hasattr(times, "__len__") else [times]  # a single one is a float
     shown = []
     for time in times:
         reader.UpdatePipeline(time)

@@ -7,6 +7,7 @@ from time import perf_counter
 
 from pgimp.case.schema import Case
 from pgimp.errors import RunError
+from pgimp.output import failure
 from pgimp.output.checkpoints import About
 from pgimp.output.log import Log, timing_table
 from pgimp.output.progress import Progress, duration, terminal_columns
@@ -80,7 +81,11 @@ def advance(
         state = "stopped" if isinstance(error, KeyboardInterrupt) else "failed"
         directory.record_failure(state, sim.step, sim.time, describe(error))
         if isinstance(error, RunError):
-            raise RunError(f"{error}\n  {recorder.kept()}") from error
+            told = f"{error}\n  {recorder.kept()}"
+            bundle = failure.write(directory.path, sim, str(error), recorder.history.path)
+            if bundle:
+                told += f"\n  {bundle} shows the particles: report.txt, particles.xdmf for ParaView"
+            raise RunError(told) from error
         raise
     finally:
         progress.close()
@@ -119,7 +124,7 @@ def _say_done(
     """Say what was done since the step `first`, in `total` seconds."""
     output = sum(recorder.seconds.values())
     steps = sim.step - first
-    rate = sim.count * steps / total if total > 0.0 else 0.0
+    rate = sim.comm.allreduce(sim.particle_steps) / max(total, 1e-9)
     since = f" since step {first}" if first else ""
     log.say(
         f"done: t = {sim.time:.6g} after {steps} steps{since} in {duration(total)}, "
@@ -131,6 +136,13 @@ def _say_done(
         f"{frames} frame{'s' if frames > 1 else ''} and history.csv in {directory.path}; "
         f"look at them with: paraview {collection}"
     )
+    left = sim.count - sim.present() if sim.scene.exits else 0
+    if left:
+        faces = [face for face, way in sim.case.escape.items() if way == "remove"]
+        log.say(
+            f"note: {left} of {sim.count} particles left through {' or '.join(faces)}; the columns "
+            "escaped of history.csv tell what they took along"
+        )
     clamped = sim.comm.allreduce(sim.clamped)
     if clamped:
         share = 100.0 * clamped / (sim.count * sim.step)

@@ -16,9 +16,7 @@ _WHAT = {
     TOO_FAST: "moved by more than a cell in one step",
     OUTSIDE: "left the domain",
 }
-_UNSTABLE = (
-    "smaller steps (time.step), a stiffer material or slower loading, finer cells around it"
-)
+_UNSTABLE = "smaller steps (time.step), a stiffer material or slower loading, finer cells around it"
 _ADVICE = {
     NOT_FINITE: _UNSTABLE,
     INVERTED: f"{_UNSTABLE}, shape: gimp instead of mpm",
@@ -69,16 +67,21 @@ def _describe(sim: "Simulation", time: float, dt: float) -> tuple[str, str, str]
     p, (row, fault) = sim.particles, sim.faults[0].tolist()
     place = ", ".join(f"{x:.6g}" for x in p.x[row])
     velocity = ", ".join(f"{v:.4g}" for v in p.v[row])
-    face = f" through {face_of(sim, row)}" if fault == OUTSIDE else ""
+    body = sim.scene.body_names[p.body[row]]
     return (
-        f"particle {p.id[row]} of body '{sim.scene.body_names[p.body[row]]}' {_WHAT[fault]}{face}",
+        f"particle {p.id[row]} of body '{body}' {explanation(sim, row, fault)}",
         f"in step {sim.step + 1} to time {time:.6g} (dt {dt:.4g}), at ({place}), velocity "
         f"({velocity}), on rank {sim.comm.rank}",
         _ADVICE[fault],
     )
 
 
-def face_of(sim: "Simulation", row: int) -> str:
+def explanation(sim: "Simulation", row: int, fault: int) -> str:
+    """What is wrong with the particle in `row`: "is turned inside out", "left the domain ..."."""
+    return _WHAT[fault] + (f" through {_face(sim, row)}" if fault == OUTSIDE else "")
+
+
+def _face(sim: "Simulation", row: int) -> str:
     """Name of the face, of those that let nothing go, beyond which a particle lies."""
     frame = sim.scene.frame
     for d, x in enumerate(sim.particles.x[row]):
