@@ -239,6 +239,14 @@ def test_the_header_may_not_reach_into_the_data(whole, open_bounded):
         open_bounded(with_text(whole, dump(tree)))
 
 
+def test_a_file_without_data(whole, open_bounded):
+    tree = json.loads(parts(whole)[1])
+    begin = tree["pieces"][0][0]
+    tree |= {"size": begin, "count": 0, "rows": {}, "whole": {}, "pieces": [[begin, 0, 0]]}
+    with pytest.raises(DamagedError, match="piece by piece"):
+        open_bounded(with_text(whole, dump(tree))[:begin])
+
+
 NASTY = [0, 1, -1, 7, 511, 4096, 2**31, 2**32, 2**53, 2**63 - 1, 2**64, 0.5, True, None, "", "x"]
 NASTY += ["<f8", "<i4", "|O", [], {}, [0], [2**40, 0], [[]], "\n", "\x1b[2J", DELETE]
 

@@ -15,8 +15,9 @@ import numpy as np
 from pgimp.errors import DamagedError, RunError
 from pgimp.output.checkpointheader import KINDS, encode, parse
 from pgimp.output.collective import agree, explain, on_root
+from pgimp.output.datasets import Dataset, create, reachable
 from pgimp.output.files import publish, temporary
-from pgimp.output.framefile import Dataset, FrameFile, Written, checksum_of, create, reachable
+from pgimp.output.framefile import FrameFile, Written, checksum_of
 
 Array = np.ndarray
 

@@ -13,9 +13,10 @@ import numpy as np
 from pgimp.case import fields as case_fields
 from pgimp.errors import RunError
 from pgimp.output.collective import agree, explain, on_root
+from pgimp.output.datasets import Dataset, create, reachable
 from pgimp.output.fields import EVERY, Source
 from pgimp.output.files import publish, temporary
-from pgimp.output.framefile import Dataset, FrameFile, create, reachable
+from pgimp.output.framefile import FrameFile
 from pgimp.output.rows import Rows
 
 Array = np.ndarray

@@ -1,0 +1,143 @@
+"""Making an HDF5 file with its space on the disk, before any rank writes to it."""
+
+from __future__ import annotations
+
+import errno
+import math
+import os
+import socket
+from collections.abc import Mapping
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from pgimp.output.collective import explain
+from pgimp.output.hdf5 import load_h5py, open_file
+
+Array = np.ndarray
+
+# More than HDF5 needs for the headers of all fields.
+_HEADERS = 1 << 16
+_CANNOT_RESERVE = {errno.EOPNOTSUPP, errno.EINVAL, errno.ENOSYS}
+_NONE: Mapping[str, Any] = MappingProxyType({})
+
+
+class Dataset(NamedTuple):
+    """A dataset to be made: its name, type, shape of a row and attributes."""
+
+    name: str
+    dtype: str
+    tail: tuple[int, ...]
+    attributes: Mapping[str, Any] = _NONE
+
+    @property
+    def row_bytes(self) -> int:
+        """Bytes of a row."""
+        return np.dtype(self.dtype).itemsize * math.prod(self.tail)
+
+
+def create(
+    path: Path,
+    datasets: list[Dataset],
+    count: int,
+    attributes: Mapping[str, Any] = _NONE,
+    whole: Mapping[str, Array] = _NONE,
+    user_block: int = 0,
+) -> dict[str, int]:
+    """Make a file whose datasets lie in one piece each, with their space on the disk reserved.
+
+    On a full disk a parallel write loses data without an error; so the space is there before any
+    rank writes.
+
+    Parameters
+    ----------
+    path : Path
+        The file; replaced if there.
+    datasets : list of Dataset
+        What it holds.
+    count : int
+        Rows of each dataset.
+    attributes : mapping
+        Of the file's root.
+    whole : mapping of str to ndarray
+        Further datasets, small ones, written here and now.
+    user_block : int
+        Bytes before what is HDF5's, left zero: none, or a power of two from 512 on.
+
+    Returns
+    -------
+    dict of str to int
+        Where in the file each dataset's first byte lies; 0 if it has none.
+
+    Raises
+    ------
+    OSError
+        If there is no room, or the file cannot be made.
+    """
+    h5py = load_h5py()
+    properties = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+    properties.set_layout(h5py.h5d.CONTIGUOUS)
+    properties.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
+    properties.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
+    properties.set_obj_track_times(False)
+    size = count * sum(dataset.row_bytes for dataset in datasets)
+    size += sum(array.nbytes for array in whole.values())
+    shapes = [(dataset, (count, *dataset.tail)) for dataset in datasets]
+    shapes += [(Dataset(name, array.dtype.str, ()), array.shape) for name, array in whole.items()]
+    with open(path, "wb"):
+        # HDF5 that meets a full disk half way can crash the process later; find out first.
+        _reserve(path, user_block + _HEADERS + size)
+    offsets = {}
+    try:
+        with open_file(path, "w", userblock_size=user_block) as file:
+            file.attrs.update(attributes)
+            for dataset, shape in shapes:
+                made = h5py.h5d.create(
+                    file.id,
+                    dataset.name.encode(),
+                    h5py.h5t.py_create(np.dtype(dataset.dtype)),
+                    h5py.h5s.create_simple(shape),
+                    properties,
+                )
+                h5py.Dataset(made).attrs.update(dataset.attributes)
+                offsets[dataset.name] = made.get_offset() if math.prod(shape) else 0
+    except RuntimeError as error:  # closing a file that could not be flushed
+        raise OSError(str(error)) from error
+    _reserve(path, path.stat().st_size)
+    if whole:
+        with open(path, "r+b") as stream:
+            for name, array in whole.items():
+                stream.seek(offsets[name])
+                stream.write(np.ravel(array).view(np.uint8).data)
+    return offsets
+
+
+def _reserve(path: Path, size: int) -> None:
+    descriptor = os.open(path, os.O_RDWR)
+    try:
+        os.posix_fallocate(descriptor, 0, size)
+    except OSError as error:
+        if error.errno not in _CANNOT_RESERVE:
+            raise
+    finally:
+        os.close(descriptor)
+
+
+def reachable(path: Path) -> str | None:
+    """Find out whether this rank sees a file, before it enters a collective call for it.
+
+    Returns
+    -------
+    str or None
+        Why it does not.
+    """
+    try:
+        os.close(os.open(path, os.O_RDWR))
+    except OSError as error:
+        return (
+            f"{explain(error)} on {socket.gethostname()}; the run directory must be on a file "
+            "system that all ranks share"
+        )
+    return None
