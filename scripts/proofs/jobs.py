@@ -61,10 +61,12 @@ class Job:
         Where it is started.
     tcp : bool
         Whether the ranks talk by TCP.
+    program : sequence of str
+        What Python is to run instead of pgimp itself.
     """
 
-    def __init__(self, ranks, words, folder, tcp=False):
-        command = [sys.executable, "-m", "pgimp", *map(str, words)]
+    def __init__(self, ranks, words, folder, tcp=False, program=("-m", "pgimp")):
+        command = [sys.executable, *program, *map(str, words)]
         if ranks > 1:
             options = ["--oversubscribe", "--bind-to", "none", "-n", str(ranks)]
             command = ["mpirun", *options, *command]

@@ -110,7 +110,5 @@ def report(options, moments, statuses, resumed, delays, same):
     print(f"  same bits as the undisturbed run: {same} of {options.runs}")
     print("  killed: " + ", ".join(f"{count} {what}" for what, count in moments.most_common()))
     print(f"  resumed: {dict(resumed)}; status of the killed jobs: {dict(statuses)}")
-    if delays:
-        print(
-            f"  from the kill to the end of the job: median {median(delays):.1f} s, most {max(delays):.1f} s"
-        )
+    spread = f"median {median(delays):.1f} s, most {max(delays):.1f} s"
+    print(f"  from the kill to the end of the job: {spread}")
