@@ -253,10 +253,8 @@ def test_every_word_arrives_as_it_was(job, folder):
     words += ["--launcher", "mpirun --mca 'a b' c"]
     assert main(["batch", names["case"], *ASKED, *words]) == 0
     assert job.run("0")[0] == 0
-    assert job.calls == [
-        ["python", "-m", "pgimp", names["case"], f"--output={names['output']}", "--resume"]
-        + [f"--set={change}"]
-    ]
+    options = [f"--output={names['output']}", "--resume", f"--set={change}"]
+    assert job.calls == [["python", "-m", "pgimp", names["case"], *options]]
     assert not (folder / "x").exists()
 
 

@@ -16,7 +16,7 @@ import pytest
 from setuptools import find_packages
 
 ROOT = Path(__file__).resolve().parents[1]
-SCRIPTS = ["scripts/setup", "scripts/run", "scripts/test", ".ci/run"]
+SCRIPTS = ["scripts/setup", "scripts/run", "scripts/test", "scripts/slurm", ".ci/run"]
 TOOLS = (
     "bash cat chmod cp cut dirname env flock grep head id mkdir mktemp nproc rm sed sha256sum tail "
     "touch tr true"
@@ -30,6 +30,10 @@ PROGRAMS = {
     "paraview": ["pvpython"],
     "xvfb": ["xvfb-run"],
     "xauth": ["xauth"],
+    "munge": ["munged"],
+    "slurmctld": ["slurmctld"],
+    "slurmd": ["slurmd"],
+    "slurm-client": ["sbatch"],
 }
 
 PYTHON = r"""#!/usr/bin/env bash
@@ -174,11 +178,12 @@ def test_bare_machine_is_set_up_then_nothing_is_left_to_do(machine, user):
 def test_what_the_tests_need_comes_on_top(ready):
     ready.add("apt-get", APT_GET)
     (ready.bin / "pvpython").unlink()
+    (ready.bin / "sbatch").unlink()
     ready.add("id", "#!/usr/bin/env bash\necho 0")
     assert "in place" in ready.run("scripts/setup").stdout
     done = ready.run("scripts/setup", "--test")
     assert done.returncode == 0, done.stderr
-    assert "install --no-install-recommends paraview python3-paraview" in ready.called
+    assert "install --no-install-recommends paraview python3-paraview slurm-client" in ready.called
     assert "pytest" in ready.called
     assert "in place" in ready.run("scripts/setup", "--test").stdout
 
