@@ -161,6 +161,42 @@ def narrow():
     )
 
 
+def line_leaves():
+    """Two bars fly out of the domain; for the rest of the run there is nothing."""
+    bodies = {"ahead": box([13.0], [16.0], [12.0], "stiff"), "behind": box([8.0], [11.0], [9.0])}
+    return scene(
+        1,
+        bodies,
+        cells=[20],
+        end=1.8,
+        step=0.01,
+        materials=LINE,
+        escape={"x-max": "remove"},
+        output={"every": 0.3, "fields": EVERYTHING},
+        history={"every": {"steps": 20}},
+    )
+
+
+def plane_leaves():
+    """Courant control; a square leaves through a corner, one through the slabs' side, one stays."""
+    bodies = {
+        "corner": turning(box([12.0, 19.0], [14.0, 21.0]), [13.0, 20.0], 0.5, [5.0, 6.0]),
+        "down": box([2.0, 1.0], [6.0, 3.0], [1.0, -5.0], "stiff"),
+        "stays": box([6.0, 10.0], [9.0, 12.0], [0.3, 0.2]),
+    }
+    return scene(
+        2,
+        bodies,
+        cells=[16, 24],
+        end=1.2,
+        step={"courant": 0.25},
+        materials=PAIR,
+        escape={"x-min": "stop", "x-max": "remove", "y-min": "remove", "y-max": "remove"},
+        output={"every": 0.1, "fields": EVERYTHING},
+        history={"every": {"steps": 1}},
+    )
+
+
 def squeezed(dimension, shape, faces, **parts):
     """Two blocks at the ends of the slabs, where mirrors are; the one at x-max hits the other."""
     low, high = [0.0] * dimension, [10.0, *[3.0] * (dimension - 1)]
@@ -210,7 +246,10 @@ SIZED = {
 
 SCENES = {
     each.__name__: each()
-    for each in (line_gimp, line_mpm, plane_gimp, plane_mpm, space_gimp, space_mpm, narrow)
+    for each in (
+        line_gimp, line_mpm, plane_gimp, plane_mpm, space_gimp, space_mpm, narrow, line_leaves,
+        plane_leaves,
+    )  # fmt: skip
 } | SIZED | {
     "other_output": plane_gimp(
         output={"every": {"steps": 7}, "at": [0.77], "fields": ["velocity"]}, history={"every": 1.0}
