@@ -1,10 +1,10 @@
-"""A particle that must not go on stops `grid_to_particles`, and says why."""
+"""What `grid_to_particles` makes of particles that must not go on, and of those that may leave."""
 
 import numpy as np
 import pytest
 from kernel_driver import SEED, Rank, entry, make_frame, random_particles, random_positions
 
-from pgimp.kernels.g2p import INVERTED, NOT_FINITE, OUTSIDE, TOO_FAST
+from pgimp.kernels.g2p import GONE, INVERTED, NOT_FINITE, OUTSIDE, TOO_FAST
 from pgimp.shapes import SHAPES
 from pgimp.solver.particles import Particles
 
@@ -42,7 +42,7 @@ def still_particles(name):
         ("F", 8, np.nan, NOT_FINITE),
     ],
 )
-def test_a_particle_at_fault_stops_the_step(name, field, axis, value, reason):
+def test_a_particle_at_fault_is_found_in_the_same_step(name, field, axis, value, reason):
     rank = still_particles(name)
     if field:
         getattr(rank.particles, field)[:, axis] = value
@@ -76,3 +76,79 @@ def test_rounding_takes_no_particle_past_two_layers(name):
         stopped += fault == TOO_FAST
         assert fault or layer - rank.particles.layer[0] == found <= 1
     assert 0 < stopped < 100
+
+
+def stepped(rank):
+    rank.particles_to_grid()
+    rank.update_momentum(DT)
+    return rank.grid_to_particles(DT)
+
+
+def test_faults_are_listed_in_canonical_order_while_the_others_go_on():
+    """F of one particle reaches no other in the same step; what does not fit is counted."""
+    sound, rank = still_particles("gimp"), still_particles("gimp")
+    for each in (sound, rank):
+        each.particles.v[:] = np.random.default_rng(1).normal(size=each.particles.v.shape)
+    order = rank.population.order
+    bad = {int(order[i]): kind for i, kind in ((1, INVERTED), (4, NOT_FINITE), (6, INVERTED))}
+    for row, kind in bad.items():
+        rank.particles.F[row, 0] = np.nan if kind == NOT_FINITE else -9.0
+    layers = rank.particles.layer.copy()
+    stepped(sound)
+    assert sound.failed == 0 and stepped(rank)[:2] == (INVERTED, next(iter(bad)))
+    assert rank.faults.tolist() == [[row, kind] for row, kind in bad.items()]
+    assert (rank.particles.layer[list(bad)] == layers[list(bad)]).all()
+    others = np.setdiff1d(order, list(bad))
+    for mine, theirs in zip(rank.particles, sound.particles, strict=True):
+        assert mine[others].tobytes() == theirs[others].tobytes()
+
+    rank = still_particles("gimp")
+    rank.particles.F[list(bad), 0] = -9.0
+    rank.room = 2
+    stepped(rank)
+    assert rank.failed == 3 and rank.faults[:, 0].tolist() == list(bad)[:2]
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, 1e300])
+def test_no_place_that_is_none_becomes_a_number(value):
+    """Particles flung away change neither layers nor window, whatever their positions."""
+    rank = still_particles("gimp")
+    rank.particles.v[:] = value
+    layers = rank.particles.layer.copy()
+    _, _, found, *_ = stepped(rank)
+    assert rank.failed == len(rank.population.order) and found == rank.leavers == 0
+    assert (rank.particles.layer == layers).all() and (rank.reach == rank.grid.base).all()
+
+
+@pytest.mark.parametrize("name", ["mpm", "finite-gimp"])
+@pytest.mark.parametrize(
+    ("exits", "directions", "reason"),
+    [
+        (("x-max",), (1, 0, 0), GONE),
+        (("x-min", "y-max", "z-max"), (1, 0, 0), OUTSIDE),
+        (("y-min", "z-min"), (0, -1, 0), GONE),
+        (("y-min", "z-max"), (0, -1, 1), GONE),
+        (("y-min", "x-max"), (0, -1, 1), OUTSIDE),
+        (("z-max",), (0, -1, 1), OUTSIDE),
+        (("x-max", "y-max", "z-max"), (1, 1, 1), GONE),
+        (("x-max",), (2.5, 0, 0), TOO_FAST),
+    ],
+)
+def test_particles_leave_through_faces_that_let_them_go(name, exits, directions, reason):
+    """One that leaves keeps its state, is listed with the movers, and has no layer any more."""
+    shape = entry(name, (2, 1, 3))
+    p = Particles.empty(1, 3, False)
+    p.m[:] = p.V[:] = p.V0[:] = 1.0
+    for d, side in enumerate(directions):
+        place = {-1: 0.3, 0: CELLS[d] / 2, 1: CELLS[d] - 0.3}[int(np.sign(side))]
+        p.x[0, d] = ORIGIN[d] + CELL[d] * place
+        p.v[0, d] = 0.41 * side * CELL[d] / DT
+    rank = Rank(shape, make_frame(shape, ORIGIN, CELL, CELLS), p)
+    rank.exits = sum(1 << (2 * "xyz".index(face[0]) + (face[2:] == "max")) for face in exits)
+    fault, _, found, *_ = stepped(rank)
+    if reason == GONE:
+        assert (rank.failed, rank.leavers, found) == (0, 1, 1)
+        assert rank.particles.layer[0] == GONE and rank.population.movers[0] == 0
+        np.testing.assert_allclose(rank.particles.v[0], 0.41 * np.array(directions) * CELL / DT)
+    else:
+        assert fault == reason and rank.leavers == found == 0
