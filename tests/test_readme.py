@@ -1,4 +1,4 @@
-"""README.md keeps its word: its commands, case, batch script and material work as printed."""
+"""README.md keeps its word: its commands, case and material work as printed."""
 
 import os
 import re
@@ -27,6 +27,7 @@ SHORT = "--set time.end=0.004 --set output.every=null --quiet"
 INSTEAD = {
     "pgimp study cases/studies/compaction.yaml": "pgimp study cases/studies/compaction.yaml --list",
     "scripts/test": f"{ROOT}/scripts/test --version",  # this test is one of those it would run
+    "sbatch block3d.sh": "bash -n block3d.sh",
     "pgimp bench": "pgimp bench --cells 4 --repeats 1",
     # Into a folder of its own, with what this environment has already.
     "pip install .": "python -m pip install -qq --no-deps --no-build-isolation --target installed "
@@ -105,17 +106,6 @@ def test_the_study_is_one(tmp_path):
     path.write_text(text.replace("../compaction.yaml", str(ROOT / "cases/compaction.yaml")))
     there = read_plan(ROOT / "cases/studies/compaction.yaml").runs
     assert {run.name for run in read_plan(path).runs} < {run.name for run in there}
-
-
-def test_batch_script_runs(folder):
-    script = folder / "job.sh"
-    script.write_text(block_of("#!/bin/bash").replace("--overwrite", f"--overwrite {SHORT}"))
-    assert ACTIVATE in script.read_text()
-    (folder / ".venv" / "bin").mkdir(parents=True)
-    (folder / ".venv" / "bin" / "activate").touch()  # the environment is active already
-    done = run(["bash", str(script)], cwd=folder, env=ENVIRONMENT | {"SLURM_NTASKS": "2"})
-    assert done.returncode == 0, done.stderr
-    assert '"ranks": 2' in (folder / "block3d.out" / "run.json").read_text()
 
 
 def test_python_example_runs(folder):

@@ -14,8 +14,10 @@ from test_run import CASE
 ROOT = Path(__file__).resolve().parents[1]
 
 # Particles and steps for about six seconds, and how long before the early signal the job comes.
-FINE = ["--set=grid.cell=[0.05, 0.05]", f"--set=time.step={2.0 / 4000}"]
-BEFORE = 6.0
+FINE = ["--set=grid.cell=[0.05, 0.05]", f"--set=time.step={2.0 / 5000}"]
+BEFORE = 5.0
+# Other tests want the cores too.
+SHARED = {"OMPI_MCA_hwloc_base_binding_policy": "none", "OMPI_MCA_mpi_yield_when_idle": "1"}
 
 # In place of a run: waits for a signal the first time, is done the second.
 STAND_IN = """#!/usr/bin/env python3
@@ -136,7 +138,7 @@ def test_limit_checkpoint_requeue_same_bits(cluster, uninterrupted):
     # Submitted so that the signal ahead of the limit comes in the middle of the run.
     into = (time.monotonic() - cluster.began) % cluster.LOOKS
     time.sleep((cluster.LOOKS - BEFORE - into) % cluster.LOOKS)
-    number = cluster.submit("two")
+    number = cluster.submit("two", **SHARED)
     cluster.wait(90, "requeue", lambda: cluster.job(number)["Restarts"] == "1")
     # One stop is enough, also on a slow machine.
     cluster.call("scontrol", "update", f"JobId={number}", "TimeLimit=60")
