@@ -15,6 +15,8 @@ import pgimp
 RANKS = (1, 2, 3, 4, 7)
 #: Runs that are resumed: on how many ranks they began, on how many and where they go on.
 RESUMED = {(3, 2): 0.4, (2, 4): 0.8, (7, 1): 0.0}
+#: On 4 ranks messages go as between machines, otherwise through shared memory.
+TCP = {"OMPI_MCA_btl": "tcp,self", "OMPI_MCA_btl_tcp_if_include": "lo"}
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +35,8 @@ def runs(tmp_path_factory, mpirun, python):
             for run in results[start].iterdir():
                 go_back(run, RESUMED[start])
         words = [Path(__file__).with_name("rank_probe.py"), "runs", results[start], *cases]
-        job = python(words, timeout=900) if ranks == 1 else mpirun(ranks, words, timeout=900)
+        env = TCP if ranks == 4 else None
+        job = python(words, 900) if ranks == 1 else mpirun(ranks, words, 900, env=env)
         assert job.returncode == 0, job.stderr
     return results
 

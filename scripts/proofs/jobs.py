@@ -45,7 +45,8 @@ def environment(tcp=False):
     launcher = ("OMPI_", "PMIX_", "PMI_", "SLURM_")
     env = {name: value for name, value in os.environ.items() if not name.startswith(launcher)}
     env |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
-    return env | ({"OMPI_MCA_btl": "tcp,self"} if tcp else {})
+    machines = {"OMPI_MCA_btl": "tcp,self", "OMPI_MCA_btl_tcp_if_include": "lo"}
+    return env | (machines if tcp else {})
 
 
 class Job:
