@@ -1,4 +1,4 @@
-"""Batch scripts on a real Slurm, of this one machine: stopped by its limit, requeued, finished."""
+"""Batch scripts on a real Slurm of two nodes, both this machine: stopped, requeued, finished."""
 
 import json
 import re
@@ -60,8 +60,9 @@ class Cluster:
 
     def write(self, name, *words):
         """Write the script of a job of that name."""
-        words = [f"--job-name={name}", "-o", name, "--wall-time=0:01:00", *words]
-        self.call(sys.executable, "-m", "pgimp", "batch", "blocks.yaml", "--ranks=2", *words)
+        words = [f"--job-name={name}", "-o", name, "--ranks=2", "--nodes=2", *words]
+        words.append("--wall-time=0:01:00")
+        self.call(sys.executable, "-m", "pgimp", "batch", "blocks.yaml", *words)
 
     def submit(self, name, **env):
         """Submit it: the job's number."""
