@@ -47,11 +47,10 @@ class Cluster:
     def __init__(self, folder):
         self.folder = folder
         self.began = time.monotonic()
-        started = run([str(ROOT / "scripts" / "slurm"), "start", str(folder / "slurm")], 60)
+        started = run([str(ROOT / "scripts" / "slurm"), "start", str(folder / "slurm"), "2"], 60)
         if started.returncode != 0:
             pytest.fail(f"scripts/slurm start: {started.stderr}")
-        [(name, value)] = re.findall(r"^export (SLURM_CONF)=(.*)$", started.stdout, re.MULTILINE)
-        self.env = {name: value}
+        self.env = dict(re.findall(r"^export (\w+)=(.*)$", started.stdout, re.MULTILINE))
 
     def call(self, *words, **env):
         done = run(list(words), 30, self.folder, self.env | env)
