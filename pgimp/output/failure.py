@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from pgimp.errors import RunError
+from pgimp.kernels.g2p import OUTSIDE
 from pgimp.kernels.sums import fastest_rate
 from pgimp.output.collective import explain, on_root
 from pgimp.output.fields import ALWAYS, FAILURE, FIELDS, OPTIONAL, Source
@@ -81,7 +82,8 @@ def _write(folder: Path, sim: Simulation, failure: Failure, text: str, history: 
     chosen, radius = _around(sim, found)
     shown = Rows(comm, sim.particles.id[chosen], chosen, sim.count, complete=False)
     courant = _courant(sim, found)
-    told = comm.gather([_state(sim, found, i) for i in range(min(len(found.rows), _MOST_TOLD))])
+    states = [_state(sim, found, i) for i in range(min(len(found.rows), _MOST_TOLD))]
+    told = comm.gather((states, set(found.kinds.tolist())))
 
     def begin() -> None:
         try:
@@ -100,11 +102,12 @@ def _write(folder: Path, sim: Simulation, failure: Failure, text: str, history: 
         collection = Collection(folder / "particles.xdmf")
         collection.add(path, failure.time, shown.count, fields)
         collection.write()
-        states = [state for part in told or () for state in part][:_MOST_TOLD]
+        states = [state for part, _ in told or () for state in part][:_MOST_TOLD]
+        kinds = set().union(*(part for _, part in told or ()))
         number = f"first {len(states)} of {failure.number}" if failure.number > len(states) else ""
         parts = [
             text,
-            *map(fill, _advice(sim, courant)),
+            *map(fill, _advice(sim, courant, kinds)),
             "\n".join([f"The {number or len(states)} at fault:", *states]),
             fill(
                 f"particles.xdmf has {shown.count} particles as they are after the step: those at "
@@ -219,8 +222,8 @@ def _state(sim: Simulation, found: _Found, i: int) -> str:
     return "\n".join(lines)
 
 
-def _advice(sim: Simulation, courant: float) -> list[str]:
-    """What the Courant number tells, and how to see more."""
+def _advice(sim: Simulation, courant: float, kinds: set[int]) -> list[str]:
+    """What Courant number and faults tell, and how to see more."""
     stable, failure = sim.case.method.stable, sim.failure
     assert failure is not None
     lines = [
@@ -232,13 +235,13 @@ def _advice(sim: Simulation, courant: float) -> list[str]:
             f"That is too much: use steps of at most {stable / courant * failure.dt:.3g}, or "
             f"time.step: {{courant: {min(stable, 0.3):g}}}, which follows the waves' speed."
         )
-    else:
+    elif kinds != {OUTSIDE}:
         lines.append(
             "So the step was short enough for the waves. Look for loads that set in at once, "
             "parts that meet fast, a material too soft for its load, cells too coarse for the bend."
         )
     lines.append(
-        "To see it coming, go on from the last checkpoint with more frames: "
+        "To see it coming, go on from the last checkpoint, if there is one, with more frames: "
         "--resume --set 'output.every={steps: 1}'"
     )
     return lines
