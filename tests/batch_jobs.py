@@ -31,10 +31,10 @@ PYTHON = (
 came = []
 signal.signal(signal.SIGUSR1, lambda *_: came.append(1))
 plan = os.environ["PLAN"].split()
+open(os.environ["CALLS"] + ".up", "w").close()
 if "deaf" in plan:
     time.sleep(0.5)
     came.clear()
-open(os.environ["CALLS"] + ".up", "w").close()
 folder = [word for word in sys.argv if word.startswith("--output=")][0][len("--output="):]
 while "waits" in plan and not came:
     time.sleep(0.01)

@@ -164,7 +164,12 @@ def test_stopped_run_is_requeued(job):
 
 
 def test_signal_that_a_launcher_loses_is_repeated(job):
-    status, _ = job("--module=mpi").run("deaf waits checkpoint 75", signal.SIGUSR1)
+    status, _ = job().run("deaf waits checkpoint 75", signal.SIGUSR1)
+    assert status == 0 and job.requeued
+
+
+def test_signal_while_a_module_is_loaded(job):
+    status, _ = job("--module=mpi").run("waits checkpoint 75", signal.SIGUSR1)
     assert status == 0 and job.requeued
     assert job.calls[0] == ["module", "load", "mpi"]
 
