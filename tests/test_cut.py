@@ -13,8 +13,9 @@ from scenes import field, finish, scene, start, write_case
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.parallel.comm import Serial
-from pgimp.scene.filling import SLIVER
-from pgimp.scene.measure import measure
+from pgimp.scene import filling
+from pgimp.scene.filling import SLIVER, Filling
+from pgimp.scene.measure import TangledError, measure
 from pgimp.scene.regions import RegionEntry
 from pgimp.scene.scene import Scene, count_particles
 
@@ -423,3 +424,27 @@ def test_light_particles_leave_a_deformed_disk_stable():
     assert 0.9 * start_energy < total < start_energy
     F = field(sim, "F").reshape(-1, 2, 2)
     assert 0.7 < np.linalg.det(F).min() and np.linalg.det(F).max() < 1.4
+
+
+def test_of_many_parts_only_those_nearby_are_looked_at(monkeypatch):
+    """The same bits as looking at all of them."""
+    balls = [ball([2.0 + 3.7 * i, 2.0 + 3.3 * j], 1.9) for i in range(6) for j in range(3)]
+    holed = {"difference": [box([0.3, 0.3], [23.0, 11.0]), *balls, {"union": balls}]}
+    edges = [np.arange(49) * 0.5, np.arange(25) * 0.5]
+    centres = [0.5 * (e[1:] + e[:-1]) for e in edges]
+
+    def surveys(entry):
+        found = Filling(region(entry), edges, centres, True).slabs((0, 48))
+        return [[np.asarray(part).tobytes() for part in survey] for survey in found]
+
+    for entry in ({"union": balls}, holed):
+        nearby = surveys(entry)
+        with monkeypatch.context() as patched:
+            patched.setattr(filling, "_FEW", 10**6)
+            assert surveys(entry) == nearby
+
+
+def test_more_surfaces_in_a_box_than_can_be_told_apart_are_refused():
+    balls = [ball([0.5, 0.5], 0.1 + 1e-4 * i) for i in range(200)]
+    with pytest.raises(TangledError, match="more surfaces in one particle's box"):
+        measure(region({"union": balls}), np.zeros((1, 2)), np.ones((1, 2)))

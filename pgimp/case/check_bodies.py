@@ -13,6 +13,9 @@ from pgimp.case.messages import unknown
 from pgimp.case.problems import Problem
 from pgimp.scene.regions import REGIONS
 
+MOST_PARTS = 5000
+"""Of a region; with so many that overlap, some hundred thousand particles take a minute."""
+
 
 def check_materials(bodies: Mapping[str, Any], declared: Iterable[str]) -> Problems:
     """Check that the bodies' materials are known."""
@@ -46,6 +49,9 @@ def check_velocities(dimensions: int, bodies: Mapping[str, Any]) -> Problems:
 
 def _region(path: tuple[str | int, ...], region: Any, dimensions: int) -> Problems:
     """Check one region and those that it is made of."""
+    if (parts := region.parts) > MOST_PARTS:
+        yield Problem(path, f"{parts:,} regions in one are too many (at most {MOST_PARTS:,})")
+        return
     name = name_of(region, REGIONS)
     path = (*path, name)
     if isinstance(region, RootModel):

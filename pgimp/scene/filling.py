@@ -35,6 +35,10 @@ _SLAB = 4_000_000
 #: Part of a box below which what the surface leaves of it merges into a neighbour, if one has more.
 SLIVER = 1e-3
 
+#: Parts of a region that are looked at in all boxes; of more parts only those that reach a block
+#: of so many boxes along each direction.
+_FEW, _NEAR = 8, 16
+
 #: Points of a brick, for which one look may decide.
 _BRICK = 512
 
@@ -179,13 +183,35 @@ class Filling:
         index = [i + r[0] for i, r in zip(np.unravel_index(places, shape), ranges, strict=True)]
         low = np.stack([e[i] for e, i in zip(self.edges, index, strict=True)], axis=1)
         high = np.stack([e[i + 1] for e, i in zip(self.edges, index, strict=True)], axis=1)
-        volume, moment = measure(self.region, low, high)
+        volume, moment = np.zeros(len(low)), np.zeros_like(low)
+        for rows, region in self._neighbourhoods(index):
+            volume[rows], moment[rows] = measure(region, low[rows], high[rows])
         full = float(np.prod(self.size))
         volume /= full
         moment /= full
         volume[volume <= self.rounding] = 0.0
         volume[np.abs(volume - 1.0) <= self.rounding] = 1.0
         return volume, moment
+
+    def _neighbourhoods(self, index: list[Places]) -> Iterator[tuple[Places, Region]]:
+        """Boxes by block of the lattice, with what of a region of many parts reaches there.
+
+        The blocks are those of the whole lattice: neither the ranks nor what else is measured
+        changes a bit.
+        """
+        if self.region.parts <= _FEW:
+            yield np.arange(len(index[0])), self.region
+            return
+        block = np.stack([i // _NEAR for i in index])
+        order = np.lexsort(block[::-1])
+        new = (np.diff(block[:, order], axis=1) != 0).any(axis=0)
+        for rows in np.split(order, np.flatnonzero(new) + 1) if len(order) else ():
+            low, high = [], []
+            for e, b in zip(self.edges, block[:, rows[0]], strict=True):
+                low.append(float(e[b * _NEAR]) - 4.0 * self.radius)
+                high.append(float(e[min((b + 1) * _NEAR, len(e) - 1)]) + 4.0 * self.radius)
+            if (region := self.region.near(low, high)) is not None:
+                yield rows, region
 
     def points(self, ranges: Ranges, places: Places) -> NDArray[np.float64]:
         """Centres of the boxes with these numbers in a part of the lattice, (n, D)."""

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.scene.filling import SLIVER, Filling, Ranges, Survey
+from pgimp.scene.measure import TangledError
 
 #: Particles that are made at a time.
 _BLOCK = 200_000
@@ -77,10 +78,13 @@ class Lattice:
         """Particles of each body in each plane of a range, (bodies, planes) int64."""
         counts = np.zeros((len(self.fillings), planes[1] - planes[0]), np.int64)
         for body, filling in enumerate(self.fillings):
-            for survey in filling.slabs(planes):
-                begin, end = survey.ranges[0]
-                here = survey.exists.reshape(end - begin, -1).sum(axis=1)
-                counts[body, begin - planes[0] : end - planes[0]] = here
+            try:
+                for survey in filling.slabs(planes):
+                    begin, end = survey.ranges[0]
+                    here = survey.exists.reshape(end - begin, -1).sum(axis=1)
+                    counts[body, begin - planes[0] : end - planes[0]] = here
+            except TangledError as error:
+                raise CaseError(f"bodies.{self.names[body]}.region: {error}") from None
         return counts
 
     def close_pairs(self) -> Iterator[tuple[int, int, Ranges]]:
@@ -214,7 +218,8 @@ def census(lattice: Lattice, comm: Any) -> Census:
     Raises
     ------
     CaseError
-        The same on every rank: a point in two bodies, a body without a particle.
+        The same on every rank: a point in two bodies, a body without a particle, too many
+        surfaces in one place.
     """
     step = lattice.per_cell[0]
     columns = lattice.planes // step
@@ -222,9 +227,16 @@ def census(lattice: Lattice, comm: Any) -> Census:
         comm.rank * columns // comm.size * step,
         (comm.rank + 1) * columns // comm.size * step,
     )
-    own = lattice.count(share)
-    errors, shared = lattice.meetings(share)
-    results = comm.allgather((own, errors, shared))
+    mine: Any
+    try:
+        mine = (lattice.count(share), *lattice.meetings(share))
+    except TangledError as error:
+        mine = f"bodies: a region {error}"
+    except CaseError as error:
+        mine = str(error)
+    results = comm.allgather(mine)
+    if failure := next((result for result in results if isinstance(result, str)), None):
+        raise CaseError(failure)
     counts = np.concatenate([result[0] for result in results], axis=1)
     overlaps = [overlap for result in results for overlap in result[1]]
     overlaps.sort(key=lambda overlap: overlap[0])  # of a pair the first point along x stays first

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib import import_module
 from typing import Annotated, Any, NamedTuple
 
@@ -44,6 +44,11 @@ class Region(ABC):
     does not depend on the other points of the call.
     """
 
+    @property
+    def parts(self) -> int:
+        """Number of simple regions that it is made of."""
+        return 1
+
     @abstractmethod
     def contains(self, points: Points) -> Mask:
         """Tell which points lie in the region.
@@ -62,6 +67,15 @@ class Region(ABC):
     @abstractmethod
     def bounds(self) -> Bounds:
         """Return the low and the high corner, shape (D,) each, of a box around the region."""
+
+    def near(self, low: Sequence[float], high: Sequence[float]) -> Region | None:
+        """Return a region that is the same within a box, without parts that do not reach it.
+
+        None where nothing does.
+        """
+        least, most = self.bounds()
+        pairs = (*zip(least, high, strict=True), *zip(low, most, strict=True))
+        return self if all(a <= b for a, b in pairs) else None
 
     @abstractmethod
     def distance(self, points: Points) -> Lengths:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Annotated, Any
 
 import numpy as np
@@ -20,6 +21,11 @@ class Combination(RootModel[Annotated[tuple[RegionEntry, ...], Field(min_length=
     @classmethod
     def _take_lists(cls, data: Any) -> Any:
         return tuples(data)
+
+    @property
+    def parts(self) -> int:
+        """See `Region.parts`."""
+        return sum(region.parts for region in self.root)
 
     def curved(self, points: Points) -> Lengths:
         """See `Region.curved`."""
@@ -54,6 +60,14 @@ class Union(Combination):
             distance = np.minimum(distance, region.distance(points))
         return distance
 
+    def near(self, low: Sequence[float], high: Sequence[float]) -> Region | None:
+        """See `Region.near`."""
+        reach = dict.fromkeys(region.near(low, high) for region in self.root)
+        parts = tuple(region for region in reach if region is not None)
+        if len(parts) > 1:
+            return Union.model_construct(root=parts)
+        return parts[0] if parts else None
+
     def bounds(self) -> Bounds:
         """See `Region.bounds`."""
         lows, highs = zip(*(region.bounds() for region in self.root), strict=True)
@@ -79,6 +93,15 @@ class Difference(Combination):
         for region in self.root[1:]:
             distance = np.maximum(distance, -region.distance(points))
         return distance
+
+    def near(self, low: Sequence[float], high: Sequence[float]) -> Region | None:
+        """See `Region.near`."""
+        first = self.root[0].near(low, high)
+        reach = dict.fromkeys(region.near(low, high) for region in self.root[1:])
+        others = tuple(region for region in reach if region is not None)
+        if first is None or not others:
+            return first
+        return Difference.model_construct(root=(first, *others))
 
     def bounds(self) -> Bounds:
         """See `Region.bounds`; those of the first region."""

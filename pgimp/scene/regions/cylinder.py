@@ -116,4 +116,10 @@ class Cylinder(Model, Region):
         mantle = roots(aa, b, c) if aa > 0.0 else np.full((len(points), 2), np.nan)
         with np.errstate(invalid="ignore", divide="ignore"):
             ends = np.stack([-along, self._length() - along], axis=1) / u[axis]
+            # Where mantle or ends go on far beyond the rims, they are no surface.
+            height = along[:, None] + mantle * u[axis]
+            far = np.abs(height - 0.5 * self._length()) > 0.5 * self._length() + self.radius
+            mantle = np.where(far, np.nan, mantle)
+            square = c[:, None] + (2.0 * b[:, None] + aa * ends) * ends
+            ends = np.where(square > 3.0 * self.radius * self.radius, np.nan, ends)
         return np.concatenate([mantle, ends], axis=1) + points[:, axis : axis + 1]
