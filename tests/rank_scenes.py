@@ -244,14 +244,26 @@ SIZED = {
     ),
 }  # fmt: skip
 
-SCENES = {
-    each.__name__: each()
-    for each in (
-        line_gimp, line_mpm, plane_gimp, plane_mpm, space_gimp, space_mpm, narrow, line_leaves,
-        plane_leaves,
-    )  # fmt: skip
-} | SIZED | {
-    "other_output": plane_gimp(
-        output={"every": {"steps": 7}, "at": [0.77], "fields": ["velocity"]}, history={"every": 1.0}
-    )
-}
+SCENES = (
+    {
+        each.__name__: each()
+        for each in (
+            line_gimp,
+            line_mpm,
+            plane_gimp,
+            plane_mpm,
+            space_gimp,
+            space_mpm,
+            narrow,
+            line_leaves,
+            plane_leaves,
+        )
+    }
+    | SIZED
+    | {
+        "other_output": plane_gimp(
+            output={"every": {"steps": 7}, "at": [0.77], "fields": ["velocity"]},
+            history={"every": 1.0},
+        )
+    }
+)

@@ -17,7 +17,7 @@ def prove(*words, timeout=600):
 
 
 def test_killed_runs_go_on_to_the_same_bits():
-    said = prove("kill", "--runs", "8", "--seed", "3")
+    said = prove("kill", "--short", "--runs", "8", "--seed", "3")
     assert "same bits as the undisturbed run: 8 of 8" in said
     assert re.search(r"killed: .*start-up", said) and re.search(r"killed: .*checkpoint", said)
     # mpirun gives the other ranks two seconds, and it is alone on no machine.
@@ -25,7 +25,7 @@ def test_killed_runs_go_on_to_the_same_bits():
 
 
 def test_runs_stop_on_every_signal_and_go_on_to_the_same_bits():
-    said = prove("signals", "--runs", "6", "--seed", "2")
+    said = prove("signals", "--short", "--runs", "6", "--seed", "2")
     assert said.count("same bits") == 6 and said.count("status 75, same bits") >= 3
 
 

@@ -116,7 +116,7 @@ def test_what_may_change_changes_no_particle(run, whole, capsys):
     changes = ["title=Another", "output={every: 0.1, fields: [stress]}", "history={every: 0.05}"]
     resumed = run(*changes, quiet=False)
     said = capsys.readouterr().out
-    assert "note: title is now Another, was \"Two soft blocks\"" in said
+    assert 'note: title is now Another, was "Two soft blocks"' in said
     assert "note: output is now {every: 0.1" in said and "note: time.end" not in said
     assert resumed.case.title == "Another"
     for field in resumed.frame(-1).fields:
@@ -178,7 +178,26 @@ def test_without_an_intact_checkpoint_nothing_is_touched(run):
     assert after == before
 
 
+def forget(run):
+    """Let run.json say that there never was a checkpoint."""
+    path = run.output / "run.json"
+    info = json.loads(path.read_text())
+    info["starts"][-1]["checkpoint"] = None
+    path.write_text(json.dumps(info))
+
+
+def test_checkpoints_that_have_gone_are_not_replaced_by_a_new_run(run):
+    before = {path: path.read_bytes() for path in run.output.glob("frames/*")}
+    with pytest.raises(RunError, match=r"last one of step 200\), but they have gone"):
+        run(back=-1)
+    (run.output / "checkpoints").rmdir()
+    with pytest.raises(RunError, match="but they have gone"):
+        run()
+    assert {path: path.read_bytes() for path in run.output.glob("frames/*")} == before
+
+
 def test_without_a_checkpoint_the_run_begins_anew(run, whole, capsys, tmp_path, folder):
+    forget(run)
     resumed = run(back=-1, quiet=False)
     assert "no checkpoint in" in capsys.readouterr().out
     assert resumed.info["resumed_from"] is None
@@ -189,7 +208,92 @@ def test_without_a_checkpoint_the_run_begins_anew(run, whole, capsys, tmp_path, 
     check_same(whole, fresh)
 
 
+def test_a_start_that_was_killed_while_it_cleared_the_directory_begins_anew(run, whole, capsys):
+    """The old run's checkpoints may still be there, but its frames have gone."""
+    path = run.output / "run.json"
+    info = json.loads(path.read_text())
+    info["starts"] = [info["starts"][-1] | {"state": "starting"}]
+    path.write_text(json.dumps(info))
+    for frame in run.output.glob("frames/*"):
+        frame.unlink()
+    resumed = run(back=200, quiet=False)
+    assert "ended while it started: starting afresh" in capsys.readouterr().out
+    check_same(whole, resumed)
+
+
+def test_a_lost_run_json_does_not_keep_checkpoints_from_being_used(run, whole):
+    path = run.output / "run.json"
+    for text in (path.read_text()[:100], '{"program": "pgimp", "starts": []}'):
+        path.write_text(text)
+        check_same(whole, run())
+        assert json.loads(path.read_text())["starts"][-1]["resumed_from"] == 160
+
+
+def test_an_end_within_the_run_leaves_no_trace_when_the_end_is_put_back(run, folder, tmp_path):
+    """A line of the history at the step of a checkpoint, but written after it, goes again."""
+    settings = ["history={every: {steps: 30}}", "checkpoint={every: {steps: 50}}", "output={}"]
+    case = folder / "blocks.yaml"
+    whole = pgimp.run(case, output=tmp_path / "other", overrides=settings, quiet=True)
+    begun = [*settings, "time.end=1.2"]
+    pgimp.run(case, output=tmp_path / "back", overrides=begun, quiet=True)
+    (tmp_path / "back/checkpoints/step-000000120.h5").unlink()
+    info = tmp_path / "back/run.json"
+    info.write_text(info.read_text().replace('"done"', '"running"'))
+    for end in (1.0, 2.0):
+        changes = [*settings, f"time.end={end}"]
+        back = pgimp.run(case, output=tmp_path / "back", overrides=changes, resume=True, quiet=True)
+        assert back.info["resumed_from"] == 100
+    assert whole.history["step"].tolist() == [0, 30, 60, 90, 120, 150, 180, 200]
+    # The end at step 100 was one, so its line stays; no force is counted twice.
+    assert back.history["step"].tolist() == [0, 30, 60, 90, 100, 120, 150, 180, 200]
+    for name in ("x-min", "y-max"):
+        force = f"reaction.{name}-{name[0]}"
+        one, other = (np.diff(r.history["time"]) @ r.history[force][1:] for r in (whole, back))
+        assert one == pytest.approx(other, rel=1e-12, abs=1e-12)
+
+
+def test_garbage_behind_the_line_of_the_checkpoint_is_cut_off(run, whole):
+    history = run.output / "history.csv"
+    lines = history.read_bytes().splitlines(keepends=True)
+    kept = [line for line in lines if line[:1] not in b"t" and int(line.split(b",")[1]) <= 160]
+    for garbage in (b"\0" * 50 + b"\n", b"\xff\xfe\n", b"1,2,3\n", b"nothing"):
+        history.write_bytes(b"".join([lines[0], *kept, garbage]))
+        check_same(whole, run())
+
+
+def test_a_history_that_is_moved_away_ends_the_run(folder, tmp_path, monkeypatch):
+    from pgimp.solver.simulation import Simulation
+
+    advance = Simulation.advance
+
+    def disturbed(sim):
+        advance(sim)
+        if sim.step == 50:
+            (tmp_path / "run" / "history.csv").rename(tmp_path / "history.csv")
+
+    monkeypatch.setattr(Simulation, "advance", disturbed)
+    with pytest.raises(RunError, match=r"cannot write .*history\.csv: No such file"):
+        pgimp.run(folder / "blocks.yaml", output=tmp_path / "run", quiet=True)
+
+
+def test_a_bundle_of_a_failure_goes_when_the_run_goes_on(run):
+    (run.output / "failure").mkdir()
+    (run.output / "failure" / "report.txt").write_text("old")
+    run()
+    assert not (run.output / "failure" / "report.txt").exists()
+
+
+def test_what_a_checkpoint_takes_is_measured_and_kept(run, monkeypatch):
+    from pgimp.output import checkpoints
+
+    monkeypatch.setattr(checkpoints, "_SLOW", 1e-3)
+    resumed = run()
+    file = CheckpointFile(present(resumed.path / "checkpoints")[0])
+    assert 0.0 < file.about["seconds"] < 10.0
+
+
 def test_without_a_checkpoint_another_case_is_refused_too(run):
+    forget(run)
     with pytest.raises(UsageError, match=r"materials\.soft\.young is 200\.0, was 100\.0"):
         run("materials.soft.young=200.0", back=-1)
 

@@ -14,13 +14,15 @@ from pgimp.errors import RunError, UsageError
 from pgimp.output.rundir import RunDirectory
 from pgimp.parallel.comm import Serial
 
+START = {"state": "running", "began": "now", "steps": 0}
+
 
 def make(path):
     """Make a directory with all that a failed run leaves."""
     directory = RunDirectory(path, Serial())
     directory.prepare(
         {"case.yaml": b"resolved", "input.yaml": b"verbatim"},
-        {"state": "running", "began": "now", "steps": 0},
+        START,
     )
     (path / "history.csv").write_text("time\n")
     (path / "log.txt").write_text("log\n")
@@ -46,7 +48,7 @@ def test_overwrite_deletes_only_what_a_run_made(tmp_path):
         RunDirectory(path, Serial())
     directory = RunDirectory(path, Serial(), overwrite=True)
     assert (path / "frames" / "particles-000000.h5").exists()  # until the new run is sure to start
-    directory.prepare({"case.yaml": b"new"}, {"state": "running"})
+    directory.prepare({"case.yaml": b"new"}, START)
     directory.release()
     there = {str(file.relative_to(path)) for file in path.rglob("*") if file.is_file()}
     assert there == {*foreign, "run.json", "case.yaml"}
@@ -59,10 +61,10 @@ def test_resuming_deletes_only_what_was_half_written(tmp_path):
     before = {file for file in path.rglob("*") if file.is_file()}
     directory = RunDirectory(path, Serial(), resume=True)
     assert (directory.before["state"], directory.before["steps"]) == ("failed", 7)
-    directory.prepare({"case.yaml": b"new"}, {"state": "running"}, resume=True)
+    directory.prepare({"case.yaml": b"new"}, START, resume=True)
     directory.release()
     gone = before - {file for file in path.rglob("*") if file.is_file()}
-    names = {".failed", ".particles-000001.h5.part", ".step-000000007.h5.part"}
+    names = {".failed", ".particles-000001.h5.part", ".step-000000007.h5.part", "report.txt"}
     assert {file.name for file in gone} == names
     first, second = json.loads((path / "run.json").read_text())["starts"]
     assert (first["state"], first["message"]) == ("failed", "it broke")
@@ -82,7 +84,7 @@ def test_files_that_are_no_runs_are_left_alone(tmp_path, name, overwrite):
 def test_a_failure_is_noted_once(tmp_path):
     make(tmp_path / "out")
     directory = RunDirectory(tmp_path / "out", Serial(), overwrite=True)
-    directory.prepare({}, {"state": "running"})
+    directory.prepare({}, START)
     directory.record_failure("failed", 8, 0.25, "particle 5 left the domain")
     directory.record_failure("failed", 9, 0.75, "another rank")
     directory.release()
@@ -123,7 +125,7 @@ def test_places_that_cannot_be_written(tmp_path):
     with small_disk(tmp_path / "disk") as disk:
         subprocess.run(["mount", "-o", "remount,ro", disk], check=True)
         place = re.escape("Read-only file system. Choose another place with -o")
-        with pytest.raises(UsageError, match=place):
+        with pytest.raises(RunError, match=place):
             RunDirectory(disk / "out", Serial())
         subprocess.run(["mount", "-o", "remount,rw", disk], check=True)
         fill_up(disk)

@@ -42,6 +42,7 @@ class About(BaseModel):
     history: int = Field(ge=-1, le=2**53)
     written: str
     made_by: dict[str, str | None]
+    seconds: float | None = Field(ge=0.0, allow_inf_nan=False)
     state: dict[str, Any]
 
     @classmethod
@@ -78,7 +79,8 @@ class Checkpoints:
     latest : int
         Step of the last one written; -1 before the first.
     seconds : float
-        What one takes at most, as far as known: until one has been written, an estimate.
+        What one takes at most, as far as known: until one has been written, an estimate, or what
+        it took before the run was resumed.
     """
 
     def __init__(self, directory: Path, case: Any, sim: Any) -> None:
@@ -96,13 +98,17 @@ class Checkpoints:
         self._next = monotonic() + self._pause
         row = sum(array[0].nbytes for array in sim.particles)
         self.seconds = sim.count * row / _SLOW
+        self._measured = False
+        self._stands_for = (-1, -1)
 
-    def resume(self, comm: Any, step: int) -> None:
+    def resume(self, comm: Any, step: int, about: About) -> None:
         """Go on after the checkpoint of a step; collective.
 
         Later ones, which were found damaged, are renamed, or they would count as those to keep.
         """
-        self.latest = step
+        self.latest, self._stands_for = step, (about.frames, about.history)
+        if about.seconds is not None:
+            self.seconds, self._measured = about.seconds, True
         on_root(comm, self._set_aside)
 
     def _set_aside(self) -> None:
@@ -120,8 +126,8 @@ class Checkpoints:
         """Whether one falls due by the clock at the wall, which is to be asked on one rank."""
         return monotonic() >= self._next
 
-    def write(self, sim: Any, frames: int, line: int) -> None:
-        """Write a checkpoint, unless the present step has one; collective.
+    def write(self, sim: Any, frames: int, line: int) -> bool:
+        """Write a checkpoint, unless there is one of this step and this output; collective.
 
         Parameters
         ----------
@@ -130,13 +136,18 @@ class Checkpoints:
         frames, line : int
             Number of frames, and step of the last line of the history, which are safe on disk.
 
+        Returns
+        -------
+        bool
+            Whether one was written.
+
         Raises
         ------
         RunError
             On every rank, if it could not be written whole; those before it stay.
         """
-        if sim.step == self.latest:
-            return
+        if sim.step == self.latest and (frames, line) == self._stands_for:
+            return False
         began = monotonic()
         path = self.folder / f"step-{sim.step:09d}.h5"
         state, rows, whole = capture(sim)
@@ -147,17 +158,21 @@ class Checkpoints:
             "history": line,
             "written": runinfo.now(),
             "made_by": self._made_by,
+            "seconds": self.seconds if self._measured else None,
             "state": state,
         }
         checkpointwriter.write(path, sim.comm, self._parallel, about, rows, whole)
-        self.latest = sim.step
+        self.latest, self._stands_for = sim.step, (frames, line)
         on_root(sim.comm, self._delete_older)
         now = monotonic()
-        self.seconds = max(self.seconds if self.latest >= 0 else 0.0, now - began)
+        self.seconds = max(self.seconds if self._measured else 0.0, now - began)
+        self._measured = True
         self._next = now + self._pause
+        return True
 
     def _delete_older(self) -> None:
-        for path in present(self.folder)[self._keep :]:
+        paths = [path for path in present(self.folder) if number_of(path) <= self.latest]
+        for path in paths[self._keep :]:
             with suppress(OSError):
                 path.unlink()
 
@@ -173,9 +188,9 @@ def made_by() -> dict[str, str | None]:
 def present(folder: Path) -> list[Path]:
     """List the checkpoints of a folder, intact or not, the newest first."""
     try:
+        if not os.path.lexists(folder):
+            return []
         names = [name for name in os.listdir(folder) if CHECKPOINT.fullmatch(name)]
-    except FileNotFoundError:
-        return []
     except OSError as error:
         raise RunError(f"cannot read {folder}: {explain(error)}") from error
     return sorted((folder / name for name in names), key=number_of, reverse=True)

@@ -14,8 +14,8 @@ def temporary(path: Path) -> Path:
     return path.with_name(f".{path.name}{TEMPORARY}")
 
 
-def write(path: Path, content: str | bytes, durable: bool = True) -> None:
-    """Write a file through a temporary one.
+def write(path: Path, content: str | bytes) -> None:
+    """Write a file through a temporary one, so that it outlasts a crash of the machine.
 
     Parameters
     ----------
@@ -23,8 +23,6 @@ def write(path: Path, content: str | bytes, durable: bool = True) -> None:
         The file.
     content : str or bytes
         All of it; text becomes UTF-8.
-    durable : bool
-        Whether it must be whole even after a crash of the machine, which takes longer.
 
     Raises
     ------
@@ -33,12 +31,8 @@ def write(path: Path, content: str | bytes, durable: bool = True) -> None:
     """
     part = temporary(path)
     try:
-        with open(part, "wb") as stream:
-            stream.write(content.encode() if isinstance(content, str) else content)
-            stream.flush()
-            if durable:
-                os.fsync(stream.fileno())
-        part.rename(path)
+        part.write_bytes(content.encode() if isinstance(content, str) else content)
+        publish(part, path)
     except BaseException:
         with suppress(OSError):
             part.unlink(missing_ok=True)

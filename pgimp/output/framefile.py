@@ -10,6 +10,7 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
+from pgimp.errors import RunError
 from pgimp.output.collective import explain
 from pgimp.output.hdf5 import load_h5py, open_file
 
@@ -89,6 +90,9 @@ class FrameFile:
                 self._open()
             except Exception as error:
                 self._keep(error)
+                if parallel:
+                    # The others may still wait for this rank within the call: end the job.
+                    raise RunError(f"cannot open {path} on all ranks: {self.error}") from error
 
     def _open(self) -> None:
         if not self.parallel:

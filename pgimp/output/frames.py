@@ -109,7 +109,8 @@ class Frames:
         try:
             paths = {}
             for path in self.folder.iterdir():
-                if match := FRAME.fullmatch(path.name):
+                # Anything else of such a name, as a pipe, could not be read without waiting.
+                if path.is_file() and (match := FRAME.fullmatch(path.name)):
                     paths[int(match[1])] = path
             before = sorted(i for i in paths if i < number)
             if len(before) < number:

@@ -53,14 +53,14 @@ class History:
         on_root(sim.comm, lambda: self._append(values))
 
     def resume(self, comm: Any, step: int) -> None:
-        """Go on after the line of a step, or the last one before it; later lines are cut off.
+        """Go on after the line of a step, or the last one before it; what follows is cut off.
 
         Parameters
         ----------
         comm : communicator
             Of all ranks; the call is collective.
         step : int
-            The step from which the run goes on.
+            Of the last line that belongs to what the run goes on from.
 
         Raises
         ------
@@ -70,27 +70,46 @@ class History:
         self.step = on_root(comm, lambda: self._cut(step))
 
     def _cut(self, step: int) -> int:
-        lines = read(self.path)
-        steps = lines["step"] if "step" in (lines.dtype.names or ()) else np.empty(0)
-        number = int(np.sum(steps <= step))
+        last = -1
         try:
-            if not number:
-                self.path.unlink(missing_ok=True)
-                return -1
             with open(self.path, "r+b") as stream:
-                self._columns = stream.readline().decode().rstrip("\n")
-                for _ in range(number):
-                    stream.readline()
-                stream.truncate(stream.tell())
+                header = stream.readline()
+                place = stream.tell()
+                column = header.rstrip(b"\n").split(b",").index(b"step")
+                for line in stream:
+                    # Behind the line that is looked for, anything may follow.
+                    number = int(line.split(b",")[column]) if line.endswith(b"\n") else step + 1
+                    if number > step:
+                        break
+                    last, place = number, place + len(line)
+                    if number == step:
+                        break
+                stream.truncate(place if last >= 0 else 0)
+                self._columns = header.decode().rstrip("\n") if last >= 0 else ""
+        except FileNotFoundError:
+            return -1
+        except (ValueError, IndexError):
+            raise RunError(
+                f"cannot go on with {self.path}: it is damaged before the line of step {step}; "
+                "move it away, and the run goes on with a new one"
+            ) from None
         except OSError as error:
             raise RunError(f"cannot go on with {self.path}: {explain(error)}") from error
-        return int(steps[number - 1])
+        return last
 
     def sync(self) -> None:
-        """See to it that the lines so far outlast a crash of the machine; on rank 0."""
+        """See to it that the lines so far outlast a crash of the machine; on rank 0.
+
+        Raises
+        ------
+        RunError
+            If that is not possible, or the file has been deleted or moved away.
+        """
         if self._descriptor >= 0:
             try:
                 os.fsync(self._descriptor)
+                if not os.path.samestat(os.fstat(self._descriptor), os.stat(self.path)):
+                    raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT))
             except OSError as error:
                 raise RunError(f"cannot write {self.path}: {explain(error)}") from error
 
@@ -147,7 +166,7 @@ def read(path: Path) -> np.ndarray:
         If it cannot be read or is damaged.
     """
     try:
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8", errors="replace")
     except FileNotFoundError:
         text = ""
     except OSError as error:
@@ -159,5 +178,5 @@ def read(path: Path) -> np.ndarray:
         try:
             table[row] = tuple(float(value) for value in line.split(","))
         except ValueError as error:
-            raise RunError(f"{path}, line {row + 2} is damaged: {error}") from error
+            raise RunError(f"{path}, line {row + 2} is damaged: {str(error)[:80]!r}") from error
     return table

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
 from time import perf_counter
 from typing import Any
 
@@ -12,6 +11,7 @@ from pgimp.output.checkpoints import About, Checkpoints
 from pgimp.output.collective import on_root
 from pgimp.output.frames import Frames
 from pgimp.output.history import History
+from pgimp.output.rundir import RunDirectory
 from pgimp.output.schedule import Schedule
 
 
@@ -20,8 +20,8 @@ class Recorder:
 
     Parameters
     ----------
-    directory : Path
-        The run directory, prepared; the same on every rank.
+    directory : RunDirectory
+        Prepared for the run.
     case : Case
         Says when what is written.
     sim : Simulation
@@ -36,11 +36,12 @@ class Recorder:
         What this rank has spent on each.
     """
 
-    def __init__(self, directory: Path, case: Any, sim: Any) -> None:
+    def __init__(self, directory: RunDirectory, case: Any, sim: Any) -> None:
         self._sim = sim
-        self.frames = Frames(directory, case, sim)
-        self.history = History(directory / "history.csv")
-        self.checkpoints = Checkpoints(directory, case, sim)
+        self._directory = directory
+        self.frames = Frames(directory.path, case, sim)
+        self.history = History(directory.path / "history.csv")
+        self.checkpoints = Checkpoints(directory.path, case, sim)
         self._frame_times = Schedule(case.output.every, case.output.at)
         self._line_times = Schedule(case.history.every)
         self.seconds = {"frames": 0.0, "history": 0.0, "checkpoints": 0.0}
@@ -69,8 +70,9 @@ class Recorder:
             What is missing of the earlier output.
         """
         sim = self._sim
+        self.checkpoints.resume(sim.comm, sim.step, about)
         notes = self.frames.resume(about.frames)
-        self.history.resume(sim.comm, sim.step)
+        self.history.resume(sim.comm, about.history)
         if self.history.step != about.history:
             notes.append(
                 f"{self.history.path} ends at step {self.history.step}, but it had a line of step "
@@ -78,7 +80,6 @@ class Recorder:
             )
         for schedule in (self._frame_times, self._line_times):
             schedule.skip(sim.time, sim.step, sim.dt)
-        self.checkpoints.resume(sim.comm, sim.step)
         return notes
 
     def step(self, now: bool) -> None:
@@ -108,7 +109,8 @@ class Recorder:
         with self._timed("checkpoints"):
             # What is to follow a line of the history must not survive it.
             on_root(self._sim.comm, self.history.sync)
-            self.checkpoints.write(self._sim, self.frames.written, self.history.step)
+            if self.checkpoints.write(self._sim, self.frames.written, self.history.step):
+                self._directory.note_checkpoint(self._sim.step)
 
     def _record(self, frame: bool, line: bool) -> None:
         if line:

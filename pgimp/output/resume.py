@@ -13,7 +13,7 @@ from pgimp.errors import CaseError, DamagedError, RunError, UsageError
 from pgimp.output.checkpoints import About, intact, made_by, present
 from pgimp.output.collective import explain, on_root
 from pgimp.output.log import Log
-from pgimp.output.rundir import RunDirectory
+from pgimp.output.rundir import STARTING, RunDirectory
 from pgimp.solver.clock import clock_of
 from pgimp.solver.simulation import Simulation
 from pgimp.solver.state import State
@@ -56,14 +56,18 @@ def resume(case: Case, comm: Any, directory: RunDirectory, log: Log) -> Resumed 
         On every rank, if no checkpoint is intact.
     """
     folder = directory.path / "checkpoints"
+    before = directory.before or {}
     paths = on_root(comm, lambda: present(folder))
+    if before.get("state") == STARTING:
+        log.say(f"the run in {directory.path} was ended while it started: starting afresh")
+        return "afresh"
     for path, file in intact(paths, comm):
         try:
             if isinstance(file, DamagedError):
                 raise file
             about, state = About.of(file), State.of(file)
             _compare(about.case, case, f"{path}", log)
-            if _ended(case, state) and (directory.before or {}).get("state") == "done":
+            if _ended(case, state) and before.get("state") == "done":
                 return "done"
             sim = Simulation(case, comm, file)
         except DamagedError as error:
@@ -78,14 +82,14 @@ def resume(case: Case, comm: Any, directory: RunDirectory, log: Log) -> Resumed 
             f"none of the {len(paths)} checkpoints in {folder} can be used (the newest is "
             f"{paths[0].name}); --overwrite begins anew"
         )
-    if directory.before is not None:
+    if before:
         text = on_root(comm, lambda: _case_of(directory.path))
         if text is not None:
             _compare(text, case, f"{directory.path / 'case.yaml'}", log)
-        if directory.before["state"] == "done":
+        if before["state"] == "done" or before["checkpoint"] is not None:
             raise RunError(
-                f"{directory.path} holds a run that is done, but no checkpoint to go on from; "
-                "--overwrite begins anew"
+                f"the run in {directory.path} has written checkpoints (the last one of step "
+                f"{before['checkpoint']}), but they have gone; --overwrite begins anew"
             )
     log.say(f"no checkpoint in {directory.path} yet: starting afresh")
     return "afresh"
@@ -122,7 +126,7 @@ def _compare(text: str, case: Case, source: str, log: Log) -> None:
             f"this version of pgimp does not read the case of the run:\n{error}"
         ) from None
     old, new = (each.model_dump(by_alias=True) for each in (before, case))
-    accepted = [_taken(old, key) + (_taken(new, key)[1],) for key in MAY_CHANGE]
+    accepted = [(key, _taken(old, key), _taken(new, key)) for key in MAY_CHANGE]
     refused = [f"{key} is {now}, was {then}" for key, then, now in _changes(old, new)]
     if refused:
         most = 20
@@ -137,14 +141,20 @@ def _compare(text: str, case: Case, source: str, log: Log) -> None:
     for key, then, now in accepted:
         if then != now:
             log.say(f"note: {key} is now {_short(now)}, was {_short(then)}")
+    ends = [(each.time.end, each.output.at) for each in (before, case)]
+    if not isinstance(case.time.step, float | int) and ends[0] != ends[1]:
+        log.say(
+            "note: under Courant control time.end and output.at shorten steps; the steps from here "
+            "on are not those of a run that had them from the start"
+        )
 
 
-def _taken(case: dict[str, Any], key: str) -> tuple[str, Any]:
+def _taken(case: dict[str, Any], key: str) -> Any:
     """Take the value of a key out of a case."""
     *path, name = key.split(".")
     for part in path:
         case = case[part]
-    return key, case.pop(name)
+    return case.pop(name)
 
 
 def _changes(old: Any, new: Any, key: str = "") -> Iterator[tuple[str, str, str]]:

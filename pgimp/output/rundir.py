@@ -22,13 +22,17 @@ RUN = "run.json"
 TOP = ("case.yaml", "input.yaml", "particles.xdmf", "history.csv", "log.txt", RUN)
 FRAME = re.compile(r"particles-(\d{6,})\.h5")
 FOLDERS = ("frames", "checkpoints")
+#: State of a run whose directory is not yet cleared of the one before.
+STARTING = "starting"
 FAILURE = "failure"
 # Of each folder, what a run writes there.
 _DATA = {
-    "frames": FRAME,
     "checkpoints": re.compile(r"step-\d{9,}\.h5(\.damaged)?"),
+    "frames": FRAME,
     FAILURE: re.compile(r"particles\.h5|particles\.xdmf|report\.txt"),
 }
+# A name that can be no directory, whatever the disk is like.
+_NO_PLACE = (errno.ENOTDIR, errno.ENAMETOOLONG, errno.ELOOP)
 _LOCK = ".lock"
 _FAILED = ".failed"
 _PART = re.compile(
@@ -57,15 +61,16 @@ class RunDirectory:
     Attributes
     ----------
     before : dict or None
-        The last start of the run that is there, as run.json has it.
+        The last start of the run that is there, as run.json has it, with the step of the last
+        checkpoint of all starts. Its state is "lost" if only the checkpoints are left to tell.
 
     Raises
     ------
     UsageError
-        On every rank, if the directory cannot be used: it holds a run, files of the same names
-        that are no run's, is locked by another run or may not be written.
+        On every rank, if the directory must not be used: it holds a run, or files of the same names
+        that are no run's, or is locked by another run.
     RunError
-        On every rank, if the disk is full.
+        On every rank, if it cannot be used: a full disk, no permission.
     """
 
     def __init__(
@@ -75,16 +80,23 @@ class RunDirectory:
         self.comm = comm
         self._lock = -1
         self._created = False
-        self.before = on_root(comm, lambda: self._claim(overwrite or resume))
+        self.before = on_root(comm, lambda: self._claim(overwrite, resume))
 
-    def _claim(self, may_hold_a_run: bool) -> dict[str, Any] | None:
+    def _claim(self, overwrite: bool, resume: bool) -> dict[str, Any] | None:
+        try:
+            str(self.path).encode()
+        except UnicodeEncodeError:
+            raise UsageError(
+                f"the name of the run directory, {str(self.path)!a}, is no text; choose another "
+                "with -o"
+            ) from None
         try:
             if self.path.exists() and not self.path.is_dir():
                 raise UsageError(f"{self.path} is a file; name a directory with -o.")
             self._created = not self.path.exists()
             self.path.mkdir(parents=True, exist_ok=True)
             self._take_lock()
-            return self._examine(may_hold_a_run)
+            return self._examine(overwrite, resume)
         except OSError as error:
             self.release()
             raise self._refusal("use", error) from error
@@ -118,10 +130,12 @@ class RunDirectory:
         line = f"process {os.getpid()} on {socket.gethostname()}, since {runinfo.now()}\n"
         os.write(self._lock, line.encode())
 
-    def _examine(self, may_hold_a_run: bool) -> dict[str, Any] | None:
+    def _examine(self, overwrite: bool, resume: bool) -> dict[str, Any] | None:
         """Return the last start of the run that is there; raise unless what is there may be."""
-        there = [name for name in (*TOP, *FOLDERS) if (self.path / name).exists()]
+        there = [name for name in (*TOP, *FOLDERS) if os.path.lexists(self.path / name)]
         run = runinfo.read(self.path / RUN)
+        if run is None and resume and any((self.path / "checkpoints").glob("step-*.h5")):
+            return {"state": "lost", "checkpoint": 0}
         if run is None and there:
             raise UsageError(
                 f"{self.path} has a {there[0]}, but no run of pgimp: a run there would replace it."
@@ -130,14 +144,16 @@ class RunDirectory:
         if run is None:
             return None
         last = run["starts"][-1]
-        if not may_hold_a_run:
+        if not (overwrite or resume):
             raise UsageError(
                 f"{self.path} holds a run ({last['state']}, begun {last['began']}, "
                 f"{last['steps']} steps).\n"
                 "Add --resume to go on with it, --overwrite to replace it, or choose another "
                 "directory with -o."
             )
-        return last
+        made = [start.get("checkpoint") for start in run["starts"]]
+        made = [step for step in made if step is not None]
+        return last | {"checkpoint": made[-1] if made else None}
 
     def prepare(self, texts: dict[str, bytes], start: dict[str, Any], resume: bool = False) -> None:
         """Write the files that a run starts with; collective.
@@ -155,30 +171,34 @@ class RunDirectory:
 
         Raises
         ------
-        UsageError, RunError
+        RunError
             On every rank, if that is not possible.
         """
         on_root(self.comm, lambda: self._prepare(texts, start, resume))
 
     def _prepare(self, texts: dict[str, bytes], start: dict[str, Any], resume: bool) -> None:
         try:
-            for path in self._own_files():
-                if not resume or path.name == _FAILED or _PART.fullmatch(path.name):
-                    path.unlink(missing_ok=True)
+            for name in FOLDERS:
+                (self.path / name).mkdir(exist_ok=True)
             if resume:
                 runinfo.append(self.path / RUN, start)
             else:
-                runinfo.write(self.path / RUN, start)
-            for name in FOLDERS:
-                (self.path / name).mkdir(exist_ok=True)
+                # From here to the end of this the directory holds parts of two runs.
+                runinfo.write(self.path / RUN, start | {"state": STARTING})
+            for path in self._own_files():
+                past = path.name == _FAILED or path.parent.name == FAILURE
+                if not resume or past or _PART.fullmatch(path.name):
+                    path.unlink(missing_ok=True)
             for name, text in texts.items():
                 write(self.path / name, text)
+            if not resume:
+                runinfo.write(self.path / RUN, start)
         except OSError as error:
             raise self._refusal("write to", error) from error
 
     def _own_files(self) -> Iterator[Path]:
         """Yield the files of a run but run.json: without it the rest is taken for no run."""
-        for name, data in {"": _PART, **_DATA}.items():
+        for name, data in {**_DATA, "": _PART}.items():
             folder = self.path / name
             for entry in folder.iterdir() if folder.is_dir() else ():
                 if data.fullmatch(entry.name) or _PART.fullmatch(entry.name):
@@ -187,10 +207,9 @@ class RunDirectory:
             if name != RUN:
                 yield self.path / name
 
-    def _refusal(self, action: str, error: OSError) -> UsageError | RunError:
+    def _refusal(self, action: str, error: OSError) -> RunError | UsageError:
         message = f"cannot {action} the run directory {self.path}: {explain(error)}"
-        full = error.errno in (errno.ENOSPC, errno.EDQUOT)
-        return RunError(message) if full else UsageError(message)
+        return UsageError(message) if error.errno in _NO_PLACE else RunError(message)
 
     def record_failure(self, state: str, step: int, when: float, message: str) -> None:
         """Note in run.json and log.txt why the run ended early.
@@ -232,13 +251,30 @@ class RunDirectory:
 
         Raises
         ------
-        RunError, UsageError
-            On every rank, if it cannot be written.
+        RunError
+            On every rank, if it cannot be written, or the directory has gone.
         """
 
         def action() -> None:
             try:
                 self._update(state=state, steps=step, time=when, seconds=seconds, message=message)
+            except OSError as error:
+                raise self._refusal("write to", error) from error
+
+        on_root(self.comm, action)
+
+    def note_checkpoint(self, step: int) -> None:
+        """Note in run.json that there is a checkpoint; collective.
+
+        Raises
+        ------
+        RunError
+            On every rank, if it cannot be written, or the directory has gone.
+        """
+
+        def action() -> None:
+            try:
+                runinfo.update(self.path / RUN, checkpoint=step)
             except OSError as error:
                 raise self._refusal("write to", error) from error
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime
+import errno
 import json
 import os
 import platform
@@ -54,6 +55,7 @@ def describe_start(comm: Any, particles: int, resumed: int | None = None) -> dic
         "seconds": None,
         "message": None,
         "resumed_from": resumed,
+        "checkpoint": None,
         "particles": particles,
         "ranks": comm.size,
         "hosts": dict(Counter(hosts or [])),
@@ -139,7 +141,15 @@ def read(path: Path) -> dict[str, Any] | None:
         return None
     if not isinstance(content, dict) or content.get("program") != PROGRAM:
         return None
+    starts = content.get("starts")
+    if not isinstance(starts, list) or not all(_is_start(start) for start in starts) or not starts:
+        return None
     return content
+
+
+def _is_start(start: Any) -> bool:
+    """Tell whether an entry of ``starts`` has what is relied on."""
+    return isinstance(start, dict) and all(key in start for key in ("state", "began", "steps"))
 
 
 def write(path: Path, start: dict[str, Any]) -> None:
@@ -200,9 +210,10 @@ def update(path: Path, **changes: Any) -> None:
     Raises
     ------
     OSError
-        If it cannot be written; the older version then stays.
+        If it has gone or cannot be written; an older version then stays.
     """
     content = read(path)
-    if content is not None:
-        content["starts"][-1].update(changes)
-        files.write(path, json.dumps(content, indent=2) + "\n")
+    if content is None:
+        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(path))
+    content["starts"][-1].update(changes)
+    files.write(path, json.dumps(content, indent=2) + "\n")

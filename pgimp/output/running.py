@@ -51,7 +51,7 @@ def advance(
     RunError
         If the run fails, on the ranks that find it.
     """
-    recorder = Recorder(directory.path, case, sim)
+    recorder = Recorder(directory, case, sim)
     if sim.comm.size > 1 and not recorder.frames.parallel:
         log.say("note: this h5py has no MPI, so files go through rank 0 block by block")
     progress = Progress(log, sim, case.time.end, terminal_columns() if log.speaks else 0)
@@ -63,7 +63,7 @@ def advance(
             for note in recorder.resume(about):
                 log.say(f"note: {note}")
         # What came before the first step, set-up included, has been held until here.
-        stopped = stop.agree(recorder.checkpoints.seconds)
+        stopped = stop.agree(recorder.checkpoints.seconds if about is None else 0.0)
         while not (stopped or sim.finished):
             sim.wish = _wish(sim, recorder, stop, (perf_counter() - began) / (sim.step - first + 1))
             sim.advance()

@@ -57,7 +57,6 @@ class Collection:
             '<?xml version="1.0" encoding="utf-8"?>\n<Xdmf Version="3.0">\n<Domain>\n'
             '<Grid Name="particles" GridType="Collection" CollectionType="Temporal">\n'
             f"{''.join(self._grids)}</Grid>\n</Domain>\n</Xdmf>\n",
-            durable=False,
         )
 
 

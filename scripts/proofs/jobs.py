@@ -36,6 +36,8 @@ history: {every: {steps: 10}}
 checkpoint: {every: {steps: 25}, keep: 3}
 """
 
+SHORT = CASE.replace("end: 4.0", "end: 1.2")
+
 #: A job that has not ended after this is taken for hung.
 PATIENCE = 60.0
 

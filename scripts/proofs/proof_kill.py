@@ -8,7 +8,7 @@ import time
 from collections import Counter
 from statistics import median
 
-from jobs import CASE, Job, differences, scratch, unreadable, whole
+from jobs import CASE, SHORT, Job, differences, scratch, unreadable, whole
 
 
 def main(words):
@@ -17,11 +17,12 @@ def main(words):
     parser.add_argument("--runs", type=int, default=100)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--tcp", action="store_true")
+    parser.add_argument("--short", action="store_true", help="fewer steps, at most 3 ranks")
     options = parser.parse_args(words)
     chance = random.Random(options.seed)
     moments, statuses, resumed, delays, same = Counter(), Counter(), Counter(), [], 0
     with scratch("kill") as (folder, failures):
-        (folder / "blocks.yaml").write_text(CASE)
+        (folder / "blocks.yaml").write_text(SHORT if options.short else CASE)
         began = time.monotonic()
         reference = whole(folder, "whole", ["blocks.yaml", "--quiet"])
         # Compiled now; so this is how long a run takes.
@@ -33,7 +34,7 @@ def main(words):
         while sum(moments.values()) < options.runs:
             number += 1
             name = f"run-{number}"
-            ranks = chance.choice((2, 2, 3, 4))
+            ranks = chance.choice((2, 2, 3, 3 if options.short else 4))
             job = Job(ranks, ["blocks.yaml", "--quiet", "-o", name], folder, options.tcp)
             kind = ("start-up", "checkpoint", "any")[number % 3]
             wait_for(kind, job, folder / name, chance, length)
@@ -59,7 +60,7 @@ def main(words):
                 failures.append(f"{note}: {job.said}")
             if (folder / name).exists():
                 failures += [f"{note}: {wrong}" for wrong in unreadable(folder / name)]
-            others = chance.choice((1, 2, 3, 4))
+            others = chance.choice((1, 2, 3) if options.short else (1, 2, 3, 4))
             job = Job(others, ["blocks.yaml", "-o", name, "--resume"], folder, options.tcp)
             status, _ = job.wait()
             lines = job.said.splitlines()
