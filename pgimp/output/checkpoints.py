@@ -14,7 +14,7 @@ from typing import Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from pgimp.case.schema import WallTime
+from pgimp.case.output import WallTime
 from pgimp.case.writer import dump_case
 from pgimp.errors import DamagedError, RunError
 from pgimp.output import checkpointwriter, runinfo

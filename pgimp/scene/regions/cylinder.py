@@ -114,7 +114,7 @@ class Cylinder(Model, Region):
             b += away * slope
         aa = sum((float(i == axis) - u[axis] * u[i]) ** 2 for i in range(3))
         mantle = roots(aa, b, c) if aa > 0.0 else np.full((len(points), 2), np.nan)
-        with np.errstate(invalid="ignore", divide="ignore"):
+        with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
             ends = np.stack([-along, self._length() - along], axis=1) / u[axis]
             # Where mantle or ends go on far beyond the rims, they are no surface.
             height = along[:, None] + mantle * u[axis]

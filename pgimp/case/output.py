@@ -1,0 +1,92 @@
+"""What a run writes, as the case file says it: frames, history, checkpoints."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Any
+
+from pydantic import AfterValidator, BaseModel, Field
+
+from pgimp.case.base import Count, Interval, Model, NonNegative, Positive, Steps
+from pgimp.case.dispatch import ByWord, Either
+from pgimp.case.fields import FIELDS
+from pgimp.case.messages import unknown
+from pgimp.case.problems import Problem, problem, raise_problems
+
+
+def _field(value: str) -> str:
+    if value not in FIELDS:
+        raise problem(unknown("field", value, FIELDS))
+    return value
+
+
+def _unique(values: tuple[Any, ...]) -> tuple[Any, ...]:
+    for position, value in enumerate(values):
+        if value in values[:position]:
+            raise_problems("list", [Problem((position,), f"{value} is in the list already")])
+    return values
+
+
+FieldName = Annotated[
+    str, AfterValidator(_field), Field(strict=True, json_schema_extra={"enum": [*FIELDS]})
+]
+"""Name of a quantity that frames may hold."""
+
+
+class Output(Model):
+    """Frames: the particles at chosen times."""
+
+    every: Interval | None = Field(
+        default=None,
+        description="a frame at the first step at or after every multiple of this; "
+        "null: only the start and the end, which always have one [time]",
+    )
+    at: tuple[NonNegative, ...] = Field(
+        default=(),
+        description="further times of frames: a step under Courant control is shortened to meet "
+        "them; with a fixed step, the first step at or after them [time]",
+    )
+    fields: Annotated[tuple[FieldName, ...], AfterValidator(_unique)] = Field(
+        default=("velocity", "stress"), description="what frames hold besides position and size"
+    )
+
+
+class History(Model):
+    """Sums over the particles, a line of history.csv each time."""
+
+    every: Interval = Field(
+        default=Steps(steps=100),
+        description="a line at the first step at or after every multiple of this; "
+        "the start and the end always have one [time]",
+    )
+
+
+class WallTime(Model):
+    """A time on the clock at the wall."""
+
+    wall: Positive = Field(description="every so many seconds of wall time")
+
+
+class Checkpoint(Model):
+    """Complete states of the run, from which `--resume` goes on; the end always has one."""
+
+    every: Annotated[
+        float | Steps | WallTime | None,
+        Either(
+            "a time above zero, {steps: 10}, {wall: 900} or null",
+            {
+                float: Positive,
+                dict: ByWord(lambda: _INTERVALS, "kind of interval"),
+                None: None,
+            },
+        ),
+    ] = Field(
+        default=WallTime(wall=900.0),
+        description="a checkpoint at the first step at or after every multiple of this simulated "
+        "time or number of steps, or after so many seconds of wall time; null: only at the end, "
+        "and where the run is asked to stop [time]",
+    )
+    keep: Count = Field(default=2, description="how many are kept; older ones are deleted")
+
+
+_INTERVALS: Mapping[str, type[BaseModel]] = {"steps": Steps, "wall": WallTime}
