@@ -26,14 +26,14 @@ def content(count, seed=5):
     return rows, whole | {"empty": np.zeros((0, 3))}
 
 
-def write_on(comm, path, count, parallel=True, empty=(1,), seed=5):
+def write_on(comm, path, count, empty=(1,), seed=5):
     """Write with the rows spread over the ranks; those in `empty` get none."""
     rows, whole = content(count, seed)
     shares = np.array([0 if rank in empty else rank + 1 for rank in range(comm.size)])
     bounds = [0, *(np.cumsum(shares) * count // max(1, shares.sum()))]
     mine = {name: a[bounds[comm.rank] : bounds[comm.rank + 1]] for name, a in rows.items()}
     about, whole = (ABOUT, whole) if comm.rank == 0 else ({}, {})
-    write(path, comm, parallel, about, mine, whole)
+    write(path, comm, about, mine, whole)
 
 
 def check_content(path, count, parts=2, seed=5):

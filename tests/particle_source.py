@@ -98,13 +98,11 @@ def expected(values, dimension):
     }
 
 
-def write_frames(directory, comm, count, dimension, empty=(), streamed=False, number=2, gone=()):
+def write_frames(directory, comm, count, dimension, empty=(), number=2, gone=()):
     (directory / "frames").mkdir(parents=True, exist_ok=True)
     comm.Barrier()
     sim, values = make_sim(comm, count, dimension, empty, gone)
     frames = Frames(directory, make_case(), sim)
-    if streamed:
-        frames.file.parallel = False
     for _ in range(number):
         frames.write(sim)
     return frames, values

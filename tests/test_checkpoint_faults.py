@@ -5,6 +5,7 @@ import shutil
 import subprocess
 import sys
 from contextlib import nullcontext
+from functools import partial
 from pathlib import Path
 from unittest import mock
 
@@ -47,11 +48,10 @@ def test_ranks_agree_on_what_goes_wrong(disk, mpirun, ranks):
     assert job.returncode == 0, job.stdout + job.stderr
     lines = sorted(job.stdout.splitlines())
     causes = ["No space left on device", *FAULTS.values()]
-    for way in ("parallel", "streamed"):
-        for number, cause in enumerate(causes):
-            told = [line for line in lines if line.startswith(f"{way} {number}:")]
-            assert len(told) == ranks and len(set(told)) == 1, told
-            assert cause in told[0] and ".h5" in told[0], told[0]
+    for number, cause in enumerate(causes):
+        told = [line for line in lines if line.startswith(f"{number}:")]
+        assert len(told) == ranks and len(set(told)) == 1, told
+        assert cause in told[0] and ".h5" in told[0], told[0]
     check_content(disk / "file.h5", 300)
     assert [path.name for path in disk.iterdir()] == ["file.h5"]
 
@@ -101,16 +101,16 @@ FAULTS = {
 }
 
 
-def fail(comm, disk, way, fault):
+def fail(comm, disk, fault):
     """Write a file while one rank, the last where that can be, has a fault."""
     rows, whole = content(30 if comm.rank else 0)
     path, about = disk / f"{fault}.h5", dict(ABOUT)
-    alone = comm.rank == (0 if fault == "put" and way == "streamed" else comm.size - 1)
+    alone = comm.rank == comm.size - 1
     put, patch = FrameFile._put, nullcontext()
 
     def broken_put(self, *args):
         put(self, *args)
-        self._keep(OSError(5, "the text does not matter"))
+        raise OSError(5, "the text does not matter")
 
     if fault == "memory" and alone:
         rows = Rows(rows, mock.Mock(side_effect=MemoryError))
@@ -133,21 +133,20 @@ def fail(comm, disk, way, fault):
             path.parent.mkdir()
             rows = Rows(rows, lambda: shutil.rmtree(path.parent))
     with patch:
-        write(path, comm, way == "parallel", about, rows, whole if comm.rank == 0 else {})
+        write(path, comm, about, rows, whole if comm.rank == 0 else {})
 
 
 def main(command, folder):
     comm = world()
     if command == "fail":
-        for way in ("parallel", "streamed"):
-            write_on(comm, folder / "file.h5", 300, way == "parallel")
-            tries = [lambda way=way: write_on(comm, folder / "file.h5", 20_000, way == "parallel")]
-            tries += [lambda way=way, fault=f: fail(comm, folder, way, fault) for f in FAULTS]
-            for number, attempt in enumerate(tries):
-                try:
-                    attempt()
-                except RunError as error:
-                    print(f"{way} {number}: {error}\n", end="", flush=True)
+        write_on(comm, folder / "file.h5", 300)
+        tries = [lambda: write_on(comm, folder / "file.h5", 20_000)]
+        tries += [partial(fail, comm, folder, fault) for fault in FAULTS]
+        for number, attempt in enumerate(tries):
+            try:
+                attempt()
+            except RunError as error:
+                print(f"{number}: {error}\n", end="", flush=True)
     else:
         try:
             write_on(comm, folder / "closed" / "file.h5", 10)

@@ -150,21 +150,6 @@ def test_output_does_not_change_the_particles(done, start, folder):
         assert run.frame(-1)[field].tobytes() == other.frame(-1)[field].tobytes()
 
 
-def test_without_parallel_hdf5_the_log_says_so(done, start, folder, mpirun):
-    script = folder / "streamed.py"
-    script.write_text(
-        "import pgimp\n"
-        "from pgimp.output import hdf5\n"
-        "hdf5.parallel = lambda comm: False\n"
-        "run = pgimp.run('blocks.yaml', output='streamed')\n"
-        "assert len(run) == 10\n"
-    )
-    job = mpirun(3, [script], cwd=folder)
-    assert job.returncode == 0, job.stderr
-    assert len(re.findall("h5py has no MPI, so files go through rank 0", job.stdout)) == 1
-    assert start(1, "compare", "blocks.out", "streamed").returncode == 0
-
-
 EVERY = ["--set", "output.at=[]"]
 FAST = ["--set", "bodies.right.velocity=[9.0, 0.0]", "--set", "boundaries={}"]
 

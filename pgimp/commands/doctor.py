@@ -215,8 +215,8 @@ def _h5py(h5py: dict[str, Any] | str, mpi: dict[str, Any] | str) -> Finding:
         return Finding(
             "h5py",
             found,
-            "frames of a run on several ranks are written through one of them; scripts/setup "
-            "builds an h5py with MPI, with which all ranks write",
+            "pgimp does without: all ranks write to its files. What else needs parallel HDF5 gets "
+            "it from scripts/setup, which builds h5py with MPI",
         )
     return Finding("h5py", found)
 

@@ -20,7 +20,6 @@ from pgimp.errors import DamagedError, RunError
 from pgimp.output import checkpointwriter, runinfo
 from pgimp.output.checkpointfile import CheckpointFile
 from pgimp.output.collective import explain, on_root
-from pgimp.output.hdf5 import parallel
 from pgimp.output.schedule import Schedule
 from pgimp.parallel.together import all_or_none
 from pgimp.solver.state import capture
@@ -91,7 +90,6 @@ class Checkpoints:
         self._keep = int(case.checkpoint.keep)
         self._case = dump_case(case)
         self._made_by = made_by()
-        self._parallel = parallel(sim.comm)
         self._schedule = Schedule(None if wall else every)
         self._schedule.skip(sim.time, sim.step, sim.dt)
         self._pause = every.wall if wall else math.inf
@@ -161,7 +159,7 @@ class Checkpoints:
             "seconds": self.seconds if self._measured else None,
             "state": state,
         }
-        checkpointwriter.write(path, sim.comm, self._parallel, about, rows, whole)
+        checkpointwriter.write(path, sim.comm, about, rows, whole)
         self.latest, self._stands_for = sim.step, (frames, line)
         on_root(sim.comm, self._delete_older)
         now = monotonic()

@@ -15,7 +15,7 @@ import numpy as np
 from pgimp.errors import DamagedError, RunError
 from pgimp.output.checkpointheader import KINDS, encode, parse
 from pgimp.output.collective import agree, explain, on_root
-from pgimp.output.datasets import Dataset, create, reachable
+from pgimp.output.datasets import Dataset, create
 from pgimp.output.files import publish, temporary
 from pgimp.output.framefile import FrameFile, Written, checksum_of
 
@@ -36,7 +36,6 @@ class _Blocks(NamedTuple):
 def write(
     path: Path,
     comm: Any,
-    parallel: bool,
     about: dict[str, Any],
     rows: Mapping[str, Array],
     whole: Mapping[str, Array],
@@ -49,8 +48,6 @@ def write(
         The file; replaced if there.
     comm : communicator
         Of all ranks.
-    parallel : bool
-        Whether every rank writes its own rows; else they go through rank 0.
     about : dict
         Anything that JSON can say; of use on rank 0.
     rows : mapping of str to ndarray, shape (n, ...)
@@ -68,7 +65,6 @@ def write(
     """
     what = f"write the checkpoint {path}"
     part = temporary(path)
-    parallel = parallel and comm.size > 1
     lengths: set[int] = set()
     shapes = {}
     cause = None
@@ -89,9 +85,7 @@ def write(
     plan = _Plan(part, about, shapes, share)
     try:
         offsets = on_root(comm, lambda: plan.create(whole, what))
-        if parallel:
-            agree(comm, what, reachable(part))
-        file = FrameFile(part, share, parallel, offsets, plan.most)
+        file = FrameFile(part, share, offsets, plan.most)
         agree(comm, what, file.error)
         for name in shapes:
             try:

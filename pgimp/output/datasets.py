@@ -5,7 +5,6 @@ from __future__ import annotations
 import errno
 import math
 import os
-import socket
 from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
@@ -13,7 +12,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pgimp.output.collective import explain
 from pgimp.output.hdf5 import load_h5py, open_file
 
 Array = np.ndarray
@@ -123,21 +121,3 @@ def _reserve(path: Path, size: int) -> None:
             raise
     finally:
         os.close(descriptor)
-
-
-def reachable(path: Path) -> str | None:
-    """Find out whether this rank sees a file, before it enters a collective call for it.
-
-    Returns
-    -------
-    str or None
-        Why it does not.
-    """
-    try:
-        os.close(os.open(path, os.O_RDWR))
-    except OSError as error:
-        return (
-            f"{explain(error)} on {socket.gethostname()}; the run directory must be on a file "
-            "system that all ranks share"
-        )
-    return None

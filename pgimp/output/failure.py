@@ -119,7 +119,7 @@ def _write(folder: Path, sim: Simulation, failure: Failure, text: str, history: 
         ]
         write_file(folder / "report.txt", "\n\n".join(parts) + "\n")
 
-    file = ParticleFile(sim.case, scene, fields, parallel=False)
+    file = ParticleFile(sim.case, scene, fields)
     state, instead = (failure.time, failure.step), _drawable(sim, found, shown.storage)
     file.write(path, sim.particles, shown, state, what, end, instead)
 

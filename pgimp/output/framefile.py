@@ -1,8 +1,16 @@
-"""One HDF5 file, written by all ranks at once or by rank 0 for all, and checked."""
+"""One HDF5 file, written by all ranks at once, and checked.
+
+The HDF5 library makes the file, see `pgimp.output.datasets`: each dataset lies in one piece at a
+known place, with its space reserved. What the ranks then write goes straight to those places. So an
+error is one of this rank's own, at once, while MPI's collective calls lose data on a full disk
+without an error, and wait for ever for a rank that could not open the file.
+"""
 
 from __future__ import annotations
 
 import math
+import os
+import socket
 import zlib
 from collections.abc import Sequence
 from pathlib import Path
@@ -10,13 +18,11 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from pgimp.errors import RunError
 from pgimp.output.collective import explain
-from pgimp.output.hdf5 import load_h5py, open_file
 
 Array = np.ndarray
 
-# Rows go through rank 0, and are read back, in blocks of about this many bytes.
+# Rows are written, summed up and read back in blocks of so many bytes.
 _BLOCK = 4 << 20
 
 
@@ -41,7 +47,7 @@ class Written(NamedTuple):
 
 
 class FrameFile:
-    """A file made by `datasets.create`, open for writing on every rank that writes to it.
+    """A file made by `datasets.create`, open for writing on every rank.
 
     An error is kept, not raised, so that all ranks go on to the next collective call; the first
     one is in `error`.
@@ -52,8 +58,6 @@ class FrameFile:
         The file.
     rows : Share
         Which rows each rank has.
-    parallel : bool
-        Whether every rank writes its own rows; else rank 0 writes those of all.
     offsets : dict of str to int
         From `datasets.create`.
     most : int, optional
@@ -68,51 +72,29 @@ class FrameFile:
     """
 
     def __init__(
-        self,
-        path: Path,
-        rows: Share,
-        parallel: bool,
-        offsets: dict[str, int],
-        most: float = math.inf,
+        self, path: Path, rows: Share, offsets: dict[str, int], most: float = math.inf
     ) -> None:
         self.path = path
-        self.comm = rows.comm
-        self.bounds = rows.bounds
-        self.parallel = parallel
         self.offsets = offsets
         self.error: str | None = None
         self.written: list[Written] = []
+        self._first = rows.bounds[rows.comm.rank]
         self._most = max(_BLOCK, most)
-        self._file: Any = None
-        self._transfer: Any = None
-        if parallel or self.comm.rank == 0:
-            try:
-                self._open()
-            except Exception as error:
-                self._keep(error)
-                if parallel:
-                    # The others may still wait for this rank within the call: end the job.
-                    raise RunError(f"cannot open {path} on all ranks: {self.error}") from error
-
-    def _open(self) -> None:
-        if not self.parallel:
-            self._file = open_file(self.path, "r+")
-            return
-        h5py = load_h5py()
-        self._transfer = h5py.h5p.create(h5py.h5p.DATASET_XFER)
-        self._transfer.set_dxpl_mpio(h5py.h5fd.MPIO_COLLECTIVE)
-        self._file = h5py.File(
-            self.path, "r+", driver="mpio", comm=self.comm, libver=("earliest", "v110")
-        )
-
-    def _keep(self, error: Exception) -> None:
-        """Remember the first error; HDF5's come as exceptions of many types."""
-        if self.error is None:
-            text = " ".join(str(error).split()) or type(error).__name__
-            self.error = explain(error) if isinstance(error, OSError) else text
+        self._descriptor = -1
+        try:
+            # Never for reading too: a client of NFS would then write whole pages, others' rows
+            # among them.
+            self._descriptor = os.open(path, os.O_WRONLY | os.O_CLOEXEC)
+        except OSError as error:
+            self.error = explain(error)
+            if rows.comm.rank > 0:
+                self.error += (
+                    f" on {socket.gethostname()}; the run directory must be on a file system that "
+                    "all ranks share"
+                )
 
     def write(self, name: str, block: Array) -> None:
-        """Write this rank's rows of a dataset; collective.
+        """Write this rank's rows of a dataset.
 
         Parameters
         ----------
@@ -121,71 +103,45 @@ class FrameFile:
         block : ndarray, shape (n, ...)
             The rows, of the dataset's type, in C order.
         """
-        if not self.bounds[-1]:
-            return  # no rank has a row, and HDF5 fails to write nothing to nothing
-        row_bytes = block.dtype.itemsize * math.prod(block.shape[1:])
-        at_once = max(1, _BLOCK // max(1, row_bytes))
-        if self.comm.rank > 0 and not self.parallel:
-            for start in range(0, len(block), at_once):
-                self.comm.Send(block[start : start + at_once], dest=0)
+        if not block.nbytes or self.error:
             return
-        row = self.bounds[self.comm.rank]
-        self._put(name, block, row)
-        for start in range(0, len(block), at_once):
-            self._note(name, block[start : start + at_once], row + start)
-        if not self.parallel and self.comm.size > 1:
-            some = np.empty((at_once, *block.shape[1:]), block.dtype)
-            for rank in range(1, self.comm.size):
-                row, last = self.bounds[rank : rank + 2]
-                while row < last:
-                    part = some[: min(at_once, last - row)]
-                    self.comm.Recv(part, source=rank)
-                    self._put(name, part, row)
-                    self._note(name, part, row)
-                    row += len(part)
+        place = self.offsets[name] + self._first * (block.nbytes // len(block))
+        data = np.ravel(block).view(np.uint8).data
+        for start in range(0, len(data), _BLOCK):
+            part = data[start : start + _BLOCK]
+            try:
+                self._put(part, place + start)
+            except OSError as error:
+                self.error = explain(error)
+                return
+            self._note(part, place + start)
 
-    def _note(self, name: str, block: Array, first: int) -> None:
-        """Remember what lies in the file from row `first` on, as one stretch with that before it.
+    def _put(self, data: memoryview, place: int) -> None:
+        while data:
+            count = os.pwrite(self._descriptor, data, place)
+            data, place = data[count:], place + count
 
-        Rows of no bytes leave no trace.
-        """
-        start, size, checksum = self.offsets[name] + first * (block.nbytes // len(block)), 0, 0
+    def _note(self, data: memoryview, place: int) -> None:
+        """Remember what lies in the file at a place, as one stretch with that before it."""
+        start, size, checksum = place, 0, 0
         if self.written:
             before = self.written[-1]
-            if before.start + before.size == start and before.size + block.nbytes <= self._most:
+            if before.start + before.size == start and before.size + len(data) <= self._most:
                 start, size, checksum = self.written.pop()
-        if size + block.nbytes:
-            checksum = zlib.crc32(np.ravel(block).view(np.uint8).data, checksum)
-            self.written.append(Written(start, size + block.nbytes, checksum))
-
-    def _put(self, name: str, block: Array, first: int) -> None:
-        """Write rows from `first` on; with all ranks at once where they write in parallel."""
-        try:
-            h5py = load_h5py()
-            dataset = self._file[name].id
-            there = dataset.get_space()
-            if block.size:
-                here = h5py.h5s.create_simple(block.shape)
-                there.select_hyperslab((first, *(0,) * (block.ndim - 1)), block.shape)
-            else:
-                # h5py's own slicing would skip the call; the other ranks wait (h5py issue 965).
-                block = np.empty((1, *block.shape[1:]), block.dtype)
-                here = h5py.h5s.create_simple(block.shape)
-                here.select_none()
-                there.select_none()
-            dataset.write(here, there, block, dxpl=self._transfer)
-        except Exception as error:
-            self._keep(error)
+        checksum = zlib.crc32(data, checksum)
+        self.written.append(Written(start, size + len(data), checksum))
 
     def close(self) -> None:
-        """Close the file; collective if all ranks write."""
-        if self._file is None:
+        """Close the file, with all that was written safe on the disk."""
+        if self._descriptor < 0:
             return
-        for action in (self._file.flush, self._file.close):
-            try:
-                action()
-            except Exception as error:
-                self._keep(error)
+        try:
+            os.fsync(self._descriptor)
+        except OSError as error:
+            self.error = self.error or explain(error)
+        finally:
+            os.close(self._descriptor)
+            self._descriptor = -1
 
     def check(self) -> str | None:
         """Read back what this rank wrote; return what is wrong with it, or None."""

@@ -8,7 +8,6 @@ from typing import Any
 from pgimp.errors import RunError
 from pgimp.output.collective import explain, on_root
 from pgimp.output.fields import ALWAYS, FIELDS
-from pgimp.output.hdf5 import parallel
 from pgimp.output.particlefile import ParticleFile
 from pgimp.output.reader import Frame
 from pgimp.output.rows import Rows
@@ -45,13 +44,8 @@ class Frames:
         self.latest = 0.0
         self.step = -1
         self.fields = [*ALWAYS, *(name for name in FIELDS if name in case.output.fields)]
-        self.file = ParticleFile(case, sim.scene, self.fields, parallel(self.comm))
+        self.file = ParticleFile(case, sim.scene, self.fields)
         self._collection = Collection(directory / "particles.xdmf")
-
-    @property
-    def parallel(self) -> bool:
-        """Whether all ranks write at once; else the frames go through rank 0."""
-        return self.file.parallel
 
     def write(self, sim: Any) -> None:
         """Write the present state as the next frame; collective.

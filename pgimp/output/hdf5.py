@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from pathlib import Path
 from types import ModuleType
@@ -21,9 +20,6 @@ def load_h5py() -> ModuleType:
     """
     if "mpi4py.MPI" not in sys.modules:
         quiet_mpi()
-    # Open MPI's `vulcan` can hang in collective writes (HDFGroup/hdf5 issue 1227). The choice is
-    # read when the first file is opened, and anything set on mpirun's command line stays.
-    os.environ.setdefault("OMPI_MCA_fcoll", "^vulcan")
     import h5py
 
     return h5py
@@ -54,19 +50,3 @@ def open_file(path: Path, mode: str, **options: Any) -> Any:
     lockless = version >= (1, 10, 7) and version not in ((1, 11, 0), (1, 12, 0))
     locking = {"locking": False} if lockless else {}
     return h5py.File(path, mode, libver=("earliest", "v110"), **locking, **options)
-
-
-def parallel(comm: Any) -> bool:
-    """Tell whether all ranks can write to a file at once: several, each with an h5py with MPI.
-
-    Parameters
-    ----------
-    comm : communicator
-        Of all ranks; the call is collective.
-
-    Returns
-    -------
-    bool
-        The same on every rank; if not, what they have goes through rank 0.
-    """
-    return comm.size > 1 and all(comm.allgather(bool(load_h5py().get_config().mpi)))

@@ -13,7 +13,7 @@ import numpy as np
 from pgimp.case import fields as case_fields
 from pgimp.errors import RunError
 from pgimp.output.collective import agree, explain, on_root
-from pgimp.output.datasets import Dataset, create, reachable
+from pgimp.output.datasets import Dataset, create
 from pgimp.output.fields import EVERY, Source
 from pgimp.output.files import publish, temporary
 from pgimp.output.framefile import FrameFile
@@ -39,13 +39,10 @@ class ParticleFile:
         What is simulated.
     fields : list of str
         Which fields the files have.
-    parallel : bool
-        Whether all ranks write at once; else the files go through rank 0.
     """
 
-    def __init__(self, case: Any, scene: Any, fields: list[str], parallel: bool) -> None:
+    def __init__(self, case: Any, scene: Any, fields: list[str]) -> None:
         self.fields = fields
-        self.parallel = parallel
         self._scene = scene
         names = {"body": list(scene.body_names), "material": list(scene.material_names)}
         self._datasets = [CONNECTIVITY] + [
@@ -121,8 +118,6 @@ class ParticleFile:
 
         try:
             offsets = on_root(comm, begin)
-            if self.parallel:
-                agree(comm, what, reachable(part))
             self._fill(part, particles, rows, offsets, what, instead)
             on_root(comm, end)
         except BaseException:
@@ -142,7 +137,7 @@ class ParticleFile:
     ) -> None:
         scene, comm = self._scene, rows.comm
         source = Source(particles, rows.storage, scene.dimension, tuple(scene.body_material))
-        file = FrameFile(part, rows, self.parallel, offsets)
+        file = FrameFile(part, rows, offsets)
         agree(comm, what, file.error)
         file.write(CONNECTIVITY.name, np.arange(rows.first, rows.last, dtype=CONNECTIVITY.dtype))
         for name in self.fields:

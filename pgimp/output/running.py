@@ -52,8 +52,6 @@ def advance(
         If the run fails, on the ranks that find it.
     """
     recorder = Recorder(directory, case, sim)
-    if sim.comm.size > 1 and not recorder.frames.parallel:
-        log.say("note: this h5py has no MPI, so files go through rank 0 block by block")
     progress = Progress(log, sim, case.time.end, terminal_columns() if log.speaks else 0)
     began, first = perf_counter(), sim.step
     try:

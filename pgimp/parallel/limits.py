@@ -1,0 +1,101 @@
+"""How much memory the processes of a node may still take: of the machine, a cgroup, a process."""
+
+import os
+import resource
+from contextlib import suppress
+from pathlib import Path
+from typing import NamedTuple
+
+#: A v1 cgroup without a limit says a number of about 2^63.
+_NO_LIMIT = 2**60
+
+
+class Limit(NamedTuple):
+    """Memory that some processes may still take together.
+
+    Attributes
+    ----------
+    shared_by : str
+        The same for all processes that share it, unlike that of any others.
+    name : str
+        What sets it, for people.
+    free : int
+        Bytes.
+    addresses : bool
+        Whether memory counts that is asked for, but never touched.
+    """
+
+    shared_by: str
+    name: str
+    free: int
+    addresses: bool = False
+
+
+def limits(root: str = "/") -> list[Limit]:
+    """Find the limits of this process.
+
+    Parameters
+    ----------
+    root : str
+        Where the system's files are.
+    """
+    top = Path(root)
+    node = _text(top / "proc/sys/kernel/random/boot_id") or os.uname().nodename
+    found = []
+    memory = _table(top / "proc/meminfo")
+    if "MemAvailable:" in memory:
+        found.append(Limit(node, "this node", memory["MemAvailable:"] * 1024))
+    for line in _text(top / "proc/self/cgroup").splitlines():
+        _, controllers, path = line.split(":", 2)
+        if controllers == "":
+            found += _cgroup(top / "sys/fs/cgroup", path, node, "memory.max", "memory.current", "")
+        elif "memory" in controllers.split(","):
+            files = ("memory.limit_in_bytes", "memory.usage_in_bytes", "total_")
+            found += _cgroup(top / "sys/fs/cgroup/memory", path, node, *files)
+    used = _table(top / "proc/self/status")
+    for kind, name, column in (
+        (resource.RLIMIT_AS, "ulimit -v", "VmSize:"),
+        (resource.RLIMIT_DATA, "ulimit -d", "VmData:"),
+    ):
+        most = resource.getrlimit(kind)[0]
+        if most != resource.RLIM_INFINITY and column in used:
+            process = f"{node} process {os.getpid()}"
+            found.append(Limit(process, name, most - used[column] * 1024, True))
+    return found
+
+
+def _cgroup(
+    base: Path, path: str, node: str, limit: str, usage: str, prefix: str
+) -> list[Limit]:
+    """Limits of a cgroup and of those around it; in a container the path may not be there."""
+    found = []
+    place = base / path.strip("/")
+    if ".." in place.parts or not place.is_dir():
+        place = base
+    while True:
+        most, used = _text(place / limit), _text(place / usage)
+        if most.isdecimal() and used.isdecimal() and int(most) < _NO_LIMIT:
+            # Pages of files go when memory is short.
+            kept = _table(place / "memory.stat")
+            files = sum(kept.get(f"{prefix}{kind}_file", 0) for kind in ("active", "inactive"))
+            free = int(most) - max(0, int(used) - files)
+            found.append(Limit(f"{node} {place}", f"the cgroup {place}", free))
+        if place == base:
+            return found
+        place = place.parent
+
+
+def _text(path: Path) -> str:
+    with suppress(OSError):
+        return path.read_text(errors="replace").strip()
+    return ""
+
+
+def _table(path: Path) -> dict[str, int]:
+    """First two words of each line, the second a number."""
+    table = {}
+    for line in _text(path).splitlines():
+        words = line.split()
+        if len(words) > 1 and words[1].isdecimal():
+            table[words[0]] = int(words[1])
+    return table

@@ -1,0 +1,100 @@
+"""How many particles a case will have, from the outside: bounds that cost no memory."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pgimp.case.schema import Case
+from pgimp.scene.regions.base import Region
+
+#: Bricks that are looked at, times the parts of the region: a fraction of a second.
+_LOOKS = 400_000
+
+
+class Extent(NamedTuple):
+    """What is known of a body without looking at its particles one by one.
+
+    Attributes
+    ----------
+    low, high : tuple of int
+        Corners of the part of the lattice in which it lies.
+    least, most : float
+        Bounds of its number of particles.
+    surface : float
+        Boxes that its surface may cut, about.
+    """
+
+    low: tuple[int, ...]
+    high: tuple[int, ...]
+    least: float
+    most: float
+    surface: float
+
+    @property
+    def boxes(self) -> tuple[int, ...]:
+        """Boxes of that part of the lattice along each direction."""
+        return tuple(b - a for a, b in zip(self.low, self.high, strict=True))
+
+
+def points(case: Case) -> tuple[int, ...]:
+    """Boxes of the lattice along each direction."""
+    return tuple(
+        cells * each
+        for cells, each in zip(case.grid.cells, case.method.particles_per_cell, strict=True)
+    )
+
+
+def extents(case: Case) -> list[Extent]:
+    """Extent of every body."""
+    origin = np.array(case.grid.origin, float)
+    size = np.array(case.grid.cell, float) / np.array(case.method.particles_per_cell, float)
+    found = []
+    for body in case.bodies.values():
+        low, high = [], []
+        ends = zip(*body.region.bounds(), origin, size, points(case), strict=True)
+        for a, b, x, h, n in ends:
+            low.append(int(np.clip(np.floor((a - x) / h), 0, n)))
+            high.append(int(np.clip(np.ceil((b - x) / h), low[-1], n)))
+        found.append(_extent(body.region, origin, size, tuple(low), tuple(high)))
+    return found
+
+
+def _extent(
+    region: Region,
+    origin: NDArray[np.float64],
+    size: NDArray[np.float64],
+    low: tuple[int, ...],
+    high: tuple[int, ...],
+) -> Extent:
+    """Divide bricks that the surface may cut, until they are boxes or have become too many."""
+    D = len(low)
+    a, b = np.array([low], float), np.array([high], float)
+    least = surface = 0.0
+    looks = _LOOKS // region.parts
+    while True:
+        extent = b - a
+        middle = origin + 0.5 * (a + b) * size
+        radius = 0.5 * np.sqrt(np.square(extent * size).sum(axis=1)) * (1.0 + 1e-9)
+        distance = region.distance(middle)
+        boxes = extent.prod(axis=1)
+        least += float(boxes[distance < -radius].sum())
+        # Of a brick that the surface cuts, this many boxes lie at it.
+        mixed = ~(np.abs(distance) > radius) & (boxes > 0.0)
+        at_end = mixed & (boxes == 1.0)
+        surface += float(at_end.sum())
+        divide = mixed & ~at_end
+        looks -= len(boxes)
+        a, b, boxes = a[divide], b[divide], boxes[divide]
+        if len(a) == 0 or looks < 2**D * len(a):
+            rest = float(boxes.sum())
+            surface += float((boxes ** ((D - 1) / D)).sum())
+            return Extent(low, high, least, least + float(at_end.sum()) + rest, surface)
+        longest = ((b - a) * size).max(axis=1)
+        for d in range(D):
+            long = (b[:, d] - a[:, d] > 1.0) & ((b[:, d] - a[:, d]) * size[d] > 0.5 * longest)
+            cut = np.floor(0.5 * (a[:, d] + b[:, d]))
+            a, b = np.concatenate([a, a[long]]), np.concatenate([b, b[long]])
+            b[: len(long)][long, d] = cut[long]
+            a[len(long) :, d] = cut[long]
+            longest = np.concatenate([longest, longest[long]])
