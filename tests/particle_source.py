@@ -60,6 +60,7 @@ def make_sim(comm, count, dimension, empty=(), gone=()):
         time=0.1,
         step=3,
         dt=0.1,
+        finished=False,
         scene=scene,
         particles=particles,
         live=lambda: storage,

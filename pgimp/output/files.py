@@ -14,8 +14,8 @@ def temporary(path: Path) -> Path:
     return path.with_name(f".{path.name}{TEMPORARY}")
 
 
-def write(path: Path, content: str | bytes) -> None:
-    """Write a file through a temporary one, so that it outlasts a crash of the machine.
+def write(path: Path, content: str | bytes, durable: bool = True) -> None:
+    """Write a file through a temporary one.
 
     Parameters
     ----------
@@ -23,6 +23,8 @@ def write(path: Path, content: str | bytes) -> None:
         The file.
     content : str or bytes
         All of it; text becomes UTF-8.
+    durable : bool
+        Whether it must be whole even after a crash of the machine, which takes longer.
 
     Raises
     ------
@@ -32,7 +34,10 @@ def write(path: Path, content: str | bytes) -> None:
     part = temporary(path)
     try:
         part.write_bytes(content.encode() if isinstance(content, str) else content)
-        publish(part, path)
+        if durable:
+            publish(part, path)
+        else:
+            part.rename(path)
     except BaseException:
         with suppress(OSError):
             part.unlink(missing_ok=True)

@@ -69,7 +69,7 @@ class Frames:
 
         def show() -> None:
             self._collection.add(path, time, rows.count, self.fields)
-            self._collection.write()
+            self._collection.write(durable=sim.finished)
 
         what = f"write the frame {path} at step {step}"
         self.file.write(path, sim.particles, rows, (time, step), what, show)

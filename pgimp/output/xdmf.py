@@ -44,8 +44,14 @@ class Collection:
         name = frame.relative_to(self.path.parent).as_posix()
         self._grids.append(_grid(name, time, count, fields))
 
-    def write(self) -> None:
+    def write(self, durable: bool = False) -> None:
         """Write the file anew, with all frames so far.
+
+        Parameters
+        ----------
+        durable : bool
+            Whether it must outlast a crash of the machine; until the last frame, the file can be
+            made again.
 
         Raises
         ------
@@ -57,6 +63,7 @@ class Collection:
             '<?xml version="1.0" encoding="utf-8"?>\n<Xdmf Version="3.0">\n<Domain>\n'
             '<Grid Name="particles" GridType="Collection" CollectionType="Temporal">\n'
             f"{''.join(self._grids)}</Grid>\n</Domain>\n</Xdmf>\n",
+            durable,
         )
 
 

@@ -64,9 +64,7 @@ def limits(root: str = "/") -> list[Limit]:
     return found
 
 
-def _cgroup(
-    base: Path, path: str, node: str, limit: str, usage: str, prefix: str
-) -> list[Limit]:
+def _cgroup(base: Path, path: str, node: str, limit: str, usage: str, prefix: str) -> list[Limit]:
     """Limits of a cgroup and of those around it; in a container the path may not be there."""
     found = []
     place = base / path.strip("/")

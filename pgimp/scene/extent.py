@@ -70,7 +70,7 @@ def _extent(
     """Divide bricks that the surface may cut, until they are boxes or have become too many."""
     D = len(low)
     a, b = np.array([low], float), np.array([high], float)
-    least = surface = 0.0
+    least = cut_through = surface = 0.0
     looks = _LOOKS // region.parts
     while True:
         extent = b - a
@@ -79,17 +79,16 @@ def _extent(
         distance = region.distance(middle)
         boxes = extent.prod(axis=1)
         least += float(boxes[distance < -radius].sum())
-        # Of a brick that the surface cuts, this many boxes lie at it.
         mixed = ~(np.abs(distance) > radius) & (boxes > 0.0)
-        at_end = mixed & (boxes == 1.0)
-        surface += float(at_end.sum())
-        divide = mixed & ~at_end
+        cut_through += float((mixed & (boxes == 1.0)).sum())
+        divide = mixed & (boxes > 1.0)
         looks -= len(boxes)
         a, b, boxes = a[divide], b[divide], boxes[divide]
         if len(a) == 0 or looks < 2**D * len(a):
-            rest = float(boxes.sum())
-            surface += float((boxes ** ((D - 1) / D)).sum())
-            return Extent(low, high, least, least + float(at_end.sum()) + rest, surface)
+            # A surface through a brick has some three layers of boxes at it.
+            thin = np.maximum(1.0, (b - a).min(axis=1, initial=np.inf) / 3.0)
+            surface = cut_through + float((boxes / thin).sum())
+            return Extent(low, high, least, least + cut_through + float(boxes.sum()), surface)
         longest = ((b - a) * size).max(axis=1)
         for d in range(D):
             long = (b[:, d] - a[:, d] > 1.0) & ((b[:, d] - a[:, d]) * size[d] > 0.5 * longest)

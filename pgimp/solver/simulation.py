@@ -19,6 +19,7 @@ from pgimp.solver.clock import clock_of
 from pgimp.solver.diagnostics import Diagnostics
 from pgimp.solver.faults import ROOM, Failure, collect
 from pgimp.solver.grid import Grid
+from pgimp.solver.memory import require
 from pgimp.solver.particles import Particles
 from pgimp.solver.population import Population
 from pgimp.solver.stability import doubt, require_stable
@@ -99,6 +100,7 @@ class Simulation:
         D = scene.dimension
         self.identity = tuple(float(i == j) for i in range(D) for j in range(D))
         self.clock = clock_of(case)
+        require(scene, comm, None if source is None else source.count)
         with one_rank_first(comm):
             discard_damaged(lambda: warm_up(scene, self.identity))
 
@@ -108,6 +110,7 @@ class Simulation:
         lattice, counts, notes = count_particles(scene, comm)
         self.notes += notes
         self.count = int(counts.sum())
+        require(scene, comm, self.count)
         layer = self._layers_of(lattice.coordinates[0])
         self.decompose(np.bincount(layer, counts.sum(axis=0), scene.frame.vertices[0]))
         self.settle(*self._create(lattice, counts, layer))
