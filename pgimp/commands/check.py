@@ -16,8 +16,10 @@ from pgimp.case.schema import Case
 from pgimp.kernels.sums import fastest_rate
 from pgimp.output.progress import duration
 from pgimp.parallel.comm import Serial
+from pgimp.parallel.limits import limits
 from pgimp.scene.lattice import Lattice
 from pgimp.scene.scene import Scene, count_particles
+from pgimp.solver.memory import Estimate, MemoryShortError, require, size_text
 from pgimp.solver.particles import Particles
 from pgimp.solver.simulation import Simulation
 from pgimp.solver.stability import doubt, require_stable
@@ -26,6 +28,7 @@ from pgimp.solver.stability import doubt, require_stable
 _MESSAGES = 20e-6
 #: Efficiency down to which more ranks pay off.
 _EFFICIENT = 0.7
+_YEAR = 365.25 * 86400.0
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -67,7 +70,17 @@ def report(case: Case) -> None:
         For whatever would stop a run before its first step.
     """
     scene = Scene(case)
-    lattice, counts, notes = count_particles(scene, Serial())
+    cells = " x ".join(str(n) for n in scene.frame.cells)
+    try:
+        require(scene, Serial())
+        lattice, counts, notes = count_particles(scene, Serial())
+        memory = require(scene, Serial(), int(counts.sum()))
+    except MemoryShortError as error:
+        print(f"{case.title or 'case'}: valid, but not for the memory that is here")
+        print(f"particles        about {error.estimate.particles:.3g}")
+        print(f"cells            {cells}, shape {case.method.shape}")
+        _report_memory(error.estimate)
+        raise
     bodies = [_facts(scene, lattice, counts, body) for body in range(len(scene.body_names))]
     inverse = max(scene.frame.inverse)
     rate = max((body.wave_speed + body.top_speed) * inverse for body in bodies)
@@ -76,13 +89,13 @@ def report(case: Case) -> None:
     count = int(counts.sum())
     print(f"{case.title or 'case'}: valid")
     print(f"particles        {count:,} in {len(bodies)} bod{'y' if len(bodies) == 1 else 'ies'}")
-    cells = " x ".join(str(n) for n in scene.frame.cells)
     print(f"cells            {cells}, shape {case.method.shape}")
     for body in bodies:
         _report_body(body, case, steps * dt)
     stable = 1.0 / rate
     print(f"step             {dt:.4g}, Courant {dt * rate:.3g}; Courant 1 is {stable:.4g}")
     print(f"steps            {steps:,} to t = {case.time.end:g}")
+    _report_memory(memory)
     _report_cost(case, scene, count, steps, bodies[0].wave_speed)
     for note in notes:
         print(f"note: {note}")
@@ -152,19 +165,16 @@ def _greatest_gravity(case: Case) -> float:
 
 
 def _report_cost(case: Case, scene: Scene, count: int, steps: int, speed: float) -> None:
-    """Memory, time on this machine, and the number of ranks that pays off."""
-    p = Particles.empty(1, scene.dimension, scene.origins, **scene.loads.columns)
-    bytes_each = sum(array.nbytes for array in p) + 8
+    """Time on this machine, and the number of ranks that pays off."""
     overhead, each = _measure(case, speed)
-    print(
-        f"memory           {_size(count * bytes_each)} for particles ({bytes_each} bytes each), "
-        "and up to as much again while frames are written"
-    )
     seconds = steps * (overhead + each * count)
+    time = duration(seconds) if seconds < _YEAR else f"{seconds / _YEAR:.3g} years"
     print(
-        f"time             {duration(seconds)} on one rank of this machine, without output "
+        f"time             {time} on one rank of this machine, without output "
         f"({1e-6 / each:.3g} million particle-steps/s measured)"
     )
+    if seconds >= _YEAR:
+        print("warning: nobody will see the end; is time.end or time.step what it should be?")
     layers = scene.frame.vertices[0] // (scene.vertices - 1)
     pays = (1.0 / _EFFICIENT - 1.0) * each * count / (overhead + _MESSAGES)
     ranks = max(1, min(layers, int(pays)))
@@ -172,6 +182,16 @@ def _report_cost(case: Case, scene: Scene, count: int, steps: int, speed: float)
         f"ranks            up to {ranks} pay off (efficiency above {_EFFICIENT:.0%}); the grid has "
         f"layers for {layers}"
     )
+
+
+def _report_memory(found: Estimate) -> None:
+    """Memory on one rank, and how much of it there is."""
+    free = min((limit.free for limit in limits()), default=None)
+    here = "" if free is None else f"; {size_text(free)} are free here"
+    print(f"memory           about {size_text(found.size)} on one rank{here}")
+    for part in found.parts:
+        if part.size > 0.01 * found.size:
+            print(f"{'':<16} {size_text(part.size)} for {part.what}")
 
 
 def _measure(case: Case, speed: float) -> tuple[float, float]:
@@ -209,12 +229,3 @@ def _sample(case: Case, cells: int, speed: float) -> Case:
         "boundaries": {"x-min": "fixed"},
     }
     return Case.model_validate(data)
-
-
-def _size(n: float) -> str:
-    """A number of bytes for people."""
-    for unit in ("bytes", "kB", "MB", "GB"):
-        if n < 1000:
-            return f"{n:.3g} {unit}"
-        n /= 1000
-    return f"{n:.3g} TB"

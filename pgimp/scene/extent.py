@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from pgimp.case.schema import Case
 from pgimp.scene.regions.base import Region
 
-#: Bricks that are looked at, times the parts of the region: a fraction of a second.
+#: Bricks that are looked at, times the parts of the regions: a fraction of a second.
 _LOOKS = 400_000
 
 
@@ -56,7 +56,8 @@ def extents(case: Case) -> list[Extent]:
         for a, b, x, h, n in ends:
             low.append(int(np.clip(np.floor((a - x) / h), 0, n)))
             high.append(int(np.clip(np.ceil((b - x) / h), low[-1], n)))
-        found.append(_extent(body.region, origin, size, tuple(low), tuple(high)))
+        looks = _LOOKS // (body.region.parts * len(case.bodies))
+        found.append(_extent(body.region, origin, size, tuple(low), tuple(high), looks))
     return found
 
 
@@ -66,12 +67,12 @@ def _extent(
     size: NDArray[np.float64],
     low: tuple[int, ...],
     high: tuple[int, ...],
+    looks: int,
 ) -> Extent:
     """Divide bricks that the surface may cut, until they are boxes or have become too many."""
     D = len(low)
     a, b = np.array([low], float), np.array([high], float)
     least = cut_through = surface = 0.0
-    looks = _LOOKS // region.parts
     while True:
         extent = b - a
         middle = origin + 0.5 * (a + b) * size

@@ -1,0 +1,238 @@
+"""How much memory a run will take, found before anything large exists, and whether it is there.
+
+The terms are those of what a rank allocates, with the transients of the phase that takes most.
+Measured peaks are within some ten per cent (tests/test_memory.py); what a run needs besides, when
+bodies spread or many particles move to another rank at once, is not foreseen.
+"""
+
+from math import prod
+from typing import Any, NamedTuple
+
+from pgimp.errors import CaseError
+from pgimp.kernels.sums import SUMS
+from pgimp.output.fields import ALWAYS, OPTIONAL
+from pgimp.parallel.limits import limits
+from pgimp.scene.extent import Extent, extents, points
+from pgimp.scene.filling import _SLAB
+from pgimp.scene.scene import Scene
+from pgimp.solver.grid import MARGIN
+from pgimp.solver.particles import Particles
+
+#: What a process takes besides after its start: kernels, HDF5, buffers of MPI.
+BASE = 100_000_000
+
+#: Rows of a rank's particles are numbered by int32.
+MOST_ROWS = 2**31 - 1
+
+
+class MemoryShortError(CaseError):
+    """A run does not fit into memory; `estimate` is that of the first rank."""
+
+    def __init__(self, text: str, estimate: "Estimate") -> None:
+        super().__init__(text, estimate)
+        self.estimate = estimate
+
+    def __str__(self) -> str:
+        """Return the text for people."""
+        return str(self.args[0])
+
+
+class Part(NamedTuple):
+    """Memory of a rank for one purpose: what, bytes, and what in the case would change that."""
+
+    what: str
+    size: float
+    advice: str
+
+
+class Estimate(NamedTuple):
+    """Memory that a rank will take beyond what it has at its start.
+
+    Attributes
+    ----------
+    particles : float
+        Of all ranks, about.
+    each : int
+        Bytes for each of a rank's particles at the peak.
+    parts : list of Part
+        What is there at the peak; the largest first.
+    untouched : float
+        Bytes that are asked for, but not touched.
+    """
+
+    particles: float
+    each: int
+    parts: list[Part]
+    untouched: float
+
+    @property
+    def size(self) -> float:
+        """Bytes in all."""
+        return BASE + sum(part.size for part in self.parts)
+
+
+def bytes_each(scene: Scene, ranks: int) -> tuple[int, int, int]:
+    """Bytes of a particle's columns, of what a rank keeps for it, and while output is written."""
+    p = Particles.empty(1, scene.dimension, scene.origins, **scene.loads.columns)
+    columns = sum(array.nbytes for array in p)
+    widest = 8 * max(array.size for array in p)
+    fields = [*ALWAYS.values(), *(OPTIONAL[name] for name in scene.case.output.fields)]
+    field = 8 * max(max(1, one.columns) for one in fields)
+    frame = 40 + (2.0 if ranks == 1 else 3.5) * field
+    checkpoint = 36 + widest
+    # Room for the widest column, order and spare order; what comes from other ranks.
+    kept = columns * (1.0 if ranks == 1 else 1.125) + widest + 8
+    return columns, int(kept), int(kept + max(frame, checkpoint))
+
+
+def estimate(
+    scene: Scene, ranks: int, first: bool, bodies: list[Extent], count: float | None = None
+) -> Estimate:
+    """Estimate the memory of a rank.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    ranks : int
+        How many there are.
+    first : bool
+        Whether it is the first one, which gathers sums.
+    bodies : list of Extent
+        See `extents`.
+    count : float, optional
+        Particles of all ranks; without it a number that there are at least, unless much of the
+        bodies is surface.
+    """
+    case, D = scene.case, scene.dimension
+    lattice, per_cell = points(case), case.method.particles_per_cell
+    if count is None:
+        count = sum(body.least + 0.25 * (body.most - body.least) for body in bodies)
+    s = scene.vertices
+    layers = scene.frame.vertices[0]
+    share = 1.0 / max(1, min(ranks, layers // (s - 1)))
+
+    def particles(each: int) -> Part:
+        return Part(
+            f"{count:.3g} particles ({each} bytes each)",
+            count * share * each,
+            "larger cells (grid.cell) or fewer particles in them (method.particles_per_cell)",
+        )
+
+    columns, kept, most = bytes_each(scene, ranks)
+
+    extent, occupied = [], 0.0
+    for d in range(D):
+        low = min(body.low[d] for body in bodies) // per_cell[d]
+        high = -(-max(body.high[d] for body in bodies) // per_cell[d])
+        extent.append(min(scene.frame.vertices[d], high - low + s + 1 + (2 * MARGIN if d else 0)))
+    plane = prod(extent[1:]) * (64 + (8 if scene.loads.constraints else 0))
+    occupied = min(extent[0], sum(body.boxes[0] / per_cell[0] + s for body in bodies))
+    beside = s + (s * s if ranks > 1 else 0)
+    grid = Part(
+        f"the grid's window of {' x '.join(str(n) for n in extent[1:]) or 'a'} vertices a plane",
+        (occupied * share + beside) * plane,
+        "larger cells (grid.cell), or bodies that lie closer together across x",
+    )
+
+    names, faces = len(scene.body_names), len(scene.faces)
+    line = 8 * SUMS * names
+    plane_sums = 40 + 32 * faces + 24 * len(scene.loads.constraints) + line * bool(scene.exits)
+    # The first rank gathers them all, through messages.
+    gathered = (line if ranks == 1 else 2 * (line + plane_sums)) if first else 0
+
+    def sums(each: float) -> Part:
+        return Part(
+            f"sums over {names} bodies by {layers:,} planes",
+            layers * each,
+            "a grid with fewer cells along x (grid.size, grid.cell), or fewer bodies",
+        )
+
+    rows = [(prod(body.boxes[1:]), body.boxes[0]) for body in bodies]
+    survey = 24.0 * max(min(deep, _SLAB // max(row, 1) + 5) * row for row, deep in rows)
+    measured = sum(
+        body.surface for body, entry in zip(bodies, case.bodies.values(), strict=True)
+        if entry.surface == "cut"
+    ) * 8 * (1 + D) * share * (1.0 if ranks == 1 else 2.0)  # fmt: skip
+    counting = Part(
+        "finding the particles on a lattice of "
+        f"{' x '.join(f'{n:,}' for n in lattice)} boxes",
+        lattice[0] * (32.0 * names + 40) + 32 * layers + 16.0 * sum(lattice) + 24.0 * max(lattice)
+        + survey + measured,
+        "a grid with fewer cells (grid.size, grid.cell), or fewer bodies",
+    )  # fmt: skip
+
+    phases = [
+        [counting, particles(columns)],
+        [particles(most), grid, sums(share * plane_sums)],
+        [particles(kept), grid, sums(share * (plane_sums + line) + gathered)],
+    ]
+    peak = max(phases, key=lambda parts: sum(part.size for part in parts))
+    untouched = max(0.0, layers * share - occupied * share) * plane
+    return Estimate(count, most, sorted(peak, key=lambda part: -part.size), untouched)
+
+
+def require(scene: Scene, comm: Any, count: int | None = None) -> Estimate:
+    """Refuse a run that the memory of its nodes cannot hold; collective.
+
+    Returns
+    -------
+    Estimate
+        That of this rank.
+
+    Raises
+    ------
+    MemoryShortError
+        The same on every rank.
+    CaseError
+        The same, if a rank cannot number its particles.
+    """
+    found = estimate(scene, comm.size, comm.rank == 0, extents(scene.case), count)
+    ranks = comm.allgather((found, limits()))
+    needs: dict[str, float] = {}
+    frees: dict[str, tuple[str, int]] = {}
+    sharing: dict[str, int] = {}
+    for one, bounds in ranks:
+        for limit in bounds:
+            key = f"{limit.shared_by} {limit.name}"
+            need = one.size + (one.untouched if limit.addresses else 0.0)
+            needs[key] = needs.get(key, 0.0) + need
+            sharing[key] = sharing.get(key, 0) + 1
+            name, free = frees.get(key, (limit.name, limit.free))
+            frees[key] = (name, min(free, limit.free))
+    worst = max(needs, key=lambda key: needs[key] / max(1, frees[key][1]), default=None)
+    if worst is not None and needs[worst] > frees[worst][1]:
+        first = ranks[0][0]
+        text = _refusal(first, needs[worst], *frees[worst], sharing[worst], comm.size)
+        raise MemoryShortError(text, first)
+    if count is not None and count / comm.size > MOST_ROWS:
+        raise CaseError(
+            f"{count:,} particles on {comm.size} ranks: a rank can number {MOST_ROWS:,}; use "
+            "more ranks"
+        )
+    return found
+
+
+def _refusal(found: Estimate, need: float, name: str, free: int, sharing: int, ranks: int) -> str:
+    part = found.parts[0]
+    who = "the run" if sharing == ranks else f"{sharing} of the {ranks} ranks"
+    if ranks > 1 and sharing == 1:
+        who = "a rank"
+    text = (
+        f"too large: {who} would take about {size_text(need)}, but {name} leaves "
+        f"{size_text(max(0, free))}\n"
+        f"  most of it, {size_text(part.size)} a rank, is for {part.what}\n"
+        f"  try: {part.advice}"
+    )
+    if part.what.endswith("each)"):
+        text += ", more nodes"
+    return text
+
+
+def size_text(n: float) -> str:
+    """A number of bytes for people."""
+    for unit in ("bytes", "kB", "MB", "GB", "TB"):
+        if n < 999.5:
+            return f"{n:.3g} {unit}"
+        n /= 1000
+    return f"{n:.3g} PB"
