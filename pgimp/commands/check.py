@@ -22,7 +22,7 @@ from pgimp.scene.scene import Scene, count_particles
 from pgimp.solver.memory import Estimate, MemoryShortError, require, size_text
 from pgimp.solver.particles import Particles
 from pgimp.solver.simulation import Simulation
-from pgimp.solver.stability import doubt, require_stable
+from pgimp.solver.stability import doubt, require_end, require_stable
 
 #: Cost of a step's messages on one node, seconds; what a rank must at least have to do besides.
 _MESSAGES = 20e-6
@@ -84,6 +84,7 @@ def report(case: Case) -> None:
     bodies = [_facts(scene, lattice, counts, body) for body in range(len(scene.body_names))]
     inverse = max(scene.frame.inverse)
     rate = max((body.wave_speed + body.top_speed) * inverse for body in bodies)
+    require_end(case.time, rate)
     dt = _step(case, rate)
     steps = ceil(case.time.end / dt * (1.0 - 1e-9))
     count = int(counts.sum())

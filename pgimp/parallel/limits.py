@@ -45,6 +45,7 @@ def limits(root: str = "/") -> list[Limit]:
     memory = _table(top / "proc/meminfo")
     if "MemAvailable:" in memory:
         found.append(Limit(node, "this node", memory["MemAvailable:"] * 1024))
+    found += _overcommit(top, memory, node)
     for line in _text(top / "proc/self/cgroup").splitlines():
         _, controllers, path = line.split(":", 2)
         if controllers == "":
@@ -62,6 +63,19 @@ def limits(root: str = "/") -> list[Limit]:
             process = f"{node} process {os.getpid()}"
             found.append(Limit(process, name, most - used[column] * 1024, True))
     return found
+
+
+def _overcommit(top: Path, memory: dict[str, int], node: str) -> list[Limit]:
+    """What the kernel grants without looking at what is touched."""
+    mode = _text(top / "proc/sys/vm/overcommit_memory")
+    if mode == "0" and "MemTotal:" in memory:  # it refuses what could never be there at once
+        most = (memory["MemTotal:"] + memory.get("SwapTotal:", 0)) * 1024
+        process = f"{node} process {os.getpid()}"
+        return [Limit(process, "the whole memory of this node", most, True)]
+    if mode == "2" and "CommitLimit:" in memory and "Committed_AS:" in memory:
+        free = (memory["CommitLimit:"] - memory["Committed_AS:"]) * 1024
+        return [Limit(f"{node} commit", "vm.overcommit_memory=2", free, True)]
+    return []
 
 
 def _cgroup(base: Path, path: str, node: str, limit: str, usage: str, prefix: str) -> list[Limit]:

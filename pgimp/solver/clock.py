@@ -1,12 +1,11 @@
 """Time: fixed steps, or steps from the Courant number."""
 
+from bisect import bisect_right
 from math import ceil
 
 from pgimp.case.schema import Case
 from pgimp.errors import RunError
-
-#: More steps than this before the next stop of a Courant-controlled run mean that it has failed.
-_MOST_STEPS = 1e12
+from pgimp.solver.stability import MOST_STEPS
 
 
 class FixedClock:
@@ -85,13 +84,13 @@ class CourantClock:
         RunError
             If the steps have become so short that the run would never end.
         """
-        stop = next(t for t in self._stops if t > self.time)
+        stop = self._stops[bisect_right(self._stops, self.time)]
         left = stop - self.time
-        if not left * rate < self._courant * _MOST_STEPS:
+        if not left * rate < self._courant * MOST_STEPS:
             raise RunError(
                 f"after step {self.step}, at time {self.time:.6g}, waves or particles have become "
                 f"so fast, {rate:.3g} cells in a unit of time, that the end would take more than "
-                f"{_MOST_STEPS:.0e} steps: the solution has blown up\n"
+                f"{MOST_STEPS:.0e} steps: the solution has blown up\n"
                 "  try: a smaller time.step: {courant: ...}, slower loading, finer cells"
             )
         # Rounding must not leave a sliver of a step before a stop.

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from pgimp.errors import CaseError
 from pgimp.kernels.sums import SUMS
 from pgimp.output.fields import ALWAYS, OPTIONAL
-from pgimp.parallel.limits import limits
+from pgimp.parallel.limits import Limit, limits
 from pgimp.scene.extent import Extent, extents, points
 from pgimp.scene.filling import _SLAB
 from pgimp.scene.scene import Scene
@@ -38,11 +38,24 @@ class MemoryShortError(CaseError):
 
 
 class Part(NamedTuple):
-    """Memory of a rank for one purpose: what, bytes, and what in the case would change that."""
+    """Memory of a rank for one purpose.
+
+    Attributes
+    ----------
+    what : str
+        For people.
+    size : float
+        Bytes.
+    advice : str
+        What would change that in the case.
+    shared : bool
+        Whether it becomes less with more ranks.
+    """
 
     what: str
     size: float
     advice: str
+    shared: bool = True
 
 
 class Estimate(NamedTuple):
@@ -56,14 +69,14 @@ class Estimate(NamedTuple):
         Bytes for each of a rank's particles at the peak.
     parts : list of Part
         What is there at the peak; the largest first.
-    untouched : float
-        Bytes that are asked for, but not touched.
+    untouched : Part
+        What is asked for besides, but not touched where there are no particles.
     """
 
     particles: float
     each: int
     parts: list[Part]
-    untouched: float
+    untouched: Part
 
     @property
     def size(self) -> float:
@@ -146,6 +159,7 @@ def estimate(
             f"sums over {names} bodies by {layers:,} planes",
             layers * each,
             "a grid with fewer cells along x (grid.size, grid.cell), or fewer bodies",
+            shared=False,
         )
 
     rows = [(prod(body.boxes[1:]), body.boxes[0]) for body in bodies]
@@ -168,7 +182,11 @@ def estimate(
         [particles(kept), grid, sums(share * (plane_sums + line) + gathered)],
     ]
     peak = max(phases, key=lambda parts: sum(part.size for part in parts))
-    untouched = max(0.0, layers * share - occupied * share) * plane
+    untouched = Part(
+        f"addresses of the grid's {layers:,} planes",
+        max(0.0, layers * share - occupied * share) * plane,
+        "a domain that is shorter along x (grid.size)",
+    )
     return Estimate(count, most, sorted(peak, key=lambda part: -part.size), untouched)
 
 
@@ -189,44 +207,36 @@ def require(scene: Scene, comm: Any, count: int | None = None) -> Estimate:
     """
     found = estimate(scene, comm.size, comm.rank == 0, extents(scene.case), count)
     ranks = comm.allgather((found, limits()))
+    # What processes share a limit takes together; several may name the same with other figures.
     needs: dict[str, float] = {}
-    frees: dict[str, tuple[str, int]] = {}
-    sharing: dict[str, int] = {}
+    sharing: dict[str, list[Limit]] = {}
     for one, bounds in ranks:
         for limit in bounds:
             key = f"{limit.shared_by} {limit.name}"
-            need = one.size + (one.untouched if limit.addresses else 0.0)
-            needs[key] = needs.get(key, 0.0) + need
-            sharing[key] = sharing.get(key, 0) + 1
-            name, free = frees.get(key, (limit.name, limit.free))
-            frees[key] = (name, min(free, limit.free))
-    worst = max(needs, key=lambda key: needs[key] / max(1, frees[key][1]), default=None)
-    if worst is not None and needs[worst] > frees[worst][1]:
+            size = one.size + (one.untouched.size if limit.addresses else 0.0)
+            needs[key] = needs.get(key, 0.0) + size
+            sharing.setdefault(key, []).append(limit)
+    frees = {key: max(1, min(limit.free for limit in some)) for key, some in sharing.items()}
+    worst = max(needs, key=lambda key: needs[key] / frees[key], default="")
+    if worst and needs[worst] > frees[worst]:
+        limit = sharing[worst][0]
+        who = f"{len(sharing[worst])} of {comm.size} ranks" if comm.size > 1 else "it"
         first = ranks[0][0]
-        text = _refusal(first, needs[worst], *frees[worst], sharing[worst], comm.size)
-        raise MemoryShortError(text, first)
+        parts = [*first.parts, *[first.untouched] * limit.addresses]
+        part = max(parts, key=lambda part: part.size)
+        raise MemoryShortError(
+            f"this case is too large: {who} would take about {size_text(needs[worst])}, where "
+            f"{limit.name} leaves {size_text(frees[worst])}\n"
+            f"  most of it, {size_text(part.size)} a rank, is for {part.what}\n"
+            f"  try: {part.advice}" + (", or more nodes" if part.shared else ""),
+            first,
+        )
     if count is not None and count / comm.size > MOST_ROWS:
         raise CaseError(
             f"{count:,} particles on {comm.size} ranks: a rank can number {MOST_ROWS:,}; use "
             "more ranks"
         )
     return found
-
-
-def _refusal(found: Estimate, need: float, name: str, free: int, sharing: int, ranks: int) -> str:
-    part = found.parts[0]
-    who = "the run" if sharing == ranks else f"{sharing} of the {ranks} ranks"
-    if ranks > 1 and sharing == 1:
-        who = "a rank"
-    text = (
-        f"too large: {who} would take about {size_text(need)}, but {name} leaves "
-        f"{size_text(max(0, free))}\n"
-        f"  most of it, {size_text(part.size)} a rank, is for {part.what}\n"
-        f"  try: {part.advice}"
-    )
-    if part.what.endswith("each)"):
-        text += ", more nodes"
-    return text
 
 
 def size_text(n: float) -> str:

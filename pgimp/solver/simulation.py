@@ -22,7 +22,7 @@ from pgimp.solver.grid import Grid
 from pgimp.solver.memory import require
 from pgimp.solver.particles import Particles
 from pgimp.solver.population import Population
-from pgimp.solver.stability import doubt, require_stable
+from pgimp.solver.stability import doubt, require_end, require_stable
 from pgimp.solver.state import restore
 from pgimp.solver.step import PHASES, step
 from pgimp.solver.warmup import warm_up
@@ -191,6 +191,7 @@ class Simulation:
 
     def _check_step(self) -> None:
         """Compare the step with the stability limit."""
+        require_end(self.case.time, self.rate)
         dt = self.clock.next(self.rate)[0]
         stable = self.case.method.stable
         require_stable(dt, self.rate, stable)

@@ -1,9 +1,42 @@
 """The stability limit of a step: Courant = dt max_p((c_p + |v_p|)/L)."""
 
+from typing import Any
+
 from pgimp.errors import CaseError
+
+#: More controlled steps than this before the next stop mean that a run would never end.
+MOST_STEPS = 1e12
 
 #: Courant number above which a step is refused. Warned about are steps above `Shape.stable`.
 REFUSED = 1.0
+
+
+def require_end(time: Any, rate: float) -> None:
+    """Refuse a run that would never end.
+
+    Parameters
+    ----------
+    time : Time
+        Of the case.
+    rate : float
+        Largest (c_p + |v_p|)/L, 1/time.
+
+    Raises
+    ------
+    CaseError
+        If there is no step, or if a controlled step is too short for the end.
+    """
+    if not 0.0 < rate < float("inf"):
+        raise CaseError(
+            f"the fastest wave or particle would cross {rate:g} cells in a unit of time; are "
+            "young, density, velocity and grid.cell one consistent set of numbers?"
+        )
+    courant = getattr(time.step, "courant", None)
+    if courant is not None and not time.end * rate < courant * MOST_STEPS:
+        raise CaseError(
+            f"time.end: {time.end:g} is {time.end * rate / courant:.3g} steps away (at most "
+            f"{MOST_STEPS:.0e}): the fastest wave crosses {rate:.3g} cells in a unit of time"
+        )
 
 
 def require_stable(dt: float, rate: float, stable: float) -> None:

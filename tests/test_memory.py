@@ -1,0 +1,234 @@
+"""Memory is estimated before it is taken; what does not fit is refused on every rank alike."""
+
+import json
+import resource
+import subprocess
+import sys
+
+import pytest
+from conftest import clean_env
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scenes import box, scene, write_case
+
+from pgimp.case.schema import Case
+from pgimp.cli import main
+from pgimp.errors import CaseError
+from pgimp.parallel.comm import Serial
+from pgimp.parallel.limits import Limit, limits
+from pgimp.scene import extent
+from pgimp.scene.scene import Scene, count_particles
+from pgimp.solver import memory
+
+GB = 10**9
+WALLS = {"x-min": "fixed", "x-max": "fixed", "y-min": "slip", "y-max": "slip"}
+
+
+def square(cells, **parts):
+    """A square body that fills most of a domain of so many cells along each direction."""
+    body = box([2.0] * 2, [cells - 2.0] * 2)
+    return scene(2, body, cells=[cells] * 2, step=1e-3, boundaries=WALLS, **parts)
+
+
+@pytest.mark.parametrize(("ranks", "cells"), [(1, 500), (2, 600)])
+def test_the_estimate_is_what_a_run_takes(tmp_path, mpirun, python, ranks, cells):
+    found = {}
+    for n in (40, cells):
+        folder = tmp_path / str(n)
+        folder.mkdir()
+        write_case(folder / "case.yaml", square(n))
+        args = ["memory_probe.py", folder / "case.yaml", folder]
+        here = {"cwd": __file__.rpartition("/")[0]}
+        run = python(args, **here) if ranks == 1 else mpirun(ranks, args, **here)
+        assert run.returncode == 0, run.stderr
+        found[n] = [json.loads((folder / f"{r}.json").read_text()) for r in range(ranks)]
+    for small, large in zip(*found.values(), strict=True):
+        taken = large["peak"] - small["peak"]
+        for before, after in zip(small["estimates"], large["estimates"], strict=True):
+            assert taken > 1.5e8
+            assert after - before == pytest.approx(taken, rel=0.25)
+
+
+class Others:
+    """A communicator in which this rank gathers with others of the same needs."""
+
+    def __init__(self, bounds):
+        self.bounds, self.rank, self.size = bounds, 0, len(bounds)
+
+    def allgather(self, mine):
+        return [(mine[0], bounds) for bounds in self.bounds]
+
+
+def refusal(case, bounds):
+    with pytest.raises(memory.MemoryShortError) as caught:
+        memory.require(Scene(Case.model_validate(case)), Others(bounds))
+    return str(caught.value)
+
+
+def test_what_the_ranks_of_a_node_need_together_must_be_there():
+    case = square(3002)  # 36 million particles of some 400 bytes
+    a, b = Limit("a", "this node", 8 * GB), Limit("b", "this node", 8 * GB)
+    memory.require(Scene(Case.model_validate(case)), Others([[a], [a], [b], [b], [a], [b]]))
+    text = refusal(case, [[a], [a], [b], [a], [a], [b]])
+    assert text.startswith("this case is too large: 4 of 6 ranks would take about ")
+    assert "where this node leaves 8 GB\n" in text
+    assert "GB a rank, is for 3.59e+07 particles (" in text
+    assert "grid.cell" in text and text.endswith("or more nodes")
+    # The tightest of several limits counts, also that of a single process.
+    own = Limit("process 7", "ulimit -v", 1 * GB, True)
+    assert "ulimit -v leaves 1 GB" in refusal(case, [[a], [b], [a, own], [b], [a], [b]])
+
+
+@pytest.mark.parametrize(
+    ("changes", "most"),
+    [
+        ({"cells": [10**7, 4]}, "addresses of the grid's"),
+        ({"cells": [10**6, 10**6]}, "particles ("),
+        ({"cells": [4, 10**7], "cell": [1.0, 1e-3]}, "particles ("),
+        ({"per_cell": [2**53, 2**53]}, "particles ("),
+        ({"per_cell": [1, 2**53]}, "particles ("),
+        ({"bodies": 500, "cells": [10**6, 16]}, "sums over 500 bodies"),
+    ],
+)  # fmt: skip
+def test_whatever_is_large_is_named(changes, most):
+    cells, each = changes.get("cells", [8, 8]), changes.get("cell", [1.0, 1.0])
+    size = [n * h for n, h in zip(cells, each, strict=True)]
+    body = box([0.0] * 2, size)
+    if "addresses" in most:
+        body = box([1.0] * 2, [3.0] * 2)
+    if count := changes.pop("bodies", 0):
+        body = {f"b{i}": box([2.0 * i, 1.0], [2.0 * i + 1.0, 2.0]) for i in range(count)}
+    case = scene(2, body, step={"courant": 0.3}, **changes)
+    text = refusal(case, [[Limit("a", "ulimit -v", GB // 2, True)]])
+    assert most in text.splitlines()[1]
+
+
+def test_a_case_that_is_too_large_is_refused_at_once(tmp_path, python):
+    write_case(tmp_path / "case.yaml", square(400000, end=1.0))
+    program = (
+        "import resource, sys, time; from pgimp.cli import main; began = time.monotonic()\n"
+        "status = [main([*words, 'case.yaml']) for words in ([], ['check'])]\n"
+        "taken = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3\n"
+        "print('took', taken, time.monotonic() - began); sys.exit(10 * status[0] + status[1])"
+    )
+    run = python(["-c", program], cwd=tmp_path)
+    assert run.returncode == 22
+    assert run.stderr.count("this case is too large: it would take about ") == 2
+    assert "particles        about 6.4e+11" in run.stdout  # of the check
+    megabytes, seconds = map(float, run.stdout.split("took ")[1].split())
+    assert megabytes < 300 and seconds < 10
+    assert not (tmp_path / "case.out").exists()
+
+
+def test_under_mpirun_every_rank_refuses(tmp_path, mpirun):
+    write_case(tmp_path / "case.yaml", square(400000, end=1.0))
+    run = mpirun(2, ["-m", "pgimp", "case.yaml"], cwd=tmp_path)
+    assert run.returncode == 2
+    assert run.stderr.count("too large") == 1
+    assert "2 of 2 ranks would take about " in run.stderr
+    assert not (tmp_path / "case.out").exists()
+
+
+def test_the_limits_of_a_process_are_found():
+    most = 40 * GB
+    program = "from pgimp.parallel.limits import limits; print(limits()[-1].free)"
+    run = subprocess.run(
+        [sys.executable, "-c", program],
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (most, most)),
+        env=clean_env(),
+        capture_output=True,
+        check=True,
+    )
+    assert 0.9 * most < int(run.stdout) < most
+    here = {limit.name: limit for limit in limits()}
+    assert here["this node"].free > 0
+
+
+def system(folder, files):
+    for name, text in files.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    return [limit for limit in limits(str(folder)) if not limit.name.startswith("ulimit")]
+
+
+def test_limits_of_the_node_and_of_cgroups_are_found(tmp_path):
+    files = {
+        "proc/meminfo": "MemTotal: 100 kB\nMemAvailable:   70 kB\nSwapTotal: 5 kB\n"
+        "CommitLimit: 90 kB\nCommitted_AS: 30 kB\n",
+        "proc/sys/kernel/random/boot_id": "node-1\n",
+        "proc/sys/vm/overcommit_memory": "0\n",
+        "proc/self/cgroup": "3:cpu:/x\n4:memory,hugetlb:/job/step\n0::/\n",
+        "sys/fs/cgroup/memory/job/memory.limit_in_bytes": "50000\n",
+        "sys/fs/cgroup/memory/job/memory.usage_in_bytes": "30000\n",
+        "sys/fs/cgroup/memory/job/memory.stat": "total_active_file 5000\ntotal_inactive_file 10\n",
+        "sys/fs/cgroup/memory/job/step/memory.limit_in_bytes": "9223372036854771712\n",
+        "sys/fs/cgroup/memory/job/step/memory.usage_in_bytes": "30000\n",
+    }
+    first = tmp_path / "v1"
+    found = {
+        limit.name.removeprefix(f"the cgroup {first}/"): limit for limit in system(first, files)
+    }
+    assert found["this node"][::2] == ("node-1", 70 * 1024)
+    assert found["the whole memory of this node"].free == 105 * 1024
+    assert found["the whole memory of this node"].addresses
+    assert found["sys/fs/cgroup/memory/job"].free == 25010
+    assert len(found) == 3
+
+    files |= {
+        "proc/sys/vm/overcommit_memory": "2\n",
+        "proc/self/cgroup": "0::/a/b\n",
+        "sys/fs/cgroup/a/b/memory.max": "max\n",
+        "sys/fs/cgroup/a/b/memory.current": "1000\n",
+        "sys/fs/cgroup/a/memory.max": "8000\n",
+        "sys/fs/cgroup/a/memory.current": "6000\n",
+        "sys/fs/cgroup/a/memory.stat": "anon 1\nactive_file 100\ninactive_file 900\n",
+    }
+    second = tmp_path / "v2"
+    found = {
+        limit.name.removeprefix(f"the cgroup {second}/"): limit for limit in system(second, files)
+    }
+    assert found["sys/fs/cgroup/a"].free == 3000
+    assert found["vm.overcommit_memory=2"].free == 60 * 1024
+    # A container whose cgroup has another name outside; a system without any of these files.
+    outside = {"proc/self/cgroup": "0::/../up\n", "sys/fs/cgroup/memory.max": "7\n",
+               "sys/fs/cgroup/memory.current": "3\n"}  # fmt: skip
+    (only,) = system(tmp_path / "container", outside)
+    assert only.free == 4
+    assert system(tmp_path / "none", {}) == []
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    D=st.integers(1, 3),
+    radius=st.floats(0.3, 3.9),
+    at=st.floats(0.0, 1.0),
+    kind=st.sampled_from(["ball", "box", "holed"]),
+    looks=st.sampled_from([1, 30, 400_000]),
+)
+def test_particles_are_counted_from_the_outside(D, radius, at, kind, looks):
+    centre = [4.0 + at * (4.0 - radius) / (d + 1) for d in range(D)]
+    ball = {"ball": {"centre": centre, "radius": radius}}
+    corners = {"min": [c - radius for c in centre], "max": [c + radius for c in centre]}
+    holed = {"difference": [{"box": corners}, ball]} if D > 1 else {"box": corners}
+    region = {"ball": ball, "box": {"box": corners}, "holed": holed}[kind]
+    case = Case.model_validate(scene(D, {"material": "soft", "region": region}, per_cell=3))
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(extent, "_LOOKS", looks)
+        (found,) = extent.extents(case)
+    try:
+        lattice, counts, _ = count_particles(Scene(case), Serial())
+    except CaseError:
+        return
+    assert found.least <= counts.sum() <= found.most
+    assert list(zip(found.low, found.high, strict=True)) == lattice.fillings[0].box
+
+
+def test_a_run_that_would_never_end_is_refused(tmp_path, capsys):
+    write_case(
+        tmp_path / "case.yaml",
+        square(8, end=1e15) | {"time": {"end": 1e15, "step": {"courant": 0.3}}},
+    )
+    for words in (["check"], []):
+        assert main([*words, str(tmp_path / "case.yaml")]) == 2
+        assert "time.end: 1e+15 is " in capsys.readouterr().err
