@@ -155,11 +155,13 @@ class Case(Model):
     time: Time = Field(description="end and step")
     materials: dict[Name, Annotated[Any, ByField(_materials, "model", "model")]] = Field(
         min_length=1,
+        max_length=100,
         description="the materials by name",
         json_schema_extra={"additionalProperties": False},
     )
     bodies: dict[Name, Body] = Field(
         min_length=1,
+        max_length=1000,
         description="the bodies by name",
         json_schema_extra={"additionalProperties": False},
     )
@@ -183,6 +185,7 @@ class Case(Model):
     )
     tractions: dict[Name, TractionEntry] = Field(
         default={},
+        max_length=60,
         description="forces on faces of bodies, by a name of their own",
         json_schema_extra={"additionalProperties": False},
     )
