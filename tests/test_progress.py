@@ -20,6 +20,7 @@ def test_schedule_with_a_fixed_step():
     assert fixed_steps(Schedule(SimpleNamespace(steps=7)), 1e-4, 30) == [7, 14, 21, 28]
     assert fixed_steps(Schedule(0.25), 0.1, 12) == [3, 5, 8, 10]
     assert fixed_steps(Schedule(1e-6), 0.1, 4) == [1, 2, 3, 4]
+    assert fixed_steps(Schedule(5e-324), 0.1, 4) == [1, 2, 3, 4]
     assert fixed_steps(Schedule(0.5, [0.72, 0.3, 0.31]), 0.1, 12) == [3, 4, 5, 8, 10]
     assert fixed_steps(Schedule(), 0.1, 100) == []
     # However the product rounds, multiples of a third of a day fall on every 25,000th step.

@@ -56,7 +56,11 @@ class Schedule:
             self._at.pop(0)
         self._next_time = self._at[0] if self._at else math.inf
         if self._interval is not None:
-            number = math.floor(now / self._interval)
-            while number * self._interval <= now:
-                number += 1
-            self._next_time = min(self._next_time, number * self._interval)
+            following = math.nextafter(now, math.inf)
+            if now < 2.0**52 * self._interval:
+                number = math.floor(now / self._interval)
+                while number * self._interval <= now:
+                    number += 1
+                following = number * self._interval
+            # Else multiples are closer than a float64 can tell times apart: every step is due.
+            self._next_time = min(self._next_time, following)
