@@ -29,6 +29,11 @@ def test_runs_stop_on_every_signal_and_go_on_to_the_same_bits():
     assert said.count("same bits") == 6 and said.count("status 75, same bits") >= 3
 
 
+def test_damaged_checkpoints_are_skipped_or_refused():
+    said = prove("checkpoints", "--runs", "56")
+    assert "42 newest damaged: skipped, same bits, 14 all damaged: status 1" in said
+
+
 def test_many_steps_leave_no_trace_in_the_memory():
     said = prove("long", "--quick")
     assert said.count("mass: 1 value(s)") == 2

@@ -66,7 +66,11 @@ def resume(case: Case, comm: Any, directory: RunDirectory, log: Log) -> Resumed 
             if isinstance(file, DamagedError):
                 raise file
             about, state = About.of(file), State.of(file)
-            _compare(about.case, case, f"{path}", log)
+            began_as = _compare(about.case, case, f"{path}", log)
+            clock = clock_of(began_as)
+            clock.restore(state.step, state.time)
+            if state.time > clock.end * (1.0 + 1e-12) or clock.time != state.time:
+                raise DamagedError("its time is not that of its step, or past the end of its case")
             if _ended(case, state) and before.get("state") == "done":
                 return "done"
             sim = Simulation(case, comm, file)
@@ -117,8 +121,8 @@ def _ended(case: Case, state: State) -> bool:
     return clock.finished
 
 
-def _compare(text: str, case: Case, source: str, log: Log) -> None:
-    """Refuse a case that is another one than that of a run; tell of changes that may be."""
+def _compare(text: str, case: Case, source: str, log: Log) -> Case:
+    """Refuse a case that is another one than that of a run, which is returned; tell of changes."""
     try:
         before = read_case(text, source)
     except CaseError as error:
@@ -147,6 +151,7 @@ def _compare(text: str, case: Case, source: str, log: Log) -> None:
             "note: under Courant control time.end and output.at shorten steps; the steps from here "
             "on are not those of a run that had them from the start"
         )
+    return before
 
 
 def _taken(case: dict[str, Any], key: str) -> Any:
