@@ -9,8 +9,10 @@ import os
 import sys
 import time
 from collections.abc import Sequence
+from contextlib import suppress
+from io import TextIOWrapper
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, NoReturn, cast
 
 from pgimp.commands import COMMANDS
 from pgimp.errors import PgimpError, UsageError
@@ -70,6 +72,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     int
         The exit status: 0 done, 1 failed, 2 the case or the command line is wrong.
     """
+    for stream in (sys.stdout, sys.stderr):
+        # Another program's stream may have no such method; a title may have any character.
+        with suppress(AttributeError, ValueError):
+            cast(TextIOWrapper, stream).reconfigure(errors="backslashreplace")
     try:
         status = _dispatch(list(sys.argv[1:] if argv is None else argv))
         sys.stdout.flush()
