@@ -94,15 +94,19 @@ def one(folder, name, case, steps):
         if name == "tiny":
             given += -0.5 * mass[0] * time_
         drift.append(np.abs(momentum - momentum[0] - given).max())
-    scale = np.sqrt(2.0 * mass[0] * history["kinetic-energy"].max())
+    # What the weight has given, or, where nothing gives, what the motion has.
+    moving = np.sqrt(2.0 * mass[0] * history["kinetic-energy"].max())
+    scale = max(moving, 0.5 * mass[0] * time_[-1] if name == "tiny" else 0.0)
     energy = history["kinetic-energy"] + history["strain-energy"]
     moved = energy.max() if name == "small" else history["strain-energy"].max()
     lost = history["dissipated-energy"] / moved
     print(f"{name}: {steps} steps in {seconds:.0f} s, {len(history)} lines of history")
     print(f"  memory: {steady[0]:.1f} MB after a tenth, {steady[-1]:.1f} MB at the end")
     print(f"  mass: {len(mass)} value(s) of all lines, {float(mass[0])!r}")
-    print(f"  momentum: what neither faces nor weight gave is at most {max(drift) / scale:.1e} of")
-    print("    sqrt(2 m E), E the greatest kinetic energy")
+    of = "what the weight gave" if name == "tiny" else "sqrt(2 m E), E the greatest kinetic energy"
+    print(
+        f"  momentum: what neither faces nor weight gave is at most {max(drift) / scale:.1e} of {of}"
+    )
     print(f"  energy lost: {lost[len(lost) // 10]:.2e} after a tenth, {lost[-1]:.2e} at the end")
     if "angular-momentum-z" in history.dtype.names:
         spin = history["angular-momentum-z"]
