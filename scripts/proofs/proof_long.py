@@ -104,9 +104,8 @@ def one(folder, name, case, steps):
     print(f"  memory: {steady[0]:.1f} MB after a tenth, {steady[-1]:.1f} MB at the end")
     print(f"  mass: {len(mass)} value(s) of all lines, {float(mass[0])!r}")
     of = "what the weight gave" if name == "tiny" else "sqrt(2 m E), E the greatest kinetic energy"
-    print(
-        f"  momentum: what neither faces nor weight gave is at most {max(drift) / scale:.1e} of {of}"
-    )
+    worst = max(drift) / scale
+    print(f"  momentum: what neither faces nor weight gave is at most {worst:.1e} of {of}")
     print(f"  energy lost: {lost[len(lost) // 10]:.2e} after a tenth, {lost[-1]:.2e} at the end")
     if "angular-momentum-z" in history.dtype.names:
         spin = history["angular-momentum-z"]
