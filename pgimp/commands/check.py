@@ -84,7 +84,7 @@ def report(case: Case) -> None:
     bodies = [_facts(scene, lattice, counts, body) for body in range(len(scene.body_names))]
     inverse = max(scene.frame.inverse)
     rate = max((body.wave_speed + body.top_speed) * inverse for body in bodies)
-    require_end(case.time, rate)
+    require_end(scene, rate)
     dt = _step(case, rate)
     steps = ceil(case.time.end / dt * (1.0 - 1e-9))
     count = int(counts.sum())
@@ -117,7 +117,8 @@ def _facts(scene: Scene, lattice: Lattice, counts: np.ndarray, body: int) -> Bod
     low, high = np.full(D, np.inf), np.full(D, -np.inf)
     for made in lattice.make((0, lattice.planes), counts, body):
         v = scene.velocities(body, made.centroids)
-        top = max(top, float(np.sqrt((v * v).sum(axis=1)).max()))
+        with np.errstate(over="ignore"):
+            top = max(top, float(np.sqrt((v * v).sum(axis=1)).max()))
         low = np.minimum(low, made.positions.min(axis=0))
         high = np.maximum(high, made.positions.max(axis=0))
     return BodyFacts(

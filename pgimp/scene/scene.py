@@ -16,6 +16,9 @@ from pgimp.solver.particles import Frame, Particles
 
 AXES = "xyz"
 
+#: Masses outside of this would leave the range of float64 in sums and products.
+LEAST, MOST = 1e-200, 1e200
+
 
 class Face:
     """A face of the domain with a condition on it."""
@@ -48,6 +51,8 @@ class Scene:
         Faces with a condition, x-min to z-max.
     mirrors : list of Mirror
         Those that reflect what lies beyond.
+    most_mass : float
+        Mass that the domain can hold at most.
     exact : NamedTuple or ()
         Parameters of the exact solution, if the case names one; `moves` if it gives the velocities.
     """
@@ -78,6 +83,7 @@ class Scene:
         self.body_material = tuple(used.index(b.material) for b in case.bodies.values())
         self.material_of = np.array(self.body_material, np.int64)
         self.materials = tuple(case.materials[name].parameters() for name in used)
+        self.most_mass = self._weigh(used)
         named = case.boundaries
         order = [f"{axis}-{end}" for axis in AXES for end in ("min", "max")]
         self.faces = [Face(name, named[name]) for name in order if name in named]
@@ -99,6 +105,23 @@ class Scene:
         force = self.exact if case.exact and case.exact.forced else ()
         self.loads = SceneLoads(case, used, force)
         self.varies = any(face.condition.varies for face in self.faces)
+
+    def _weigh(self, materials: list[str]) -> float:
+        """Mass of a domain full of the densest material; refuse masses that no float64 can sum."""
+        grid, each = self.case.grid, prod(self.case.method.particles_per_cell)
+        most = 0.0
+        for name in materials:
+            density = self.case.materials[name].density
+            particle = density * prod(grid.cell) / each
+            domain = density * prod(grid.size)
+            if not (particle > LEAST and domain < MOST):
+                raise CaseError(
+                    f"materials.{name}.density: a particle would have the mass {particle:.3g}, a "
+                    f"full domain {domain:.3g}; with numbers below {LEAST:g} or above {MOST:g} "
+                    "nothing can be computed: choose other units"
+                )
+            most = max(most, domain)
+        return most
 
     @property
     def origins(self) -> bool:

@@ -191,7 +191,7 @@ class Simulation:
 
     def _check_step(self) -> None:
         """Compare the step with the stability limit."""
-        require_end(self.case.time, self.rate)
+        require_end(self.scene, self.rate)
         dt = self.clock.next(self.rate)[0]
         stable = self.case.method.stable
         require_stable(dt, self.rate, stable)

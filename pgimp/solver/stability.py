@@ -7,17 +7,19 @@ from pgimp.errors import CaseError
 #: More controlled steps than this before the next stop mean that a run would never end.
 MOST_STEPS = 1e12
 
+_MOST_ENERGY = 1e280
+
 #: Courant number above which a step is refused. Warned about are steps above `Shape.stable`.
 REFUSED = 1.0
 
 
-def require_end(time: Any, rate: float) -> None:
-    """Refuse a run that would never end.
+def require_end(scene: Any, rate: float) -> None:
+    """Refuse a run that would never end, or has energies that no float64 can hold.
 
     Parameters
     ----------
-    time : Time
-        Of the case.
+    scene : Scene
+        The scene.
     rate : float
         Largest (c_p + |v_p|)/L, 1/time.
 
@@ -26,7 +28,9 @@ def require_end(time: Any, rate: float) -> None:
     CaseError
         If there is no step, or if a controlled step is too short for the end.
     """
-    if not 0.0 < rate < float("inf"):
+    time = scene.case.time
+    speed = rate * max(scene.frame.cell)
+    if not (0.0 < rate and scene.most_mass * speed * speed < _MOST_ENERGY):
         raise CaseError(
             f"the fastest wave or particle would cross {rate:g} cells in a unit of time; are "
             "young, density, velocity and grid.cell one consistent set of numbers?"

@@ -111,7 +111,7 @@ class Mutator:
         for _ in range(self.chance.choice((1, 1, 2, 3))):
             numbers = [p for p in places(data) if type(at(data, p)) in (int, float)]
             path = self.chance.choice(numbers)
-            old = at(data, path)
+            old = float(min(at(data, path), 2**1000))
             times = (-1, 1 / 3, 2, 10, 0.1, 1e6, 1e-6, 1 + 1e-12, 1e300, 1e-300)
             near = [old + 1, *(old * factor for factor in times)]
             put(data, path, self.chance.choice([*NUMBERS, *near]))
