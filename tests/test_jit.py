@@ -4,12 +4,13 @@ import os
 import re
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 import pytest
 
 import pgimp
-from pgimp.kernels.jit import COMPILED
+from pgimp.kernels.jit import COMPILED, cache_folder
 
 PACKAGE = Path(pgimp.__file__).parent
 
@@ -65,6 +66,21 @@ def test_unwritable_cache_moves_to_a_temporary_folder(tmp_path):
     folder, layer, _ = run(blocked)
     assert layer == 3
     assert blocked not in folder.parents
+
+
+def test_a_temporary_folder_that_others_can_write_to_is_not_used(tmp_path, monkeypatch):
+    """Numba executes what it finds in its cache."""
+    (tmp_path / "file").write_text("a folder cannot be made here")
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    monkeypatch.setenv("PGIMP_CACHE_DIR", str(tmp_path / "file"))
+    usual = tmp_path / f"pgimp-{os.getuid()}"
+    assert cache_folder().parent == usual
+    assert usual.stat().st_mode & 0o777 == 0o700
+    usual.chmod(0o777)
+    assert cache_folder().parent != usual
+    usual.rmdir()
+    usual.symlink_to(tmp_path)
+    assert cache_folder().parent != usual
 
 
 def test_all_that_numba_compiles_is_part_of_the_cache_name():

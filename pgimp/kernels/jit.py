@@ -15,9 +15,11 @@ import hashlib
 import os
 import pickle
 import shutil
+import stat
 import sys
 import tempfile
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, cast
 
@@ -65,8 +67,18 @@ def cache_folder() -> Path:
     folder = Path(base) / f"kernels-{_sources_digest()}"
     if _usable(folder):
         return folder
-    user = os.getuid() if hasattr(os, "getuid") else "user"
-    return Path(tempfile.gettempdir()) / f"pgimp-{user}" / folder.name
+    return _private(Path(tempfile.gettempdir()) / f"pgimp-{os.getuid()}") / folder.name
+
+
+def _private(folder: Path) -> Path:
+    """The folder if nobody else can write to it, or a new one: Numba executes what it finds."""
+    with suppress(OSError):
+        folder.mkdir(mode=0o700, exist_ok=True)
+        about = folder.lstat()
+        own = stat.S_ISDIR(about.st_mode) and about.st_uid == os.getuid()
+        if own and not about.st_mode & (stat.S_IWGRP | stat.S_IWOTH):
+            return folder
+    return Path(tempfile.mkdtemp(prefix="pgimp-"))
 
 
 _FOLDER = cache_folder()
