@@ -44,7 +44,7 @@ if __name__ == "__main__":
 
         folder = Path(sys.argv[2])
         for case in sys.argv[3:]:
-            checkpoints = ["checkpoint={every: {steps: 11}, keep: 1000}"]
+            checkpoints = ["checkpoint={every: {steps: 23}, keep: 1000}"]
             output = folder / Path(case).stem
             run(case, output=output, overrides=checkpoints, resume=True, quiet=True)
     else:
