@@ -168,7 +168,7 @@ def header_lies(path, chance):
     old = copy.deepcopy(where[key])
     while where[key] == old:
         where[key] = chance.choice(strange)
-    text = json.dumps(tree).encode()[: begin - 200]
+    text = json.dumps(tree, ensure_ascii=False, separators=(",", ":")).encode()[: begin - 200]
     words = line.split(b", ")
     words[2] = b"header of %d bytes" % len(text)
     words[3] = b"CRC-32 %08x" % zlib.crc32(text)
