@@ -86,7 +86,7 @@ def report(case: Case) -> None:
     rate = max((body.wave_speed + body.top_speed) * inverse for body in bodies)
     require_end(scene, rate)
     dt = _step(case, rate)
-    steps = ceil(case.time.end / dt * (1.0 - 1e-9))
+    steps = case.time.steps or ceil(case.time.end / dt * (1.0 - 1e-9))
     count = int(counts.sum())
     print(f"{case.title or 'case'}: valid")
     print(f"particles        {count:,} in {len(bodies)} bod{'y' if len(bodies) == 1 else 'ies'}")
