@@ -5,11 +5,9 @@ are summed, in canonical order, from zero into that layer's own planes; then the
 in increasing order. Uniform gravity (17) is m_v b and needs no sum.
 """
 
-from pgimp.kernels.charges import charges, slopes
 from pgimp.kernels.jit import kernel
-from pgimp.kernels.loads import scatter_loads, weight
+from pgimp.kernels.layer import sum_layer
 from pgimp.kernels.simd import load, pack, store
-from pgimp.kernels.transfer import scatter, support
 
 
 @kernel
@@ -48,23 +46,10 @@ def particles_to_grid(
     for layer in range(len(start) - 1):
         if start[layer] == start[layer + 1]:
             continue
-        low = plane
-        high = 0
-        number = layer + window.lower[0]
-        for k in range(start[layer], start[layer + 1]):
-            p = order[k]
-            place, W = support(shape, frame, window, particles, p, number)
-            A, S = charges(frame, loads.viscosity, particles, p)
-            B = weight(loads.force, frame, particles, p)
-            C = slopes(loads.affine, frame, particles, p)
-            scatter(scratch, place, W[0][0], W[0][1], W[0][3], W[0][2], W[1:], A, B, S, C)
-            scatter_loads(loads, shape, frame, window, particles, p, number, W, scratch)
-            low = min(low, place)
-            high = max(high, place)
-        # Behind the last particle's first vertex lies the rest of its support within the plane.
-        high += 8
-        for d in range(1, len(frame.origin)):
-            high += (vertices - 1) * window.stride[d]
+        low, high = sum_layer(
+            shape, frame, window, particles, loads, order, start[layer], start[layer + 1],
+            layer + window.lower[0], scratch,
+        )  # fmt: skip
         slot = layer * shared - layer * (layer - 1) // 2
         for i in range(vertices):
             target = layer + i
