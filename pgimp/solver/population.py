@@ -114,6 +114,19 @@ class Population:
         """
         self._left.extend(rows.tolist())
 
+    def vacate(self, rows: np.ndarray) -> None:
+        """Give up rows between two steps: newcomers may have them at once.
+
+        They stay in the old order until `take_layers`.
+        """
+        self._holes.extend(rows.tolist())
+
+    def take_layers(self, slab, order: IntArray, start: IntArray) -> None:
+        """Go on with the layers of `slab`, whose rows in canonical order are `order`."""
+        self.first, self.layers = slab.first, slab.layers
+        self.order, self._spare = order, np.empty_like(order)
+        self.start, self._spare_start = start, np.empty_like(start)
+
     def admit(self, count: int) -> np.ndarray:
         """Rows for `count` newcomers: holes first, then new ones."""
         if self._used + count - len(self._holes) > self.particles.capacity:
