@@ -97,6 +97,11 @@ class Simulation:
         self.faults, self.failed = np.zeros((ROOM, 2), np.int64), 0
         self.failure: Failure | None = None
         self.wish = self.granted = NOTHING
+        self._wishes = np.zeros((2, 6))  # this rank's, and the greatest of all
+        if comm.size > 1:
+            from mpi4py import MPI
+
+            self._greatest = MPI.MAX
         D = scene.dimension
         self.identity = tuple(float(i == j) for i in range(D) for j in range(D))
         self.clock = clock_of(case)
@@ -259,16 +264,14 @@ class Simulation:
         """Let all ranks know the greatest speed and wish, and the window that all need."""
         self.rate, self.granted = rate, self.wish
         if self.comm.size > 1:
-            low, high = self.reach
-            mine = np.array([rate, *(-low), *high, self.wish], float)
-            all_ranks = np.empty_like(mine)
-            from mpi4py import MPI
-
-            self.comm.Allreduce(mine, all_ranks, MPI.MAX)
-            self.rate = float(all_ranks[0])
-            self.reach[0] = -all_ranks[1:3]
-            self.reach[1] = all_ranks[3:5]
-            self.granted = int(all_ranks[5])
+            mine, every = self._wishes
+            mine[0], mine[5] = rate, self.wish
+            np.negative(self.reach[0], out=mine[1:3])
+            mine[3:5] = self.reach[1]
+            self.comm.Allreduce(mine, every, self._greatest)
+            self.rate, self.granted = float(every[0]), int(every[5])
+            np.negative(every[1:3], out=self.reach[0], casting="unsafe")
+            self.reach[1] = every[3:5]
         if not self.grid.covers(self.reach):
             self.grid.extend(self.reach)
             self.reach[:] = self.grid.base
