@@ -1,8 +1,13 @@
 """The decomposition: each rank owns a run of layers along x, or none."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
+
+#: How far from where shares are equal, in layers, the best place of a boundary is sought.
+_NEARBY = 16
 
 
 class Slab(NamedTuple):
@@ -19,13 +24,17 @@ class Slab(NamedTuple):
         return self.below is not None or self.above is not None
 
 
-def cut(counts: np.ndarray, ranks: int, width: int, ends: int = 0) -> list[int]:
-    """Cut the layers into runs of about equally many particles.
+def cut(costs: ArrayLike, ranks: int, width: int, ends: int = 0) -> list[int]:
+    """Cut the layers into runs, of which the dearest costs as little as it can.
+
+    Of several ways to that, the one with the least sum of squares. A boundary is at most
+    `_NEARBY` layers from where the shares below and above it are right, or from the middle of
+    where several crowd that must keep their distance.
 
     Parameters
     ----------
-    counts : (layers,) int64
-        Particles of each layer.
+    costs : (layers,) int or float
+        Of each layer, not negative: its number of particles, or seconds.
     ranks : int
         Ranks to share them; those for which there are too few layers get none.
     width : int
@@ -38,16 +47,71 @@ def cut(counts: np.ndarray, ranks: int, width: int, ends: int = 0) -> list[int]:
     list of int
         First layers of the ranks that own some, and the number of layers.
     """
-    layers = len(counts)
+    costs = np.asarray(costs, float)
+    layers = len(costs)
     ends = max(width, ends)
     active = max(1, min(ranks, (layers - 2 * ends) // width + 2 if layers >= 2 * ends else 1))
-    total = np.concatenate(([0], np.cumsum(counts)))
-    cuts = [0]
-    for k in range(1, active):
-        ideal = int(np.abs(total * active - k * total[-1]).argmin())
-        least = cuts[-1] + (ends if k == 1 else width)
-        cuts.append(min(max(ideal, least), layers - ends - (active - 1 - k) * width))
-    return [*cuts, layers]
+    if active == 1:
+        return [0, layers]
+    total = np.concatenate([[0.0], np.cumsum(costs if costs.any() else np.ones(layers))])
+
+    # Boundaries as numbers of layers beyond the least that the ranks below must have: then they
+    # only have to ascend.
+    least = ends + width * np.arange(active - 1)
+    slack = layers - ends - int(least[-1])
+    shares = total[-1] * np.arange(1, active) / active
+    ideal = np.searchsorted(total, shares)
+    ideal -= shares - total[ideal - 1] < total[ideal] - shares
+    ideal -= least
+    highest, lowest = np.maximum.accumulate(ideal), np.minimum.accumulate(ideal[::-1])[::-1]
+    middle = np.clip((highest + lowest) // 2, 0, slack)
+
+    low, high = np.maximum(middle - _NEARBY, 0), np.minimum(middle + _NEARBY, slack)
+    inner = [np.arange(a, b + 1) for a, b in zip(low + least, high + least, strict=True)]
+    places = [np.array([0]), *inner, np.array([layers])]
+    widths = [ends, *[width] * (active - 2), ends]
+    dearest = _cheapest(total, places, widths, np.inf)[1]
+    return [0, *_cheapest(total, places, widths, dearest)[0], layers]
+
+
+def _cheapest(
+    total: np.ndarray, places: list[np.ndarray], widths: Sequence[int], bound: float
+) -> tuple[list[int], float]:
+    """Boundaries whose dearest run is cheapest or, with a bound for that, of least squares.
+
+    Parameters
+    ----------
+    total : (layers + 1,) float64
+        Cost of all layers below.
+    places : sequence of arrays of int
+        Where each boundary may be, the first and the last one included.
+    widths : sequence of int
+        Least number of layers between a boundary and the next.
+
+    Returns
+    -------
+    boundaries : list of int
+        Without the first and the last.
+    value : float
+        Cost of the dearest run, or the sum of squares.
+    """
+    value, choices = np.zeros(1), []
+    for below, above, width in zip(places, places[1:], widths, strict=False):
+        run = total[above][:, None] - total[below]
+        run[above[:, None] - below < width] = np.inf
+        if bound < np.inf:
+            run[run > bound] = np.inf
+            every = value + run * run
+        else:
+            every = np.maximum(value, run)
+        choices.append(every.argmin(axis=1))
+        value = every.min(axis=1)
+    boundaries: list[int] = []
+    place = 0
+    for k in range(len(choices) - 1, 0, -1):
+        place = choices[k][place]
+        boundaries.append(int(places[k][place]))
+    return boundaries[::-1], float(value[0])
 
 
 def slab_of(cuts: list[int], rank: int) -> Slab:
@@ -61,3 +125,9 @@ def slab_of(cuts: list[int], rank: int) -> Slab:
         rank - 1 if rank > 0 else None,
         rank + 1 if rank + 1 < active else None,
     )
+
+
+def common(a: Slab, b: Slab) -> tuple[int, int]:
+    """First layer that two slabs have in common, and the end of those."""
+    first = max(a.first, b.first)
+    return first, max(first, min(a.first + a.layers, b.first + b.layers))

@@ -121,7 +121,7 @@ class Population:
         """
         self._holes.extend(rows.tolist())
 
-    def take_layers(self, slab, order: IntArray, start: IntArray) -> None:
+    def take_layers(self, slab, order: np.ndarray, start: IntArray) -> None:
         """Go on with the layers of `slab`, whose rows in canonical order are `order`."""
         self.first, self.layers = slab.first, slab.layers
         self.order, self._spare = order, np.empty_like(order)
