@@ -9,13 +9,15 @@ from pgimp.case.schema import Case
 from pgimp.errors import RunError
 from pgimp.kernels.jit import discard_damaged
 from pgimp.kernels.order import layers_of
-from pgimp.kernels.sums import SUMS, fastest_rate
+from pgimp.kernels.sums import fastest_rate
 from pgimp.parallel.halo import Halo
 from pgimp.parallel.node import one_rank_first
-from pgimp.parallel.slabs import cut, slab_of
+from pgimp.parallel.slabs import Slab, cut, slab_of
 from pgimp.scene.lattice import Lattice
 from pgimp.scene.scene import Scene, count_particles
+from pgimp.solver.balance import Balance
 from pgimp.solver.clock import clock_of
+from pgimp.solver.decomposition import occupy, rebalance
 from pgimp.solver.diagnostics import Diagnostics
 from pgimp.solver.faults import ROOM, Failure, collect
 from pgimp.solver.grid import Grid
@@ -66,6 +68,8 @@ class Simulation:
         What the user should know, the same on every rank.
     timings : dict of str to float
         Seconds spent in each phase by this rank.
+    balance : Balance
+        What is known of the load of the ranks.
     particle_steps, clamped : int
         Particle-steps of this rank in this process, and those, since the start, with a half-width
         held at one cell.
@@ -86,18 +90,28 @@ class Simulation:
         The same on every rank, if the checkpoint does not hold a state of this case.
     """
 
+    slab: Slab
+    grid: Grid
+    halo: Halo
+    owned_planes: int
+    work: np.ndarray
+    impulse: np.ndarray
+    beyond: np.ndarray
+    grip_impulse: np.ndarray
+    escaped: np.ndarray
+
     def __init__(self, case: Case, comm: Any, source: Any = None) -> None:
         self.case, self.comm = case, comm
         self.scene = scene = Scene(case)
         self.notes: list[str] = []
         self.warnings: list[str] = []
-        self.timings = dict.fromkeys((*PHASES, "sort"), 0.0)
+        self.timings = dict.fromkeys((*PHASES, "sort", "balance"), 0.0)
         self.dt = 0.0
         self.particle_steps = self.clamped = 0
         self.faults, self.failed = np.zeros((ROOM, 2), np.int64), 0
         self.failure: Failure | None = None
         self.wish = self.granted = NOTHING
-        self._wishes = np.zeros((2, 6))  # this rank's, and the greatest of all
+        self._wishes = np.zeros((2, 7))  # this rank's, and the greatest of all
         if comm.size > 1:
             from mpi4py import MPI
 
@@ -136,12 +150,13 @@ class Simulation:
         return self.scene.populate(lattice, counts, (begin, end)), int(counts[:, begin:end].sum())
 
     def decompose(self, layer_counts: np.ndarray) -> None:
-        """Give each rank its layers, about equally many particles each."""
+        """Give each rank its layers, so that no rank has more particles than need be."""
         vertices = self.scene.vertices
         # A vertex beyond a face and its mirror image must not lie on different ranks.
         ends = 2 * vertices if self.scene.mirrors else 0
         cuts = cut(layer_counts, self.comm.size, vertices - 1, ends)
         self.slab = slab_of(cuts, self.comm.rank)
+        self.balance = Balance(cuts, int(layer_counts.sum()), vertices, ends, RESORT)
         idle = self.comm.size - (len(cuts) - 1)
         if idle:
             each = vertices - 1
@@ -160,19 +175,10 @@ class Simulation:
         masses = comm.allgather(float(particles.m[:count].min(initial=np.inf)))
         self.lightest = LIGHT * min(masses)
         self.population = Population(particles, count, scene.shape, scene.frame, slab, start)
-        shared = scene.vertices - 1 if slab.below is not None else 0
-        self.grid = Grid(scene.frame, scene.vertices, slab.first, slab.layers, shared)
-        self.halo = Halo(comm, slab, scene.vertices - 1)
+        occupy(self)
         self.reach = self._agree_on_reach(self.population.reach())
         self.grid.cover(self.reach)
         self.reach[:] = self.grid.base
-        self.owned_planes = slab.layers if slab.above is not None else self.grid.planes
-        self.work = np.zeros(self.grid.planes)
-        self.impulse = np.zeros((self.grid.planes, len(scene.faces), 3))
-        self.beyond = np.zeros((self.grid.planes, len(scene.faces)))
-        self.grip_impulse = np.zeros((self.grid.planes, len(scene.loads.constraints), 3))
-        leavers = (len(scene.body_names), SUMS) if scene.exits else (0, 0)
-        self.escaped = np.zeros((self.grid.planes, *leavers))
         if start is None:
             scene.loads.settle(self.population, comm)
         self.faces = scene.face_parameters(0.0, 0.0)
@@ -249,6 +255,8 @@ class Simulation:
             raise RunError(self.failure.text)
         dt, end = self.clock.next(self.rate)
         self.failed, rate = step(self, dt, end)
+        if self.comm.size > 1:
+            self.balance.note(self.timings, self.local_count)
         if self.failed:
             self.wish = FAULT
         self._agree(rate)
@@ -257,6 +265,8 @@ class Simulation:
             raise RunError(self.failure.text)
         self.dt = dt
         self.clock.advance(end)
+        if self.comm.size > 1 and self._wishes[1, 6]:
+            rebalance(self)
         if self.step % RESORT == 0:
             self._sort()
 
@@ -265,7 +275,7 @@ class Simulation:
         self.rate, self.granted = rate, self.wish
         if self.comm.size > 1:
             mine, every = self._wishes
-            mine[0], mine[5] = rate, self.wish
+            mine[0], mine[5], mine[6] = rate, self.wish, self.balance.asks
             np.negative(self.reach[0], out=mine[1:3])
             mine[3:5] = self.reach[1]
             self.comm.Allreduce(mine, every, self._greatest)
@@ -277,16 +287,19 @@ class Simulation:
             self.reach[:] = self.grid.base
 
     def _sort(self) -> None:
-        """Sort the rows anew, and shrink a window that has become far too wide."""
+        """Sort the rows anew, report the load, and shrink a window that has become far too wide."""
         begin = perf_counter()
         self.population.sort()
+        self.timings["sort"] += perf_counter() - begin
+        if self.comm.size > 1:
+            planes = int(self.grid.active.sum())
+            self.balance.report(self.comm, self.local_count, planes, self.step)
         reach = self._agree_on_reach(self.population.reach())
         needed = np.prod(np.maximum(reach[1] - reach[0], 0) + 4.0)
         stored = np.prod(self.grid.base[1] - self.grid.base[0] + 1.0)
         if stored > 2.0 * needed + 64.0:
             self.grid.cover(reach)
             self.reach[:] = self.grid.base
-        self.timings["sort"] += perf_counter() - begin
 
     def diagnostics(self) -> dict[str, float] | None:
         """The columns of history.csv, in order, on rank 0; None elsewhere; collective."""

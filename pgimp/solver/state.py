@@ -13,16 +13,26 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from pgimp.errors import DamagedError, UsageError
 from pgimp.kernels.order import locate
+from pgimp.kernels.sums import SUMS
 from pgimp.parallel.together import all_or_none
 from pgimp.solver.particles import Particles
 
 if TYPE_CHECKING:
+    from pgimp.scene.scene import Scene
     from pgimp.solver.simulation import Simulation
 
 #: Sums by plane that a simulation keeps from step to step.
 ACCUMULATORS = ("work", "impulse", "beyond", "grip_impulse", "escaped")
 
 _MODEL = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+def no_sums(scene: "Scene", planes: int) -> tuple[np.ndarray, ...]:
+    """The `ACCUMULATORS` before the first step: zeros, (planes, ...)."""
+    faces, constraints = len(scene.faces), len(scene.loads.constraints)
+    leavers = (len(scene.body_names), SUMS) if scene.exits else (0, 0)
+    shapes = ((), (faces, 3), (faces,), (constraints, 3), leavers)
+    return tuple(np.zeros((planes, *shape)) for shape in shapes)
 
 
 class State(BaseModel):

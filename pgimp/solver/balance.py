@@ -1,0 +1,261 @@
+"""Load balance: when slab boundaries move, and where to.
+
+All ranks measure, rank 0 decides. The cost of a layer is counted in particles: those that it has,
+what its plane of vertices costs besides, and a factor where a rank's time per particle has differed
+from the others' for a while, be it for the material there or for the machine. Boundaries move when
+what that saves until the next change is like to be more than what moving has cost so far. Bits do
+not depend on the boundaries, so neither on these times.
+"""
+
+import os
+from collections import deque
+from typing import Any
+
+import numpy as np
+
+from pgimp.errors import UsageError
+from pgimp.parallel.slabs import common, cut, slab_of
+
+#: Environment variable that turns it off.
+SWITCH = "PGIMP_BALANCE"
+
+#: Imbalance, as a part of the mean cost of a rank, that is not worth a thought.
+_SMALL = 0.03
+#: Parts of the mean cost by which a move must lower the dearest rank's.
+_LEAST_GAIN = 0.02
+#: So many steps at most does a state last that has lasted for as long.
+_LONGEST = 1000
+#: Intervals in which a rank must have differed before it is taken for slower or faster.
+_EVIDENCE, _MOST_EVIDENCE = 4, 64
+#: A move costs about as much as so many steps of the particles that move, and of some more.
+_PRICE, _BESIDES = 8.0, 1000.0
+
+
+def switched_on() -> bool:
+    """Whether boundaries may move.
+
+    Raises
+    ------
+    UsageError
+        If the variable has a value that means nothing.
+    """
+    value = os.environ.get(SWITCH, "")
+    if value not in ("", "0", "1"):
+        raise UsageError(
+            f"the environment variable {SWITCH} is '{value}'; 0 keeps slab boundaries where they "
+            "are, 1 or nothing lets them follow the load"
+        )
+    return value != "0"
+
+
+class Balance:
+    """What a rank knows of the load.
+
+    Parameters
+    ----------
+    cuts : list of int
+        The decomposition, see `pgimp.parallel.slabs.cut`.
+    total : int
+        Particles of all ranks.
+    vertices : int
+        Vertices a direction in a particle's support.
+    ends : int
+        See `cut`.
+    interval : int
+        Steps between two reports.
+
+    Attributes
+    ----------
+    on : bool
+        Whether boundaries may move.
+    asks : bool
+        Whether this rank wants a decision.
+    total : int
+        Particles of all ranks at the last report.
+    imbalance : float or None
+        Busiest rank's time in the kernels over the mean, less one, in the last report.
+    moves : list of (float, float)
+        Imbalance by cost before and after each move; on rank 0.
+    """
+
+    def __init__(
+        self, cuts: list[int], total: int, vertices: int, ends: int, interval: int
+    ) -> None:
+        self.cuts, self.total = cuts, total
+        self.on = len(cuts) > 2 and switched_on()
+        self.asks = False
+        self.imbalance: float | None = None
+        self.moves: list[tuple[float, float]] = []
+        self._vertices, self._ends, self._interval = vertices, ends, interval
+        self._steps = np.zeros((interval, 2))
+        self._taken = 0
+        self._before = (0.0, 0.0)
+        self._most = 2**62
+        self._seconds = 0.0
+        # What follows is of use on rank 0 only.
+        self._density = np.ones(cuts[-1])
+        self._expected = np.ones(len(cuts) - 1)
+        self._plane = 0.0
+        self._prices = deque([_PRICE], 5)
+        self._moved = 0.0
+        self._changed = 0
+        self._patience = self._wait = 0
+        self._forget()
+        self._evidence = _EVIDENCE
+        self._doubted: float | None = None
+
+    def _forget(self) -> None:
+        """Begin anew to watch how ranks differ."""
+        self._factors: deque[np.ndarray] = deque(maxlen=8)
+        self._imbalances: list[float] = []
+        self._refused = 0.0
+
+    def note(self, timings: dict[str, float], count: int) -> None:
+        """Take notice of a step; `timings` are a simulation's, `count` its rank's particles."""
+        spent = timings["P2G"] + timings["G2P"] + timings["order"], timings["momentum"]
+        place = self._taken % self._interval
+        self._steps[place] = spent[0] - self._before[0], spent[1] - self._before[1]
+        self._before = spent
+        self._taken += 1
+        if count > self._most:
+            self.asks = self.on
+
+    def report(self, comm: Any, count: int, planes: int, step: int) -> None:
+        """Let all know of all since the last report; collective.
+
+        Parameters
+        ----------
+        count, planes : int
+            This rank's particles, and its planes that took part in the last step.
+        step : int
+            Steps done.
+        """
+        taken = self._steps[: min(self._taken, self._interval)]
+        # An interruption makes some steps long, but hardly half of them.
+        particle, plane = np.median(taken, axis=0) if len(taken) else (0.0, 0.0)
+        mine = np.array([particle, plane, count, planes, self._seconds])
+        every = np.empty((comm.size, len(mine)))
+        comm.Allgather(mine, every)
+        self._taken, self._seconds = 0, 0.0
+        every = every[: len(self.cuts) - 1]
+        self.total = int(every[:, 2].sum())
+        self.watch(count)
+        busy = every[:, 0] + every[:, 1]
+        self.imbalance = float(busy.max() / busy.mean()) - 1.0 if busy.any() else None
+        if comm.rank == 0 and self.on and self.imbalance is not None and self.total:
+            self._learn(every, busy, step)
+
+    def watch(self, count: int) -> None:
+        """Ask for a decision as soon as there are clearly more particles than `count`."""
+        self._most = count + int(_SMALL * self.total / (len(self.cuts) - 1))
+        self.asks = False
+
+    def _learn(self, every: np.ndarray, busy: np.ndarray, step: int) -> None:
+        """Find out on rank 0 what particles and planes cost, and how ranks differ."""
+        counts, planes = every[:, 2], every[:, 3]
+        particle = every[:, 0].sum() / counts.sum()
+        self._plane = every[:, 1].sum() / max(planes.sum(), 1.0) / particle
+        if self._moved and every[:, 4].any():
+            self._prices.append(every[:, 4].max() / particle / (self._moved + _BESIDES))
+            self._moved = 0.0
+        work = counts + self._plane * planes
+        self._factors.append(np.where(work > 0.0, busy / particle / np.maximum(work, 1.0), 1.0))
+        self._imbalances.append(float(self.imbalance or 0.0))
+        if self._doubted is not None and len(self._imbalances) >= _EVIDENCE - 1:
+            helped = np.median(self._imbalances) < self._doubted - _LEAST_GAIN
+            self._evidence = _EVIDENCE if helped else min(2 * self._evidence, _MOST_EVIDENCE)
+            self._doubted = None
+        costs = work * self._expected * self._differences()
+        imbalance = float(costs.max() / costs.mean()) - 1.0
+        self._wait -= 1
+        self.asks = imbalance > max(_SMALL, self._refused + _LEAST_GAIN)
+        self.asks |= imbalance > _SMALL and self._wait <= 0
+
+    def _differences(self) -> np.ndarray:
+        """By how much each rank takes longer than expected, beyond what changes all the time."""
+        if len(self._imbalances) < self._evidence:
+            return np.ones(len(self.cuts) - 1)
+        seen = np.array(self._factors)
+        deviation = np.median(seen, axis=0) / self._expected - 1.0
+        return 1.0 + np.sign(deviation) * np.maximum(np.abs(deviation) - np.ptp(seen, axis=0), 0.0)
+
+    def decide(self, counts: np.ndarray, step: int) -> list[int] | None:
+        """Where boundaries should be; on rank 0.
+
+        Parameters
+        ----------
+        counts : (layers,) int or float
+            Particles of each layer.
+        step : int
+            Steps done.
+
+        Returns
+        -------
+        list of int or None
+            As from `cut`; None where they should stay.
+        """
+        if not self.on or not counts.any():
+            return None
+        planes = np.convolve(counts > 0, np.ones(self._vertices))[: len(counts)] > 0.5
+        work = counts + self._plane * planes
+        ranks = len(self.cuts) - 1
+        differences = self._differences()
+        density = self._density * np.repeat(differences, np.diff(self.cuts))
+        new, gain, price = self._offer(counts, work * density, step)
+        if gain <= price:
+            self._refused = imbalance_of(work * density, self.cuts)
+            self._patience = min(2 * self._patience + 1, 32)
+            self._wait = self._patience
+            return None
+        # Was it for what had been known before?
+        if (differences != 1.0).any():
+            _, plain, price = self._offer(counts, work * self._density, step)
+            if plain <= price:
+                self._doubted = float(np.median(self._imbalances))
+        self._density = density
+        costs = work * density
+        self.moves.append((imbalance_of(costs, self.cuts), imbalance_of(costs, new)))
+        mean = costs.sum() / max(work.sum(), 1e-300)
+        edges = new[:-1]
+        below = np.maximum(np.add.reduceat(work, edges), 1e-300)
+        self._expected = np.add.reduceat(costs, edges) / below / mean
+        self._expected[np.add.reduceat(work, edges) == 0.0] = 1.0
+        self._moved, self._changed = self._moving(counts, new), step
+        self._patience = self._wait = 0
+        self._forget()
+        assert len(new) == ranks + 1
+        return new
+
+    def _offer(
+        self, counts: np.ndarray, costs: np.ndarray, step: int
+    ) -> tuple[list[int], float, float]:
+        """The best boundaries, what they save, and what moving costs, in particle-steps."""
+        ranks = len(self.cuts) - 1
+        new = cut(costs, ranks, self._vertices - 1, self._ends)
+        now, then = (np.add.reduceat(costs, cuts[:-1]).max() for cuts in (self.cuts, new))
+        if now - then < _LEAST_GAIN * costs.sum() / ranks:
+            return new, 0.0, 0.0
+        lasts = min(max(step - self._changed, self._interval), _LONGEST)
+        price = float(np.median(self._prices)) * (self._moving(counts, new) + _BESIDES)
+        return new, float(now - then) * lasts, price
+
+    def _moving(self, counts: np.ndarray, new: list[int]) -> float:
+        """Particles that the rank with most of them must send and receive."""
+        total = np.concatenate([[0.0], np.cumsum(counts)])
+        most = 0.0
+        for rank in range(len(new) - 1):
+            a, b = slab_of(self.cuts, rank), slab_of(new, rank)
+            first, end = common(a, b)
+            had, gets = (total[s.first + s.layers] - total[s.first] for s in (a, b))
+            most = max(most, had + gets - 2.0 * (total[end] - total[first]))
+        return most
+
+    def moved(self, seconds: float) -> None:
+        """Take notice on every rank of a move that took it so long."""
+        self._seconds, self._taken = self._seconds + seconds, 0
+
+
+def imbalance_of(costs: np.ndarray, cuts: list[int]) -> float:
+    """Cost of the dearest rank over the mean, less one."""
+    parts = np.add.reduceat(costs, cuts[:-1])
+    return float(parts.max() / parts.mean()) - 1.0 if parts.any() else 0.0

@@ -1,0 +1,62 @@
+"""A rank's place in the decomposition, and how it changes while a simulation goes on."""
+
+from time import perf_counter
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pgimp.parallel.halo import Halo
+from pgimp.parallel.handover import hand_over
+from pgimp.parallel.slabs import slab_of
+from pgimp.solver.grid import Grid
+from pgimp.solver.state import ACCUMULATORS, no_sums
+
+if TYPE_CHECKING:
+    from pgimp.solver.simulation import Simulation
+
+
+def occupy(sim: "Simulation") -> None:
+    """Make grid, halo and sums by plane for the rank's layers; the window is still to be set."""
+    scene, slab = sim.scene, sim.slab
+    shared = scene.vertices - 1
+    below = shared if slab.below is not None else 0
+    sim.grid = Grid(scene.frame, scene.vertices, slab.first, slab.layers, below)
+    sim.halo = Halo(sim.comm, slab, shared)
+    sim.owned_planes = slab.layers if slab.above is not None else sim.grid.planes
+    sums = no_sums(scene, sim.grid.planes)
+    sim.work, sim.impulse, sim.beyond, sim.grip_impulse, sim.escaped = sums
+
+
+def rebalance(sim: "Simulation") -> None:
+    """Let rank 0 decide where slab boundaries should be, and move them; collective."""
+    begin, comm, balance = perf_counter(), sim.comm, sim.balance
+    counts = comm.gather(np.diff(sim.population.start))
+    cuts = None if counts is None else balance.decide(np.concatenate(counts), sim.step)
+    cuts = comm.bcast(cuts)
+    if cuts is not None:
+        move_boundaries(sim, cuts)
+        balance.moved(perf_counter() - begin)
+    balance.watch(sim.local_count)
+    sim.timings["balance"] += perf_counter() - begin
+
+
+def move_boundaries(sim: "Simulation", cuts: list[int]) -> None:
+    """Go over to another decomposition between two steps; collective.
+
+    No bit of what follows depends on it.
+
+    Parameters
+    ----------
+    cuts : list of int
+        As from `pgimp.parallel.slabs.cut`, the same on every rank.
+    """
+    own, window = sim.owned_planes, sim.grid.base
+    sums = [getattr(sim, name)[:own] for name in ACCUMULATORS]
+    extra = sim.scene.vertices - 1
+    sums = hand_over(sim.comm, sim.balance.cuts, cuts, extra, sim.population, sums)
+    sim.balance.cuts, sim.slab = cuts, slab_of(cuts, sim.comm.rank)
+    occupy(sim)
+    sim.grid.base = window
+    sim.grid.extend(window)
+    for name, values in zip(ACCUMULATORS, sums, strict=True):
+        getattr(sim, name)[: sim.owned_planes] = values
