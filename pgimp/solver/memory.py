@@ -98,8 +98,24 @@ def bytes_each(scene: Scene, ranks: int) -> tuple[int, int, int]:
     return columns, int(kept), int(kept + max(frame, checkpoint))
 
 
+def window(scene: Scene, bodies: list[Extent]) -> list[int]:
+    """Vertices along each direction where there are particles at the beginning, and a margin."""
+    s, per_cell = scene.vertices, scene.case.method.particles_per_cell
+    extent = []
+    for d in range(scene.dimension):
+        low = min(body.low[d] for body in bodies) // per_cell[d]
+        high = -(-max(body.high[d] for body in bodies) // per_cell[d])
+        extent.append(min(scene.frame.vertices[d], high - low + s + 1 + (2 * MARGIN if d else 0)))
+    return extent
+
+
 def estimate(
-    scene: Scene, ranks: int, first: bool, bodies: list[Extent], count: float | None = None
+    scene: Scene,
+    ranks: int,
+    first: bool,
+    bodies: list[Extent],
+    count: float | None = None,
+    share: float | None = None,
 ) -> Estimate:
     """Estimate the memory of a rank.
 
@@ -116,6 +132,8 @@ def estimate(
     count : float, optional
         Particles of all ranks; without it a number that there are at least, unless much of the
         bodies is surface.
+    share : float, optional
+        The rank's part of the particles and layers; without it all ranks have the same.
     """
     case, D = scene.case, scene.dimension
     lattice, per_cell = points(case), case.method.particles_per_cell
@@ -123,7 +141,8 @@ def estimate(
         count = sum(body.least + 0.25 * (body.most - body.least) for body in bodies)
     s = scene.vertices
     layers = scene.frame.vertices[0]
-    share = 1.0 / max(1, min(ranks, layers // (s - 1)))
+    if share is None:
+        share = 1.0 / max(1, min(ranks, layers // (s - 1)))
 
     def particles(each: int) -> Part:
         return Part(
@@ -134,11 +153,7 @@ def estimate(
 
     columns, kept, most = bytes_each(scene, ranks)
 
-    extent, occupied = [], 0.0
-    for d in range(D):
-        low = min(body.low[d] for body in bodies) // per_cell[d]
-        high = -(-max(body.high[d] for body in bodies) // per_cell[d])
-        extent.append(min(scene.frame.vertices[d], high - low + s + 1 + (2 * MARGIN if d else 0)))
+    extent = window(scene, bodies)
     plane = prod(extent[1:]) * (64 + (8 if scene.loads.constraints else 0))
     occupied = min(extent[0], sum(body.boxes[0] / per_cell[0] + s for body in bodies))
     beside = s + (s * s if ranks > 1 else 0)
