@@ -24,6 +24,12 @@ class Slab(NamedTuple):
         return self.below is not None or self.above is not None
 
 
+def most_slabs(layers: int, width: int, ends: int = 0) -> int:
+    """Ranks that can have layers, see `cut`."""
+    ends = max(width, ends)
+    return (layers - 2 * ends) // width + 2 if layers >= 2 * ends else 1
+
+
 def cut(costs: ArrayLike, ranks: int, width: int, ends: int = 0) -> list[int]:
     """Cut the layers into runs, of which the dearest costs as little as it can.
 
@@ -50,7 +56,7 @@ def cut(costs: ArrayLike, ranks: int, width: int, ends: int = 0) -> list[int]:
     costs = np.asarray(costs, float)
     layers = len(costs)
     ends = max(width, ends)
-    active = max(1, min(ranks, (layers - 2 * ends) // width + 2 if layers >= 2 * ends else 1))
+    active = max(1, min(ranks, most_slabs(layers, width, ends)))
     if active == 1:
         return [0, layers]
     total = np.concatenate([[0.0], np.cumsum(costs if costs.any() else np.ones(layers))])
