@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, Field
 
@@ -48,6 +48,17 @@ class Output(Model):
     )
     fields: Annotated[tuple[FieldName, ...], AfterValidator(_unique)] = Field(
         default=("velocity", "stress"), description="what frames hold besides position and size"
+    )
+    precision: Literal["float64", "float32"] = Field(
+        default="float64",
+        description="of the numbers in frames: float32 makes files half as large and keeps 7 "
+        "digits, so a position is known to 6e-8 of its distance from the origin; what is computed "
+        "is rounded only when it is written, and whole numbers stay as they are",
+    )
+    compression: Literal["none", "gzip"] = Field(
+        default="none",
+        description="gzip makes frames about half as large, a third with float32, without loss; "
+        "any HDF5 program reads them; it takes a core about 15 s for each GB",
     )
 
 

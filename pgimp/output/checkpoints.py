@@ -80,11 +80,13 @@ class Checkpoints:
     seconds : float
         What one takes at most, as far as known: until one has been written, an estimate, or what
         it took before the run was resumed.
+    size : int
+        Bytes of those that this process wrote, on rank 0.
     """
 
     def __init__(self, directory: Path, case: Any, sim: Any) -> None:
         self.folder = directory / "checkpoints"
-        self.latest = -1
+        self.latest, self.size = -1, 0
         every = case.checkpoint.every
         wall = isinstance(every, WallTime)
         self._keep = int(case.checkpoint.keep)
@@ -159,7 +161,7 @@ class Checkpoints:
             "seconds": self.seconds if self._measured else None,
             "state": state,
         }
-        checkpointwriter.write(path, sim.comm, about, rows, whole)
+        self.size += checkpointwriter.write(path, sim.comm, about, rows.columns, whole, rows.order)
         self.latest, self._stands_for = sim.step, (frames, line)
         on_root(sim.comm, self._delete_older)
         now = monotonic()

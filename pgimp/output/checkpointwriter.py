@@ -1,14 +1,17 @@
-"""Writing a checkpoint: reserve the space, write, read back, and only then the header and name."""
+"""Writing a checkpoint: reserve the space, write data and header, sync, and only then the name.
+
+Every rank makes checksums of what it writes, while it does. They are compared when the checkpoint
+is read; until then the ones before it stay.
+"""
 
 from __future__ import annotations
 
 import os
 import zlib
 from collections.abc import Mapping
-from contextlib import suppress
 from itertools import accumulate, chain
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -17,7 +20,8 @@ from pgimp.output.checkpointheader import KINDS, encode, parse
 from pgimp.output.collective import agree, explain, on_root
 from pgimp.output.datasets import Dataset, create
 from pgimp.output.files import publish, temporary
-from pgimp.output.framefile import FrameFile, Written, checksum_of
+from pgimp.output.framefile import FrameFile, Written, blocks
+from pgimp.output.unfinished import removed_on_error, told
 
 Array = np.ndarray
 
@@ -28,18 +32,14 @@ _PIECES = 4096
 _NUMBER, _PIECE_TEXT = 20, 48
 
 
-class _Blocks(NamedTuple):
-    comm: Any
-    bounds: list[int]
-
-
 def write(
     path: Path,
     comm: Any,
     about: dict[str, Any],
     rows: Mapping[str, Array],
     whole: Mapping[str, Array],
-) -> None:
+    order: Array | None = None,
+) -> int:
     """Write a checkpoint; collective.
 
     Parameters
@@ -52,10 +52,16 @@ def write(
         Anything that JSON can say; of use on rank 0.
     rows : mapping of str to ndarray, shape (n, ...)
         This rank's block of each dataset of rows; the ranks' blocks lie one after the other. The
-        same names, types and shapes of a row on every rank; n may be 0. Each is asked for twice,
-        for its shape and when its turn comes, so it may be made on asking.
+        same names, types and shapes of a row on every rank; n may be 0.
     whole : mapping of str to ndarray
         Further datasets, small ones; of use on rank 0.
+    order : ndarray of int, optional
+        Which of the rows are written, in which order; all as they are without it.
+
+    Returns
+    -------
+    int
+        Bytes of the file.
 
     Raises
     ------
@@ -65,49 +71,37 @@ def write(
     """
     what = f"write the checkpoint {path}"
     part = temporary(path)
-    lengths: set[int] = set()
-    shapes = {}
-    cause = None
-    try:
-        for name in rows:
-            array = rows[name]
-            lengths.add(len(array))
-            shapes[name] = (_little(array).str, array.shape[1:])
-            del array
-    except MemoryError:
-        cause = "out of memory"
-    agree(comm, what, cause)
-    told = comm.allgather((list(lengths or {0}), shapes))
-    if any(len(some) > 1 or others != shapes for some, others in told):
+    lengths = {len(array) for array in rows.values()} if order is None else {len(order)}
+    shapes = {name: (_little(array).str, array.shape[1:]) for name, array in rows.items()}
+    told_of = comm.allgather((list(lengths or {0}), shapes))
+    if any(len(some) > 1 or others != shapes for some, others in told_of):
         raise RunError(f"cannot {what}: the arrays of its ranks do not fit each other")
-    shapes = told[0][1]  # in the same order on every rank
-    share = _Blocks(comm, [0, *accumulate(some[0] for some, _ in told)])
-    plan = _Plan(part, about, shapes, share)
-    try:
-        offsets = on_root(comm, lambda: plan.create(whole, what))
-        file = FrameFile(part, share, offsets, plan.most)
-        agree(comm, what, file.error)
-        for name in shapes:
-            try:
-                block = np.asarray(rows[name], shapes[name][0], order="C")
-            except MemoryError:
-                file.error = file.error or "out of memory"
-            if any(comm.allgather(file.error)):
-                break
-            file.write(name, block)
-            del block
-        file.close()
-        agree(comm, what, file.error)
-        if comm.rank == 0:
-            file.written += plan.written
-        agree(comm, what, file.check())
-        written = comm.gather(file.written)
-        on_root(comm, lambda: plan.finish(path, written, what))
-    except BaseException:
-        if comm.rank == 0:
-            with suppress(OSError):
-                part.unlink(missing_ok=True)
-        raise
+    shapes = told_of[0][1]  # in the same order on every rank
+    bounds = [0, *accumulate(some[0] for some, _ in told_of)]
+    first, count = bounds[comm.rank], told_of[comm.rank][0][0]
+    plan = _Plan(part, about, shapes, bounds)
+    file = None
+    with removed_on_error(part, comm):
+        try:
+            offsets = on_root(comm, lambda: plan.create(whole, what))
+            file = FrameFile(part, comm.rank, plan.most)
+            for name, (dtype, tail) in shapes.items():
+                place = offsets[name] + first * Dataset(name, dtype, tail).row_bytes
+                for begin, end in blocks(count):
+                    some = slice(begin, end)
+                    block = rows[name][some] if order is None else rows[name].take(order[some], 0)
+                    file.write(place, np.asarray(block, dtype, order="C"))
+                    place += block.nbytes
+            agree(comm, what, file.error)
+            written = comm.gather(file.written)
+            on_root(comm, lambda: plan.head(written, what))
+            file.close()
+            agree(comm, what, file.error)
+            on_root(comm, lambda: plan.publish(path, what))
+        finally:
+            if file is not None:
+                file.abandon()
+    return plan.size
 
 
 def _little(array: Array) -> np.dtype:
@@ -121,6 +115,8 @@ class _Plan:
     ----------
     most : int
         Longest piece of the rows.
+    size : int
+        Bytes of the file, when it is made.
     written : list of Written
         The whole datasets.
     """
@@ -130,12 +126,13 @@ class _Plan:
         part: Path,
         about: dict[str, Any],
         shapes: dict[str, tuple[str, tuple[int, ...]]],
-        share: _Blocks,
+        bounds: list[int],
     ) -> None:
         self.part = part
-        self.ranks = share.comm.size
+        self.ranks = len(bounds) - 1
         self.datasets = [Dataset(name, dtype, tail) for name, (dtype, tail) in shapes.items()]
-        self.count = share.bounds[-1]
+        self.count = bounds[-1]
+        self.size = 0
         self.row_bytes = sum(dataset.row_bytes for dataset in self.datasets)
         self.most = max(_PIECE, self.count * self.row_bytes // _PIECES)
         self.written: list[Written] = []
@@ -180,17 +177,17 @@ class _Plan:
                 self.written.append(Written(offsets[name], array.nbytes, checksum))
         return offsets
 
-    def finish(self, path: Path, written: list[list[Written]], what: str) -> None:
-        """Write the header, with the checksums of what the ranks wrote, and name the file."""
+    def head(self, written: list[list[Written]], what: str) -> None:
+        """Write the header, with the checksums of what the ranks wrote."""
         try:
-            with open(self.part, "r+b") as stream:
-                size = stream.seek(0, os.SEEK_END)
+            with told(what), open(self.part, "r+b") as stream:
+                self.size = size = stream.seek(0, os.SEEK_END)
                 pieces: list[list[int]] = []
                 end = self.begin
-                for piece in [*sorted(chain(*written)), Written(size, 0, 0)]:
+                for piece in [*sorted(chain(*written, self.written)), Written(size, 0, 0)]:
                     if (gap := piece.start - end) > 0:  # what HDF5 says about the datasets
                         stream.seek(end)
-                        pieces.append([end, gap, checksum_of(stream, gap)])
+                        pieces.append([end, gap, zlib.crc32(stream.read(gap))])
                     if piece.size:
                         pieces.append(list(piece))
                     end = piece.start + piece.size
@@ -198,8 +195,10 @@ class _Plan:
                 parse(lambda start, length: header[start : start + length], size)
                 stream.seek(0)
                 stream.write(header)
-            publish(self.part, path)
-        except OSError as error:
-            raise RunError(f"cannot {what}: {explain(error)}") from error
         except DamagedError as error:
             raise RunError(f"cannot {what}: {error}") from error
+
+    def publish(self, path: Path, what: str) -> None:
+        """Name the file, once all of it is on the disk."""
+        with told(what):
+            publish(self.part, path)

@@ -13,11 +13,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pgimp.output.hdf5 import load_h5py, open_file
+from pgimp.output.image import Image
 
 Array = np.ndarray
 
-# More than HDF5 needs for the headers of all fields.
-_HEADERS = 1 << 16
 _CANNOT_RESERVE = {errno.EOPNOTSUPP, errno.EINVAL, errno.ENOSYS}
 _NONE: Mapping[str, Any] = MappingProxyType({})
 
@@ -46,8 +45,8 @@ def create(
 ) -> dict[str, int]:
     """Make a file whose datasets lie in one piece each, with their space on the disk reserved.
 
-    On a full disk a parallel write loses data without an error; so the space is there before any
-    rank writes.
+    On a full disk a parallel write may lose data without an error; so the space is there before
+    any rank writes.
 
     Parameters
     ----------
@@ -80,44 +79,61 @@ def create(
     properties.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
     properties.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
     properties.set_obj_track_times(False)
-    size = count * sum(dataset.row_bytes for dataset in datasets)
-    size += sum(array.nbytes for array in whole.values())
     shapes = [(dataset, (count, *dataset.tail)) for dataset in datasets]
     shapes += [(Dataset(name, array.dtype.str, ()), array.shape) for name, array in whole.items()]
-    with open(path, "wb"):
-        # HDF5 that meets a full disk half way can crash the process later; find out first.
-        _reserve(path, user_block + _HEADERS + size)
-    offsets = {}
-    try:
-        with open_file(path, "w", userblock_size=user_block) as file:
-            file.attrs.update(attributes)
-            for dataset, shape in shapes:
-                made = h5py.h5d.create(
-                    file.id,
-                    dataset.name.encode(),
-                    h5py.h5t.py_create(np.dtype(dataset.dtype)),
-                    h5py.h5s.create_simple(shape),
-                    properties,
-                )
-                h5py.Dataset(made).attrs.update(dataset.attributes)
-                offsets[dataset.name] = made.get_offset() if math.prod(shape) else 0
-    except RuntimeError as error:  # closing a file that could not be flushed
-        raise OSError(str(error)) from error
-    _reserve(path, path.stat().st_size)
-    if whole:
-        with open(path, "r+b") as stream:
-            for name, array in whole.items():
-                stream.seek(offsets[name])
-                stream.write(np.ravel(array).view(np.uint8).data)
+    offsets, image = {}, Image()
+    with open_file(image, "w", userblock_size=user_block) as file:
+        file.attrs.update(attributes)
+        for dataset, shape in shapes:
+            made = make(file, dataset, shape, properties)
+            offsets[dataset.name] = made.get_offset() if math.prod(shape) else 0
+    parts = {place: data for (place, _), data in image.parts.items()}
+    parts |= {offsets[name]: np.ravel(array).view(np.uint8) for name, array in whole.items()}
+    with open(path, "wb", buffering=0) as stream:
+        reserve(stream.fileno(), 0, image.size)
+        for place, data in parts.items():
+            put(stream.fileno(), memoryview(data), place)
     return offsets
 
 
-def _reserve(path: Path, size: int) -> None:
-    descriptor = os.open(path, os.O_RDWR)
+def make(file: Any, dataset: Dataset, shape: tuple[int, ...], properties: Any) -> Any:
+    """Make a dataset of a shape in an HDF5 file and return its identifier."""
+    h5py = load_h5py()
+    made = h5py.h5d.create(
+        file.id,
+        dataset.name.encode(),
+        h5py.h5t.py_create(np.dtype(dataset.dtype)),
+        h5py.h5s.create_simple(shape),
+        properties,
+    )
+    h5py.Dataset(made).attrs.update(dataset.attributes)
+    return made
+
+
+def reserve(descriptor: int, start: int, end: int) -> None:
+    """See to it that there is room on the disk for a stretch of a file.
+
+    Raises
+    ------
+    OSError
+        If there is none. File systems that know no reservation are taken at their word later.
+    """
     try:
-        os.posix_fallocate(descriptor, 0, size)
+        if end > start:
+            os.posix_fallocate(descriptor, start, end - start)
     except OSError as error:
         if error.errno not in _CANNOT_RESERVE:
             raise
-    finally:
-        os.close(descriptor)
+
+
+def put(descriptor: int, data: memoryview, place: int) -> None:
+    """Write all of the data to a place of a file.
+
+    Raises
+    ------
+    OSError
+        If that is not possible.
+    """
+    while data:
+        count = os.pwrite(descriptor, data, place)
+        data, place = data[count:], place + count

@@ -16,7 +16,6 @@ from pgimp.output.collective import explain, on_root
 from pgimp.output.fields import ALWAYS, FAILURE, FIELDS, OPTIONAL, Source
 from pgimp.output.files import write as write_file
 from pgimp.output.particlefile import ParticleFile
-from pgimp.output.rows import Rows
 from pgimp.output.rundir import FAILURE as FOLDER
 from pgimp.output.xdmf import Collection
 from pgimp.solver.faults import Failure, explanation
@@ -80,7 +79,11 @@ def _write(folder: Path, sim: Simulation, failure: Failure, text: str, history: 
     rows, kinds = sim.faults[: sim.failed].T
     found = _Found(rows, kinds, _places(sim, rows)[0])
     chosen, radius = _around(sim, found)
-    shown = Rows(comm, sim.particles.id[chosen], chosen, sim.count, complete=False)
+    fields = [*ALWAYS, *OPTIONAL, *FAILURE]
+    if not scene.origins:
+        fields.remove("displacement")
+    file = ParticleFile(sim.case, scene, fields)
+    shown = file.rows(comm, sim.particles.id[chosen], chosen, sim.count, complete=False)
     courant = _courant(sim, found)
     states = [_state(sim, found, i) for i in range(min(len(found.rows), _MOST_TOLD))]
     told = comm.gather((states, set(found.kinds.tolist())))
@@ -93,14 +96,11 @@ def _write(folder: Path, sim: Simulation, failure: Failure, text: str, history: 
             raise RunError(f"cannot {what}: {explain(error)}") from error
 
     on_root(comm, begin)
-    fields = [*ALWAYS, *OPTIONAL, *FAILURE]
-    if not scene.origins:
-        fields.remove("displacement")
     path = folder / "particles.h5"
 
     def end() -> None:
         collection = Collection(folder / "particles.xdmf")
-        collection.add(path, failure.time, shown.count, fields)
+        collection.add(path, failure.time, shown.count, file.types)
         collection.write()
         states = [state for part, _ in told or () for state in part][:_MOST_TOLD]
         kinds = set().union(*(part for _, part in told or ()))
@@ -119,9 +119,8 @@ def _write(folder: Path, sim: Simulation, failure: Failure, text: str, history: 
         ]
         write_file(folder / "report.txt", "\n\n".join(parts) + "\n")
 
-    file = ParticleFile(sim.case, scene, fields)
     state, instead = (failure.time, failure.step), _drawable(sim, found, shown.storage)
-    file.write(path, sim.particles, shown, state, what, end, instead)
+    file.write(path, sim.particles, shown, state, what, instead).end(end)
 
 
 def _clear(folder: Path) -> None:

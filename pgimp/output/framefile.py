@@ -1,41 +1,41 @@
-"""One HDF5 file, written by all ranks at once, and checked.
+"""One file, written by all ranks at once.
 
-The HDF5 library makes the file, see `pgimp.output.datasets`: each dataset lies in one piece at a
-known place, with its space reserved. What the ranks then write goes straight to those places. So an
-error is one of this rank's own, at once, while MPI's collective calls lose data on a full disk
-without an error, and wait for ever for a rank that could not open the file.
+The HDF5 library says where in the file everything goes, see `pgimp.output.datasets`, and the space
+is reserved. What the ranks then write goes straight to those places. So an error is one of this
+rank's own, at once, while MPI's collective calls lose data on a full disk without an error, and
+wait for ever for a rank that could not open the file.
+
+Every write is checked for its length, and the sync at the end for its error: that is where a
+kernel tells of what it could not bring to the disk. Reading back would add nothing, for that comes
+from the kernel's memory, not from the disk.
 """
 
 from __future__ import annotations
 
-import math
 import os
 import socket
 import zlib
-from collections.abc import Sequence
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, NamedTuple, Protocol
+from threading import Thread
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from pgimp.output.collective import explain
+from pgimp.output.datasets import put
 
 Array = np.ndarray
 
-# Rows are written, summed up and read back in blocks of so many bytes.
-_BLOCK = 4 << 20
+# Rows are taken together and written in blocks of so many, which stay in the core's cache.
+_ROWS = 1 << 14
 
 
-class Share(Protocol):
-    """Which rows are whose: `bounds` has where each rank's rows start, and the number of rows."""
-
-    @property
-    def comm(self) -> Any:
-        """Communicator of all ranks."""
-
-    @property
-    def bounds(self) -> Sequence[int]:
-        """Of one more entry than there are ranks."""
+def blocks(count: int, size: int | None = None) -> Iterator[tuple[int, int]]:
+    """Yield begin and end of each block of so many rows; the last one may be shorter."""
+    size = size or _ROWS
+    for start in range(0, count, size):
+        yield start, min(start + size, count)
 
 
 class Written(NamedTuple):
@@ -47,7 +47,7 @@ class Written(NamedTuple):
 
 
 class FrameFile:
-    """A file made by `datasets.create`, open for writing on every rank.
+    """A file that is there, open for writing on this rank.
 
     An error is kept, not raised, so that all ranks go on to the next collective call; the first
     one is in `error`.
@@ -56,113 +56,97 @@ class FrameFile:
     ----------
     path : Path
         The file.
-    rows : Share
-        Which rows each rank has.
-    offsets : dict of str to int
-        From `datasets.create`.
+    rank : int
+        This rank.
     most : int, optional
-        A stretch with a checksum of its own gets no longer than this, in bytes, or hardly.
+        With it, checksums are made, and a stretch with one of its own gets no longer than this, in
+        bytes, or hardly.
 
     Attributes
     ----------
-    written : list of Written
-        What this rank wrote, in the order of writing.
     error : str or None
         What went wrong first on this rank.
+    written : list of Written
+        What this rank wrote, in the order of writing, if checksums are made.
     """
 
-    def __init__(
-        self, path: Path, rows: Share, offsets: dict[str, int], most: float = math.inf
-    ) -> None:
+    def __init__(self, path: Path, rank: int, most: int | None = None) -> None:
         self.path = path
-        self.offsets = offsets
         self.error: str | None = None
         self.written: list[Written] = []
-        self._first = rows.bounds[rows.comm.rank]
-        self._most = max(_BLOCK, most)
+        self._most = most
         self._descriptor = -1
+        self._thread: Thread | None = None
         try:
             # Never for reading too: a client of NFS would then write whole pages, others' rows
             # among them.
             self._descriptor = os.open(path, os.O_WRONLY | os.O_CLOEXEC)
         except OSError as error:
             self.error = explain(error)
-            if rows.comm.rank > 0:
+            if rank > 0:
                 self.error += (
                     f" on {socket.gethostname()}; the run directory must be on a file system that "
                     "all ranks share"
                 )
 
-    def write(self, name: str, block: Array) -> None:
-        """Write this rank's rows of a dataset.
+    def write(self, place: int, block: Any) -> None:
+        """Write to a place of the file.
 
         Parameters
         ----------
-        name : str
-            The dataset.
-        block : ndarray, shape (n, ...)
-            The rows, of the dataset's type, in C order.
+        place : int
+            Of the first byte.
+        block : ndarray or bytes
+            What to write; an array in C order.
         """
-        if not block.nbytes or self.error:
+        data = memoryview(np.ravel(block).view(np.uint8) if isinstance(block, Array) else block)
+        if not data.nbytes or self.error:
             return
-        place = self.offsets[name] + self._first * (block.nbytes // len(block))
-        data = np.ravel(block).view(np.uint8).data
-        for start in range(0, len(data), _BLOCK):
-            part = data[start : start + _BLOCK]
-            try:
-                self._put(part, place + start)
-            except OSError as error:
-                self.error = explain(error)
-                return
-            self._note(part, place + start)
-
-    def _put(self, data: memoryview, place: int) -> None:
-        while data:
-            count = os.pwrite(self._descriptor, data, place)
-            data, place = data[count:], place + count
-
-    def _note(self, data: memoryview, place: int) -> None:
-        """Remember what lies in the file at a place, as one stretch with that before it."""
-        start, size, checksum = place, 0, 0
-        if self.written:
-            before = self.written[-1]
-            if before.start + before.size == start and before.size + len(data) <= self._most:
-                start, size, checksum = self.written.pop()
-        checksum = zlib.crc32(data, checksum)
-        self.written.append(Written(start, size + len(data), checksum))
+        try:
+            put(self._descriptor, data, place)
+        except OSError as error:
+            self.error = explain(error)
+            return
+        if self._most is not None:
+            start, size, checksum = place, 0, 0
+            if self.written:
+                before = self.written[-1]
+                if before.start + before.size == place and before.size + len(data) <= self._most:
+                    start, size, checksum = self.written.pop()
+            checksum = zlib.crc32(data, checksum)
+            self.written.append(Written(start, size + len(data), checksum))
 
     def close(self) -> None:
-        """Close the file, with all that was written safe on the disk."""
+        """Close the file, with all that this rank wrote safe on the disk; wait until it is."""
+        if self._thread is not None:
+            self._thread.join()
+            self._thread = None
+        self._sync()
+
+    def close_later(self) -> None:
+        """Begin to bring what this rank wrote to the disk, and do not wait; see `closed`."""
+        # It needs no processor to speak of: the kernel has the data, the thread only waits.
+        self._thread = Thread(target=self._sync, name=f"sync {self.path.name}", daemon=True)
+        self._thread.start()
+
+    @property
+    def closed(self) -> bool:
+        """Whether `close` would return at once."""
+        return self._descriptor < 0
+
+    def _sync(self) -> None:
         if self._descriptor < 0:
             return
         try:
-            os.fsync(self._descriptor)
+            os.fdatasync(self._descriptor)
         except OSError as error:
             self.error = self.error or explain(error)
         finally:
             os.close(self._descriptor)
             self._descriptor = -1
 
-    def check(self) -> str | None:
-        """Read back what this rank wrote; return what is wrong with it, or None."""
-        try:
-            with open(self.path, "rb", buffering=0) as stream:
-                for start, size, checksum in self.written:
-                    stream.seek(start)
-                    if checksum != checksum_of(stream, size):
-                        return "it reads back different: the disk may be full or faulty"
-        except OSError as error:
-            return explain(error)
-        return None
-
-
-def checksum_of(stream: Any, size: int) -> int:
-    """CRC-32 of the next `size` bytes of a stream, or of what is left of it."""
-    checksum = 0
-    while size > 0:
-        part = stream.read(min(size, _BLOCK))
-        if not part:
-            break
-        checksum = zlib.crc32(part, checksum)
-        size -= len(part)
-    return checksum
+    def abandon(self) -> None:
+        """Close the file as it is, for it will be deleted."""
+        if self._thread is None and self._descriptor >= 0:
+            os.close(self._descriptor)
+            self._descriptor = -1

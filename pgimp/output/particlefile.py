@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from contextlib import suppress
+from collections.abc import Iterator, Mapping
+from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -11,13 +11,15 @@ from typing import Any
 import numpy as np
 
 from pgimp.case import fields as case_fields
-from pgimp.errors import RunError
-from pgimp.output.collective import agree, explain, on_root
+from pgimp.output import chunks
+from pgimp.output.chunks import Chunks, chunk_rows
+from pgimp.output.collective import on_root
 from pgimp.output.datasets import Dataset, create
 from pgimp.output.fields import EVERY, Source
-from pgimp.output.files import publish, temporary
+from pgimp.output.files import temporary
 from pgimp.output.framefile import FrameFile
 from pgimp.output.rows import Rows
+from pgimp.output.unfinished import Unfinished, removed_on_error, told
 
 Array = np.ndarray
 
@@ -26,6 +28,8 @@ MEANING = case_fields.ALWAYS | case_fields.FIELDS | case_fields.FAILURE
 CONNECTIVITY = Dataset(
     "connectivity", "<i8", (), {"meaning": "the row itself, for the cells of XDMF readers"}
 )
+# Fields of which a rank has no more than so many bytes in all go to their rows together.
+_TOGETHER = 4 << 20
 
 
 class ParticleFile:
@@ -39,16 +43,37 @@ class ParticleFile:
         What is simulated.
     fields : list of str
         Which fields the files have.
+    precision : str
+        Type of what is no whole number: float64 or float32.
+    compressed : bool
+        Whether the datasets are compressed.
+
+    Attributes
+    ----------
+    types : dict of str to str
+        Type of each field in the files.
     """
 
-    def __init__(self, case: Any, scene: Any, fields: list[str]) -> None:
+    def __init__(
+        self,
+        case: Any,
+        scene: Any,
+        fields: list[str],
+        precision: str = "float64",
+        compressed: bool = False,
+    ) -> None:
         self.fields = fields
+        self.types = {
+            name: np.dtype(precision).newbyteorder("<").str if dtype == "<f8" else dtype
+            for name, dtype in ((name, EVERY[name].dtype) for name in fields)
+        }
         self._scene = scene
+        self._compressed = compressed
         names = {"body": list(scene.body_names), "material": list(scene.material_names)}
         self._datasets = [CONNECTIVITY] + [
             Dataset(
                 name,
-                field.dtype,
+                self.types[name],
                 (field.columns,) if field.columns else (),
                 {"meaning": MEANING[name].meaning}
                 | ({"components": field.components.split()} if field.components else {})
@@ -65,6 +90,11 @@ class ParticleFile:
             "materials": names["material"],
         }
 
+    def rows(self, comm: Any, ids: Array, storage: Array, count: int, complete: bool) -> Rows:
+        """Rows as such a file needs them; collective. See `Rows`."""
+        unit = chunks.ROWS if self._compressed else 1
+        return Rows(comm, ids, storage, count, complete, unit)
+
     def write(
         self,
         path: Path,
@@ -72,15 +102,14 @@ class ParticleFile:
         rows: Rows,
         state: tuple[float, int],
         what: str,
-        done: Callable[[], None],
         instead: Mapping[str, Array] = MappingProxyType({}),
-    ) -> None:
-        """Write a file; collective.
+    ) -> Unfinished:
+        """Write a file under another name; collective.
 
         Parameters
         ----------
         path : Path
-            The file; it gets its name when all of it is on the disk.
+            The file; it gets its name at the end, when all of it is on the disk.
         particles : Particles
             This rank's.
         rows : Rows
@@ -89,61 +118,159 @@ class ParticleFile:
             Simulated time and step, for the attributes.
         what : str
             What is being done, for messages.
-        done : callable
-            What rank 0 does once the file is there.
         instead : mapping of str to ndarray
             Values of this rank's rows, in the order of their storage, for fields that do not have
             those of the particles.
 
+        Returns
+        -------
+        Unfinished
+            The file, of which the particles are no longer needed.
+
         Raises
         ------
         RunError
-            On every rank, if the file could not be written whole; it is then not there.
+            On every rank, if there is no room, or the file cannot be made; it is then not there.
+            Other errors are told at the end.
         """
-        comm, part = rows.comm, temporary(path)
+        comm, part, scene = rows.comm, temporary(path), self._scene
         attributes = {"time": state[0], "step": np.int64(state[1])} | self._attributes
+        with removed_on_error(part, comm):
+            # HDF5 cannot cut nothing into chunks.
+            way = self._in_chunks if self._compressed and rows.count else self._in_place
+            values = _Values(
+                self,
+                Source(particles, rows.storage, scene.dimension, tuple(scene.body_material)),
+                instead,
+            )
+            file = way(part, rows, attributes, values, what)
+            file.error = file.error or values.error
+            return Unfinished(part, path, file, comm, what)
+
+    def _in_place(
+        self, part: Path, rows: Rows, attributes: dict[str, Any], values: _Values, what: str
+    ) -> FrameFile:
+        """Write each row where it belongs, in datasets that lie in one piece each."""
 
         def begin() -> dict[str, int]:
-            try:
+            with told(what):
                 return create(part, self._datasets, rows.count, attributes)
-            except OSError as error:
-                raise RunError(f"cannot {what}: {explain(error)}") from error
 
-        def end() -> None:
-            try:
-                publish(part, path)
-                done()
-            except OSError as error:
-                raise RunError(f"cannot {what}: {explain(error)}") from error
+        offsets = on_root(rows.comm, begin)
+        file = FrameFile(part, rows.comm.rank)
+        for group in self._groups(rows):
+            for row, columns in values.collect(rows, group):
+                for dataset, column in zip(group, columns, strict=True):
+                    file.write(offsets[dataset.name] + row * dataset.row_bytes, column)
+        return file
 
+    def _in_chunks(
+        self, part: Path, rows: Rows, attributes: dict[str, Any], values: _Values, what: str
+    ) -> FrameFile:
+        """Compress each chunk of rows, and write it where rank 0 finds a place for it."""
+        made: list[Chunks] = []
+        length = chunk_rows(rows.count)
+
+        def begin() -> None:
+            with told(what):
+                made.append(Chunks(part, self._datasets, rows.count, attributes))
+
+        def place(group: list[Dataset], sizes: list[list[Array]]) -> list[Array]:
+            with told(what):
+                return [
+                    made[0].place(dataset.name, np.concatenate(of_all))
+                    for dataset, of_all in zip(group, zip(*sizes, strict=True), strict=True)
+                ]
+
+        def finish() -> None:
+            with told(what):
+                made[0].finish()
+
+        on_root(rows.comm, begin)
+        file = FrameFile(part, rows.comm.rank)
         try:
-            offsets = on_root(comm, begin)
-            self._fill(part, particles, rows, offsets, what, instead)
-            on_root(comm, end)
+            for group in self._groups(rows):
+                packed: list[list[bytes]] = [[] for _ in group]
+                for _, columns in values.collect(rows, group, length):
+                    for column, own in zip(columns, packed, strict=True):
+                        own.append(chunks.compress(column, length))
+                sizes = [np.array([len(data) for data in own], np.int64) for own in packed]
+                places = on_root(rows.comm, partial(place, group, rows.comm.gather(sizes)))
+                first = rows.first // length
+                for own, where in zip(packed, places, strict=True):
+                    for data, at in zip(own, where[first : first + len(own)], strict=True):
+                        file.write(int(at), data)
+            on_root(rows.comm, finish)
         except BaseException:
-            if comm.rank == 0:
-                with suppress(OSError):
-                    part.unlink(missing_ok=True)
+            file.abandon()
             raise
+        finally:
+            for one in made:
+                one.close()
+        return file
 
-    def _fill(
-        self,
-        part: Path,
-        particles: Any,
-        rows: Rows,
-        offsets: dict[str, int],
-        what: str,
-        instead: Mapping[str, Array],
-    ) -> None:
-        scene, comm = self._scene, rows.comm
-        source = Source(particles, rows.storage, scene.dimension, tuple(scene.body_material))
-        file = FrameFile(part, rows, offsets)
-        agree(comm, what, file.error)
-        file.write(CONNECTIVITY.name, np.arange(rows.first, rows.last, dtype=CONNECTIVITY.dtype))
-        for name in self.fields:
-            field = EVERY[name]
-            values = instead[name] if name in instead else field.values(source)
-            file.write(name, rows.collect(np.asarray(values, dtype=field.dtype)))
-        file.close()
-        agree(comm, what, file.error)
-        agree(comm, what, file.check())
+    def _groups(self, rows: Rows) -> Iterator[list[Dataset]]:
+        """Yield datasets whose values are moved together; the same on every rank."""
+        group, size = [CONNECTIVITY], 0  # which every rank knows
+        each = -(-rows.count // rows.comm.size)
+        for dataset in self._datasets[1:]:
+            more = each * dataset.row_bytes
+            if size and size + more > _TOGETHER:
+                yield group
+                group, size = [], 0
+            group.append(dataset)
+            size += more
+        yield group
+
+
+class _Values:
+    """What goes into the rows of a file.
+
+    Attributes
+    ----------
+    error : str or None
+        What is wrong with the values of this rank's particles.
+    """
+
+    def __init__(self, file: ParticleFile, source: Source, instead: Mapping[str, Array]) -> None:
+        self._types, self._source, self._instead = file.types, source, instead
+        self.error: str | None = None
+
+    def collect(
+        self, rows: Rows, group: list[Dataset], size: int | None = None
+    ) -> Iterator[tuple[int, list[Array]]]:
+        """Yield this rank's rows block by block: the first one, and the columns; collective."""
+        moved = [one for one in group if one is not CONNECTIVITY]
+        record = np.dtype([(one.name, one.dtype, one.tail) for one in moved])
+
+        def fill(begin: int, end: int) -> Array:
+            block = np.empty(end - begin, record)
+            for name in record.names or ():
+                block[name] = self._of(name, begin, end)
+            return block
+
+        for row, block in rows.collect(fill, record, size):
+            numbers = np.arange(row, row + len(block), dtype=CONNECTIVITY.dtype)
+            yield (
+                row,
+                [
+                    numbers if one is CONNECTIVITY else np.ascontiguousarray(block[one.name])
+                    for one in group
+                ],
+            )
+
+    def _of(self, name: str, begin: int, end: int) -> Array:
+        """Values of a field in some of the rows of the storage."""
+        if name in self._instead:
+            return self._instead[name][begin:end]
+        source = self._source._replace(rows=self._source.rows[begin:end])
+        values = EVERY[name].values(source)
+        try:
+            with np.errstate(over="raise", under="ignore"):
+                return np.asarray(values, self._types[name])
+        except FloatingPointError:
+            self.error = (
+                f"the {name} of a particle is beyond the range of float32; go on with --resume "
+                "--set output.precision=float64"
+            )
+            return values

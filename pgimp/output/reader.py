@@ -79,6 +79,7 @@ class Frame:
             self.bodies = [str(name) for name in file.attrs["bodies"]]
             self.materials = [str(name) for name in file.attrs["materials"]]
             self.fields = [name for name in file if name != "connectivity"]
+            self.types = {name: file[name].dtype.newbyteorder("<").str for name in self.fields}
             self._count = len(file["id"])
 
     def __len__(self) -> int:

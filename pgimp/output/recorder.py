@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from time import perf_counter
 from typing import Any
 
+from pgimp.errors import RunError
 from pgimp.output.checkpoints import About, Checkpoints
 from pgimp.output.collective import on_root
 from pgimp.output.frames import Frames
 from pgimp.output.history import History
 from pgimp.output.rundir import RunDirectory
 from pgimp.output.schedule import Schedule
+from pgimp.solver.simulation import NOTHING
 
 
 class Recorder:
@@ -91,6 +93,9 @@ class Recorder:
             Whether a checkpoint is wanted besides those that the steps bring.
         """
         sim = self._sim
+        if self.frames.waiting and sim.granted == NOTHING:
+            with self._timed("frames"):
+                self.frames.finish()
         frame = self._frame_times.due(sim.time, sim.step, sim.dt)
         line = self._line_times.due(sim.time, sim.step, sim.dt)
         if frame or line:
@@ -106,16 +111,27 @@ class Recorder:
 
     def checkpoint(self) -> None:
         """Write a checkpoint, unless this step has one; collective."""
+        # It stands for the frames and lines before it, and must not survive them.
+        with self._timed("frames"):
+            self.frames.sync(last=self._sim.finished)
         with self._timed("checkpoints"):
-            # What is to follow a line of the history must not survive it.
             on_root(self._sim.comm, self.history.sync)
             if self.checkpoints.write(self._sim, self.frames.written, self.history.step):
                 self._directory.note_checkpoint(self._sim.step)
 
+    def salvage(self) -> None:
+        """Finish the last frame of a run that has failed on all ranks; collective."""
+        with suppress(RunError):
+            self.frames.finish()
+
     def _record(self, frame: bool, line: bool) -> None:
         if line:
             with self._timed("history"):
-                self.history.write(self._sim)
+                try:
+                    self.history.write(self._sim)
+                except RunError:
+                    self.salvage()
+                    raise
         if frame:
             with self._timed("frames"):
                 self.frames.write(self._sim)
@@ -137,6 +153,11 @@ class Recorder:
         if self.checkpoints.latest < 0:
             return f"{text}, but no checkpoint"
         return f"{text}; the checkpoint of step {self.checkpoints.latest} is intact: --resume"
+
+    @property
+    def size(self) -> int:
+        """Bytes of the frames and checkpoints that this process wrote, on rank 0."""
+        return self.frames.size + self.checkpoints.size
 
     def close(self) -> None:
         """Close the history."""

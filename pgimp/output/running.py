@@ -15,7 +15,7 @@ from pgimp.output.recorder import Recorder
 from pgimp.output.rundir import RunDirectory
 from pgimp.output.stop import Stop
 from pgimp.parallel.comm import describe
-from pgimp.solver.simulation import CHECKPOINT, NOTHING, STOP, Simulation
+from pgimp.solver.simulation import CHECKPOINT, NOTHING, PENDING, STOP, Simulation
 
 #: Part of the mass past a wall that is worth a note.
 _NEGLIGIBLE = 1e-6
@@ -76,6 +76,8 @@ def advance(
             recorder.end()
             ended = True
     except BaseException as error:
+        if sim.failure:
+            recorder.salvage()
         state = "stopped" if isinstance(error, KeyboardInterrupt) else "failed"
         directory.record_failure(state, sim.step, sim.time, describe(error))
         if isinstance(error, RunError):
@@ -113,7 +115,18 @@ def _wish(sim: Simulation, recorder: Recorder, stop: Stop, step: float) -> int:
     """What this rank asks for after the next step; `step` is how long one takes."""
     if stop.requested(recorder.checkpoints.seconds + 2.0 * step):
         return STOP
-    return CHECKPOINT if sim.comm.rank == 0 and recorder.checkpoints.overdue else NOTHING
+    if sim.comm.rank == 0 and recorder.checkpoints.overdue:
+        return CHECKPOINT
+    return NOTHING if recorder.frames.ready else PENDING
+
+
+def amount(size: float) -> str:
+    """Word a number of bytes for people, in three digits."""
+    for unit in ("B", "kB", "MB", "GB"):
+        if size < 999.5:
+            return f"{size:.3g} {unit}"
+        size /= 1000.0
+    return f"{size:.3g} TB"
 
 
 def _say_done(
@@ -126,7 +139,8 @@ def _say_done(
     since = f" since step {first}" if first else ""
     log.say(
         f"done: t = {sim.time:.6g} after {steps} steps{since} in {duration(total)}, "
-        f"{rate:.3g} particle-steps/s; output took {100.0 * output / max(total, 1e-9):.0f} %"
+        f"{rate:.3g} particle-steps/s; output took {100.0 * output / max(total, 1e-9):.0f} % "
+        f"({amount(recorder.size)} at {amount(recorder.size / max(output, 1e-9))}/s)"
     )
     frames = recorder.frames.written
     collection = shlex.quote(str(directory.path / "particles.xdmf"))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
@@ -27,7 +28,7 @@ class Collection:
         self.path = path
         self._grids: list[str] = []
 
-    def add(self, frame: Path, time: float, count: int, fields: list[str]) -> None:
+    def add(self, frame: Path, time: float, count: int, types: Mapping[str, str]) -> None:
         """Add a frame.
 
         Parameters
@@ -38,11 +39,11 @@ class Collection:
             Its simulated time.
         count : int
             Its number of particles.
-        fields : list of str
-            Its fields, `position` among them.
+        types : mapping of str to str
+            Its fields, `position` among them, and their types.
         """
         name = frame.relative_to(self.path.parent).as_posix()
-        self._grids.append(_grid(name, time, count, fields))
+        self._grids.append(_grid(name, time, count, types))
 
     def write(self, durable: bool = False) -> None:
         """Write the file anew, with all frames so far.
@@ -67,7 +68,7 @@ class Collection:
         )
 
 
-def _grid(file: str, time: float, count: int, fields: list[str]) -> str:
+def _grid(file: str, time: float, count: int, types: Mapping[str, str]) -> str:
     lines = [
         '<Grid Name="particles" GridType="Uniform">',
         f'<Time Value="{time!r}"/>',
@@ -75,16 +76,16 @@ def _grid(file: str, time: float, count: int, fields: list[str]) -> str:
         _item(file, "connectivity", "<i8", count, 0),
         "</Topology>",
         '<Geometry GeometryType="XYZ">',
-        _item(file, "position", "<f8", count, 3),
+        _item(file, "position", types["position"], count, 3),
         "</Geometry>",
     ]
-    for name in fields:
+    for name, dtype in types.items():
         field = EVERY[name]
         if name == "position":
             continue
         lines += [
             f'<Attribute Name={quoteattr(name)} AttributeType="{field.kind}" Center="Node">',
-            _item(file, name, field.dtype, count, field.columns),
+            _item(file, name, dtype, count, field.columns),
             "</Attribute>",
         ]
     return "\n".join([*lines, "</Grid>\n"])

@@ -37,7 +37,8 @@ RESORT = 48
 LIGHT = 1e-12
 
 #: What a rank may wish for after a step; the greatest wish of all ranks is granted on all.
-NOTHING, CHECKPOINT, STOP, FAULT = range(4)
+#: PENDING: the rank still waits for the disk, see `pgimp.output.frames`.
+NOTHING, PENDING, CHECKPOINT, STOP, FAULT = range(5)
 
 
 class Simulation:

@@ -77,28 +77,34 @@ class Ordered(Mapping[str, np.ndarray]):
     ----------
     sim : Simulation
         Whose particles; columns that the scene does not use are left out.
+
+    Attributes
+    ----------
+    columns : dict of str to ndarray
+        The columns as they are stored, in another order and with holes.
+    order : ndarray of int64, shape (n,)
+        Where in them the particles are.
     """
 
     def __init__(self, sim: "Simulation") -> None:
-        self._particles = sim.particles
-        self._order = sim.live()
-        self._names = [
-            name
+        self.order = sim.live()
+        self.columns = {
+            name: array
             for name, array in sim.particles._asdict().items()
             if array.size or not array.shape[1:]
-        ]
+        }
 
     def __getitem__(self, name: str) -> np.ndarray:
         """Return a column, (n, ...)."""
-        return getattr(self._particles, name)[self._order]
+        return self.columns[name][self.order]
 
     def __iter__(self) -> Iterator[str]:
         """Go through the names of the columns."""
-        return iter(self._names)
+        return iter(self.columns)
 
     def __len__(self) -> int:
         """Return the number of columns."""
-        return len(self._names)
+        return len(self.columns)
 
 
 def capture(sim: "Simulation") -> tuple[dict[str, Any], Ordered, dict[str, np.ndarray]]:

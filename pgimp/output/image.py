@@ -1,0 +1,70 @@
+"""What the HDF5 library says about a file, kept from the disk until its place there is reserved."""
+
+from __future__ import annotations
+
+import io
+from typing import Any
+
+
+class Image(io.RawIOBase):
+    """A file that HDF5 takes for a real one, of which only what it writes is there.
+
+    HDF5 that meets a full disk can crash the process later; here it meets none. Between the
+    headers, for which it is asked, may lie any amount of data, for which only addresses are wanted.
+
+    Attributes
+    ----------
+    parts : dict of (int, int) to bytes
+        What was written, by where it begins and how long it is, in the order of writing.
+    size : int
+        Bytes of the file.
+    """
+
+    def __init__(self) -> None:
+        self.parts: dict[tuple[int, int], bytes] = {}
+        self.size = 0
+        self._place = 0
+
+    def readable(self) -> bool:
+        """Return that it can be read."""
+        return True
+
+    def writable(self) -> bool:
+        """Return that it can be written."""
+        return True
+
+    def seekable(self) -> bool:
+        """Return that it has a place."""
+        return True
+
+    def seek(self, offset: int, whence: int = io.SEEK_SET) -> int:
+        """Go to a place."""
+        begin = {io.SEEK_SET: 0, io.SEEK_CUR: self._place, io.SEEK_END: self.size}[whence]
+        self._place = begin + offset
+        return self._place
+
+    def truncate(self, size: int | None = None) -> int:
+        """Change the size."""
+        self.size = self._place if size is None else size
+        return self.size
+
+    def write(self, data: Any) -> int:
+        """Keep what is written."""
+        key = (self._place, len(data))
+        self.parts.pop(key, None)
+        self.parts[key] = bytes(data)
+        self._place += len(data)
+        self.size = max(self.size, self._place)
+        return len(data)
+
+    def readinto(self, buffer: Any) -> int:
+        """Read what was written, and zeros between."""
+        begin, end = self._place, max(self._place, min(self._place + len(buffer), self.size))
+        view = memoryview(buffer).cast("B")
+        view[: end - begin] = bytes(end - begin)
+        for (start, length), data in self.parts.items():
+            low, high = max(start, begin), min(start + length, end)
+            if low < high:
+                view[low - begin : high - begin] = data[low - start : high - start]
+        self._place = end
+        return end - begin
