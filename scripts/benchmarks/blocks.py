@@ -1,0 +1,187 @@
+"""The block that most benchmarks run: it falls freely, so that its exact motion is known.
+
+Whatever its particles have of stress, or of velocity differences, is error.
+"""
+
+from statistics import median
+from time import perf_counter
+
+import numpy as np
+
+from pgimp.case.schema import Case
+from pgimp.parallel.comm import Serial
+from pgimp.solver.simulation import Simulation
+
+YOUNG, POISSON, DENSITY, GRAVITY, SPEED = 1.0e6, 0.3, 1000.0, -9.81, 0.1
+COURANT = 0.2
+
+#: Empty cells on either side of the block.
+PAD = 4
+
+MATERIALS = {
+    "linear-1d": {"model": "linear-1d", "young": YOUNG, "density": DENSITY},
+    "hooke": {"model": "hooke", "young": YOUNG, "poisson": POISSON, "density": DENSITY},
+    "neo-hookean": {"model": "neo-hookean", "young": YOUNG, "poisson": POISSON, "density": DENSITY},
+}
+
+#: Phases of the tables, and the simulation's phases that each sums.
+PHASES = {
+    "P2G": ("P2G",),
+    "grid": ("momentum",),
+    "G2P": ("G2P",),
+    "order": ("order", "sort"),
+    "exchange": ("exchange", "migrate"),
+}
+
+
+def lame():
+    """Lame's constants of the block's material."""
+    shear = YOUNG / (2.0 * (1.0 + POISSON))
+    return YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)), shear
+
+
+def step_of(cell):
+    """Time step of all blocks, and of their peers: the wave crosses a fifth of a cell."""
+    first, shear = lame()
+    return COURANT * cell / float(np.sqrt((first + 2.0 * shear) / DENSITY))
+
+
+def block(cells, per_cell=2, shape="gimp", material=None, pad=PAD, method=None, **parts):
+    """The case of a block of unit height in free fall.
+
+    Parameters
+    ----------
+    cells : sequence of int
+        Cells of the block along each direction; one of a unit has as many as the last direction.
+    per_cell : int
+        Particles per cell along each direction.
+    pad : int or sequence of pairs of int
+        Empty cells beyond its ends, in each direction.
+    method : dict, optional
+        Further keys of ``method``.
+    **parts
+        Further keys of the case, or other values of them.
+    """
+    D, h = len(cells), 1.0 / cells[-1]
+    material = material or ("linear-1d" if D == 1 else "neo-hookean")
+    pads = [(pad, pad)] * D if isinstance(pad, int) else list(pad)
+    size = [h * (n + below + above) for n, (below, above) in zip(cells, pads, strict=True)]
+    low = [h * below for below, _ in pads]
+    high = [h * (n + below) for n, (below, _) in zip(cells, pads, strict=True)]
+    dt = step_of(h)
+    return {
+        "format": 1,
+        "title": "Block in free fall",
+        "dimensions": D,
+        "grid": {"origin": [0.0] * D, "size": size, "cell": [h] * D},
+        "method": {"shape": shape, "particles_per_cell": [per_cell] * D, **(method or {})},
+        "time": {"end": 100_000 * dt, "step": dt},
+        "materials": {"solid": MATERIALS[material]},
+        "bodies": {
+            "block": {
+                "material": "solid",
+                "region": {"box": {"min": low, "max": high}},
+                "velocity": start_velocity(D),
+            }
+        },
+        "gravity": [0.0] * (D - 1) + [GRAVITY],
+    } | parts
+
+
+def start_velocity(dimension):
+    """Velocity of the block at the beginning."""
+    return [SPEED] + [0.0] * (dimension - 1)
+
+
+def uniform(ids, dimension):
+    """Numbers in [0, 1) from each id, (n, D), the same whatever the ranks (splitmix64)."""
+    numbers = []
+    for d in range(dimension):
+        z = ids.astype(np.uint64) * np.uint64(dimension) + np.uint64(d)
+        z *= np.uint64(0x9E3779B97F4A7C15)
+        z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+        z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+        numbers.append((z ^ (z >> np.uint64(31))) >> np.uint64(11))
+    return np.stack(numbers, axis=1).astype(float) * 2.0**-53
+
+
+def shake(sim):
+    """Move the particles to random places: along x in their layer, so that they stay on their rank,
+    across it in their cell.
+    """  # noqa: D205
+    p, frame, rows = sim.particles, sim.scene.frame, sim.live()
+    D = p.x.shape[1]
+    cell, origin = np.array(frame.cell), np.array(frame.origin)
+    corner = np.floor((p.x[rows] - origin) / cell)
+    corner[:, 0] = p.layer[rows] - frame.ghost + sim.scene.shape.half[0]
+    p.x[rows] = origin + (corner + uniform(p.id[rows], D)) * cell
+    sim.settle(p, len(rows))
+
+
+def create(case, comm=None, random=False):
+    """The simulation of a block, its particles on a lattice or at random places; collective."""
+    sim = Simulation(Case.model_validate(case), comm or Serial())
+    if random:
+        shake(sim)
+    return sim
+
+
+def errors(sim):
+    """Greatest error of velocity over the speed, greatest stress over Young's modulus; collective."""
+    rows, D = sim.live(), sim.scene.dimension
+    v = np.array(start_velocity(D))
+    v[-1] += GRAVITY * sim.time
+    velocity = np.abs(sim.particles.v[rows] - v).max(initial=0.0) / np.linalg.norm(v)
+    stress = np.abs(sim.particles.sigma[rows]).max(initial=0.0) / YOUNG
+    every = np.array(sim.comm.allgather((float(velocity), float(stress))))
+    return float(every[:, 0].max()), float(every[:, 1].max())
+
+
+class Timed:
+    """A simulation that is timed in rounds of steps, by turns with others; collective.
+
+    Attributes
+    ----------
+    sim : Simulation
+        The simulation.
+    seconds, phases : list
+        Of each round: wall time; by phase, that of the slowest rank.
+    """
+
+    def __init__(self, sim, steps):
+        self.sim, self.steps = sim, steps
+        self.seconds = []
+        self.phases = []
+        self._advance()  # touches the memory
+        self.seconds.clear()
+        self.phases.clear()
+
+    def _advance(self):
+        sim = self.sim
+        before = dict(sim.timings)
+        sim.comm.Barrier()
+        began = perf_counter()
+        for _ in range(self.steps):
+            sim.advance()
+        sim.comm.Barrier()
+        self.seconds.append(perf_counter() - began)
+        spent = {
+            name: sum(sim.timings[part] - before[part] for part in parts if part in before)
+            for name, parts in PHASES.items()
+        }
+        every = sim.comm.allgather(spent)
+        self.phases.append({name: max(one[name] for one in every) for name in PHASES})
+
+    def round(self):
+        """Time one round."""
+        self._advance()
+
+    @property
+    def speeds(self):
+        """Million particle-steps/s of each round."""
+        return [self.sim.count * self.steps / s / 1e6 for s in self.seconds]
+
+    def phase_speed(self, name):
+        """Median of the million particle-steps/s of a phase alone; None if it takes no time."""
+        spent = median(one[name] for one in self.phases)
+        return self.sim.count * self.steps / spent / 1e6 if spent > 0.0 else None

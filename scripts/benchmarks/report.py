@@ -1,0 +1,127 @@
+"""Tables of measurements: as Markdown for people, as CSV with all digits; and what was measured on."""
+
+import csv
+import os
+import platform
+import subprocess
+from datetime import date
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from statistics import median
+
+import llvmlite.binding
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def cpu():
+    """Model of the CPU and number of cores."""
+    model = platform.machine()
+    for line in Path("/proc/cpuinfo").read_text().splitlines():
+        if line.startswith("model name"):
+            model = line.partition(":")[2].strip()
+            break
+    features = llvmlite.binding.get_host_cpu_features()
+    wide = next((name for name in ("avx512f", "avx2", "avx") if features.get(name)), "no AVX")
+    return f"{model} ({os.cpu_count()} cores, {wide})"
+
+
+def mpi():
+    """Name and version of the MPI library that mpirun belongs to."""
+    try:
+        done = subprocess.run(["mpirun", "--version"], capture_output=True, text=True)
+    except OSError:
+        return "no MPI"
+    return done.stdout.partition("\n")[0].replace("mpirun (", "").replace(")", "")
+
+
+def commit():
+    """The commit that is measured, with a plus if files differ from it."""
+    words = ["git", "-C", str(ROOT), "describe", "--always", "--dirty=+", "--abbrev=9"]
+    try:
+        done = subprocess.run(words, capture_output=True, text=True)
+    except OSError:
+        return ""
+    return f" ({done.stdout.strip()})" if done.returncode == 0 else ""
+
+
+def origin(**others):
+    """Machine, versions and date of a measurement; `others` are versions by name."""
+    versions = [f"pgimp {version('pgimp')}{commit()}"]
+    versions += [f"{name} {version(name)}" for name in ("numpy", "numba")]
+    llvm = ".".join(map(str, llvmlite.binding.llvm_version_info))
+    versions += [f"LLVM {llvm}", mpi(), f"Python {platform.python_version()}"]
+    versions += [f"{name} {number}" for name, number in others.items()]
+    return f"{cpu()}, {', '.join(versions)}, {date.today()}"
+
+
+def installed(package):
+    """Version of a package here, or None."""
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return None
+
+
+def spread(values, digits=1):
+    """Median of some measurements, with the least and the greatest."""
+    return f"{median(values):.{digits}f} ({min(values):.{digits}f} to {max(values):.{digits}f})"
+
+
+def number(value, digits=1):
+    """A number for people, empty if there is none."""
+    return "" if value is None else f"{value:.{digits}f}"
+
+
+def count(value):
+    """A count for people."""
+    return "" if value is None else f"{value:,.0f}"
+
+
+def error(value):
+    """An error for people."""
+    return "" if value is None else f"{value:.0e}"
+
+
+def markdown(columns, rows):
+    """A table: `columns` maps its titles to functions that word a row's cell."""
+    lines = ["| " + " | ".join(columns) + " |", "|---" * len(columns) + "|"]
+    lines += ["| " + " | ".join(word(row) for word in columns.values()) + " |" for row in rows]
+    return "\n".join(lines)
+
+
+def write(folder, name, title, columns, rows, note):
+    """Write NAME.md and NAME.csv.
+
+    Parameters
+    ----------
+    columns : dict
+        See `markdown`.
+    rows : list of dict
+        All that was measured, with the same keys; lists become a column for each of their values.
+    note : str
+        What the table shows, and on what it was measured.
+
+    Returns
+    -------
+    str
+        The table with its title and note.
+    """
+    flat = []
+    for row in rows:
+        line = {}
+        for key, value in row.items():
+            if isinstance(value, list | tuple):
+                line |= {f"{key} {i + 1}": each for i, each in enumerate(value)}
+            else:
+                line[key] = value
+        flat.append(line)
+    keys = list(dict.fromkeys(key for line in flat for key in line))
+    with (folder / f"{name}.csv").open("w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, keys)
+        writer.writeheader()
+        writer.writerows(flat)
+    text = f"## {title}\n\n{markdown(columns, rows)}\n\n{note}\n"
+    (folder / f"{name}.md").write_text(text, encoding="utf-8")
+    print(text, flush=True)
+    return text
