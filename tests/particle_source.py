@@ -15,10 +15,9 @@ from pgimp.parallel.comm import Serial
 LATERAL = {1: 3, 2: 4, 3: 6}
 
 
-def make_case(fields=tuple(OPTIONAL)):
-    return SimpleNamespace(
-        title="a test", units="none", output=SimpleNamespace(fields=list(fields))
-    )
+def make_case(fields=tuple(OPTIONAL), **output):
+    settings = {"fields": list(fields), "precision": "float64", "compression": "none"} | output
+    return SimpleNamespace(title="a test", units="none", output=SimpleNamespace(**settings))
 
 
 def make_sim(comm, count, dimension, empty=(), gone=()):
@@ -99,13 +98,14 @@ def expected(values, dimension):
     }
 
 
-def write_frames(directory, comm, count, dimension, empty=(), number=2, gone=()):
+def write_frames(directory, comm, count, dimension, empty=(), number=2, gone=(), **output):
     (directory / "frames").mkdir(parents=True, exist_ok=True)
     comm.Barrier()
     sim, values = make_sim(comm, count, dimension, empty, gone)
-    frames = Frames(directory, make_case(), sim)
+    frames = Frames(directory, make_case(**output), sim)
     for _ in range(number):
         frames.write(sim)
+    frames.finish()
     return frames, values
 
 

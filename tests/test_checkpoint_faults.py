@@ -75,25 +75,23 @@ def test_a_read_only_file_system_and_a_folder_without_permission(disk):
 
 
 class Rows(dict):
-    """Rows that do something when they are asked for the second time, when it is their turn."""
+    """Rows that do something when it is their turn."""
 
     def __init__(self, rows, action):
         super().__init__(rows)
-        self.action, self.asked = action, 0
+        self.action = action
 
     def __getitem__(self, name):
-        self.asked += name == "x"
-        if name == "x" and self.asked == 2:
+        if name == "x":
             self.action()
         return super().__getitem__(name)
 
 
 # What goes wrong on one rank alone, and what all then say.
 FAULTS = {
-    "memory": "out of memory",
     "shape": "do not fit each other",
     "put": "Input/output error",
-    "check": "reads back different",
+    "sync": "Input/output error",
     "about": "not JSON compliant",
     "type": "holds numbers of type <f4",
     "gone": "No such file or directory",
@@ -106,23 +104,26 @@ def fail(comm, disk, fault):
     rows, whole = content(30 if comm.rank else 0)
     path, about = disk / f"{fault}.h5", dict(ABOUT)
     alone = comm.rank == comm.size - 1
-    put, patch = FrameFile._put, nullcontext()
+    patch = nullcontext()
 
-    def broken_put(self, *args):
-        put(self, *args)
+    def broken(*_):
         raise OSError(5, "the text does not matter")
 
-    if fault == "memory" and alone:
-        rows = Rows(rows, mock.Mock(side_effect=MemoryError))
-    elif fault == "shape" and alone:
+    if fault == "shape" and alone:
         rows["x"] = rows["x"][:, :2]
     elif fault == "put" and alone:
-        patch = mock.patch.object(FrameFile, "_put", broken_put)
-    elif fault == "check" and alone:
-        patch = mock.patch.object(FrameFile, "check", lambda self: "it reads back different")
+        patch = mock.patch.object(framefile, "put", broken)
+    elif fault == "sync" and alone:
+        patch = mock.patch.object(os, "fdatasync", broken)
     elif fault == "header" and alone:
         twice = [framefile.Written(9000, 80, 0)] * 2
-        patch = mock.patch.object(FrameFile, "check", lambda self: self.written.extend(twice))
+
+        def lying(self, *args):
+            put_in(self, *args)
+            self.written.extend(twice)
+
+        put_in = FrameFile.write
+        patch = mock.patch.object(FrameFile, "write", lying)
     elif fault == "about":
         about["time"] = float("nan")
     elif fault == "type":

@@ -29,7 +29,7 @@ def test_what_ranks_write_any_number_of_them_reads(tmp_path, mpirun, ranks):
 @pytest.mark.parametrize("count", [*COUNTS, 100_000])
 def test_one_rank_writes_without_mpi(tmp_path, count, monkeypatch):
     monkeypatch.setattr(checkpointwriter, "_PIECE", 1 << 18)
-    monkeypatch.setattr(framefile, "_BLOCK", 1 << 16)
+    monkeypatch.setattr(framefile, "_ROWS", 1 << 11)
     write_on(Serial(), tmp_path / "file.h5", count)
     for parts in (1, 2, 3, 40):
         check_content(tmp_path / "file.h5", count, parts)
@@ -38,7 +38,7 @@ def test_one_rank_writes_without_mpi(tmp_path, count, monkeypatch):
 
 def test_parts_are_of_about_equal_size(tmp_path, monkeypatch):
     monkeypatch.setattr(checkpointwriter, "_PIECE", 1 << 16)
-    monkeypatch.setattr(framefile, "_BLOCK", 1 << 14)
+    monkeypatch.setattr(framefile, "_ROWS", 1 << 9)
     write_on(Serial(), tmp_path / "file.h5", 50_000)
     file, read = CheckpointFile(tmp_path / "file.h5"), []
     preadv = os.preadv
@@ -175,5 +175,5 @@ def test_what_is_no_file(tmp_path):
 if __name__ == "__main__":
     comm = world()
     for count in COUNTS:
-        framefile._BLOCK = checkpointwriter._PIECE = 4 << 20 if count < 3 else 1000
+        framefile._ROWS, checkpointwriter._PIECE = (1 << 14, 4 << 20) if count < 3 else (40, 1000)
         write_on(comm, Path(sys.argv[1]) / f"{count}.h5", count)

@@ -52,6 +52,7 @@ def test_any_amount_of_free_space_is_handled(disk):
     sim, _ = make_sim(Serial(), 400, 3)
     frames = Frames(disk, make_case(), sim)
     frames.write(sim)
+    frames.finish()
     size = (disk / "frames" / "particles-000000.h5").stat().st_size
     for free in range(0, size, 8192):
         ballast = fill_up(disk, but=free)
@@ -60,6 +61,7 @@ def test_any_amount_of_free_space_is_handled(disk):
         ballast.unlink()
         check_full_disk(disk, 1)
     frames.write(sim)
+    frames.finish()
     check_full_disk(disk, 2)
 
 

@@ -1,9 +1,11 @@
 """Frames, read back with h5py against the arrays that they were written from."""
 
 import hashlib
+import os
 import sys
 import xml.etree.ElementTree
 from pathlib import Path
+from threading import Event
 
 import h5py
 import numpy as np
@@ -12,9 +14,8 @@ from particle_source import Lines, expected, make_case, make_sim, write_frames
 
 from pgimp.case import fields as case_fields
 from pgimp.errors import RunError
-from pgimp.output import framefile
+from pgimp.output import framefile, particlefile
 from pgimp.output.fields import ALWAYS, FIELDS, OPTIONAL, Source
-from pgimp.output.framefile import FrameFile
 from pgimp.output.frames import Frames
 from pgimp.output.history import History, read
 from pgimp.output.reader import Frame
@@ -56,7 +57,9 @@ def test_the_case_offers_the_fields_that_there_are():
 def test_only_what_is_asked_for_is_written(tmp_path):
     (tmp_path / "frames").mkdir()
     sim, _ = make_sim(Serial(), 5, 2)
-    Frames(tmp_path, make_case(["stress"]), sim).write(sim)
+    frames = Frames(tmp_path, make_case(["stress"]), sim)
+    frames.write(sim)
+    frames.finish()
     frame = Frame(tmp_path / "frames" / "particles-000000.h5")
     assert set(frame.fields) == {*ALWAYS, "stress"}
     attributes = xml.etree.ElementTree.parse(tmp_path / "particles.xdmf").iter("Attribute")
@@ -120,23 +123,29 @@ def test_a_lost_particle_is_noticed(ids):
             assert Rows(Serial(), ids, np.arange(len(ids)), 4, complete).count == 3
 
 
-def test_reading_back_notices_a_changed_byte(tmp_path):
-    write_frames(tmp_path, Serial(), 10, 1, number=1)
-    path = tmp_path / "frames" / "particles-000000.h5"
-    with h5py.File(path) as file:
-        offset = file["volume"].id.get_offset()
-        volumes = file["volume"][:]
-    rows = Rows(Serial(), np.arange(10), np.arange(10), 10)
-    frame = FrameFile(path, rows, {"volume": offset})
-    frame.write("volume", volumes)
-    frame.close()
-    assert frame.error is None and frame.check() is None
-    data = bytearray(path.read_bytes())
-    data[offset + 17] ^= 1
-    path.write_bytes(data)
-    assert "reads back different" in frame.check()
-    path.write_bytes(data[: offset + 17])
-    assert "reads back different" in frame.check()
+def test_a_frame_appears_only_when_the_disk_has_it(tmp_path, monkeypatch):
+    """Until then it has no name and the series does not list it; an error of the disk is told."""
+    (tmp_path / "frames").mkdir()
+    sim, _ = make_sim(Serial(), 5, 2)
+    frames, disk = Frames(tmp_path, make_case(), sim), Event()
+    monkeypatch.setattr(os, "fdatasync", lambda descriptor: disk.wait(60))
+    frames.write(sim)
+    assert frames.waiting and not frames.ready and frames.written == 0
+    assert [path.suffix for path in (tmp_path / "frames").iterdir()] == [".part"]
+    disk.set()
+    frames.sync()
+    assert not frames.waiting and frames.ready and frames.written == 1
+    before = sorted(path.name for path in tmp_path.rglob("*"))
+    assert before == ["frames", "particles-000000.h5", "particles.xdmf"]
+
+    def broken(descriptor):
+        raise OSError(5, "the text does not matter")
+
+    monkeypatch.setattr(os, "fdatasync", broken)
+    frames.write(sim)
+    with pytest.raises(RunError, match=r"frame .*particles-000001\.h5 .* Input/output error"):
+        frames.write(sim)
+    assert sorted(path.name for path in tmp_path.rglob("*")) == before
 
 
 def test_history_lines_hold_every_bit(tmp_path):
@@ -161,7 +170,8 @@ if __name__ == "__main__":
     comm = world()
     for kind, count in COUNTS.items():
         for way in WAYS:
-            framefile._BLOCK = 1000 if way == WAYS[1] else 4 << 20
+            framefile._ROWS = 50 if way == WAYS[1] else 1 << 14
+            particlefile._TOGETHER = 1 << (12 if way == WAYS[1] else 22)
             directory = Path(sys.argv[1]) / f"{way}-{kind}"
             gone = GONE.get(kind, ())
             write_frames(directory, comm, count, 3, (1,), gone=gone)

@@ -54,6 +54,7 @@ def run(tmp_path_factory):
         sim.particles.sigma *= 1.5**number
         sim.particles.x += 0.25 * number
         frames.write(sim)
+    frames.finish()
     return directory
 
 

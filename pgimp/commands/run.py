@@ -195,6 +195,7 @@ def _run(
 ) -> bool:
     """Run a case in a directory; tell whether it reached its end."""
     from pgimp.case.reader import dump_case
+    from pgimp.output.hdf5 import load_h5py
     from pgimp.output.resume import Resumed
     from pgimp.output.resume import resume as take_up
     from pgimp.output.running import advance
@@ -203,6 +204,8 @@ def _run(
     try:
         log.say(f"pgimp {installed('pgimp') or '(not installed)'}: {case.title or output.stem}")
         began = perf_counter()
+        if comm.rank == 0:  # which takes longer than to write many a frame
+            load_h5py()
         found = take_up(case, comm, directory, log) if resume else None
         if found == "done":
             log.say(f"{output} holds this run, done already: nothing is left to do")

@@ -18,7 +18,7 @@ import numpy as np
 from pgimp.errors import DamagedError, RunError
 from pgimp.output.checkpointheader import KINDS, encode, parse
 from pgimp.output.collective import agree, explain, on_root
-from pgimp.output.datasets import Dataset, create
+from pgimp.output.datasets import Dataset, bytes_of, create
 from pgimp.output.files import publish, temporary
 from pgimp.output.framefile import FrameFile, Written, blocks
 from pgimp.output.unfinished import removed_on_error, told
@@ -61,7 +61,7 @@ def write(
     Returns
     -------
     int
-        Bytes of the file.
+        Bytes of the file; of use on rank 0.
 
     Raises
     ------
@@ -86,10 +86,11 @@ def write(
             offsets = on_root(comm, lambda: plan.create(whole, what))
             file = FrameFile(part, comm.rank, plan.most)
             for name, (dtype, tail) in shapes.items():
+                array = rows[name]
                 place = offsets[name] + first * Dataset(name, dtype, tail).row_bytes
                 for begin, end in blocks(count):
                     some = slice(begin, end)
-                    block = rows[name][some] if order is None else rows[name].take(order[some], 0)
+                    block = array[some] if order is None else array.take(order[some], 0)
                     file.write(place, np.asarray(block, dtype, order="C"))
                     place += block.nbytes
             agree(comm, what, file.error)
@@ -173,7 +174,7 @@ class _Plan:
             place["offset"] = offsets[name]
         for name, array in arrays.items():
             if array.size:
-                checksum = zlib.crc32(np.ravel(array).view(np.uint8).data)
+                checksum = zlib.crc32(bytes_of(array))
                 self.written.append(Written(offsets[name], array.nbytes, checksum))
         return offsets
 

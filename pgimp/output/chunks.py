@@ -49,7 +49,7 @@ def compress(block: Array, rows: int) -> bytes:
     # First the first bytes of all numbers, then the second ones: these are alike.
     planes = np.zeros((size, items), np.uint8)
     planes[:, : block.size] = np.ravel(block).view(np.uint8).reshape(-1, size).T
-    return zlib.compress(planes, _LEVEL)
+    return zlib.compress(planes.data, _LEVEL)
 
 
 class Chunks:

@@ -87,12 +87,12 @@ def create(
         for dataset, shape in shapes:
             made = make(file, dataset, shape, properties)
             offsets[dataset.name] = made.get_offset() if math.prod(shape) else 0
-    parts = {place: data for (place, _), data in image.parts.items()}
-    parts |= {offsets[name]: np.ravel(array).view(np.uint8) for name, array in whole.items()}
+    parts = {place: memoryview(data) for (place, _), data in image.parts.items()}
+    parts |= {offsets[name]: bytes_of(array) for name, array in whole.items() if array.size}
     with open(path, "wb", buffering=0) as stream:
         reserve(stream.fileno(), 0, image.size)
         for place, data in parts.items():
-            put(stream.fileno(), memoryview(data), place)
+            put(stream.fileno(), data, place)
     return offsets
 
 
@@ -124,6 +124,11 @@ def reserve(descriptor: int, start: int, end: int) -> None:
     except OSError as error:
         if error.errno not in _CANNOT_RESERVE:
             raise
+
+
+def bytes_of(array: Array) -> memoryview:
+    """Return the bytes of an array in C order."""
+    return np.ravel(array).view(np.uint8).data
 
 
 def put(descriptor: int, data: memoryview, place: int) -> None:

@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pgimp.output.collective import explain
-from pgimp.output.datasets import put
+from pgimp.output.datasets import bytes_of, put
 
 Array = np.ndarray
 
@@ -99,7 +99,7 @@ class FrameFile:
         block : ndarray or bytes
             What to write; an array in C order.
         """
-        data = memoryview(np.ravel(block).view(np.uint8) if isinstance(block, Array) else block)
+        data = bytes_of(block) if isinstance(block, Array) else memoryview(block)
         if not data.nbytes or self.error:
             return
         try:

@@ -7,6 +7,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from pgimp.output.image import Image
 from pgimp.parallel.comm import quiet_mpi
 
 
@@ -25,7 +26,7 @@ def load_h5py() -> ModuleType:
     return h5py
 
 
-def open_file(path: Path, mode: str, **options: Any) -> Any:
+def open_file(path: Path | Image, mode: str, **options: Any) -> Any:
     """Open an HDF5 file from one process alone.
 
     Files get their final name only when they are complete, and a run locks its directory; so HDF5
@@ -33,7 +34,7 @@ def open_file(path: Path, mode: str, **options: Any) -> Any:
 
     Parameters
     ----------
-    path : Path
+    path : Path or Image
         The file.
     mode : str
         As in h5py.

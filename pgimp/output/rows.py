@@ -64,7 +64,7 @@ class Rows:
         unit: int = 1,
     ) -> None:
         self.comm = comm
-        self._room = (np.empty(0, np.uint8), np.empty(0, np.uint8))
+        self._room: tuple[Array, ...] = (np.empty(0, np.uint8), np.empty(0, np.uint8))
         known = bool(((ids >= 0) & (ids < count)).all())
         lengths = comm.allgather(len(ids) if known else -1)
         self.count = sum(lengths)

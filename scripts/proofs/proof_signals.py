@@ -27,12 +27,12 @@ import sys, time
 from pgimp import signals
 signals.install()
 from pgimp.output.framefile import FrameFile
-check = FrameFile.check
+close = FrameFile.close
 def slow(self):
     if "step-" in self.path.name:
         time.sleep(4.0)
-    return check(self)
-FrameFile.check = slow
+    return close(self)
+FrameFile.close = slow
 from pgimp.cli import main
 sys.exit(main())
 """
