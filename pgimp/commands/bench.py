@@ -7,19 +7,21 @@ its exact motion is rigid, so whatever stress and velocity differences appear ar
 import argparse
 import json
 import platform
+from collections.abc import Callable
+from contextlib import suppress
 from statistics import median
 from time import perf_counter
 from typing import Any
 
 import numpy as np
 
-from pgimp.kernels.order import locate
+from pgimp.model.block import GRAVITY, SPEED, YOUNG, Block, block_case
+from pgimp.model.costs import Network
+from pgimp.model.predict import MOST_RANKS
+from pgimp.model.standard import MOST_PARTICLES, model_block
 from pgimp.parallel.comm import world
-from pgimp.scene.lattice import Lattice
-from pgimp.solver.particles import Particles
 from pgimp.solver.simulation import RESORT, Simulation
 
-_YOUNG, _POISSON, _DENSITY, _GRAVITY, _SPEED = 1.0e6, 0.3, 1000.0, -9.81, 0.1
 #: Phases of the table, and the simulation's phases that each sums.
 _TABLE = {
     "P2G": ("P2G",),
@@ -42,90 +44,63 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--lattice", action="store_true", help="particles on a lattice, not at random positions"
     )
     parser.add_argument("--json", action="store_true", help="print JSON instead of a table")
+    parser.add_argument(
+        "--model",
+        action="store_true",
+        help="measure what the parts of a step cost, and predict from that its time on up to "
+        f"{MOST_RANKS:,} ranks; under mpirun -n 2 the cost of messages is measured too",
+    )
+    extrapolated = parser.add_argument_group("for --model")
+    extrapolated.add_argument(
+        "--particles",
+        type=_number(8, MOST_PARTICLES),
+        default=0,
+        metavar="N",
+        help="particles of the block that is extrapolated, up to 1e10 (default: the same block)",
+    )
+    usual = Network()
+    extrapolated.add_argument(
+        "--latency",
+        type=_number(0, 1),
+        default=usual.latency,
+        metavar="S",
+        help=f"seconds of a message between nodes (default {usual.latency:g})",
+    )
+    extrapolated.add_argument(
+        "--bandwidth",
+        type=_number(1, 1e15),
+        default=usual.bandwidth,
+        metavar="B",
+        help=f"bytes per second of a node's network (default {usual.bandwidth:g})",
+    )
+    extrapolated.add_argument(
+        "--ranks-per-node",
+        type=_number(1, MOST_RANKS),
+        default=usual.ranks_per_node,
+        metavar="N",
+        help=f"default {usual.ranks_per_node}",
+    )
 
 
-class _Block(Simulation):
-    """The block, its particles moved to random positions within their cells."""
+def _number(least: float, most: float) -> Callable[[str], float]:
+    """Reader of a number within bounds, which may be written like 1e10."""
 
-    def decompose(self, layer_counts: np.ndarray) -> None:
-        # Of a cell's positions, the part below the half-width has its support one vertex earlier.
-        half = self.scene.shape.half[0]
-        moved = np.round(half * layer_counts).astype(np.int64)
-        super().decompose(layer_counts - moved + np.append(moved[1:], 0))
+    def read(text: str) -> float:
+        with suppress(ValueError):
+            value = float(text)
+            if least <= value <= most:
+                return value
+        raise argparse.ArgumentTypeError(f"expected a number from {least:g} to {most:g}: {text}")
 
-    def _create(
-        self, lattice: Lattice, counts: np.ndarray, layer: np.ndarray
-    ) -> tuple[Particles, int]:
-        # A random position may lie in a layer next to its lattice plane's: look two cells further.
-        reach = 2 * lattice.per_cell[0]
-        own = np.searchsorted(layer, (self.slab.first, self.slab.first + self.slab.layers))
-        begin, end = max(0, int(own[0]) - reach), min(lattice.planes, int(own[1]) + reach)
-        p = self.scene.populate(lattice, counts, (begin, end))
-        count = int(counts[:, begin:end].sum())
-        cell = np.array(self.scene.frame.cell)
-        corner = np.floor(p.x[:count] / cell) * cell
-        p.x[:count] = corner + _uniform(p.id[:count]) * cell
-        rows = np.arange(count, dtype=np.int32)
-        locate(self.scene.shape, self.scene.frame, p, rows, self.scene.frame.vertices)
-        here = self.slab.first <= p.layer[:count]
-        here &= p.layer[:count] < self.slab.first + self.slab.layers
-        arrays: list[np.ndarray] = list(p)
-        del p
-        for i in range(len(arrays)):  # so that no more than one array is there twice
-            arrays[i] = arrays[i][:count][here]
-        return Particles._make(arrays), int(here.sum())
-
-
-def _uniform(ids: np.ndarray) -> np.ndarray:
-    """Three numbers in [0, 1) from each id, the same whatever the ranks (splitmix64)."""
-    numbers = []
-    for d in range(3):
-        z = (ids.astype(np.uint64) * np.uint64(3) + np.uint64(d)) * np.uint64(0x9E3779B97F4A7C15)
-        z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
-        z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
-        numbers.append((z ^ (z >> np.uint64(31))) >> np.uint64(11))
-    return np.stack(numbers, axis=1).astype(float) * 2.0**-53
-
-
-def block_case(cells: int, steps: int) -> dict[str, Any]:
-    """The benchmark as a case: a block of `cells` cubed in a domain with four cells around."""
-    h, pad = 1.0 / cells, 4
-    lam = _YOUNG * _POISSON / ((1 + _POISSON) * (1 - 2 * _POISSON))
-    c = np.sqrt((lam + _YOUNG / (1 + _POISSON)) / _DENSITY)
-    dt = 0.2 * h / float(c)
-    size = h * (cells + 2 * pad)
-    return {
-        "format": 1,
-        "title": "Benchmark block",
-        "dimensions": 3,
-        "grid": {"origin": [0.0] * 3, "size": [size] * 3, "cell": [h] * 3},
-        "method": {"shape": "gimp", "particles_per_cell": [2, 2, 2]},
-        "time": {"end": steps * dt, "step": dt},
-        "materials": {
-            "solid": {
-                "model": "neo-hookean",
-                "young": _YOUNG,
-                "poisson": _POISSON,
-                "density": _DENSITY,
-            }
-        },
-        "bodies": {
-            "block": {
-                "material": "solid",
-                "region": {"box": {"min": [pad * h] * 3, "max": [pad * h + 1.0] * 3}},
-                "velocity": [_SPEED, 0.0, 0.0],
-            }
-        },
-        "gravity": [0.0, 0.0, _GRAVITY],
-    }
+    return read
 
 
 def _errors(sim: Simulation) -> dict[str, float]:
     """Deviation from free fall: greatest velocity error over the speed, greatest stress over E."""
     rows = sim.live()
-    v = np.array([_SPEED, 0.0, _GRAVITY * sim.time])
+    v = np.array([SPEED, 0.0, GRAVITY * sim.time])
     velocity = np.abs(sim.particles.v[rows] - v).max(initial=0.0) / np.linalg.norm(v)
-    stress = np.abs(sim.particles.sigma[rows]).max(initial=0.0) / _YOUNG
+    stress = np.abs(sim.particles.sigma[rows]).max(initial=0.0) / YOUNG
     every = np.array(sim.comm.allgather((velocity, stress)))
     return {"velocity": float(every[:, 0].max()), "stress": float(every[:, 1].max())}
 
@@ -142,7 +117,7 @@ def measure(comm: Any, cells: int, repeats: int, lattice: bool) -> dict[str, Any
     from pgimp.case.schema import Case
 
     case = Case.model_validate(block_case(cells, RESORT * (repeats + 1)))
-    sim = (Simulation if lattice else _Block)(case, comm)
+    sim = (Simulation if lattice else Block)(case, comm)
     walls: list[float] = []
     phases: dict[str, list[float]] = {name: [] for name in _TABLE}
     for block in range(repeats + 1):
@@ -175,6 +150,13 @@ def measure(comm: Any, cells: int, repeats: int, lattice: bool) -> dict[str, Any
 def execute(args: argparse.Namespace) -> int:
     """Run the command; also under mpirun."""
     comm = world()
+    if args.model:
+        network = Network(args.latency, args.bandwidth, int(args.ranks_per_node))
+        particles = int(args.particles)
+        result, text = model_block(comm, args.cells, args.repeats, args.lattice, particles, network)
+        if comm.rank == 0:
+            print(json.dumps(result, indent=2) if args.json else text)
+        return 0
     result = measure(comm, args.cells, args.repeats, args.lattice)
     if comm.rank == 0:
         print(json.dumps(result, indent=2) if args.json else _table(result))

@@ -1,33 +1,38 @@
 """``pgimp check``: validates a case and says what it will cost, before an hour is lost.
 
-Nothing is simulated but a small sample of the same kind, to measure this machine's speed.
+Nothing is simulated but a few steps of the same case with coarser or finer cells, to measure what
+the parts of a step cost on this machine; the rest is `pgimp.model`.
 """
 
 import argparse
 from dataclasses import dataclass
 from math import ceil
-from time import perf_counter
-from typing import Any
 
 import numpy as np
 
 from pgimp.case.load import load
 from pgimp.case.schema import Case
 from pgimp.kernels.sums import fastest_rate
+from pgimp.model.costs import Network
+from pgimp.model.layout import layout_now, layout_of
+from pgimp.model.measure import costs_of, take_turns
+from pgimp.model.predict import EFFICIENT, Step
+from pgimp.model.report import between_nodes, ladder, lines, on_node, remark, scaling
+from pgimp.model.sample import samples_of
 from pgimp.output.progress import duration
 from pgimp.parallel.comm import Serial
 from pgimp.parallel.limits import limits
+from pgimp.scene.extent import extents
 from pgimp.scene.lattice import Lattice
 from pgimp.scene.scene import Scene, count_particles
-from pgimp.solver.memory import Estimate, MemoryShortError, require, size_text
+from pgimp.solver.memory import Estimate, MemoryShortError, estimate, require, size_text
 from pgimp.solver.particles import Particles
-from pgimp.solver.simulation import Simulation
 from pgimp.solver.stability import doubt, require_end, require_stable
 
-#: Cost of a step's messages on one node, seconds; what a rank must at least have to do besides.
-_MESSAGES = 20e-6
-#: Efficiency down to which more ranks pay off.
-_EFFICIENT = 0.7
+#: Particles of the samples that are timed; the last are more than caches hold.
+_SMALLEST, _SMALL, _LARGE = 200, 5_000, 150_000
+#: For how long they are timed.
+_SECONDS = 1.0
 _YEAR = 365.25 * 86400.0
 
 
@@ -97,7 +102,7 @@ def report(case: Case) -> None:
     print(f"step             {dt:.4g}, Courant {dt * rate:.3g}; Courant 1 is {stable:.4g}")
     print(f"steps            {steps:,} to t = {case.time.end:g}")
     _report_memory(memory)
-    _report_cost(case, scene, count, steps, bodies[0].wave_speed)
+    _report_cost(scene, lattice, counts, steps)
     for note in notes:
         print(f"note: {note}")
     if warning := doubt(dt, rate, case.method.stable):
@@ -166,24 +171,48 @@ def _greatest_gravity(case: Case) -> float:
     return max(float(np.linalg.norm(v)) for v in vectors)
 
 
-def _report_cost(case: Case, scene: Scene, count: int, steps: int, speed: float) -> None:
-    """Time on this machine, and the number of ranks that pays off."""
-    overhead, each = _measure(case, speed)
-    seconds = steps * (overhead + each * count)
-    time = duration(seconds) if seconds < _YEAR else f"{seconds / _YEAR:.3g} years"
+def _report_cost(scene: Scene, lattice: Lattice, counts: np.ndarray, steps: int) -> None:
+    """Time on this machine, the number of ranks that pays off, and why not more do."""
+    comm, bodies = Serial(), extents(scene.case)
+    count = int(counts.sum())
+    sizes = [min(_SMALLEST, count), _SMALL, *([min(_LARGE, count)] if count > 4 * _SMALL else [])]
+    samples = samples_of(scene.case, count, comm, sizes)
+    take_turns(samples, comm, _SECONDS)
+    costs, network = costs_of(samples), Network()
+    layout = layout_of(scene, bodies, lattice.coordinates[0], counts.sum(axis=0))
+    layout = layout._replace(crossing=layout_now(samples[-1].sim).crossing)
+
+    def memory(step: Step) -> float:
+        return estimate(scene, step.ranks, True, bodies, count, step.most / count).size
+
+    found = scaling(layout, costs, network, memory)
+    one, ranks = found["steps"][0]["seconds"], found["pays_off"]
+    best = next(step for step in found["steps"] if step["ranks"] == ranks)
     print(
-        f"time             {time} on one rank of this machine, without output "
-        f"({1e-6 / each:.3g} million particle-steps/s measured)"
+        f"time             {_time_text(steps * one)} on one rank of this machine, without output "
+        f"({1e-6 * count / one:.3g} million particle-steps/s measured)"
     )
-    if seconds >= _YEAR:
+    if steps * one >= _YEAR:
         print("warning: nobody will see the end; is time.end or time.step what it should be?")
-    layers = scene.frame.vertices[0] // (scene.vertices - 1)
-    pays = (1.0 / _EFFICIENT - 1.0) * each * count / (overhead + _MESSAGES)
-    ranks = max(1, min(layers, int(pays)))
     print(
-        f"ranks            up to {ranks} pay off (efficiency above {_EFFICIENT:.0%}); the grid has "
-        f"layers for {layers}"
+        f"ranks            up to {ranks:,} pay off (efficiency above {EFFICIENT:.0%})"
+        + (f"; beyond, {found['limit']}" if found["limit"] else "")
     )
+    print(
+        f"{'':<16} there {_time_text(steps * best['seconds'])}, {size_text(best['memory'])} a rank"
+    )
+    shown = [
+        step for step in found["steps"] if step["ranks"] in (*ladder((), ranks), found["slabs"])
+    ]
+    for line in lines(shown, remark(found), f"{'':<17}"):
+        print(line)
+    print(f"{'':<17}{on_node(costs)}")
+    if found["steps"][-1]["ranks"] > network.ranks_per_node:
+        print(f"{'':<17}{between_nodes(network)}")
+
+
+def _time_text(seconds: float) -> str:
+    return duration(seconds) if seconds < _YEAR else f"{seconds / _YEAR:.3g} years"
 
 
 def _report_memory(found: Estimate) -> None:
@@ -194,40 +223,3 @@ def _report_memory(found: Estimate) -> None:
     for part in found.parts:
         if part.size > 0.01 * found.size:
             print(f"{'':<16} {size_text(part.size)} for {part.what}")
-
-
-def _measure(case: Case, speed: float) -> tuple[float, float]:
-    """Seconds a step and seconds a particle-step, from two samples of the case's own kind."""
-    times = []
-    for n in (8, (2048, 48, 14)[case.dimensions - 1]):
-        sim = Simulation(_sample(case, n, speed), Serial())
-        sim.advance()
-        begin = perf_counter()
-        for _ in range(20):
-            sim.advance()
-        times.append((sim.count, (perf_counter() - begin) / 20))
-    (n0, t0), (n1, t1) = times
-    each = max((t1 - t0) / (n1 - n0), 1e-10)
-    return max(t0 - each * n0, 1e-6), each
-
-
-def _sample(case: Case, cells: int, speed: float) -> Case:
-    """A block of the first body's material, in a grid of `cells` unit cells along each edge."""
-    D = case.dimensions
-    body = next(iter(case.bodies.values()))
-    data: dict[str, Any] = {
-        "format": 1,
-        "dimensions": D,
-        "grid": {"origin": [0.0] * D, "size": [float(cells)] * D, "cell": [1.0] * D},
-        "method": case.method.model_dump(),
-        "time": {"end": 1.0 / speed, "step": {"courant": 1e-3}},
-        "materials": {"sample": case.materials[body.material].model_dump()},
-        "bodies": {
-            "sample": {
-                "material": "sample",
-                "region": {"box": {"min": [0.0] * D, "max": [float(cells)] * D}},
-            }
-        },
-        "boundaries": {"x-min": "fixed"},
-    }
-    return Case.model_validate(data)

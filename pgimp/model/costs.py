@@ -1,0 +1,82 @@
+"""What the parts of a step cost, in seconds: on this machine, and between nodes."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+
+class Network(NamedTuple):
+    """The fabric between nodes, which cannot be measured on one.
+
+    Attributes
+    ----------
+    latency : float
+        Seconds of a short message.
+    bandwidth : float
+        Bytes per second in and, at once, out of a node.
+    ranks_per_node : int
+        Ranks on a node, neighbours together.
+    """
+
+    latency: float = 2e-6
+    bandwidth: float = 10e9
+    ranks_per_node: int = 64
+
+
+class Messages(NamedTuple):
+    """What ranks of a node pay for being several.
+
+    Attributes
+    ----------
+    neighbour : float
+        Seconds of a step for each neighbour, however little is said: calls, latencies, and the
+        search for particles that leave.
+    bandwidth : float
+        Bytes per second from one rank to another.
+    reduction : float
+        Seconds of an Allreduce of a few numbers on two ranks.
+    migrant : float
+        Seconds for each particle that goes to a neighbour.
+    measured : bool
+        Whether they were measured here.
+    """
+
+    neighbour: float = 60e-6
+    bandwidth: float = 8e9
+    reduction: float = 2e-6
+    migrant: float = 1e-6
+    measured: bool = False
+
+
+class Costs(NamedTuple):
+    """What a rank pays for its work, and for its neighbours.
+
+    Attributes
+    ----------
+    fixed : float
+        Seconds of a step without particles: Python, and the calls of the kernels.
+    particles : tuple of (float, float)
+        Numbers of particles of a rank, ascending, and seconds of a particle-step with so many: the
+        kernels, changes of layer, and the step's share of the sort. In between and beyond, see
+        `particle`.
+    vertex : float
+        Seconds of a step for a vertex of a plane that takes part.
+    interior : float
+        Part of the cost of particles and their vertices that messages can hide behind.
+    messages : Messages
+        Between ranks of a node.
+    """
+
+    fixed: float
+    particles: tuple[tuple[float, float], ...]
+    vertex: float
+    interior: float = 0.0
+    messages: Messages = Messages()
+
+    def particle(self, count: ArrayLike) -> NDArray[np.float64]:
+        """Seconds of a particle-step on a rank with `count` particles: caches hold few or many."""
+        numbers, seconds = zip(*self.particles, strict=True)
+        return np.interp(np.log(np.maximum(count, 1.0)), np.log(numbers), seconds)

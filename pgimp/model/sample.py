@@ -1,0 +1,200 @@
+"""Small scenes of a case's own kind, and simulations of them to be timed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from math import prod
+from statistics import median
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from pgimp.case.schema import Case
+from pgimp.errors import CaseError, RunError
+from pgimp.kernels.order import locate
+from pgimp.scene.lattice import Lattice
+from pgimp.solver.particles import Particles
+from pgimp.solver.simulation import RESORT, Simulation
+
+#: Seconds and steps of a block that is timed as one.
+_BLOCK_SECONDS, _FEWEST, _MOST = 0.02, 2, 100
+#: Steps after which it begins anew: its scene has become another.
+_LIFE = 2 * _MOST
+#: Small strains, without which a material's functions might take a shorter way.
+_STRAIN = 1e-3
+#: Particles of a sample at most.
+_MOST_PARTICLES = 500_000
+#: Steps, or times a case's own end, that no sample comes to.
+_ENDLESS = 100_000
+
+
+class Scattered(Simulation):
+    """A simulation in which particles lie anywhere in their boxes, as they do after a while.
+
+    For one rank: particles do not keep to the layers of their lattice.
+    """
+
+    def _create(
+        self, lattice: Lattice, counts: np.ndarray, layer: np.ndarray
+    ) -> tuple[Particles, int]:
+        p, count = super()._create(lattice, counts, layer)
+        scene, D = self.scene, self.scene.dimension
+        random = np.random.default_rng(0)
+        box = np.array(scene.frame.cell) / lattice.per_cell
+        p.x[:count] += (random.random((count, D)) - 0.5) * 0.99 * box
+        p.F[:count] += _STRAIN * (random.random((count, D * D)) - 0.5)
+        rows = np.arange(count, dtype=np.int32)
+        locate(scene.shape, scene.frame, p, rows, scene.frame.vertices)
+        return p, count
+
+
+class Sample:
+    """A simulation that is timed block by block, in turn with others.
+
+    Parameters
+    ----------
+    make : callable
+        Makes the simulation; again whenever it fails, for what it computes is of no interest.
+    comm : communicator
+        Of its ranks.
+
+    Attributes
+    ----------
+    sim : Simulation
+        As it is.
+    """
+
+    def __init__(self, make: Callable[[], Simulation], comm: Any) -> None:
+        self._make, self._comm = make, comm
+        self._blocks: list[dict[str, float]] = []
+        self._begin()
+        seconds: list[float] = []
+        while sum(seconds) < _BLOCK_SECONDS and len(seconds) < 5:
+            begin = perf_counter()
+            self._advance(_FEWEST)
+            seconds.append(perf_counter() - begin)
+        each = max(comm.allgather(median(seconds))) / _FEWEST
+        self._steps = int(min(max(_BLOCK_SECONDS / each, _FEWEST), _MOST))
+
+    def _begin(self) -> None:
+        self.sim = self._make()
+        self._left = _LIFE
+        self.sim.advance()  # touches its memory
+
+    def _advance(self, steps: int) -> bool:
+        """Whether that went well; otherwise it has begun anew. The same on every rank."""
+        self._left -= steps
+        try:
+            for _ in range(steps):
+                self.sim.advance()
+        except RunError:
+            self._begin()
+            return False
+        return True
+
+    def run(self) -> None:
+        """Time a block; collective."""
+        if self._left < self._steps:
+            self._begin()
+        sim = self.sim
+        before = dict(sim.timings)
+        self._comm.Barrier()
+        begin = perf_counter()
+        if not self._advance(self._steps):
+            return
+        spent = perf_counter() - begin
+        block = {name: sim.timings[name] - before[name] for name in before}
+        block["step"] = spent - block.pop("sort")
+        block = {name: seconds / self._steps for name, seconds in block.items()}
+        begin = perf_counter()
+        sim.population.sort()
+        block["sort"] = (perf_counter() - begin) / RESORT
+        self._blocks.append(block)
+
+    def seconds(self, name: str = "step") -> float:
+        """Seconds of a phase in a step, of the slowest rank; collective.
+
+        "step" is all of it but the sort, "sort" the step's part of a sort. Of the blocks' figures
+        it is the lower quartile: what else the machine does only ever adds.
+        """
+        mine = np.quantile([block[name] for block in self._blocks], 0.25) if self._blocks else 0.0
+        return float(max(self._comm.allgather(mine)))
+
+
+def resized(case: Case, factor: float) -> Case:
+    """The same case with cells `factor` times as long, as far as the domain is whole cells.
+
+    It goes on for longer, in steps of about the same Courant number.
+
+    Raises
+    ------
+    ValueError, CaseError
+        If that is no case.
+    """
+    grid, time = case.grid, case.time
+    cells = [max(1, round(n / factor)) for n in grid.cells]
+    data = case.model_dump(by_alias=True, exclude={"history", "checkpoint"})
+    data["output"] = {"fields": case.output.fields}
+    data["grid"]["cell"] = [size / n for size, n in zip(grid.size, cells, strict=True)]
+    if isinstance(time.step, float | int):
+        step = float(time.step) * min(n / m for n, m in zip(grid.cells, cells, strict=True))
+        data["time"] = {"end": step * _ENDLESS, "step": step}
+    else:
+        data["time"]["end"] = time.end * _ENDLESS
+    return Case.model_validate(data)
+
+
+def plain(case: Case, count: int) -> Case:
+    """A block of the first body's material, of about so many particles, whatever else there is."""
+    D = case.dimensions
+    each = prod(case.method.particles_per_cell)
+    cells = max(2, round((count / each) ** (1.0 / D)))
+    h = min(case.grid.cell)
+    step = case.time.step
+    data: dict[str, Any] = {
+        "format": 1,
+        "dimensions": D,
+        "grid": {"size": [h * (cells + 2)] * D, "cell": [h] * D},
+        "method": case.method.model_dump(),
+        "materials": {
+            name: entry.model_dump()
+            for name, entry in case.materials.items()
+            if name == next(iter(case.bodies.values())).material
+        },
+        "boundaries": {"x-min": "fixed"},
+    }
+    data["bodies"] = {
+        "sample": {
+            "material": next(iter(data["materials"])),
+            "region": {"box": {"min": [h] * D, "max": [h * (cells + 1)] * D}},
+        }
+    }
+    if isinstance(step, float | int):
+        data["time"] = {"end": step * _ENDLESS, "step": step}
+    else:
+        data["time"] = {"end": case.time.end * _ENDLESS, "step": step.model_dump()}
+    return Case.model_validate(data)
+
+
+def samples_of(case: Case, count: int, comm: Any, sizes: Sequence[int]) -> list[Sample]:
+    """Samples of a case with `count` particles, resized to about as many as `sizes` say."""
+
+    def made(small: Case) -> Sample:
+        return Sample(lambda: Scattered(small, comm), comm)
+
+    samples = []
+    for size in sizes:
+        factor = (count / size) ** (1.0 / case.dimensions)
+        # Coarse cells may be too large for a part of the case; it is itself a case.
+        for power in (1.0, 0.8, 0.6, 0.4, 0.0):
+            if count / factor ** (power * case.dimensions) > _MOST_PARTICLES:
+                continue
+            try:
+                samples.append(made(resized(case, factor**power)))
+                break
+            except (ValueError, CaseError, RunError):
+                continue
+        else:
+            samples.append(made(plain(case, size)))
+    return samples

@@ -1,0 +1,93 @@
+"""Measurement and prediction of the same steps, side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from pgimp.model.costs import Costs, Network
+from pgimp.model.layout import layout_now
+from pgimp.model.measure import costs_of, messages_of, take_turns
+from pgimp.model.predict import predict
+from pgimp.model.sample import Sample
+from pgimp.parallel.comm import Serial
+from pgimp.solver.simulation import Simulation
+
+
+class Comparison(NamedTuple):
+    """A step measured and predicted, in seconds."""
+
+    name: str
+    particles: int
+    ranks: int
+    measured: float
+    predicted: float
+
+    @property
+    def deviation(self) -> float:
+        """Of the prediction from the measurement, over the latter."""
+        return self.predicted / self.measured - 1.0
+
+
+def compare(
+    comm: Any,
+    samples: Callable[[], Iterable[Sample]],
+    small: Callable[[Any], Simulation],
+    targets: dict[str, Callable[[Any], Simulation]],
+    network: Network,
+    seconds: float,
+    fewest: int,
+) -> tuple[Costs, list[Comparison]]:
+    """Measure costs from samples, and compare what follows for targets with what they take.
+
+    All take turns. Targets run on one rank and on all; collective.
+
+    Parameters
+    ----------
+    samples : callable
+        Makes the samples of one rank, ascending by size.
+    small, targets : callable
+        Make a simulation on a communicator: a small one, of which messages take most of the time,
+        and those to compare.
+    seconds, fewest : float, int
+        See `take_turns`.
+    """
+    alone = list(samples())
+    pair = Sample(lambda: small(comm), comm) if comm.size > 1 else None
+    compared: list[tuple[str, int, Sample | None]] = []
+    for name, make in targets.items():
+        one = Sample(lambda make=make: make(Serial()), Serial()) if comm.rank == 0 else None  # type: ignore[misc]
+        compared.append((name, 1, one))
+        if comm.size > 1:
+            many = Sample(lambda make=make: make(comm), comm)  # type: ignore[misc]
+            compared.append((name, comm.size, many))
+    turns = [*alone, *([pair] if pair else []), *(sample for _, _, sample in compared)]
+    take_turns(turns, comm, seconds, fewest)
+    costs = _mean(comm.allgather(costs_of(alone)))
+    if pair:
+        costs = costs._replace(messages=messages_of(pair, costs, comm))
+    found = []
+    for name, ranks, sample in compared:
+        if sample is None:
+            continue
+        layout = layout_now(sample.sim)
+        step = predict(layout, costs, network, ranks)
+        measured = sample.seconds() + sample.seconds("sort")
+        found.append(Comparison(name, layout.particles, ranks, measured, step.seconds))
+    return costs, found
+
+
+def _mean(costs: list[Costs]) -> Costs:
+    """Costs of all ranks, which may share what a node has, as one."""
+    particles = np.mean([one.particles for one in costs], axis=0)
+    fixed, vertex, interior = np.mean(
+        [(one.fixed, one.vertex, one.interior) for one in costs], axis=0
+    )
+    return Costs(
+        float(fixed),
+        tuple((float(n), float(seconds)) for n, seconds in particles),
+        float(vertex),
+        float(interior),
+    )
