@@ -155,7 +155,8 @@ def test_the_resolved_case_reads_like_one_written_by_hand():
         "tractions: {}\n"
         "constraints: {}\n"
         "exact: null\n"
-        "output: {every: null, at: [], fields: [velocity, stress]}\n"
+        "output: {every: null, at: [], fields: [velocity, stress], precision: float64, "
+        "compression: none}\n"
         "history: {every: {steps: 100}}\n"
         "checkpoint: {every: {wall: 900.0}, keep: 2}\n"
     )

@@ -31,6 +31,7 @@ def pair(tmp_path):
         sim.time = lines.time = 0.1 * step
         frames.write(sim)
         history.write(lines)
+    frames.finish()
     history.close()
     directory.release()
     shutil.copytree(tmp_path / "one", tmp_path / "two")

@@ -98,7 +98,7 @@ LIES = [
         ([1] * 9, "at most 8"),
         (3, "valid list"),
         (None, "valid list"),
-        ([4], "overlap"),
+        ([20], "overlap"),
     ]
 ]
 LIES += [
@@ -120,7 +120,7 @@ LIES += [
 LIES += [
     (("count",), -1, "greater than or equal to 0"),
     (("count",), 2**62, "contradicts itself"),
-    (("count",), COUNT + 1, "overlap|beyond the end"),
+    (("count",), 10 * COUNT, "overlap|beyond the end"),
     (("count",), 12.0, "valid integer"),
     (("count",), None, "valid integer"),
     (("count",), DELETE, "count: Field required"),
@@ -231,10 +231,11 @@ def test_the_header_may_not_reach_into_the_data(whole, open_bounded):
     begin = json.loads(parts(whole)[1])["pieces"][0][0]
     tree = json.loads(parts(whole)[1])
     tree["about"] = {"padding": "x" * begin}
-    text = dump(tree)
-    data = with_text(whole, text)
-    tree["size"] = len(data)
-    tree["pieces"][-1][1] += len(data) - len(whole)
+    last = tree["pieces"][-1][1]
+    for _ in range(3):  # the numbers may get longer
+        data = with_text(whole, dump(tree))
+        tree["size"] = len(data)
+        tree["pieces"][-1][1] = last + len(data) - len(whole)
     with pytest.raises(DamagedError, match="where the data begin"):
         open_bounded(with_text(whole, dump(tree)))
 
