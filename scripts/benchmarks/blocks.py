@@ -127,7 +127,7 @@ def create(case, comm=None, random=False):
 
 
 def errors(sim):
-    """Greatest error of velocity over the speed, greatest stress over Young's modulus; collective."""
+    """Greatest errors of velocity, over the speed, and stress, over Young's modulus; collective."""
     rows, D = sim.live(), sim.scene.dimension
     v = np.array(start_velocity(D))
     v[-1] += GRAVITY * sim.time
@@ -140,6 +140,8 @@ def errors(sim):
 class Timed:
     """A simulation that is timed in rounds of steps, by turns with others; collective.
 
+    `after` is called after each step.
+
     Attributes
     ----------
     sim : Simulation
@@ -148,8 +150,8 @@ class Timed:
         Of each round: wall time; by phase, that of the slowest rank.
     """
 
-    def __init__(self, sim, steps):
-        self.sim, self.steps = sim, steps
+    def __init__(self, sim, steps, after=None):
+        self.sim, self.steps, self._after = sim, steps, after
         self.seconds = []
         self.phases = []
         self._advance()  # touches the memory
@@ -163,6 +165,8 @@ class Timed:
         began = perf_counter()
         for _ in range(self.steps):
             sim.advance()
+            if self._after:
+                self._after()
         sim.comm.Barrier()
         self.seconds.append(perf_counter() - began)
         spent = {

@@ -20,6 +20,7 @@ import numba
 import numpy as np
 from blocks import block, create
 from numba.core.dispatcher import Dispatcher
+from report import number, origin, write
 
 import pgimp.solver.step as steps
 
@@ -28,6 +29,9 @@ CPU = {"NUMBA_CPU_NAME": "haswell", "NUMBA_CPU_FEATURES": ""}
 
 #: Scenes by name: cells of a block of gimp particles at random places, 2 a cell and direction.
 SCENES = {"2D": (16, 16), "3D": (8, 8, 8)}
+
+#: The kernels that do the work, which the test watches.
+HOT = ("particles_to_grid", "grid_to_particles")
 
 #: Steps before the recorded one.
 BEFORE = 3
@@ -120,16 +124,16 @@ def build(folder):
     """Write and link the program in the folder, which has the recorded calls."""
     flat, declarations, lines, sources = Arguments(), [], [], ["calls.c"]
     calls = pickle.loads((folder / "calls.pickle").read_bytes())
-    for number, (module, function, pickled) in enumerate(calls):
+    for place, (module, function, pickled) in enumerate(calls):
         arguments = pickle.loads(pickled)
         text, symbol = compiled(module, function, arguments)
-        sources.append(f"{number}.s")
+        sources.append(f"{place}.s")
         (folder / sources[-1]).write_text(_MOVE.sub(r"{load} \1", text))
         pairs = flat.flat(arguments)
         types = ", ".join(kind for kind, _ in pairs)
-        declarations.append(f'int call{number}(void *, void **, {types}) __asm__("{symbol}");')
+        declarations.append(f'int call{place}(void *, void **, {types}) __asm__("{symbol}");')
         values = ", ".join(value for _, value in pairs)
-        lines.append(f"    if (todo > {number}) failed |= call{number}(result, &error, {values});")
+        lines.append(f"    if (todo > {place}) failed |= call{place}(result, &error, {values});")
     flat.data += bytes(-len(flat.data) % 64)
     (folder / "data").write_bytes(flat.data)
     text = PROGRAM % {
@@ -168,6 +172,26 @@ def measure(name):
     for (_, kernel, _), less, more in zip(calls, counts, counts[1:], strict=False):
         found[kernel] = found.get(kernel, 0.0) + (more - less) / particles
     return found
+
+
+def main(folder, quick):
+    """Count, write instructions.md and instructions.csv, and print the lines for the test."""
+    rows, lines = [], []
+    for name in ["2D"] if quick else SCENES:
+        found = measure(name)
+        rows.append({"scene": name, **found, "all": sum(found.values())})
+        hot = {kernel: round(found[kernel], 1) for kernel in HOT}
+        lines.append(f'    "{name}": {hot},'.replace("'", '"'))
+    kernels = [key for key in rows[0] if key != "scene"]
+    columns = {"scene": lambda row: f"{row['scene']}, gimp, neo-hookean, random"}
+    columns |= {name: lambda row, name=name: number(row[name], 1) for name in kernels}
+    note = (
+        "Instructions for a particle-step, of each kernel in a step of a small block (with what "
+        f"its planes cost), compiled for {CPU['NUMBA_CPU_NAME']}. For tests/test_instructions.py:"
+        "\n\n```python\nCOUNTS = {\n" + "\n".join(lines) + f"\n}}\n```\n\n{origin()}"
+    )
+    write(folder, "instructions", "Instructions", columns, rows, note)
+    return rows
 
 
 if __name__ == "__main__":

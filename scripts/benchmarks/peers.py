@@ -96,7 +96,7 @@ def main(folder, quick, prototype=None):
                 rows.append(row | found)
         finally:
             for worker in workers.values():
-                worker.__exit__()
+                worker.close()
     if speeds_of_prototype:
         rows.append({
             "dimension": 3, "code": "prototype", "kind": "lattice", "cores": 1,

@@ -2,7 +2,7 @@
 
 from statistics import median
 
-from blocks import Timed, create, errors
+from blocks import Timed, block, create, errors
 from workers import peak_memory, serve
 
 from pgimp.parallel.comm import world
@@ -15,6 +15,7 @@ def main():
 
     def answer(do, name="", case=None, random=False, steps=0):
         if do == "make":
+            create(block([4] * case["dimensions"]), comm, random)  # loads the kernels
             before = peak_memory()
             blocks[name] = Timed(create(case, comm, random), steps)
             return {"particles": blocks[name].sim.count, "memory": peak_memory() - before}

@@ -1,4 +1,4 @@
-"""Tables of measurements: as Markdown for people, as CSV with all digits; and what was measured on."""
+"""Tables of measurements, as Markdown and as CSV with all digits, and on what was measured."""
 
 import csv
 import os

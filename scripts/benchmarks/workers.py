@@ -33,7 +33,7 @@ def launch(ranks, words):
 
 
 class Worker:
-    """A process that answers; ends with the block.
+    """A process that answers until it is closed.
 
     Parameters
     ----------
@@ -68,10 +68,8 @@ class Worker:
             f"{self._errors.read()[-3000:]}"
         )
 
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
+    def close(self):
+        """Let it end."""
         self._process.stdin.close()
         try:
             self._process.wait(30)
@@ -108,6 +106,13 @@ def serve(comm, answer):
         found = answer(**words)
         if comm.rank == 0:
             print(json.dumps(found), flush=True)
+
+
+def wait(comm):
+    """Wait for all ranks without spinning; collective."""
+    barrier = comm.Ibarrier()
+    while not barrier.Test():
+        time.sleep(1e-3)
 
 
 def peak_memory():

@@ -1,0 +1,50 @@
+"""The measurements that the command line names; see scripts/benchmark.
+
+Each part is a module with ``main(folder, quick)``, which writes PART.md and what else it has into
+the folder.
+"""
+
+import argparse
+import importlib
+from pathlib import Path
+from time import perf_counter
+
+import readme
+from report import ROOT, origin
+
+PARTS = (
+    "kernels", "peers", "domain", "features", "scaling", "instructions", "output", "model",
+)  # fmt: skip
+
+
+def main():
+    """Measure what is asked for, and write benchmark.md and readme.md."""
+    parser = argparse.ArgumentParser(prog="scripts/benchmark")
+    parser.add_argument("parts", nargs="*", metavar="PART", help=", ".join(PARTS))
+    parser.add_argument("-o", "--output", metavar="DIR", type=Path, default=ROOT / "benchmark.out")
+    parser.add_argument("--quick", action="store_true", help="small blocks: no figures to keep")
+    parser.add_argument("--prototype", metavar="KERNELS.PY", help="a script to compare with")
+    parser.add_argument("--readme", action="store_true", help="put the main tables into README.md")
+    options = parser.parse_args()
+    unknown = sorted(set(options.parts) - set(PARTS))
+    if unknown:
+        parser.error(f"there is no part {unknown[0]}; there are {', '.join(PARTS)}")
+    if options.prototype and not Path(options.prototype).is_file():
+        parser.error(f"there is no prototype {options.prototype}")
+    folder = options.output
+    folder.mkdir(parents=True, exist_ok=True)
+    for part in options.parts or PARTS:
+        began = perf_counter()
+        more = {"prototype": options.prototype} if part == "peers" else {}
+        importlib.import_module(part).main(folder, options.quick, **more)
+        print(f"benchmark: {part} took {perf_counter() - began:.0f} s\n", flush=True)
+    texts = [f"# Benchmarks\n\n{origin()}\n"]
+    for part in PARTS:
+        for path in sorted(folder.glob(f"{part}*.md")):
+            texts.append(path.read_text(encoding="utf-8"))
+    (folder / "benchmark.md").write_text("\n".join(texts), encoding="utf-8")
+    readme.write(folder, options.readme and not options.quick)
+
+
+if __name__ == "__main__":
+    main()

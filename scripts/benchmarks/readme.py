@@ -1,0 +1,114 @@
+"""The README's tables, made from the CSV files of what was measured."""
+
+import csv
+
+from report import ROOT, error, markdown, number
+
+START, END = "<!-- written by scripts/benchmark -->\n", "<!-- end -->"
+
+
+def read(folder, name):
+    """Rows of a CSV file, with numbers where there are some; none without the file."""
+    path = folder / f"{name}.csv"
+    if not path.exists():
+        return []
+    with path.open(newline="", encoding="utf-8") as file:
+        return [{key: _value(text) for key, text in row.items()} for row in csv.DictReader(file)]
+
+
+def _value(text):
+    try:
+        return float(text)
+    except ValueError:
+        return text or None
+
+
+def _origin(folder, name):
+    """What a part was measured on, from the end of its note."""
+    text = (folder / f"{name}.md").read_text(encoding="utf-8").strip()
+    return text.rpartition(". ")[2]
+
+
+def peers(folder):
+    """Table of pgimp and its peers: a line for each scene."""
+    rows = read(folder, "peers")
+    found = {(r["dimension"], r["cores"], r["code"], r["kind"]): r for r in rows}
+    codes = {
+        "pgimp": ("pgimp", "random"),
+        "pgimp, lattice": ("pgimp", "lattice"),
+        "Taichi, GIMP": ("Taichi", "gimp"),
+        "Taichi, MLS-MPM": ("Taichi", "mls-mpm"),
+    }
+
+    def cell(scene, code):
+        row = found.get((*scene, *codes[code]))
+        return "" if row is None else f"{number(row['speed'])} ({error(row['velocity'])})"
+
+    columns = {
+        "": lambda scene: f"{scene[0]:.0f}D, {scene[1]:.0f} core" + "s" * (scene[1] > 1),
+        **{code: lambda scene, code=code: cell(scene, code) for code in codes},
+    }
+    scenes = list(dict.fromkeys(key[:2] for key in found if key[2] == "pgimp"))
+    return markdown(columns, scenes) if rows else ""
+
+
+def shapes(folder):
+    """Table of the shapes: speeds at random positions and on a lattice, by dimension."""
+    rows = [r for r in read(folder, "kernels") if r["material"] in ("neo-hookean", "linear-1d")]
+    found = {
+        (r["shape"], r["dimension"], r["positions"]): r
+        for r in rows
+        if r["particles per cell"] == 2 ** r["dimension"]
+    }
+
+    def cell(shape, D):
+        pair = [found.get((shape, D, positions)) for positions in ("random", "lattice")]
+        if None in pair:
+            return ""
+        worst = max(row["velocity"] for row in pair)
+        return f"{number(pair[0]['speed'])}, {number(pair[1]['speed'])} ({error(worst)})"
+
+    dimensions = list(dict.fromkeys(key[1] for key in found))
+    columns = {"shape": lambda shape: shape} | {
+        f"{D:.0f}D": lambda shape, D=D: cell(shape, D) for D in dimensions
+    }
+    return markdown(columns, list(dict.fromkeys(key[0] for key in found))) if found else ""
+
+
+def write(folder, into_readme):
+    """Write readme.md, and put it into README.md if asked to."""
+    texts = []
+    if table := peers(folder):
+        texts.append(
+            "Million particle-steps/s of whole steps of a neo-Hookean block in free fall, float64, "
+            "with the error of the velocity against the exact one; pgimp with contiguous GIMP, at "
+            f"random positions unless said otherwise.\n\n{table}\n\n"
+            f"Measured on {_origin(folder, 'peers')}."
+        )
+    if table := shapes(folder):
+        texts.append(
+            "The shapes on one core, at random positions and on a lattice, two particles a cell "
+            f"and direction.\n\n{table}\n\nMeasured on {_origin(folder, 'kernels')}."
+        )
+    facts = [
+        f"{row['scene']} scaling on {row['ranks']:.0f} ranks: {number(row['gain'], 2)} times one"
+        for row in read(folder, "scaling")
+        if row["ranks"] > 1
+    ]
+    facts += [
+        f"eight times the domain in every direction, {row['dimension']:.0f}D: "
+        f"{number(row['time'], 3)} times the time, {number(row['memory ratio'], 3)} the memory"
+        for row in read(folder, "domain")
+        if row["time"] != 1.0
+    ]
+    if facts:
+        texts.append("\n".join(f"- {fact}" for fact in facts))
+    text = "\n\n".join(texts) + "\n"
+    (folder / "readme.md").write_text(text, encoding="utf-8")
+    if into_readme:
+        path = ROOT / "README.md"
+        before, mark, rest = path.read_text(encoding="utf-8").partition(START)
+        _, end, after = rest.partition(END)
+        if not (mark and end):
+            raise SystemExit(f"benchmark: README.md lacks the marks {START.strip()} and {END}")
+        path.write_text(before + mark + text + end + after, encoding="utf-8")
