@@ -120,9 +120,9 @@ MISTAKES = [
     ("[stress]", "[temperature]", "29: output.fields.0", "displacement, pressure, stress"),
     ("[stress]", "[stress, stress]", "29: output.fields.1", "stress is in the list already"),
     ("[stress]}", "[stress], precision: float16}", "29: output.precision", "did you mean 'float"),
-    ("[stress]}", "[stress], precision: 32}", "29: output.precision", "'float64', 'float32', got 32"),
+    ("[stress]}", "[stress], precision: 32}", "29: output.precision", "'float32', got 32"),
     ("[stress]}", "[stress], compression: lz4}", "29: output.compression", "known: gzip, none"),
-    ("[stress]}", "[stress], compression: true}", "29: output.compression", "'none', 'gzip', got true"),
+    ("[stress]}", "[stress], compression: true}", "29: output.compression", "'gzip', got true"),
     # Dimensions and grid
     ("cell: [0.5, 0.5]", "cell: [0.5]", "5: grid.cell", "expected 2 entries", "got a list of 1"),
     ("origin: [0.0, 0.0]", "origin: []", "5: grid.origin", "expected at least 1 entry"),

@@ -152,6 +152,30 @@ def test_particles_that_left_one_run(pair, capsys, monkeypatch):
     ]
 
 
+@pytest.mark.parametrize("swap", [False, True])
+def test_another_precision_is_told_once(pair, capsys, swap):
+    for path in (pair[1] / "frames").iterdir():
+        with h5py.File(path, "r+") as file:
+            for name in [name for name in file if file[name].dtype == np.float64]:
+                values = file[name][()].astype(np.float32)
+                del file[name]
+                file[name] = values
+    change(pair[1], 1, "body", 3, lambda value: 1 - value)
+    one, two = pair[::-1] if swap else pair
+    kinds = ("float32", "float64") if swap else ("float64", "float32")
+    status, out = call(capsys, one, two)
+    assert status == 1
+    first, second, *_ = lines = out.splitlines()
+    assert first.startswith(f"frame 0 has numbers of {kinds[0]} in {one}, of {kinds[1]} in {two} (")
+    assert (
+        second.startswith("frame 1 (t = 0.1), body: 1 of 31 particles differ") and len(lines) == 3
+    )
+    change(pair[1], 1, "body", 3, lambda value: 1 - value)
+    assert call(capsys, one, two, "--rtol", "1e-6")[0] == 0
+    assert call(capsys, one, two, "--rtol", "1e-8")[0] == 1
+    assert call(capsys, pair[1], pair[1])[0] == 0
+
+
 def test_missing_frame(pair, capsys):
     (pair[1] / "frames" / "particles-000002.h5").unlink()
     for directories in (pair, pair[::-1]):

@@ -41,13 +41,14 @@ def probe(path, body):
     return json.loads(lines[0].removeprefix("PROBE"))
 
 
-@pytest.fixture(scope="module")
-def run(tmp_path_factory):
+@pytest.fixture(scope="module", params=["as-usual", "small"])
+def run(request, tmp_path_factory):
     """Three frames in 3D with every field; values change, and some particles leave at the end."""
+    small = {"precision": "float32", "compression": "gzip"} if request.param == "small" else {}
     directory = tmp_path_factory.mktemp("paraview")
     (directory / "frames").mkdir()
     sim, _ = make_sim(Serial(), COUNT, 3)
-    frames = Frames(directory, make_case(), sim)
+    frames = Frames(directory, make_case(**small), sim)
     for number, gone in enumerate(GONE):
         sim, _ = make_sim(Serial(), COUNT, 3, gone=gone)
         sim.step, sim.time = 10 * number, 0.1 * number

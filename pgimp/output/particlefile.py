@@ -269,8 +269,8 @@ class _Values:
             with np.errstate(over="raise", under="ignore"):
                 return np.asarray(values, self._types[name])
         except FloatingPointError:
-            self.error = (
+            self.error = self.error or (
                 f"the {name} of a particle is beyond the range of float32; go on with --resume "
                 "--set output.precision=float64"
             )
-            return values
+            return np.zeros(values.shape, self._types[name])

@@ -60,6 +60,8 @@ class Frame:
         The step after which it was written.
     fields : list of str
         The fields it has, in the order of the file format.
+    types : dict of str to str
+        Their types; those of numbers that are not whole depend on the case's ``output.precision``.
     bodies, materials : list of str
         Names, by the index that the fields ``body`` and ``material`` hold.
 
