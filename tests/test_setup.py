@@ -34,6 +34,7 @@ PROGRAMS = {
     "slurmctld": ["slurmctld"],
     "slurmd": ["slurmd"],
     "slurm-client": ["sbatch"],
+    "valgrind": ["valgrind"],
 }
 
 PYTHON = r"""#!/usr/bin/env bash
