@@ -1,11 +1,13 @@
 """The measurements that the command line names; see scripts/benchmark.
 
 Each part is a module with ``main(folder, quick)``, which writes PART.md and what else it has into
-the folder.
+the folder; or a program, whose output becomes PART.md.
 """
 
 import argparse
 import importlib
+import subprocess
+import sys
 from pathlib import Path
 from time import perf_counter
 
@@ -15,6 +17,21 @@ from report import ROOT, origin
 PARTS = (
     "kernels", "peers", "domain", "features", "scaling", "instructions", "output", "model",
 )  # fmt: skip
+
+
+#: Parts that are programs, with their words if all is to be quick.
+PROGRAMS = {"output": ("--quick",), "model": ("--seconds", "2", "disks")}
+
+
+def run(part, folder, quick):
+    """Run a part that is a program; a status other than 0 says that something is not as wanted."""
+    command = [sys.executable, str(Path(__file__).with_name(f"{part}.py"))]
+    done = subprocess.run([*command, *(PROGRAMS[part] * quick)], stdout=subprocess.PIPE, text=True)
+    print(done.stdout)
+    text = f"## {part.capitalize()}\n\n{done.stdout}\n{origin()}\n"
+    (folder / f"{part}.md").write_text(text, encoding="utf-8")
+    if done.returncode:
+        print(f"benchmark: {part} ended with status {done.returncode}", file=sys.stderr)
 
 
 def main():
@@ -35,8 +52,11 @@ def main():
     folder.mkdir(parents=True, exist_ok=True)
     for part in options.parts or PARTS:
         began = perf_counter()
-        more = {"prototype": options.prototype} if part == "peers" else {}
-        importlib.import_module(part).main(folder, options.quick, **more)
+        if part in PROGRAMS:
+            run(part, folder, options.quick)
+        else:
+            more = {"prototype": options.prototype} if part == "peers" else {}
+            importlib.import_module(part).main(folder, options.quick, **more)
         print(f"benchmark: {part} took {perf_counter() - began:.0f} s\n", flush=True)
     texts = [f"# Benchmarks\n\n{origin()}\n"]
     for part in PARTS:

@@ -7,6 +7,7 @@ of calls. The differences are the kernels' own instructions, exact and the same 
 the same versions of Numba, LLVM and libm.
 """
 
+import json
 import os
 import pickle
 import re
@@ -166,7 +167,7 @@ def measure(name):
         (folder / "calls.pickle").write_bytes(pickle.dumps(calls))
         # In a cache folder of its own: assembly is only given by what is compiled anew.
         env = os.environ | CPU | {"PGIMP_CACHE_DIR": str(folder / "cache")}
-        subprocess.run([sys.executable, __file__, made], env=env, check=True)
+        subprocess.run([sys.executable, __file__, "build", made], env=env, check=True)
         counts = [count(folder, number) for number in range(len(calls) + 1)]
     found: dict[str, float] = {}
     for (_, kernel, _), less, more in zip(calls, counts, counts[1:], strict=False):
@@ -194,5 +195,8 @@ def main(folder, quick):
     return rows
 
 
-if __name__ == "__main__":
-    build(Path(sys.argv[1]))
+if __name__ == "__main__":  # in processes of their own: to compile, and for the test
+    if sys.argv[1] == "build":
+        build(Path(sys.argv[2]))
+    else:
+        print(json.dumps(measure(sys.argv[2])))
