@@ -24,7 +24,7 @@ def body(low, high, material="solid"):
 
 
 def features(cells, shape="gimp"):
-    """Cases by name, the plain one first; in all the block falls freely."""
+    """Cases by name, the plain one first; in all the block falls freely, with walls only in 3D."""
     D, h = len(cells), 1.0 / cells[-1]
     pads = PADS[:D]
     plain = block(cells, shape=shape, pad=pads)
