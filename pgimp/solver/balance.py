@@ -70,6 +70,8 @@ class Balance:
         Whether boundaries may move.
     asks : bool
         Whether this rank wants a decision.
+    pause : int
+        Steps until a rank may ask again because of its particles.
     total : int
         Particles of all ranks at the last report.
     imbalance : float or None
@@ -84,6 +86,7 @@ class Balance:
         self.cuts, self.total = cuts, total
         self.on = len(cuts) > 2 and switched_on()
         self.asks = False
+        self.pause = 0
         self.imbalance: float | None = None
         self.moves: list[tuple[float, float]] = []
         self._vertices, self._ends, self._interval = vertices, ends, interval
@@ -96,7 +99,7 @@ class Balance:
         self._density = np.ones(cuts[-1])
         self._expected = np.ones(len(cuts) - 1)
         self._plane = 0.0
-        self._prices = deque([_PRICE], 5)
+        self._price = _PRICE
         self._moved = 0.0
         self._changed = 0
         self._patience = self._wait = 0
@@ -117,7 +120,8 @@ class Balance:
         self._steps[place] = spent[0] - self._before[0], spent[1] - self._before[1]
         self._before = spent
         self._taken += 1
-        if count > self._most:
+        self.pause -= 1
+        if count > self._most and self.pause < 0:
             self.asks = self.on
 
     def report(self, comm: Any, count: int, planes: int, step: int) -> None:
@@ -156,7 +160,9 @@ class Balance:
         particle = every[:, 0].sum() / counts.sum()
         self._plane = every[:, 1].sum() / max(planes.sum(), 1.0) / particle
         if self._moved and every[:, 4].any():
-            self._prices.append(every[:, 4].max() / particle / (self._moved + _BESIDES))
+            price = float(every[:, 4].max() / particle / self._moved)
+            # An interrupted move took long: a step towards it, and a larger one back.
+            self._price = min(max(price, 0.5 * self._price), 1.5 * self._price)
             self._moved = 0.0
         work = counts + self._plane * planes
         self._factors.append(np.where(work > 0.0, busy / particle / np.maximum(work, 1.0), 1.0))
@@ -194,6 +200,7 @@ class Balance:
         list of int or None
             As from `cut`; None where they should stay.
         """
+        self.pause = self._interval
         if not self.on or not counts.any():
             return None
         planes = np.convolve(counts > 0, np.ones(self._vertices))[: len(counts)] > 0.5
@@ -206,6 +213,9 @@ class Balance:
             self._refused = imbalance_of(work * density, self.cuts)
             self._patience = min(2 * self._patience + 1, 32)
             self._wait = self._patience
+            # What grows evenly with time has a gain that grows with its square.
+            since = step - self._changed
+            self.pause = int(since * (price / gain) ** 0.5) - since if gain else self._interval // 4
             return None
         # Was it for what had been known before?
         if (differences != 1.0).any():
@@ -220,8 +230,9 @@ class Balance:
         below = np.maximum(np.add.reduceat(work, edges), 1e-300)
         self._expected = np.add.reduceat(costs, edges) / below / mean
         self._expected[np.add.reduceat(work, edges) == 0.0] = 1.0
-        self._moved, self._changed = self._moving(counts, new), step
-        self._patience = self._wait = 0
+        self._moved += self._moving(counts, new) + _BESIDES
+        self._changed = step
+        self._patience = self._wait = self.pause = 0
         self._forget()
         assert len(new) == ranks + 1
         return new
@@ -235,8 +246,9 @@ class Balance:
         now, then = (np.add.reduceat(costs, cuts[:-1]).max() for cuts in (self.cuts, new))
         if now - then < _LEAST_GAIN * costs.sum() / ranks:
             return new, 0.0, 0.0
-        lasts = min(max(step - self._changed, self._interval), _LONGEST)
-        price = float(np.median(self._prices)) * (self._moving(counts, new) + _BESIDES)
+        # What has come about in so many steps will be there for about as many.
+        lasts = min(step - self._changed, _LONGEST)
+        price = self._price * (self._moving(counts, new) + _BESIDES)
         return new, float(now - then) * lasts, price
 
     def _moving(self, counts: np.ndarray, new: list[int]) -> float:

@@ -1,0 +1,201 @@
+"""Slab boundaries follow the load, when that pays, and no bit depends on where they are."""
+
+import itertools
+import json
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from balance_scenes import column, crossing
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from rank_scenes import SCENES
+from scenes import write_case
+
+import pgimp
+from pgimp.errors import UsageError
+from pgimp.parallel.slabs import cut
+from pgimp.solver.balance import Balance, imbalance_of
+
+# -- where to cut
+
+
+@settings(max_examples=150, deadline=None)
+@given(
+    costs=st.lists(st.sampled_from([0.0, 0.0, 1.0, 2.5, 5.0, 40.0]), min_size=4, max_size=12),
+    ranks=st.integers(2, 4),
+    width=st.integers(1, 3),
+    ends=st.integers(0, 4),
+)
+def test_cuts_are_the_best_there_are(costs, ranks, width, ends):
+    """Against all ways to cut: the dearest rank, then the sum of squares."""
+    costs = np.array(costs)
+    cuts = cut(costs, ranks, width, ends)
+    active, layers, ends = len(cuts) - 1, len(costs), max(width, ends)
+    if not costs.any():
+        costs = np.ones(layers)
+
+    def rating(inner):
+        parts = np.add.reduceat(costs, [0, *inner])
+        return parts.max(), (parts**2).sum()
+
+    every = []
+    for inner in itertools.combinations(range(1, layers), active - 1):
+        widths = np.diff([0, *inner, layers])
+        if active == 1 or (min(widths) >= width and min(widths[0], widths[-1]) >= ends):
+            every.append(rating(inner))
+    assert rating(cuts[1:-1]) == pytest.approx(min(every))
+    if active < ranks:  # one more would be too thin
+        assert layers < 2 * ends + (active - 1) * width
+
+
+def test_every_rank_gets_work_where_the_body_is():
+    """Twenty layers in a long domain, on eight ranks of two layers at least."""
+    costs = np.zeros(1000)
+    costs[300:320] = 100.0
+    parts = np.add.reduceat(costs, cut(costs, 8, 2)[:-1])
+    assert sorted(parts) == [200.0] * 4 + [300.0] * 4
+
+
+def test_many_ranks_are_cut_well_and_fast():
+    costs = np.random.default_rng(1).random(20000)
+    assert imbalance_of(costs, cut(costs, 1000, 2)) < 0.1
+
+
+# -- when to move
+
+
+class Machine:
+    """Ranks on which a particle and a plane take some time; only rank 0 is there."""
+
+    rank = 0
+
+    def __init__(self, layers, ranks, speed=None):
+        self.layers, self.size = np.array(layers), ranks
+        self.speed = np.ones(ranks) if speed is None else np.array(speed)
+        self.cost = np.ones(len(layers))  # of a particle there
+        self.balance = Balance(cut(self.layers, ranks, 2), self.layers.sum(), 3, 0, 48)
+        self.step = 0
+        self.move_seconds = 0.0
+        self.rng = np.random.default_rng(7)
+
+    def Allgather(self, mine, every):
+        every[:] = self.every
+
+    def run(self, intervals=1, noise=0.0, plane=0.0):
+        """Steps, a report every 48, and a decision where it is asked for; how often it moved."""
+        before = len(self.balance.moves)
+        for _ in range(intervals):
+            self.step += 48
+            cuts = self.balance.cuts
+            counts = np.add.reduceat(self.layers, cuts[:-1])
+            weight = np.add.reduceat(self.layers * self.cost, cuts[:-1])
+            planes = np.diff(cuts)
+            random = 1.0 + noise * self.rng.exponential(size=self.size)
+            seconds = 1e-6 * weight / self.speed * random
+            moved = np.full(self.size, self.move_seconds)
+            self.every = np.stack([seconds, plane * planes, counts, planes, moved], axis=1)
+            self.seconds = seconds + plane * planes
+            self.balance.report(self, int(counts[0]), int(planes[0]), self.step)
+            if self.balance.asks:
+                new = self.balance.decide(self.layers, self.step)
+                if new:
+                    self.balance.cuts = new
+                self.balance.watch(0)
+        return len(self.balance.moves) - before
+
+    def imbalance(self):
+        return self.seconds.max() / self.seconds.mean() - 1.0
+
+
+def body(layers=400, first=0, end=400, each=1000):
+    counts = np.zeros(layers, int)
+    counts[first:end] = each
+    return counts
+
+
+def test_what_is_balanced_stays():
+    assert Machine(body(), 4).run(50) == 0
+
+
+def test_a_body_that_spreads_is_followed():
+    machine = Machine(body(end=100), 4)
+    for end in range(100, 400):
+        machine.layers = body(end=end, each=100000 // end)
+        machine.run()
+        assert machine.imbalance() < 0.1
+    machine.run()
+    assert 10 < len(machine.balance.moves) < 150
+    assert machine.imbalance() < 0.05
+    before, after = np.array(machine.balance.moves).T
+    assert (after < before).all() and after.max() < 0.05
+
+
+@pytest.mark.parametrize("noise", [0.05, 0.5])
+def test_noise_moves_nothing(noise):
+    assert Machine(body(), 8).run(300, noise) <= 2
+
+
+def test_a_rank_that_was_interrupted_moves_nothing():
+    machine = Machine(body(), 4)
+    for _ in range(20):
+        machine.run(7)
+        machine.speed[2] = 0.2
+        machine.run()
+        machine.speed[2] = 1.0
+    assert not machine.balance.moves
+
+
+def test_a_slow_rank_gets_less_and_a_heavy_body_more_ranks():
+    """Both in a few moves, after a while, and then all is quiet."""
+    slow = Machine(body(), 4, speed=[1.0, 1.0, 0.5, 1.0])
+    heavy = Machine(body(), 4)
+    heavy.cost[:100] = 3.0
+    for machine in (slow, heavy):
+        assert machine.run(3, 0.02) == 0
+        moves = machine.run(80, 0.02)
+        assert 1 <= moves <= 8
+        machine.run(1)
+        assert machine.imbalance() < 0.06
+        assert machine.run(100, 0.02) <= 1
+
+
+def test_planes_cost_something_too():
+    """Few particles in wide planes, where a plane takes as long as a thousand particles."""
+    counts = np.concatenate([body(100, 0, 100, 3000), body(300, 0, 300, 200)])
+    machine = Machine(counts, 4)
+    assert imbalance_of(counts, machine.balance.cuts) < 0.05
+    machine.run(3, plane=1e-3)
+    assert machine.imbalance() < 0.05
+
+
+def test_a_move_must_pay():
+    """One that takes as long as a thousand steps does not, for a gain of a few per cent."""
+    machine = Machine(body(), 4)
+    machine.balance.cuts = [0, 110, 200, 300, 400]
+    machine.balance._price = 3000.0
+    assert machine.run(10) == 0
+    machine = Machine(body(), 4)
+    machine.balance.cuts = [0, 110, 200, 300, 400]
+    assert machine.run(10) == 1
+
+
+def test_a_rank_asks_when_particles_pour_in():
+    balance = Balance([0, 50, 100], 1000, 3, 0, 48)
+    timings = dict.fromkeys(("P2G", "G2P", "order", "momentum"), 0.0)
+    balance.watch(500)
+    balance.note(timings, 514)
+    assert not balance.asks
+    balance.note(timings, 530)
+    assert balance.asks
+
+
+def test_the_switch(monkeypatch):
+    assert Balance([0, 50, 100], 1000, 3, 0, 48).on
+    assert not Balance([0, 100], 1000, 3, 0, 48).on
+    monkeypatch.setenv("PGIMP_BALANCE", "0")
+    assert not Balance([0, 50, 100], 1000, 3, 0, 48).on
+    monkeypatch.setenv("PGIMP_BALANCE", "no")
+    with pytest.raises(UsageError, match="PGIMP_BALANCE is 'no'; 0 keeps"):
+        Balance([0, 50, 100], 1000, 3, 0, 48)
