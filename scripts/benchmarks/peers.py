@@ -118,9 +118,10 @@ def main(folder, quick, prototype=None):
     note += (
         f"Neo-Hookean block of {' and '.join(size(cells) for cells in sizes.values())} cells, 2 "
         "particles a cell and direction, in free fall, float64; whole steps, medians (least to "
-        f"greatest) of {rounds} rounds of {steps} steps, Taichi {max(1, steps // 3)}, by turns, after "
-        "compilation. pgimp: contiguous GIMP, particles at random places or on a lattice; Taichi's are the same random "
-        "ones, sorted by cell. Errors against the exact free fall, over speed and Young's modulus. "
+        f"greatest) of {rounds} rounds by turns, of {steps} steps, Taichi's {max(1, steps // 3)}, "
+        "after compilation. pgimp: contiguous GIMP, particles at random places or on a lattice; "
+        "Taichi's are the same random ones, sorted by cell. Errors against the exact free fall, "
+        "over speed and Young's modulus. "
         f"{origin(**versions)}"
     )
     write(folder, "peers", "pgimp and its peers", columns, rows, note)
