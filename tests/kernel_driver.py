@@ -135,24 +135,30 @@ class Rank:
         self.shape = shape.parameters(frame.cell)
         self.slab = slab or Slab(0, frame.vertices[0], None, None)
         self.population = Population(particles, particles.capacity, self.shape, frame, self.slab)
-        shared = self.vertices - 1 if self.slab.below is not None else 0
-        self.grid = Grid(frame, self.vertices, self.slab.first, self.slab.layers, shared)
+        self.grid = Grid(frame, self.vertices, self.slab)
         self.grid.cover(self.population.reach() if reach is None else reach)
         self.halo = Halo(comm, self.slab, self.vertices - 1)
+        self.halo.piece = 7  # so that messages overlap with several pieces of some slabs
 
     @property
     def particles(self) -> Particles:
         return self.population.particles
 
     def particles_to_grid(self) -> None:
+        """All layers, and the exchange with the neighbours if there are any."""
         grid, population = self.grid, self.population
-        grid.G.fill(np.nan)  # only what the kernel sets may be used
-        grid.partial.fill(np.nan)
-        particles_to_grid(
-            self.shape, self.frame, grid.window, population.particles, Loads(), population.order,
-            population.start, grid.scratch, grid.G, grid.active, grid.partial, grid.shared,
-        )  # fmt: skip
-        assert not grid.scratch.any()
+        for array in (grid.G, grid.edges.partial, grid.edges.kept):
+            array.fill(np.nan)  # only what the kernel sets may be used
+        grid.active.fill(0)
+        for part in self.halo.parts(population.start):
+            particles_to_grid(
+                self.shape, self.frame, grid.window, population.particles, Loads(),
+                population.order, population.start, part, grid.scratch, grid.G, grid.active,
+                grid.edges,
+            )  # fmt: skip
+            assert not grid.scratch.any()
+            self.halo.proceed(grid)
+        self.halo.finish(grid)
 
     def update_momentum(
         self,

@@ -8,42 +8,32 @@ from typing import Any
 import numpy as np
 
 
-class _Done:
-    def Wait(self) -> None:
+class _Request:
+    """Of a message that is sent or received, as often as it is started."""
+
+    active = False
+
+    def __init__(self, box: queue.Queue, buffer: np.ndarray, receives: bool) -> None:
+        self.box, self.buffer, self.receives = box, buffer, receives
+
+    def Start(self) -> None:
+        assert not self.active
+        self.active = True
+        if not self.receives:
+            self.box.put(self.buffer.copy())
+
+    def Test(self) -> None:
         pass
 
-
-class _Receipt:
-    def __init__(self, box: queue.Queue, buffer: np.ndarray) -> None:
-        self.box, self.buffer = box, buffer
-
     def Wait(self) -> None:
-        message = self.box.get(timeout=20)
-        assert message.size == self.buffer.size
-        self.buffer[:] = message
+        if self.receives and self.active:
+            message = self.box.get(timeout=20)
+            assert message.size <= self.buffer.size
+            self.buffer[: message.size] = message
+        self.active = False
 
-
-class _Message:
-    def __init__(self, content: np.ndarray) -> None:
-        self.content = content
-
-    def Recv(self, buffer: np.ndarray) -> None:
-        assert self.content.size == buffer.size
-        buffer.reshape(-1)[:] = self.content.reshape(-1)
-
-
-class _Status:
-    count = 0
-
-    def Get_count(self, datatype: object) -> int:
-        return self.count
-
-
-class MPI:
-    """The names of mpi4py.MPI that `migrate` uses."""
-
-    Status = _Status
-    DOUBLE = "double"
+    def Free(self) -> None:
+        assert not self.active
 
 
 class Comm:
@@ -55,17 +45,21 @@ class Comm:
     def _box(self, sender: int, receiver: int, tag: int) -> queue.Queue:
         return self.boxes.setdefault((sender, receiver, tag), queue.Queue())
 
-    def Isend(self, array: np.ndarray, receiver: int, tag: int) -> _Done:
-        self._box(self.rank, receiver, tag).put(array.copy())
-        return _Done()
+    def Send_init(self, array: np.ndarray, receiver: int, tag: int) -> _Request:
+        return _Request(self._box(self.rank, receiver, tag), array, False)
 
-    def Irecv(self, array: np.ndarray, sender: int, tag: int) -> _Receipt:
-        return _Receipt(self._box(sender, self.rank, tag), array)
+    def Recv_init(self, array: np.ndarray, sender: int, tag: int) -> _Request:
+        return _Request(self._box(sender, self.rank, tag), array, True)
 
-    def Mprobe(self, sender: int, tag: int, status: _Status) -> _Message:
-        content = self._box(sender, self.rank, tag).get(timeout=20)
-        status.count = content.size
-        return _Message(content)
+    def Isend(self, array: np.ndarray, receiver: int, tag: int) -> _Request:
+        request = self.Send_init(array, receiver, tag)
+        request.Start()
+        return request
+
+    def Recv(self, array: np.ndarray, sender: int, tag: int) -> None:
+        request = self.Recv_init(array, sender, tag)
+        request.Start()
+        request.Wait()
 
 
 def together(tasks: Sequence[Callable[[], Any]]) -> list:

@@ -1,31 +1,21 @@
 """Canonical order, migration and the cutting into slabs, against plain sorting."""
 
 import math
-import sys
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from hypothesis import assume, example, given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from kernel_driver import entry, initial_half, make_frame
-from rank_threads import MPI, Comm, together
+from rank_threads import Comm, together
 
-from pgimp.parallel.migrate import migrate, pack, unpack
+from pgimp.parallel.migrate import Migration, pack, unpack
 from pgimp.parallel.slabs import Slab, cut, slab_of
 from pgimp.shapes import SHAPES
 from pgimp.solver.particles import Particles
 from pgimp.solver.population import Population
 
 CELL, CELLS = (0.3, 0.7), (9, 3)
-
-
-@pytest.fixture(scope="module", autouse=True)
-def threads_for_ranks():
-    """`migrate` asks mpi4py for the names of two things; the messages go between threads."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setitem(sys.modules, "mpi4py", SimpleNamespace(MPI=MPI))
-        yield
 
 
 class World:
@@ -70,7 +60,7 @@ class World:
             for row, n in enumerate(own):
                 p.x[row], p.id[row], p.m[row], p.sigma[row, 3] = self.x[n], n, n + 0.5, -n
             population = Population(p, len(own), self.shape.parameters(CELL), self.frame, slab)
-            self.ranks.append((Comm(rank, boxes), slab, population))
+            self.ranks.append((Migration(Comm(rank, boxes), slab, p), slab, population))
 
     def move(self, steps):
         """One step: particle n moves by ``steps[n]`` cells, then the ranks restore their order."""
@@ -83,7 +73,7 @@ class World:
                 self.x[n], self.layer[n] = x, layer
         together([lambda r=rank: self.advance(*r) for rank in self.ranks])
 
-    def advance(self, comm, slab, population):
+    def advance(self, migration, slab, population):
         p, order, movers, found = population.particles, population.order, population.movers, 0
         for place, row in enumerate(order):
             n = int(p.id[row])
@@ -92,8 +82,9 @@ class World:
                 p.layer[row] = self.layer[n]
                 movers[found] = place
                 found += 1
-        left = movers[:found].copy()
-        coming = migrate(comm, slab, population, order[left])
+        left = movers[:found]
+        migration.send(population, left)
+        coming = migration.receive(population)
         if found or len(coming):
             population.restore_order(left, coming)
 
@@ -280,14 +271,3 @@ def test_cuts(counts, ranks, width):
         assert (slab.layers > 0) == (rank < active)
         assert slab.below == (rank - 1 if 0 < rank < active else None)
         assert slab.above == (rank + 1 if rank + 1 < active else None)
-
-
-@settings(max_examples=100, deadline=None)
-@given(st.lists(st.integers(0, 50), min_size=24, max_size=80), st.integers(1, 8))
-def test_balance(counts, ranks):
-    """Unless one layer is more than a share, cuts are within half a layer of equal shares."""
-    assume(max(counts) * ranks < sum(counts))
-    cuts = cut(np.array(counts), ranks, 1)
-    below = [sum(counts[:c]) for c in cuts]
-    for k in range(ranks + 1):
-        assert abs(below[k] - k * sum(counts) / ranks) <= max(counts) / 2 + 1e-9

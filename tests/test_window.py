@@ -5,6 +5,7 @@ import pytest
 
 from pgimp.kernels.jit import kernel
 from pgimp.kernels.transfer import first_vertex
+from pgimp.parallel.slabs import Slab
 from pgimp.shapes.gimp import GimpParameters
 from pgimp.shapes.mpm import MpmParameters
 from pgimp.solver.grid import MARGIN, Grid
@@ -21,7 +22,7 @@ def plane_grid(origin, cell, cells, vertices):
     frame = Frame(
         (0.0, origin), (1.0, cell), (1.0, 1.0 / cell), (4, cells), vertices - 1
     )
-    return Grid(frame, vertices, 0, 4 + 2 * vertices, 0)
+    return Grid(frame, vertices, Slab(0, 4 + 2 * vertices, None, None))
 
 
 def reach(low, high):

@@ -3,18 +3,47 @@
 A vertex sum is defined so that no decomposition can change its bits: the particles of one layer
 are summed, in canonical order, from zero into that layer's own planes; then the layers are added
 in increasing order. Uniform gravity (17) is m_v b and needs no sum.
+
+In time the layers may follow each other otherwise: what neighbours wait for comes first, and what
+a layer then has to add later is put aside, see `Edges`.
 """
+
+from typing import NamedTuple
 
 from pgimp.kernels.jit import kernel
 from pgimp.kernels.layer import sum_layer
 from pgimp.kernels.simd import load, pack, store
+from pgimp.solver.particles import FloatArray
+
+
+class Edges(NamedTuple):
+    """What a slab's first and last layers add, put aside until its turn comes.
+
+    Both arrays hold sums of `shared` layers, layer by layer, each from its own plane up to the last
+    of these layers' own planes: (shared * (shared + 1) / 2 * plane,) float64.
+
+    Attributes
+    ----------
+    partial : float64
+        What the first `shared` layers add to the planes shared with the rank below; empty where
+        there is none.
+    kept : float64
+        What the last `shared` layers add to planes that are not shared with the rank above; empty
+        where there is none.
+    shared : int
+        Planes shared at a slab boundary.
+    """
+
+    partial: FloatArray
+    kept: FloatArray
+    shared: int
 
 
 @kernel
 def particles_to_grid(
-    shape, frame, window, particles, loads, order, start, scratch, G, active, partial, shared
+    shape, frame, window, particles, loads, order, start, runs, scratch, G, active, edges
 ):
-    """Sum all particles of a rank into its planes.
+    """Sum the particles of some layers of a rank into its planes.
 
     Parameters
     ----------
@@ -27,39 +56,51 @@ def particles_to_grid(
         Rows of the particles in canonical order.
     start : (layers + 1,) int64
         Where each of the rank's layers begins in `order`.
+    runs : (k, 3) int64
+        Runs of layers to sum, one after the other: the first layer, that behind the last one, and
+        whether their sums for planes that are not shared with the rank above are put aside, which
+        is for the rank's last ``edges.shared`` layers only.
     scratch : (vertices * plane,) float64
         A layer's own planes; zero on entry and on return.
     G : (planes * plane,) float64
         The window's planes. Only active ones are defined on return.
     active : (planes,) uint8
-        Set here: 1 for the planes that layers of this rank add to.
-    partial : (shared * (shared + 1) / 2 * plane,) float64
-        The separate sums that the first `shared` layers add to the first `shared` planes; layer by
-        layer, each from its own plane up.
-    shared : int
-        Number of planes shared with the rank below; 0 where there is none.
+        1 for the planes that layers of this rank add to; zero before the first layer of a step.
+    edges : Edges
+        See there; filled here.
     """
     plane = window.stride[0]
     vertices = len(scratch) // plane
-    active[:] = 0
-    partial[:] = 0.0
-    for layer in range(len(start) - 1):
-        if start[layer] == start[layer + 1]:
-            continue
-        low, high = sum_layer(
-            shape, frame, window, particles, loads, order, start[layer], start[layer + 1],
-            layer + window.lower[0], scratch,
-        )  # fmt: skip
-        slot = layer * shared - layer * (layer - 1) // 2
-        for i in range(vertices):
-            target = layer + i
-            if target < shared:
-                _flush(scratch, i * plane, partial, (slot + i) * plane, low, high)
-                continue
-            if active[target] == 0:
-                active[target] = 1
-                G[target * plane : (target + 1) * plane] = 0.0
-            _flush(scratch, i * plane, G, target * plane, low, high)
+    layers = len(start) - 1
+    below = edges.shared if len(edges.partial) > 0 else 0
+    for run in range(len(runs)):
+        for layer in range(runs[run, 0], runs[run, 1]):
+            low, high = 0, 0
+            if start[layer] < start[layer + 1]:
+                low, high = sum_layer(
+                    shape, frame, window, particles, loads, order, start[layer], start[layer + 1],
+                    layer + window.lower[0], scratch,
+                )  # fmt: skip
+            for i in range(vertices):
+                target = layer + i
+                if target < below:
+                    slot = _slot(layer, edges.shared) + i
+                    _set_aside(scratch, i * plane, edges.partial, slot * plane, low, high, plane)
+                    continue
+                if high > 0 and active[target] == 0:
+                    active[target] = 1
+                    G[target * plane : (target + 1) * plane] = 0.0
+                if runs[run, 2] != 0 and target < layers:
+                    slot = _slot(layer - layers + edges.shared, edges.shared) + i
+                    _set_aside(scratch, i * plane, edges.kept, slot * plane, low, high, plane)
+                    continue
+                _flush(scratch, i * plane, G, target * plane, low, high)
+
+
+@kernel
+def _slot(k, shared):
+    """Place, in planes, of the sums of the k-th of `shared` layers in an array of `Edges`."""
+    return k * shared - k * (k - 1) // 2
 
 
 @kernel
@@ -72,15 +113,48 @@ def _flush(scratch, source, G, target, low, high):
 
 
 @kernel
-def add_partials(G, first, partial, shared, plane):
-    """Add the partial sums of a slab's first layers to the planes from `first` on, in layer order.
+def _set_aside(scratch, source, aside, target, low, high, plane):
+    """Move a plane of `scratch`, which is zero but from `low` to `high`, leaving zeros."""
+    aside[target : target + low] = 0.0
+    zero = pack(0.0, 0.0, 0.0, 0.0)
+    for i in range(low, high, 4):
+        store(aside, target + i, load(scratch, source + i))
+        store(scratch, source + i, zero)
+    aside[target + high : target + plane] = 0.0
+
+
+@kernel
+def complete(G, plane, layers, edges, kept, received):
+    """Add what was put aside, and what the rank above has, to the planes where it belongs.
 
     Both sides of a slab boundary do this after the exchange, and then hold the same bits.
+
+    Parameters
+    ----------
+    G, edges
+        As in `particles_to_grid`; the planes shared with the rank below hold that one's sums.
+    plane, layers : int
+        Size of a plane, and number of the rank's layers.
+    kept : bool
+        Whether ``edges.kept`` is used in this step.
+    received : float64
+        The ``edges.partial`` of the rank above; empty where there is none.
     """
+    if len(edges.partial) > 0:
+        _add(G, 0, edges.partial, edges.shared, plane)
+    if kept:
+        _add(G, layers - edges.shared, edges.kept, edges.shared, plane)
+    if len(received) > 0:
+        _add(G, layers, received, edges.shared, plane)
+
+
+@kernel
+def _add(G, first, sums, shared, plane):
+    """Add sums as in `Edges` to the planes from `first` on, in layer order."""
     slot = 0
     for layer in range(shared):
         for i in range(layer, shared):
             target = (first + i) * plane
             for k in range(0, plane, 4):
-                store(G, target + k, load(G, target + k) + load(partial, slot * plane + k))
+                store(G, target + k, load(G, target + k) + load(sums, slot * plane + k))
             slot += 1

@@ -3,22 +3,66 @@
 A slab boundary cuts the sums of ``shared = s - 1`` planes. The rank below sends up its running
 sums of them, one prefix a plane; the rank above sends down what its first layers add, each layer
 by itself, s(s-1)/2 partial planes. Then both add prefix and partials in layer order.
+
+Only a slab's first and last layers give to these messages. They are summed first, and the inner
+layers while the messages are on their way, as far as that is more work than calling kernels more
+often. An MPI library may move a long message only while it is called; therefore the inner layers
+are summed in pieces, between which it is.
 """
 
+import os
+import weakref
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
-from pgimp.kernels.p2g import add_partials
+from pgimp.errors import UsageError
+from pgimp.kernels.p2g import complete
 from pgimp.parallel.slabs import Slab
 from pgimp.solver.grid import Grid, aligned
 
 _UP, _DOWN = 1, 2
 _MARKS = 4
 
+#: Environment variable that turns overlap off: "0" sums all layers first, with the same bits.
+SWITCH = "PGIMP_OVERLAP"
+
+#: Least number of particles in a piece of the inner layers, and the most pieces there are.
+PIECE, PIECES = 2000, 4
+
+
+def switched_on() -> bool:
+    """Whether work goes on while messages are on their way.
+
+    Raises
+    ------
+    UsageError
+        If the variable has a value that means nothing.
+    """
+    value = os.environ.get(SWITCH, "")
+    if value not in ("", "0", "1"):
+        raise UsageError(
+            f"the environment variable {SWITCH} is '{value}'; 0 lets ranks wait for each other's "
+            "messages, 1 or nothing lets them work meanwhile"
+        )
+    return value != "0"
+
+
+def _free(requests: list[Any]) -> None:
+    for request in requests:
+        request.Free()
+    requests.clear()
+
 
 class Halo:
-    """Exchange between a rank and its two neighbours.
+    """Exchange between a rank and its two neighbours, by persistent requests.
+
+    Requests belong to a grid's arrays and are made anew when these are others, as when the window
+    changes. A halo is cheap to make; make another when slabs change, and `close` the old one
+    then. What is not closed is at the process's end, before MPI is.
+
+    In a step, call `proceed` after each of the `parts` of the layers, then `finish`.
 
     Parameters
     ----------
@@ -28,60 +72,141 @@ class Halo:
         This rank's.
     shared : int
         Planes shared at a slab boundary, s - 1.
+
+    Attributes
+    ----------
+    overlap : bool
+        Whether inner layers may be summed while messages are on their way.
+    piece : int
+        Least number of particles in a piece of them.
+    messages, bytes : int
+        Sent so far by this rank.
     """
 
     def __init__(self, comm: Any, slab: Slab, shared: int) -> None:
-        self.comm = comm
-        self.slab = slab
-        self.shared = shared
+        self.comm, self.slab, self.shared = comm, slab, shared
+        self.overlap, self.piece = switched_on(), PIECE
+        self._alone = not slab.neighbours
+        self.messages = self.bytes = 0
+        layers = slab.layers
+        self._first = shared if slab.below is not None else 0
+        self._last = layers - (shared if slab.above is not None else 0)
+        self._parts: list[tuple[np.ndarray, ...]] = [(np.array([[0, layers, 0]]),)]
+        if not self._alone and self._last > self._first:
+            edges = np.array([[self._last, layers, 1], [0, self._first, 0]])
+            for pieces in range(1, min(PIECES, self._last - self._first) + 1):
+                cuts = np.linspace(self._first, self._last, pieces + 1).astype(int).tolist()
+                inner = [np.array([[a, b, 0]]) for a, b in pairwise(cuts)]
+                self._parts.append((edges, *inner))
+        self._kept = False
+        self._grid: Any = None
+        self._marks: Any = None
         self._received = aligned(0)
+        self._sizes = [0, 0]  # bytes sent in a step, without marks and with them
+        self._others: list[tuple[np.ndarray, np.ndarray]] = []
+        self._requests: list[Any] = []
+        self._mark_requests: list[Any] = []
+        self._every: list[Any] = []
+        self._started: list[Any] = []
+        self.close = weakref.finalize(self, _free, self._every)
 
-    def exchange(self, grid: Grid) -> None:
-        """Complete the sums of the shared planes; not collective beyond the neighbours."""
-        below, above = self.slab.below, self.slab.above
-        if below is None and above is None:
+    def parts(self, start: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Parts of the rank's layers, each some runs for `particles_to_grid`, in turn.
+
+        Parameters
+        ----------
+        start : (layers + 1,) int64
+            Where each layer begins in the order of the particles.
+        """
+        parts = self._parts[0]
+        if self.overlap and len(self._parts) > 1:
+            inner = int(start[self._last] - start[self._first])
+            parts = self._parts[min(inner // self.piece, len(self._parts) - 1)]
+        self._kept = len(parts) > 1 and self.slab.above is not None
+        return parts
+
+    def proceed(self, grid: Grid, marked: bool = False) -> None:
+        """Send what neighbours wait for, at the first call in a step; then see to the messages.
+
+        Parameters
+        ----------
+        marked : bool
+            Whether the exchange includes ``grid.marks``, which must be complete.
+        """
+        if self._alone:
             return
-        plane = grid.window.stride[0]
-        doubles = self.shared * plane
-        requests = []
-        if above is not None:
-            top = self.slab.layers
-            size = self.shared * (self.shared + 1) // 2 * plane
-            if len(self._received) != size:
-                self._received = aligned(size)
-            requests.append(self.comm.Irecv(self._received, above, _DOWN))
+        if self._started:
+            for request in self._started:
+                request.Test()
+            return
+        if self._grid is not grid.G:
+            self._connect(grid)
+        if marked and self._marks is not grid.marks:
+            self._connect_marks(grid)
+        if self.slab.above is not None:
+            top, plane = self.slab.layers, grid.window.stride[0]
             for i in range(top, top + self.shared):
                 if not grid.active[i]:
                     grid.active[i] = 1
                     grid.G[i * plane : (i + 1) * plane] = 0.0
-            prefix = grid.G[top * plane : top * plane + doubles]
-            requests.append(self.comm.Isend(prefix, above, _UP))
-        if below is not None:
+        if self.slab.below is not None:
             grid.active[: self.shared] = 1
-            requests.append(self.comm.Irecv(grid.G[:doubles], below, _UP))
-            requests.append(self.comm.Isend(grid.partial, below, _DOWN))
-        for request in requests:
-            request.Wait()
-        if below is not None:
-            add_partials(grid.G, 0, grid.partial, self.shared, plane)
-        if above is not None:
-            add_partials(grid.G, self.slab.layers, self._received, self.shared, plane)
+        self._started += self._requests
+        if marked:
+            self._started += self._mark_requests
+        for request in self._started:
+            request.Start()
+        self.messages += len(self._started) // 2
+        self.bytes += self._sizes[marked]
 
-    def unite(self, grid: Grid) -> None:
-        """Unite what this rank and its neighbours have marked in the planes that they share."""
-        size = self.shared * (grid.window.stride[0] // 8)
-        marks, first = grid.marks, self.slab.layers * (grid.window.stride[0] // 8)
-        ends = ((self.slab.below, marks[:size]), (self.slab.above, marks[first : first + size]))
-        pairs = [
-            (neighbour, planes, np.empty_like(planes))
-            for neighbour, planes in ends
-            if neighbour is not None
-        ]
-        requests = []
-        for neighbour, planes, others in pairs:
-            requests.append(self.comm.Irecv(others, neighbour, _MARKS))
-            requests.append(self.comm.Isend(planes.copy(), neighbour, _MARKS))
-        for request in requests:
+    def finish(self, grid: Grid) -> None:
+        """Complete the sums of the shared planes, and unite the marks there."""
+        if not self._started:
+            return
+        for request in self._started:
             request.Wait()
-        for _, planes, others in pairs:
-            planes |= others
+        complete(
+            grid.G, grid.window.stride[0], self.slab.layers, grid.edges, self._kept, self._received
+        )
+        if len(self._started) > len(self._requests):
+            for planes, others in self._others:
+                planes |= others
+        self._started.clear()
+
+    def _connect(self, grid: Grid) -> None:
+        """Make the requests for the arrays of `grid`."""
+        _free(self._every)
+        self._mark_requests.clear()
+        self._sizes = [0, 0]
+        self._grid, self._marks = grid.G, None
+        plane = grid.window.stride[0]
+        below, above = self.slab.below, self.slab.above
+        requests = []
+        if above is not None:
+            self._received = aligned(self.shared * (self.shared + 1) // 2 * plane)
+            prefix = grid.G[self.slab.layers * plane :][: self.shared * plane]
+            requests.append(self.comm.Recv_init(self._received, above, _DOWN))
+            requests.append(self.comm.Send_init(prefix, above, _UP))
+            self._sizes[0] += prefix.nbytes
+        if below is not None:
+            prefix = grid.G[: self.shared * plane]
+            requests.append(self.comm.Recv_init(prefix, below, _UP))
+            requests.append(self.comm.Send_init(grid.edges.partial, below, _DOWN))
+            self._sizes[0] += grid.edges.partial.nbytes
+        self._requests = requests
+        self._every += requests
+
+    def _connect_marks(self, grid: Grid) -> None:
+        """Make the requests for what constraints mark in the shared planes."""
+        marks, self._marks = grid.marks, grid.marks
+        plane = grid.window.stride[0] // 8
+        self._others, self._sizes[1] = [], self._sizes[0]
+        for neighbour, first in ((self.slab.below, 0), (self.slab.above, self.slab.layers)):
+            if neighbour is not None:
+                planes = marks[first * plane : (first + self.shared) * plane]
+                others = np.empty_like(planes)
+                self._others.append((planes, others))
+                self._mark_requests.append(self.comm.Recv_init(others, neighbour, _MARKS))
+                self._mark_requests.append(self.comm.Send_init(planes, neighbour, _MARKS))
+                self._sizes[1] += planes.nbytes
+        self._every += self._mark_requests

@@ -1,38 +1,24 @@
-"""Migration: particles whose layer has become a neighbour's move there, with all they carry."""
+"""Migration: particles whose layer has become a neighbour's move there, with all they carry.
 
+Each step one message goes to each neighbour: how many particles move, and their records, as far as
+there is room in the receiver's buffer. What is left then follows in a second message, and for the
+next time both sides make the same larger room.
+"""
+
+import weakref
 from typing import Any
 
 import numpy as np
 
+from pgimp.kernels.movers import pack_rows, sort_out, unpack_rows
 from pgimp.parallel.slabs import Slab
 from pgimp.solver.particles import Particles
-from pgimp.solver.population import Population
+from pgimp.solver.population import Population, with_room
 
-_TAG = 3
+_TAG, _REST = 3, 6
 
-
-def pack(particles: Particles, rows: np.ndarray) -> np.ndarray:
-    """All that the particles in `rows` carry, (n, width) float64; whole numbers bit by bit."""
-    n = len(rows)
-    columns = []
-    for array in particles:
-        taken = array[rows].reshape(n, array[0].size)
-        if taken.dtype.kind == "i":
-            taken = taken.astype(np.int64).view(np.float64)
-        columns.append(taken)
-    return np.concatenate(columns, axis=1)
-
-
-def unpack(records: np.ndarray, particles: Particles, rows: np.ndarray) -> None:
-    """Set `rows` of the particles from records made by `pack`."""
-    column = 0
-    for array in particles:
-        width = array[0].size
-        taken = np.ascontiguousarray(records[:, column : column + width])
-        if array.dtype.kind == "i":
-            taken = taken.view(np.int64)
-        array[rows] = taken.reshape(len(rows), *array.shape[1:])
-        column += width
+#: Records for which there is room in a message at first.
+ROOM = 32
 
 
 def width(particles: Particles) -> int:
@@ -40,47 +26,167 @@ def width(particles: Particles) -> int:
     return sum(array[0].size for array in particles)
 
 
-def migrate(comm: Any, slab: Slab, population: Population, movers: np.ndarray) -> np.ndarray:
-    """Send away the movers that have left the slab, and take in those that come.
+def pack(particles: Particles, rows: np.ndarray) -> np.ndarray:
+    """All that the particles in `rows` carry, (n, width) float64; whole numbers bit by bit."""
+    columns = width(particles)
+    wire = np.empty(len(rows) * columns)
+    pack_rows(particles, rows, wire, wire.view(np.int64), 0, columns)
+    return wire.reshape(len(rows), columns)
+
+
+def unpack(records: np.ndarray, particles: Particles, rows: np.ndarray) -> None:
+    """Set `rows` of the particles from records made by `pack`."""
+    wire = records.reshape(-1)
+    unpack_rows(particles, rows, wire, wire.view(np.int64), 0, width(particles))
+
+
+def _wire(records: int, columns: int) -> np.ndarray:
+    """A message's buffer: the number of particles, and room for so many records."""
+    return np.zeros(1 + records * columns)
+
+
+def _grown(number: int) -> int:
+    """Room for the next time, after so many particles had too little of it."""
+    return number + number // 2
+
+
+class _Link:
+    """The messages between a rank and one of its neighbours."""
+
+    def __init__(self, comm: Any, neighbour: int, columns: int) -> None:
+        self.comm, self.neighbour, self.columns = comm, neighbour, columns
+        self.to_send, self.to_receive = ROOM, ROOM  # records in the first message
+        self.outgoing, self.incoming = _wire(ROOM, columns), _wire(ROOM, columns)
+        self.receipt = comm.Recv_init(self.incoming, neighbour, _TAG)
+        self.requests: list[Any] = []
+
+    def send(self, particles: Particles, rows: np.ndarray) -> int:
+        """Begin to exchange; send `rows` of the particles. The number of messages sent."""
+        self.receipt.Start()
+        number, room = len(rows), self.to_send
+        if number > room:
+            self.to_send = _grown(number)
+            self.outgoing = _wire(self.to_send, self.columns)
+        self.outgoing[0] = number
+        if number:
+            bits = self.outgoing.view(np.int64)
+            pack_rows(particles, rows, self.outgoing, bits, 1, self.columns)
+        end = 1 + number * self.columns
+        full = 1 + room * self.columns
+        requests = self.requests
+        requests.append(self.comm.Isend(self.outgoing[: min(end, full)], self.neighbour, _TAG))
+        if end > full:
+            requests.append(self.comm.Isend(self.outgoing[full:end], self.neighbour, _REST))
+        return len(requests)
+
+    def wait(self) -> int:
+        """Wait for the neighbour's particles; their number."""
+        self.receipt.Wait()
+        number = int(self.incoming[0])
+        if number > self.to_receive:
+            self.to_receive = _grown(number)
+            first, self.incoming = self.incoming, _wire(self.to_receive, self.columns)
+            self.incoming[: len(first)] = first
+            rest = self.incoming[len(first) : 1 + number * self.columns]
+            self.comm.Recv(rest, self.neighbour, _REST)
+            self.receipt.Free()
+            self.receipt = self.comm.Recv_init(self.incoming, self.neighbour, _TAG)
+        return number
+
+    def end(self) -> None:
+        """Wait until all is sent."""
+        for request in self.requests:
+            request.Wait()
+        self.requests.clear()
+
+
+def _close(links: list[_Link]) -> None:
+    for link in links:
+        link.receipt.Free()
+    links.clear()
+
+
+class Migration:
+    """Particles that come and go between a rank and its two neighbours.
+
+    Receives are persistent and buffers are kept. To be made anew, on all ranks in the same step,
+    when slabs change; `close` the old one then. What is not closed is at the process's end, before
+    MPI is.
 
     Parameters
     ----------
-    movers : (k,) int32
-        Rows of this rank's particles whose layer has changed.
+    comm : communicator
+        Of all ranks.
+    slab : Slab
+        This rank's.
+    particles : Particles
+        This rank's; of them only the columns matter.
 
-    Returns
-    -------
-    (n,) int32
-        Rows of the particles that are new in a layer of this rank.
+    Attributes
+    ----------
+    messages, bytes : int
+        Sent so far by this rank.
     """
-    if slab.below is None and slab.above is None:
-        return movers
-    layer = population.particles.layer[movers]
-    down, up = layer < slab.first, layer >= slab.first + slab.layers
-    arrivals = [movers[~(down | up)]]
-    sends, messages = [], []
-    for neighbour, leaving in ((slab.below, movers[down]), (slab.above, movers[up])):
-        if neighbour is not None:
-            messages.append(pack(population.particles, leaving))
-            sends.append(comm.Isend(messages[-1], neighbour, _TAG))
-            population.release(leaving)
-    for neighbour in (slab.below, slab.above):
-        if neighbour is not None:
-            arrivals.append(_receive(comm, neighbour, population))
-    for send in sends:
-        send.Wait()
-    return np.concatenate(arrivals)
 
+    def __init__(self, comm: Any, slab: Slab, particles: Particles) -> None:
+        self.messages = self.bytes = 0
+        self._slab = slab
+        columns = width(particles)
+        below, above = (
+            None if neighbour is None else _Link(comm, neighbour, columns)
+            for neighbour in (slab.below, slab.above)
+        )
+        self._below, self._above = below, above
+        self._links = [link for link in (below, above) if link is not None]
+        self._arrivals, self._leaving = np.empty(0, np.int32), np.empty(0, np.int32)
+        self._stay = 0
+        self.close = weakref.finalize(self, _close, self._links)
 
-def _receive(comm: Any, neighbour: int, population: Population) -> np.ndarray:
-    """Rows of the particles that come from a neighbour."""
-    from mpi4py import MPI
+    def send(self, population: Population, places: np.ndarray) -> None:
+        """Send away the particles that have left the slab; not collective beyond the neighbours.
 
-    status = MPI.Status()
-    message = comm.Mprobe(neighbour, _TAG, status)
-    columns = width(population.particles)
-    records = np.empty((status.Get_count(MPI.DOUBLE) // columns, columns))
-    message.Recv(records)
-    rows = population.admit(len(records))
-    unpack(records, population.particles, rows)
-    return rows
+        Parameters
+        ----------
+        population : Population
+            This rank's; it gives up the rows of those that leave.
+        places : (k,) int32
+            Places in its order of all particles that have changed their layer.
+        """
+        down = up = self._stay = 0
+        found = len(places)
+        if found:
+            self._arrivals = with_room(self._arrivals, found)
+            self._leaving = with_room(self._leaving, found)
+            self._stay, down, up = sort_out(
+                population.particles.layer, population.order, places, population.first,
+                population.layers, self._arrivals, self._leaving,
+            )  # fmt: skip
+        leaving = self._leaving[:down], self._leaving[len(self._leaving) - up :]
+        for link, rows in zip((self._below, self._above), leaving, strict=True):
+            if link is not None:
+                self.messages += link.send(population.particles, rows)
+                self.bytes += 8 * (1 + len(rows) * link.columns)
+                if len(rows):
+                    population.release(rows)
+
+    def receive(self, population: Population) -> np.ndarray:
+        """Take in the particles that come; not collective beyond the neighbours.
+
+        Returns
+        -------
+        (n,) int32
+            Rows of the particles that are new in a layer of this rank, until the next call.
+        """
+        count = self._stay
+        for link in self._links:
+            number = link.wait()
+            if number:
+                self._arrivals = with_room(self._arrivals, count + number, count)
+                rows = self._arrivals[count : count + number]
+                population.admit(number, rows)
+                bits = link.incoming.view(np.int64)
+                unpack_rows(population.particles, rows, link.incoming, bits, 1, link.columns)
+                count += number
+        for link in self._links:
+            link.end()
+        return self._arrivals[:count]

@@ -1,12 +1,13 @@
 """A rank's place in the decomposition, and how it changes while a simulation goes on."""
 
-from time import perf_counter
+from time import perf_counter, thread_time
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pgimp.parallel.halo import Halo
 from pgimp.parallel.handover import hand_over
+from pgimp.parallel.migrate import Migration
 from pgimp.parallel.slabs import slab_of
 from pgimp.solver.grid import Grid
 from pgimp.solver.state import ACCUMULATORS, no_sums
@@ -19,9 +20,9 @@ def occupy(sim: "Simulation") -> None:
     """Make grid, halo and sums by plane for the rank's layers; the window is still to be set."""
     scene, slab = sim.scene, sim.slab
     shared = scene.vertices - 1
-    below = shared if slab.below is not None else 0
-    sim.grid = Grid(scene.frame, scene.vertices, slab.first, slab.layers, below)
+    sim.grid = Grid(scene.frame, scene.vertices, slab)
     sim.halo = Halo(sim.comm, slab, shared)
+    sim.migration = Migration(sim.comm, slab, sim.particles)
     sim.owned_planes = slab.layers if slab.above is not None else sim.grid.planes
     sums = no_sums(scene, sim.grid.planes)
     sim.work, sim.impulse, sim.beyond, sim.grip_impulse, sim.escaped = sums
@@ -32,10 +33,12 @@ def rebalance(sim: "Simulation") -> None:
     begin, comm, balance = perf_counter(), sim.comm, sim.balance
     counts = comm.gather(np.diff(sim.population.start))
     cuts = None if counts is None else balance.decide(np.concatenate(counts), sim.step)
-    cuts = comm.bcast(cuts)
+    cuts, balance.pause = comm.bcast((cuts, balance.pause))
     if cuts is not None:
+        # Not by the clock: what others make of a shared core is no part of a move.
+        agreed = thread_time()
         move_boundaries(sim, cuts)
-        balance.moved(perf_counter() - begin)
+        balance.moved(thread_time() - agreed)
     balance.watch(sim.local_count)
     sim.timings["balance"] += perf_counter() - begin
 

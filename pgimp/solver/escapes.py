@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from pgimp.solver.simulation import Simulation
 
 
-def let_go(sim: "Simulation", left: np.ndarray) -> np.ndarray:
+def let_go(sim: "Simulation", left: np.ndarray) -> None:
     """Book the particles that have left, and give up their rows.
 
     What they take with them is added to the sums of the layer in which they were, in canonical
@@ -23,11 +23,6 @@ def let_go(sim: "Simulation", left: np.ndarray) -> np.ndarray:
         Its `escaped` grows.
     left : (k,) int32
         Places in the order of the particles that left or changed their layer, ascending.
-
-    Returns
-    -------
-    (n,) int32
-        Rows of those that only changed their layer.
     """
     scene, population = sim.scene, sim.population
     particles = population.particles
@@ -40,4 +35,3 @@ def let_go(sim: "Simulation", left: np.ndarray) -> np.ndarray:
         sim.escaped[: sim.slab.layers],
     )  # fmt: skip
     population.release(leaving)
-    return rows[~gone]

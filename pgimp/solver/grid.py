@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from pgimp.kernels.p2g import Edges
+from pgimp.parallel.slabs import Slab
 from pgimp.solver.particles import FloatArray, Frame, Window
 
 #: Cells by which the window reaches beyond the particles, so that it seldom has to grow.
@@ -27,10 +29,8 @@ class Grid:
         Where the grid lies.
     vertices : int
         Vertices a direction in a particle's support.
-    first, layers : int
-        The rank's layers; it stores ``vertices - 1`` planes more.
-    shared : int
-        Planes shared with the rank below, 0 where there is none.
+    slab : Slab
+        The rank's layers; it stores ``vertices - 1`` planes more, those that ranks share.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class Grid:
         Records of the vertices, see `pgimp.kernels.transfer`; only active planes are defined.
     active : (planes,) uint8
         Which planes take part in this step.
-    partial, scratch : float64
+    scratch, edges : float64, Edges
         See `particles_to_grid`.
     marks : (planes * plane / 8,) int64
         See `pgimp.kernels.grips`; made when first asked for.
@@ -48,12 +48,11 @@ class Grid:
         First vertices (least, greatest; y, z) that a support in the window may have.
     """
 
-    def __init__(self, frame: Frame, vertices: int, first: int, layers: int, shared: int) -> None:
+    def __init__(self, frame: Frame, vertices: int, slab: Slab) -> None:
         self.frame = frame
         self.vertices = vertices
-        self.first = first
-        self.planes = layers + vertices - 1 if layers else 0
-        self.shared = shared
+        self.slab = slab
+        self.planes = slab.layers + vertices - 1 if slab.layers else 0
         self.active = np.zeros(self.planes, np.uint8)
         self.base = np.zeros((2, 2), np.int64)
 
@@ -74,7 +73,7 @@ class Grid:
 
     def _store(self, base: np.ndarray) -> None:
         """Make room for the supports with first vertices within `base`, cut to the grid."""
-        lower, extent = [self.first, 0, 0], [self.planes, 1, 1]
+        lower, extent = [self.slab.first, 0, 0], [self.planes, 1, 1]
         self.base = np.zeros_like(base)
         for d in range(1, len(self.frame.cells)):
             last = self.frame.vertices[d] - self.vertices
@@ -85,7 +84,13 @@ class Grid:
         plane = self.window.stride[0]
         self.G = aligned(self.planes * plane)
         self.scratch = aligned(self.vertices * plane)
-        self.partial = aligned(self.shared * (self.shared + 1) // 2 * plane)
+        shared = self.vertices - 1
+        aside = shared * (shared + 1) // 2 * plane
+        self.edges = Edges(
+            aligned(aside if self.slab.below is not None else 0),
+            aligned(aside if self.slab.above is not None else 0),
+            shared,
+        )
         self.bounds = self._bounds()
         self._marks = np.zeros(0, np.int64)
 

@@ -4,8 +4,18 @@ from math import prod
 
 import numpy as np
 
+from pgimp.kernels.movers import sort_rows
 from pgimp.kernels.order import locate, merge, reach_of
 from pgimp.solver.particles import Frame, IntArray, Particles
+
+
+def with_room(array: np.ndarray, size: int, used: int = 0) -> np.ndarray:
+    """Return the array, or a longer one with the same `used` first numbers if it is too short."""
+    if len(array) >= size:
+        return array
+    longer = np.empty(size + size // 8 + 16, array.dtype)
+    longer[:used] = array[:used]
+    return longer
 
 
 class Population:
@@ -47,8 +57,10 @@ class Population:
         self.start = np.zeros(self.layers + 1, np.int64)
         self._spare_start = np.zeros_like(self.start)
         self._used = count
-        self._holes: list[int] = []
-        self._left: list[int] = []
+        # Rows: of no use to anyone, and given up in this step; with room for more.
+        self._holes, self._holes_count = np.empty(0, np.int32), 0
+        self._left, self._left_count = np.empty(0, np.int32), 0
+        self._places = np.empty(0, np.int32)
         self._room = np.empty(0)
         if start is None:
             self.sort()
@@ -68,11 +80,10 @@ class Population:
         for array in p:
             if array.size:
                 self._permute(array, rows)
-        self.order = np.arange(len(rows), dtype=np.int32)
-        self._spare = np.empty_like(self.order)
+        self.order[:] = np.arange(len(rows))
         edges = np.arange(self.first, self.first + self.layers + 1)
         self.start[:] = np.searchsorted(p.layer[: len(rows)], edges)
-        self._used, self._holes, self._left = len(rows), [], []
+        self._used, self._holes_count, self._left_count = len(rows), 0, 0
 
     def _permute(self, array: np.ndarray, rows: np.ndarray) -> None:
         """Put the given rows of an array first, in their order.
@@ -112,14 +123,20 @@ class Population:
         They stay as they are until `restore_order`, which finds places by the keys of the old
         order's rows.
         """
-        self._left.extend(rows.tolist())
+        count = self._left_count + len(rows)
+        self._left = with_room(self._left, count, self._left_count)
+        self._left[self._left_count : count] = rows
+        self._left_count = count
 
     def vacate(self, rows: np.ndarray) -> None:
         """Give up rows between two steps: newcomers may have them at once.
 
         They stay in the old order until `take_layers`.
         """
-        self._holes.extend(rows.tolist())
+        count = self._holes_count + len(rows)
+        self._holes = with_room(self._holes, count, self._holes_count)
+        self._holes[self._holes_count : count] = rows
+        self._holes_count = count
 
     def take_layers(self, slab, order: np.ndarray, start: IntArray) -> None:
         """Go on with the layers of `slab`, whose rows in canonical order are `order`."""
@@ -127,14 +144,14 @@ class Population:
         self.order, self._spare = order, np.empty_like(order)
         self.start, self._spare_start = start, np.empty_like(start)
 
-    def admit(self, count: int) -> np.ndarray:
-        """Rows for `count` newcomers: holes first, then new ones."""
-        if self._used + count - len(self._holes) > self.particles.capacity:
+    def admit(self, count: int, rows: np.ndarray | None = None) -> np.ndarray:
+        """Rows for `count` newcomers: holes first, then new ones; in `rows` if that is given."""
+        if self._used + count - self._holes_count > self.particles.capacity:
             self._grow(max(count, self.particles.capacity // 8))
-        rows = np.empty(count, np.int32)
-        reused = min(count, len(self._holes))
-        for i in range(reused):
-            rows[i] = self._holes.pop()
+        rows = np.empty(count, np.int32) if rows is None else rows
+        reused = min(count, self._holes_count)
+        self._holes_count -= reused
+        rows[:reused] = self._holes[self._holes_count : self._holes_count + reused]
         rows[reused:] = np.arange(self._used, self._used + count - reused)
         self._used += count - reused
         return rows
@@ -155,24 +172,26 @@ class Population:
         left : (k,) int32
             Places in `order` of the particles that have left their layer, ascending.
         arrivals : (l,) int32
-            Rows of the particles that have come into a layer.
+            Rows of the particles that have come into a layer; sorted here.
         """
         p = self.particles
-        keys = (p.id[arrivals], p.cell[arrivals], p.layer[arrivals])
-        arrivals = arrivals[np.lexsort(keys)]
-        room = len(self.order) + len(arrivals)
-        if len(self._spare) < room:
-            self._spare = np.empty(room + room // 8, np.int32)
-        count = merge(
-            p, self.order, self.start, left, self.first, arrivals,
+        self._places = with_room(self._places, max(len(left), len(arrivals)))
+        sort_rows(p.layer, p.cell, p.id, arrivals, self._places)
+        places = self._places[: len(left)]
+        places[:] = left  # which may lie where the new order will
+        count = len(self.order) - len(left) + len(arrivals)
+        self._spare = with_room(self._spare, count)
+        merge(
+            p, self.order, self.start, places, self.first, arrivals,
             self._spare, self._spare_start,
         )  # fmt: skip
-        old, self.order = self._whole(self.order), self._spare[:count]
         # Also what is spare has room for all particles, see `movers`.
-        self._spare = old if len(old) >= count else np.empty_like(self._spare)
+        old, self.order = self._whole(self.order), self._spare[:count]
+        self._spare = with_room(old, count)
         self.start, self._spare_start = self._spare_start, self.start
-        self._holes += self._left
-        self._left = []
+        if self._left_count:
+            self.vacate(self._left[: self._left_count])
+            self._left_count = 0
 
     @staticmethod
     def _whole(order: np.ndarray) -> np.ndarray:

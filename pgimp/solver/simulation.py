@@ -11,6 +11,7 @@ from pgimp.kernels.jit import discard_damaged
 from pgimp.kernels.order import layers_of
 from pgimp.kernels.sums import fastest_rate
 from pgimp.parallel.halo import Halo
+from pgimp.parallel.migrate import Migration
 from pgimp.parallel.node import one_rank_first
 from pgimp.parallel.slabs import Slab, cut, slab_of
 from pgimp.scene.lattice import Lattice
@@ -94,6 +95,7 @@ class Simulation:
     slab: Slab
     grid: Grid
     halo: Halo
+    migration: Migration
     owned_planes: int
     work: np.ndarray
     impulse: np.ndarray
@@ -176,6 +178,7 @@ class Simulation:
         masses = comm.allgather(float(particles.m[:count].min(initial=np.inf)))
         self.lightest = LIGHT * min(masses)
         self.population = Population(particles, count, scene.shape, scene.frame, slab, start)
+        self.balance.watch(count)
         occupy(self)
         self.reach = self._agree_on_reach(self.population.reach())
         self.grid.cover(self.reach)
@@ -234,6 +237,11 @@ class Simulation:
     def local_count(self) -> int:
         """Number of this rank's particles."""
         return len(self.population.order)
+
+    @property
+    def known_count(self) -> int:
+        """Particles of all ranks, where there are several as of the last re-sort."""
+        return self.balance.total if self.comm.size > 1 else self.local_count
 
     def present(self) -> int:
         """Particles of all ranks now; collective."""

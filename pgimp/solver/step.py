@@ -3,14 +3,11 @@
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from pgimp.kernels.g2p import grid_to_particles
 from pgimp.kernels.grips import hold_marked, mark
 from pgimp.kernels.mirror import fold, reflect
 from pgimp.kernels.momentum import update_momentum
 from pgimp.kernels.p2g import particles_to_grid
-from pgimp.parallel.migrate import migrate
 from pgimp.solver.escapes import let_go
 
 if TYPE_CHECKING:
@@ -18,9 +15,6 @@ if TYPE_CHECKING:
 
 #: Phases of a step, as `Simulation.timings` names them.
 PHASES = ("P2G", "exchange", "momentum", "G2P", "migrate", "order")
-
-#: Rows of the movers where nobody moves.
-NOBODY = np.empty(0, np.int32)
 
 
 def step(sim: "Simulation", dt: float, end: float) -> tuple[int, float]:
@@ -39,23 +33,23 @@ def step(sim: "Simulation", dt: float, end: float) -> tuple[int, float]:
     loads, grips = scene.loads.at(sim.time), scene.loads.grips(sim.time, end)
     times = [perf_counter()]
 
-    particles_to_grid(  # (16, 17, 18, 21, 22)
-        shape, frame, window, particles, loads, order, start,
-        grid.scratch, grid.G, grid.active, grid.partial, grid.shared,
-    )  # fmt: skip
-    times.append(perf_counter())
-
-    sim.halo.exchange(grid)
+    grid.active.fill(0)
     if grips:
         mark(shape, frame, window, particles, order, start, grid.marks)
-        sim.halo.unite(grid)
+    for part in sim.halo.parts(start):  # first what neighbours wait for
+        particles_to_grid(  # (16, 17, 18, 21, 22)
+            shape, frame, window, particles, loads, order, start, part,
+            grid.scratch, grid.G, grid.active, grid.edges,
+        )  # fmt: skip
+        sim.halo.proceed(grid, bool(grips))
+    times.append(perf_counter())
+
+    sim.halo.finish(grid)
     times.append(perf_counter())
 
     gravity = scene.gravity(sim.time)
     for mirror in scene.mirrors:
-        fold(
-            frame, window, grid.G, grid.active, mirror, dt, gravity, sim.owned_planes, sim.impulse
-        )
+        fold(frame, window, grid.G, grid.active, mirror, dt, gravity, sim.owned_planes, sim.impulse)
     faces = sim.faces if not scene.varies else scene.face_parameters(sim.time, end)
     update_momentum(  # (14, 17) and the boundary conditions
         frame, window, grid.G, grid.active, dt, gravity, sim.lightest, faces,
@@ -83,15 +77,17 @@ def step(sim: "Simulation", dt: float, end: float) -> tuple[int, float]:
 
     sim.clamped += clamped
     sim.particle_steps += len(order)
-    left = coming = NOBODY
+    movers = population.movers[:found]
+    coming = movers
     if found or sim.slab.neighbours:
-        left = population.movers[:found].copy()
-        movers = let_go(sim, left) if leavers else order[left]
-        coming = migrate(sim.comm, sim.slab, population, movers)
+        if leavers:
+            let_go(sim, movers)
+        sim.migration.send(population, movers)
+        coming = sim.migration.receive(population)
     times.append(perf_counter())
 
     if found or len(coming):
-        population.restore_order(left, coming)
+        population.restore_order(movers, coming)
     times.append(perf_counter())
 
     for phase, begin, finish in zip(PHASES, times, times[1:], strict=False):

@@ -7,9 +7,11 @@ from pgimp.kernels.g2p import grid_to_particles
 from pgimp.kernels.grips import hold_marked, mark
 from pgimp.kernels.mirror import fold, reflect
 from pgimp.kernels.momentum import update_momentum
+from pgimp.kernels.movers import pack_rows, sort_out, sort_rows, unpack_rows
 from pgimp.kernels.order import layers_of, locate, merge, reach_of
-from pgimp.kernels.p2g import add_partials, particles_to_grid
+from pgimp.kernels.p2g import complete, particles_to_grid
 from pgimp.kernels.sums import SUMS, fastest_rate, layer_sums
+from pgimp.parallel.slabs import Slab
 from pgimp.scene.scene import Scene
 from pgimp.solver.grid import Grid
 from pgimp.solver.particles import Particles
@@ -23,17 +25,22 @@ def warm_up(scene: Scene, identity: tuple[float, ...]) -> None:
     rows = np.empty(0, np.int32)
     start = np.zeros(2, np.int64)
     reach = np.array([[2**62] * 2, [-(2**62)] * 2])
-    grid = Grid(frame, vertices, 0, 1, 0)
+    grid = Grid(frame, vertices, Slab(0, 1, None, None))
     grid.cover(np.full((2, 2), vertices))
     locate(shape, frame, p, rows, frame.vertices)
     reach_of(shape, frame, p, rows, reach)
     layers_of(shape, frame, identity, np.empty(0), np.empty(0, np.int64))
+    wire, bits = np.empty(0), np.empty(0, np.int64)
+    sort_out(p.layer, rows, rows, 0, 1, rows.copy(), rows.copy())
+    pack_rows(p, rows, wire, bits, 0, 0)
+    unpack_rows(p, rows, wire, bits, 0, 0)
+    sort_rows(p.layer, p.cell, p.id, rows, rows.copy())
     merge(p, rows, start, rows, 0, rows, rows.copy(), start.copy())
     particles_to_grid(
         shape, frame, grid.window, p, loads, rows, start,
-        grid.scratch, grid.G, grid.active, grid.partial, grid.shared,
+        np.zeros((0, 3), np.int64), grid.scratch, grid.G, grid.active, grid.edges,
     )  # fmt: skip
-    add_partials(grid.G, 0, grid.partial, 0, grid.window.stride[0])
+    complete(grid.G, grid.window.stride[0], 1, grid.edges, False, np.empty(0))
     faces = scene.face_parameters(0.0, 0.0)
     update_momentum(
         frame, grid.window, grid.G, grid.active, 1.0, scene.gravity(0.0), 0.0, faces, 1,
