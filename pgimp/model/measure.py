@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from math import ceil, log2
+from statistics import median
 from time import perf_counter
 from typing import Any
 
@@ -78,7 +79,7 @@ def messages_of(pair: Sample, costs: Costs, comm: Any) -> Messages:
 
 
 def _timed(comm: Any, act: Callable[[], object]) -> float:
-    """Seconds of something that all ranks do, the lower quartile; the same on every rank."""
+    """Seconds of something that all ranks do, the median; the same on every rank."""
     seconds = []
     for _ in range(_REPEATS):
         comm.Barrier()
@@ -86,7 +87,7 @@ def _timed(comm: Any, act: Callable[[], object]) -> float:
         for _ in range(_REPEATS):
             act()
         seconds.append((perf_counter() - begin) / _REPEATS)
-    return float(max(comm.allgather(np.quantile(seconds, 0.25))))
+    return float(max(comm.allgather(median(seconds))))
 
 
 def _reduction(comm: Any) -> float:

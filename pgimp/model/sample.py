@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from math import prod
-from statistics import median
+from statistics import mean, median
 from time import perf_counter
 from typing import Any
 
@@ -19,14 +19,12 @@ from pgimp.solver.simulation import RESORT, Simulation
 
 #: Seconds and steps of a block that is timed as one.
 _BLOCK_SECONDS, _FEWEST, _MOST = 0.02, 2, 100
-#: Steps after which it begins anew: its scene has become another.
-_LIFE = 2 * _MOST
 #: Small strains, without which a material's functions might take a shorter way.
 _STRAIN = 1e-3
 #: Particles of a sample at most.
 _MOST_PARTICLES = 500_000
 #: Steps, or times a case's own end, that no sample comes to.
-_ENDLESS = 100_000
+_ENDLESS = 1_000_000
 
 
 class Scattered(Simulation):
@@ -58,6 +56,9 @@ class Sample:
         Makes the simulation; again whenever it fails, for what it computes is of no interest.
     comm : communicator
         Of its ranks.
+    whole : bool
+        Whether the whole of it is timed, once. Otherwise it soon begins anew, before its scene has
+        become another.
 
     Attributes
     ----------
@@ -65,8 +66,8 @@ class Sample:
         As it is.
     """
 
-    def __init__(self, make: Callable[[], Simulation], comm: Any) -> None:
-        self._make, self._comm = make, comm
+    def __init__(self, make: Callable[[], Simulation], comm: Any, whole: bool = False) -> None:
+        self._make, self._comm, self._whole = make, comm, whole
         self._blocks: list[dict[str, float]] = []
         self._begin()
         seconds: list[float] = []
@@ -79,7 +80,7 @@ class Sample:
 
     def _begin(self) -> None:
         self.sim = self._make()
-        self._left = _LIFE
+        self._left = _ENDLESS if self._whole else 2 * _MOST
         self.sim.advance()  # touches its memory
 
     def _advance(self, steps: int) -> bool:
@@ -87,6 +88,8 @@ class Sample:
         self._left -= steps
         try:
             for _ in range(steps):
+                if self.sim.finished:
+                    return False
                 self.sim.advance()
         except RunError:
             self._begin()
@@ -95,7 +98,7 @@ class Sample:
 
     def run(self) -> None:
         """Time a block; collective."""
-        if self._left < self._steps:
+        if self._left < self._steps or (self.sim.finished and not self._whole):
             self._begin()
         sim = self.sim
         before = dict(sim.timings)
@@ -115,10 +118,11 @@ class Sample:
     def seconds(self, name: str = "step") -> float:
         """Seconds of a phase in a step, of the slowest rank; collective.
 
-        "step" is all of it but the sort, "sort" the step's part of a sort. Of the blocks' figures
-        it is the lower quartile: what else the machine does only ever adds.
+        The median of all blocks or, where the whole is timed, their mean. "step" is all of it but
+        the sort, "sort" the step's part of a sort.
         """
-        mine = np.quantile([block[name] for block in self._blocks], 0.25) if self._blocks else 0.0
+        typical = mean if self._whole else median
+        mine = typical(block[name] for block in self._blocks) if self._blocks else 0.0
         return float(max(self._comm.allgather(mine)))
 
 

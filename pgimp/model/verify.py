@@ -39,6 +39,7 @@ def compare(
     network: Network,
     seconds: float,
     fewest: int,
+    whole: bool = False,
 ) -> tuple[Costs, list[Comparison]]:
     """Measure costs from samples, and compare what follows for targets with what they take.
 
@@ -53,18 +54,22 @@ def compare(
         and those to compare.
     seconds, fewest : float, int
         See `take_turns`.
+    whole : bool
+        Whether the whole of the targets is timed, see `Sample`.
     """
     alone = list(samples())
     pair = Sample(lambda: small(comm), comm) if comm.size > 1 else None
     compared: list[tuple[str, int, Sample | None]] = []
     for name, make in targets.items():
-        one = Sample(lambda make=make: make(Serial()), Serial()) if comm.rank == 0 else None  # type: ignore[misc]
+        one = Sample(lambda make=make: make(Serial()), Serial(), whole) if comm.rank == 0 else None  # type: ignore[misc]
         compared.append((name, 1, one))
         if comm.size > 1:
-            many = Sample(lambda make=make: make(comm), comm)  # type: ignore[misc]
+            many = Sample(lambda make=make: make(comm), comm, whole)  # type: ignore[misc]
             compared.append((name, comm.size, many))
     turns = [*alone, *([pair] if pair else []), *(sample for _, _, sample in compared)]
     take_turns(turns, comm, seconds, fewest)
+    while whole and not all(comm.allgather(_finished(compared))):
+        take_turns(turns, comm, 0.0, fewest)
     costs = _mean(comm.allgather(costs_of(alone)))
     if pair:
         costs = costs._replace(messages=messages_of(pair, costs, comm))
@@ -77,6 +82,11 @@ def compare(
         measured = sample.seconds() + sample.seconds("sort")
         found.append(Comparison(name, layout.particles, ranks, measured, step.seconds))
     return costs, found
+
+
+def _finished(compared: list[tuple[str, int, Sample | None]]) -> bool:
+    """Whether all simulations of this rank are at their ends."""
+    return all(sample.sim.finished for _, _, sample in compared if sample)
 
 
 def _mean(costs: list[Costs]) -> Costs:

@@ -1,0 +1,122 @@
+"""Verification of the performance model: steps measured and predicted on 1 and 2 ranks.
+
+    python scripts/benchmarks/model.py [--seconds S] [NAME ...]
+
+Blocks are timed for some steps, cases of cases/ from beginning to end, by turns with the samples
+from which their costs follow, in one process on each of two ranks, on a machine that does nothing
+else. The table is Markdown; the status is 1 if a
+prediction is off by more than 15 %.
+"""
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+LIMIT = 0.15
+MPM = "method={shape: mpm, particles_per_cell: [2, 2]}"
+#: Name, and what is run: a block of so many cells along an edge at random or lattice positions, or
+#: on a lattice with another shape, or a case with changes.
+CASES = {
+    **{f"block, {n}^3 cells, random": ("random", n) for n in (8, 16, 32, 48, 64)},
+    **{f"block, {n}^3 cells, lattice": ("lattice", n) for n in (16, 32)},
+    **{f"block, 32^3 cells, {shape}": (shape, 32) for shape in ("mpm", "finite-gimp")},
+    "disks, 2D": ("disks", ["grid.cell=[0.01,0.01]"]),
+    "disks, 2D, coarse": ("disks", ["grid.cell=[0.05,0.05]"]),
+    "vortex, 2D, mpm": ("vortex", [MPM, "time.step=1e-3"]),
+    "vortex, 2D, finite-gimp": ("vortex", ["grid.cell=[0.025,0.025]", "time.step=2e-3"]),
+    "block on a floor, 3D": ("block3d", ["grid.cell=[0.05,0.05,0.05]"]),
+    "spinning block, 3D, finite-gimp": ("spinning-block", []),
+    "bar, 1D": ("bar-vibration", []),
+    "bar, 1D, fine": ("bar-vibration", ["grid.cell=[0.002]", "time.step=2e-5"]),
+}  # fmt: skip
+
+
+def verify(name: str, seconds: float) -> None:
+    """Compare one case on the ranks of this run, and print what came out as JSON."""
+    sys.path.insert(0, str(ROOT))
+    from pgimp import load
+    from pgimp.case.schema import Case
+    from pgimp.model.block import Block, block_case
+    from pgimp.model.costs import Network
+    from pgimp.model.sample import Sample, samples_of
+    from pgimp.model.verify import compare
+    from pgimp.parallel.comm import Serial, world
+    from pgimp.solver.simulation import Simulation
+
+    kind, what = CASES[name]
+    comm = world()
+    whole = not isinstance(what, int)
+    if not whole:
+        make = Block if kind == "random" else Simulation
+
+        def block(n, on):
+            data = block_case(n, 10**6)
+            if kind in ("mpm", "finite-gimp"):
+                data["method"]["shape"] = kind
+            return make(Case.model_validate(data), on)
+
+        def samples():
+            return [Sample(lambda n=n: block(n, Serial()), Serial()) for n in (3, 9, 28)]
+
+        small, target = lambda on: block(3, on), lambda on: block(what, on)
+    else:
+        case = load(ROOT / f"cases/{kind}.yaml", what)
+        count = Simulation(case, Serial()).count
+        sizes = [min(200, count), 5_000, *([min(150_000, count)] if count > 20_000 else [])]
+
+        def samples():
+            return samples_of(case, count, Serial(), sizes)
+
+        from pgimp.model.sample import resized
+
+        def small(on):
+            return Simulation(resized(case, (count / sizes[0]) ** (1 / case.dimensions)), on)
+
+        def target(on):
+            return Simulation(case, on)
+
+    _, found = compare(comm, samples, small, {name: target}, Network(), seconds, 5, whole)
+    if comm.rank == 0:
+        print(json.dumps([one._asdict() | {"deviation": one.deviation} for one in found]))
+
+
+def main() -> int:
+    """Verify the cases named, or all of them, one after the other."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--seconds", type=float, default=15.0, help="of each case (default 15)")
+    parser.add_argument("--inside", action="store_true", help=argparse.SUPPRESS)
+    parser.add_argument("names", nargs="*", metavar="NAME", help="part of the names of some cases")
+    args = parser.parse_args()
+    if args.inside:
+        verify(args.names[0], args.seconds)
+        return 0
+    chosen = [name for name in CASES if not args.names or any(n in name for n in args.names)]
+    allow = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+    print("| case | particles | ranks | measured [us a step] | predicted | deviation |")
+    print("|---" * 6 + "|")
+    worst = 0.0
+    for name in chosen:
+        words = ["mpirun", "-q", "-n", "2", sys.executable, __file__, "--inside", name]
+        words += ["--seconds", str(args.seconds)]
+        done = subprocess.run(words, stdout=subprocess.PIPE, text=True, env=os.environ | allow)
+        if done.returncode:
+            print(f"{name}: no result, status {done.returncode}", file=sys.stderr)
+            return 2
+        for one in json.loads(done.stdout):
+            worst = max(worst, abs(one["deviation"]))
+            print(
+                f"| {name} | {one['particles']:,} | {one['ranks']} "
+                f"| {1e6 * one['measured']:.4g} | {1e6 * one['predicted']:.4g} "
+                f"| {one['deviation']:+.0%} |",
+                flush=True,
+            )
+    print(f"\nThe largest deviation is {worst:.0%}; {LIMIT:.0%} are allowed.")
+    return int(worst > LIMIT)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
