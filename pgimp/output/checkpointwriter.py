@@ -88,9 +88,14 @@ def write(
             for name, (dtype, tail) in shapes.items():
                 array = rows[name]
                 place = offsets[name] + first * Dataset(name, dtype, tail).row_bytes
+                room = None
                 for begin, end in blocks(count):
-                    some = slice(begin, end)
-                    block = array[some] if order is None else array.take(order[some], 0)
+                    block = array[begin:end]
+                    if order is not None:
+                        # Always the same memory: new pages would cost as much as the rest.
+                        room = np.empty_like(block) if room is None else room[: end - begin]
+                        # Without "clip" NumPy would not take the memory it is given.
+                        block = array.take(order[begin:end], 0, room, "clip")
                     file.write(place, np.asarray(block, dtype, order="C"))
                     place += block.nbytes
             agree(comm, what, file.error)
