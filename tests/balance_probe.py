@@ -3,10 +3,11 @@
 balance_probe.py HOW FOLDER CASE.yaml ...   runs cases, each into FOLDER/NAME of the case, with
                                             checkpoints; what is there goes on from the newest one
 
-HOW is `off`; `on`, as people run it; `shuffled`: to random places every few steps; `counted`: as on,
-but every particle takes the same time, and moving next to none, whatever a clock says.
-FOLDER/NAME.json gets the particles of each rank at every step, those of each layer, and the number
-of moves.
+HOW is `off`; `on`, as people run it; `shuffled`: to random places every few steps; `counted`: as
+on,
+but every particle takes the same time, and moving next to none, whatever a clock says; `short`: as
+shuffled, but the second rank runs out of memory.
+FOLDER/NAME.json gets the particles of each rank at every step, those of each layer, and the moves.
 """
 
 import json
@@ -16,49 +17,51 @@ from pathlib import Path
 
 import numpy as np
 
+from pgimp import run
+from pgimp.parallel import handover
+from pgimp.parallel.comm import abort_on_error, world
+from pgimp.solver import balance
+from pgimp.solver.balance import Balance
+from pgimp.solver.simulation import Simulation
+
 how, folder, cases = sys.argv[1], Path(sys.argv[2]), sys.argv[3:]
-os.environ["PGIMP_BALANCE"] = "0" if how == "off" else "1"
+os.environ[balance.SWITCH] = "0" if how == "off" else "1"
 
-from pgimp import run  # noqa: E402
-from pgimp.solver.balance import Balance  # noqa: E402
-from pgimp.solver.simulation import Simulation  # noqa: E402
-
+#: Steps between two moves of those that are shuffled.
 EVERY = 5
 
 
-def random_cuts(balance, counts, step):
+def ask(mine, timings, count):
+    mine._taken += 1
+    mine.asks = mine._taken % EVERY == 0
+
+
+def random_cuts(mine, counts, step):
     """Any that are allowed."""
-    layers, width, active = len(counts), balance._vertices - 1, len(balance.cuts) - 1
-    ends = max(width, balance._ends)
+    layers, width, active = len(counts), mine._vertices - 1, len(mine.cuts) - 1
+    ends = max(width, mine._ends)
     least = ends + width * np.arange(active - 1)
-    slack = layers - ends - least[-1] if active > 1 else 0
+    slack = layers - ends - int(least[-1]) if active > 1 else 0
     extra = np.sort(np.random.default_rng(step).integers(0, slack + 1, active - 1))
-    balance.moves.append((0.0, 0.0))
-    return [0, *(int(n) for n in least + extra), layers]
+    cuts = [0, *(int(n) for n in least + extra), layers]
+    mine.moves += [(0.0, 0.0)] * (cuts != mine.cuts)
+    return cuts
 
 
-def ask(balance, timings, count):
-    balance._taken += 1
-    balance.asks = balance._taken % EVERY == 0
+if how in ("shuffled", "short"):
+    Balance.note, Balance.decide = ask, random_cuts
+    Balance.moved = lambda mine, seconds: None
+    handover._PIECE = 500  # so that what moves is sent in several messages
+if how == "counted":
+    noted = Balance.note
 
+    def alike(mine, timings, count):
+        spent = mine._before[0] + 1e-6 * count
+        noted(mine, {"P2G": spent, "G2P": 0.0, "order": 0.0, "momentum": 0.0}, count)
 
-def alike(balance, timings, count):
-    """A step of which each particle took a microsecond."""
-    noted(
-        balance,
-        {"P2G": balance._taken * 1e-6 * count, "G2P": 0.0, "order": 0.0, "momentum": 0.0},
-        count,
-    )
-
-
-noted = Balance.note
-if how == "shuffled":
-    Balance.decide, Balance.note = random_cuts, ask
-
-    def moved(balance, seconds):
-        pass
-
-    Balance.moved = moved
+    Balance.note = alike
+    Balance.moved = lambda mine, seconds: None
+    balance._PRICE = 0.01
 
 watched: dict = {}
 advance = Simulation.advance
@@ -66,22 +69,26 @@ advance = Simulation.advance
 
 def watch(sim):
     advance(sim)
-    if sim.comm.size > 1:
-        now = sim.comm.gather((sim.local_count, np.diff(sim.population.start)))
-        if now is not None:
-            watched.setdefault("ranks", []).append([part[0] for part in now])
-            watched.setdefault("layers", []).append(
-                np.concatenate([part[1] for part in now]).tolist()
-            )
-            watched["moves"] = len(sim.balance.moves)
-            watched["told"] = sim.balance.moves
+    now = sim.comm.gather((sim.local_count, np.diff(sim.population.start)))
+    if now is not None:
+        watched.setdefault("ranks", []).append([part[0] for part in now])
+        watched.setdefault("layers", []).append(np.concatenate([part[1] for part in now]).tolist())
+        watched["moves"] = sim.balance.moves
 
 
 Simulation.advance = watch
-for case in cases:
-    watched.clear()
-    name = Path(case).stem
-    checkpoints = ["checkpoint={every: {steps: 23}, keep: 1000}"]
-    result = run(case, output=folder / name, overrides=checkpoints, resume=True, quiet=True)
-    if watched:
-        (folder / f"{name}.json").write_text(json.dumps(watched))
+with abort_on_error(world()):
+    if how == "short" and world().rank == 1:
+        unpack = handover.unpack
+
+        def fail(*args):
+            raise MemoryError("Unable to allocate 3 EiB")
+
+        handover.unpack = fail
+    for case in cases:
+        watched.clear()
+        name = Path(case).stem
+        checkpoints = ["checkpoint={every: {steps: 23}, keep: 1000}"]
+        run(case, output=folder / name, overrides=checkpoints, resume=True, quiet=True)
+        if watched:
+            (folder / f"{name}.json").write_text(json.dumps(watched))

@@ -2,7 +2,8 @@
 
 import itertools
 import json
-import subprocess
+import re
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -10,10 +11,11 @@ import pytest
 from balance_scenes import column, crossing
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from rank_scenes import SCENES
+from rank_scenes import SCENES, SIZED
 from scenes import write_case
+from test_constraints import loaded
+from test_ranks import digests, go_back
 
-import pgimp
 from pgimp.errors import UsageError
 from pgimp.parallel.slabs import cut
 from pgimp.solver.balance import Balance, imbalance_of
@@ -199,3 +201,101 @@ def test_the_switch(monkeypatch):
     monkeypatch.setenv("PGIMP_BALANCE", "no")
     with pytest.raises(UsageError, match="PGIMP_BALANCE is 'no'; 0 keeps"):
         Balance([0, 50, 100], 1000, 3, 0, 48)
+
+
+# -- runs
+
+PROBE = Path(__file__).with_name("balance_probe.py")
+FOLLOWED = {"column": column(30, 7.0), "crossing": crossing(30, 9.0)}
+#: Mirrors; leavers; tractions, viscosity and constraints.
+MORE = {"mirrored": SIZED["plane_finite"], "leaves": SCENES["plane_leaves"], "loaded": loaded()}
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory, mpirun, python):
+    """``runs[how, ranks]`` is a folder of runs; more entries tell after which they went on."""
+    folder = tmp_path_factory.mktemp("balance")
+    cases = {name: folder / f"{name}.yaml" for name in FOLLOWED | MORE}
+    for name, case in (FOLLOWED | MORE).items():
+        write_case(cases[name], case)
+    followed = [cases[name] for name in FOLLOWED]
+    results = {}
+    for start in (
+        ("off", 1),
+        ("shuffled", 2),
+        ("shuffled", 3),
+        ("counted", 2),
+        ("counted", 3),
+        ("shuffled", 2, "shuffled", 3),
+        ("off", 2),
+    ):
+        how, ranks, *before = start
+        results[start] = folder / "-".join(map(str, start))
+        if before:
+            shutil.copytree(results[tuple(before)], results[start])
+            for name in cases:
+                go_back(results[start] / name, 0.4)
+        some = followed if "shuffled" not in start and ranks > 1 else cases.values()
+        words = [PROBE, how, results[start], *some]
+        job = python(words, 600) if ranks == 1 else mpirun(ranks, words, 600)
+        assert job.returncode == 0, job.stderr
+    return results
+
+
+@pytest.mark.parametrize(
+    "start", [("shuffled", 2), ("shuffled", 3), ("shuffled", 2, "shuffled", 3)]
+)
+@pytest.mark.parametrize("name", FOLLOWED | MORE)
+def test_no_bit_depends_on_where_boundaries_are(runs, name, start):
+    """They go to random places every five steps, farther than a neighbour; also after a resume."""
+    alone, moved = runs["off", 1], runs[start]
+    assert (alone / name / "history.csv").read_text() == (moved / name / "history.csv").read_text()
+    assert digests(alone / name) == digests(moved / name)
+    assert len(json.loads((moved / f"{name}.json").read_text())["moves"]) >= 5
+
+
+@pytest.mark.parametrize("start", [("counted", 2), ("counted", 3), ("off", 2)])
+@pytest.mark.parametrize("name", FOLLOWED)
+def test_no_bit_depends_on_the_balance(runs, name, start):
+    assert digests(runs["off", 1] / name) == digests(runs[start] / name)
+
+
+@pytest.mark.parametrize("ranks", [2, 3])
+@pytest.mark.parametrize("name", FOLLOWED)
+def test_ranks_have_as_many_particles_as_each_other_all_the_time(runs, name, ranks):
+    """Within a tenth, or what layers allow; and boundaries rest most of the time."""
+    told = json.loads((runs["counted", ranks] / f"{name}.json").read_text())
+    imbalance = np.array([max(now) * ranks / sum(now) - 1.0 for now in told["ranks"]])
+    layers = [np.array(now) for now in told["layers"]]
+    best = np.array([imbalance_of(now, cut(now, ranks, 2)) for now in layers])
+    assert best.max() < 0.1
+    assert (imbalance < 0.1).all()
+    assert 3 <= len(told["moves"]) < len(imbalance) / 4
+    before, after = np.array(told["moves"]).T
+    assert (after < before).all()
+
+
+def test_without_it_they_would_not(runs):
+    """The load leaves half of the ranks, or a good part of it does."""
+    for name, least in (("column", 0.2), ("crossing", 1.0)):
+        told = json.loads((runs["off", 2] / f"{name}.json").read_text())
+        assert max(max(now) * 2 / sum(now) - 1.0 for now in told["ranks"]) >= least
+        assert not told["moves"]
+
+
+def test_the_log_tells_of_moves_and_of_the_imbalance(runs):
+    on, off = ((runs[how, 2] / "column" / "log.txt").read_text() for how in ("counted", "off"))
+    moves = len(json.loads((runs["counted", 2] / "column.json").read_text())["moves"])
+    assert re.search(rf"slab boundaries moved {moves} times: imbalance \d+ % before a move", on)
+    assert "slab boundaries" not in off
+    for text in (on, off):
+        assert re.search(r"imbalance \d+ %: the busiest rank's P2G", text)
+        assert re.search(r"^balance +\d", text, re.MULTILINE)
+
+
+def test_a_rank_without_memory_for_a_move_ends_all(tmp_path, mpirun):
+    write_case(tmp_path / "crossing.yaml", FOLLOWED["crossing"])
+    job = mpirun(3, [PROBE, "short", tmp_path, tmp_path / "crossing.yaml"], 60)
+    assert job.returncode == 1
+    assert "pgimp: rank 1: out of memory: Unable to allocate 3 EiB" in job.stderr
+    assert "Traceback" not in job.stderr

@@ -68,10 +68,18 @@ def test_timing_table():
     assert cells["total"] == ["5.0000", "100.0", "%"]
 
 
+def test_timing_table_of_several_ranks_tells_the_imbalance():
+    """Of what they do without waiting: 4 and 2 seconds, a third more than the mean."""
+    ranks = [{"P2G": 3.0, "sort": 1.0, "exchange": 0.0}, {"P2G": 2.0, "exchange": 2.0}]
+    comm = SimpleNamespace(size=2, gather=lambda mine: ranks)
+    assert timing_table(comm, ranks[0], 5.0).splitlines()[-1].startswith("imbalance 33 %: the busi")
+
+
 def test_plain_progress_lines_grow_rare(monkeypatch, capsys):
     clock = SimpleNamespace(now=0.0)
     monkeypatch.setattr(progress, "perf_counter", lambda: clock.now)
-    sim = SimpleNamespace(time=0.0, step=0, dt=1e-4, count=1000)
+    sim = SimpleNamespace(time=0.0, step=0, dt=1e-4, known_count=1000)
+    sim.balance = SimpleNamespace(imbalance=None)
     bar = Progress(Log(speaks=True), sim, 100.0, 0)
     lines, looks = [], 0
     for step in range(1, 1_000_000):
@@ -87,7 +95,23 @@ def test_plain_progress_lines_grow_rare(monkeypatch, capsys):
     assert (pauses[1:] > pauses[:-1] - 0.5).all() and 60.0 <= pauses[-1] < 60.5
     when, line = lines[3]
     assert f"/100  step {round(when / 5e-4)}  dt 0.0001  2e+06 particle-steps/s" in line
-    assert line.endswith(f"{duration(500.0 - when)} left\n")
+    assert line.endswith(f"{duration(500.0 - when)} left\n") and "imbalance" not in line
+
+
+def test_the_progress_line_tells_the_present_load(monkeypatch, capsys):
+    clock = SimpleNamespace(now=0.0)
+    monkeypatch.setattr(progress, "perf_counter", lambda: clock.now)
+    load = SimpleNamespace(imbalance=0.042)
+    sim = SimpleNamespace(time=0.0, step=0, dt=1e-4, known_count=1000, balance=load)
+    bar = Progress(Log(speaks=True), sim, 100.0, 0)
+    for step in range(1, 60):
+        sim.step, sim.time, clock.now = step, step * 1e-4, float(step)
+        if step == 20:
+            sim.known_count, load.imbalance = 500, 0.38
+        bar.step()
+    first, *_, last = capsys.readouterr().out.splitlines()
+    assert "1e+03 particle-steps/s  imbalance 4 %  " in first
+    assert "500 particle-steps/s  imbalance 38 %  " in last
 
 
 def test_durations():

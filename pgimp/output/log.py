@@ -81,6 +81,9 @@ class Log:
                 self._file.close()
             self._file = None
 
+#: Phases in which no rank waits for another.
+_BUSY = ("P2G", "momentum", "G2P", "order", "sort")
+
 
 def timing_table(comm: Any, seconds: dict[str, float], total: float) -> str:
     """Lay out where the time of a run went.
@@ -97,8 +100,8 @@ def timing_table(comm: Any, seconds: dict[str, float], total: float) -> str:
     Returns
     -------
     str
-        A line a phase: least, mean and most over the ranks, and the share of the wall time. Empty
-        but on rank 0.
+        A line a phase: least, mean and most over the ranks, and the share of the wall time; on
+        several ranks the imbalance of what they do without waiting. Empty but on rank 0.
     """
     gathered = comm.gather(seconds | {"other": total - sum(seconds.values())})
     if gathered is None:
@@ -118,4 +121,11 @@ def timing_table(comm: Any, seconds: dict[str, float], total: float) -> str:
             f"{share:>6.1f} %"
         )
     lines.append(f"{'total':<{width}} {'':>11} {total:>11.4f} {'':>11} {100:>6.1f} %")
+    busy = [sum(rank.get(phase, 0.0) for phase in _BUSY) for rank in gathered]
+    if comm.size > 1 and sum(busy):
+        excess = 100.0 * (max(busy) * len(busy) / sum(busy) - 1.0)
+        names = ", ".join(_BUSY[:-1])
+        lines.append(
+            f"imbalance {excess:.0f} %: the busiest rank's {names} and {_BUSY[-1]} over the mean"
+        )
     return "\n".join(lines)

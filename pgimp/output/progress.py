@@ -112,9 +112,12 @@ class Progress:
         )
         self._shown, self._shown_at = now, (time, step)
         left = (self._end - time) / self._rates[0] if self._rates[0] > 0.0 else float("inf")
+        imbalance = self._sim.balance.imbalance
+        load = "" if imbalance is None else f"imbalance {100.0 * imbalance:.0f} %  "
         text = (
             f"t {time:.6g}/{self._end:.6g}  step {step}  dt {self._sim.dt:.3g}  "
-            f"{self._rates[1] * self._sim.count:.3g} particle-steps/s  {duration(left)} left"
+            f"{self._rates[1] * self._sim.known_count:.3g} particle-steps/s  {load}"
+            f"{duration(left)} left"
         )
         if self._bar is not None:
             try:

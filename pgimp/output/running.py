@@ -101,6 +101,8 @@ def advance(
     seconds = recorder.seconds
     table = timing_table(sim.comm, dict(sim.timings) | seconds, total)
     log.note(f"\n{table}")
+    if told := sim.balance.told():
+        log.note(told)
     directory.finish(
         "done" if ended else "stopped",
         sim.step,

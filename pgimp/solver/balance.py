@@ -200,7 +200,7 @@ class Balance:
         list of int or None
             As from `cut`; None where they should stay.
         """
-        self.pause = self._interval
+        self.pause = _LONGEST
         if not self.on or not counts.any():
             return None
         planes = np.convolve(counts > 0, np.ones(self._vertices))[: len(counts)] > 0.5
@@ -215,7 +215,8 @@ class Balance:
             self._wait = self._patience
             # What grows evenly with time has a gain that grows with its square.
             since = step - self._changed
-            self.pause = int(since * (price / gain) ** 0.5) - since if gain else self._interval // 4
+            growth = (price / gain) ** 0.5 if gain else 1.5
+            self.pause = int(since * min(growth - 1.0, 1.0))
             return None
         # Was it for what had been known before?
         if (differences != 1.0).any():
@@ -236,6 +237,14 @@ class Balance:
         self._forget()
         assert len(new) == ranks + 1
         return new
+
+    def told(self) -> str:
+        """Say on rank 0 in a line what was done; empty if nothing moved."""
+        if not self.moves:
+            return ""
+        before, after = (f"{100.0 * x:.0f} %" for x in np.mean(self.moves, axis=0))
+        times = f"{len(self.moves)} times" if len(self.moves) > 1 else "once"
+        return f"slab boundaries moved {times}: imbalance {before} before a move, {after} after it"
 
     def _offer(
         self, counts: np.ndarray, costs: np.ndarray, step: int
