@@ -18,7 +18,7 @@ import numpy as np
 from pgimp.errors import DamagedError, RunError
 from pgimp.output.checkpointheader import KINDS, encode, parse
 from pgimp.output.collective import agree, explain, on_root
-from pgimp.output.datasets import Dataset, bytes_of, create
+from pgimp.output.datasets import Dataset, bytes_of, lay_out
 from pgimp.output.files import publish, temporary
 from pgimp.output.framefile import FrameFile, Written, blocks
 from pgimp.output.unfinished import removed_on_error, told
@@ -168,20 +168,19 @@ class _Plan:
                     raise ValueError(f"no checkpoint holds numbers of type {place['dtype']}")
             room = len(encode(self.content)) + _NUMBER * (len(places) + 2) + _PIECE_TEXT * pieces
             self.begin = max(512, 1 << (room - 1).bit_length())
-            offsets = create(
-                self.part, self.datasets, self.count, whole=arrays, user_block=self.begin
-            )
+            layout = lay_out(self.datasets, self.count, whole=arrays, user_block=self.begin)
+            layout.create(self.part, arrays)
         except OSError as error:
             raise RunError(f"cannot {what}: {explain(error)}") from error
         except (ValueError, TypeError, RuntimeError) as error:
             raise RunError(f"cannot {what}: {error}") from error
         for name, place in places.items():
-            place["offset"] = offsets[name]
+            place["offset"] = layout.offsets[name]
         for name, array in arrays.items():
             if array.size:
                 checksum = zlib.crc32(bytes_of(array))
-                self.written.append(Written(offsets[name], array.nbytes, checksum))
-        return offsets
+                self.written.append(Written(layout.offsets[name], array.nbytes, checksum))
+        return layout.offsets
 
     def head(self, written: list[list[Written]], what: str) -> None:
         """Write the header, with the checksums of what the ranks wrote."""

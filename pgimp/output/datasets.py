@@ -1,4 +1,4 @@
-"""Making an HDF5 file with its space on the disk, before any rank writes to it."""
+"""HDF5 files with their space on the disk, before any rank writes to them."""
 
 from __future__ import annotations
 
@@ -35,23 +35,60 @@ class Dataset(NamedTuple):
         return np.dtype(self.dtype).itemsize * math.prod(self.tail)
 
 
-def create(
-    path: Path,
+class Layout(NamedTuple):
+    """A file whose datasets lie in one piece each.
+
+    Attributes
+    ----------
+    offsets : dict of str to int
+        Where in the file each dataset's first byte lies; 0 if it has none.
+    parts : dict of int to bytes
+        What HDF5 says about the datasets, by its place.
+    size : int
+        Bytes of the file.
+    """
+
+    offsets: dict[str, int]
+    parts: dict[int, bytes]
+    size: int
+
+    def create(self, path: Path, whole: Mapping[str, Array] = _NONE) -> None:
+        """Make the file, with its space on the disk reserved.
+
+        On a full disk a parallel write may lose data without an error; so the space is there before
+        any rank writes.
+
+        Parameters
+        ----------
+        path : Path
+            The file; replaced if there.
+        whole : mapping of str to ndarray
+            Datasets that are written here and now.
+
+        Raises
+        ------
+        OSError
+            If there is no room, or the file cannot be made.
+        """
+        with open(path, "wb", buffering=0) as stream:
+            reserve(stream.fileno(), 0, self.size)
+            for place, data in self.parts.items():
+                put(stream.fileno(), memoryview(data), place)
+            for name, array in whole.items():
+                put(stream.fileno(), bytes_of(array), self.offsets[name])
+
+
+def lay_out(
     datasets: list[Dataset],
     count: int,
     attributes: Mapping[str, Any] = _NONE,
     whole: Mapping[str, Array] = _NONE,
     user_block: int = 0,
-) -> dict[str, int]:
-    """Make a file whose datasets lie in one piece each, with their space on the disk reserved.
-
-    On a full disk a parallel write may lose data without an error; so the space is there before
-    any rank writes.
+) -> Layout:
+    """Find out where everything goes in a file.
 
     Parameters
     ----------
-    path : Path
-        The file; replaced if there.
     datasets : list of Dataset
         What it holds.
     count : int
@@ -59,19 +96,14 @@ def create(
     attributes : mapping
         Of the file's root.
     whole : mapping of str to ndarray
-        Further datasets, small ones, written here and now.
+        Further datasets, of which only types and shapes matter.
     user_block : int
         Bytes before what is HDF5's, left zero: none, or a power of two from 512 on.
 
     Returns
     -------
-    dict of str to int
-        Where in the file each dataset's first byte lies; 0 if it has none.
-
-    Raises
-    ------
-    OSError
-        If there is no room, or the file cannot be made.
+    Layout
+        The file to be.
     """
     h5py = load_h5py()
     properties = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
@@ -87,13 +119,14 @@ def create(
         for dataset, shape in shapes:
             made = make(file, dataset, shape, properties)
             offsets[dataset.name] = made.get_offset() if math.prod(shape) else 0
-    parts = {place: memoryview(data) for (place, _), data in image.parts.items()}
-    parts |= {offsets[name]: bytes_of(array) for name, array in whole.items() if array.size}
-    with open(path, "wb", buffering=0) as stream:
-        reserve(stream.fileno(), 0, image.size)
-        for place, data in parts.items():
-            put(stream.fileno(), data, place)
-    return offsets
+    parts: dict[int, bytes] = {}
+    last = -1
+    for (place, _), data in sorted(image.parts.items()):
+        if last >= 0 and place == last + len(parts[last]):
+            parts[last] += data
+        else:
+            parts[place], last = data, place
+    return Layout(offsets, parts, image.size)
 
 
 def make(file: Any, dataset: Dataset, shape: tuple[int, ...], properties: Any) -> Any:

@@ -14,7 +14,7 @@ from pgimp.case import fields as case_fields
 from pgimp.output import chunks
 from pgimp.output.chunks import Chunks, chunk_rows
 from pgimp.output.collective import on_root
-from pgimp.output.datasets import Dataset, create
+from pgimp.output.datasets import Dataset, Layout, lay_out
 from pgimp.output.fields import EVERY, Source
 from pgimp.output.files import temporary
 from pgimp.output.framefile import FrameFile
@@ -28,6 +28,9 @@ MEANING = case_fields.ALWAYS | case_fields.FIELDS | case_fields.FAILURE
 CONNECTIVITY = Dataset(
     "connectivity", "<i8", (), {"meaning": "the row itself, for the cells of XDMF readers"}
 )
+# What stands for time and step in the headers that all frames have in common: with characters that
+# no text of a case has.
+_TIME, _STEP = b"\x01time\x02\x03\x04", b"\x01step\x02\x03\x04"
 # Fields of which a rank has no more than so many bytes in all go to their rows together.
 _TOGETHER = 4 << 20
 
@@ -67,6 +70,7 @@ class ParticleFile:
             name: np.dtype(precision).newbyteorder("<").str if dtype == "<f8" else dtype
             for name, dtype in ((name, EVERY[name].dtype) for name in fields)
         }
+        self._layout, self._count = Layout({}, {}, 0), -1
         self._scene = scene
         self._compressed = compressed
         names = {"body": list(scene.body_names), "material": list(scene.material_names)}
@@ -153,8 +157,19 @@ class ParticleFile:
         """Write each row where it belongs, in datasets that lie in one piece each."""
 
         def begin() -> dict[str, int]:
+            if self._count != rows.count:
+                stands_for = {"time": np.frombuffer(_TIME, "<f8")[0]}
+                stands_for |= {"step": np.frombuffer(_STEP, "<i8")[0]}
+                self._layout = lay_out(self._datasets, rows.count, attributes | stands_for)
+                self._count = rows.count
+            time, step = np.array(attributes["time"], "<f8"), np.array(attributes["step"], "<i8")
+            parts = {
+                place: data.replace(_TIME, time.tobytes()).replace(_STEP, step.tobytes())
+                for place, data in self._layout.parts.items()
+            }
             with told(what):
-                return create(part, self._datasets, rows.count, attributes)
+                self._layout._replace(parts=parts).create(part)
+            return self._layout.offsets
 
         offsets = on_root(rows.comm, begin)
         file = FrameFile(part, rows.comm.rank)
