@@ -19,8 +19,8 @@ from kernel_driver import (
 )
 
 from pgimp.kernels.jit import kernel
-from pgimp.kernels.order import locate, reach_of
-from pgimp.kernels.transfer import half_widths
+from pgimp.kernels.order import cell_numbers, locate, reach_of, vertices_of
+from pgimp.kernels.place import half_widths
 from pgimp.solver.particles import Particles
 
 ORIGIN, CELL = (-1.1, 0.3, 2.0), (0.7, 1.3, 0.9)
@@ -188,17 +188,18 @@ def test_locate_does_not_see_the_neighbours(name, D):
         rank = Rank(shape, frame, copy_of(particles))
         restored(rank, chosen, rows, capacity)
         p = rank.particles
-        p.layer[:], p.cell[:] = -5, -5
+        p.layer[:], p.cell[:] = -5, 0
         locate(rank.shape, frame, p, rank.population.order, frame.vertices)
         assert (p.layer[rows] == whole.particles.layer[order[chosen]]).all()
         assert (p.cell[rows] == whole.particles.cell[order[chosen]]).all()
         assert (np.delete(p.layer, rows) == -5).all()
-        j = [p.cell[rows] % np.prod(frame.vertices[1:]) // np.prod(frame.vertices[2:]),
-             p.cell[rows] % np.prod(frame.vertices[2:])]  # fmt: skip
+        first = vertices_of(p.cell[rows], frame.vertices)
+        assert (first[:, 0] == p.layer[rows]).all()
+        assert (p.cell >= 0).all() and (p.cell[rows] < cell_numbers(frame.vertices)).all()
         reach = np.array([[2**62] * 2, [-(2**62)] * 2])
         reach_of(rank.shape, frame, p, rank.population.order, reach)
         for d in range(1, D):
-            assert reach[0, d - 1] == j[d - 1].min() and reach[1, d - 1] == j[d - 1].max()
+            assert reach[0, d - 1] == first[:, d].min() and reach[1, d - 1] == first[:, d].max()
 
 
 @EVERY

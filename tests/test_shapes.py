@@ -9,8 +9,11 @@ from hypothesis import strategies as st
 from kernel_driver import KINDS, SEED, VARIANTS, entry, follows, initial_half, make_frame
 from quadrature import CHI, chi_of, integrals
 
+from pgimp.kernels import batch
+from pgimp.kernels.batch import ROOM
 from pgimp.kernels.jit import kernel
-from pgimp.kernels.transfer import first_vertex, half_widths, support
+from pgimp.kernels.place import first_vertex, half_widths
+from pgimp.kernels.simd import stack
 from pgimp.shapes import SHAPES
 from pgimp.shapes.base import weights
 from pgimp.solver.particles import Particles, Window
@@ -27,18 +30,22 @@ EPS = np.finfo(float).eps
 
 
 @kernel
-def collect(shape, frame, window, particles, lowest, place, weight, slope, stride):
-    """What `support` says of every particle, its layer as the solver finds it."""
-    for p in range(len(place)):
+def collect(shape, frame, window, particles, order, lowest, place, weight, slope, extent):
+    """What `batch.supports` says of every particle, its layer as the solver finds it."""
+    room = stack(ROOM)
+    for k in range(len(order)):
+        p = order[k]
         half = half_widths(shape, frame, particles, p)
         layer = first_vertex(frame, 0, half[0], particles.x[p, 0])
-        place[p], W = support(shape, frame, window, particles, p, layer)
-        for d in range(len(W)):
+        rows = batch.four(order, k, k + 1 + p % 4 if k + 4 < len(order) else k + 1)
+        batch.supports(shape, frame, window, particles, rows, layer, room)
+        place[p] = batch.first_place(room, 0)
+        for d in range(lowest.shape[1]):
             lowest[p, d] = first_vertex(frame, d, half[d], particles.x[p, d])
-            stride[p, d] = W[d][2]
-            for i in range(len(W[d][0])):
-                weight[p, d, i] = W[d][0][i]
-                slope[p, d, i] = W[d][1][i]
+            extent[p, d] = batch.extent(shape, room, d, 0)
+            for i in range(weight.shape[2]):
+                weight[p, d, i] = batch.entry(room, d, 0, i, 0)
+                slope[p, d, i] = batch.entry(room, d, 1, i, 0)
 
 
 def supports(shape, frame, x, F):
@@ -48,14 +55,18 @@ def supports(shape, frame, x, F):
     extent = (*frame.vertices, 1, 1)[:3]
     lower = (0, *range(-1, -D, -1), 0, 0)[:3]  # windows need not begin with the first vertex
     window = Window.over(lower, extent)
-    lowest, stride = np.zeros((2, n, D), np.int64)
+    lowest, extents = np.zeros((2, n, D), np.int64)
     weight, slope = np.zeros((2, n, D, s))
     at = np.zeros(n, np.int64)
     particles = Particles.empty(n, D, False)
     particles.x[:], particles.F[:] = x, F.reshape(n, -1)
     parameters = shape.parameters(frame.cell)
-    collect(parameters, frame, window, particles, lowest, at, weight, slope, stride)
-    assert (stride == window.stride[:D]).all()
+    order = np.arange(n, dtype=np.int32)
+    collect(parameters, frame, window, particles, order, lowest, at, weight, slope, extents)
+    # What is left out has neither weight nor gradient, or one that is lost to rounding.
+    for i in range(s):
+        assert (np.abs(weight[..., i][extents <= i]) == 0.0).all()
+        assert (np.abs(slope[..., i][extents <= i]) < 1e-100).all()
     along = [lowest[:, d] - lower[d] for d in range(1, D)]
     assert (at == sum((a * window.stride[d + 1] for d, a in enumerate(along)), 0)).all()
     full = []

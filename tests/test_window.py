@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pgimp.kernels.jit import kernel
-from pgimp.kernels.transfer import first_vertex
+from pgimp.kernels.place import first_vertex
 from pgimp.parallel.slabs import Slab
 from pgimp.shapes.gimp import GimpParameters
 from pgimp.shapes.mpm import MpmParameters

@@ -260,5 +260,6 @@ def _largest_stretch_squared(b):
     if len(b) == 4:
         return lambda b: max(b[0], b[1]) + abs(b[3])
     return lambda b: max(
-        b[0] + abs(b[3]) + abs(b[5]), b[1] + abs(b[3]) + abs(b[4]), b[2] + abs(b[4]) + abs(b[5])
+        max(b[0] + abs(b[3]) + abs(b[5]), b[1] + abs(b[3]) + abs(b[4])),
+        b[2] + abs(b[4]) + abs(b[5]),
     )

@@ -3,14 +3,40 @@
 from math import isfinite, sqrt
 
 from pgimp.kernels.algebra import determinant, multiply, one_plus, symmetric
+from pgimp.kernels.batch import (
+    LANES,
+    ROOM,
+    deformations,
+    first_place,
+    four,
+    put,
+    put_row,
+    supports,
+    take,
+    take_row,
+)
 from pgimp.kernels.grips import gripped
 from pgimp.kernels.jit import kernel, specialise
-from pgimp.kernels.loads import add_power, keep_gradient, relaxed
-from pgimp.kernels.transfer import components, first_vertex, gather, gradient, support
-from pgimp.kernels.tuples import plus_scaled, read, write
+from pgimp.kernels.lanes import of_lane
+from pgimp.kernels.loads import add_power, keep_gradients, relaxed
+from pgimp.kernels.place import first_vertex
+from pgimp.kernels.simd import bits, lane, stack, vector
+from pgimp.kernels.transfer import (
+    collected,
+    components,
+    gather,
+    gradients,
+    keep_sums,
+    repeat_sums,
+)
+from pgimp.kernels.tuples import plus_scaled
 from pgimp.kernels.viscosity import stiffened, thicken
-from pgimp.materials.base import evaluate
+from pgimp.materials.base import evaluate_four
 from pgimp.shapes.base import size
+from pgimp.shapes.stretch import LARGEST
+
+#: Room for what `gather` gives of a batch: at most five vectors each.
+SUMS = 80
 
 #: What is wrong with a particle at fault.
 NOT_FINITE, INVERTED, TOO_FAST, OUTSIDE = 1, 2, 3, 4
@@ -44,6 +70,15 @@ def _squared(v):
     if len(v) == 1:
         return lambda v: v[0] * v[0]
     return lambda v: v[0] * v[0] + squared(v[1:])
+
+
+@kernel
+def materials_of(material_of, body, rows):
+    """Materials of four particles."""
+    return (
+        material_of[body[rows[0]]], material_of[body[rows[1]]],
+        material_of[body[rows[2]]], material_of[body[rows[3]]],
+    )  # fmt: skip
 
 
 @kernel
@@ -122,63 +157,80 @@ def grid_to_particles(
     leavers = 0
     found = 0
     clamped = 0
-    rate = 0.0
     inverse = 0.0
     for d in range(len(frame.inverse)):
         inverse = max(inverse, frame.inverse[d])
     limit = (dt * inverse) ** 2
+    fastest = vector(0.0)
+    room = stack(ROOM)
+    sums = stack(SUMS)
     for layer in range(first, last):
         number = layer + window.lower[0]
-        for k in range(start[layer], start[layer + 1]):
-            p = order[k]
-            place, W = support(shape, frame, window, particles, p, number)
-            place += layer * window.stride[0]
-            U, A, D = gather(G, place, W[0][0], W[0][1], W[0][2], W[1:])
-            u = components(frame.origin, U)
-            a = components(frame.origin, A)
-            add_power(
-                loads, shape, frame, window, particles, p, number, W,
-                layer * window.stride[0], G, u, dt, work, layer,
-            )  # fmt: skip
-            v = plus_scaled(dt, a, read(particles.v, p, 0, u))  # (27)
+        begin = layer * window.stride[0]
+        for k in range(start[layer], start[layer + 1], LANES):
+            rows = four(order, k, start[layer + 1])
+            count = min(LANES, start[layer + 1] - k)
+            supports(shape, frame, window, particles, rows, number, room)
+            for j in range(count):
+                place = begin + first_place(room, j)
+                U, A, D = gather(shape, G, room, j, place, window.stride, frame.origin)
+                keep_sums(sums, j, U, A, D)
+                add_power(
+                    loads, shape, frame, window, particles, rows[j], number, begin, G,
+                    components(frame.origin, U), dt, work, layer,
+                )  # fmt: skip
+            repeat_sums(sums, count, frame.origin)
+            u = collected(sums, 0, frame.origin)
+            a = collected(sums, 1, frame.origin)
+            L = gradients(sums, 2, frame.origin)  # (30)
+            v = plus_scaled(dt, a, take_row(particles.v, rows, 0, u))  # (27)
             v = relaxed(loads.relaxation, dt, v, u)
-            u, v = gripped(grips, particles, p, u, v, impulse, work, layer)
-            x = plus_scaled(dt, u, read(particles.x, p, 0, u))  # (26)
-            L = gradient(D)  # (30)
-            keep_gradient(loads.affine, particles, p, L)
-            F = multiply(one_plus(dt, L), read(particles.F, p, 0, L))
+            u, v = gripped(grips, particles, rows, count, u, v, impulse, work, layer)
+            x = plus_scaled(dt, u, take_row(particles.x, rows, 0, u))  # (26)
+            keep_gradients(loads.affine, particles, rows, L)
+            F = multiply(one_plus(dt, L), deformations(frame, particles, rows))
             J = determinant(F)
-            m = material_of[particles.body[p]]
-            sigma = read(particles.sigma, p, 0, symmetric(L))
-            sigma = evaluate("stress", materials, m, (F, J, sigma, L, dt))
-            write(particles.x, p, 0, x)
-            write(particles.v, p, 0, v)
-            write(particles.F, p, 0, F)
-            write(particles.sigma, p, 0, sigma)
+            m = materials_of(material_of, particles.body, rows)
+            sigma = take_row(particles.sigma, rows, 0, symmetric(L))
+            sigma = evaluate_four("stress", materials, m, (F, J, sigma, L, dt), sigma)
+            put_row(particles.x, rows, 0, x)
+            put_row(particles.v, rows, 0, v)
+            put_row(particles.F, rows, 0, F)
+            put_row(particles.sigma, rows, 0, sigma)
             if tracked:
-                particles.V[p] = J * particles.V0[p]
-            slow = thicken(loads.viscosity, materials, m, particles, p, F, L)  # (45)
+                put(particles.V, rows, J * take(particles.V0, rows))
+            slow = thicken(loads.viscosity, materials, m, particles, rows, F, J, L)  # (45)
             if controlled:
-                c = stiffened(loads.viscosity, evaluate("speed", materials, m, (F, J)), slow)
-                rate = max(rate, (c + sqrt(squared(v))) * inverse)
+                c = evaluate_four("speed", materials, m, (F, J), J)
+                c = stiffened(loads.viscosity, c, slow)
+                fastest = max((c + sqrt(squared(v))) * inverse, fastest)
             # One branch for all that rarely happens, NaN included; its speed limit is sharper.
-            half, clamp = size(shape, frame.cell, F)
-            clamped += clamp
+            half, most = size(shape, frame.cell, F)
             now = first_vertex(frame, 0, half[0], x[0])
-            if not (
+            usual = bits(
                 within(bounds, x)
                 & (J > 0.0)
                 & ((squared(u) + squared(v)) * limit <= 1.0)
                 & (now == number)
-            ):
-                fault = _fault(frame, exits, x, v, u, J, dt)
+                & (vector(most) <= LARGEST)
+            )
+            if usual == 15:
+                continue
+            for j in range(count):
+                if usual >> j & 1:
+                    continue
+                p = rows[j]
+                clamped += lane(vector(most), j) > LARGEST
+                layer_now = int(lane(now, j))
+                xj = of_lane(x, j)
+                fault = _fault(frame, exits, xj, of_lane(v, j), of_lane(u, j), lane(J, j), dt)
                 if fault == _LEAVES:
                     particles.layer[p] = GONE
-                    movers[found] = k
+                    movers[found] = k + j
                     found += 1
                     leavers += 1
                     continue
-                if fault == 0 and abs(now - number) > 1:
+                if fault == 0 and abs(layer_now - number) > 1:
                     fault = TOO_FAST  # a cell, but for rounding: past a slab of one layer
                 if fault != 0:
                     if failed < len(faults):
@@ -186,12 +238,13 @@ def grid_to_particles(
                         faults[failed, 1] = fault
                     failed += 1
                     continue
-                for d in range(1, len(x)):
-                    j = first_vertex(frame, d, half[d], x[d])
-                    reach[0, d - 1] = min(reach[0, d - 1], j)
-                    reach[1, d - 1] = max(reach[1, d - 1], j)
-                if now != number:
-                    particles.layer[p] = now
-                    movers[found] = k
+                for d in range(1, len(xj)):
+                    i = first_vertex(frame, d, lane(vector(half[d]), j), xj[d])
+                    reach[0, d - 1] = min(reach[0, d - 1], i)
+                    reach[1, d - 1] = max(reach[1, d - 1], i)
+                if layer_now != number:
+                    particles.layer[p] = layer_now
+                    movers[found] = k + j
                     found += 1
+    rate = max(max(lane(fastest, 0), lane(fastest, 1)), max(lane(fastest, 2), lane(fastest, 3)))
     return failed, leavers, found, rate, clamped

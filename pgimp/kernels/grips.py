@@ -10,8 +10,10 @@ vertex to vertex as it moves. What one rank marks in the planes it shares with a
 
 from typing import NamedTuple
 
+from pgimp.kernels.batch import LANES, ROOM, entry, extent, first_place, four, supports
 from pgimp.kernels.jit import kernel, specialise
-from pgimp.kernels.transfer import support
+from pgimp.kernels.simd import lane, stack, with_lane
+from pgimp.kernels.transfer import RECORD
 
 #: Least weight along a direction of a vertex that a held particle reaches; less is rounding.
 FIRM = 1e-9
@@ -25,23 +27,24 @@ class Grip(NamedTuple):
     rate: tuple[float, float, float]
 
 
-def _mark(mask, bit, place, W):
-    """Set a bit at the vertices that a particle reaches; `place` counts vertices."""
+def _mark(shape, mask, bit, place, room, j, d, stride, like):
+    """Set a bit at the vertices that a particle reaches, from direction `d` on; as `like` has."""
 
 
 @specialise(_mark)
-def _mark_along(mask, bit, place, W):
-    if len(W) == 0:
+def _mark_along(shape, mask, bit, place, room, j, d, stride, like):
+    if len(like) == 0:
 
-        def vertex(mask, bit, place, W):
-            mask[place] |= bit
+        def vertex(shape, mask, bit, place, room, j, d, stride, like):
+            mask[place // RECORD] |= bit
 
         return vertex
 
-    def line(mask, bit, place, W):
-        for i in range(len(W[0][0])):
-            if W[0][0][i] >= FIRM:
-                _mark(mask, bit, place + i * (W[0][2] // 8), W[1:])
+    def line(shape, mask, bit, place, room, j, d, stride, like):
+        for i in range(extent(shape, room, d, j)):
+            if entry(room, d, 0, i, j) >= FIRM:
+                at = place + i * stride[0]
+                _mark(shape, mask, bit, at, room, j, d + 1, stride[1:], like[1:])
 
     return line
 
@@ -58,14 +61,22 @@ def mark(shape, frame, window, particles, order, start, mask):
         Set here: bit k of a vertex says that constraint k holds it.
     """
     mask[:] = 0
+    room = stack(ROOM)
     for layer in range(len(start) - 1):
-        for k in range(start[layer], start[layer + 1]):
-            p = order[k]
-            grip = particles.grip[p, 0]
-            if grip > 0:
-                place, W = support(shape, frame, window, particles, p, layer + window.lower[0])
-                place += layer * window.stride[0]
-                _mark(mask, 1 << (grip - 1), place // 8, W)
+        number = layer + window.lower[0]
+        for k in range(start[layer], start[layer + 1], LANES):
+            rows = four(order, k, start[layer + 1])
+            held = False
+            for p in rows:
+                held = held or particles.grip[p, 0] > 0
+            if not held:
+                continue
+            supports(shape, frame, window, particles, rows, number, room)
+            for j in range(min(LANES, start[layer + 1] - k)):
+                grip = particles.grip[order[k + j], 0]
+                if grip > 0:
+                    place = first_place(room, j) + layer * window.stride[0]
+                    _mark(shape, mask, 1 << (grip - 1), place, room, j, 0, window.stride, frame.origin)
 
 
 @kernel
@@ -104,40 +115,49 @@ def hold_marked(window, G, active, mask, grips, dt, owned, impulse, work):
                         work[i] += change * grips[k].velocity[d]
 
 
-def _choose(held, given, free):
-    """Entries of `given` where `held` says so, else of `free`; as many as `free` has."""
+def gripped(grips, particles, rows, count, u, v, impulse, work, plane):
+    """Ways per time and velocities of a batch of particles as their constraints want them.
+
+    Parameters
+    ----------
+    rows, count
+        The batch's rows, and the number of them that count.
+    u, v : tuple of Vec4
+        For each direction, those of four particles.
+    """
 
 
-@specialise(_choose)
-def _choose_each(held, given, free):
-    if len(free) == 1:
-        return lambda held, given, free: (given[0] if held[0] else free[0],)
-    return lambda held, given, free: (
-        given[0] if held[0] else free[0], *_choose(held[1:], given[1:], free[1:]),
-    )  # fmt: skip
+def _held(grips, particles, rows, count, d, u, v, impulse, work, plane):
+    """Treat the directions from `d` on, one vector each of `u` and `v`."""
 
 
-def gripped(grips, particles, p, u, v, impulse, work, plane):
-    """Way per time and velocity of particle `p` as its constraint wants them."""
+@specialise(_held)
+def _held_along(grips, particles, rows, count, d, u, v, impulse, work, plane):
+    if len(u) == 0:
+        return lambda grips, particles, rows, count, d, u, v, impulse, work, plane: (u, v)
+
+    def held(grips, particles, rows, count, d, u, v, impulse, work, plane):
+        way, velocity = u[0], v[0]
+        for j in range(LANES):
+            p = rows[j]
+            k = particles.grip[p, 0] - 1
+            if k >= 0 and grips[k].held[d]:
+                prescribed = grips[k].velocity[d]
+                if j < count:
+                    given = particles.m[p] * (prescribed - lane(velocity, j))
+                    impulse[plane, k, d] += given
+                    work[plane] += given * prescribed
+                way, velocity = with_lane(way, j, prescribed), with_lane(velocity, j, prescribed)
+        U, V = _held(grips, particles, rows, count, d + 1, u[1:], v[1:], impulse, work, plane)
+        return (way, *U), (velocity, *V)
+
+    return held
 
 
 @specialise(gripped)
-def _gripped(grips, particles, p, u, v, impulse, work, plane):
+def _gripped(grips, particles, rows, count, u, v, impulse, work, plane):
     if len(grips) == 0:
-        return lambda grips, particles, p, u, v, impulse, work, plane: (u, v)
-
-    def held(grips, particles, p, u, v, impulse, work, plane):
-        k = particles.grip[p, 0] - 1
-        if k < 0:
-            return u, v
-        for d in range(len(v)):
-            if grips[k].held[d]:
-                given = particles.m[p] * (grips[k].velocity[d] - v[d])
-                impulse[plane, k, d] += given
-                work[plane] += given * grips[k].velocity[d]
-        return (
-            _choose(grips[k].held, grips[k].velocity, u),
-            _choose(grips[k].held, grips[k].velocity, v),
-        )
-
-    return held
+        return lambda grips, particles, rows, count, u, v, impulse, work, plane: (u, v)
+    return lambda grips, particles, rows, count, u, v, impulse, work, plane: _held(
+        grips, particles, rows, count, 0, u, v, impulse, work, plane
+    )

@@ -1,9 +1,11 @@
 """Particles to the planes of one layer: the inner part of (16, 18, 21, 22)."""
 
+from pgimp.kernels.batch import LANES, ROOM, first_place, four, supports
 from pgimp.kernels.charges import charges, slopes
 from pgimp.kernels.jit import kernel
 from pgimp.kernels.loads import scatter_loads, weight
-from pgimp.kernels.transfer import scatter, support
+from pgimp.kernels.simd import stack
+from pgimp.kernels.transfer import scatter
 
 
 @kernel
@@ -28,16 +30,19 @@ def sum_layer(shape, frame, window, particles, loads, order, begin, end, number,
     vertices = len(scratch) // plane
     low = plane
     high = 0
-    for k in range(begin, end):
-        p = order[k]
-        place, W = support(shape, frame, window, particles, p, number)
-        A, S = charges(frame, loads.viscosity, particles, p)
-        B = weight(loads.force, frame, particles, p)
-        C = slopes(loads.affine, frame, particles, p)
-        scatter(scratch, place, W[0][0], W[0][1], W[0][3], W[0][2], W[1:], A, B, S, C)
-        scatter_loads(loads, shape, frame, window, particles, p, number, W, scratch)
-        low = min(low, place)
-        high = max(high, place)
+    room = stack(ROOM)
+    for k in range(begin, end, LANES):
+        supports(shape, frame, window, particles, four(order, k, end), number, room)
+        for j in range(min(LANES, end - k)):
+            p = order[k + j]
+            place = first_place(room, j)
+            A, S = charges(frame, loads.viscosity, particles, p)
+            B = weight(loads.force, frame, particles, p)
+            C = slopes(loads.affine, frame, particles, p)
+            scatter(shape, scratch, room, j, place, window.stride, A, B, S, C)
+            scatter_loads(loads, shape, frame, window, particles, p, number, scratch)
+            low = min(low, place)
+            high = max(high, place)
     # Behind the last particle's first vertex lies the rest of its support within the plane.
     high += 8
     for d in range(1, len(frame.origin)):

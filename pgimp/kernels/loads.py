@@ -6,10 +6,11 @@ Each is `()` in a scene without it; the types decide what is compiled, so that i
 from typing import Any, NamedTuple
 
 from pgimp.exact.base import body_force
+from pgimp.kernels.batch import put_row
 from pgimp.kernels.jit import specialise
 from pgimp.kernels.simd import pack
 from pgimp.kernels.tractions import scatter_tractions, traction_power
-from pgimp.kernels.tuples import plus_scaled, read, scaled, write
+from pgimp.kernels.tuples import plus_scaled, read, scaled
 
 
 class Loads(NamedTuple):
@@ -61,13 +62,13 @@ def _force_of(force, frame, particles, p):
 
 
 def weight(force, frame, particles, p):
-    """Vector (0, m_p b(X_p)), which (17) adds to the force on the support's vertices."""
+    """Vector (0, m_p b(X_p)), which (17) adds to the force on the support's vertices, or ()."""
 
 
 @specialise(weight)
 def _weight(force, frame, particles, p):
     if not hasattr(force, "instance_class"):
-        return lambda force, frame, particles, p: pack(0.0, 0.0, 0.0, 0.0)
+        return lambda force, frame, particles, p: ()
 
     def weight_of(force, frame, particles, p):
         m = particles.m[p]
@@ -97,7 +98,7 @@ def _force_power_of(force, frame, particles, p, u):
 
 
 def relaxed(rate, dt, v, u):
-    """Velocity v of a particle, after (27), moved towards the grid's at its place, u.
+    """Velocities v of particles, after (27), moved towards the grid's at their place, u.
 
     By (27) alone a particle keeps for ever what the grid cannot resolve of its velocity; this
     relaxes it at a rate that does not depend on the step, with part of what the grid can resolve.
@@ -116,31 +117,31 @@ def _relaxed(rate, dt, v, u):
     return relax
 
 
-def keep_gradient(affine, particles, p, L):
-    """Let particle `p` keep its velocity gradient where it carries one."""
+def keep_gradients(affine, particles, rows, L):
+    """Let four particles keep their velocity gradients where they carry one."""
 
 
-@specialise(keep_gradient)
-def _keep_gradient(affine, particles, p, L):
+@specialise(keep_gradients)
+def _keep_gradients(affine, particles, rows, L):
     if hasattr(affine, "count"):  # ()
-        return lambda affine, particles, p, L: None
-    return lambda affine, particles, p, L: write(particles.L, p, 0, L)
+        return lambda affine, particles, rows, L: None
+    return lambda affine, particles, rows, L: put_row(particles.L, rows, 0, L)
 
 
-def scatter_loads(loads, shape, frame, window, particles, p, layer, W, scratch):
+def scatter_loads(loads, shape, frame, window, particles, p, layer, scratch):
     """Add to a layer's own planes what particle `p` carries besides stress and body force."""
 
 
 @specialise(scatter_loads)
-def _scatter_loads(loads, shape, frame, window, particles, p, layer, W, scratch):
+def _scatter_loads(loads, shape, frame, window, particles, p, layer, scratch):
     if len(loads.types[1]) == 0:
-        return lambda loads, shape, frame, window, particles, p, layer, W, scratch: None
-    return lambda loads, shape, frame, window, particles, p, layer, W, scratch: scatter_tractions(
-        loads.tractions, shape, frame, window, particles, p, layer, W, scratch
+        return lambda loads, shape, frame, window, particles, p, layer, scratch: None
+    return lambda loads, shape, frame, window, particles, p, layer, scratch: scatter_tractions(
+        loads.tractions, shape, frame, window, particles, p, layer, scratch
     )
 
 
-def add_power(loads, shape, frame, window, particles, p, layer, W, start, G, u, dt, work, plane):
+def add_power(loads, shape, frame, window, particles, p, layer, start, G, u, dt, work, plane):
     """Grow ``work[plane]`` by what the loads on particle `p`, which moves at `u`, do in a step.
 
     `start` is the place of the layer's first plane in `G`.
@@ -148,22 +149,22 @@ def add_power(loads, shape, frame, window, particles, p, layer, W, start, G, u, 
 
 
 @specialise(add_power)
-def _add_power(loads, shape, frame, window, particles, p, layer, W, start, G, u, dt, work, plane):
+def _add_power(loads, shape, frame, window, particles, p, layer, start, G, u, dt, work, plane):
     tractions, force = len(loads.types[1]) > 0, hasattr(loads.types[2], "instance_class")
 
     def add_none(
-        loads, shape, frame, window, particles, p, layer, W, start, G, u, dt, work, plane
+        loads, shape, frame, window, particles, p, layer, start, G, u, dt, work, plane
     ):
         pass
 
     def add_force(
-        loads, shape, frame, window, particles, p, layer, W, start, G, u, dt, work, plane
+        loads, shape, frame, window, particles, p, layer, start, G, u, dt, work, plane
     ):
         work[plane] += dt * _force_power(loads.force, frame, particles, p, u)
 
-    def add_all(loads, shape, frame, window, particles, p, layer, W, start, G, u, dt, work, plane):
+    def add_all(loads, shape, frame, window, particles, p, layer, start, G, u, dt, work, plane):
         power = traction_power(
-            loads.tractions, shape, frame, window, particles, p, layer, W, start, G
+            loads.tractions, shape, frame, window, particles, p, layer, start, G
         )
         work[plane] += dt * (power + _force_power(loads.force, frame, particles, p, u))
 

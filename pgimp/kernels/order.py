@@ -1,24 +1,78 @@
 """Canonical order: (layer now, cell at the last re-sort, id)."""
 
-from pgimp.kernels.jit import kernel
-from pgimp.kernels.transfer import first_vertex, half_widths
-from pgimp.shapes.base import size
+from math import prod
+
+import numpy as np
+
+from pgimp.kernels.jit import kernel, specialise
+from pgimp.kernels.place import first_vertex, half_widths
+from pgimp.shapes.base import size, weights
+
+
+#: Cells a block has along a direction, as a power of two.
+BLOCK = 2
+#: Combinations of one, two or three kinds of support along each direction.
+_BREADTHS = 27
+
+
+def cell_numbers(vertices: tuple[int, ...]) -> int:
+    """Numbers that `locate` may give in a grid of so many vertices: 0 to one less than this."""
+    blocks = vertices[0] * prod((n >> BLOCK) + 1 for n in vertices[1:])
+    return blocks * _BREADTHS << BLOCK * (len(vertices) - 1)
+
+
+def vertices_of(cell: np.ndarray, vertices: tuple[int, ...]) -> np.ndarray:
+    """First vertices, (n, D), of the supports that have the given numbers."""
+    across = len(vertices) - 1
+    within = cell & ((1 << BLOCK * across) - 1)
+    block = (cell >> BLOCK * across) // _BREADTHS
+    first = np.empty((len(cell), len(vertices)), np.int64)
+    for d in range(across, 0, -1):
+        block, high = np.divmod(block, (vertices[d] >> BLOCK) + 1)
+        first[:, d] = (high << BLOCK) + (within & ((1 << BLOCK) - 1))
+        within = within >> BLOCK
+    first[:, 0] = block
+    return first
+
+
+def _breadth(w):
+    """Vertices less two of a support, by its weights: those at its end may have none."""
+
+
+@specialise(_breadth)
+def _breadth_of(w):
+    if len(w) == 2:
+        return lambda w: 0
+    if len(w) == 3:
+        return lambda w: int(w[2] != 0.0)
+    return lambda w: 2 if w[3] != 0.0 else int(w[2] != 0.0)
 
 
 @kernel
 def locate(shape, frame, particles, rows, vertices):
     """Set `layer` and `cell` of the particles in `rows`, from their positions.
 
-    `cell` numbers the first vertex of the support row-major over the whole grid, so that sorting
-    by it keeps the particles of one support together; `vertices` is the grid's size by direction.
+    `cell` is a number to sort by: it grows with the layer, then with the block of 4 x 4 cells
+    across, then with the numbers of vertices that have weight, then with the cell in the block. So
+    the transfers' branches, which are on those numbers, are taken alike many times in a row, while
+    the vertices of a block stay in the cache; `vertices` is the grid's size by direction.
     """
+    D = len(vertices)
     for p in rows:
         half = half_widths(shape, frame, particles, p)
-        cell = 0
-        for d in range(len(vertices)):
-            cell = cell * vertices[d] + first_vertex(frame, d, half[d], particles.x[p, d])
-        particles.cell[p] = cell
-        particles.layer[p] = first_vertex(frame, 0, half[0], particles.x[p, 0])
+        block, within, breadth = 0, 0, 0
+        for d in range(D):
+            x = particles.x[p, d]
+            vertex = first_vertex(frame, d, half[d], x)
+            f = (x - frame.origin[d]) * frame.inverse[d] - (vertex - frame.ghost)
+            breadth = 3 * breadth + _breadth(weights(shape, half[d], f)[0])
+            if d == 0:
+                particles.layer[p] = vertex
+                block = vertex
+            else:
+                block = block * ((vertices[d] >> BLOCK) + 1) + (vertex >> BLOCK)
+                within = (within << BLOCK) + (vertex & ((1 << BLOCK) - 1))
+        particles.cell[p] = ((block * _BREADTHS + breadth) << (BLOCK * (D - 1))) + within
 
 
 @kernel

@@ -2,19 +2,22 @@
 
 LLVM does not vectorise a transfer by itself, because it cannot prove that grid and particles do
 not alias. A vertex's record is two such vectors, (m, mv) and (-, f), so that the transfers become
-vector multiply-adds. Operations: `pack`, `lane`, `load`, `store`, and ``+ - *`` between vectors
-and between a vector and a float. Products and sums may contract to fused multiply-adds.
+vector multiply-adds; what precedes and follows them is done for four particles at once. Operations:
+`pack`, `vector`, `lane`, `load`, `store`, arithmetic between vectors and with numbers, comparisons,
+which give a mask for `where` and `bits`; functions are in `pgimp.kernels.simdmath`. In kernels
+products and sums may contract to fused multiply-adds, as those of numbers do.
 """
 
 import operator
 
 from llvmlite import ir
-from numba.core import types
+from numba.core import cgutils, types
 from numba.core.imputils import lower_builtin
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 from numba.extending import intrinsic, models, register_model
 
-_VECTOR = ir.VectorType(ir.DoubleType(), 4)
+DOUBLES = ir.VectorType(ir.DoubleType(), 4)
+_BITS = ir.VectorType(ir.IntType(1), 4)
 _LANE = ir.IntType(32)
 
 
@@ -25,25 +28,44 @@ class Vec4Type(types.Type):
         super().__init__(name="Vec4")
 
 
+class Mask4Type(types.Type):
+    """Numba's type of four truth values."""
+
+    def __init__(self):
+        super().__init__(name="Mask4")
+
+
 vec4 = Vec4Type()
+mask4 = Mask4Type()
 
 
 @register_model(Vec4Type)
 class _Vec4Model(models.PrimitiveModel):
     def __init__(self, manager, fe_type):
-        super().__init__(manager, fe_type, _VECTOR)
+        super().__init__(manager, fe_type, DOUBLES)
 
 
-def _splat(builder, scalar):
-    undefined = ir.Constant(_VECTOR, ir.Undefined)
-    first = builder.insert_element(undefined, scalar, ir.Constant(_LANE, 0))
+@register_model(Mask4Type)
+class _Mask4Model(models.PrimitiveModel):
+    def __init__(self, manager, fe_type):
+        super().__init__(manager, fe_type, _BITS)
+
+
+def splat(builder, kind, value):
+    """The LLVM vector of a value that is one, or is a number."""
+    if kind == vec4:
+        return value
+    undefined = ir.Constant(DOUBLES, ir.Undefined)
+    first = builder.insert_element(undefined, value, ir.Constant(_LANE, 0))
     mask = ir.Constant(ir.VectorType(_LANE, 4), [0, 0, 0, 0])
     return builder.shuffle_vector(first, undefined, mask)
 
 
-def _address(context, builder, array_type, array, index):
-    data = context.make_array(array_type)(context, builder, array).data
-    return builder.bitcast(builder.gep(data, [index]), _VECTOR.as_pointer())
+def _address(context, builder, kind, array, index):
+    """Address of a float64 in an array, or in a room on the stack."""
+    if isinstance(kind, types.CPointer):
+        return builder.gep(array, [index])
+    return builder.gep(context.make_array(kind)(context, builder, array).data, [index])
 
 
 @intrinsic
@@ -51,7 +73,7 @@ def pack(typing_context, a, b, c, d):
     """Vector of four floats."""
 
     def generate(context, builder, sig, args):
-        vector = ir.Constant(_VECTOR, ir.Undefined)
+        vector = ir.Constant(DOUBLES, ir.Undefined)
         for number, value in enumerate(args):
             vector = builder.insert_element(vector, value, ir.Constant(_LANE, number))
         return vector
@@ -59,17 +81,40 @@ def pack(typing_context, a, b, c, d):
     return vec4(types.float64, types.float64, types.float64, types.float64), generate
 
 
-@intrinsic(prefer_literal=True)
-def lane(typing_context, vector, number):
-    """Element `number` (a literal) of the vector."""
-    if not isinstance(number, types.IntegerLiteral):
-        return None
-    position = ir.Constant(_LANE, number.literal_value)
+@intrinsic
+def vector(typing_context, value):
+    """Vector of four times the same float; a vector itself."""
+    kind = vec4 if value == vec4 else types.float64
 
     def generate(context, builder, sig, args):
+        return splat(builder, sig.args[0], args[0])
+
+    return vec4(kind), generate
+
+
+@intrinsic(prefer_literal=True)
+def lane(typing_context, vector, number):
+    """Element `number` of the vector; a literal costs least."""
+
+    def generate(context, builder, sig, args):
+        if isinstance(number, types.IntegerLiteral):
+            position = ir.Constant(_LANE, number.literal_value)
+        else:
+            position = builder.trunc(args[1], _LANE)
         return builder.extract_element(args[0], position)
 
-    return types.float64(vec4, number), generate
+    kind = number if isinstance(number, types.IntegerLiteral) else types.int64
+    return types.float64(vec4, kind), generate
+
+
+@intrinsic
+def with_lane(typing_context, vector, number, value):
+    """The vector with `value` as its element `number`."""
+
+    def generate(context, builder, sig, args):
+        return builder.insert_element(args[0], args[2], builder.trunc(args[1], _LANE))
+
+    return vec4(vec4, types.int64, types.float64), generate
 
 
 @intrinsic
@@ -77,7 +122,8 @@ def load(typing_context, array, index):
     """Read ``array[index:index + 4]``; the address must be a multiple of 32 bytes."""
 
     def generate(context, builder, sig, args):
-        return builder.load(_address(context, builder, sig.args[0], *args), align=32)
+        address = _address(context, builder, sig.args[0], *args)
+        return builder.load(builder.bitcast(address, DOUBLES.as_pointer()), align=32)
 
     return vec4(array, types.int64), generate
 
@@ -87,33 +133,133 @@ def store(typing_context, array, index, vector):
     """Write a vector to ``array[index:index + 4]``; the address must be a multiple of 32 bytes."""
 
     def generate(context, builder, sig, args):
-        builder.store(args[2], _address(context, builder, sig.args[0], *args[:2]), align=32)
+        address = _address(context, builder, sig.args[0], *args[:2])
+        builder.store(args[2], builder.bitcast(address, DOUBLES.as_pointer()), align=32)
         return context.get_dummy_value()
 
     return types.void(array, types.int64, vec4), generate
 
 
-def _register(operation, instruction):
-    scalars = (vec4, types.float64)
+@intrinsic(prefer_literal=True)
+def stack(typing_context, size):
+    """Room for `size` (a literal) float64 on the stack, for `load`, `store` and `number`.
+
+    The compiler knows that nothing else can be stored there, unlike in an array.
+    """
+    if not isinstance(size, types.IntegerLiteral):
+        return None
+    vectors = -(-size.literal_value // 4)
+
+    def generate(context, builder, sig, args):
+        room = cgutils.alloca_once(builder, DOUBLES, vectors)
+        room.align = 32
+        return builder.bitcast(room, ir.DoubleType().as_pointer())
+
+    return types.CPointer(types.float64)(size), generate
+
+
+@intrinsic
+def number(typing_context, room, index):
+    """Read one float64 of a room on the stack."""
+
+    def generate(context, builder, sig, args):
+        return builder.load(builder.gep(args[0], [args[1]]))
+
+    return types.float64(room, types.int64), generate
+
+
+@intrinsic
+def transpose(typing_context, a, b, c, d):
+    """The four vectors of the first, second, third and fourth elements."""
+
+    def generate(context, builder, sig, args):
+        def shuffle(u, v, *places):
+            mask = ir.Constant(ir.VectorType(_LANE, 4), list(places))
+            return builder.shuffle_vector(u, v, mask)
+
+        a, b, c, d = args
+        ab, cd = (shuffle(*pair, 0, 4, 2, 6) for pair in ((a, b), (c, d)))
+        low = shuffle(ab, cd, 0, 1, 4, 5), shuffle(ab, cd, 2, 3, 6, 7)
+        ab, cd = (shuffle(*pair, 1, 5, 3, 7) for pair in ((a, b), (c, d)))
+        high = shuffle(ab, cd, 0, 1, 4, 5), shuffle(ab, cd, 2, 3, 6, 7)
+        columns = (low[0], high[0], low[1], high[1])
+        return context.make_tuple(builder, sig.return_type, columns)
+
+    return types.UniTuple(vec4, 4)(vec4, vec4, vec4, vec4), generate
+
+
+def _register(operation, result, instruction):
+    """Let an operation between vectors, or a vector and a number, be one instruction."""
+    numbers = (types.Float, types.Integer, types.Boolean)
 
     @infer_global(operation)
     class _Template(AbstractTemplate):
         def generic(self, args, kws):
-            if len(args) == 2 and vec4 in args and all(a in scalars for a in args):
-                return signature(vec4, *args)
-            return None
+            if len(args) != 2 or vec4 not in args:
+                return None
+            if not all(a == vec4 or isinstance(a, numbers) for a in args):
+                return None
+            return signature(result, *(vec4 if a == vec4 else types.float64 for a in args))
 
     for left, right in ((vec4, vec4), (vec4, types.float64), (types.float64, vec4)):
 
         @lower_builtin(operation, left, right)
         def _lower(context, builder, sig, args):
-            operands = [
-                _splat(builder, value) if kind is types.float64 else value
-                for kind, value in zip(sig.args, args, strict=True)
-            ]
-            return getattr(builder, instruction)(*operands, flags=("contract",))
+            return instruction(builder, *map(splat, (builder,) * 2, sig.args, args))
 
 
-_register(operator.add, "fadd")
-_register(operator.sub, "fsub")
-_register(operator.mul, "fmul")
+_register(operator.add, vec4, ir.IRBuilder.fadd)
+_register(operator.sub, vec4, ir.IRBuilder.fsub)
+_register(operator.mul, vec4, ir.IRBuilder.fmul)
+_register(operator.truediv, vec4, ir.IRBuilder.fdiv)
+for _operation, _sign in (
+    (operator.lt, "<"), (operator.le, "<="), (operator.gt, ">"), (operator.ge, ">="),
+    (operator.eq, "=="),
+):  # fmt: skip
+    _register(
+        _operation, mask4, lambda builder, a, b, sign=_sign: builder.fcmp_ordered(sign, a, b)
+    )
+
+
+@infer_global(operator.neg)
+class _Negative(AbstractTemplate):
+    def generic(self, args, kws):
+        return signature(vec4, vec4) if args == (vec4,) else None
+
+
+@lower_builtin(operator.neg, vec4)
+def _negate(context, builder, sig, args):
+    return builder.fneg(args[0])
+
+
+@infer_global(operator.and_)
+class _Both(AbstractTemplate):
+    def generic(self, args, kws):
+        return signature(mask4, mask4, mask4) if args == (mask4, mask4) else None
+
+
+@lower_builtin(operator.and_, mask4, mask4)
+def _and(context, builder, sig, args):
+    return builder.and_(*args)
+
+
+@intrinsic
+def where(typing_context, mask, a, b):
+    """Vector with the elements of `a` where the mask is true, else of `b`."""
+    kinds = [vec4 if value == vec4 else types.float64 for value in (a, b)]
+
+    def generate(context, builder, sig, args):
+        a, b = map(splat, (builder,) * 2, sig.args[1:], args[1:])
+        return builder.select(args[0], a, b)
+
+    return vec4(mask4, *kinds), generate
+
+
+@intrinsic
+def bits(typing_context, mask):
+    """The mask as a number: bit i for element i."""
+
+    def generate(context, builder, sig, args):
+        return builder.zext(builder.bitcast(args[0], ir.IntType(4)), ir.IntType(64))
+
+    return types.int64(mask4), generate

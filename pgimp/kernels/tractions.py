@@ -16,9 +16,11 @@ between they have the right second moments. Points (mpm) carry the force where t
 from math import sqrt
 from typing import NamedTuple
 
+from pgimp.kernels.batch import ROOM, keep_support
 from pgimp.kernels.jit import kernel, specialise
-from pgimp.kernels.simd import lane, pack
-from pgimp.kernels.transfer import deformation, first_vertex, gather, half_widths, scatter
+from pgimp.kernels.place import deformation, first_vertex, half_widths
+from pgimp.kernels.simd import lane, pack, stack
+from pgimp.kernels.transfer import gather, scatter
 
 
 class Traction(NamedTuple):
@@ -140,90 +142,87 @@ def _along(traction, frame, F, x, d, vertex, like):
     return _means(tent, half, min(max(g, half), last - half), like)
 
 
-def _support(traction, shape, frame, window, particles, p, layer, F, like):
-    """The vertices that get a patch's force, as `pgimp.kernels.transfer.support` gives them."""
+def _support(traction, shape, frame, window, particles, p, layer, F, room):
+    """Put the weights of the vertices that get a patch's force into a room; place of the first."""
 
 
 @specialise(_support)
-def _support_of(traction, shape, frame, window, particles, p, layer, F, like):
+def _support_of(traction, shape, frame, window, particles, p, layer, F, room):
     D = len(frame.types[0])
+    like = (0.0,) * shape.instance_class.vertices
 
-    def support1(traction, shape, frame, window, particles, p, layer, F, like):
+    def support1(traction, shape, frame, window, particles, p, layer, F, room):
         w = _along(traction, frame, F, particles.x[p, 0], 0, layer, like)
-        return 0, ((w, w, window.stride[0], w),)
+        keep_support(room, 0, w, w)
+        return 0
 
-    def support2(traction, shape, frame, window, particles, p, layer, F, like):
+    def support2(traction, shape, frame, window, particles, p, layer, F, room):
         x, y = particles.x[p, 0], particles.x[p, 1]
         j = first_vertex(frame, 1, half_widths(shape, frame, particles, p)[1], y)
         w = _along(traction, frame, F, x, 0, layer, like)
         v = _along(traction, frame, F, y, 1, j, like)
-        return (j - window.lower[1]) * window.stride[1], (
-            (w, w, window.stride[0], w),
-            (v, v, window.stride[1], v),
-        )
+        keep_support(room, 0, w, w)
+        keep_support(room, 1, v, v)
+        return (j - window.lower[1]) * window.stride[1]
 
-    def support3(traction, shape, frame, window, particles, p, layer, F, like):
+    def support3(traction, shape, frame, window, particles, p, layer, F, room):
         x, y, z = particles.x[p, 0], particles.x[p, 1], particles.x[p, 2]
         half = half_widths(shape, frame, particles, p)
         j, k = first_vertex(frame, 1, half[1], y), first_vertex(frame, 2, half[2], z)
         w = _along(traction, frame, F, x, 0, layer, like)
         v = _along(traction, frame, F, y, 1, j, like)
         u = _along(traction, frame, F, z, 2, k, like)
-        place = (j - window.lower[1]) * window.stride[1] + (k - window.lower[2]) * window.stride[2]
-        return place, (
-            (w, w, window.stride[0], w),
-            (v, v, window.stride[1], v),
-            (u, u, window.stride[2], u),
-        )
+        keep_support(room, 0, w, w)
+        keep_support(room, 1, v, v)
+        keep_support(room, 2, u, u)
+        return (j - window.lower[1]) * window.stride[1] + (k - window.lower[2]) * window.stride[2]
 
     return (support1, support2, support3)[D - 1]
 
 
-def _nothing(W):
+def _nothing(like):
     """Zero vectors, one a direction."""
 
 
 @specialise(_nothing)
-def _nothing_of(W):
-    if len(W) == 1:
-        return lambda W: (pack(0.0, 0.0, 0.0, 0.0),)
-    return lambda W: (pack(0.0, 0.0, 0.0, 0.0), *_nothing(W[1:]))
+def _nothing_of(like):
+    if len(like) == 1:
+        return lambda like: (pack(0.0, 0.0, 0.0, 0.0),)
+    return lambda like: (pack(0.0, 0.0, 0.0, 0.0), *_nothing(like[1:]))
 
 
 @kernel
-def scatter_tractions(tractions, shape, frame, window, particles, p, layer, W, scratch):
-    """Add the forces on all patches of particle `p` to its layer's own planes.
-
-    `W` is the particle's support; the patches use as many vertices.
-    """
+def scatter_tractions(tractions, shape, frame, window, particles, p, layer, scratch):
+    """Add the forces on all patches of particle `p` to its layer's own planes."""
     F = deformation(frame, particles, p)
+    room = stack(ROOM)
     for t in range(len(tractions)):
         area = particles.patch[p, tractions[t].column]
         if area == 0.0:
             continue
         f = patch_force(tractions[t], F, area)
-        place, V = _support(tractions[t], shape, frame, window, particles, p, layer, F, W[0][0])
+        place = _support(tractions[t], shape, frame, window, particles, p, layer, F, room)
         force = pack(0.0, f[0], f[1], f[2])
         zero = pack(0.0, 0.0, 0.0, 0.0)
-        scatter(
-            scratch, place, V[0][0], V[0][1], V[0][1], V[0][2], V[1:], zero, force, _nothing(W), ()
-        )
+        nothing = _nothing(frame.origin)
+        scatter(shape, scratch, room, 0, place, window.stride, zero, force, nothing, ())
 
 
 @kernel
-def traction_power(tractions, shape, frame, window, particles, p, layer, W, start, G):
+def traction_power(tractions, shape, frame, window, particles, p, layer, start, G):
     """Power of the tractions on particle `p`: its patches' forces times the vertices' velocities.
 
     `start` is the place of the layer's first plane in `G`.
     """
     F = deformation(frame, particles, p)
+    room = stack(ROOM)
     power = 0.0
     for t in range(len(tractions)):
         area = particles.patch[p, tractions[t].column]
         if area == 0.0:
             continue
         f = patch_force(tractions[t], F, area)
-        place, V = _support(tractions[t], shape, frame, window, particles, p, layer, F, W[0][0])
-        U = gather(G, start + place, V[0][0], V[0][1], V[0][2], V[1:])[0]
+        place = _support(tractions[t], shape, frame, window, particles, p, layer, F, room)
+        U = gather(shape, G, room, 0, start + place, window.stride, frame.origin)[0]
         power += f[0] * lane(U, 1) + f[1] * lane(U, 2) + f[2] * lane(U, 3)
     return power

@@ -1,124 +1,19 @@
 """Scatter and gather: what one particle gives to the vertices of its support, and takes back.
 
 A vertex's record is 8 float64: (m, mv) and (-, f) while particles are summed, (m, v) and (-, a)
-after the momentum update. Both transfers are written once, as recursions over the vertices of a
-direction and over the directions that the compiler unrolls. They factor the sums by direction: in
-3D the innermost vertex costs P2G three vector multiply-adds, and G2P three.
+after the momentum update. Both transfers are written once for all dimensions, and factor the sums
+by direction: in 3D the innermost vertex costs P2G three vector multiply-adds, and G2P three.
+Vertices without weight at the support's end are left out; the innermost direction, along which
+records follow each other, is unrolled for each number of vertices, the others are loops.
 """
 
-from math import floor
+from pgimp.kernels.batch import entries, entry, extent, extents
+from pgimp.kernels.jit import specialise
+from pgimp.kernels.simd import lane, load, store, transpose, vector
+from pgimp.kernels.tuples import joined, plus_scaled, scaled
 
-from pgimp.kernels.jit import exact, specialise
-from pgimp.kernels.simd import lane, load, store
-from pgimp.kernels.tuples import plus_scaled, read, scaled
-from pgimp.shapes.base import size, weights
-
-
-def first_vertex(frame, d, half, x):
-    """Number of the first vertex, along direction `d`, of a particle at coordinate `x`."""
-
-
-@exact(first_vertex)  # all kernels must find the same layer, whatever the code around
-def _first_vertex(frame, d, half, x):
-    return lambda frame, d, half, x: (
-        floor((x - frame.origin[d]) * frame.inverse[d] - half) + frame.ghost
-    )
-
-
-def deformation(frame, particles, p):
-    """Deformation gradient of particle `p`, a row-major tuple."""
-
-
-@specialise(deformation)
-def _deformation(frame, particles, p):
-    like = (0.0,) * len(frame.types[0]) ** 2
-    return lambda frame, particles, p: read(particles.F, p, 0, like)
-
-
-def half_widths(shape, frame, particles, p):
-    """Half-widths of particle `p` in cells; costs nothing where the shape keeps its size."""
-
-
-@specialise(half_widths)
-def _half_widths(shape, frame, particles, p):
-    return lambda shape, frame, particles, p: (
-        size(shape, frame.cell, deformation(frame, particles, p))[0]
-    )
-
-
-def _along(shape, frame, window, d, half, x, vertex):
-    """Weights (19), gradients (20), the window's stride and arms, along direction `d`."""
-
-
-@specialise(_along)
-def _along_direction(shape, frame, window, d, half, x, vertex):
-    def along(shape, frame, window, d, half, x, vertex):
-        f = (x - frame.origin[d]) * frame.inverse[d] - (vertex - frame.ghost)
-        w, g = weights(shape, half, f)
-        return w, scaled(frame.inverse[d], g), window.stride[d], _arms(w, f, frame.cell[d])
-
-    return along
-
-
-def _arms(w, f, cell):
-    """Weights times the vertices' coordinates relative to the particle's."""
-
-
-@specialise(_arms)
-def _arms_of(w, f, cell):
-    if len(w) == 1:
-        return lambda w, f, cell: (-w[0] * f * cell,)
-    return lambda w, f, cell: (-w[0] * f * cell, *_arms(w[1:], f - 1.0, cell))
-
-
-def support(shape, frame, window, particles, p, layer):
-    """Support of particle `p`, whose layer is known.
-
-    Returns
-    -------
-    place : int
-        Of the support's first vertex within its plane of the window, in float64.
-    W : tuple
-        For each direction: weights (19), gradients (20), stride, weights times arms.
-    """
-
-
-@specialise(support)
-def _support(shape, frame, window, particles, p, layer):
-    D = len(frame.types[0])
-    if D == 1:
-
-        def support1(shape, frame, window, particles, p, layer):
-            half = half_widths(shape, frame, particles, p)
-            return 0, (_along(shape, frame, window, 0, half[0], particles.x[p, 0], layer),)
-
-        return support1
-    if D == 2:
-
-        def support2(shape, frame, window, particles, p, layer):
-            half = half_widths(shape, frame, particles, p)
-            x, y = particles.x[p, 0], particles.x[p, 1]
-            j = first_vertex(frame, 1, half[1], y)
-            return (j - window.lower[1]) * window.stride[1], (
-                _along(shape, frame, window, 0, half[0], x, layer),
-                _along(shape, frame, window, 1, half[1], y, j),
-            )
-
-        return support2
-
-    def support3(shape, frame, window, particles, p, layer):
-        half = half_widths(shape, frame, particles, p)
-        x, y, z = particles.x[p, 0], particles.x[p, 1], particles.x[p, 2]
-        j = first_vertex(frame, 1, half[1], y)
-        k = first_vertex(frame, 2, half[2], z)
-        place = (j - window.lower[1]) * window.stride[1] + (k - window.lower[2]) * window.stride[2]
-        return place, (
-            _along(shape, frame, window, 0, half[0], x, layer),
-            _along(shape, frame, window, 1, half[1], y, j),
-            _along(shape, frame, window, 2, half[2], z, k),
-        )
-
-    return support3
+#: Distance, in float64, of neighbours along the innermost direction: a record's size.
+RECORD = 8
 
 
 def _sloped(w, A, e, C):
@@ -132,15 +27,50 @@ def _sloped_by(w, A, e, C):
     return lambda w, A, e, C: w * A + e * C[0]
 
 
-def scatter(G, place, w, g, e, stride, rest, A, B, S, C):
-    """Add a particle to its support: A times S_vp, and the sum of S_i dS_vp/dx_i to the force.
+def _force(w, B, g, S):
+    """The vector w B + g S, g S where B is ()."""
+
+
+@specialise(_force)
+def _force_of(w, B, g, S):
+    if hasattr(B, "count"):  # ()
+        return lambda w, B, g, S: g * S
+    return lambda w, B, g, S: w * B + g * S
+
+
+def _scatter_line(G, place, w, g, e, A, B, S, C):
+    """Add a particle to a line of vertices."""
+
+
+@specialise(_scatter_line)
+def _scatter_vertices(G, place, w, g, e, A, B, S, C):
+    def vertex(G, place, w, g, e, A, B, S, C):
+        store(G, place, load(G, place) + _sloped(w[0], A, e[0], C))
+        store(G, place + 4, load(G, place + 4) + _force(w[0], B, g[0], S))
+
+    if len(w) == 1:
+        return vertex
+
+    def vertices(G, place, w, g, e, A, B, S, C):
+        store(G, place, load(G, place) + _sloped(w[0], A, e[0], C))
+        store(G, place + 4, load(G, place + 4) + _force(w[0], B, g[0], S))
+        _scatter_line(G, place + RECORD, w[1:], g[1:], e[1:], A, B, S, C)
+
+    return vertices
+
+
+def _scatter_lines(G, room, j, d, place, counts, stride, Z, A, B, S, C):
+    """Add a particle to the lines of its support, from direction `d` on.
 
     Parameters
     ----------
     place : int
-        Of the first vertex; `w`, `g`, `e`, `stride` belong to the current direction, `rest` holds
-        the following ones.
-    B : Vec4
+        Of the first vertex.
+    counts : tuple of int
+        Vertices of the current direction and the following ones but the last; `stride` alike.
+    Z : tuple
+        Weights, gradients and arms along the last direction.
+    B : Vec4 or ()
         The force so far: the sum over the directions that came before.
     S : tuple of Vec4
         Stress columns of the current direction and the following ones, times the weights so far.
@@ -149,91 +79,189 @@ def scatter(G, place, w, g, e, stride, rest, A, B, S, C):
     """
 
 
-@specialise(scatter)
-def _scatter(G, place, w, g, e, stride, rest, A, B, S, C):
-    last = len(w) == 1
-    if len(rest) == 0:
+@specialise(_scatter_lines)
+def _scatter_all(G, room, j, d, place, counts, stride, Z, A, B, S, C):
+    if len(counts) == 0:
+        return lambda G, room, j, d, place, counts, stride, Z, A, B, S, C: _scatter_line(
+            G, place, Z[0], Z[1], Z[2], A, B, S[0], C
+        )
 
-        def vertex(G, place, w, g, e, stride, rest, A, B, S, C):
-            store(G, place, load(G, place) + _sloped(w[0], A, e[0], C))
-            store(G, place + 4, load(G, place + 4) + (w[0] * B + g[0] * S[0]))
-
-        if last:
-            return vertex
-
-        def vertices(G, place, w, g, e, stride, rest, A, B, S, C):
-            store(G, place, load(G, place) + _sloped(w[0], A, e[0], C))
-            store(G, place + 4, load(G, place + 4) + (w[0] * B + g[0] * S[0]))
-            scatter(G, place + stride, w[1:], g[1:], e[1:], stride, rest, A, B, S, C)
-
-        return vertices
-
-    def line(G, place, w, g, e, stride, rest, A, B, S, C):
-        scatter(
-            G, place, rest[0][0], rest[0][1], rest[0][3], rest[0][2], rest[1:],
-            _sloped(w[0], A, e[0], C), w[0] * B + g[0] * S[0], scaled(w[0], S[1:]),
-            scaled(w[0], C[1:]),
-        )  # fmt: skip
-
-    if last:
-        return line
-
-    def lines(G, place, w, g, e, stride, rest, A, B, S, C):
-        scatter(
-            G, place, rest[0][0], rest[0][1], rest[0][3], rest[0][2], rest[1:],
-            _sloped(w[0], A, e[0], C), w[0] * B + g[0] * S[0], scaled(w[0], S[1:]),
-            scaled(w[0], C[1:]),
-        )  # fmt: skip
-        scatter(G, place + stride, w[1:], g[1:], e[1:], stride, rest, A, B, S, C)
+    def lines(G, room, j, d, place, counts, stride, Z, A, B, S, C):
+        for i in range(counts[0]):
+            w, g, e = entry(room, d, 0, i, j), entry(room, d, 1, i, j), entry(room, d, 2, i, j)
+            _scatter_lines(
+                G, room, j, d + 1, place + i * stride[0], counts[1:], stride[1:], Z,
+                _sloped(w, A, e, C), _force(w, B, g, S[0]), scaled(w, S[1:]), scaled(w, C[1:]),
+            )  # fmt: skip
 
     return lines
 
 
-def gather(G, place, w, g, stride, rest):
+def _last(room, d, j, like):
+    """Weights, gradients and arms along the last direction, as many as `like` has."""
+
+
+@specialise(_last)
+def _last_of(room, d, j, like):
+    return lambda room, d, j, like: (
+        entries(room, d, 0, 0, j, like),
+        entries(room, d, 1, 0, j, like),
+        entries(room, d, 2, 0, j, like),
+    )
+
+
+def scatter(shape, G, room, j, place, stride, A, B, S, C):
+    """Add a particle to its support: A times S_vp, and the sum of S_i dS_vp/dx_i to the force.
+
+    Parameters
+    ----------
+    room, j
+        The supports of a batch (see `pgimp.kernels.batch`), and the particle's number in it.
+    place : int
+        Of the first vertex in `G`.
+    stride : tuple of int
+        The window's.
+    A, B, S, C
+        What `charges`, `weight` and `slopes` give.
+    """
+
+
+@specialise(scatter)
+def _scatter(shape, G, room, j, place, stride, A, B, S, C):
+    outer = (0,) * (len(S) - 1)
+    last = len(outer)
+    two, three, four = (0.0,) * 2, (0.0,) * 3, (0.0,) * 4
+
+    def scatter2(shape, G, room, j, place, stride, A, B, S, C):
+        counts = extents(shape, room, 0, j, outer)
+        Z = _last(room, last, j, two)
+        _scatter_lines(G, room, j, 0, place, counts, stride, Z, A, B, S, C)
+
+    def scatter3(shape, G, room, j, place, stride, A, B, S, C):
+        counts = extents(shape, room, 0, j, outer)
+        if extent(shape, room, last, j) == 2:
+            Z = _last(room, last, j, two)
+            _scatter_lines(G, room, j, 0, place, counts, stride, Z, A, B, S, C)
+        else:
+            Y = _last(room, last, j, three)
+            _scatter_lines(G, room, j, 0, place, counts, stride, Y, A, B, S, C)
+
+    def scatter4(shape, G, room, j, place, stride, A, B, S, C):
+        counts = extents(shape, room, 0, j, outer)
+        n = extent(shape, room, last, j)
+        if n == 2:
+            Z = _last(room, last, j, two)
+            _scatter_lines(G, room, j, 0, place, counts, stride, Z, A, B, S, C)
+        elif n == 3:
+            Y = _last(room, last, j, three)
+            _scatter_lines(G, room, j, 0, place, counts, stride, Y, A, B, S, C)
+        else:
+            X = _last(room, last, j, four)
+            _scatter_lines(G, room, j, 0, place, counts, stride, X, A, B, S, C)
+
+    return (scatter2, scatter3, scatter4)[shape.instance_class.vertices - 2]
+
+
+def _gather_line(G, place, w, g):
+    """Sums over a line of vertices."""
+
+
+@specialise(_gather_line)
+def _gather_vertices(G, place, w, g):
+    def vertex(G, place, w, g):
+        u = load(G, place)
+        return w[0] * u, w[0] * load(G, place + 4), (g[0] * u,)
+
+    if len(w) == 1:
+        return vertex
+
+    def vertices(G, place, w, g):
+        U, A, D = _gather_line(G, place + RECORD, w[1:], g[1:])
+        u = load(G, place)
+        return w[0] * u + U, w[0] * load(G, place + 4) + A, (g[0] * u + D[0],)
+
+    return vertices
+
+
+def _nothing(counts):
+    """Zero vectors, one more than there are counts."""
+
+
+@specialise(_nothing)
+def _nothing_of(counts):
+    if len(counts) == 0:
+        return lambda counts: (vector(0.0),)
+    return lambda counts: (vector(0.0), *_nothing(counts[1:]))
+
+
+def _gather_lines(G, room, j, d, place, counts, stride, Z):
+    """Sums over the lines of a support, from direction `d` on; see `gather`, `_scatter_lines`."""
+
+
+@specialise(_gather_lines)
+def _gather_all(G, room, j, d, place, counts, stride, Z):
+    if len(counts) == 0:
+        return lambda G, room, j, d, place, counts, stride, Z: _gather_line(G, place, Z[0], Z[1])
+
+    def lines(G, room, j, d, place, counts, stride, Z):
+        U, A, D = vector(0.0), vector(0.0), _nothing(counts)
+        for i in range(counts[0]):
+            w, g = entry(room, d, 0, i, j), entry(room, d, 1, i, j)
+            u, a, b = _gather_lines(
+                G, room, j, d + 1, place + i * stride[0], counts[1:], stride[1:], Z
+            )
+            U, A = w * u + U, w * a + A
+            D = joined(g * u + D[0], plus_scaled(w, b, D[1:]))
+        return U, A, D
+
+    return lines
+
+
+def gather(shape, G, room, j, place, stride, like):
     """Sums over a particle's support.
+
+    Parameters
+    ----------
+    shape, G, room, j, place, stride
+        As in `scatter`.
+    like : tuple
+        One entry a direction of the scene.
 
     Returns
     -------
     U, A : Vec4
         Sums of the first and second vectors of the records times S_vp (26, 27).
     D : tuple of Vec4
-        For the current direction and the following ones, the sum of the first vector times
-        dS_vp/dx_i (30).
+        For each direction, the sum of the first vector times dS_vp/dx_i (30).
     """
 
 
 @specialise(gather)
-def _gather(G, place, w, g, stride, rest):
-    last = len(w) == 1
-    if len(rest) == 0:
+def _gather(shape, G, room, j, place, stride, like):
+    outer = (0,) * (len(like) - 1)
+    last = len(outer)
+    two, three, four = (0.0,) * 2, (0.0,) * 3, (0.0,) * 4
 
-        def vertex(G, place, w, g, stride, rest):
-            u = load(G, place)
-            return w[0] * u, w[0] * load(G, place + 4), (g[0] * u,)
+    def gather2(shape, G, room, j, place, stride, like):
+        counts = extents(shape, room, 0, j, outer)
+        return _gather_lines(G, room, j, 0, place, counts, stride, _last(room, last, j, two))
 
-        if last:
-            return vertex
+    def gather3(shape, G, room, j, place, stride, like):
+        counts = extents(shape, room, 0, j, outer)
+        if extent(shape, room, last, j) == 2:
+            return _gather_lines(G, room, j, 0, place, counts, stride, _last(room, last, j, two))
+        return _gather_lines(G, room, j, 0, place, counts, stride, _last(room, last, j, three))
 
-        def vertices(G, place, w, g, stride, rest):
-            U, A, D = gather(G, place + stride, w[1:], g[1:], stride, rest)
-            u = load(G, place)
-            return w[0] * u + U, w[0] * load(G, place + 4) + A, (g[0] * u + D[0],)
+    def gather4(shape, G, room, j, place, stride, like):
+        counts = extents(shape, room, 0, j, outer)
+        n = extent(shape, room, last, j)
+        if n == 2:
+            return _gather_lines(G, room, j, 0, place, counts, stride, _last(room, last, j, two))
+        if n == 3:
+            return _gather_lines(G, room, j, 0, place, counts, stride, _last(room, last, j, three))
+        return _gather_lines(G, room, j, 0, place, counts, stride, _last(room, last, j, four))
 
-        return vertices
-
-    def line(G, place, w, g, stride, rest):
-        u, a, d = gather(G, place, rest[0][0], rest[0][1], rest[0][2], rest[1:])
-        return w[0] * u, w[0] * a, (g[0] * u, *scaled(w[0], d))
-
-    if last:
-        return line
-
-    def lines(G, place, w, g, stride, rest):
-        U, A, D = gather(G, place + stride, w[1:], g[1:], stride, rest)
-        u, a, d = gather(G, place, rest[0][0], rest[0][1], rest[0][2], rest[1:])
-        return w[0] * u + U, w[0] * a + A, (g[0] * u + D[0], *plus_scaled(w[0], d, D[1:]))
-
-    return lines
+    return (gather2, gather3, gather4)[shape.instance_class.vertices - 2]
 
 
 def components(like, U):
@@ -249,18 +277,79 @@ def _components(like, U):
     return lambda like, U: (lane(U, 1), lane(U, 2), lane(U, 3))
 
 
-def gradient(D):
-    """Velocity gradient, row-major, from the vectors of `gather`."""
+def keep_sums(room, j, U, A, D):
+    """Put what `gather` gave for the batch's particle `j` into a room, each vector in its own 16."""
 
 
-@specialise(gradient)
-def _gradient(D):
-    if len(D) == 1:
-        return lambda D: (lane(D[0], 1),)
-    if len(D) == 2:
-        return lambda D: (lane(D[0], 1), lane(D[1], 1), lane(D[0], 2), lane(D[1], 2))
-    return lambda D: (
-        lane(D[0], 1), lane(D[1], 1), lane(D[2], 1),
-        lane(D[0], 2), lane(D[1], 2), lane(D[2], 2),
-        lane(D[0], 3), lane(D[1], 3), lane(D[2], 3),
-    )  # fmt: skip
+@specialise(keep_sums)
+def _keep_sums(room, j, U, A, D):
+    directions = len(D)
+
+    def keep(room, j, U, A, D):
+        store(room, 4 * j, U)
+        store(room, 16 + 4 * j, A)
+        for d in range(directions):
+            store(room, 32 + 16 * d + 4 * j, D[d])
+
+    return keep
+
+
+def repeat_sums(room, count, like):
+    """Let the sums of the batch's last particle, `count` - 1, stand for those missing."""
+
+
+@specialise(repeat_sums)
+def _repeat_sums(room, count, like):
+    kept = 2 + len(like)
+
+    def repeat(room, count, like):
+        for j in range(count, 4):
+            for i in range(kept):
+                store(room, 16 * i + 4 * j, load(room, 16 * i + 4 * (count - 1)))
+
+    return repeat
+
+
+def _columns(room, i):
+    """The first, second, third and fourth elements of the vectors `i` of a batch."""
+
+
+@specialise(_columns)
+def _columns_of(room, i):
+    return lambda room, i: transpose(
+        load(room, 16 * i), load(room, 16 * i + 4), load(room, 16 * i + 8), load(room, 16 * i + 12)
+    )
+
+
+def collected(room, i, like):
+    """The components of the vectors `i` of a batch: for each direction a vector of four."""
+
+
+@specialise(collected)
+def _collected(room, i, like):
+    if len(like) == 1:
+        return lambda room, i, like: (_columns(room, i)[1],)
+    if len(like) == 2:
+        return lambda room, i, like: _columns(room, i)[1:3]
+    return lambda room, i, like: _columns(room, i)[1:]
+
+
+def gradients(room, i, like):
+    """Velocity gradients of a batch, row-major, from the vectors `i`, `i` + 1, ... of its sums."""
+
+
+@specialise(gradients)
+def _gradients(room, i, like):
+    if len(like) == 1:
+        return lambda room, i, like: collected(room, i, like)
+
+    def gradients2(room, i, like):
+        a, b = collected(room, i, like), collected(room, i + 1, like)
+        return (a[0], b[0], a[1], b[1])
+
+    def gradients3(room, i, like):
+        a, b = collected(room, i, like), collected(room, i + 1, like)
+        c = collected(room, i + 2, like)
+        return (a[0], b[0], c[0], a[1], b[1], c[1], a[2], b[2], c[2])
+
+    return gradients2 if len(like) == 2 else gradients3

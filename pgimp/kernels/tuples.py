@@ -16,6 +16,15 @@ def _scaled(a, V):
     return lambda a, V: (a * V[0], *scaled(a, V[1:]))
 
 
+def joined(first, rest):
+    """The tuple of `first` and the entries of `rest`."""
+
+
+@specialise(joined)
+def _joined(first, rest):
+    return lambda first, rest: (first, *rest)
+
+
 def plus_scaled(a, V, U):
     """The tuple a V + U, of numbers or vectors."""
 

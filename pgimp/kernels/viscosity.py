@@ -10,9 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pgimp.kernels.algebra import determinant
+from pgimp.kernels.batch import put_row, take
 from pgimp.kernels.jit import specialise
-from pgimp.materials.base import evaluate
+from pgimp.kernels.simd import where
+from pgimp.materials.base import evaluate_four
 
 
 class Viscosity(NamedTuple):
@@ -47,33 +48,32 @@ def _trace(L):
     return lambda L: L[0] + L[4] + L[8]
 
 
-def thicken(viscosity, materials, m, particles, p, F, L):
-    """Set q of particle `p`, of material `m`, for the next step.
+def thicken(viscosity, materials, m, particles, rows, F, J, L):
+    """Set q of four particles for the next step; `m` are their materials, F, J and L vectors.
 
     Returns
     -------
-    float
-        q/(rho L |D|), the speed by which viscosity stiffens the particle; 0 without any.
+    Vec4
+        q/(rho L |D|), the speed by which viscosity stiffens a particle; 0 without any.
     """
 
 
 @specialise(thicken)
-def _thicken(viscosity, materials, m, particles, p, F, L):
+def _thicken(viscosity, materials, m, particles, rows, F, J, L):
     if not hasattr(viscosity, "instance_class"):
-        return lambda viscosity, materials, m, particles, p, F, L: 0.0
+        return lambda viscosity, materials, m, particles, rows, F, J, L: 0.0
 
-    def thicken_particle(viscosity, materials, m, particles, p, F, L):
+    def thicken_particles(viscosity, materials, m, particles, rows, F, J, L):
+        c = evaluate_four("speed", materials, m, (F, J), J)
         closing = -viscosity.cell * trace(L)
-        if not closing > 0.0:
-            particles.q[p, 0] = 0.0
-            return 0.0
-        J = determinant(F)
-        c = evaluate("speed", materials, m, (F, J))
-        speed = viscosity.linear[m] * c + viscosity.quadratic[m] * closing
-        particles.q[p, 0] = particles.m[p] / (J * particles.V0[p]) * speed * closing
+        closes = closing > 0.0
+        c1, c2 = take(viscosity.linear, m), take(viscosity.quadratic, m)
+        speed = where(closes, c1 * c + c2 * closing, 0.0)
+        density = take(particles.m, rows) / (J * take(particles.V0, rows))
+        put_row(particles.q, rows, 0, (where(closes, density * speed * closing, 0.0),))
         return speed
 
-    return thicken_particle
+    return thicken_particles
 
 
 def stiffened(viscosity, c, slow):

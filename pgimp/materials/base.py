@@ -4,11 +4,14 @@ from functools import cache
 from typing import Annotated
 
 import numba
+from numba.core import errors, types
 from numba.extending import overload
 from pydantic import Field
 
 from pgimp.case.base import Model, NonNegative, Number, Positive
 from pgimp.kernels.jit import INLINE_OPTIONS
+from pgimp.kernels.lanes import of_lane, vectors, where_all, with_lanes
+from pgimp.kernels.simd import bits, pack
 
 Poisson = Annotated[
     Number, Field(gt=-1.0, lt=0.5, description="Poisson's ratio, above -1 and below 0.5 [1]")
@@ -70,3 +73,55 @@ def _evaluate(quantity, materials, k, args):
         return evaluate(name, materials[1:], k - 1, args)
 
     return branch
+
+
+def _takes_vectors(material: types.Type, quantity: str, args: types.Type) -> bool:
+    """Whether a material's function compiles for vectors: one that branches does not."""
+    try:
+        _compiled(material.instance_class, quantity).compile((material, *args))
+    except errors.NumbaError:
+        return False
+    return True
+
+
+def evaluate_four(quantity, materials, numbers, args, like):
+    """As `evaluate`, of four particles.
+
+    `args` are vectors or tuples of them, as is the result, which is of the kind of `like`; `numbers`
+    are the particles' materials, a tuple of four. A function that cannot take vectors is called for
+    one particle after the other.
+    """
+
+
+@overload(evaluate_four, jit_options=INLINE_OPTIONS, prefer_literal=True, strict=False)
+def _evaluate_four(quantity, materials, numbers, args, like):
+    name = quantity.literal_value
+    if not all(_takes_vectors(material, name, args) for material in materials):
+
+        def one_by_one(quantity, materials, numbers, args, like):
+            values = like
+            for j in range(4):
+                one = evaluate(name, materials, numbers[j], of_lane(args, j))
+                values = with_lanes(values, j, one)
+            return values
+
+        return one_by_one
+    if len(materials) == 1:
+        return lambda quantity, materials, numbers, args, like: vectors(
+            evaluate(name, materials, 0, args)
+        )
+
+    def by_material(quantity, materials, numbers, args, like):
+        kinds = pack(
+            float(numbers[0]), float(numbers[1]), float(numbers[2]), float(numbers[3])
+        )
+        values = like
+        done = 0
+        for j in range(4):
+            if done >> j & 1 == 0:
+                mask = kinds == numbers[j]
+                values = where_all(mask, vectors(evaluate(name, materials, numbers[j], args)), values)
+                done |= bits(mask)
+        return values
+
+    return by_material

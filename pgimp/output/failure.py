@@ -11,6 +11,7 @@ import numpy as np
 
 from pgimp.errors import RunError
 from pgimp.kernels.g2p import OUTSIDE
+from pgimp.kernels.order import vertices_of
 from pgimp.kernels.sums import fastest_rate
 from pgimp.output.collective import explain, on_root
 from pgimp.output.fields import ALWAYS, FAILURE, FIELDS, OPTIONAL, Source
@@ -153,7 +154,7 @@ def _places(sim: Simulation, rows: Array) -> tuple[Array, Array]:
     p, frame = sim.particles, sim.scene.frame
     xi = (p.x[rows] - frame.origin) * frame.inverse
     drawable = ((xi >= -1.0) & (xi <= np.array(frame.cells) + 1.0)).all(axis=1)
-    first = np.stack(np.unravel_index(p.cell[rows], frame.vertices), axis=1)
+    first = vertices_of(p.cell[rows], frame.vertices)
     first[:, 0] = p.layer[rows]
     before = first - frame.ghost + 0.5 + np.array(sim.scene.shape.half)
     return np.where(drawable[:, None], xi, before), drawable

@@ -70,7 +70,7 @@ class PointShape(Shape):
 
 
 def size(shape, cell, F):
-    """Half-widths of a particle's chi_p by direction, in cells, and whether they were clamped."""
+    """Half-widths of a particle's chi_p by direction, in cells, and the largest before clamping."""
 
 
 @exact(size)  # all kernels must find the same layer, whatever the code around

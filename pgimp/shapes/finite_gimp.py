@@ -21,6 +21,7 @@ class FiniteGimpParameters(NamedTuple):
     """Initial half-widths of the particles' boxes by direction, in cells; at most 1/2."""
 
     half: tuple[float, ...]
+    vertices = 4
 
     @staticmethod
     def size(shape, cell, F):
@@ -54,7 +55,7 @@ class FiniteGimp(Shape):
 
     shape: Literal["finite-gimp"] = Field(description="name of the shape")
 
-    vertices: ClassVar[int] = 4
+    vertices: ClassVar[int] = FiniteGimpParameters.vertices
 
     @property
     def follows(self) -> bool:

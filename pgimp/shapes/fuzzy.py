@@ -51,11 +51,12 @@ class FixedFuzzyParameters(NamedTuple):
     """Half-widths of the particles' tents by direction, in cells."""
 
     half: tuple[float, ...]
+    vertices = 4
 
     @staticmethod
     def size(shape, cell, F):
         """Constant in time."""
-        return shape.half, 0
+        return shape.half, 0.0
 
     @staticmethod
     def weights(shape, half, f):
@@ -67,6 +68,7 @@ class TrackedFuzzyParameters(NamedTuple):
     """Initial half-widths of the particles' tents by direction, in cells."""
 
     half: tuple[float, ...]
+    vertices = 4
 
     @staticmethod
     def size(shape, cell, F):
@@ -93,7 +95,7 @@ class _Fuzzy(Shape):
         "carried by ghost vertices and lost, or reflected",
     )
 
-    vertices: ClassVar[int] = 4
+    vertices: ClassVar[int] = FixedFuzzyParameters.vertices
     chi: ClassVar[Literal["point", "box", "tent"]] = "tent"
 
     @property

@@ -11,11 +11,12 @@ class GimpParameters(NamedTuple):
     """Half-widths l_p of the particles' boxes by direction, in cells; at most 1/2."""
 
     half: tuple[float, ...]
+    vertices = 3
 
     @staticmethod
     def size(shape, cell, F):
         """Constant in time."""
-        return shape.half, 0
+        return shape.half, 0.0
 
     @staticmethod
     def weights(shape, half, f):
@@ -40,7 +41,7 @@ class Gimp(PointShape):
 
     shape: Literal["gimp"] = Field(description="name of the shape")
 
-    vertices: ClassVar[int] = 3
+    vertices: ClassVar[int] = GimpParameters.vertices
 
     def parameters(self, cell: tuple[float, ...]) -> GimpParameters:
         """Parameters of the kernels: l_p = L/(2 particles per cell)."""

@@ -11,11 +11,12 @@ class MpmParameters(NamedTuple):
     """A point has no size; the tuple keeps one number because Numba wants a field."""
 
     half: tuple[float, ...]
+    vertices = 2
 
     @staticmethod
     def size(shape, cell, F):
         """A point has none."""
-        return shape.half, 0
+        return shape.half, 0.0
 
     @staticmethod
     def weights(shape, half, f):
@@ -33,7 +34,7 @@ class Mpm(PointShape):
 
     shape: Literal["mpm"] = Field(description="name of the shape")
 
-    vertices: ClassVar[int] = 2
+    vertices: ClassVar[int] = MpmParameters.vertices
     chi: ClassVar[Literal["point", "box", "tent"]] = "point"
     #: No step is stable at every free surface: the lighter the last vertex, the shorter it has to
     #: be. At this much a last vertex with a hundredth of a particle still is.

@@ -4,7 +4,6 @@ What is kept does not depend on the ranks: particles in canonical order, sums by
 be had again from the case, or only saves time (the window, the holes between rows), is not kept.
 """
 
-import math
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any, Self
 
@@ -12,7 +11,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from pgimp.errors import DamagedError, UsageError
-from pgimp.kernels.order import locate
+from pgimp.kernels.order import cell_numbers, locate
 from pgimp.kernels.sums import SUMS
 from pgimp.parallel.together import all_or_none
 from pgimp.solver.particles import Particles
@@ -267,7 +266,7 @@ def _inconsistent(sim: "Simulation", p: Particles, start: np.ndarray, n: int) ->
         ("x", x, 0.0, np.array(frame.cells, float)),
         ("body", p.body[:n], 0, len(scene.body_names) - 1),
         ("id", p.id[:n], 0, sim.count - 1),
-        ("cell", p.cell[:n], 0, math.prod(frame.vertices) - 1),
+        ("cell", p.cell[:n], 0, cell_numbers(frame.vertices) - 1),
         ("grip", p.grip[:n], 0, len(scene.loads.constraints)),
         ("patch", p.patch[:n], 0.0, np.inf),
     )

@@ -1,0 +1,265 @@
+"""Four particles at once: their rows, what is read of them, and the weights of their supports.
+
+Weights, deformation and stress are computed for four particles in one vector register; the
+transfers, which go to other vertices for each, take one after the other. In between, what belongs
+to the four lies in a room on the stack. A batch that the end of a layer cuts short repeats its
+last particle: each particle's numbers are the same in whatever batch and place it is.
+"""
+
+from pgimp.kernels.jit import specialise
+from pgimp.kernels.place import first_vertex
+from pgimp.kernels.simd import lane, number, pack, store, vector
+from pgimp.kernels.tuples import scaled
+from pgimp.shapes.base import size, weights
+
+#: Particles in a batch.
+LANES = 4
+
+#: Room for the supports of a batch: for each direction weights (19), gradients (20) and weights
+#: times arms, each of up to four vertices, then the place of the first vertex; each four times.
+ROOM = 152
+_DIRECTION, _QUANTITY, _PLACE = 48, 16, 144
+
+
+def four(order, k, end):
+    """Rows of the particles ``order[k:k + 4]``; the last before `end` stands for those missing."""
+
+
+@specialise(four)
+def _four(order, k, end):
+    return lambda order, k, end: (
+        order[k], order[min(k + 1, end - 1)], order[min(k + 2, end - 1)],
+        order[min(k + 3, end - 1)],
+    )  # fmt: skip
+
+
+def take(array, rows):
+    """Vector of the entries of four rows."""
+
+
+@specialise(take)
+def _take(array, rows):
+    return lambda array, rows: pack(array[rows[0]], array[rows[1]], array[rows[2]], array[rows[3]])
+
+
+def take_row(array, rows, i, like):
+    """Vectors of the entries i, i+1, ... of four rows, as many as `like` has."""
+
+
+@specialise(take_row)
+def _take_row(array, rows, i, like):
+    def one(array, rows, i, like):
+        return (
+            pack(array[rows[0], i], array[rows[1], i], array[rows[2], i], array[rows[3], i]),
+        )
+
+    if len(like) == 1:
+        return one
+    return lambda array, rows, i, like: (
+        pack(array[rows[0], i], array[rows[1], i], array[rows[2], i], array[rows[3], i]),
+        *take_row(array, rows, i + 1, like[1:]),
+    )
+
+
+def put(array, rows, values):
+    """Set the entries of four rows to the elements of a vector."""
+
+
+@specialise(put)
+def _put(array, rows, values):
+    def put_four(array, rows, values):
+        array[rows[0]] = lane(values, 0)
+        array[rows[1]] = lane(values, 1)
+        array[rows[2]] = lane(values, 2)
+        array[rows[3]] = lane(values, 3)
+
+    return put_four
+
+
+def put_row(array, rows, i, values):
+    """Set the entries i, i+1, ... of four rows to the vectors `values`."""
+
+
+@specialise(put_row)
+def _put_row(array, rows, i, values):
+    def put_one(array, rows, i, values):
+        array[rows[0], i] = lane(values[0], 0)
+        array[rows[1], i] = lane(values[0], 1)
+        array[rows[2], i] = lane(values[0], 2)
+        array[rows[3], i] = lane(values[0], 3)
+
+    if len(values) == 1:
+        return put_one
+
+    def put_all(array, rows, i, values):
+        array[rows[0], i] = lane(values[0], 0)
+        array[rows[1], i] = lane(values[0], 1)
+        array[rows[2], i] = lane(values[0], 2)
+        array[rows[3], i] = lane(values[0], 3)
+        put_row(array, rows, i + 1, values[1:])
+
+    return put_all
+
+
+def deformations(frame, particles, rows):
+    """Deformation gradients of four particles, a row-major tuple of vectors."""
+
+
+@specialise(deformations)
+def _deformations(frame, particles, rows):
+    like = (0.0,) * len(frame.types[0]) ** 2
+    return lambda frame, particles, rows: take_row(particles.F, rows, 0, like)
+
+
+def _arms(w, f, cell):
+    """Weights times the vertices' coordinates relative to the particle's."""
+
+
+@specialise(_arms)
+def _arms_of(w, f, cell):
+    if len(w) == 1:
+        return lambda w, f, cell: (-w[0] * f * cell,)
+    return lambda w, f, cell: (-w[0] * f * cell, *_arms(w[1:], f - 1.0, cell))
+
+
+def _keep(room, at, V):
+    """Put vectors into a room, one after the other."""
+
+
+@specialise(_keep)
+def _keep_all(room, at, V):
+    if len(V) == 1:
+        return lambda room, at, V: store(room, at, vector(V[0]))
+
+    def keep(room, at, V):
+        store(room, at, vector(V[0]))
+        _keep(room, at + 4, V[1:])
+
+    return keep
+
+
+def _along(shape, frame, room, d, half, x, vertex):
+    """Put weights, gradients and arms along direction `d` into the room."""
+
+
+@specialise(_along)
+def _along_direction(shape, frame, room, d, half, x, vertex):
+    def along(shape, frame, room, d, half, x, vertex):
+        f = (x - frame.origin[d]) * frame.inverse[d] - (vertex - frame.ghost)
+        w, g = weights(shape, half, f)
+        at = d * _DIRECTION
+        _keep(room, at, w)
+        _keep(room, at + _QUANTITY, scaled(frame.inverse[d], g))
+        _keep(room, at + 2 * _QUANTITY, _arms(w, f, frame.cell[d]))
+
+    return along
+
+
+def _across(shape, frame, window, room, d, half, x):
+    """Put the weights along the directions from `d` on into the room; places in float64."""
+
+
+@specialise(_across)
+def _across_directions(shape, frame, window, room, d, half, x):
+    if len(x) == 0:
+        return lambda shape, frame, window, room, d, half, x: vector(0.0)
+
+    def across(shape, frame, window, room, d, half, x):
+        vertex = first_vertex(frame, d, half[0], x[0])
+        _along(shape, frame, room, d, half[0], x[0], vertex)
+        place = (vertex - window.lower[d]) * window.stride[d]
+        return place + _across(shape, frame, window, room, d + 1, half[1:], x[1:])
+
+    return across
+
+
+def supports(shape, frame, window, particles, rows, layer, room):
+    """Put the supports of four particles, whose layer is known, into a room of `ROOM` float64."""
+
+
+@specialise(supports)
+def _supports(shape, frame, window, particles, rows, layer, room):
+    like = (0.0,) * len(frame.types[0])
+
+    def supports(shape, frame, window, particles, rows, layer, room):
+        half = size(shape, frame.cell, deformations(frame, particles, rows))[0]
+        x = take_row(particles.x, rows, 0, like)
+        _along(shape, frame, room, 0, half[0], x[0], layer)
+        store(room, _PLACE, _across(shape, frame, window, room, 1, half[1:], x[1:]))
+
+    return supports
+
+
+def keep_support(room, d, w, g):
+    """Put weights and gradients of one particle along direction `d` into a room, for j = 0."""
+
+
+@specialise(keep_support)
+def _keep_support(room, d, w, g):
+    def keep(room, d, w, g):
+        _keep(room, d * _DIRECTION, w)
+        _keep(room, d * _DIRECTION + _QUANTITY, g)
+
+    return keep
+
+
+def first_place(room, j):
+    """Place of the first vertex of the batch's particle `j` within its plane, in float64."""
+
+
+@specialise(first_place)
+def _first_place(room, j):
+    return lambda room, j: int(number(room, _PLACE + j))
+
+
+def entry(room, d, quantity, i, j):
+    """Weight (0), gradient (1) or arm (2) of vertex `i` along direction `d` of particle `j`."""
+
+
+@specialise(entry)
+def _entry(room, d, quantity, i, j):
+    return lambda room, d, quantity, i, j: number(
+        room, d * _DIRECTION + quantity * _QUANTITY + 4 * i + j
+    )
+
+
+def entries(room, d, quantity, i, j, like):
+    """The entries of the vertices i, i+1, ..., as many as `like` has."""
+
+
+@specialise(entries)
+def _entries(room, d, quantity, i, j, like):
+    if len(like) == 1:
+        return lambda room, d, quantity, i, j, like: (entry(room, d, quantity, i, j),)
+    return lambda room, d, quantity, i, j, like: (
+        entry(room, d, quantity, i, j), *entries(room, d, quantity, i + 1, j, like[1:]),
+    )  # fmt: skip
+
+
+def extent(shape, room, d, j):
+    """Number of vertices along direction `d` that particle `j` has weight on; at least two."""
+
+
+@specialise(extent)
+def _extent(shape, room, d, j):
+    vertices = shape.instance_class.vertices
+    if vertices == 2:
+        return lambda shape, room, d, j: 2
+    if vertices == 3:
+        return lambda shape, room, d, j: 3 if entry(room, d, 0, 2, j) != 0.0 else 2
+    return lambda shape, room, d, j: (
+        4 if entry(room, d, 0, 3, j) != 0.0 else (3 if entry(room, d, 0, 2, j) != 0.0 else 2)
+    )
+
+
+def extents(shape, room, d, j, like):
+    """Numbers of vertices along the directions from `d` on, as many as `like` has."""
+
+
+@specialise(extents)
+def _extents(shape, room, d, j, like):
+    if len(like) == 0:
+        return lambda shape, room, d, j, like: ()
+    return lambda shape, room, d, j, like: (
+        extent(shape, room, d, j), *extents(shape, room, d + 1, j, like[1:]),
+    )  # fmt: skip

@@ -1,0 +1,43 @@
+"""Where a particle's support begins: one set of functions for all kernels, exact to the bit."""
+
+from math import floor
+
+import pgimp.kernels.simdmath  # noqa: F401  so that they work on vectors of four particles, too
+from pgimp.kernels.jit import exact, specialise
+from pgimp.kernels.tuples import read
+from pgimp.shapes.base import size
+
+
+def first_vertex(frame, d, half, x):
+    """Number of the first vertex, along direction `d`, of particles at coordinate `x`.
+
+    An int of a number; of a vector a vector.
+    """
+
+
+@exact(first_vertex)  # all kernels must find the same layer, whatever the code around
+def _first_vertex(frame, d, half, x):
+    return lambda frame, d, half, x: (
+        floor((x - frame.origin[d]) * frame.inverse[d] - half) + frame.ghost
+    )
+
+
+def deformation(frame, particles, p):
+    """Deformation gradient of particle `p`, a row-major tuple."""
+
+
+@specialise(deformation)
+def _deformation(frame, particles, p):
+    like = (0.0,) * len(frame.types[0]) ** 2
+    return lambda frame, particles, p: read(particles.F, p, 0, like)
+
+
+def half_widths(shape, frame, particles, p):
+    """Half-widths of particle `p` in cells; costs nothing where the shape keeps its size."""
+
+
+@specialise(half_widths)
+def _half_widths(shape, frame, particles, p):
+    return lambda shape, frame, particles, p: (
+        size(shape, frame.cell, deformation(frame, particles, p))[0]
+    )
