@@ -28,7 +28,7 @@ class Grip(NamedTuple):
 
 
 def _mark(shape, mask, bit, place, room, j, d, stride, like):
-    """Set a bit at the vertices that a particle reaches, from direction `d` on; as `like` has."""
+    """Set a bit at the vertices that a particle reaches; as many directions as `like` has."""
 
 
 @specialise(_mark)

@@ -8,7 +8,6 @@ from pgimp.kernels.jit import kernel, specialise
 from pgimp.kernels.place import first_vertex, half_widths
 from pgimp.shapes.base import size, weights
 
-
 #: Cells a block has along a direction, as a power of two.
 BLOCK = 2
 #: Combinations of one, two or three kinds of support along each direction.

@@ -278,7 +278,7 @@ def _components(like, U):
 
 
 def keep_sums(room, j, U, A, D):
-    """Put what `gather` gave for the batch's particle `j` into a room, each vector in its own 16."""
+    """Put what `gather` gave for the batch's particle `j` into a room of 16 float64 a vector."""
 
 
 @specialise(keep_sums)

@@ -87,9 +87,9 @@ def _takes_vectors(material: types.Type, quantity: str, args: types.Type) -> boo
 def evaluate_four(quantity, materials, numbers, args, like):
     """As `evaluate`, of four particles.
 
-    `args` are vectors or tuples of them, as is the result, which is of the kind of `like`; `numbers`
-    are the particles' materials, a tuple of four. A function that cannot take vectors is called for
-    one particle after the other.
+    `args` are vectors or tuples of them; so is the result, which is of the kind of `like`.
+    `numbers` are the particles' materials, a tuple of four. A function that cannot take vectors,
+    because it branches, is called for one particle after the other.
     """
 
 
@@ -120,7 +120,8 @@ def _evaluate_four(quantity, materials, numbers, args, like):
         for j in range(4):
             if done >> j & 1 == 0:
                 mask = kinds == numbers[j]
-                values = where_all(mask, vectors(evaluate(name, materials, numbers[j], args)), values)
+                found = vectors(evaluate(name, materials, numbers[j], args))
+                values = where_all(mask, found, values)
                 done |= bits(mask)
         return values
 
