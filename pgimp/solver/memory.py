@@ -89,13 +89,15 @@ def bytes_each(scene: Scene, ranks: int) -> tuple[int, int, int]:
     p = Particles.empty(1, scene.dimension, scene.origins, **scene.loads.columns)
     columns = sum(array.nbytes for array in p)
     widest = 8 * max(array.size for array in p)
-    fields = [*ALWAYS.values(), *(OPTIONAL[name] for name in scene.case.output.fields)]
-    field = 8 * max(max(1, one.columns) for one in fields)
-    frame = 40 + (2.0 if ranks == 1 else 3.5) * field
-    checkpoint = 36 + widest
+    output = scene.case.output
+    fields = [*ALWAYS.values(), *(OPTIONAL[name] for name in output.fields)]
+    field = (4 if output.precision == "float32" else 8) * max(max(1, f.columns) for f in fields)
+    # Rows and their order; what goes to other ranks and comes from them; a compressed field. It is
+    # more than a checkpoint needs.
+    frame = (40 if ranks == 1 else 36 + 2 * field) + field * (output.compression != "none")
     # Room for the widest column, order and spare order; what comes from other ranks.
     kept = columns * (1.0 if ranks == 1 else 1.125) + widest + 8
-    return columns, int(kept), int(kept + max(frame, checkpoint))
+    return columns, int(kept), int(kept + frame)
 
 
 def window(scene: Scene, bodies: list[Extent]) -> list[int]:
