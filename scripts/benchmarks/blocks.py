@@ -4,9 +4,9 @@ Whatever its particles have of stress, or of velocity differences, is error.
 """
 
 from statistics import median
-from time import perf_counter
 
 import numpy as np
+from clock import clock
 
 from pgimp.case.schema import Case
 from pgimp.parallel.comm import Serial
@@ -147,7 +147,7 @@ class Timed:
     sim : Simulation
         The simulation.
     seconds, phases : list
-        Of each round: wall time; by phase, that of the slowest rank.
+        Of each round: time; by phase, wall time, that of the slowest rank.
     """
 
     def __init__(self, sim, steps, after=None):
@@ -162,13 +162,13 @@ class Timed:
         sim = self.sim
         before = dict(sim.timings)
         sim.comm.Barrier()
-        began = perf_counter()
+        began = clock()
         for _ in range(self.steps):
             sim.advance()
             if self._after:
                 self._after()
         sim.comm.Barrier()
-        self.seconds.append(perf_counter() - began)
+        self.seconds.append(clock() - began)
         spent = {
             name: sum(sim.timings[part] - before[part] for part in parts if part in before)
             for name, parts in PHASES.items()

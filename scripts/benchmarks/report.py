@@ -10,6 +10,7 @@ from pathlib import Path
 from statistics import median
 
 import llvmlite.binding
+from clock import VARIABLE
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -52,7 +53,8 @@ def origin(**others):
     llvm = ".".join(map(str, llvmlite.binding.llvm_version_info))
     versions += [f"LLVM {llvm}", mpi(), f"Python {platform.python_version()}"]
     versions += [f"{name} {number}" for name, number in others.items()]
-    return f"{cpu()}, {', '.join(versions)}, {date.today()}"
+    shared = ", CPU time instead of wall time" if os.environ.get(VARIABLE) else ""
+    return f"{cpu()}, {', '.join(versions)}, {date.today()}{shared}"
 
 
 def installed(package):

@@ -1,0 +1,16 @@
+"""The clock of the benchmarks: wall time, or on a machine that does other things the CPU's.
+
+The CPU's time is that of a process alone, whoever shares the core with it. It is of no use for
+several ranks, which wait for each other without rest.
+"""
+
+import os
+from time import perf_counter, process_time
+
+#: Variable that chooses the CPU's time, also in workers.
+VARIABLE = "PGIMP_BENCHMARK_CPU_TIME"
+
+
+def clock():
+    """Seconds since some moment."""
+    return process_time() if os.environ.get(VARIABLE) else perf_counter()
