@@ -20,14 +20,18 @@ PARTS = (
     "kernels", "peers", "domain", "features", "scaling", "instructions", "output", "model",
 )  # fmt: skip
 
-#: Parts that are programs, with their words if all is to be quick.
-PROGRAMS = {"output": ("--quick",), "model": ("--seconds", "2", "disks")}
+#: Parts that are programs: their words, and those if all is to be quick.
+PROGRAMS = {
+    "output": ([], ["--quick"]),
+    "model": (["--seconds", "5"], ["--seconds", "2", "coarse"]),
+}
 
 
 def run(part, folder, quick):
     """Run a part that is a program; a status other than 0 says that something is not as wanted."""
-    command = [sys.executable, str(Path(__file__).with_name(f"{part}.py"))]
-    done = subprocess.run([*command, *(PROGRAMS[part] * quick)], stdout=subprocess.PIPE, text=True)
+    program = Path(__file__).resolve().with_name(f"{part}.py")
+    command = [sys.executable, str(program), *PROGRAMS[part][quick]]
+    done = subprocess.run(command, cwd=folder, stdout=subprocess.PIPE, text=True)
     print(done.stdout)
     text = f"## {part.capitalize()}\n\n{done.stdout}\n{origin()}\n"
     (folder / f"{part}.md").write_text(text, encoding="utf-8")
