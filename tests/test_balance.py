@@ -269,7 +269,7 @@ def test_ranks_have_as_many_particles_as_each_other_all_the_time(runs, name, ran
     layers = [np.array(now) for now in told["layers"]]
     best = np.array([imbalance_of(now, cut(now, ranks, 2)) for now in layers])
     assert best.max() < 0.1
-    assert (imbalance < 0.1).all()
+    assert (imbalance < 0.1 + 1e-9).all()
     assert 3 <= len(told["moves"]) < len(imbalance) / 4
     before, after = np.array(told["moves"]).T
     assert (after < before).all()

@@ -8,12 +8,39 @@ import numpy as np
 from pgimp.parallel.halo import Halo
 from pgimp.parallel.handover import hand_over
 from pgimp.parallel.migrate import Migration
-from pgimp.parallel.slabs import slab_of
+from pgimp.parallel.slabs import cut, slab_of
+from pgimp.solver.balance import Balance
 from pgimp.solver.grid import Grid
 from pgimp.solver.state import ACCUMULATORS, no_sums
 
 if TYPE_CHECKING:
     from pgimp.solver.simulation import Simulation
+
+
+def share_out(sim: "Simulation", counts: np.ndarray, interval: int) -> None:
+    """Give each rank its layers at the start, so that none has more particles than need be.
+
+    Parameters
+    ----------
+    counts : (layers,) int64
+        Particles of each layer.
+    interval : int
+        Steps between two reports of the load.
+    """
+    vertices = sim.scene.vertices
+    # A vertex beyond a face and its mirror image must not lie on different ranks.
+    ends = 2 * vertices if sim.scene.mirrors else 0
+    cuts = cut(counts, sim.comm.size, vertices - 1, ends)
+    sim.slab = slab_of(cuts, sim.comm.rank)
+    sim.balance = Balance(cuts, int(counts.sum()), vertices, ends, interval)
+    idle = sim.comm.size - (len(cuts) - 1)
+    if idle:
+        each = vertices - 1
+        outer = f", {ends} next to a wall that mirrors" if ends > each else ""
+        sim.notes.append(
+            f"{idle} of {sim.comm.size} ranks own no layer: the grid's {cuts[-1]} layers feed "
+            f"at most {len(cuts) - 1} ranks ({each} layers each{outer}); use fewer ranks"
+        )
 
 
 def occupy(sim: "Simulation") -> None:

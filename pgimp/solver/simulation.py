@@ -13,12 +13,12 @@ from pgimp.kernels.sums import fastest_rate
 from pgimp.parallel.halo import Halo
 from pgimp.parallel.migrate import Migration
 from pgimp.parallel.node import one_rank_first
-from pgimp.parallel.slabs import Slab, cut, slab_of
+from pgimp.parallel.slabs import Slab
 from pgimp.scene.lattice import Lattice
 from pgimp.scene.scene import Scene, count_particles
 from pgimp.solver.balance import Balance
 from pgimp.solver.clock import clock_of
-from pgimp.solver.decomposition import occupy, rebalance
+from pgimp.solver.decomposition import occupy, rebalance, share_out
 from pgimp.solver.diagnostics import Diagnostics
 from pgimp.solver.faults import ROOM, Failure, collect
 from pgimp.solver.grid import Grid
@@ -93,6 +93,7 @@ class Simulation:
     """
 
     slab: Slab
+    balance: Balance
     grid: Grid
     halo: Halo
     migration: Migration
@@ -133,16 +134,11 @@ class Simulation:
         self.notes += notes
         self.count = int(counts.sum())
         require(scene, comm, self.count)
-        layer = self._layers_of(lattice.coordinates[0])
+        layer = np.empty(len(lattice.coordinates[0]), np.int64)
+        layers_of(scene.shape, scene.frame, self.identity, lattice.coordinates[0], layer)
         self.decompose(np.bincount(layer, counts.sum(axis=0), scene.frame.vertices[0]))
         self.settle(*self._create(lattice, counts, layer))
         self._check_step()
-
-    def _layers_of(self, x: np.ndarray) -> np.ndarray:
-        """Layers of particles at coordinates x, by the kernels' own function."""
-        layers = np.empty(len(x), np.int64)
-        layers_of(self.scene.shape, self.scene.frame, self.identity, x, layers)
-        return layers
 
     def _create(
         self, lattice: Lattice, counts: np.ndarray, layer: np.ndarray
@@ -154,20 +150,7 @@ class Simulation:
 
     def decompose(self, layer_counts: np.ndarray) -> None:
         """Give each rank its layers, so that no rank has more particles than need be."""
-        vertices = self.scene.vertices
-        # A vertex beyond a face and its mirror image must not lie on different ranks.
-        ends = 2 * vertices if self.scene.mirrors else 0
-        cuts = cut(layer_counts, self.comm.size, vertices - 1, ends)
-        self.slab = slab_of(cuts, self.comm.rank)
-        self.balance = Balance(cuts, int(layer_counts.sum()), vertices, ends, RESORT)
-        idle = self.comm.size - (len(cuts) - 1)
-        if idle:
-            each = vertices - 1
-            outer = f", {ends} next to a wall that mirrors" if ends > each else ""
-            self.notes.append(
-                f"{idle} of {self.comm.size} ranks own no layer: the grid's {cuts[-1]} layers feed "
-                f"at most {len(cuts) - 1} ranks ({each} layers each{outer}); use fewer ranks"
-            )
+        share_out(self, layer_counts, RESORT)
 
     def settle(self, particles: Particles, count: int, start: np.ndarray | None = None) -> None:
         """Put this rank's particles in order, and make grid and accumulators for them.
