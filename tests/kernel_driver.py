@@ -147,14 +147,14 @@ class Rank:
     def particles_to_grid(self) -> None:
         """All layers, and the exchange with the neighbours if there are any."""
         grid, population = self.grid, self.population
-        for array in (grid.G, grid.edges.partial, grid.edges.kept):
+        for array in (grid.G, grid.aside):
             array.fill(np.nan)  # only what the kernel sets may be used
         grid.active.fill(0)
         for part in self.halo.parts(population.start):
             particles_to_grid(
                 self.shape, self.frame, grid.window, population.particles, Loads(),
                 population.order, population.start, part, grid.scratch, grid.G, grid.active,
-                grid.edges,
+                grid.aside, grid.below,
             )  # fmt: skip
             assert not grid.scratch.any()
             self.halo.proceed(grid)

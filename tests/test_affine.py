@@ -22,7 +22,7 @@ def vertices(sim):
     particles_to_grid(
         scene_.shape, scene_.frame, grid.window, population.particles, scene_.loads.at(0.0),
         population.order, population.start, *sim.halo.parts(population.start), grid.scratch,
-        grid.G, grid.active, grid.edges,
+        grid.G, grid.active, grid.aside, grid.below,
     )  # fmt: skip
     planes = grid.G.reshape(*grid.window.extent, 8).copy()
     planes[grid.active == 0] = 0.0

@@ -5,43 +5,17 @@ are summed, in canonical order, from zero into that layer's own planes; then the
 in increasing order. Uniform gravity (17) is m_v b and needs no sum.
 
 In time the layers may follow each other otherwise: what neighbours wait for comes first, and what
-a layer then has to add later is put aside, see `Edges`.
+a layer then has to add later is put aside.
 """
-
-from typing import NamedTuple
 
 from pgimp.kernels.jit import kernel
 from pgimp.kernels.layer import sum_layer
 from pgimp.kernels.simd import load, pack, store
-from pgimp.solver.particles import FloatArray
-
-
-class Edges(NamedTuple):
-    """What a slab's first and last layers add, put aside until its turn comes.
-
-    Both arrays hold sums of `shared` layers, layer by layer, each from its own plane up to the last
-    of these layers' own planes: (shared * (shared + 1) / 2 * plane,) float64.
-
-    Attributes
-    ----------
-    partial : float64
-        What the first `shared` layers add to the planes shared with the rank below; empty where
-        there is none.
-    kept : float64
-        What the last `shared` layers add to planes that are not shared with the rank above; empty
-        where there is none.
-    shared : int
-        Planes shared at a slab boundary.
-    """
-
-    partial: FloatArray
-    kept: FloatArray
-    shared: int
 
 
 @kernel
 def particles_to_grid(
-    shape, frame, window, particles, loads, order, start, runs, scratch, G, active, edges
+    shape, frame, window, particles, loads, order, start, runs, scratch, G, active, aside, below
 ):
     """Sum the particles of some layers of a rank into its planes.
 
@@ -58,21 +32,27 @@ def particles_to_grid(
         Where each of the rank's layers begins in `order`.
     runs : (k, 3) int64
         Runs of layers to sum, one after the other: the first layer, that behind the last one, and
-        whether their sums for planes that are not shared with the rank above are put aside, which
-        is for the rank's last ``edges.shared`` layers only.
+        whether their sums for planes that are not shared with the rank above are put aside; only
+        the rank's last layers, as many as it shares planes, may say so.
     scratch : (vertices * plane,) float64
         A layer's own planes; zero on entry and on return.
     G : (planes * plane,) float64
         The window's planes. Only active ones are defined on return.
     active : (planes,) uint8
         1 for the planes that layers of this rank add to; zero before the first layer of a step.
-    edges : Edges
-        See there; filled here.
+    aside : float64
+        What has to be added later, see `complete`: the sums of the first `shared` layers for the
+        planes that the rank below shares, layer by layer, each from its own plane up, in
+        (shared * (shared + 1) / 2 * plane,); then likewise those of the last `shared` layers for
+        planes that the rank above does not share. Each part is missing where there is no such rank.
+    below : int
+        Number of planes shared with the rank below; 0 where there is none.
     """
     plane = window.stride[0]
     vertices = len(scratch) // plane
+    shared = vertices - 1
     layers = len(start) - 1
-    below = edges.shared if len(edges.partial) > 0 else 0
+    kept = below * (below + 1) // 2  # where what the last layers put aside begins
     for run in range(len(runs)):
         for layer in range(runs[run, 0], runs[run, 1]):
             low, high = 0, 0
@@ -84,22 +64,22 @@ def particles_to_grid(
             for i in range(vertices):
                 target = layer + i
                 if target < below:
-                    slot = _slot(layer, edges.shared) + i
-                    _set_aside(scratch, i * plane, edges.partial, slot * plane, low, high, plane)
+                    slot = _slot(layer, shared) + i
+                    _set_aside(scratch, i * plane, aside, slot * plane, low, high, plane)
                     continue
                 if high > 0 and active[target] == 0:
                     active[target] = 1
                     G[target * plane : (target + 1) * plane] = 0.0
                 if runs[run, 2] != 0 and target < layers:
-                    slot = _slot(layer - layers + edges.shared, edges.shared) + i
-                    _set_aside(scratch, i * plane, edges.kept, slot * plane, low, high, plane)
+                    slot = kept + _slot(layer - layers + shared, shared) + i
+                    _set_aside(scratch, i * plane, aside, slot * plane, low, high, plane)
                     continue
                 _flush(scratch, i * plane, G, target * plane, low, high)
 
 
 @kernel
 def _slot(k, shared):
-    """Place, in planes, of the sums of the k-th of `shared` layers in an array of `Edges`."""
+    """Place, in planes, of the sums of the k-th of `shared` layers that are put aside."""
     return k * shared - k * (k - 1) // 2
 
 
@@ -124,34 +104,33 @@ def _set_aside(scratch, source, aside, target, low, high, plane):
 
 
 @kernel
-def complete(G, plane, layers, edges, kept, received):
+def complete(G, plane, shared, layers, aside, below, kept, received):
     """Add what was put aside, and what the rank above has, to the planes where it belongs.
 
     Both sides of a slab boundary do this after the exchange, and then hold the same bits.
 
     Parameters
     ----------
-    G, edges
+    G, aside, below
         As in `particles_to_grid`; the planes shared with the rank below hold that one's sums.
-    plane, layers : int
-        Size of a plane, and number of the rank's layers.
+    plane, shared, layers : int
+        Size of a plane, number of planes shared at a slab boundary, number of the rank's layers.
     kept : bool
-        Whether ``edges.kept`` is used in this step.
+        Whether the last layers have put something aside in this step.
     received : float64
-        The ``edges.partial`` of the rank above; empty where there is none.
+        What the rank above has put aside for the planes shared with it; empty where there is none.
     """
-    if len(edges.partial) > 0:
-        _add(G, 0, edges.partial, edges.shared, plane)
+    if below > 0:
+        _add(G, 0, aside, 0, shared, plane)
     if kept:
-        _add(G, layers - edges.shared, edges.kept, edges.shared, plane)
+        _add(G, layers - shared, aside, below * (below + 1) // 2, shared, plane)
     if len(received) > 0:
-        _add(G, layers, received, edges.shared, plane)
+        _add(G, layers, received, 0, shared, plane)
 
 
 @kernel
-def _add(G, first, sums, shared, plane):
-    """Add sums as in `Edges` to the planes from `first` on, in layer order."""
-    slot = 0
+def _add(G, first, sums, slot, shared, plane):
+    """Add sums that were put aside, from `slot` on, to planes from `first` on, in layer order."""
     for layer in range(shared):
         for i in range(layer, shared):
             target = (first + i) * plane

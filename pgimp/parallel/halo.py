@@ -166,8 +166,9 @@ class Halo:
         for request in self._started:
             request.Wait()
         complete(
-            grid.G, grid.window.stride[0], self.slab.layers, grid.edges, self._kept, self._received
-        )
+            grid.G, grid.window.stride[0], self.shared, self.slab.layers, grid.aside, grid.below,
+            self._kept, self._received,
+        )  # fmt: skip
         if len(self._started) > len(self._requests):
             for planes, others in self._others:
                 planes |= others
@@ -191,8 +192,8 @@ class Halo:
         if below is not None:
             prefix = grid.G[: self.shared * plane]
             requests.append(self.comm.Recv_init(prefix, below, _UP))
-            requests.append(self.comm.Send_init(grid.edges.partial, below, _DOWN))
-            self._sizes[0] += grid.edges.partial.nbytes
+            requests.append(self.comm.Send_init(grid.partial, below, _DOWN))
+            self._sizes[0] += grid.partial.nbytes
         self._requests = requests
         self._every += requests
 

@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from pgimp.kernels.p2g import Edges
 from pgimp.parallel.slabs import Slab
 from pgimp.solver.particles import FloatArray, Frame, Window
 
@@ -34,14 +33,18 @@ class Grid:
 
     Attributes
     ----------
+    below : int
+        Planes shared with the rank below; 0 where there is none.
     window : Window
         What is stored.
     G : (planes * plane,) float64
         Records of the vertices, see `pgimp.kernels.transfer`; only active planes are defined.
     active : (planes,) uint8
         Which planes take part in this step.
-    scratch, edges : float64, Edges
+    scratch, aside : float64
         See `particles_to_grid`.
+    partial : float64
+        The part of `aside` for planes that are shared with the rank below.
     marks : (planes * plane / 8,) int64
         See `pgimp.kernels.grips`; made when first asked for.
     base : (2, 2) int64
@@ -53,6 +56,7 @@ class Grid:
         self.vertices = vertices
         self.slab = slab
         self.planes = slab.layers + vertices - 1 if slab.layers else 0
+        self.below = vertices - 1 if slab.below is not None else 0
         self.active = np.zeros(self.planes, np.uint8)
         self.base = np.zeros((2, 2), np.int64)
 
@@ -69,7 +73,13 @@ class Grid:
 
     def covers(self, reach: np.ndarray) -> bool:
         """Whether the window holds the supports with first vertices within `reach`."""
-        return bool((reach[0] >= self.base[0]).all() and (reach[1] <= self.base[1]).all())
+        (low, high), (least, greatest) = reach.tolist(), self.base.tolist()
+        return (  # in Python: NumPy would take a fifth of the step of a tiny scene
+            low[0] >= least[0]
+            and low[1] >= least[1]
+            and high[0] <= greatest[0]
+            and high[1] <= greatest[1]
+        )
 
     def _store(self, base: np.ndarray) -> None:
         """Make room for the supports with first vertices within `base`, cut to the grid."""
@@ -84,13 +94,10 @@ class Grid:
         plane = self.window.stride[0]
         self.G = aligned(self.planes * plane)
         self.scratch = aligned(self.vertices * plane)
-        shared = self.vertices - 1
-        aside = shared * (shared + 1) // 2 * plane
-        self.edges = Edges(
-            aligned(aside if self.slab.below is not None else 0),
-            aligned(aside if self.slab.above is not None else 0),
-            shared,
-        )
+        half = self.below * (self.below + 1) // 2 * plane
+        above = self.vertices - 1 if self.slab.above is not None else 0
+        self.aside = aligned(half + above * (above + 1) // 2 * plane)
+        self.partial = self.aside[:half]
         self.bounds = self._bounds()
         self._marks = np.zeros(0, np.int64)
 

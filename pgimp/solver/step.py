@@ -39,7 +39,7 @@ def step(sim: "Simulation", dt: float, end: float) -> tuple[int, float]:
     for part in sim.halo.parts(start):  # first what neighbours wait for
         particles_to_grid(  # (16, 17, 18, 21, 22)
             shape, frame, window, particles, loads, order, start, part,
-            grid.scratch, grid.G, grid.active, grid.edges,
+            grid.scratch, grid.G, grid.active, grid.aside, grid.below,
         )  # fmt: skip
         sim.halo.proceed(grid, bool(grips))
     times.append(perf_counter())

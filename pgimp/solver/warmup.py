@@ -38,9 +38,9 @@ def warm_up(scene: Scene, identity: tuple[float, ...]) -> None:
     merge(p, rows, start, rows, 0, rows, rows.copy(), start.copy())
     particles_to_grid(
         shape, frame, grid.window, p, loads, rows, start,
-        np.zeros((0, 3), np.int64), grid.scratch, grid.G, grid.active, grid.edges,
+        np.zeros((0, 3), np.int64), grid.scratch, grid.G, grid.active, grid.aside, grid.below,
     )  # fmt: skip
-    complete(grid.G, grid.window.stride[0], 1, grid.edges, False, np.empty(0))
+    complete(grid.G, grid.window.stride[0], 0, 1, grid.aside, 0, False, np.empty(0))
     faces = scene.face_parameters(0.0, 0.0)
     update_momentum(
         frame, grid.window, grid.G, grid.active, 1.0, scene.gravity(0.0), 0.0, faces, 1,
