@@ -17,7 +17,7 @@ from pgimp.solver.simulation import RESORT
 MANY = (4, 8, 16, 32, 64)
 
 #: Steps before and while messages are counted.
-BEFORE, COUNTED = 2, 10
+BEFORE, COUNTED = 2, 5
 
 
 def timings(quick):
@@ -81,7 +81,7 @@ def count_here(quick, ranks):
     from mpi4py import MPI
 
     world, rows = MPI.COMM_WORLD, []
-    across = (6, 6) if quick else (16, 16)
+    across = (6, 6) if quick else (12, 12)
     for size in ranks:
         some = world.Split(int(world.rank < size), world.rank)
         if world.rank < size:
