@@ -16,8 +16,8 @@ from pgimp.kernels.sums import fastest_rate
 from pgimp.model.costs import Network
 from pgimp.model.layout import layout_now, layout_of
 from pgimp.model.measure import costs_of, take_turns
-from pgimp.model.predict import EFFICIENT, Step
-from pgimp.model.report import between_nodes, ladder, lines, on_node, remark, scaling
+from pgimp.model.predict import Step
+from pgimp.model.report import between_nodes, ladder, lines, on_node, remark, scaling, verdict
 from pgimp.model.sample import samples_of
 from pgimp.output.progress import duration
 from pgimp.parallel.comm import Serial
@@ -194,10 +194,7 @@ def _report_cost(scene: Scene, lattice: Lattice, counts: np.ndarray, steps: int)
     )
     if steps * one >= _YEAR:
         print("warning: nobody will see the end; is time.end or time.step what it should be?")
-    print(
-        f"ranks            up to {ranks:,} pay off (efficiency above {EFFICIENT:.0%})"
-        + (f"; beyond, {found['limit']}" if found["limit"] else "")
-    )
+    print(f"ranks            {verdict(found)}")
     print(
         f"{'':<16} there {_time_text(steps * best['seconds'])}, {size_text(best['memory'])} a rank"
     )
@@ -207,7 +204,7 @@ def _report_cost(scene: Scene, lattice: Lattice, counts: np.ndarray, steps: int)
     for line in lines(shown, remark(found), f"{'':<17}"):
         print(line)
     print(f"{'':<17}{on_node(costs)}")
-    if found["steps"][-1]["ranks"] > network.ranks_per_node:
+    if shown[-1]["ranks"] > network.ranks_per_node:
         print(f"{'':<17}{between_nodes(network)}")
 
 

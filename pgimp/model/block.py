@@ -114,7 +114,8 @@ def block_layout(cells: int, length: int, random: bool) -> tuple[Scene, list[Ext
     planes, h = scene.frame.cells[0] * 2, scene.frame.cell[0]
     counts = np.zeros(planes, np.int64)
     counts[bodies[0].low[0] : bodies[0].high[0]] = (2 * cells) ** 2
-    layout = layout_of(scene, bodies, 0.5 * h * np.arange(0.5, planes), counts)
+    # As `Lattice` has them, to the bit: they lie where layers meet.
+    layout = layout_of(scene, bodies, np.arange(0.5, planes) / 2 * h, counts)
     if random:
         layout = layout._replace(counts=_spread(layout.counts, scene.shape.half[0]))
     return scene, bodies, layout._replace(crossing=SPEED * case.time.end / h)

@@ -9,6 +9,7 @@ import numpy as np
 
 from pgimp.model.costs import Costs, Network
 from pgimp.model.layout import Layout
+from pgimp.parallel.halo import PIECE
 
 #: Efficiency down to which more ranks pay off.
 EFFICIENT = 0.7
@@ -62,7 +63,7 @@ class Step(NamedTuple):
     def loss(self, one: Step) -> str:
         """What costs most of the efficiency, for people."""
         if self.slabs < self.ranks:
-            return f"the grid has layers for {self.slabs:,} ranks"
+            return out_of_layers(self.slabs)
         losses = {
             "the fixed cost of a step": self.fixed - one.fixed / self.ranks,
             "slabs of whole layers differ": self.excess,
@@ -70,6 +71,11 @@ class Step(NamedTuple):
             "the latency of messages": self.calls + self.reduction,
         }
         return max(losses, key=lambda name: losses[name])
+
+
+def out_of_layers(slabs: int) -> str:
+    """Say that there are no more slabs than so many."""
+    return f"the grid has layers for {slabs:,} {'rank' if slabs == 1 else 'ranks'}"
 
 
 def predict(layout: Layout, costs: Costs, network: Network, ranks: int) -> Step:
@@ -121,6 +127,7 @@ def predict(layout: Layout, costs: Costs, network: Network, ranks: int) -> Step:
     neighbours[1:] += 1.0
     neighbours[:-1] += 1.0
     inside = np.maximum(0.0, 1.0 - neighbours * (s - 1) / (end - first))
+    inside[inside * n < PIECE] = 0.0
     hidden = np.minimum(wire, costs.interior * work * inside)
     exchange = neighbours * pairs * costs.vertex * layout.plane + wire - hidden
 
@@ -175,4 +182,4 @@ def pays_off(
         return one, best, beyond.loss(one)
     if best.ranks == most:
         return one, best, ""
-    return one, best, f"the grid has layers for {end:,} ranks"
+    return one, best, out_of_layers(end)

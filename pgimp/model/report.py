@@ -110,6 +110,14 @@ def remark(found: dict[str, Any]) -> Callable[[dict[str, Any]], str]:
     return text
 
 
+def verdict(found: dict[str, Any]) -> str:
+    """How many ranks pay off, and why not more do, for people."""
+    ranks = found["pays_off"]
+    text = f"up to {ranks:,} pay off" if ranks > 1 else "1; more do not pay off"
+    beyond = f"; beyond, {found['limit']}" if found["limit"] else ""
+    return f"{text} (efficiency above {EFFICIENT:.0%}){beyond}"
+
+
 def assumptions(costs: Costs, network: Network) -> list[str]:
     """What the figures rest on, for people."""
     few, many = costs.particles[0], costs.particles[-1]

@@ -21,8 +21,8 @@ from pgimp.solver.simulation import RESORT, Simulation
 _BLOCK_SECONDS, _FEWEST, _MOST = 0.02, 2, 100
 #: Small strains, without which a material's functions might take a shorter way.
 _STRAIN = 1e-3
-#: Particles of a sample at most.
-_MOST_PARTICLES = 500_000
+#: A sample may have so many times the particles asked for.
+_LARGER = 4.0
 #: Steps, or times a case's own end, that no sample comes to.
 _ENDLESS = 1_000_000
 
@@ -71,7 +71,7 @@ class Sample:
         self._blocks: list[dict[str, float]] = []
         self._begin()
         seconds: list[float] = []
-        while sum(seconds) < _BLOCK_SECONDS and len(seconds) < 5:
+        for _ in range(3):  # as often on every rank
             begin = perf_counter()
             self._advance(_FEWEST)
             seconds.append(perf_counter() - begin)
@@ -188,17 +188,17 @@ def samples_of(case: Case, count: int, comm: Any, sizes: Sequence[int]) -> list[
         return Sample(lambda: Scattered(small, comm), comm)
 
     samples = []
-    for size in sizes:
+    for number, size in enumerate(sizes, 1):
         factor = (count / size) ** (1.0 / case.dimensions)
-        # Coarse cells may be too large for a part of the case; it is itself a case.
-        for power in (1.0, 0.8, 0.6, 0.4, 0.0):
-            if count / factor ** (power * case.dimensions) > _MOST_PARTICLES:
-                continue
+        # Coarse cells may be too large for a part of the case.
+        for power in (1.0, 0.9, 0.8, 0.7):
+            if count / factor ** (power * case.dimensions) > _LARGER * size:
+                break
             try:
                 samples.append(made(resized(case, factor**power)))
                 break
             except (ValueError, CaseError, RunError):
                 continue
-        else:
+        if len(samples) < number:
             samples.append(made(plain(case, size)))
     return samples

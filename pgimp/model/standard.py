@@ -9,7 +9,16 @@ from pgimp.case.schema import Case
 from pgimp.model.block import Block, block_case, block_layout
 from pgimp.model.costs import Network
 from pgimp.model.predict import Step, predict
-from pgimp.model.report import assumptions, entry, ladder, lines, remark, scaling, seconds_text
+from pgimp.model.report import (
+    assumptions,
+    entry,
+    ladder,
+    lines,
+    remark,
+    scaling,
+    seconds_text,
+    verdict,
+)
 from pgimp.model.sample import Sample
 from pgimp.model.verify import compare
 from pgimp.parallel.comm import Serial
@@ -98,8 +107,7 @@ def model_block(
         "",
         f"strong scaling: {strong['particles']:,} particles, a cube",
         *lines(strong["steps"], remark(strong)),
-        f"up to {strong['pays_off']:,} ranks pay off"
-        + (f"; beyond, {strong['limit']}" if strong["limit"] else ""),
+        f"ranks: {verdict(strong)}",
         "",
         f"weak scaling: {weak[0]['most_particles']:,} particles a rank, a bar along x",
         *lines(weak, lambda step: ""),
