@@ -106,15 +106,20 @@ def uniform(ids, dimension):
 
 
 def shake(sim):
-    """Move the particles to random places: along x in their layer, so that they stay on their rank,
-    across it in their cell.
-    """  # noqa: D205
+    """Move the particles to random places, so that they stay on their rank.
+
+    Along x they stay in their layer, across it in their cell; points (mpm) in the middle half of
+    it, because a vertex that is almost out of a point's reach makes any solid unstable.
+    """
     p, frame, rows = sim.particles, sim.scene.frame, sim.live()
-    D = p.x.shape[1]
+    half = sim.scene.shape.half[0]
     cell, origin = np.array(frame.cell), np.array(frame.origin)
     corner = np.floor((p.x[rows] - origin) / cell)
-    corner[:, 0] = p.layer[rows] - frame.ghost + sim.scene.shape.half[0]
-    p.x[rows] = origin + (corner + uniform(p.id[rows], D)) * cell
+    corner[:, 0] = p.layer[rows] - frame.ghost + half
+    places = uniform(p.id[rows], len(cell))
+    if half == 0.0:
+        places = 0.25 + 0.5 * places
+    p.x[rows] = origin + (corner + places) * cell
     sim.settle(p, len(rows))
 
 
