@@ -38,7 +38,7 @@ def collect(shape, frame, window, particles, order, lowest, place, weight, slope
         half = half_widths(shape, frame, particles, p)
         layer = first_vertex(frame, 0, half[0], particles.x[p, 0])
         rows = batch.four(order, k, k + 1 + p % 4 if k + 4 < len(order) else k + 1)
-        batch.supports(shape, frame, window, particles, rows, layer, room)
+        batch.supports(shape, frame, window, particles, rows, layer, room, ())
         place[p] = batch.first_place(room, 0)
         for d in range(lowest.shape[1]):
             lowest[p, d] = first_vertex(frame, d, half[d], particles.x[p, d])

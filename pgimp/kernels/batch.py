@@ -9,6 +9,7 @@ last particle: each particle's numbers are the same in whatever batch and place 
 from pgimp.kernels.jit import specialise
 from pgimp.kernels.place import first_vertex
 from pgimp.kernels.simd import lane, number, pack, store, vector
+from pgimp.kernels.simdrows import load_row, store_row, transpose
 from pgimp.kernels.tuples import scaled
 from pgimp.shapes.base import size, weights
 
@@ -48,11 +49,23 @@ def take_row(array, rows, i, like):
 
 @specialise(take_row)
 def _take_row(array, rows, i, like):
+    def four_entries(array, rows, i, like):
+        return transpose(
+            load_row(array, rows[0], i), load_row(array, rows[1], i),
+            load_row(array, rows[2], i), load_row(array, rows[3], i),
+        )  # fmt: skip
+
     def one(array, rows, i, like):
         return (
             pack(array[rows[0], i], array[rows[1], i], array[rows[2], i], array[rows[3], i]),
         )
 
+    if len(like) == 4:
+        return four_entries
+    if len(like) > 4:
+        return lambda array, rows, i, like: (
+            *take_row(array, rows, i, like[:4]), *take_row(array, rows, i + 4, like[4:]),
+        )  # fmt: skip
     if len(like) == 1:
         return one
     return lambda array, rows, i, like: (
@@ -82,23 +95,28 @@ def put_row(array, rows, i, values):
 
 @specialise(put_row)
 def _put_row(array, rows, i, values):
+    def put_four(array, rows, i, values):
+        whole = transpose(values[0], values[1], values[2], values[3])
+        store_row(array, rows[0], i, whole[0])
+        store_row(array, rows[1], i, whole[1])
+        store_row(array, rows[2], i, whole[2])
+        store_row(array, rows[3], i, whole[3])
+
     def put_one(array, rows, i, values):
         array[rows[0], i] = lane(values[0], 0)
         array[rows[1], i] = lane(values[0], 1)
         array[rows[2], i] = lane(values[0], 2)
         array[rows[3], i] = lane(values[0], 3)
 
-    if len(values) == 1:
-        return put_one
-
-    def put_all(array, rows, i, values):
-        array[rows[0], i] = lane(values[0], 0)
-        array[rows[1], i] = lane(values[0], 1)
-        array[rows[2], i] = lane(values[0], 2)
-        array[rows[3], i] = lane(values[0], 3)
+    def put_few(array, rows, i, values):
+        put_row(array, rows, i, values[:1])
         put_row(array, rows, i + 1, values[1:])
 
-    return put_all
+    def put_more(array, rows, i, values):
+        put_row(array, rows, i, values[:4])
+        put_row(array, rows, i + 4, values[4:])
+
+    return (put_one, put_few, put_few, put_four, put_more)[min(len(values), 5) - 1]
 
 
 def deformations(frame, particles, rows):
@@ -138,54 +156,60 @@ def _keep_all(room, at, V):
     return keep
 
 
-def _along(shape, frame, room, d, half, x, vertex):
-    """Put weights, gradients and arms along direction `d` into the room."""
+def _along(shape, frame, room, arms, d, half, x, vertex):
+    """Put weights, gradients and, if asked for, arms along direction `d` into the room."""
 
 
 @specialise(_along)
-def _along_direction(shape, frame, room, d, half, x, vertex):
-    def along(shape, frame, room, d, half, x, vertex):
+def _along_direction(shape, frame, room, arms, d, half, x, vertex):
+    armed = not hasattr(arms, "count")  # ()
+
+    def along(shape, frame, room, arms, d, half, x, vertex):
         f = (x - frame.origin[d]) * frame.inverse[d] - (vertex - frame.ghost)
         w, g = weights(shape, half, f)
         at = d * _DIRECTION
         _keep(room, at, w)
         _keep(room, at + _QUANTITY, scaled(frame.inverse[d], g))
-        _keep(room, at + 2 * _QUANTITY, _arms(w, f, frame.cell[d]))
+        if armed:
+            _keep(room, at + 2 * _QUANTITY, _arms(w, f, frame.cell[d]))
 
     return along
 
 
-def _across(shape, frame, window, room, d, half, x):
+def _across(shape, frame, window, room, arms, d, half, x):
     """Put the weights along the directions from `d` on into the room; places in float64."""
 
 
 @specialise(_across)
-def _across_directions(shape, frame, window, room, d, half, x):
+def _across_directions(shape, frame, window, room, arms, d, half, x):
     if len(x) == 0:
-        return lambda shape, frame, window, room, d, half, x: vector(0.0)
+        return lambda shape, frame, window, room, arms, d, half, x: vector(0.0)
 
-    def across(shape, frame, window, room, d, half, x):
+    def across(shape, frame, window, room, arms, d, half, x):
         vertex = first_vertex(frame, d, half[0], x[0])
-        _along(shape, frame, room, d, half[0], x[0], vertex)
+        _along(shape, frame, room, arms, d, half[0], x[0], vertex)
         place = (vertex - window.lower[d]) * window.stride[d]
-        return place + _across(shape, frame, window, room, d + 1, half[1:], x[1:])
+        return place + _across(shape, frame, window, room, arms, d + 1, half[1:], x[1:])
 
     return across
 
 
-def supports(shape, frame, window, particles, rows, layer, room):
-    """Put the supports of four particles, whose layer is known, into a room of `ROOM` float64."""
+def supports(shape, frame, window, particles, rows, layer, room, arms):
+    """Put the supports of four particles, whose layer is known, into a room of `ROOM` float64.
+
+    They come with arms unless `arms` is ().
+    """
 
 
 @specialise(supports)
-def _supports(shape, frame, window, particles, rows, layer, room):
+def _supports(shape, frame, window, particles, rows, layer, room, arms):
     like = (0.0,) * len(frame.types[0])
 
-    def supports(shape, frame, window, particles, rows, layer, room):
+    def supports(shape, frame, window, particles, rows, layer, room, arms):
         half = size(shape, frame.cell, deformations(frame, particles, rows))[0]
         x = take_row(particles.x, rows, 0, like)
-        _along(shape, frame, room, 0, half[0], x[0], layer)
-        store(room, _PLACE, _across(shape, frame, window, room, 1, half[1:], x[1:]))
+        _along(shape, frame, room, arms, 0, half[0], x[0], layer)
+        store(room, _PLACE, _across(shape, frame, window, room, arms, 1, half[1:], x[1:]))
 
     return supports
 
@@ -242,7 +266,7 @@ def extent(shape, room, d, j):
 
 @specialise(extent)
 def _extent(shape, room, d, j):
-    vertices = shape.instance_class.vertices
+    vertices = shape.instance_class.vertices()
     if vertices == 2:
         return lambda shape, room, d, j: 2
     if vertices == 3:

@@ -15,28 +15,26 @@ from pgimp.kernels.batch import (
     take,
     take_row,
 )
+from pgimp.kernels.gathered import (
+    SUMS,
+    collected,
+    components,
+    gradients,
+    keep_sums,
+    repeat_sums,
+)
 from pgimp.kernels.grips import gripped
 from pgimp.kernels.jit import kernel, specialise
 from pgimp.kernels.lanes import of_lane
 from pgimp.kernels.loads import add_power, keep_gradients, relaxed
 from pgimp.kernels.place import first_vertex
 from pgimp.kernels.simd import bits, lane, stack, vector
-from pgimp.kernels.transfer import (
-    collected,
-    components,
-    gather,
-    gradients,
-    keep_sums,
-    repeat_sums,
-)
+from pgimp.kernels.transfer import gather
 from pgimp.kernels.tuples import plus_scaled
 from pgimp.kernels.viscosity import stiffened, thicken
 from pgimp.materials.base import evaluate_four
 from pgimp.shapes.base import size
 from pgimp.shapes.stretch import LARGEST
-
-#: Room for what `gather` gives of a batch: at most five vectors each.
-SUMS = 80
 
 #: What is wrong with a particle at fault.
 NOT_FINITE, INVERTED, TOO_FAST, OUTSIDE = 1, 2, 3, 4
@@ -170,7 +168,7 @@ def grid_to_particles(
         for k in range(start[layer], start[layer + 1], LANES):
             rows = four(order, k, start[layer + 1])
             count = min(LANES, start[layer + 1] - k)
-            supports(shape, frame, window, particles, rows, number, room)
+            supports(shape, frame, window, particles, rows, number, room, ())
             for j in range(count):
                 place = begin + first_place(room, j)
                 U, A, D = gather(shape, G, room, j, place, window.stride, frame.origin)

@@ -71,12 +71,13 @@ def mark(shape, frame, window, particles, order, start, mask):
                 held = held or particles.grip[p, 0] > 0
             if not held:
                 continue
-            supports(shape, frame, window, particles, rows, number, room)
+            supports(shape, frame, window, particles, rows, number, room, ())
             for j in range(min(LANES, start[layer + 1] - k)):
                 grip = particles.grip[order[k + j], 0]
                 if grip > 0:
                     place = first_place(room, j) + layer * window.stride[0]
-                    _mark(shape, mask, 1 << (grip - 1), place, room, j, 0, window.stride, frame.origin)
+                    bit = 1 << (grip - 1)
+                    _mark(shape, mask, bit, place, room, j, 0, window.stride, frame.origin)
 
 
 @kernel

@@ -5,6 +5,7 @@ from math import prod
 import numpy as np
 
 from pgimp.kernels.jit import kernel, specialise
+from pgimp.kernels.memory import copy
 from pgimp.kernels.place import first_vertex, half_widths
 from pgimp.shapes.base import size, weights
 
@@ -126,7 +127,7 @@ def merge(particles, order, start, left, first, arrivals, order_out, start_out):
                     place = _place(particles, order, k, end, arrivals[a])
             leaves = left[gone] if gone < len(left) and left[gone] < end else end
             stop = min(place, leaves)
-            order_out[n : n + stop - k] = order[k:stop]
+            copy(order_out, n, order, k, stop - k)
             n += stop - k
             k = stop
             if place <= leaves:

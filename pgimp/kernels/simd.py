@@ -168,26 +168,6 @@ def number(typing_context, room, index):
     return types.float64(room, types.int64), generate
 
 
-@intrinsic
-def transpose(typing_context, a, b, c, d):
-    """The four vectors of the first, second, third and fourth elements."""
-
-    def generate(context, builder, sig, args):
-        def shuffle(u, v, *places):
-            mask = ir.Constant(ir.VectorType(_LANE, 4), list(places))
-            return builder.shuffle_vector(u, v, mask)
-
-        a, b, c, d = args
-        ab, cd = (shuffle(*pair, 0, 4, 2, 6) for pair in ((a, b), (c, d)))
-        low = shuffle(ab, cd, 0, 1, 4, 5), shuffle(ab, cd, 2, 3, 6, 7)
-        ab, cd = (shuffle(*pair, 1, 5, 3, 7) for pair in ((a, b), (c, d)))
-        high = shuffle(ab, cd, 0, 1, 4, 5), shuffle(ab, cd, 2, 3, 6, 7)
-        columns = (low[0], high[0], low[1], high[1])
-        return context.make_tuple(builder, sig.return_type, columns)
-
-    return types.UniTuple(vec4, 4)(vec4, vec4, vec4, vec4), generate
-
-
 def _register(operation, result, instruction):
     """Let an operation between vectors, or a vector and a number, be one instruction."""
     numbers = (types.Float, types.Integer, types.Boolean)

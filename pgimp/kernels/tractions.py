@@ -149,7 +149,7 @@ def _support(traction, shape, frame, window, particles, p, layer, F, room):
 @specialise(_support)
 def _support_of(traction, shape, frame, window, particles, p, layer, F, room):
     D = len(frame.types[0])
-    like = (0.0,) * shape.instance_class.vertices
+    like = (0.0,) * shape.instance_class.vertices()
 
     def support1(traction, shape, frame, window, particles, p, layer, F, room):
         w = _along(traction, frame, F, particles.x[p, 0], 0, layer, like)

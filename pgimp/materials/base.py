@@ -1,10 +1,10 @@
 """What the entries of all materials have in common, and the kernels' view of a material."""
 
 from functools import cache
-from typing import Annotated
+from typing import Annotated, Any
 
 import numba
-from numba.core import errors, types
+from numba.core import errors
 from numba.extending import overload
 from pydantic import Field
 
@@ -75,7 +75,7 @@ def _evaluate(quantity, materials, k, args):
     return branch
 
 
-def _takes_vectors(material: types.Type, quantity: str, args: types.Type) -> bool:
+def _takes_vectors(material: Any, quantity: str, args: Any) -> bool:
     """Whether a material's function compiles for vectors: one that branches does not."""
     try:
         _compiled(material.instance_class, quantity).compile((material, *args))

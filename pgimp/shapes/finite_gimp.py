@@ -21,7 +21,11 @@ class FiniteGimpParameters(NamedTuple):
     """Initial half-widths of the particles' boxes by direction, in cells; at most 1/2."""
 
     half: tuple[float, ...]
-    vertices = 4
+
+    @staticmethod
+    def vertices():
+        """Vertices a direction in a support."""
+        return 4
 
     @staticmethod
     def size(shape, cell, F):
@@ -55,7 +59,7 @@ class FiniteGimp(Shape):
 
     shape: Literal["finite-gimp"] = Field(description="name of the shape")
 
-    vertices: ClassVar[int] = FiniteGimpParameters.vertices
+    vertices: ClassVar[int] = FiniteGimpParameters.vertices()
 
     @property
     def follows(self) -> bool:

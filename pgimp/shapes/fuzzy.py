@@ -51,7 +51,11 @@ class FixedFuzzyParameters(NamedTuple):
     """Half-widths of the particles' tents by direction, in cells."""
 
     half: tuple[float, ...]
-    vertices = 4
+
+    @staticmethod
+    def vertices():
+        """Vertices a direction in a support."""
+        return 4
 
     @staticmethod
     def size(shape, cell, F):
@@ -68,7 +72,11 @@ class TrackedFuzzyParameters(NamedTuple):
     """Initial half-widths of the particles' tents by direction, in cells."""
 
     half: tuple[float, ...]
-    vertices = 4
+
+    @staticmethod
+    def vertices():
+        """Vertices a direction in a support."""
+        return 4
 
     @staticmethod
     def size(shape, cell, F):
@@ -95,7 +103,7 @@ class _Fuzzy(Shape):
         "carried by ghost vertices and lost, or reflected",
     )
 
-    vertices: ClassVar[int] = FixedFuzzyParameters.vertices
+    vertices: ClassVar[int] = FixedFuzzyParameters.vertices()
     chi: ClassVar[Literal["point", "box", "tent"]] = "tent"
 
     @property

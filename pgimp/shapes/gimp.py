@@ -11,7 +11,11 @@ class GimpParameters(NamedTuple):
     """Half-widths l_p of the particles' boxes by direction, in cells; at most 1/2."""
 
     half: tuple[float, ...]
-    vertices = 3
+
+    @staticmethod
+    def vertices():
+        """Vertices a direction in a support."""
+        return 3
 
     @staticmethod
     def size(shape, cell, F):
@@ -41,7 +45,7 @@ class Gimp(PointShape):
 
     shape: Literal["gimp"] = Field(description="name of the shape")
 
-    vertices: ClassVar[int] = GimpParameters.vertices
+    vertices: ClassVar[int] = GimpParameters.vertices()
 
     def parameters(self, cell: tuple[float, ...]) -> GimpParameters:
         """Parameters of the kernels: l_p = L/(2 particles per cell)."""

@@ -11,7 +11,11 @@ class MpmParameters(NamedTuple):
     """A point has no size; the tuple keeps one number because Numba wants a field."""
 
     half: tuple[float, ...]
-    vertices = 2
+
+    @staticmethod
+    def vertices():
+        """Vertices a direction in a support."""
+        return 2
 
     @staticmethod
     def size(shape, cell, F):
@@ -34,7 +38,7 @@ class Mpm(PointShape):
 
     shape: Literal["mpm"] = Field(description="name of the shape")
 
-    vertices: ClassVar[int] = MpmParameters.vertices
+    vertices: ClassVar[int] = MpmParameters.vertices()
     chi: ClassVar[Literal["point", "box", "tent"]] = "point"
     #: No step is stable at every free surface: the lighter the last vertex, the shorter it has to
     #: be. At this much a last vertex with a hundredth of a particle still is.
