@@ -1,4 +1,4 @@
-"""What `gather` gives of a batch's particles, turned from a vector a particle to one a component."""
+"""What `gather` gives of a batch of particles, turned from a vector each to one a component."""
 
 from pgimp.kernels.jit import specialise
 from pgimp.kernels.simd import lane, load, store
