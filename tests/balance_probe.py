@@ -1,12 +1,11 @@
 """What tests let all ranks of one start do: runs whose slab boundaries move, or are watched.
 
-balance_probe.py HOW FOLDER CASE.yaml ...   runs cases, each into FOLDER/NAME of the case, with
-                                            checkpoints; what is there goes on from the newest one
+balance_probe.py HOW FOLDER CASE.yaml ...   runs cases, each into FOLDER/NAME of the case; what is
+                                            there goes on from the newest checkpoint
 
-HOW is `off`; `on`, as people run it; `shuffled`: to random places every few steps; `counted`: as
-on,
-but every particle takes the same time, and moving next to none, whatever a clock says; `short`: as
-shuffled, but the second rank runs out of memory.
+HOW is `off`; `on`, as people run it; `shuffled`: to random places every few steps, with
+checkpoints; `counted`: as on, but every particle takes the same time, and moving next to none,
+whatever a clock says; `short`: as shuffled, but the second rank runs out of memory.
 FOLDER/NAME.json gets the particles of each rank at every step, those of each layer, and the moves.
 """
 
@@ -88,7 +87,7 @@ with abort_on_error(world()):
     for case in cases:
         watched.clear()
         name = Path(case).stem
-        checkpoints = ["checkpoint={every: {steps: 23}, keep: 1000}"]
-        run(case, output=folder / name, overrides=checkpoints, resume=True, quiet=True)
+        kept = ["checkpoint={every: {steps: 23}, keep: 1000}"] if how == "shuffled" else []
+        run(case, output=folder / name, overrides=kept, resume=True, quiet=True)
         if watched:
             (folder / f"{name}.json").write_text(json.dumps(watched))

@@ -157,7 +157,7 @@ class Balance:
     def _learn(self, every: np.ndarray, busy: np.ndarray, step: int) -> None:
         """Find out on rank 0 what particles and planes cost, and how ranks differ."""
         counts, planes = every[:, 2], every[:, 3]
-        particle = every[:, 0].sum() / counts.sum()
+        particle = max(every[:, 0].sum() / counts.sum(), 1e-12)
         self._plane = every[:, 1].sum() / max(planes.sum(), 1.0) / particle
         if self._moved and every[:, 4].any():
             price = float(every[:, 4].max() / particle / self._moved)
@@ -205,7 +205,6 @@ class Balance:
             return None
         planes = np.convolve(counts > 0, np.ones(self._vertices))[: len(counts)] > 0.5
         work = counts + self._plane * planes
-        ranks = len(self.cuts) - 1
         differences = self._differences()
         density = self._density * np.repeat(differences, np.diff(self.cuts))
         new, gain, price = self._offer(counts, work * density, step)
@@ -235,7 +234,6 @@ class Balance:
         self._changed = step
         self._patience = self._wait = self.pause = 0
         self._forget()
-        assert len(new) == ranks + 1
         return new
 
     def told(self) -> str:

@@ -157,12 +157,12 @@ class Population:
         return rows
 
     def _grow(self, rows: int) -> None:
-        def extended(array: np.ndarray) -> np.ndarray:
-            larger = np.zeros((len(array) + rows, *array.shape[1:]), array.dtype)
-            larger[: len(array)] = array
-            return larger
-
-        self.particles = Particles._make(extended(array) for array in self.particles)
+        arrays: list[np.ndarray] = list(self.particles)
+        del self.particles  # so that no more than one array is there twice
+        for i, array in enumerate(arrays):
+            arrays[i] = np.zeros((len(array) + rows, *array.shape[1:]), array.dtype)
+            arrays[i][: len(array)] = array
+        self.particles = Particles._make(arrays)
 
     def restore_order(self, left: np.ndarray, arrivals: np.ndarray) -> None:
         """Restore the canonical order.
