@@ -44,10 +44,10 @@ class Messages(NamedTuple):
         Whether they were measured here.
     """
 
-    neighbour: float = 60e-6
+    neighbour: float = 30e-6
     bandwidth: float = 8e9
     reduction: float = 2e-6
-    migrant: float = 1e-6
+    migrant: float = 0.3e-6
     measured: bool = False
 
 

@@ -21,6 +21,8 @@ from pgimp.solver.simulation import RESORT, Simulation
 _BLOCK_SECONDS, _FEWEST, _MOST = 0.02, 2, 100
 #: Small strains, without which a material's functions might take a shorter way.
 _STRAIN = 1e-3
+#: Radians in which places and strains go around from cell to cell.
+_WAVE = 0.6
 #: A sample may have so many times the particles asked for.
 _LARGER = 4.0
 #: Steps, or times a case's own end, that no sample comes to.
@@ -38,10 +40,11 @@ class Scattered(Simulation):
     ) -> tuple[Particles, int]:
         p, count = super()._create(lattice, counts, layer)
         scene, D = self.scene, self.scene.dimension
-        random = np.random.default_rng(0)
-        box = np.array(scene.frame.cell) / lattice.per_cell
-        p.x[:count] += (random.random((count, D)) - 0.5) * 0.99 * box
-        p.F[:count] += _STRAIN * (random.random((count, D * D)) - 0.5)
+        cell = np.array(scene.frame.cell)
+        # Neighbours lie alike, as in a body that moves and deforms.
+        phase = (p.x[:count] / cell).sum(axis=1)[:, None] * _WAVE
+        p.x[:count] += 0.49 * cell / lattice.per_cell * np.sin(phase + np.arange(D))
+        p.F[:count] += _STRAIN * np.sin(phase + np.arange(D * D))
         rows = np.arange(count, dtype=np.int32)
         locate(scene.shape, scene.frame, p, rows, scene.frame.vertices)
         return p, count
