@@ -158,7 +158,8 @@ def estimate(
     extent = window(scene, bodies)
     plane = prod(extent[1:]) * (64 + (8 if scene.loads.constraints else 0))
     occupied = min(extent[0], sum(body.boxes[0] / per_cell[0] + s for body in bodies))
-    beside = s + (s * s if ranks > 1 else 0)
+    # A layer's own planes; what is put aside at both ends, and received.
+    beside = s + (1.5 * s * (s - 1) if ranks > 1 else 0)
     grid = Part(
         f"the grid's window of {' x '.join(str(n) for n in extent[1:]) or 'a'} vertices a plane",
         (occupied * share + beside) * plane,
