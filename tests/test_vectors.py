@@ -1,0 +1,162 @@
+"""Vectors of four particles: their functions against NumPy, materials against one at a time."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from material_driver import COMPONENTS, deformations, material, row
+
+from pgimp.kernels.algebra import determinant
+from pgimp.kernels.batch import put_row, take, take_row
+from pgimp.kernels.jit import kernel
+from pgimp.kernels.simd import bits, lane, number, pack, stack, store, vector, where
+from pgimp.materials.base import evaluate, evaluate_four
+
+ROWS = st.permutations(range(9)).map(lambda p: tuple(p[:4]))
+NUMBERS = st.floats(-1e6, 1e6)
+FOUR = st.tuples(NUMBERS, NUMBERS, NUMBERS, NUMBERS)
+
+
+@kernel
+def functions(a, b):
+    x, y = pack(a[0], a[1], a[2], a[3]), pack(b[0], b[1], b[2], b[3])
+    found = np.empty((9, 4))
+    room = stack(4)
+    for i in range(9):
+        value = (
+            max(x, y), min(x, 0.5), abs(x), math.floor(x), math.sqrt(abs(y)), -x,
+            where(x > y, x, 1.0), x / 4.0 - 2 * y, vector(float(bits(x <= y))),
+        )[i]  # fmt: skip
+        store(room, 0, value)
+        for j in range(4):
+            found[i, j] = number(room, j)
+    return found
+
+
+@given(a=FOUR, b=FOUR)
+@settings(max_examples=50, deadline=None)
+def test_functions(a, b):
+    x, y = np.array(a), np.array(b)
+    expected = [
+        np.maximum(x, y), np.minimum(x, 0.5), abs(x), np.floor(x), np.sqrt(abs(y)), -x,
+        np.where(x > y, x, 1.0), x / 4.0 - 2.0 * y, np.full(4, np.dot(x <= y, (1, 2, 4, 8))),
+    ]  # fmt: skip
+    # 2 y is exact, so that a fused multiply-add rounds as the two operations do.
+    np.testing.assert_array_equal(functions(a, b), expected)
+
+
+@kernel
+def logarithms(x, y):
+    for k in range(0, len(x), 4):
+        log = math.log(pack(x[k], x[k + 1], x[k + 2], x[k + 3]))
+        y[k], y[k + 1], y[k + 2], y[k + 3] = lane(log, 0), lane(log, 1), lane(log, 2), lane(log, 3)
+
+
+def test_log_is_right_within_an_ulp_in_every_lane():
+    rng = np.random.default_rng(3)
+    wide = np.exp(rng.uniform(-700.0, 700.0, 4000))
+    near = 1.0 + np.concatenate([s * 10.0 ** rng.uniform(-16, -0.6, 4000) for s in (-1, 1)])
+    edges = np.array(
+        [1.0, np.sqrt(0.5), np.sqrt(2.0), 2.0, 0.5, 2.2250738585072014e-308, 1.7e308, 4.0]
+    )
+    x = np.concatenate([wide, near, edges, np.nextafter(edges[:4], 0.0)])
+    y = np.empty_like(x)
+    logarithms(x, y)
+    exact = np.array([math.log(value) for value in x])  # itself within an ulp
+    assert (np.abs(y - exact) <= 2.0 * np.spacing(np.abs(exact))).all()
+    assert y[np.flatnonzero(x == 1.0)[0]] == 0.0
+    for shift in range(1, 4):
+        z = np.empty_like(x)
+        logarithms(np.roll(x, shift), z)
+        assert (np.roll(z, -shift) == y).all()
+
+
+@kernel
+def copy_rows(source, target, rows, like):
+    put_row(target, rows, 0, take_row(source, rows, 0, like))
+
+
+@pytest.mark.parametrize("columns", [1, 2, 3, 4, 6, 9])
+@given(rows=ROWS)
+@settings(max_examples=20, deadline=None)
+def test_rows_come_back(columns, rows):
+    """Also at an array's end, at odd addresses, and twice the same row."""
+    source = np.arange(9.0 * columns + 1)[1:].reshape(9, columns)
+    for chosen in (rows, (rows[0], rows[0], 8, 8)):
+        target = np.full((9, columns), -1.0)
+        copy_rows(source, target, chosen, (0.0,) * columns)
+        expected = np.full((9, columns), -1.0)
+        expected[list(chosen)] = source[list(chosen)]
+        np.testing.assert_array_equal(target, expected)
+
+
+class Branching(NamedTuple):
+    """A material that no vector can pass through."""
+
+    stiffness: float
+
+    @staticmethod
+    def stress(material, F, J, sigma, L, dt):
+        pressure = material.stiffness * (J - 1.0)
+        if J > 1.0:
+            pressure *= 0.5
+        return pressure, pressure, pressure, 0.0
+
+    @staticmethod
+    def speed(material, F, J):
+        return material.stiffness if J > 1.0 else 2.0 * material.stiffness
+
+
+@kernel
+def one_by_one(materials, numbers, F, sigma, stress, speed, like):
+    for p in range(4):
+        f = take_row(F, (p, p, p, p), 0, like)
+        A = (lane(f[0], 0), lane(f[1], 0), lane(f[2], 0), lane(f[3], 0))
+        J = determinant(A)
+        s = (sigma[p, 0], sigma[p, 1], sigma[p, 2], sigma[p, 3])
+        found = evaluate("stress", materials, numbers[p], (A, J, s, A, 1e-3))
+        for i in range(4):
+            stress[p, i] = found[i]
+        speed[p] = evaluate("speed", materials, numbers[p], (A, J))
+
+
+@kernel
+def together(materials, numbers, F, sigma, stress, speed, like):
+    rows = (0, 1, 2, 3)
+    A = take_row(F, rows, 0, like)
+    J = determinant(A)
+    s = take_row(sigma, rows, 0, like)
+    m = (numbers[0], numbers[1], numbers[2], numbers[3])
+    put_row(stress, rows, 0, evaluate_four("stress", materials, m, (A, J, s, A, 1e-3), s))
+    c = evaluate_four("speed", materials, m, (A, J), take(speed, rows))
+    for j in range(4):
+        speed[j] = lane(c, j)
+
+
+NEO, HOOKE = material("neo-hookean"), material("hooke")
+
+
+@pytest.mark.parametrize(
+    "materials",
+    [(NEO,), (NEO, material("neo-hookean", young=3.0)), (HOOKE, NEO), (NEO, Branching(2.0), HOOKE)],
+    ids=["one", "alike", "two", "one that branches"],
+)
+def test_materials_of_four_are_those_of_each(materials):
+    """Whatever the mix in a batch; the logarithm of vectors may differ by an ulp."""
+    rng = np.random.default_rng(4)
+    every = list(deformations(2, 40))
+    assert COMPONENTS[2] == 4
+    for k in range(0, 40, 4):
+        numbers = rng.integers(0, len(materials), 4)
+        F = np.array([row(A) for A in every[k : k + 4]])
+        sigma = rng.normal(size=(4, 4))
+        results = []
+        for function in (one_by_one, together):
+            stress, speed = np.zeros((4, 4)), np.zeros(4)
+            function(materials, numbers, F, sigma, stress, speed, (0.0,) * 4)
+            results.append((stress, speed))
+        for one, four in zip(*results, strict=True):
+            np.testing.assert_allclose(four, one, rtol=1e-13, atol=1e-13)
