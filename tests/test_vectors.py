@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from material_driver import COMPONENTS, deformations, material, row
+from material_driver import COMPONENTS, YOUNG, deformations, material, response, row
 
 from pgimp.kernels.algebra import determinant
 from pgimp.kernels.batch import put_row, take, take_row
@@ -160,3 +160,27 @@ def test_materials_of_four_are_those_of_each(materials):
             results.append((stress, speed))
         for one, four in zip(*results, strict=True):
             np.testing.assert_allclose(four, one, rtol=1e-13, atol=1e-13)
+
+
+@kernel
+def bar(materials, numbers, stretch):
+    F = (pack(stretch[0], stretch[1], stretch[2], stretch[3]),)
+    m = (numbers[0], numbers[1], numbers[2], numbers[3])
+    zero = vector(0.0)
+    sigma = evaluate_four(
+        "stress", materials, m, (F, F[0], (zero, zero, zero), F, 0.0), (zero, zero, zero)
+    )
+    return lane(sigma[0], 0), lane(sigma[0], 1), lane(sigma[1], 1), lane(sigma[1], 0)
+
+
+@pytest.mark.parametrize("pair", [("linear-1d", "neo-hookean"), ("neo-hookean", "linear-1d")])
+def test_models_that_give_numbers_for_vectors(pair):
+    """The bar's lateral stresses are 0.0 for all particles, those of others are not."""
+    materials = tuple(map(material, pair))
+    at = pair.index("linear-1d")
+    axial, other, lateral, none = bar(
+        materials, np.array([at, 1 - at, at, at]), (1.5, 1.5, 1.0, 1.0)
+    )
+    one = response((NEO,), np.array([[1.5]]))[0]
+    assert axial == pytest.approx(0.5 * YOUNG) and none == 0.0
+    assert other == pytest.approx(one[0, 0]) and lateral == pytest.approx(one[1, 1])

@@ -1,5 +1,7 @@
 """Vectors of four particles and the numbers of each: values, or tuples of them."""
 
+from typing import Any
+
 from numba.core import types
 
 from pgimp.kernels.jit import specialise
@@ -8,6 +10,11 @@ from pgimp.kernels.simd import lane, vec4, vector, where, with_lane
 
 def _is_tuple(kind):
     return isinstance(kind, types.BaseTuple)
+
+
+def has_vectors(kind: Any) -> bool:
+    """Whether values of a Numba type are vectors, or tuples with vectors in them."""
+    return any(map(has_vectors, kind)) if _is_tuple(kind) else kind == vec4
 
 
 def vectors(values):

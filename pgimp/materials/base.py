@@ -10,7 +10,7 @@ from pydantic import Field
 
 from pgimp.case.base import Model, NonNegative, Number, Positive
 from pgimp.kernels.jit import INLINE_OPTIONS
-from pgimp.kernels.lanes import of_lane, vectors, where_all, with_lanes
+from pgimp.kernels.lanes import has_vectors, of_lane, vectors, where_all, with_lanes
 from pgimp.kernels.simd import bits, pack
 
 Poisson = Annotated[
@@ -72,7 +72,12 @@ def _evaluate(quantity, materials, k, args):
             return function(materials[0], *args)
         return evaluate(name, materials[1:], k - 1, args)
 
-    return branch
+    def branch_of_vectors(quantity, materials, k, args):
+        if k == 0:  # one model may give a number where another gives a vector
+            return vectors(function(materials[0], *args))
+        return vectors(evaluate(name, materials[1:], k - 1, args))
+
+    return branch_of_vectors if has_vectors(args) else branch
 
 
 def _takes_vectors(material: Any, quantity: str, args: Any) -> bool:

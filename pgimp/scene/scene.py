@@ -9,6 +9,7 @@ from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.kernels.errors import initial_velocities
 from pgimp.kernels.mirror import Mirror
+from pgimp.kernels.order import cell_numbers
 from pgimp.scene.lattice import Lattice, census
 from pgimp.scene.loads import SceneLoads
 from pgimp.scene.tables import VectorTable
@@ -75,7 +76,7 @@ class Scene:
             ),
             ghost=self.vertices - 1,
         )
-        if prod(self.frame.vertices) >= 2**62:
+        if cell_numbers(self.frame.vertices) >= 2**62:
             raise CaseError("grid.cell: more cells than can be numbered; use larger ones")
         self.body_names = list(case.bodies)
         used = [name for name in case.materials if name in self._materials_in_use()]
