@@ -51,7 +51,7 @@ def moving(folder, quick):
     """Rows of the first table."""
     scenes = {"column": column(30, 7.0), "crossing": crossing(30, 9.0)}
     if not quick:
-        scenes = {"column": column(96, 24.0), "crossing": crossing(160, 24.0)}
+        scenes = {"column": column(96, 20.0), "crossing": crossing(160, 24.0)}
     for name, case in scenes.items():
         write_case(folder / f"{name}.yaml", case)
     cases = [str(folder / f"{name}.yaml") for name in scenes]
