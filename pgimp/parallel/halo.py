@@ -10,16 +10,15 @@ often. An MPI library may move a long message only while it is called; therefore
 are summed in pieces, between which it is.
 """
 
-import os
 import weakref
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
-from pgimp.errors import UsageError
 from pgimp.kernels.p2g import complete
 from pgimp.parallel.slabs import Slab
+from pgimp.parallel.switches import switched_on
 from pgimp.solver.grid import Grid, aligned
 
 _UP, _DOWN = 1, 2
@@ -27,26 +26,10 @@ _MARKS = 4
 
 #: Environment variable that turns overlap off: "0" sums all layers first, with the same bits.
 SWITCH = "PGIMP_OVERLAP"
+_MEANING = "lets ranks wait for each other's messages", "lets them work meanwhile"
 
 #: Least number of particles in a piece of the inner layers, and the most pieces there are.
 PIECE, PIECES = 2000, 4
-
-
-def switched_on() -> bool:
-    """Whether work goes on while messages are on their way.
-
-    Raises
-    ------
-    UsageError
-        If the variable has a value that means nothing.
-    """
-    value = os.environ.get(SWITCH, "")
-    if value not in ("", "0", "1"):
-        raise UsageError(
-            f"the environment variable {SWITCH} is '{value}'; 0 lets ranks wait for each other's "
-            "messages, 1 or nothing lets them work meanwhile"
-        )
-    return value != "0"
 
 
 def _free(requests: list[Any]) -> None:
@@ -85,7 +68,7 @@ class Halo:
 
     def __init__(self, comm: Any, slab: Slab, shared: int) -> None:
         self.comm, self.slab, self.shared = comm, slab, shared
-        self.overlap, self.piece = switched_on(), PIECE
+        self.overlap, self.piece = switched_on(SWITCH, *_MEANING), PIECE
         self._alone = not slab.neighbours
         self.messages = self.bytes = 0
         layers = slab.layers

@@ -7,17 +7,17 @@ what that saves until the next change is like to be more than what moving has co
 not depend on the boundaries, so neither on these times.
 """
 
-import os
 from collections import deque
 from typing import Any
 
 import numpy as np
 
-from pgimp.errors import UsageError
 from pgimp.parallel.slabs import common, cut, slab_of
+from pgimp.parallel.switches import switched_on
 
 #: Environment variable that turns it off.
 SWITCH = "PGIMP_BALANCE"
+_MEANING = "keeps slab boundaries where they are", "lets them follow the load"
 
 #: Imbalance, as a part of the mean cost of a rank, that is not worth a thought.
 _SMALL = 0.03
@@ -29,23 +29,6 @@ _LONGEST = 1000
 _EVIDENCE, _MOST_EVIDENCE = 4, 64
 #: A move costs about as much as so many steps of the particles that move, and of some more.
 _PRICE, _BESIDES = 8.0, 1000.0
-
-
-def switched_on() -> bool:
-    """Whether boundaries may move.
-
-    Raises
-    ------
-    UsageError
-        If the variable has a value that means nothing.
-    """
-    value = os.environ.get(SWITCH, "")
-    if value not in ("", "0", "1"):
-        raise UsageError(
-            f"the environment variable {SWITCH} is '{value}'; 0 keeps slab boundaries where they "
-            "are, 1 or nothing lets them follow the load"
-        )
-    return value != "0"
 
 
 class Balance:
@@ -84,7 +67,7 @@ class Balance:
         self, cuts: list[int], total: int, vertices: int, ends: int, interval: int
     ) -> None:
         self.cuts, self.total = cuts, total
-        self.on = len(cuts) > 2 and switched_on()
+        self.on = len(cuts) > 2 and switched_on(SWITCH, *_MEANING)
         self.asks = False
         self.pause = 0
         self.imbalance: float | None = None
