@@ -68,6 +68,9 @@ def test_log_is_right_within_an_ulp_in_every_lane():
     exact = np.array([math.log(value) for value in x])  # itself within an ulp
     assert (np.abs(y - exact) <= 2.0 * np.spacing(np.abs(exact))).all()
     assert y[np.flatnonzero(x == 1.0)[0]] == 0.0
+    none = np.empty(4)
+    logarithms(np.array([0.0, -1.0, math.nan, -math.inf]), none)
+    assert np.isnan(none).all()
     for shift in range(1, 4):
         z = np.empty_like(x)
         logarithms(np.roll(x, shift), z)

@@ -2,7 +2,7 @@
 
 `math.floor` of a vector is a vector, unlike that of a number. Each element is what the function
 gives of it alone, whatever the others are: sqrt, floor, abs, max and min as of numbers, to the bit;
-log within an ulp.
+log within an ulp of positive normal numbers, NaN of what is not positive.
 """
 
 import math
@@ -12,7 +12,7 @@ from numba.core import cgutils, types
 from numba.extending import intrinsic, overload
 
 from pgimp.kernels.jit import INLINE_OPTIONS
-from pgimp.kernels.simd import DOUBLES, splat, vec4
+from pgimp.kernels.simd import DOUBLES, splat, vec4, where
 
 _INTEGERS = ir.VectorType(ir.IntType(64), 4)
 
@@ -119,6 +119,7 @@ def _log_of(x):
         odd = w * (_C2 + w * (_C4 + w * _C6))
         even = z * (_C1 + w * (_C3 + w * (_C5 + w * _C7)))
         half = 0.5 * f * f
-        return e * _LN2 - ((half - (s * (half + (even + odd)) + e * _LN2_REST)) - f)
+        found = e * _LN2 - ((half - (s * (half + (even + odd)) + e * _LN2_REST)) - f)
+        return where(x > 0.0, found, math.nan)
 
     return log

@@ -110,6 +110,34 @@ def _last_of(room, d, j, like):
     )
 
 
+def _scatter_some(like, count, G, room, j, place, counts, stride, A, B, S, C):
+    """Add a particle that has weight on `count` vertices along the last direction.
+
+    There are no more than `like` has; each number has code of its own.
+    """
+
+
+@specialise(_scatter_some)
+def _scatter_number(like, count, G, room, j, place, counts, stride, A, B, S, C):
+    last = len(S) - 1
+
+    def exactly(like, count, G, room, j, place, counts, stride, A, B, S, C):
+        Z = _last(room, last, j, like)
+        _scatter_lines(G, room, j, 0, place, counts, stride, Z, A, B, S, C)
+
+    if len(like) == 2:
+        return exactly
+
+    def at_most(like, count, G, room, j, place, counts, stride, A, B, S, C):
+        if count < len(like):
+            _scatter_some(like[1:], count, G, room, j, place, counts, stride, A, B, S, C)
+        else:
+            Z = _last(room, last, j, like)
+            _scatter_lines(G, room, j, 0, place, counts, stride, Z, A, B, S, C)
+
+    return at_most
+
+
 def scatter(shape, G, room, j, place, stride, A, B, S, C):
     """Add a particle to its support: A times S_vp, and the sum of S_i dS_vp/dx_i to the force.
 
@@ -128,38 +156,15 @@ def scatter(shape, G, room, j, place, stride, A, B, S, C):
 
 @specialise(scatter)
 def _scatter(shape, G, room, j, place, stride, A, B, S, C):
-    outer = (0,) * (len(S) - 1)
-    last = len(outer)
-    two, three, four = (0.0,) * 2, (0.0,) * 3, (0.0,) * 4
+    outer, last = (0,) * (len(S) - 1), len(S) - 1
+    like = (0.0,) * shape.instance_class.vertices()
 
-    def scatter2(shape, G, room, j, place, stride, A, B, S, C):
+    def scatter(shape, G, room, j, place, stride, A, B, S, C):
         counts = extents(shape, room, 0, j, outer)
-        Z = _last(room, last, j, two)
-        _scatter_lines(G, room, j, 0, place, counts, stride, Z, A, B, S, C)
+        count = extent(shape, room, last, j)
+        _scatter_some(like, count, G, room, j, place, counts, stride, A, B, S, C)
 
-    def scatter3(shape, G, room, j, place, stride, A, B, S, C):
-        counts = extents(shape, room, 0, j, outer)
-        if extent(shape, room, last, j) == 2:
-            Z = _last(room, last, j, two)
-            _scatter_lines(G, room, j, 0, place, counts, stride, Z, A, B, S, C)
-        else:
-            Y = _last(room, last, j, three)
-            _scatter_lines(G, room, j, 0, place, counts, stride, Y, A, B, S, C)
-
-    def scatter4(shape, G, room, j, place, stride, A, B, S, C):
-        counts = extents(shape, room, 0, j, outer)
-        n = extent(shape, room, last, j)
-        if n == 2:
-            Z = _last(room, last, j, two)
-            _scatter_lines(G, room, j, 0, place, counts, stride, Z, A, B, S, C)
-        elif n == 3:
-            Y = _last(room, last, j, three)
-            _scatter_lines(G, room, j, 0, place, counts, stride, Y, A, B, S, C)
-        else:
-            X = _last(room, last, j, four)
-            _scatter_lines(G, room, j, 0, place, counts, stride, X, A, B, S, C)
-
-    return (scatter2, scatter3, scatter4)[shape.instance_class.vertices() - 2]
+    return scatter
 
 
 def _gather_line(G, place, w, g):
@@ -217,6 +222,28 @@ def _gather_all(G, room, j, d, place, counts, stride, Z):
     return lines
 
 
+def _gather_some(like, count, G, room, j, place, counts, stride):
+    """Sums over the support of a particle that has weight on `count` vertices; `_scatter_some`."""
+
+
+@specialise(_gather_some)
+def _gather_number(like, count, G, room, j, place, counts, stride):
+    last = len(counts)
+
+    def exactly(like, count, G, room, j, place, counts, stride):
+        return _gather_lines(G, room, j, 0, place, counts, stride, _last(room, last, j, like))
+
+    if len(like) == 2:
+        return exactly
+
+    def at_most(like, count, G, room, j, place, counts, stride):
+        if count < len(like):
+            return _gather_some(like[1:], count, G, room, j, place, counts, stride)
+        return _gather_lines(G, room, j, 0, place, counts, stride, _last(room, last, j, like))
+
+    return at_most
+
+
 def gather(shape, G, room, j, place, stride, like):
     """Sums over a particle's support.
 
@@ -238,27 +265,12 @@ def gather(shape, G, room, j, place, stride, like):
 
 @specialise(gather)
 def _gather(shape, G, room, j, place, stride, like):
-    outer = (0,) * (len(like) - 1)
-    last = len(outer)
-    two, three, four = (0.0,) * 2, (0.0,) * 3, (0.0,) * 4
+    outer, last = (0,) * (len(like) - 1), len(like) - 1
+    most = (0.0,) * shape.instance_class.vertices()
 
-    def gather2(shape, G, room, j, place, stride, like):
+    def gather(shape, G, room, j, place, stride, like):
         counts = extents(shape, room, 0, j, outer)
-        return _gather_lines(G, room, j, 0, place, counts, stride, _last(room, last, j, two))
+        count = extent(shape, room, last, j)
+        return _gather_some(most, count, G, room, j, place, counts, stride)
 
-    def gather3(shape, G, room, j, place, stride, like):
-        counts = extents(shape, room, 0, j, outer)
-        if extent(shape, room, last, j) == 2:
-            return _gather_lines(G, room, j, 0, place, counts, stride, _last(room, last, j, two))
-        return _gather_lines(G, room, j, 0, place, counts, stride, _last(room, last, j, three))
-
-    def gather4(shape, G, room, j, place, stride, like):
-        counts = extents(shape, room, 0, j, outer)
-        n = extent(shape, room, last, j)
-        if n == 2:
-            return _gather_lines(G, room, j, 0, place, counts, stride, _last(room, last, j, two))
-        if n == 3:
-            return _gather_lines(G, room, j, 0, place, counts, stride, _last(room, last, j, three))
-        return _gather_lines(G, room, j, 0, place, counts, stride, _last(room, last, j, four))
-
-    return (gather2, gather3, gather4)[shape.instance_class.vertices() - 2]
+    return gather

@@ -69,7 +69,7 @@ def step(sim: "Simulation", dt: float, end: float) -> tuple[int, float]:
 
     failed, leavers, found, rate, clamped = grid_to_particles(  # (26, 27, 29, 30)
         shape, scene.materials, frame, window, particles, loads, grips, order, start,
-        0, len(start) - 1, scene.material_of, grid.G, dt, scene.tracked, sim.clock.controlled,
+        scene.material_of, grid.G, dt, scene.tracked, sim.clock.controlled,
         grid.bounds, scene.exits, sim.reach, population.movers, sim.faults, sim.grip_impulse,
         sim.work,
     )  # fmt: skip

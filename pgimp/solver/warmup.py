@@ -53,7 +53,7 @@ def warm_up(scene: Scene, identity: tuple[float, ...]) -> None:
         reflect(*given, np.zeros(1))
     grid_to_particles(
         shape, scene.materials, frame, grid.window, p, loads, grips, rows, start,
-        0, 0, scene.material_of, grid.G, 1.0, True, False, grid.bounds, 0, reach, rows.copy(),
+        scene.material_of, grid.G, 1.0, True, False, grid.bounds, 0, reach, rows.copy(),
         np.zeros((1, 2), np.int64), np.zeros((1, len(grips), 3)), np.zeros(1),
     )  # fmt: skip
     if grips:
