@@ -26,7 +26,7 @@ from pgimp.kernels.gathered import (
 from pgimp.kernels.grips import gripped
 from pgimp.kernels.jit import kernel, specialise
 from pgimp.kernels.lanes import of_lane
-from pgimp.kernels.loads import add_power, keep_gradients, relaxed
+from pgimp.kernels.loads import force_power, keep_gradients, layer_power, relaxed
 from pgimp.kernels.place import first_vertex
 from pgimp.kernels.simd import bits, lane, stack, vector
 from pgimp.kernels.transfer import gather
@@ -163,6 +163,10 @@ def grid_to_particles(
     for layer in range(len(start) - 1):
         number = layer + window.lower[0]
         begin = layer * window.stride[0]
+        power = layer_power(
+            loads, shape, frame, window, particles, order, start[layer], start[layer + 1], number,
+            begin, G,
+        )  # fmt: skip
         for k in range(start[layer], start[layer + 1], LANES):
             rows = four(order, k, start[layer + 1])
             count = min(LANES, start[layer + 1] - k)
@@ -171,10 +175,8 @@ def grid_to_particles(
                 place = begin + first_place(room, j)
                 U, A, D = gather(shape, G, room, j, place, window.stride, frame.origin)
                 keep_sums(sums, j, U, A, D)
-                add_power(
-                    loads, shape, frame, window, particles, rows[j], number, begin, G,
-                    components(frame.origin, U), dt, work, layer,
-                )  # fmt: skip
+                w = components(frame.origin, U)
+                power += force_power(loads.force, frame, particles, rows[j], w)
             repeat_sums(sums, count, frame.origin)
             u = collected(sums, 0, frame.origin)
             a = collected(sums, 1, frame.origin)
@@ -242,5 +244,6 @@ def grid_to_particles(
                     particles.layer[p] = layer_now
                     movers[found] = k + j
                     found += 1
+        work[layer] += dt * power
     rate = max(max(lane(fastest, 0), lane(fastest, 1)), max(lane(fastest, 2), lane(fastest, 3)))
     return failed, leavers, found, rate, clamped

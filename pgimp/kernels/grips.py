@@ -10,9 +10,9 @@ vertex to vertex as it moves. What one rank marks in the planes it shares with a
 
 from typing import NamedTuple
 
-from pgimp.kernels.batch import LANES, ROOM, entry, extent, first_place, four, supports
+from pgimp.kernels.batch import LANES, ROOM, entry, extent, first_place, four, supports, take
 from pgimp.kernels.jit import kernel, specialise
-from pgimp.kernels.simd import lane, stack, with_lane
+from pgimp.kernels.simd import bits, lane, pack, stack, where
 from pgimp.kernels.transfer import RECORD
 
 #: Least weight along a direction of a vertex that a held particle reaches; less is rounding.
@@ -25,6 +25,19 @@ class Grip(NamedTuple):
     held: tuple[bool, bool, bool]
     velocity: tuple[float, float, float]
     rate: tuple[float, float, float]
+
+
+def any_held(particles, rows):
+    """Whether a constraint holds one of four particles."""
+
+
+@specialise(any_held)
+def _any_held(particles, rows):
+    def any_held(particles, rows):
+        grip = particles.grip
+        return (grip[rows[0], 0] | grip[rows[1], 0] | grip[rows[2], 0] | grip[rows[3], 0]) > 0
+
+    return any_held
 
 
 def _mark(shape, mask, bit, place, room, j, d, stride, like):
@@ -66,10 +79,7 @@ def mark(shape, frame, window, particles, order, start, mask):
         number = layer + window.lower[0]
         for k in range(start[layer], start[layer + 1], LANES):
             rows = four(order, k, start[layer + 1])
-            held = False
-            for p in rows:
-                held = held or particles.grip[p, 0] > 0
-            if not held:
+            if not any_held(particles, rows):
                 continue
             supports(shape, frame, window, particles, rows, number, room, ())
             for j in range(min(LANES, start[layer + 1] - k)):
@@ -100,12 +110,12 @@ def hold_marked(window, G, active, mask, grips, dt, owned, impulse, work):
         if active[i] == 0:
             continue
         for r in range(i * plane, (i + 1) * plane, 8):
-            bits = mask[r // 8]
-            if bits == 0 or not G[r] > 0.0:
+            held = mask[r // 8]
+            if held == 0 or not G[r] > 0.0:
                 continue
             momentum = G[r] * dt if i < owned else 0.0
             for k in range(len(grips)):
-                if bits >> k & 1 == 0:
+                if held >> k & 1 == 0:
                     continue
                 for d in range(3):
                     if grips[k].held[d]:
@@ -128,37 +138,64 @@ def gripped(grips, particles, rows, count, u, v, impulse, work, plane):
     """
 
 
-def _held(grips, particles, rows, count, d, u, v, impulse, work, plane):
-    """Treat the directions from `d` on, one vector each of `u` and `v`."""
+def _held(grips, k, grip, m, u, v, impulse, work, plane):
+    """Treat the constraints from number `k` on, those in `grips`.
+
+    `grip` has the number of the constraint that holds each particle, from 1; `m` is zero for those
+    that do not count. No particle has branches of its own here: the loop over all would pay.
+    """
 
 
 @specialise(_held)
-def _held_along(grips, particles, rows, count, d, u, v, impulse, work, plane):
-    if len(u) == 0:
-        return lambda grips, particles, rows, count, d, u, v, impulse, work, plane: (u, v)
+def _held_by_each(grips, k, grip, m, u, v, impulse, work, plane):
+    if len(grips) == 0:
+        return lambda grips, k, grip, m, u, v, impulse, work, plane: (u, v)
 
-    def held(grips, particles, rows, count, d, u, v, impulse, work, plane):
-        way, velocity = u[0], v[0]
-        for j in range(LANES):
-            p = rows[j]
-            k = particles.grip[p, 0] - 1
-            if k >= 0 and grips[k].held[d]:
-                prescribed = grips[k].velocity[d]
-                if j < count:
-                    given = particles.m[p] * (prescribed - lane(velocity, j))
-                    impulse[plane, k, d] += given
-                    work[plane] += given * prescribed
-                way, velocity = with_lane(way, j, prescribed), with_lane(velocity, j, prescribed)
-        U, V = _held(grips, particles, rows, count, d + 1, u[1:], v[1:], impulse, work, plane)
-        return (way, *U), (velocity, *V)
+    def held(grips, k, grip, m, u, v, impulse, work, plane):
+        chosen = grip == k + 1.0
+        U, V = _hold(grips[0], 0, chosen, m, u, v, impulse[plane, k], work, plane)
+        return _held(grips[1:], k + 1, grip, m, U, V, impulse, work, plane)
 
     return held
+
+
+def _hold(one, d, chosen, m, u, v, impulse, work, plane):
+    """Treat the directions from `d` on, one vector each of `u` and `v`, of one constraint."""
+
+
+@specialise(_hold)
+def _hold_along(one, d, chosen, m, u, v, impulse, work, plane):
+    if len(u) == 0:
+        return lambda one, d, chosen, m, u, v, impulse, work, plane: (u, v)
+
+    def hold(one, d, chosen, m, u, v, impulse, work, plane):
+        U, V = _hold(one, d + 1, chosen, m, u[1:], v[1:], impulse, work, plane)
+        if not one.held[d]:
+            return (u[0], *U), (v[0], *V)
+        prescribed = one.velocity[d]
+        given = where(chosen, m * (prescribed - v[0]), 0.0)
+        total = (lane(given, 0) + lane(given, 1)) + (lane(given, 2) + lane(given, 3))
+        impulse[d] += total
+        work[plane] += total * prescribed
+        return (where(chosen, prescribed, u[0]), *U), (where(chosen, prescribed, v[0]), *V)
+
+    return hold
 
 
 @specialise(gripped)
 def _gripped(grips, particles, rows, count, u, v, impulse, work, plane):
     if len(grips) == 0:
         return lambda grips, particles, rows, count, u, v, impulse, work, plane: (u, v)
-    return lambda grips, particles, rows, count, u, v, impulse, work, plane: _held(
-        grips, particles, rows, count, 0, u, v, impulse, work, plane
-    )
+
+    def gripped(grips, particles, rows, count, u, v, impulse, work, plane):
+        column = particles.grip
+        grip = pack(
+            float(column[rows[0], 0]), float(column[rows[1], 0]),
+            float(column[rows[2], 0]), float(column[rows[3], 0]),
+        )  # fmt: skip
+        if bits(grip > 0.0) == 0:
+            return u, v
+        m = where(pack(0.0, 1.0, 2.0, 3.0) < count, take(particles.m, rows), 0.0)
+        return _held(grips, 0, grip, m, u, v, impulse, work, plane)
+
+    return gripped

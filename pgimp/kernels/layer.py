@@ -45,9 +45,11 @@ def _sum_layer(shape, frame, window, particles, loads, order, begin, end, number
                 B = weight(loads.force, frame, particles, p)
                 C = slopes(loads.affine, frame, particles, p)
                 scatter(shape, scratch, room, j, place, window.stride, A, B, S, C)
-                scatter_loads(loads, shape, frame, window, particles, p, number, scratch)
                 low = min(low, place)
                 high = max(high, place)
+        scatter_loads(
+            loads, shape, frame, window, particles, order, begin, end, number, scratch
+        )
         # Behind the last particle's first vertex lies the rest of its support within the plane.
         high += 8
         for d in range(1, len(frame.origin)):

@@ -78,25 +78,6 @@ def _weight(force, frame, particles, p):
     return weight_of
 
 
-def _force_power(force, frame, particles, p, u):
-    """Power of the body force on particle `p`, which moves at `u`."""
-
-
-@specialise(_force_power)
-def _force_power_of(force, frame, particles, p, u):
-    if not hasattr(force, "instance_class"):
-        return lambda force, frame, particles, p, u: 0.0
-
-    def power(force, frame, particles, p, u):
-        b = _force(force, frame, particles, p)
-        rate = 0.0
-        for d in range(len(u)):
-            rate += b[d] * u[d]
-        return particles.m[p] * rate
-
-    return power
-
-
 def relaxed(rate, dt, v, u):
     """Velocities v of particles, after (27), moved towards the grid's at their place, u.
 
@@ -128,44 +109,57 @@ def _keep_gradients(affine, particles, rows, L):
     return lambda affine, particles, rows, L: put_row(particles.L, rows, 0, L)
 
 
-def scatter_loads(loads, shape, frame, window, particles, p, layer, scratch):
-    """Add to a layer's own planes what particle `p` carries besides stress and body force."""
+def scatter_loads(loads, shape, frame, window, particles, order, begin, end, layer, scratch):
+    """Add to a layer's own planes what its particles carry besides stress and body force."""
 
 
 @specialise(scatter_loads)
-def _scatter_loads(loads, shape, frame, window, particles, p, layer, scratch):
+def _scatter_loads(loads, shape, frame, window, particles, order, begin, end, layer, scratch):
     if len(loads.types[1]) == 0:
-        return lambda loads, shape, frame, window, particles, p, layer, scratch: None
-    return lambda loads, shape, frame, window, particles, p, layer, scratch: scatter_tractions(
-        loads.tractions, shape, frame, window, particles, p, layer, scratch
+        return lambda loads, shape, frame, window, particles, order, begin, end, layer, scratch: (
+            None
+        )
+    return lambda loads, shape, frame, window, particles, order, begin, end, layer, scratch: (
+        scatter_tractions(
+            loads.tractions, shape, frame, window, particles, order, begin, end, layer, scratch
+        )
     )
 
 
-def add_power(loads, shape, frame, window, particles, p, layer, start, G, u, dt, work, plane):
-    """Grow ``work[plane]`` by what the loads on particle `p`, which moves at `u`, do in a step.
+def layer_power(loads, shape, frame, window, particles, order, begin, end, layer, start, G):
+    """Power of the loads on a layer's particles, but for that of the body force.
 
     `start` is the place of the layer's first plane in `G`.
     """
 
 
-@specialise(add_power)
-def _add_power(loads, shape, frame, window, particles, p, layer, start, G, u, dt, work, plane):
-    tractions, force = len(loads.types[1]) > 0, hasattr(loads.types[2], "instance_class")
-
-    def add_none(
-        loads, shape, frame, window, particles, p, layer, start, G, u, dt, work, plane
-    ):
-        pass
-
-    def add_force(
-        loads, shape, frame, window, particles, p, layer, start, G, u, dt, work, plane
-    ):
-        work[plane] += dt * _force_power(loads.force, frame, particles, p, u)
-
-    def add_all(loads, shape, frame, window, particles, p, layer, start, G, u, dt, work, plane):
-        power = traction_power(
-            loads.tractions, shape, frame, window, particles, p, layer, start, G
+@specialise(layer_power)
+def _layer_power(loads, shape, frame, window, particles, order, begin, end, layer, start, G):
+    if len(loads.types[1]) == 0:
+        return lambda loads, shape, frame, window, particles, order, begin, end, layer, start, G: (
+            0.0
         )
-        work[plane] += dt * (power + _force_power(loads.force, frame, particles, p, u))
+    return lambda loads, shape, frame, window, particles, order, begin, end, layer, start, G: (
+        traction_power(
+            loads.tractions, shape, frame, window, particles, order, begin, end, layer, start, G
+        )
+    )
 
-    return add_all if tractions else (add_force if force else add_none)
+
+def force_power(force, frame, particles, p, u):
+    """Power of the body force on particle `p`, which moves at `u`."""
+
+
+@specialise(force_power)
+def _force_power(force, frame, particles, p, u):
+    if not hasattr(force, "instance_class"):
+        return lambda force, frame, particles, p, u: 0.0
+
+    def power(force, frame, particles, p, u):
+        b = _force(force, frame, particles, p)
+        rate = 0.0
+        for d in range(len(u)):
+            rate += b[d] * u[d]
+        return particles.m[p] * rate
+
+    return power

@@ -192,37 +192,46 @@ def _nothing_of(like):
 
 
 @kernel
-def scatter_tractions(tractions, shape, frame, window, particles, p, layer, scratch):
-    """Add the forces on all patches of particle `p` to its layer's own planes."""
-    F = deformation(frame, particles, p)
+def scatter_tractions(
+    tractions, shape, frame, window, particles, order, begin, end, layer, scratch
+):
+    """Add the forces on the patches of a layer's particles, in canonical order, to its own planes.
+
+    A loop of its own: in that over all particles it would take registers from what each needs.
+    """
     room = stack(ROOM)
-    for t in range(len(tractions)):
-        area = particles.patch[p, tractions[t].column]
-        if area == 0.0:
-            continue
-        f = patch_force(tractions[t], F, area)
-        place = _support(tractions[t], shape, frame, window, particles, p, layer, F, room)
-        force = pack(0.0, f[0], f[1], f[2])
-        zero = pack(0.0, 0.0, 0.0, 0.0)
-        nothing = _nothing(frame.origin)
-        scatter(shape, scratch, room, 0, place, window.stride, zero, force, nothing, ())
+    zero = pack(0.0, 0.0, 0.0, 0.0)
+    nothing = _nothing(frame.origin)
+    for k in range(begin, end):
+        p = order[k]
+        for t in range(len(tractions)):
+            area = particles.patch[p, tractions[t].column]
+            if area == 0.0:
+                continue
+            F = deformation(frame, particles, p)
+            f = patch_force(tractions[t], F, area)
+            place = _support(tractions[t], shape, frame, window, particles, p, layer, F, room)
+            force = pack(0.0, f[0], f[1], f[2])
+            scatter(shape, scratch, room, 0, place, window.stride, zero, force, nothing, ())
 
 
 @kernel
-def traction_power(tractions, shape, frame, window, particles, p, layer, start, G):
-    """Power of the tractions on particle `p`: its patches' forces times the vertices' velocities.
+def traction_power(tractions, shape, frame, window, particles, order, begin, end, layer, start, G):
+    """Power of the tractions on a layer: the patches' forces times the vertices' velocities.
 
     `start` is the place of the layer's first plane in `G`.
     """
-    F = deformation(frame, particles, p)
     room = stack(ROOM)
     power = 0.0
-    for t in range(len(tractions)):
-        area = particles.patch[p, tractions[t].column]
-        if area == 0.0:
-            continue
-        f = patch_force(tractions[t], F, area)
-        place = _support(tractions[t], shape, frame, window, particles, p, layer, F, room)
-        U = gather(shape, G, room, 0, start + place, window.stride, frame.origin)[0]
-        power += f[0] * lane(U, 1) + f[1] * lane(U, 2) + f[2] * lane(U, 3)
+    for k in range(begin, end):
+        p = order[k]
+        for t in range(len(tractions)):
+            area = particles.patch[p, tractions[t].column]
+            if area == 0.0:
+                continue
+            F = deformation(frame, particles, p)
+            f = patch_force(tractions[t], F, area)
+            place = _support(tractions[t], shape, frame, window, particles, p, layer, F, room)
+            U = gather(shape, G, room, 0, start + place, window.stride, frame.origin)[0]
+            power += f[0] * lane(U, 1) + f[1] * lane(U, 2) + f[2] * lane(U, 3)
     return power

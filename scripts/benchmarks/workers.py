@@ -53,11 +53,19 @@ class Worker:
 
     def ask(self, **words):
         """Send a line and return the answer."""
+        self.tell(**words)
+        return self.hear()
+
+    def tell(self, **words):
+        """Send a line, whose answer `hear` waits for."""
         try:
             self._process.stdin.write(json.dumps(words) + "\n")
             self._process.stdin.flush()
         except BrokenPipeError:
             pass
+
+    def hear(self):
+        """Return the answer to the line sent last."""
         for line in self._process.stdout:
             if line.startswith("{"):
                 return json.loads(line)
