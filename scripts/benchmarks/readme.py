@@ -1,6 +1,7 @@
 """The README's tables, made from the CSV files of what was measured."""
 
 import csv
+from textwrap import fill
 
 from report import ROOT, error, markdown, number
 
@@ -75,6 +76,19 @@ def shapes(folder):
     return markdown(columns, list(dict.fromkeys(key[0] for key in found))) if found else ""
 
 
+_SCALING = {
+    "apart": "two runs of one rank beside each other, the most that the machine allows",
+    "strong": "two ranks on the same block",
+    "weak": "two ranks on one of twice the size",
+}
+
+
+def _wrapped(text):
+    """The text in lines of 100 letters, tables as they are."""
+    parts = (part if part[:1] in "|-" else fill(part, 100) for part in text.split("\n\n"))
+    return "\n\n".join(parts)
+
+
 def write(folder, into_readme):
     """Write readme.md, and put it into README.md if asked to."""
     texts = []
@@ -91,9 +105,10 @@ def write(folder, into_readme):
             f"and direction.\n\n{table}\n\nMeasured on {_origin(folder, 'kernels')}."
         )
     facts = [
-        f"{row['scene']} scaling on {row['ranks']:.0f} ranks: {number(row['gain'], 2)} times one"
+        f"{row['scene'].partition(',')[0]}, {_SCALING[row['kind']]}: "
+        f"{number(row['gain'], 2)} times one rank"
         for row in read(folder, "scaling")
-        if row["ranks"] > 1
+        if row["kind"] in _SCALING
     ]
     facts += [
         f"eight times the domain in every direction, {row['dimension']:.0f}D: "
@@ -103,7 +118,7 @@ def write(folder, into_readme):
     ]
     if facts:
         texts.append("\n".join(f"- {fact}" for fact in facts))
-    text = "\n\n".join(texts) + "\n"
+    text = "\n\n".join(map(_wrapped, texts)) + "\n"
     (folder / "readme.md").write_text(text, encoding="utf-8")
     if into_readme:
         path = ROOT / "README.md"

@@ -65,6 +65,7 @@ def timings(quick):
         rows.append(
             {
                 "scene": name,
+                "kind": kind if ranks > 1 else "one",
                 "ranks": "2 runs of 1" if kind == "apart" else str(ranks),
                 "cells": " x ".join(map(str, cells)),
                 "speed": median(speeds),

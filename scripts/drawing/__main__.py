@@ -2,7 +2,7 @@
 
 import argparse
 
-from block import bench, methods
+from block import methods
 from column import compaction
 from cost import error_and_cost
 from exact import shock, spinning_block, vortex
@@ -17,7 +17,6 @@ PICTURES = {
     "vortex": vortex,
     "spinning-block": spinning_block,
     "error-and-cost": error_and_cost,
-    "bench": bench,
     "methods": methods,
 }
 
