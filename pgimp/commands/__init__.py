@@ -2,6 +2,7 @@
 
 #: What the overview says of the commands; any other word on the command line is a case to run.
 COMMANDS = {
+    "init": "writes a commented case to start from; without a name, lists them",
     "check": "validates a case and estimates what it will cost",
     "study": "runs a case with many changes: a table and a plot of error against cost",
     "batch": "writes a script for Slurm or PBS that takes a run to its end",

@@ -1,0 +1,213 @@
+"""``pgimp init``: writes one of the cases that come with pgimp, to start from."""
+
+from __future__ import annotations
+
+import argparse
+import difflib
+import json
+import re
+import shlex
+from collections.abc import Iterator
+from importlib.resources import files as installed
+from pathlib import Path
+from typing import Any
+
+from pgimp.errors import UsageError
+
+#: The schemas that editors read, beside the case and beside the study.
+SCHEMA, STUDY_SCHEMA = "pgimp-schema.json", "pgimp-study-schema.json"
+
+_STUDIES = "studies/"
+_LINE = "# yaml-language-server: $schema="
+_OTHER_WAY = re.compile(r"\n#? *\(or: scripts/run [^)]*\)|[ \t]*\(or: scripts/run [^)]*\)")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the command line.
+
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser
+        The parser to add to.
+    """
+    parser.add_argument("name", nargs="?", metavar="NAME", help="the case; without, all are listed")
+    parser.add_argument(
+        "-o",
+        "--output",
+        metavar="FILE.yaml",
+        help="the file to write (default: the name with .yaml, here)",
+    )
+
+
+def execute(args: argparse.Namespace) -> int:
+    """Run the command.
+
+    Returns
+    -------
+    int
+        The exit status, 0.
+
+    Raises
+    ------
+    UsageError
+        If there is no such case, or if the file is there or cannot be written.
+    """
+    cases = packaged()
+    if args.name is None:
+        if args.output:
+            raise UsageError("which case is to be written? Without a name, pgimp init lists them")
+        print("\n".join(_list(cases)))
+        return 0
+    name = args.name.removeprefix("cases/").removesuffix(".yaml")
+    if name not in cases:
+        raise UsageError(_unknown(name, cases))
+    study = name.startswith(_STUDIES)
+    stem = name.rpartition("/")[2]
+    path = Path(args.output or f"{stem}{'-study' if study else ''}.yaml")
+    _write(path, _personal(name, cases[name], path))
+    print(f"{path}: written, with comments; pgimp schema --markdown explains every key there is")
+    if study:
+        case = _case_of(cases[name])
+        beside = _case_path(case, path)
+        _write_beside(beside, _personal(case, cases[case], beside), "the study takes it as it is")
+        _write_schema(path.with_name(STUDY_SCHEMA))
+    _write_schema(path.with_name(SCHEMA))
+    print("\n".join(_next(path, study)))
+    return 0
+
+
+def packaged() -> dict[str, str]:
+    """Return the text of each case and study that comes with pgimp, by its name.
+
+    The name is the path in the folder ``cases``, without the suffix.
+    """
+    root = installed("pgimp").joinpath("cases")
+
+    def walk(folder: Any, before: str) -> Iterator[tuple[str, str]]:
+        for entry in folder.iterdir():
+            if entry.is_dir():
+                yield from walk(entry, f"{before}{entry.name}/")
+            elif entry.name.endswith(".yaml"):
+                yield before + entry.name.removesuffix(".yaml"), entry.read_text(encoding="utf-8")
+
+    order = {"": 0, _STUDIES: 1}
+    found = dict(walk(root, ""))
+
+    def place(name: str) -> tuple[int, int, str]:
+        folder = "".join(name.rpartition("/")[:2])
+        return order.get(folder, 2), _dimensions(found[name]), name
+
+    return {name: found[name] for name in sorted(found, key=place)}
+
+
+def _dimensions(text: str) -> int:
+    found = re.search(r"^dimensions: (\d)", text, re.MULTILINE)
+    return int(found[1]) if found else 0
+
+
+def _list(cases: dict[str, str]) -> list[str]:
+    """Return a line for each case: its name, its dimensions, what it is."""
+    width = max(map(len, cases))
+    lines = ["Cases to start from; pgimp init NAME writes one here, with comments:"]
+    for name, text in cases.items():
+        kind = f"{_dimensions(text)}D" if _dimensions(text) else "study"
+        summary = text.partition("\n")[0].lstrip("# ").rstrip(".")
+        lines.append(f"  {name:<{width}}  {kind:<5}  {summary}")
+    return lines
+
+
+def _unknown(name: str, cases: dict[str, str]) -> str:
+    ends = [case for case in cases if case.rpartition("/")[2] == name]
+    near = ends or difflib.get_close_matches(name, cases, n=1)
+    hint = f" Did you mean {' or '.join(near)}?" if near else ""
+    return f"there is no case '{name}' to start from.{hint}\n" + "\n".join(_list(cases))
+
+
+def _personal(name: str, text: str, path: Path) -> str:
+    """Return a case as its new owner runs it: commands with its path, a line for editors."""
+    schema = SCHEMA
+    if name.startswith(_STUDIES):
+        case, schema = _case_of(text), STUDY_SCHEMA
+        text = text.replace(f"../{case}.yaml", _case_path(case, path).name)
+    text = _OTHER_WAY.sub("", text).replace(f"cases/{name}.yaml", shlex.quote(str(path)))
+    return f"{_LINE}{schema}\n{text}"
+
+
+def _case_of(study: str) -> str:
+    """Return the name of the case that a study changes."""
+    found = re.search(r"^case: \.\./([\w/-]+)\.yaml", study, re.MULTILINE)
+    if found is None:
+        raise ValueError("a study in cases/studies names its case as ../NAME.yaml")
+    return found[1]
+
+
+def _case_path(case: str, study: Path) -> Path:
+    """Return where the case of a study goes: beside it."""
+    beside = study.with_name(f"{case.rpartition('/')[2]}.yaml")
+    if beside == study:
+        raise UsageError(f"{beside} is the name of the study's case; give the study another one")
+    return beside
+
+
+def _write(path: Path, text: str) -> None:
+    """Write a new file.
+
+    Raises
+    ------
+    UsageError
+        If there is one of this name, which stays as it is, or if it cannot be written.
+    """
+    try:
+        with open(path, "x", encoding="utf-8") as file:
+            try:
+                file.write(text)
+                file.flush()
+            except OSError:
+                path.unlink()
+                raise
+    except FileExistsError:
+        raise UsageError(
+            f"{path} is there already, and stays as it is; -o FILE.yaml names another file"
+        ) from None
+    except OSError as error:
+        raise UsageError(f"cannot write {path}: {error.strerror}") from None
+
+
+def _write_beside(path: Path, text: str, otherwise: str) -> None:
+    """Write a file that the case goes with, or say what it means that there is another one."""
+    try:
+        there = path.read_bytes()
+    except FileNotFoundError:
+        _write(path, text)
+        print(f"{path}: written")
+        return
+    except OSError as error:
+        raise UsageError(f"cannot read {path}: {error.strerror}") from None
+    if there != text.encode():
+        print(f"{path}: there already, and left alone; {otherwise}")
+
+
+def _write_schema(path: Path) -> None:
+    from pgimp.case.jsonschema import json_schema, study_schema
+
+    study = path.name == STUDY_SCHEMA
+    text = json.dumps(study_schema() if study else json_schema(), indent=2, ensure_ascii=False)
+    renew = f"pgimp schema{' --study' if study else ''} > {shlex.quote(str(path))}"
+    _write_beside(path, f"{text}\n", f"it is another version's; to renew it: {renew}")
+
+
+def _next(path: Path, study: bool) -> list[str]:
+    """Return what to do with the files."""
+    file = shlex.quote(str(path))
+    if study:
+        commands = {f"pgimp study {file} --list": "its runs", f"pgimp study {file}": "runs them"}
+    else:
+        commands = {
+            f"pgimp check {file}": "what it will cost",
+            f"mpirun -n 2 pgimp {file}": f"writes {path.stem}.out/",
+        }
+    width = max(map(len, commands))
+    return [
+        "An editor that knows YAML completes keys and shows mistakes by the schema. Now:",
+        *(f"  {command:<{width}}   # {effect}" for command, effect in commands.items()),
+    ]
