@@ -8,14 +8,15 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from pgimp.output.fields import OPTIONAL
+from pgimp.output.fields import BY_RANKS, OPTIONAL
 from pgimp.output.frames import Frames
 from pgimp.parallel.comm import Serial
 
 LATERAL = {1: 3, 2: 4, 3: 6}
+SAME = tuple(name for name in OPTIONAL if name not in BY_RANKS)
 
 
-def make_case(fields=tuple(OPTIONAL), **output):
+def make_case(fields=SAME, **output):
     settings = {"fields": list(fields), "precision": "float64", "compression": "none"} | output
     return SimpleNamespace(title="a test", units="none", output=SimpleNamespace(**settings))
 
@@ -35,6 +36,7 @@ def make_sim(comm, count, dimension, empty=(), gone=()):
         "F": random.normal(size=(count, dimension**2)),
         "sigma": random.normal(size=(count, LATERAL[dimension])),
         "V": random.uniform(0.5, 2.0, size=count),
+        "m": random.uniform(0.5, 2.0, size=count),
         "origin": random.normal(size=(count, dimension)),
     }
     owner = random.integers(comm.size, size=count)
@@ -81,6 +83,7 @@ def expected(values, dimension):
     tensor = stress[:, [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(count, 3, 3)
     mean = np.trace(tensor, axis1=1, axis2=2) / 3
     deviator = tensor - mean[:, None, None] * np.eye(3)
+    green = 0.5 * (np.swapaxes(deformation, 1, 2) @ deformation - np.eye(3))
     return {
         "id": values["id"],
         "body": values["body"],
@@ -94,6 +97,9 @@ def expected(values, dimension):
         "deformation": deformation.reshape(count, 9),
         "pressure": -mean,
         "von-mises": np.sqrt(1.5 * (deviator**2).sum(axis=(1, 2))),
+        "strain": green.reshape(count, 9)[:, [0, 4, 8, 1, 5, 2]],
+        "mass": values["m"],
+        "density": values["m"] / values["V"],
         "connectivity": np.arange(count),
     }
 

@@ -252,3 +252,16 @@ def test_a_damaged_frame_is_named(pair, capsys):
     path.write_bytes(path.read_bytes()[:1000])
     with pytest.raises(RunError, match=r"cannot read .*particles-000001\.h5"):
         call(capsys, *pair)
+
+
+def test_the_rank_may_differ(pair, capsys):
+    """By its nature it does; that it is there in one run alone is told as of any field."""
+    for number, directory in enumerate(pair):
+        for path in (directory / "frames").iterdir():
+            with h5py.File(path, "r+") as file:
+                file["rank"] = np.full(COUNT, number, np.int32)
+    assert call(capsys, *pair)[0] == 0
+    with h5py.File(pair[0] / "frames" / "particles-000001.h5", "r+") as file:
+        del file["rank"]
+    status, out = call(capsys, *pair)
+    assert status == 1 and f"only {pair[1]} has the field rank" in out

@@ -6,6 +6,7 @@ import sys
 import xml.etree.ElementTree
 from pathlib import Path
 from threading import Event
+from types import SimpleNamespace
 
 import h5py
 import numpy as np
@@ -15,7 +16,7 @@ from particle_source import Lines, expected, make_case, make_sim, write_frames
 from pgimp.case import fields as case_fields
 from pgimp.errors import RunError
 from pgimp.output import framefile, particlefile
-from pgimp.output.fields import ALWAYS, FIELDS, OPTIONAL, Source
+from pgimp.output.fields import ALWAYS, BY_RANKS, FIELDS, OPTIONAL, Source
 from pgimp.output.frames import Frames
 from pgimp.output.history import History, read
 from pgimp.output.reader import Frame
@@ -33,13 +34,12 @@ def test_a_frame_holds_the_particles_by_id(tmp_path, dimension):
     _, values = write_frames(tmp_path, Serial(), 57, dimension)
     wanted = expected(values, dimension)
     with h5py.File(tmp_path / "frames" / "particles-000001.h5") as file:
-        assert set(file) == set(wanted) == {"connectivity", *FIELDS}
+        assert set(file) == set(wanted) == {"connectivity", *FIELDS} - set(BY_RANKS)
         for name, array in wanted.items():
-            exact = name not in ("radius", "pressure", "von-mises")
+            exact = name not in ("radius", "pressure", "von-mises", "strain")
             assert file[name].shape == array.shape
-            np.testing.assert_allclose(
-                file[name][:], array, rtol=0 if exact else 1e-13, err_msg=name
-            )
+            rtol, atol = (0 if exact else 1e-13), (1e-14 if name == "strain" else 0)
+            np.testing.assert_allclose(file[name][:], array, rtol=rtol, atol=atol, err_msg=name)
         for name in ("body", "material"):
             assert file[name].dtype == np.int32
         assert file["id"].dtype == np.int64
@@ -52,6 +52,39 @@ def test_a_frame_holds_the_particles_by_id(tmp_path, dimension):
 def test_the_case_offers_the_fields_that_there_are():
     assert list(case_fields.ALWAYS) == list(ALWAYS)
     assert list(case_fields.FIELDS) == list(OPTIONAL)
+
+
+def strained(F):
+    """Strain of one particle, by the name of the component."""
+    F = np.array(F, float)
+    particles = SimpleNamespace(F=F.reshape(1, -1))
+    values = FIELDS["strain"].values(Source(particles, np.array([0]), len(F), (0,)))
+    return dict(zip(FIELDS["strain"].components.split(), values[0].tolist(), strict=True))
+
+
+def test_strain_of_stretch_shear_and_rotation():
+    """Exact: of a stretch (s^2 - 1)/2, of a simple shear by g, g/2 along and g^2/2 across."""
+    none = dict.fromkeys(["xx", "yy", "zz", "xy", "yz", "xz"], 0.0)
+    assert strained([[1.5]]) == none | {"xx": 0.625}
+    assert strained([[1.0, 0.5], [0.0, 1.0]]) == none | {"xy": 0.25, "yy": 0.125}
+    shear = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.25], [0.0, 0.0, 1.0]]
+    assert strained(shear) == none | {"yz": 0.125, "zz": 0.03125}
+    assert strained([[1.0, 0.0, 0.25], [0.0, 2.0, 0.0], [0.0, 0.0, 1.0]]) == none | {
+        "yy": 1.5, "xz": 0.125, "zz": 0.03125,
+    }  # fmt: skip
+    assert strained([[0.6, -0.8], [0.8, 0.6]]) == pytest.approx(none, abs=1e-15)
+
+
+def test_the_rank_is_that_of_the_writer(tmp_path):
+    (tmp_path / "frames").mkdir()
+    sim, _ = make_sim(Serial(), 5, 2)
+    particles, rows = sim.particles, sim.live()
+    assert FIELDS["rank"].values(Source(particles, rows, 2, (1, 0), 3)).tolist() == [3] * 5
+    frames = Frames(tmp_path, make_case(["rank"]), sim)
+    frames.write(sim)
+    frames.finish()
+    frame = Frame(tmp_path / "frames" / "particles-000000.h5")
+    assert frame["rank"].dtype == np.int32 and frame["rank"].tolist() == [0] * 5
 
 
 def test_only_what_is_asked_for_is_written(tmp_path):

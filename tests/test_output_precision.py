@@ -98,7 +98,8 @@ def test_what_float32_cannot_hold_is_refused(tmp_path):
     (tmp_path / "frames").mkdir()
     sim, _ = make_sim(Serial(), 30, 2)
     frames = Frames(tmp_path, make_case(precision="float32"), sim)
-    sim.particles.V[:] = 1e-50  # too small for a normal number, and no fault
+    # Too small for normal numbers, and no fault.
+    sim.particles.V[:] = sim.particles.m[:] = 1e-50
     frames.write(sim)
     sim.particles.sigma[sim.live()[7], 1] = 1e39
     frames.write(sim)

@@ -33,6 +33,18 @@ FIELDS: dict[str, Field] = {
     "deformation": Field("9: xx xy xz yx ... zz", "deformation gradient F, row by row"),
     "pressure": Field("1", "-(xx + yy + zz)/3 of the stress, compression positive [stress]"),
     "von-mises": Field("1", "von Mises equivalent stress [stress]"),
+    "strain": Field(
+        "6: xx yy zz xy yz xz",
+        "Green-Lagrange strain, (F^T F - 1)/2, which a rotation leaves zero; tensor components: xy "
+        "is half the angle of shear where that is small",
+    ),
+    "mass": Field("1", "mass, which never changes [mass]"),
+    "density": Field("1", "mass over current volume [mass/length^dimensions]"),
+    "rank": Field(
+        "1",
+        "rank of MPI that has the particle; as it depends on the number of ranks by its nature, "
+        "`pgimp compare` leaves it out",
+    ),
 }
 """What ``output.fields`` may name."""
 

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pgimp.errors import UsageError
-from pgimp.output.fields import FIELDS
+from pgimp.output.fields import BY_RANKS, FIELDS
 from pgimp.output.pairs import Pair
 from pgimp.output.reader import Frame, Run
 
@@ -229,7 +229,9 @@ def _frame(first: Frame, second: Frame, tolerance: Tolerance) -> Iterator[str]:
             yield f"{name}: {len(only)} of {len(frame)} particles only in {where}: {_some(only)}"
     differ = _precisions(first, second) and tolerance == Tolerance()
     for field in first.fields:
-        if field in second and field != "id" and not (differ and "f" in first.types[field]):
+        if field in ("id", *BY_RANKS) or field not in second:
+            continue
+        if not (differ and "f" in first.types[field]):
             yield from _field(name, field, pair, tolerance)
 
 

@@ -23,12 +23,15 @@ class Source(NamedTuple):
         1, 2 or 3.
     body_material : tuple of int
         The material of each body.
+    rank : int
+        The rank.
     """
 
     particles: Any
     rows: Array
     dimension: int
     body_material: tuple[int, ...]
+    rank: int = 0
 
     def take(self, symbol: str) -> Array:
         """Return the wanted rows of an array of the particles: (n,) or (n, k)."""
@@ -148,6 +151,35 @@ def von_mises(source: Source) -> Array:
     return np.sqrt(0.5 * normal + 3.0 * (xy**2 + yz**2 + xz**2))
 
 
+def strain(source: Source) -> Array:
+    """Return the Green-Lagrange strain (F^T F - 1)/2 as xx, yy, zz, xy, yz, xz."""
+    D, local = source.dimension, source.take("F")
+    full = np.zeros((len(source.rows), 6))
+    for column, (i, j) in enumerate(((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))):
+        if max(i, j) < D:
+            # Sums of products, as a library's would depend on where in the array a particle is.
+            product = local[:, i] * local[:, j]
+            for k in range(1, D):
+                product += local[:, k * D + i] * local[:, k * D + j]
+            full[:, column] = 0.5 * (product - float(i == j))
+    return full
+
+
+def mass(source: Source) -> Array:
+    """Return the mass."""
+    return source.take("m")
+
+
+def density(source: Source) -> Array:
+    """Return the mass over the current volume."""
+    return mass(source) / volume(source)
+
+
+def rank(source: Source) -> Array:
+    """Return the rank for each particle."""
+    return np.full(len(source.rows), source.rank, np.int32)
+
+
 ALWAYS = {
     "id": Field(identity, kind="GlobalId", dtype="<i8"),
     "body": Field(body, dtype="<i4"),
@@ -166,10 +198,17 @@ OPTIONAL = {
     "deformation": Field(deformation, "xx xy xz yx yy yz zx zy zz", "Matrix"),
     "pressure": Field(pressure),
     "von-mises": Field(von_mises),
+    "strain": Field(strain, "xx yy zz xy yz xz", "Matrix"),
+    "mass": Field(mass),
+    "density": Field(density),
+    "rank": Field(rank, dtype="<i4"),
 }
 """Fields that a frame has when the case's ``output.fields`` names them."""
 
 FIELDS = ALWAYS | OPTIONAL
+
+BY_RANKS = ("rank",)
+"""Fields that differ with the number of ranks by their nature."""
 
 FAILURE = {"fault": Field(no_fault, dtype="<i4")}
 """Fields that only the particles of a failed run's bundle have."""

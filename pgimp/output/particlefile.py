@@ -144,7 +144,13 @@ class ParticleFile:
             way = self._in_chunks if self._compressed and rows.count else self._in_place
             values = _Values(
                 self,
-                Source(particles, rows.storage, scene.dimension, tuple(scene.body_material)),
+                Source(
+                    particles,
+                    rows.storage,
+                    scene.dimension,
+                    tuple(scene.body_material),
+                    comm.rank,
+                ),
                 instead,
             )
             file = way(part, rows, attributes, values, what)
