@@ -250,7 +250,7 @@ def test_packing_keeps_every_bit(D, origin):
     before = [array[others].tobytes() for array in target]
 
     message = pack(source, rows.astype(np.int32))
-    wire = np.frombuffer(message.tobytes(), np.float64).reshape(message.shape)
+    wire = np.frombuffer(message.tobytes(), np.int64).reshape(message.shape)
     unpack(wire, target, places.astype(np.int32))
 
     for a, b in zip(source, target, strict=True):

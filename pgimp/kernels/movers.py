@@ -1,11 +1,11 @@
 """Particles that change their layer: sorted out by where they go, packed, unpacked, put in order.
 
-A particle's record holds all its columns, one after the other, whole numbers bit by bit. `wire` and
-`bits` are the same memory, as float64 and as int64.
+A particle's record holds all its columns, one after the other, as they are bit by bit; int32 takes
+the room of int64.
 """
 
 from pgimp.kernels.g2p import GONE
-from pgimp.kernels.jit import kernel, specialise
+from pgimp.kernels.jit import kernel
 
 
 @kernel
@@ -48,66 +48,44 @@ def sort_out(layer, order, places, first, layers, staying, leaving):
     return stay, down, up
 
 
-def _put(columns, p, wire, bits, place):
-    """Write row `p` of all columns to `place` and on."""
-
-
-@specialise(_put)
-def _put_each(columns, p, wire, bits, place):
-    if len(columns) == 0:
-        return lambda columns, p, wire, bits, place: None
-    flat, whole = columns[0].ndim == 1, columns[0].dtype.name.startswith("int")
-
-    def put(columns, p, wire, bits, place):
-        column = columns[0]
-        to = bits if whole else wire
-        if flat:
-            to[place] = column[p]
-            _put(columns[1:], p, wire, bits, place + 1)
-        else:
-            for i in range(column.shape[1]):
-                to[place + i] = column[p, i]
-            _put(columns[1:], p, wire, bits, place + column.shape[1])
-
-    return put
-
-
-def _take(columns, p, wire, bits, place):
-    """Set row `p` of all columns from what `_put` wrote."""
-
-
-@specialise(_take)
-def _take_each(columns, p, wire, bits, place):
-    if len(columns) == 0:
-        return lambda columns, p, wire, bits, place: None
-    flat, whole = columns[0].ndim == 1, columns[0].dtype.name.startswith("int")
-
-    def take(columns, p, wire, bits, place):
-        column = columns[0]
-        source = bits if whole else wire
-        if flat:
-            column[p] = source[place]
-            _take(columns[1:], p, wire, bits, place + 1)
-        else:
-            for i in range(column.shape[1]):
-                column[p, i] = source[place + i]
-            _take(columns[1:], p, wire, bits, place + column.shape[1])
-
-    return take
-
-
 @kernel
-def pack_rows(particles, rows, wire, bits, place, width):
-    """Write the records, of `width` numbers each, of the particles in `rows` from `place` on."""
+def pack_rows(words, halves, rows, wire, place, width):
+    """Write the records, of `width` numbers each, of the particles in `rows` from `place` on.
+
+    Parameters
+    ----------
+    words, halves : tuples of arrays
+        See `Particles.columns`: of one type each, whatever a scene uses, so that this is compiled
+        once for all; a loop made for the columns of each scene took longer than all other kernels.
+    rows : (k,) int32
+    wire : int64
+        A message.
+    """
     for k in range(len(rows)):
-        _put(particles, rows[k], wire, bits, place + k * width)
+        at = place + k * width
+        for column in words:
+            for i in range(column.shape[1]):
+                wire[at] = column[rows[k], i]
+                at += 1
+        for column in halves:
+            for i in range(column.shape[1]):
+                wire[at] = column[rows[k], i]
+                at += 1
 
 
 @kernel
-def unpack_rows(particles, rows, wire, bits, place, width):
+def unpack_rows(words, halves, rows, wire, place, width):
     """Set the particles in `rows` from records that `pack_rows` wrote."""
     for k in range(len(rows)):
-        _take(particles, rows[k], wire, bits, place + k * width)
+        at = place + k * width
+        for column in words:
+            for i in range(column.shape[1]):
+                column[rows[k], i] = wire[at]
+                at += 1
+        for column in halves:
+            for i in range(column.shape[1]):
+                column[rows[k], i] = wire[at]
+                at += 1
 
 
 @kernel
@@ -124,7 +102,8 @@ def sort_rows(layer, cell, number, rows, room):
             middle, high = low + length, min(low + 2 * length, n)
             if not _after(layer, cell, number, rows[middle - 1], rows[middle]):
                 continue
-            room[low:middle] = rows[low:middle]
+            for k in range(low, middle):  # an assignment of slices takes seconds to compile
+                room[k] = rows[k]
             i, j = low, middle
             for k in range(low, high):
                 if i < middle and (j == high or _after(layer, cell, number, rows[j], room[i])):

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from pgimp.parallel.migrate import pack, unpack, width
+from pgimp.parallel.migrate import pack, unpack
 from pgimp.parallel.slabs import Slab, common, slab_of
 from pgimp.solver.population import Population
 
@@ -53,7 +53,7 @@ def hand_over(
     rank, before, after = comm.rank, slab_of(old, comm.rank), slab_of(new, comm.rank)
     had, gets = _planes(old, extra, rank), _planes(new, extra, rank)
     start, order, layers = population.start, population.order, before.layers
-    columns = width(population.particles)
+    columns = population.particles.width
     each = max(1, _PIECE // columns)
     shapes = [part.shape[1:] for part in sums]
 
@@ -95,7 +95,7 @@ def hand_over(
                 request = comm.Isend(message, to, _TAG)
                 population.vacate(piece)
             if done < number:
-                records = np.empty((min(each, number - done), columns))
+                records = np.empty((min(each, number - done), columns), np.int64)
                 comm.Recv(records, source, _TAG)
                 rows[source].append(population.admit(len(records)))
                 unpack(records, population.particles, rows[source][-1])

@@ -12,7 +12,7 @@ import numpy as np
 
 from pgimp.kernels.movers import pack_rows, sort_out, unpack_rows
 from pgimp.parallel.slabs import Slab
-from pgimp.solver.particles import Particles
+from pgimp.solver.particles import Columns, Particles
 from pgimp.solver.population import Population, with_room
 
 _TAG, _REST = 3, 6
@@ -21,28 +21,21 @@ _TAG, _REST = 3, 6
 ROOM = 32
 
 
-def width(particles: Particles) -> int:
-    """Number of float64 in a particle's record."""
-    return sum(array[0].size for array in particles)
-
-
 def pack(particles: Particles, rows: np.ndarray) -> np.ndarray:
-    """All that the particles in `rows` carry, (n, width) float64; whole numbers bit by bit."""
-    columns = width(particles)
-    wire = np.empty(len(rows) * columns)
-    pack_rows(particles, rows, wire, wire.view(np.int64), 0, columns)
-    return wire.reshape(len(rows), columns)
+    """All that the particles in `rows` carry, (n, width) int64, bit by bit."""
+    wire = np.empty((len(rows), particles.width), np.int64)
+    pack_rows(*particles.columns(), rows, wire.reshape(-1), 0, particles.width)
+    return wire
 
 
 def unpack(records: np.ndarray, particles: Particles, rows: np.ndarray) -> None:
     """Set `rows` of the particles from records made by `pack`."""
-    wire = records.reshape(-1)
-    unpack_rows(particles, rows, wire, wire.view(np.int64), 0, width(particles))
+    unpack_rows(*particles.columns(), rows, records.reshape(-1), 0, particles.width)
 
 
 def _wire(records: int, columns: int) -> np.ndarray:
     """A message's buffer: the number of particles, and room for so many records."""
-    return np.zeros(1 + records * columns)
+    return np.zeros(1 + records * columns, np.int64)
 
 
 def _grown(number: int) -> int:
@@ -60,7 +53,7 @@ class _Link:
         self.receipt = comm.Recv_init(self.incoming, neighbour, _TAG)
         self.requests: list[Any] = []
 
-    def send(self, particles: Particles, rows: np.ndarray) -> int:
+    def send(self, columns: Columns, rows: np.ndarray) -> int:
         """Begin to exchange; send `rows` of the particles. The number of messages sent."""
         self.receipt.Start()
         number, room = len(rows), self.to_send
@@ -69,8 +62,7 @@ class _Link:
             self.outgoing = _wire(self.to_send, self.columns)
         self.outgoing[0] = number
         if number:
-            bits = self.outgoing.view(np.int64)
-            pack_rows(particles, rows, self.outgoing, bits, 1, self.columns)
+            pack_rows(*columns, rows, self.outgoing, 1, self.columns)
         end = 1 + number * self.columns
         full = 1 + room * self.columns
         requests = self.requests
@@ -131,7 +123,7 @@ class Migration:
     def __init__(self, comm: Any, slab: Slab, particles: Particles) -> None:
         self.messages = self.bytes = 0
         self._slab = slab
-        columns = width(particles)
+        columns = particles.width
         below, above = (
             None if neighbour is None else _Link(comm, neighbour, columns)
             for neighbour in (slab.below, slab.above)
@@ -164,7 +156,7 @@ class Migration:
         leaving = self._leaving[:down], self._leaving[len(self._leaving) - up :]
         for link, rows in zip((self._below, self._above), leaving, strict=True):
             if link is not None:
-                self.messages += link.send(population.particles, rows)
+                self.messages += link.send(population.columns, rows)
                 self.bytes += 8 * (1 + len(rows) * link.columns)
                 if len(rows):
                     population.release(rows)
@@ -184,8 +176,7 @@ class Migration:
                 self._arrivals = with_room(self._arrivals, count + number, count)
                 rows = self._arrivals[count : count + number]
                 population.admit(number, rows)
-                bits = link.incoming.view(np.int64)
-                unpack_rows(population.particles, rows, link.incoming, bits, 1, link.columns)
+                unpack_rows(*population.columns, rows, link.incoming, 1, link.columns)
                 count += number
         for link in self._links:
             link.end()

@@ -30,6 +30,7 @@ from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+Columns = tuple[tuple[IntArray, ...], tuple[NDArray[np.int32], ...]]
 
 
 class Particles(NamedTuple):
@@ -91,6 +92,17 @@ class Particles(NamedTuple):
     def capacity(self) -> int:
         """Number of rows."""
         return len(self.m)
+
+    def columns(self) -> "Columns":
+        """All arrays bit by bit, (c, k) each: those of int32, and the others as int64."""
+        tables = [array.reshape(self.capacity, array[0].size) for array in self]
+        words = tuple(table.view(np.int64) for table in tables if table.itemsize == 8)
+        return words, tuple(table for table in tables if table.itemsize == 4)
+
+    @property
+    def width(self) -> int:
+        """Numbers in a row."""
+        return sum(array[0].size for array in self)
 
 
 class Frame(NamedTuple):

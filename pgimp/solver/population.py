@@ -6,7 +6,7 @@ import numpy as np
 
 from pgimp.kernels.movers import sort_rows
 from pgimp.kernels.order import locate, merge, reach_of
-from pgimp.solver.particles import Frame, IntArray, Particles
+from pgimp.solver.particles import Columns, Frame, IntArray, Particles
 
 
 def with_room(array: np.ndarray, size: int, used: int = 0) -> np.ndarray:
@@ -62,6 +62,7 @@ class Population:
         self._left, self._left_count = np.empty(0, np.int32), 0
         self._places = np.empty(0, np.int32)
         self._room = np.empty(0)
+        self._columns: tuple[Particles, Columns] | None = None
         if start is None:
             self.sort()
         else:
@@ -71,6 +72,13 @@ class Population:
     def movers(self) -> np.ndarray:
         """Room for as many rows as there are particles, between two changes of the order."""
         return self._spare
+
+    @property
+    def columns(self) -> Columns:
+        """`Particles.columns`, kept until there are other arrays."""
+        if self._columns is None or self._columns[0] is not self.particles:
+            self._columns = (self.particles, self.particles.columns())
+        return self._columns[1]
 
     def sort(self) -> None:
         """Sort the rows themselves by (layer, cell, id), closing the holes."""
@@ -158,6 +166,7 @@ class Population:
 
     def _grow(self, rows: int) -> None:
         arrays: list[np.ndarray] = list(self.particles)
+        self._columns = None
         del self.particles  # so that no more than one array is there twice
         for i, array in enumerate(arrays):
             arrays[i] = np.zeros((len(array) + rows, *array.shape[1:]), array.dtype)

@@ -10,6 +10,7 @@ from pgimp.errors import RunError
 from pgimp.kernels.jit import discard_damaged
 from pgimp.kernels.order import layers_of
 from pgimp.kernels.sums import fastest_rate
+from pgimp.materials.outside import explained
 from pgimp.parallel.halo import Halo
 from pgimp.parallel.migrate import Migration
 from pgimp.parallel.node import one_rank_first
@@ -124,7 +125,7 @@ class Simulation:
         self.identity = tuple(float(i == j) for i in range(D) for j in range(D))
         self.clock = clock_of(case)
         require(scene, comm, None if source is None else source.count)
-        with one_rank_first(comm):
+        with one_rank_first(comm), explained(scene.materials, D):
             discard_damaged(lambda: warm_up(scene, self.identity))
 
         if source is not None:

@@ -30,10 +30,10 @@ def warm_up(scene: Scene, identity: tuple[float, ...]) -> None:
     locate(shape, frame, p, rows, frame.vertices)
     reach_of(shape, frame, p, rows, reach)
     layers_of(shape, frame, identity, np.empty(0), np.empty(0, np.int64))
-    wire, bits = np.empty(0), np.empty(0, np.int64)
+    wire = np.empty(0, np.int64)
     sort_out(p.layer, rows, rows, 0, 1, rows.copy(), rows.copy())
-    pack_rows(p, rows, wire, bits, 0, 0)
-    unpack_rows(p, rows, wire, bits, 0, 0)
+    pack_rows(*p.columns(), rows, wire, 0, 0)
+    unpack_rows(*p.columns(), rows, wire, 0, 0)
     sort_rows(p.layer, p.cell, p.id, rows, rows.copy())
     merge(p, rows, start, rows, 0, rows, rows.copy(), start.copy())
     particles_to_grid(
