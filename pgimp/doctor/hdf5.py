@@ -1,0 +1,75 @@
+"""h5py: whether it works, with the MPI library of mpi4py or without, on this file system."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Iterator
+
+from pgimp.doctor.finding import Finding
+from pgimp.doctor.probe import PREAMBLE, Answer, ask, names
+
+PROBE = f"""{PREAMBLE}
+import h5py, numpy
+from pgimp.output.hdf5 import open_file
+with open_file(sys.argv[1], "w") as file:
+    file["x"] = numpy.arange(10.0)
+lock = ""
+try:
+    with h5py.File(sys.argv[1]) as file:
+        assert file["x"][9] == 9.0
+except OSError as error:
+    lock = str(error)
+    with open_file(sys.argv[1], "r") as file:
+        assert file["x"][9] == 9.0
+print(json.dumps({{
+    "version": h5py.version.version,
+    "hdf5": h5py.version.hdf5_version,
+    "mpi": bool(h5py.get_config().mpi),
+    "files": mpi_libraries(),
+    "lock": lock,
+}}))
+"""
+
+_REBUILD = (
+    "remove .venv and run scripts/setup, which builds h5py with the mpicc it finds; or do without "
+    "MPI in h5py, as pgimp can: pip install --force-reinstall --no-deps --only-binary=h5py h5py"
+)
+
+
+def examine(mpi: Answer) -> Iterator[Finding]:
+    """Look at h5py.
+
+    Parameters
+    ----------
+    mpi : dict or str
+        What was found of mpi4py, see `pgimp.doctor.mpi.PROBE`.
+    """
+    here = os.access(os.curdir, os.W_OK)
+    with tempfile.TemporaryDirectory(dir=os.curdir if here else None, prefix=".doctor-") as folder:
+        tried = ask(PROBE, os.path.join(folder, "serial.h5"))
+    if isinstance(tried, str):
+        yield Finding("h5py", tried, _REBUILD, True)
+        return
+    kind = "with MPI" if tried["mpi"] else "without MPI, which pgimp does not need"
+    found = f"{tried['version']} {kind}, HDF5 {tried['hdf5']}"
+    own = mpi["files"] if isinstance(mpi, dict) else []
+    libraries = sorted({os.path.realpath(path) for path in [*tried["files"], *own]})
+    if len(libraries) > 1 and tried["files"]:
+        yield Finding("h5py", f"{found}, brings in a second MPI {names(libraries)}", _REBUILD, True)
+    else:
+        yield Finding("h5py", found)
+    if tried["lock"]:
+        yield Finding(
+            "file system",
+            f"HDF5 cannot lock files in {os.getcwd()}: {tried['lock']}",
+            "pgimp does without, but other programs cannot open the frames here until you export "
+            "HDF5_USE_FILE_LOCKING=FALSE",
+        )
+    if not here:
+        yield Finding(
+            "file system",
+            f"nothing can be written in {os.getcwd()}",
+            "runs go into the folder where pgimp is started; go to another one, or name one with "
+            "-o DIR",
+        )
