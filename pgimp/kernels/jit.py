@@ -51,8 +51,8 @@ def _usable(folder: Path) -> bool:
         return False
 
 
-def cache_folder() -> Path:
-    """Folder of the compiled kernels; a temporary one where the user's cache cannot be written.
+def wanted_folder() -> Path:
+    """Folder where the compiled kernels belong.
 
     Returns
     -------
@@ -64,7 +64,18 @@ def cache_folder() -> Path:
     if base is None:
         home = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
         base = os.path.join(home, "pgimp")
-    folder = Path(base) / f"kernels-{_sources_digest()}"
+    return Path(base) / f"kernels-{_sources_digest()}"
+
+
+def cache_folder() -> Path:
+    """Folder of the compiled kernels: that wanted, or a temporary one where it cannot be written.
+
+    Returns
+    -------
+    Path
+        The folder, which is there.
+    """
+    folder = wanted_folder()
     if _usable(folder):
         return folder
     return _private(Path(tempfile.gettempdir()) / f"pgimp-{os.getuid()}") / folder.name
