@@ -1,0 +1,60 @@
+"""CSV of exactly what a figure shows."""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+# The tables of a study begin with run,state.
+_OWN = re.compile(rb"run,(?!state,)")
+
+
+class Table:
+    """Rows with all digits.
+
+    Parameters
+    ----------
+    columns : sequence of str
+        Their names, the first of them `run`.
+    """
+
+    def __init__(self, columns: Sequence[str]) -> None:
+        self.columns = list(columns)
+        self._parts: list[tuple[list[Any], list[np.ndarray]]] = []
+
+    def add(self, same: Sequence[Any], columns: Sequence[np.ndarray]) -> None:
+        """Add rows.
+
+        Parameters
+        ----------
+        same : sequence
+            The values of the first columns, the same in all of the rows.
+        columns : sequence of ndarray, each of shape (n,)
+            The others.
+        """
+        self._parts.append((list(same), list(columns)))
+
+    def text(self) -> str:
+        """Return the whole as CSV."""
+        stream = io.StringIO()
+        table = csv.writer(stream, lineterminator="\n")
+        table.writerow(self.columns)
+        for same, columns in self._parts:
+            before = [_exact(value) for value in same]
+            lists = [[_exact(value) for value in column.tolist()] for column in columns]
+            table.writerows([*before, *row] for row in zip(*lists, strict=True))
+        return stream.getvalue()
+
+    @staticmethod
+    def is_one(beginning: bytes) -> bool:
+        """Tell whether a file that begins like this is such a table."""
+        return bool(_OWN.match(beginning))
+
+
+def _exact(value: Any) -> str:
+    return repr(value) if isinstance(value, float) else str(value)
