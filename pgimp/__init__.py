@@ -14,16 +14,20 @@ if TYPE_CHECKING:
 
     from pgimp.case.load import load
     from pgimp.commands.run import run
+    from pgimp.materials.outside import takes_vectors
+    from pgimp.materials.registry import register_material
     from pgimp.output.reader import open
     from pgimp.solver.simulation import Simulation
 
-__all__ = ["Simulation", "load", "open", "run"]
+__all__ = ["Simulation", "load", "open", "register_material", "run", "takes_vectors"]
 
 _HOMES = {
     "Simulation": "pgimp.solver.simulation",
     "load": "pgimp.case.load",
     "open": "pgimp.output.reader",
+    "register_material": "pgimp.materials.registry",
     "run": "pgimp.commands.run",
+    "takes_vectors": "pgimp.materials.outside",
 }
 
 

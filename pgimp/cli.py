@@ -32,6 +32,8 @@ _FIRST_RANK_SPEAKS_SECONDS = 3.0
 _BROKEN_PIPE_STATUS = 141
 # These and a run are on all ranks; the other commands run on one and never initialise MPI.
 _PARALLEL = ("run", "bench")
+# These read cases, whose materials may come from outside the package.
+_IMPORTING = ("run", "check", "study", "batch", "schema")
 
 COMMAND_LIST = "commands:\n" + "\n".join(
     f"  {name:<9} {summary}" for name, summary in COMMANDS.items()
@@ -130,16 +132,36 @@ def _execute(name: str, parser: Parser, words: list[str]) -> int:
         quiet_mpi()
     implementation = importlib.import_module(f"pgimp.commands.{name}")
     implementation.add_arguments(parser)
+    if name in _IMPORTING:
+        parser.add_argument(
+            "--import",
+            dest="imports",
+            metavar="FILE.py",
+            action="append",
+            default=[],
+            help="a Python file or module that registers materials of its own; repeatable",
+        )
     arguments = parser.parse_args(words)
     if not parallel:
+        _import(arguments)
         return implementation.execute(arguments)
     comm = world()
     with abort_on_error(comm):
+        _import(arguments)
         if name == "run":
             missing = comm.bcast(_why_no_case(arguments.case) if comm.rank == 0 else "")
             if missing:
                 raise UsageError(missing)
         return implementation.execute(arguments)
+
+
+def _import(arguments: argparse.Namespace) -> None:
+    """Import what the command line names; without that, no material is imported yet."""
+    if names := getattr(arguments, "imports", None):
+        from pgimp.materials.registry import import_file
+
+        for name in names:
+            import_file(name)
 
 
 def _why_no_case(name: str) -> str:

@@ -8,7 +8,8 @@ This is the only module that imports Numba first, because two settings must stan
 - ``NUMBA_DISABLE_INTEL_SVML=1``: the vector maths library rounds differently from libm.
 
 Neither is part of Numba's cache key, and editing a function does not invalidate the cached kernels
-that call it; both are therefore put into the name of the cache folder.
+that call it; both are therefore put into the name of the cache folder. Kernels for a user's own
+materials are in folders within it, see `pgimp.kernels.outside`.
 """
 
 import hashlib
@@ -101,6 +102,8 @@ if "numba" in sys.modules:  # imported by the user's program before: set what it
 import numba  # noqa: E402
 from numba.extending import overload  # noqa: E402
 
+from pgimp.kernels.outside import KernelCache  # noqa: E402
+
 #: Options of every kernel and of everything it inlines. Contraction only: full fastmath would let
 #: LLVM reorder sums and delete the checks for NaN.
 _OPTIONS: dict[str, Any] = {
@@ -116,7 +119,9 @@ INLINE_OPTIONS: Any = {**_OPTIONS, "forceinline": True}
 
 def kernel(function: Callable) -> Callable:
     """Compile a function on first call, with pgimp's options, and cache it on disk."""
-    return numba.njit(cache=True, **_OPTIONS)(function)
+    compiled = numba.njit(**_OPTIONS)(function)
+    compiled._cache = KernelCache(function)  # instead of Numba's own, as by cache=True
+    return compiled
 
 
 def specialise(stub: Callable) -> Callable[[Callable], Callable]:

@@ -7,11 +7,31 @@ are those at the end of the step, tensors are tuples as in `pgimp.kernels.algebr
 - ``stress(material, F, J, sigma, L, dt)``: Cauchy stress, `sigma` the one before the step;
 - ``energy(material, F, J, sigma)``: strain energy per initial volume;
 - ``speed(material, F, J)``: speed of the fastest wave through the deformed material.
+
+They are asked for four particles at once, where they can: without branches (`choose` stands for
+one), with + - * /, abs, max, min, and math's sqrt, log and floor. With anything else they are asked
+for one particle after the other. `pgimp.register_material` takes in others.
 """
 
+from pgimp.case.base import NonNegative, Number, Positive
+from pgimp.materials.base import Material, Poisson, Young, lame
+from pgimp.materials.choose import choose
 from pgimp.materials.hooke import Hooke
 from pgimp.materials.linear_1d import Linear1d
 from pgimp.materials.neo_hookean import NeoHookean
+from pgimp.materials.registry import Registry
+
+__all__ = [
+    "MATERIALS",
+    "Material",
+    "NonNegative",
+    "Number",
+    "Poisson",
+    "Positive",
+    "Young",
+    "choose",
+    "lame",
+]
 
 #: The materials by their name in the case, ``materials: {NAME: {model: ...}}``.
-MATERIALS = {"linear-1d": Linear1d, "neo-hookean": NeoHookean, "hooke": Hooke}
+MATERIALS = Registry({"linear-1d": Linear1d, "neo-hookean": NeoHookean, "hooke": Hooke})

@@ -117,9 +117,7 @@ def _evaluate_four(quantity, materials, numbers, args, like):
         )
 
     def by_material(quantity, materials, numbers, args, like):
-        kinds = pack(
-            float(numbers[0]), float(numbers[1]), float(numbers[2]), float(numbers[3])
-        )
+        kinds = pack(float(numbers[0]), float(numbers[1]), float(numbers[2]), float(numbers[3]))
         values = like
         done = 0
         for j in range(4):

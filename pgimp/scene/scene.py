@@ -10,6 +10,7 @@ from pgimp.errors import CaseError
 from pgimp.kernels.errors import initial_velocities
 from pgimp.kernels.mirror import Mirror
 from pgimp.kernels.order import cell_numbers
+from pgimp.materials.outside import parameters_of
 from pgimp.scene.lattice import Lattice, census
 from pgimp.scene.loads import SceneLoads
 from pgimp.scene.tables import VectorTable
@@ -83,7 +84,7 @@ class Scene:
         self.material_names = used
         self.body_material = tuple(used.index(b.material) for b in case.bodies.values())
         self.material_of = np.array(self.body_material, np.int64)
-        self.materials = tuple(case.materials[name].parameters() for name in used)
+        self.materials = tuple(parameters_of(case.materials[name]) for name in used)
         self.most_mass = self._weigh(used)
         named = case.boundaries
         order = [f"{axis}-{end}" for axis in AXES for end in ("min", "max")]

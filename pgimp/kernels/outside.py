@@ -1,0 +1,227 @@
+"""The disk cache of kernels that are compiled for types from outside the package.
+
+A material that a user's program registers is a NamedTuple whose functions are compiled into the
+kernels. The name of the cache folder stands for pgimp's sources alone, and Numba's key for the
+type's name: edited, or another of the same name, the material would silently act as before. So
+kernels for such types go into a folder of their own, named after all that the types compile to:
+their functions, what these call, the values that they read, and the files of all this. Types that
+another process could not find again, as those of a notebook's cells, are compiled but not kept.
+"""
+
+import hashlib
+import pickle
+import sys
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from types import CodeType, FunctionType, ModuleType
+from typing import Any
+
+import numba
+import numpy as np
+from numba.core import types
+from numba.core.caching import FunctionCache, NullCache
+
+#: What these hold changes only with their versions, which Numba and the folder's name know.
+_KNOWN = {*sys.stdlib_module_names, "llvmlite", "numba", "numpy", "pgimp"} - {"__main__"}
+
+
+class KernelCache:
+    """Numba's disk cache of one kernel, with a part for each set of types from outside.
+
+    Parameters
+    ----------
+    function : function
+        The kernel's Python function.
+    """
+
+    def __init__(self, function: Any) -> None:
+        self._function = function
+        self._own = FunctionCache(function)
+        self._parts: dict[str, Any] = {"": NullCache()}
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """Return what is compiled for a signature, or None."""
+        return self._part(sig).load_overload(sig, target_context)
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Keep what is compiled for a signature."""
+        self._part(sig).save_overload(sig, data)
+
+    def __getattr__(self, name: str) -> Any:
+        """All else is as for pgimp's own types."""
+        return getattr(self._own, name)
+
+    def _part(self, sig: Any) -> Any:
+        classes = sorted(outsiders(getattr(sig, "args", sig)), key=_name)
+        if not classes:
+            return self._own
+        digests = [_digest_once(one) for one in classes]
+        name = hashlib.sha256(" ".join(digests).encode()).hexdigest()[:16] if all(digests) else ""
+        if name not in self._parts:
+            base = numba.config.CACHE_DIR
+            try:
+                numba.config.CACHE_DIR = str(Path(base) / f"outside-{name}")
+                self._parts[name] = FunctionCache(self._function)
+            finally:
+                numba.config.CACHE_DIR = base
+        return self._parts[name]
+
+
+def outsiders(kinds: Iterable[Any]) -> set[type]:
+    """Return the NamedTuples from outside the package in Numba's types, at any depth."""
+    found: set[type] = set()
+    for kind in kinds:
+        if isinstance(kind, types.BaseNamedTuple) and is_outside(kind.instance_class):
+            found.add(kind.instance_class)
+        if isinstance(kind, types.BaseTuple):
+            found |= outsiders(kind)
+    return found
+
+
+def is_outside(entry: type) -> bool:
+    """Whether a class is no part of pgimp."""
+    return entry.__module__.partition(".")[0] != "pgimp"
+
+
+def _name(entry: type) -> str:
+    return f"{entry.__module__}.{entry.__qualname__}"
+
+
+_digests: dict[type, str] = {}
+
+
+def _digest_once(entry: type) -> str:
+    if entry not in _digests:
+        _digests[entry] = digest(entry)
+    return _digests[entry]
+
+
+def digest(entry: type) -> str:
+    """Digest of all that a class's functions compile to.
+
+    Parameters
+    ----------
+    entry : type
+        A NamedTuple of parameters.
+
+    Returns
+    -------
+    str
+        Empty if another process would not find the class again, or if what it reads cannot be
+        compared.
+    """
+    found: Any = sys.modules.get(entry.__module__)
+    for part in entry.__qualname__.split("."):
+        found = getattr(found, part, None)
+    if found is not entry or entry.__module__ == "__main__":
+        return ""
+    walk = _Walk()
+    walk.take(_name(entry))
+    try:
+        walk.take(entry)
+    except (pickle.PicklingError, TypeError, AttributeError, OSError):
+        return ""
+    return walk.hash.hexdigest()
+
+
+class _Walk:
+    """Takes in objects and what they refer to, each once, in an order that does not vary."""
+
+    def __init__(self) -> None:
+        self.hash = hashlib.sha256()
+        self._seen: dict[int, Any] = {}  # which keeps them: an id may be used again
+        self._files: set[str] = set()
+
+    def take(self, value: Any, names: tuple[str, ...] = ()) -> None:
+        """Take in a value, of a module the attributes `names`."""
+        function = getattr(value, "py_func", value)  # what Numba compiles
+        if isinstance(value, ModuleType):
+            self._module(value, names)
+        elif isinstance(value, None | bool | int | float | complex | str | bytes):
+            self._note(repr(value))
+        elif isinstance(value, np.ndarray):
+            self._note(f"{value.dtype.str}{value.shape}")
+            self.hash.update(value.tobytes())
+        elif isinstance(value, tuple | list):
+            self._note(f"{type(value).__name__}{len(value)}")
+            for item in value:
+                self.take(item)
+        elif id(value) in self._seen or _known(function):
+            self._note(getattr(function, "__qualname__", ""))
+        elif isinstance(function, FunctionType):
+            self._seen[id(value)] = value
+            self._function(function)
+        elif isinstance(value, type):
+            self._seen[id(value)] = value
+            self._class(value)
+        else:
+            self.hash.update(pickle.dumps(value, 4))
+
+    def _note(self, text: str) -> None:
+        self.hash.update(f"{text}\0".encode())
+
+    def _module(self, module: ModuleType, names: tuple[str, ...]) -> None:
+        self._note(module.__name__)
+        if _known(module):
+            return
+        self._file(module.__name__)
+        for name in names:
+            if hasattr(module, name):
+                self._note(name)
+                self.take(getattr(module, name), names)
+
+    def _class(self, entry: type) -> None:
+        self._file(entry.__module__)
+        for base in entry.__mro__:
+            if not _known(base):
+                for name, value in vars(base).items():
+                    if not name.startswith("_"):
+                        self._note(name)
+                        self._member(getattr(value, "__func__", value))
+
+    def _member(self, value: Any) -> None:
+        """Take in an attribute of a class: what describes a field has no bearing."""
+        if isinstance(value, FunctionType | type) or hasattr(value, "py_func"):
+            self.take(value)
+
+    def _function(self, function: FunctionType) -> None:
+        self._file(function.__module__)
+        self._note(function.__qualname__)
+        self.take(function.__defaults__)
+        for cell in function.__closure__ or ():
+            self.take(cell.cell_contents)
+        for code in _codes(function.__code__):
+            self.hash.update(code.co_code)
+            self._note(repr((code.co_names, code.co_varnames, code.co_freevars)))
+            self._note(repr([_constant(one) for one in code.co_consts]))
+            for name in code.co_names:
+                if name in function.__globals__:
+                    self._note(name)
+                    self.take(function.__globals__[name], code.co_names)
+
+    def _file(self, module: str) -> None:
+        """Take in a module's file, once: what Numba finds by itself, as an overload, is there."""
+        path = getattr(sys.modules.get(module), "__file__", None)
+        if path and path not in self._files:
+            self._files.add(path)
+            self.hash.update(Path(path).read_bytes())
+
+
+def _known(value: Any) -> bool:
+    name = value.__name__ if isinstance(value, ModuleType) else getattr(value, "__module__", None)
+    return (name or "").partition(".")[0] in _KNOWN
+
+
+def _codes(code: CodeType) -> Iterator[CodeType]:
+    """Go through a function's code and that of the functions in it."""
+    yield code
+    for constant in code.co_consts:
+        if isinstance(constant, CodeType):
+            yield from _codes(constant)
+
+
+def _constant(value: Any) -> str:
+    """Write a constant the same way in every process."""
+    if isinstance(value, CodeType):
+        return value.co_name
+    return repr(sorted(map(repr, value))) if isinstance(value, frozenset) else repr(value)

@@ -1,0 +1,15 @@
+"""A choice in place of a branch, for one particle and for four at once."""
+
+from pgimp.kernels.jit import specialise
+from pgimp.kernels.simd import mask4, where
+
+
+def choose(condition, a, b):
+    """Of `a` and `b` the first where the condition is true, else the second; both are computed."""
+
+
+@specialise(choose)
+def _choose(condition, a, b):
+    if condition == mask4:
+        return lambda condition, a, b: where(condition, a, b)
+    return lambda condition, a, b: a if condition else b
