@@ -104,6 +104,17 @@ def write(folder, into_readme):
             "The shapes on one core, at random positions and on a lattice, two particles a cell "
             f"and direction.\n\n{table}\n\nMeasured on {_origin(folder, 'kernels')}."
         )
+    if rows := [row for row in read(folder, "features") if row["scene"].startswith("gimp, ")]:
+        columns = {
+            "a 3D block, gimp": lambda row: row["scene"].removeprefix("gimp, "),
+            "million particle-steps/s": lambda row: number(row["speed"]),
+            "over the plain one": lambda row: number(row["share"], 2),
+            "error of velocity": lambda row: error(row["velocity"]),
+        }
+        texts.append(
+            "What a scene uses is what it pays for: the block with features one by one, on one "
+            f"core.\n\n{markdown(columns, rows)}\n\nMeasured on {_origin(folder, 'features')}."
+        )
     facts = [
         f"{row['scene'].partition(',')[0]}, {_SCALING[row['kind']]}: "
         f"{number(row['gain'], 2)} times one rank"
