@@ -1,6 +1,5 @@
 """Launchers and communicators: who started this process, and how ranks fail together."""
 
-import sys
 from importlib.metadata import version
 
 import pytest
@@ -10,6 +9,7 @@ from pgimp.errors import UsageError
 from pgimp.parallel.comm import Serial, abort_on_error, launcher
 
 TRACEBACK_HINT = "(set PGIMP_TRACEBACK=1 for the traceback)"
+
 
 @pytest.mark.parametrize(
     ("environ", "expected"),
@@ -291,32 +291,3 @@ sys.exit(pgimp.cli.main(["doctor"]))
     done = python(["-c", script], env={"PGIMP_TRACEBACK": "1"})
     assert done.returncode == 1
     assert "Traceback" in done.stderr
-
-
-def test_doctor_finds_this_environment_sound(python):
-    done = python(["-m", "pgimp", "doctor"], timeout=120)
-    assert done.returncode == 0, done.stdout + done.stderr
-    for part in ("Numba", "mpi4py", "h5py", "mpirun", "two ranks"):
-        assert f"\nok     {part} " in done.stdout
-    assert sys.executable in done.stdout
-
-
-def test_doctor_names_what_is_broken_and_the_cure(python):
-    env = {"MPI4PY_LIBMPI": "/nowhere/libmpi.so"}
-    done = python(["-m", "pgimp", "doctor"], timeout=120, env=env)
-    assert done.returncode == 1
-    assert "WRONG  mpi4py" in done.stdout
-    assert "What to do:\n  mpi4py: " in done.stdout
-
-
-def test_doctor_is_content_with_one_rank_where_there_is_no_mpi(monkeypatch, capsys):
-    """mpi4py's words on a machine without any MPI library, and no mpirun."""
-    from pgimp.commands import doctor
-
-    words = "cannot load MPI library\\nlibmpi.so.12: cannot open\\nlibmpi.so.40: cannot open"
-    monkeypatch.setattr(doctor, "_MPI_PROBE", f'raise RuntimeError("{words}")')
-    monkeypatch.setenv("PATH", "/nowhere")
-    assert main(["doctor"]) == 0
-    said = capsys.readouterr().out
-    assert "note   mpi4py       finds no MPI library: one rank only" in said
-    assert "pgimp works here" in said

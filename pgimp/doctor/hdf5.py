@@ -45,9 +45,13 @@ def examine(mpi: Answer) -> Iterator[Finding]:
     mpi : dict or str
         What was found of mpi4py, see `pgimp.doctor.mpi.PROBE`.
     """
-    here = os.access(os.curdir, os.W_OK)
-    with tempfile.TemporaryDirectory(dir=os.curdir if here else None, prefix=".doctor-") as folder:
-        tried = ask(PROBE, os.path.join(folder, "serial.h5"))
+    denied = ""
+    try:
+        folder = tempfile.TemporaryDirectory(dir=os.curdir, prefix=".doctor-")
+    except OSError as error:
+        folder, denied = tempfile.TemporaryDirectory(), os.strerror(error.errno or 0)
+    with folder:
+        tried = ask(PROBE, os.path.join(folder.name, "serial.h5"))
     if isinstance(tried, str):
         yield Finding("h5py", tried, _REBUILD, True)
         return
@@ -66,10 +70,10 @@ def examine(mpi: Answer) -> Iterator[Finding]:
             "pgimp does without, but other programs cannot open the frames here until you export "
             "HDF5_USE_FILE_LOCKING=FALSE",
         )
-    if not here:
+    if denied:
         yield Finding(
             "file system",
-            f"nothing can be written in {os.getcwd()}",
+            f"nothing can be written in {os.getcwd()} ({denied})",
             "runs go into the folder where pgimp is started; go to another one, or name one with "
             "-o DIR",
         )
