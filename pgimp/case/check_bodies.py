@@ -63,6 +63,7 @@ def _region(path: tuple[str | int, ...], region: Any, dimensions: int) -> Proble
         hint = "; in 2D a disk is a ball" if dimensions == 2 else ""
         yield Problem(path, f"a {name} exists in {allowed} only{hint}")
         return
+    region.belong(dimensions)
     for field, info in type(region).model_fields.items():
         yield from length((*path, info.alias or field), getattr(region, field), dimensions)
 
@@ -76,14 +77,20 @@ def check_regions(dimensions: int, grid: Any, bodies: Mapping[str, Any]) -> Prob
         yield from wrong
         if wrong or not sound:
             continue
-        low, high = body.region.bounds()
-        for i in range(dimensions):
-            least, most = grid.origin[i], grid.corner[i]
-            slack = WHOLE * grid.cell[i]
-            if low[i] < least - slack:
-                yield _beyond(path, f"{AXES[i]}-min", low[i], least)
-            if high[i] > most + slack:
-                yield _beyond(path, f"{AXES[i]}-max", high[i], most)
+        if not any(region.FROM_FILE for region in body.region.simple()):
+            yield from check_bounds(path, body.region, dimensions, grid)
+
+
+def check_bounds(path: tuple[str | int, ...], region: Any, dimensions: int, grid: Any) -> Problems:
+    """Check that a region lies in the domain."""
+    low, high = region.bounds()
+    for i in range(dimensions):
+        least, most = grid.origin[i], grid.corner[i]
+        slack = WHOLE * grid.cell[i]
+        if low[i] < least - slack:
+            yield _beyond(path, f"{AXES[i]}-min", low[i], least)
+        if high[i] > most + slack:
+            yield _beyond(path, f"{AXES[i]}-max", high[i], most)
 
 
 def _beyond(path: tuple[str | int, ...], face: str, reach: float, wall: float) -> Problem:

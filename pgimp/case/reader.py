@@ -10,6 +10,7 @@ from pydantic import BaseModel, ValidationError
 from pgimp.case.document import Document, decode, few, parse, top_level
 from pgimp.case.messages import dotted, explain
 from pgimp.case.overrides import apply
+from pgimp.case.paths import starting_from
 from pgimp.case.problems import Problem
 from pgimp.case.schema import Case
 from pgimp.case.writer import dump_case
@@ -45,7 +46,8 @@ def read_case(text: str | bytes, filename: str = "case", overrides: Sequence[str
     """
     document = read_document(text, filename)
     apply(document, list(overrides))
-    return validate(Case, document, filename)
+    with starting_from(filename):
+        return validate(Case, document, filename)
 
 
 def read_document(text: str | bytes, filename: str) -> Document:

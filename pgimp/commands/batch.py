@@ -18,6 +18,7 @@ from pgimp.output.rundir import RUN
 from pgimp.output.runinfo import installed
 from pgimp.output.stop import wall_time
 from pgimp.parallel.comm import Serial
+from pgimp.scene.geometry import share
 from pgimp.scene.scene import Scene, count_particles
 
 _WORD = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+:@/-]*", re.ASCII)
@@ -165,6 +166,7 @@ def execute(args: argparse.Namespace) -> int:
 def _examine(args: argparse.Namespace) -> list[str]:
     """Raise what would stop the run before its first step; return what is worth a note."""
     scene = Scene(load(args.case, args.set))
+    share(scene.case, Serial())
     _, _, notes = count_particles(scene, Serial())
     layers = scene.frame.vertices[0] // (scene.vertices - 1)
     if args.ranks > layers:

@@ -23,6 +23,7 @@ from pgimp.output.progress import duration
 from pgimp.parallel.comm import Serial
 from pgimp.parallel.limits import limits
 from pgimp.scene.extent import extents
+from pgimp.scene.geometry import share
 from pgimp.scene.lattice import Lattice
 from pgimp.scene.scene import Scene, count_particles
 from pgimp.solver.memory import Estimate, MemoryShortError, estimate, require, size_text
@@ -75,6 +76,7 @@ def report(case: Case) -> None:
         For whatever would stop a run before its first step.
     """
     scene = Scene(case)
+    share(case, Serial())
     cells = " x ".join(str(n) for n in scene.frame.cells)
     try:
         require(scene, Serial())
@@ -152,6 +154,8 @@ def _report_body(body: BodyFacts, case: Case, duration: float) -> None:
         f"body {body.name:<11} {body.particles:,} particles; wave speed {c:.4g}, transit time "
         f"{transit:.4g} over {body.extent:.4g}; the run lasts {duration / transit:.3g} transits"
     )
+    for fact in case.bodies[body.name].region.facts():
+        print(f"{'':<16} {fact}")
     weight = _greatest_gravity(case) * body.extent / c**2
     impact = body.top_speed / c
     print(f"{'':<16} strain by its own weight {weight:.2g}, by stopping its velocity {impact:.2g}")

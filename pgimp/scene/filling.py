@@ -123,6 +123,7 @@ class Filling:
         self.radius = 0.5 * float(np.sqrt((self.size * self.size).sum())) * (1.0 + 1e-9)
         # Fractions and moments by the part of the lattice: one rank first counts and then makes.
         self._measured: dict[tuple[tuple[int, int], ...], tuple[Reals, Reals]] = {}
+        self._filled: dict[tuple[tuple[int, int], ...], tuple[NDArray[np.uint8], Survey]] = {}
         # What rounding of coordinates leaves of a box, or lacks of one.
         reach = max(
             float(np.abs(e[[0, -1]]).max() / h) for e, h in zip(edges, self.size, strict=True)
@@ -150,6 +151,8 @@ class Filling:
 
     def survey(self, ranges: Ranges) -> Survey:
         """Look at a part of the lattice, slivers as they are."""
+        if self.cut and (found := self._fill(ranges)) is not None:
+            return found
         shape = tuple(end - begin for begin, end in ranges)
         inside, mixed = self._bricks(ranges)
         whole = inside.reshape(-1)
@@ -176,16 +179,39 @@ class Filling:
         keep = (fractions > 0.0) & (fractions != 1.0)
         return Survey(ranges, whole, places[keep], fractions[keep], moments[keep])
 
+    def _fill(self, ranges: Ranges) -> Survey | None:
+        """Survey of a region that measures all boxes itself; None of another."""
+        key = tuple(ranges)
+        if key not in self._filled:
+            found = self.region.fill(self.edges, ranges)
+            if found is None:
+                return None
+            whole, places, fractions, moments = found
+            fractions, moments = self._rounded(fractions, moments)
+            whole[places] = fractions == 1.0
+            keep = (fractions > 0.0) & (fractions != 1.0)
+            # The boxes inside are many: kept as bits.
+            none = np.zeros(0, bool)
+            survey = Survey(ranges, none, places[keep], fractions[keep], moments[keep])
+            self._filled[key] = np.packbits(whole), survey
+        bits, survey = self._filled[key]
+        number = int(np.prod([end - begin for begin, end in ranges]))
+        return survey._replace(whole=np.unpackbits(bits, count=number).view(bool))
+
     def _measure(
         self, ranges: Ranges, shape: tuple[int, ...], places: Places
     ) -> tuple[Reals, Reals]:
-        """Fractions and moments of boxes; exactly 0 or 1 where only rounding is left or missing."""
+        """Fractions and moments of boxes."""
         index = [i + r[0] for i, r in zip(np.unravel_index(places, shape), ranges, strict=True)]
         low = np.stack([e[i] for e, i in zip(self.edges, index, strict=True)], axis=1)
         high = np.stack([e[i + 1] for e, i in zip(self.edges, index, strict=True)], axis=1)
         volume, moment = np.zeros(len(low)), np.zeros_like(low)
         for rows, region in self._neighbourhoods(index):
             volume[rows], moment[rows] = measure(region, low[rows], high[rows])
+        return self._rounded(volume, moment)
+
+    def _rounded(self, volume: Reals, moment: Reals) -> tuple[Reals, Reals]:
+        """Over the volume of a box, exactly 0 or 1 where only rounding is left or missing."""
         full = float(np.prod(self.size))
         volume /= full
         moment /= full

@@ -256,4 +256,5 @@ def census(lattice: Lattice, comm: Any) -> Census:
         f"bodies '{a}' and '{b}' have particles in the same cell: they start in contact, as one"
         for a, b in pairs
     ]
+    notes += [note for filling in lattice.fillings for note in filling.region.notes()]
     return Census(counts, notes)

@@ -15,6 +15,7 @@ from pgimp.parallel.halo import Halo
 from pgimp.parallel.migrate import Migration
 from pgimp.parallel.node import one_rank_first
 from pgimp.parallel.slabs import Slab
+from pgimp.scene.geometry import do_without, release, share
 from pgimp.scene.lattice import Lattice
 from pgimp.scene.scene import Scene, count_particles
 from pgimp.solver.balance import Balance
@@ -124,12 +125,17 @@ class Simulation:
         D = scene.dimension
         self.identity = tuple(float(i == j) for i in range(D) for j in range(D))
         self.clock = clock_of(case)
+        if source is None:
+            share(case, comm)
+        else:
+            do_without(case)
         require(scene, comm, None if source is None else source.count)
         with one_rank_first(comm), explained(scene.materials, D):
             discard_damaged(lambda: warm_up(scene, self.identity))
 
         if source is not None:
             restore(self, source)
+            release(case)
             return
         lattice, counts, notes = count_particles(scene, comm)
         self.notes += notes
@@ -139,6 +145,7 @@ class Simulation:
         layers_of(scene.shape, scene.frame, self.identity, lattice.coordinates[0], layer)
         self.decompose(np.bincount(layer, counts.sum(axis=0), scene.frame.vertices[0]))
         self.settle(*self._create(lattice, counts, layer))
+        release(case)
         self._check_step()
 
     def _create(

@@ -11,11 +11,13 @@ from pgimp.scene.regions.base import REGION, Region, RegionEntry
 from pgimp.scene.regions.box import Box
 from pgimp.scene.regions.combine import Difference, Union
 from pgimp.scene.regions.cylinder import Cylinder
+from pgimp.scene.regions.mesh import Mesh
 
 REGIONS: dict[str, type[BaseModel]] = {
     "box": Box,
     "ball": Ball,
     "cylinder": Cylinder,
+    "mesh": Mesh,
     "union": Union,
     "difference": Difference,
 }
@@ -28,6 +30,7 @@ __all__ = [
     "Box",
     "Cylinder",
     "Difference",
+    "Mesh",
     "Region",
     "RegionEntry",
     "Union",

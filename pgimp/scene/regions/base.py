@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from importlib import import_module
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,10 +44,51 @@ class Region(ABC):
     does not depend on the other points of the call.
     """
 
+    #: Whether it lies in a file, which a case is validated without.
+    FROM_FILE: ClassVar[bool] = False
+
     @property
     def parts(self) -> int:
         """Number of simple regions that it is made of."""
         return 1
+
+    def belong(self, dimensions: int) -> None:
+        """Learn how many directions the case has."""
+
+    def simple(self) -> Iterator[Region]:
+        """Yield the simple regions that it is made of."""
+        yield self
+
+    def facts(self) -> list[str]:
+        """What people should see of it before a run, a line each; none where the case says it."""
+        return []
+
+    def notes(self) -> list[str]:
+        """What was found and mended in its file."""
+        return []
+
+    def fill(
+        self, edges: list[Lengths], ranges: Sequence[tuple[int, int]]
+    ) -> tuple[Mask, NDArray[np.int64], Lengths, Points] | None:
+        """Measure all boxes of a part of a lattice; None where they are measured one by one.
+
+        Parameters
+        ----------
+        edges : list of (n + 1,) float64
+            Of the lattice's boxes by direction.
+        ranges : list of (int, int)
+            First box and end by direction; the boxes are numbered in C order.
+
+        Returns
+        -------
+        whole : (boxes,) bool
+            Boxes that lie inside and do not meet the surface.
+        places : (n,) int64
+            Those that do, ascending.
+        volume, moment : (n,) and (n, D) float64
+            See `pgimp.scene.measure.measure`.
+        """
+        return None
 
     @abstractmethod
     def contains(self, points: Points) -> Mask:

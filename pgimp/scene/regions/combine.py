@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Annotated, Any
 
 import numpy as np
@@ -26,6 +26,19 @@ class Combination(RootModel[Annotated[tuple[RegionEntry, ...], Field(min_length=
     def parts(self) -> int:
         """See `Region.parts`."""
         return sum(region.parts for region in self.root)
+
+    def simple(self) -> Iterator[Region]:
+        """See `Region.simple`."""
+        for region in self.root:
+            yield from region.simple()
+
+    def facts(self) -> list[str]:
+        """See `Region.facts`."""
+        return [fact for region in self.root for fact in region.facts()]
+
+    def notes(self) -> list[str]:
+        """See `Region.notes`."""
+        return [note for region in self.root for note in region.notes()]
 
     def curved(self, points: Points) -> Lengths:
         """See `Region.curved`."""

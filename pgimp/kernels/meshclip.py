@@ -1,0 +1,222 @@
+"""What boxes of a lattice have of a body that a closed surface of triangles bounds, exactly.
+
+The volume below the surface is summed triangle by triangle: a piece of one that lies in a box adds
+the prism between it and the box's floor, and the area of its shadow to all boxes below it, with the
+sign of its upward direction. What lies above a roof cancels against what lies above a floor.
+"""
+
+import numpy as np
+
+from pgimp.kernels.jit import kernel
+
+#: Corners of a triangle after cuts by six planes, and one for good measure.
+_CORNERS = 12
+#: Sums of a box: volume, moments (x, y, z), area of the pieces' shadows, its moments (x, y).
+SUMS = 7
+
+
+@kernel
+def _split(source, n, axis, at, below, above):
+    """Split a convex polygon of n corners at a plane; the numbers of corners on both sides."""
+    low, high = 0, 0
+    for a in range(n):
+        b = a + 1 if a + 1 < n else 0
+        p, q = source[a, axis], source[b, axis]
+        if p <= at:
+            for d in range(3):
+                below[low, d] = source[a, d]
+            low += 1
+        if p >= at:
+            for d in range(3):
+                above[high, d] = source[a, d]
+            high += 1
+        if (p < at < q) or (q < at < p):
+            # From the lower end, so that the triangle beyond an edge finds the same point.
+            i, j = (a, b) if p < q else (b, a)
+            part = (at - source[i, axis]) / (source[j, axis] - source[i, axis])
+            for d in range(3):
+                x = source[i, d] + part * (source[j, d] - source[i, d])
+                if d == axis:
+                    x = at
+                below[low, d] = x
+                above[high, d] = x
+            low += 1
+            high += 1
+    return low, high
+
+
+@kernel
+def _add(polygon, n, x0, y0, z0, xc, yc, zc, sums):
+    """Add a piece in a box with its floor at z0, and its centre at c relative to its low corner."""
+    ax, ay, az = polygon[0, 0] - x0, polygon[0, 1] - y0, polygon[0, 2] - z0
+    for k in range(1, n - 1):
+        bx, by, bz = polygon[k, 0] - x0, polygon[k, 1] - y0, polygon[k, 2] - z0
+        cx, cy, cz = polygon[k + 1, 0] - x0, polygon[k + 1, 1] - y0, polygon[k + 1, 2] - z0
+        area = 0.5 * ((bx - ax) * (cy - ay) - (by - ay) * (cx - ax))
+        x, y, z = ax + bx + cx, ay + by + cy, az + bz + cz
+        xz = x * z + ax * az + bx * bz + cx * cz
+        yz = y * z + ay * az + by * bz + cy * cz
+        zz = z * z + az * az + bz * bz + cz * cz
+        volume = area * z / 3.0
+        sums[0] += volume
+        sums[1] += area * xz / 12.0 - xc * volume
+        sums[2] += area * yz / 12.0 - yc * volume
+        sums[3] += area * zz / 24.0 - zc * volume
+        sums[4] += area
+        sums[5] += area * (x / 3.0 - xc)
+        sums[6] += area * (y / 3.0 - yc)
+
+
+@kernel
+def _first(edges, x):
+    """Number of the box that x lies in, or at the low end of."""
+    low, high = 0, len(edges) - 1
+    while high - low > 1:
+        middle = (low + high) // 2
+        if edges[middle] <= x:
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+@kernel
+def clip_plane(T, chosen, x0, x1, ey, ez, sums, touched):
+    """Sum what the boxes of one plane of a lattice have of the body.
+
+    Parameters
+    ----------
+    T : (n, 3, 3) float64
+        All triangles.
+    chosen : (m,) int64
+        Those that may reach the plane.
+    x0, x1 : float
+        Both ends of the plane.
+    ey, ez : (ny + 1,), (nz + 2,) float64
+        Edges of its boxes; the last one of `ez` is infinite: what lies above casts shadows too.
+    sums : (ny, nz + 1, SUMS) float64
+        Of each box, zero before.
+    touched : (ny, nz + 1) bool
+        Boxes that hold a piece of the surface, False before.
+    """
+    whole = np.empty((_CORNERS, 3))
+    column = np.empty((_CORNERS, 3))
+    box = np.empty((_CORNERS, 3))
+    spare = np.empty((_CORNERS, 3))
+    rest = np.empty((_CORNERS, 3))
+    xc = 0.5 * (x1 - x0)
+    ny, nz = len(ey) - 1, len(ez) - 1
+    for t in chosen:
+        n = 3
+        for a in range(3):
+            for d in range(3):
+                spare[a, d] = T[t, a, d]
+        least = min(T[t, 0, 0], min(T[t, 1, 0], T[t, 2, 0]))
+        most = max(T[t, 0, 0], max(T[t, 1, 0], T[t, 2, 0]))
+        # What lies in an edge belongs to the box above it; as its shadow is a line, no matter.
+        if least >= x1 or most < x0 or (most == x0 and least < x0):
+            continue
+        if least < x0:
+            _, n = _split(spare, n, 0, x0, rest, whole)
+            spare[:] = whole
+        if most > x1:
+            n, _ = _split(spare, n, 0, x1, whole, rest)
+        else:
+            whole[:] = spare
+        if n < 3:
+            continue
+        low, high = whole[0, 1], whole[0, 1]
+        for a in range(1, n):
+            low, high = min(low, whole[a, 1]), max(high, whole[a, 1])
+        if low >= ey[ny] or high <= ey[0]:  # or flat there, with a line for a shadow
+            continue
+        if low < ey[0]:
+            _, n = _split(whole, n, 1, ey[0], rest, spare)
+            whole[:] = spare
+        j = _first(ey, low)
+        while j < ny and n >= 3:
+            if high > ey[j + 1]:
+                m, n = _split(whole, n, 1, ey[j + 1], column, spare)
+                whole[:] = spare
+            else:
+                column[:] = whole
+                m, n = n, 0
+            if m >= 3:
+                _column(column, m, x0, xc, ey[j], 0.5 * (ey[j + 1] - ey[j]), ez, nz, box, rest,
+                        sums[j], touched[j])  # fmt: skip
+            j += 1
+
+
+@kernel
+def _column(column, m, x0, xc, y0, yc, ez, nz, box, rest, sums, touched):
+    """Share out what a column of boxes has of a triangle."""
+    low, high = column[0, 2], column[0, 2]
+    for a in range(1, m):
+        low, high = min(low, column[a, 2]), max(high, column[a, 2])
+    if high < ez[0]:
+        return
+    if low < ez[0]:
+        _, m = _split(column, m, 2, ez[0], box, rest)
+        column[:] = rest
+    k = _first(ez, low)
+    while k < nz and m >= 3:
+        if high > ez[k + 1]:
+            n, m = _split(column, m, 2, ez[k + 1], box, rest)
+            column[:] = rest
+        else:
+            box[:] = column
+            n, m = m, 0
+        if n >= 3:
+            zc = 0.5 * (ez[k + 1] - ez[k]) if k + 1 < nz else 0.0
+            _add(box, n, x0, y0, ez[k], xc, yc, zc, sums[k])
+            touched[k] = True
+        k += 1
+
+
+@kernel
+def settle_plane(sums, touched, dx, ey, ez, slack, inside, parts):
+    """Turn sums into what each box has: `inside` where all of it, `parts` where the surface is.
+
+    Parameters
+    ----------
+    sums, touched
+        As `clip_plane` leaves them.
+    dx : float
+        Size of the boxes along x.
+    slack : float
+        What rounding may leave, as a part of a box.
+    inside : (ny, nz) bool
+        Boxes that no surface reaches and that lie inside.
+    parts : (ny, nz, 4) float64
+        Volume and moments of the others.
+
+    Returns
+    -------
+    int
+        A box in which there is less than nothing, more than all, or a part without a surface, as
+        j nz + k; -1 if there is none.
+    """
+    ny, nz = parts.shape[0], parts.shape[1]
+    wrong = -1
+    for j in range(ny):
+        area = dx * (ey[j + 1] - ey[j])
+        shadow, mx, my = sums[j, nz, 4], sums[j, nz, 5], sums[j, nz, 6]
+        for k in range(nz - 1, -1, -1):
+            tall = ez[k + 1] - ez[k]
+            volume = sums[j, k, 0] + tall * shadow
+            part = volume / (area * tall)
+            if touched[j, k]:
+                parts[j, k, 0] = volume
+                parts[j, k, 1] = sums[j, k, 1] + tall * mx
+                parts[j, k, 2] = sums[j, k, 2] + tall * my
+                parts[j, k, 3] = sums[j, k, 3]
+                bad = part < -slack or part > 1.0 + slack
+            else:
+                inside[j, k] = part > 0.5
+                bad = abs(part - (1.0 if inside[j, k] else 0.0)) > slack
+            if bad and wrong < 0:
+                wrong = j * nz + k
+            shadow += sums[j, k, 4]
+            mx += sums[j, k, 5]
+            my += sums[j, k, 6]
+    return wrong

@@ -1,0 +1,241 @@
+"""Questions to a closed surface of triangles: nearest distance, what a line meets, inside or out.
+
+The triangles, (n, 3, 3) float64, stand in the order of a tree of boxes: node 1 is the root, the
+children of node i are 2 i and 2 i + 1, and the last `leaves` nodes hold `LEAF` triangles each.
+Every point is answered for itself.
+
+Whether a line meets a triangle is decided edge by edge, each from its lower end, so that the two
+triangles at an edge always agree: no line slips through between them, or meets both.
+"""
+
+import numpy as np
+
+from pgimp.kernels.jit import exact, kernel
+
+LEAF = 4
+_DEEP = 64
+
+
+def _beside(u0, v0, u1, v1, u, v):
+    """Which side of the line from (u0, v0) to (u1, v1) a point lies on: the same bits always."""
+
+
+@exact(_beside)
+def _beside_exact(u0, v0, u1, v1, u, v):
+    return lambda u0, v0, u1, v1, u, v: (u1 - u0) * (v - v0) - (v1 - v0) * (u - u0)
+
+
+@kernel
+def turns(T, t, i, j, u, v):
+    """How often a triangle turns round the point (u, v) in the plane of axes i, j: -1, 0 or 1."""
+    total = 0
+    for a in range(3):
+        b = (a + 1) % 3
+        up = T[t, a, j] <= v < T[t, b, j]
+        down = T[t, b, j] <= v < T[t, a, j]
+        if not (up or down):
+            continue
+        low, high = (a, b) if up else (b, a)
+        side = _beside(T[t, low, i], T[t, low, j], T[t, high, i], T[t, high, j], u, v)
+        if side > 0.0:
+            total += 1 if up else -1
+    return total
+
+
+@kernel
+def height(T, t, i, j, k, u, v):
+    """Coordinate k at which the line through (u, v) meets the plane of a triangle, within it."""
+    ax, ay, az = T[t, 0, i], T[t, 0, j], T[t, 0, k]
+    bx, by, bz = T[t, 1, i] - ax, T[t, 1, j] - ay, T[t, 1, k] - az
+    cx, cy, cz = T[t, 2, i] - ax, T[t, 2, j] - ay, T[t, 2, k] - az
+    area = bx * cy - by * cx
+    at = az
+    if area != 0.0:
+        s = ((u - ax) * cy - (v - ay) * cx) / area
+        r = (bx * (v - ay) - by * (u - ax)) / area
+        at = az + s * bz + r * cz
+    least = min(az, min(T[t, 1, k], T[t, 2, k]))
+    most = max(az, max(T[t, 1, k], T[t, 2, k]))
+    return min(max(at, least), most)
+
+
+@kernel
+def count_above(T, low, high, leaves, component, own, x, y, z):
+    """Signed number of surfaces above a point, those of the component `own` left out."""
+    stack = np.empty(_DEEP, np.int64)
+    stack[0], top, total = 1, 1, 0
+    while top:
+        top -= 1
+        node = stack[top]
+        if not (low[node, 0] <= x <= high[node, 0] and low[node, 1] <= y <= high[node, 1]):
+            continue
+        if not high[node, 2] >= z:
+            continue
+        if node < leaves:
+            stack[top] = 2 * node
+            stack[top + 1] = 2 * node + 1
+            top += 2
+            continue
+        first = (node - leaves) * LEAF
+        for t in range(first, min(first + LEAF, len(T))):
+            if own < 0 or component[t] != own:
+                turn = turns(T, t, 0, 1, x, y)
+                if turn != 0 and height(T, t, 0, 1, 2, x, y) > z:
+                    total += turn
+    return total
+
+
+@kernel
+def inside(T, low, high, leaves, component, own, points, out):
+    """Set `out`, (n,) int64, to the signed numbers of surfaces above the points, (n, 3)."""
+    for p in range(len(points)):
+        x, y, z = points[p, 0], points[p, 1], points[p, 2]
+        out[p] = count_above(T, low, high, leaves, component, own[p], x, y, z)
+
+
+@kernel
+def lines(T, low, high, leaves, axis, points, heights, signs):
+    """Where lines along an axis meet the surface, and how often at most.
+
+    The first columns of `heights` and `signs`, (n, k), of each line are set, as far as there is
+    room. Along the axis a sign of 1 is a way out of the body.
+    """
+    i, j = (axis + 1) % 3, (axis + 2) % 3
+    stack = np.empty(_DEEP, np.int64)
+    most = 0
+    for p in range(len(points)):
+        u, v = points[p, i], points[p, j]
+        stack[0], top, n = 1, 1, 0
+        while top:
+            top -= 1
+            node = stack[top]
+            if not (low[node, i] <= u <= high[node, i] and low[node, j] <= v <= high[node, j]):
+                continue
+            if node < leaves:
+                stack[top] = 2 * node
+                stack[top + 1] = 2 * node + 1
+                top += 2
+                continue
+            first = (node - leaves) * LEAF
+            for t in range(first, min(first + LEAF, len(T))):
+                turn = turns(T, t, i, j, u, v)
+                if turn != 0:
+                    if n < heights.shape[1]:
+                        heights[p, n] = height(T, t, i, j, axis, u, v)
+                        signs[p, n] = turn
+                    n += 1
+        most = max(most, n)
+    return most
+
+
+@kernel
+def _to_box(low, high, node, x, y, z):
+    dx = max(0.0, max(low[node, 0] - x, x - high[node, 0]))
+    dy = max(0.0, max(low[node, 1] - y, y - high[node, 1]))
+    dz = max(0.0, max(low[node, 2] - z, z - high[node, 2]))
+    return dx * dx + dy * dy + dz * dz
+
+
+@kernel
+def _to_triangle(T, t, x, y, z):
+    """Squared distance of a point to a triangle, which may be a line or a point."""
+    ax, ay, az = T[t, 0, 0], T[t, 0, 1], T[t, 0, 2]
+    bx, by, bz = T[t, 1, 0] - ax, T[t, 1, 1] - ay, T[t, 1, 2] - az
+    cx, cy, cz = T[t, 2, 0] - ax, T[t, 2, 1] - ay, T[t, 2, 2] - az
+    px, py, pz = x - ax, y - ay, z - az
+    nx, ny, nz = by * cz - bz * cy, bz * cx - bx * cz, bx * cy - by * cx
+    square = nx * nx + ny * ny + nz * nz
+    if square > 0.0:
+        s = nx * (py * cz - pz * cy) + ny * (pz * cx - px * cz) + nz * (px * cy - py * cx)
+        r = nx * (by * pz - bz * py) + ny * (bz * px - bx * pz) + nz * (bx * py - by * px)
+        if s >= 0.0 and r >= 0.0 and s + r <= square:
+            away = px * nx + py * ny + pz * nz
+            return away * away / square
+    best = np.inf
+    for a in range(3):
+        b = (a + 1) % 3
+        ex, ey, ez = T[t, b, 0] - T[t, a, 0], T[t, b, 1] - T[t, a, 1], T[t, b, 2] - T[t, a, 2]
+        qx, qy, qz = x - T[t, a, 0], y - T[t, a, 1], z - T[t, a, 2]
+        length = ex * ex + ey * ey + ez * ez
+        along = 0.0
+        if length > 0.0:
+            along = min(1.0, max(0.0, (qx * ex + qy * ey + qz * ez) / length))
+        qx, qy, qz = qx - along * ex, qy - along * ey, qz - along * ez
+        best = min(best, qx * qx + qy * qy + qz * qz)
+    return best
+
+
+@kernel
+def distances(T, low, high, leaves, points, out):
+    """Set `out` to the distances of points, (n, 3), to the nearest triangle."""
+    stack = np.empty(_DEEP, np.int64)
+    near = np.empty(_DEEP)
+    for p in range(len(points)):
+        x, y, z = points[p, 0], points[p, 1], points[p, 2]
+        best = np.inf
+        stack[0], near[0], top = 1, _to_box(low, high, 1, x, y, z), 1
+        while top:
+            top -= 1
+            node = stack[top]
+            if near[top] >= best:
+                continue
+            if node >= leaves:
+                first = (node - leaves) * LEAF
+                for t in range(first, min(first + LEAF, len(T))):
+                    best = min(best, _to_triangle(T, t, x, y, z))
+                continue
+            one, two = 2 * node, 2 * node + 1
+            a, b = _to_box(low, high, one, x, y, z), _to_box(low, high, two, x, y, z)
+            if a < b:  # the nearer one is looked at first
+                one, two, a, b = two, one, b, a
+            stack[top], near[top] = one, a
+            stack[top + 1], near[top + 1] = two, b
+            top += 2
+        out[p] = np.sqrt(best)
+
+
+@kernel
+def unite(pairs, turned, parent, parity):
+    """Join triangles at common edges into components, of one orientation each.
+
+    Parameters
+    ----------
+    pairs : (n, 2) int64
+        Triangles that share an edge.
+    turned : (n,) bool
+        Whether the two run along it in the same direction, so that one must be turned over.
+    parent, parity : (triangles,) int64
+        Set to the first triangle of each one's component, and to 1 where it must be turned over to
+        be oriented like that one.
+
+    Returns
+    -------
+    int
+        The first pair that cannot be oriented; -1 if all can.
+    """
+    root, flip = np.empty(2, np.int64), np.empty(2, np.int64)
+    for k in range(len(pairs)):
+        for s in range(2):
+            t = pairs[k, s]
+            p = 0
+            while parent[t] != t:
+                # Halve the path: skip a generation.
+                up = parent[t]
+                parity[t] ^= parity[up]
+                parent[t] = parent[up]
+                p ^= parity[t]
+                t = parent[t]
+            root[s], flip[s] = t, p
+        differs = flip[0] ^ flip[1] ^ int(turned[k])
+        if root[0] == root[1]:
+            if differs:
+                return k
+            continue
+        first, last = min(root[0], root[1]), max(root[0], root[1])
+        parent[last], parity[last] = first, differs
+    for t in range(len(parent)):
+        if parent[t] != t:  # that of a smaller number is settled already
+            up = parent[t]
+            parity[t] ^= parity[up]
+            parent[t] = parent[up]
+    return -1

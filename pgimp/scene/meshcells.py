@@ -1,0 +1,161 @@
+"""From cells of a mesh to the triangles of its boundary, in 2D to the segments of its outline."""
+
+from __future__ import annotations
+
+import re
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pgimp.errors import CaseError
+from pgimp.scene.meshfile import RawMesh
+
+Ints = NDArray[np.int64]
+
+#: Corners of the faces of volume cells, seen from outside anticlockwise; quadrilaterals have four.
+_FACES: dict[str, list[tuple[int, ...]]] = {
+    "tetra": [(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)],
+    "pyramid": [(0, 3, 2, 1), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)],
+    "wedge": [(0, 2, 1), (3, 4, 5), (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5)],
+    "hexahedron": [
+        (0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7),
+    ],
+}  # fmt: skip
+_CORNERS = {"tetra": 4, "pyramid": 5, "wedge": 6, "hexahedron": 8, "triangle": 3, "quad": 4}
+_DIMENSION = {"line": 1, "triangle": 2, "quad": 2, "polygon": 2} | dict.fromkeys(_FACES, 3)
+
+
+class Facets(NamedTuple):
+    """Boundary of a body: points, (n, D), and corners of its facets, (m, D).
+
+    `filled` tells whether it comes from cells that fill the body, `notes` what was found.
+    """
+
+    points: NDArray[np.float64]
+    facets: Ints
+    filled: bool
+    notes: list[str]
+
+
+def facets_of(mesh: RawMesh, dimensions: int) -> Facets:
+    """Return the boundary of what a mesh encloses.
+
+    The cells of the highest dimension count, of those that the case has. Volumes, and in 2D
+    surfaces, are bounded by the faces that belong to one cell only. Curved cells are taken for
+    straight ones.
+
+    Raises
+    ------
+    CaseError
+        Without the file's name, if the mesh has no such cells or is damaged.
+    """
+    points, notes = mesh.points, []
+    if points.ndim != 2 or points.shape[1] < dimensions:
+        raise CaseError(f"has no points with {dimensions} coordinates")
+    blocks: dict[int, list[tuple[str, Ints]]] = {}
+    for kind, cells in mesh.cells:
+        base = re.sub(r"\d+$", "", kind)
+        if cells.size == 0 or base == "vertex":
+            continue
+        if base not in _DIMENSION or cells.ndim != 2:
+            raise CaseError(f"has cells of the type {kind}, which are not supported")
+        if base == "polygon":
+            base = {3: "triangle", 4: "quad"}.get(cells.shape[1], base)
+        if cells.min() < 0 or cells.max() >= len(points):
+            raise CaseError(
+                f"has cells with a corner that is none of its {len(points):,} points: it is "
+                "damaged, or counts corners from the end"
+            )
+        if base != "polygon" and (base != kind or base == "line"):
+            corners = _CORNERS.get(base, 2)
+            if cells.shape[1] > corners:
+                notes.append("curved cells are taken for straight ones")
+            cells = cells[:, :corners]
+        blocks.setdefault(_DIMENSION[base], []).append((base, cells))
+    top = max((d for d in blocks if d <= dimensions), default=0)
+    if top < dimensions - 1:
+        wanted = "triangles or volume cells" if dimensions == 3 else "lines, triangles or quads"
+        raise CaseError(f"has no {wanted}: nothing in it encloses a part of space")
+    if 3 in blocks and dimensions == 2:
+        raise CaseError("has volume cells, but the case has two dimensions")
+    used = np.unique(np.concatenate([cells.ravel() for _, cells in blocks[top]]))
+    if len(bad := used[~np.isfinite(points[used]).all(axis=1)]):
+        raise CaseError(f"{len(bad):,} of its points are not finite, the first is point {bad[0]}")
+    if dimensions == 2 and points.shape[1] > 2:
+        z = points[used, 2]
+        if np.ptp(z) > 1e-9 * max(float(np.ptp(points[used, :2], axis=0).max()), 1e-300):
+            raise CaseError("is not flat: in 2D all points must have the same z coordinate")
+    points = np.ascontiguousarray(points[:, :dimensions])
+    if top == dimensions:
+        facets = (_boundary if dimensions == 3 else _outline)(points, blocks[top])
+    elif dimensions == 3:
+        facets = np.concatenate([_triangles(cells) for _, cells in blocks[top]])
+    else:
+        facets = np.concatenate([cells for _, cells in blocks[top]])
+    return Facets(points, facets, top == dimensions, list(dict.fromkeys(notes)))
+
+
+def _triangles(faces: Ints) -> Ints:
+    """Fans of triangles from each face's corner with the lowest number, so that both sides agree.
+
+    A face may name its corners again at its end.
+    """
+    n = faces.shape[1]
+    if n == 3:
+        return faces
+    first = faces.argmin(axis=1)
+    turned = faces[np.arange(len(faces))[:, None], (first[:, None] + np.arange(n)) % n]
+    fans = [turned[:, [0, k, k + 1]] for k in range(1, n - 1)]
+    return np.stack(fans, axis=1).reshape(-1, 3)
+
+
+def _boundary(points: NDArray[np.float64], blocks: list[tuple[str, Ints]]) -> Ints:
+    """Triangles of the faces that belong to one volume cell, outwards."""
+    found: dict[int, list[Ints]] = {3: [], 4: []}
+    for kind, cells in blocks:
+        for face in _FACES[kind]:
+            corners = cells[:, list(face)]
+            # A cell that is numbered inside out has its faces turned.
+            centre, middle = points[cells].mean(axis=1), points[corners].mean(axis=1)
+            a, b = points[corners[:, 1]], points[corners[:, -1]]
+            normal = np.cross(a - points[corners[:, 0]], b - points[corners[:, 0]])
+            inward = ((middle - centre) * normal).sum(axis=1) < 0.0
+            corners = np.where(inward[:, None], corners[:, ::-1], corners)
+            found[len(face)].append(corners)
+    parts = [_single(np.concatenate(faces)) for faces in found.values() if faces]
+    return np.concatenate([_triangles(faces) for faces in parts])
+
+
+def _outline(points: NDArray[np.float64], blocks: list[tuple[str, Ints]]) -> Ints:
+    """Edges that belong to one cell in 2D, with the body on their left."""
+    edges = []
+    for _, cells in blocks:
+        p = points[cells]
+        q = np.roll(p, -1, axis=1)
+        area = (p[..., 0] * q[..., 1] - p[..., 1] * q[..., 0]).sum(axis=1)
+        cells = np.where((area < 0.0)[:, None], cells[:, ::-1], cells)
+        edges.append(np.stack([cells, np.roll(cells, -1, axis=1)], axis=2).reshape(-1, 2))
+    return _single(np.concatenate(edges))
+
+
+def _single(faces: Ints) -> Ints:
+    """Those of the faces that are there once, in their order; more than two are refused."""
+    keys = np.sort(faces, axis=1)
+    _, first, counts = unique_rows(keys)
+    if counts.max() > 2:
+        raise CaseError(f"has a face that belongs to {counts.max()} cells: cells overlap")
+    return faces[np.sort(first[counts == 1])]
+
+
+def unique_rows(keys: Ints) -> tuple[Ints, Ints, Ints]:
+    """Number of each row's group, and each group's first row and size; groups by content."""
+    order = np.lexsort(keys.T[::-1])
+    ordered = keys[order]
+    new = np.ones(len(keys), bool)
+    new[1:] = (ordered[1:] != ordered[:-1]).any(axis=1)
+    starts = np.flatnonzero(new)
+    group = np.empty(len(keys), np.int64)
+    group[order] = np.cumsum(new) - 1
+    # lexsort is stable: the first of a group is that of the lowest row.
+    return group, order[starts], np.diff(np.append(starts, len(keys)))

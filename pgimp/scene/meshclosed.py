@@ -1,0 +1,224 @@
+"""A closed surface from facets: merged, checked, and turned so that it encloses what is inside.
+
+In 2D the outline is extended by one along a third direction, which makes it the mantle of a prism
+without its ends; they would cast no shadow. One set of kernels then does for 2D and 3D. The
+directions are x, y, z, and in 2D x, the added one, y.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pgimp.errors import CaseError
+from pgimp.scene.meshcells import Facets, unique_rows
+from pgimp.scene.meshtree import Surface, plant
+
+Reals = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+#: Triangles through which lines are looked along, for parts that overlap.
+_LOOKS = 20_000
+
+
+def enclose(found: Facets) -> Surface:
+    """Make a surface of facets, (m, D) corners of (n, D) points.
+
+    Raises
+    ------
+    CaseError
+        Without the file's name: an open surface, edges of more than two facets, one-sided ones,
+        parts that overlap; with their number and a place.
+    """
+    notes, dimensions = list(found.notes), found.points.shape[1]
+    points, facets = _merge(found.points, found.facets, notes)
+    if len(facets) == 0:
+        raise CaseError("has no facet that is more than a point or a line")
+    if dimensions == 3:
+        pairs, turned = _neighbours(points, facets, found.filled)
+    else:
+        pairs, turned = _corners(points, facets, found.filled)
+    root, parity = _orient(points, facets, pairs, turned)
+    given = facets.copy()
+    facets = _turned(facets, parity == 1)
+    _, component = np.unique(root, return_inverse=True)
+    triangles = _stretch(points, facets)
+    # Outward in the first place; then cavities inward.
+    volumes = _volumes(triangles, component)
+    inward = volumes[component] < 0.0
+    facets = _turned(facets, inward)
+    triangles = _stretch(points, facets)
+    surface = plant(triangles, component, dimensions)
+    depth = _depths(surface, triangles, component)
+    if (holes := depth[component] % 2 == 1).any():
+        facets = _turned(facets, holes)
+        surface = plant(_stretch(points, facets), component, dimensions)
+    changed = int((facets != given).any(axis=1).sum())
+    what = "triangles" if dimensions == 3 else "segments"
+    if changed == len(facets):
+        notes.append(f"all {changed:,} {what} faced inwards, and were turned over")
+    elif changed:
+        notes.append(f"{changed:,} of {len(facets):,} {what} faced the wrong way; turned over")
+    if cavities := int((depth % 2 == 1).sum()):
+        notes.append(f"{cavities:,} inner surface{'s' * (cavities > 1)}: holes, left empty")
+    _check_lines(surface, points.min(axis=0), points.max(axis=0))
+    return surface._replace(notes=tuple(notes), facets=len(facets))
+
+
+def _turned(facets: Ints, which: NDArray[np.bool_]) -> Ints:
+    return np.where(which[:, None], facets[:, ::-1], facets)
+
+
+def _merge(points: Reals, facets: Ints, notes: list[str]) -> tuple[Reals, Ints]:
+    """Merge equal points, drop facets that have collapsed or are there twice."""
+    points = points + 0.0  # -0.0 and 0.0 are one place
+    used, facets = np.unique(facets, return_inverse=True)
+    points = points[used]
+    group, first, _ = unique_rows(np.ascontiguousarray(points).view(np.int64))
+    points, facets = points[first], group[facets.reshape(-1, facets.shape[-1])]
+    ordered = np.sort(facets, axis=1)
+    flat = (ordered[:, 1:] == ordered[:, :-1]).any(axis=1)
+    if flat.any():
+        notes.append(f"{int(flat.sum()):,} degenerate facets dropped")
+        facets, ordered = facets[~flat], ordered[~flat]
+    if len(facets) == 0:
+        return points, facets
+    _, first, _ = unique_rows(ordered)
+    if len(first) < len(facets):
+        notes.append(f"{len(facets) - len(first):,} facets that are there twice dropped")
+        facets = facets[np.sort(first)]
+    return points, facets
+
+
+def _place(at: Reals) -> str:
+    return "(" + ", ".join(f"{x:.6g}" for x in at) + ")"
+
+
+def _neighbours(points: Reals, facets: Ints, filled: bool) -> tuple[Ints, NDArray[np.bool_]]:
+    """Pairs of triangles at an edge, and whether they run along it in the same direction.
+
+    Edges of more than two triangles are allowed where cells fill the body: they touch there.
+    """
+    start = facets.ravel()
+    end = np.roll(facets, -1, axis=1).ravel()
+    keys = np.stack([np.minimum(start, end), np.maximum(start, end)], axis=1)
+    group, first, counts = unique_rows(keys)
+    for bad, what, why in (
+        (counts == 1, "open edges", "the surface is not closed, so it has no inside"),
+        (
+            (counts % 2 == 1) | ((counts > 2) & (not filled)),
+            "edges with more than two triangles",
+            "inside and outside cannot be told apart there",
+        ),
+    ):
+        if number := int(bad.sum()):
+            a, b = points[keys[first[bad][0]]]
+            raise CaseError(
+                f"has {number:,} {what}, the first from {_place(a)} to {_place(b)}: {why}; "
+                "repair the mesh"
+            )
+    order = np.argsort(group, kind="stable")
+    order = order[(counts == 2)[group[order]]].reshape(-1, 2)
+    return order // 3, (start < end)[order[:, 0]] == (start < end)[order[:, 1]]
+
+
+def _corners(points: Reals, facets: Ints, filled: bool) -> tuple[Ints, NDArray[np.bool_]]:
+    """Pairs of segments at a corner, and whether both begin, or end, there."""
+    corner = facets.ravel()
+    group, first, counts = unique_rows(corner[:, None])
+    for bad, what, why in (
+        (counts == 1, "open ends", "the outline is not closed, so it has no inside"),
+        (
+            (counts % 2 == 1) | ((counts > 2) & (not filled)),
+            "corners with more than two segments",
+            "inside and outside cannot be told apart there",
+        ),
+    ):
+        if number := int(bad.sum()):
+            at = _place(points[corner[first[bad][0]]])
+            raise CaseError(f"has {number:,} {what}, the first at {at}: {why}; repair the mesh")
+    order = np.argsort(group, kind="stable")
+    order = order[(counts == 2)[group[order]]].reshape(-1, 2)
+    return order // 2, order[:, 0] % 2 == order[:, 1] % 2
+
+
+def _orient(
+    points: Reals, facets: Ints, pairs: Ints, turned: NDArray[np.bool_]
+) -> tuple[Ints, Ints]:
+    """First facet of each one's component, and whether it is to be turned to agree with it."""
+    from pgimp.kernels.meshtree import unite
+
+    root, parity = np.arange(len(facets)), np.zeros(len(facets), np.int64)
+    wrong = unite(np.ascontiguousarray(pairs), np.ascontiguousarray(turned), root, parity)
+    if wrong >= 0:
+        at = _place(points[facets[pairs[wrong, 0]]].mean(axis=0))
+        raise CaseError(f"has only one side, as a Moebius strip has, near {at}; repair the mesh")
+    return root, parity
+
+
+def _stretch(points: Reals, facets: Ints) -> Reals:
+    """Corners of triangles, (n, 3, 3); each segment of an outline becomes a rectangle of two."""
+    corners = points[facets]
+    if points.shape[1] == 3:
+        return np.ascontiguousarray(corners)
+    a, b = corners[:, 0], corners[:, 1]
+
+    def lift(end: Reals, w: float) -> Reals:
+        return np.stack([end[:, 0], np.full(len(end), w), end[:, 1]], axis=1)
+
+    low = np.stack([lift(a, 0.0), lift(a, 1.0), lift(b, 0.0)], axis=1)
+    high = np.stack([lift(b, 0.0), lift(a, 1.0), lift(b, 1.0)], axis=1)
+    return np.concatenate([low, high])
+
+
+def _volumes(triangles: Reals, component: Ints) -> Reals:
+    """Volume that each component encloses, positive if it faces outwards."""
+    component = np.resize(component, len(triangles))
+    low, high = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
+    p = triangles - 0.5 * (low + high)
+    # The shadow along the last direction, which a prism's missing ends do not have.
+    a, b = p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]
+    shadow = 0.5 * (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
+    return np.bincount(component, shadow * p[:, :, 2].mean(axis=1)).astype(float)
+
+
+def _depths(surface: Surface, triangles: Reals, component: Ints) -> Ints:
+    """How many other components each one lies in."""
+    number = int(component.max()) + 1
+    if number == 1:
+        return np.zeros(1, np.int64)
+    # The largest triangle of each, where a nearby one of another component disturbs least.
+    size = np.linalg.norm(
+        np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]), axis=1
+    )[: len(component)]
+    order = np.lexsort((-size, component))
+    first = order[np.searchsorted(component[order], np.arange(number))]
+    points = triangles[first].mean(axis=1)
+    return surface.count_above(points, np.arange(number))
+
+
+def _check_lines(surface: Surface, low: Reals, high: Reals) -> None:
+    """Refuse parts of a surface that overlap: along a line, ways in and out must take turns."""
+    n = len(surface.triangles)
+    chosen = np.linspace(0, n - 1, min(n, _LOOKS)).astype(np.int64)
+    points = np.tensordot(surface.triangles[chosen], [0.37, 0.34, 0.29], axes=(1, 0))
+    slack = 1e-9 * float((high - low).max())
+    for axis in range(3):
+        if surface.dimensions == 2 and axis == 1:
+            continue
+        heights, signs = surface.meet(points, axis)
+        order = np.argsort(heights, axis=1, kind="stable")
+        heights = np.take_along_axis(heights, order, axis=1)
+        within = -np.cumsum(np.take_along_axis(signs, order, axis=1), axis=1)
+        gap = np.diff(heights, axis=1) > slack
+        bad = np.argwhere(gap & ((within[:, :-1] < 0) | (within[:, :-1] > 1)))
+        if len(bad):
+            line, place = bad[0]
+            at = points[line].copy()
+            at[axis] = 0.5 * (heights[line, place] + heights[line, place + 1])
+            at = at[[0, 2]] if surface.dimensions == 2 else at
+            raise CaseError(
+                f"overlaps or cuts itself, for example at {_place(at)} ({len(bad):,} places of "
+                f"{len(points):,} lines looked along): inside and outside cannot be told apart; "
+                "repair the mesh (a union of its parts)"
+            )

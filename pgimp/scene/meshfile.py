@@ -1,0 +1,121 @@
+"""Points and cells of a mesh file, read by meshio in a process with limits."""
+
+from __future__ import annotations
+
+import os
+import stat
+import subprocess
+import sys
+from pathlib import Path
+from typing import IO, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pgimp.errors import CaseError
+
+#: Memory [bytes] and time [s] that reading may take: constants, and for each byte of the file.
+_MEMORY, _TIME = (1_500_000_000, 40), (60, 4e-6)
+
+_LAUNCHERS = ("OMPI_", "PMIX_", "PMI_", "PALS_", "MPI_LOCAL")
+
+
+class RawMesh(NamedTuple):
+    """Content of a mesh file: points, (n, d) float64, and blocks of cells by type."""
+
+    points: NDArray[np.float64]
+    cells: list[tuple[str, NDArray[np.int64]]]
+
+
+def check_file(name: str, what: str) -> int:
+    """Return the size of a file that is to be read.
+
+    Raises
+    ------
+    CaseError
+        If it is not there, no regular file, empty, or must not be read.
+    """
+    try:
+        about = os.stat(name)
+        if stat.S_ISREG(about.st_mode):
+            with open(name, "rb"):
+                pass
+    except OSError as error:
+        raise CaseError(
+            f"cannot read {what} {name}: {error.strerror or error}; a relative name starts from "
+            "the folder of the case file"
+        ) from None
+    except ValueError as error:
+        raise CaseError(f"cannot read {what} {name!r}: {error}") from None
+    if not stat.S_ISREG(about.st_mode):
+        kind = "a folder" if stat.S_ISDIR(about.st_mode) else "no regular file"
+        raise CaseError(f"cannot read {what} {name}: it is {kind}")
+    if about.st_size == 0:
+        raise CaseError(f"cannot read {what} {name}: it is empty")
+    return about.st_size
+
+
+def read_mesh(name: str) -> RawMesh:
+    """Read a mesh file of any format that meshio knows by its name's ending.
+
+    Raises
+    ------
+    CaseError
+        With the file, what is wrong with it, and what to do.
+    """
+    size = check_file(name, "the mesh")
+    memory = _MEMORY[0] + _MEMORY[1] * size
+    seconds = round(_TIME[0] + _TIME[1] * size)
+    env = {k: v for k, v in os.environ.items() if not k.startswith(_LAUNCHERS)}
+    root = str(Path(__file__).resolve().parents[2])
+    env["PYTHONPATH"] = os.pathsep.join(filter(None, (root, env.get("PYTHONPATH"))))
+    env |= {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "HDF5_USE_FILE_LOCKING": "FALSE"}
+    words = [sys.executable, "-P", "-m", "pgimp.scene.meshchild", name, str(memory), str(seconds)]
+    with subprocess.Popen(
+        words, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=env
+    ) as child:
+        try:
+            assert child.stdout is not None
+            assert child.stderr is not None
+            arrays = _arrays(child.stdout)
+            said = child.stderr.read(10_000).decode(errors="replace").strip()
+            status = child.wait()
+        except BaseException:
+            child.kill()
+            raise
+    if arrays is None or status != 0:
+        raise CaseError(f"cannot read the mesh {name}: {_cause(name, status, said)}")
+    cells = [(str(kind), block) for kind, block in zip(arrays[1::2], arrays[2::2], strict=True)]
+    return RawMesh(arrays[0], cells)
+
+
+class _Pipe:
+    """What NumPy does not take for a file on a disk, in which it would look for its place."""
+
+    def __init__(self, stream: IO[bytes]) -> None:
+        self.read = stream.read
+
+
+def _arrays(stream: IO[bytes]) -> list[np.ndarray] | None:
+    """Arrays that the child sends; None if it has failed."""
+
+    def one() -> np.ndarray:
+        return np.lib.format.read_array(_Pipe(stream), allow_pickle=False)
+
+    try:
+        return [one() for _ in range(int(one()))]
+    except (ValueError, EOFError, OSError):
+        return None
+
+
+def _cause(name: str, status: int, said: str) -> str:
+    """Word for people why a file could not be read."""
+    if status < 0:
+        return f"its reader was ended by signal {-status}: too much time or memory, or a crash"
+    if "Could not deduce file format" in said or not Path(name).suffix:
+        return (
+            f"meshio knows no format '{Path(name).suffix}'; use .stl, .obj, .ply, .msh, .vtu, "
+            ".vtk or another that meshio reads"
+        )
+    line = said.splitlines()[-1] if said else "it is damaged"
+    return f"{line}; export it anew, or convert it (meshio convert FILE other.vtu)"

@@ -1,0 +1,243 @@
+"""A closed surface of triangles with a tree over them, and what it can be asked."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pgimp.errors import CaseError
+
+Reals = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+#: Planes of boxes for which the triangles that may reach them are looked for together.
+_TOGETHER = 32
+
+#: Part of a box that no surface reaches, or that is beyond none and all, by rounding at most.
+_SLACK = 1e-6
+
+
+class Surface(NamedTuple):
+    """A closed surface that faces outwards, and inwards at holes.
+
+    Attributes
+    ----------
+    triangles : (n, 3, 3) float64
+        In the order of the tree; the directions are x, y, z, and in 2D x, an added one, y.
+    component : (n,) int64
+        Connected part that each belongs to.
+    low, high : (2 * leaves, 3) float64
+        Boxes of the tree's nodes, see `pgimp.kernels.meshtree`.
+    dimensions : int
+        Of the case.
+    facets : int
+        Triangles, in 2D segments.
+    notes : tuple of str
+        What was repaired.
+    """
+
+    triangles: Reals
+    component: Ints
+    low: Reals
+    high: Reals
+    dimensions: int
+    facets: int = 0
+    notes: tuple[str, ...] = ()
+
+    @property
+    def leaves(self) -> int:
+        """Leaves of the tree."""
+        return len(self.low) // 2
+
+    @property
+    def bounds(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Corners of a box around it."""
+        axes = [0, 2] if self.dimensions == 2 else [0, 1, 2]
+        low, high = self.low[1, axes], self.high[1, axes]
+        return tuple(low.tolist()), tuple(high.tolist())
+
+    @property
+    def volume(self) -> float:
+        """What it encloses, exactly but for rounding."""
+        if len(self.triangles) == 0:
+            return 0.0
+        p = self.triangles - 0.5 * (self.low[1] + self.high[1])
+        a, b = p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]
+        shadow = 0.5 * (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
+        return float((shadow * p[:, :, 2].mean(axis=1)).sum())
+
+    def _lift(self, points: Reals) -> Reals:
+        """Points in the surface's directions."""
+        if self.dimensions == 3:
+            return np.ascontiguousarray(points, dtype=float)
+        return np.stack([points[:, 0], np.full(len(points), 0.5), points[:, 1]], axis=1)
+
+    def count_above(self, points: Reals, own: Ints) -> Ints:
+        """Signed number of surfaces above points in the surface's directions, (n,) int64.
+
+        Those of the component `own` of each are left out, of none where it is negative.
+        """
+        from pgimp.kernels.meshtree import inside
+
+        out = np.empty(len(points), np.int64)
+        inside(
+            self.triangles, self.low, self.high, self.leaves, self.component, own,
+            np.ascontiguousarray(points), out,
+        )  # fmt: skip
+        return out
+
+    def contains(self, points: Reals) -> NDArray[np.bool_]:
+        """Whether points lie inside."""
+        return self.count_above(self._lift(points), np.full(len(points), -1)) > 0
+
+    def distance(self, points: Reals) -> Reals:
+        """Distance to the surface, exact; negative inside."""
+        from pgimp.kernels.meshtree import distances
+
+        out = np.empty(len(points))
+        distances(self.triangles, self.low, self.high, self.leaves, self._lift(points), out)
+        return np.where(self.contains(points), -out, out)
+
+    def crossings(self, points: Reals, axis: int) -> Reals:
+        """Where lines through points meet the surface, (n, k), NaN where a line has fewer."""
+        if self.dimensions == 2 and axis == 1:
+            axis = 2
+        return self.meet(self._lift(points), axis)[0]
+
+    def meet(self, points: Reals, axis: int) -> tuple[Reals, Ints]:
+        """As `crossings` in the surface's directions, and for each whether it leads out (1)."""
+        from pgimp.kernels.meshtree import lines
+
+        room = 8
+        while True:
+            heights = np.full((len(points), room), np.nan)
+            signs = np.zeros((len(points), room), np.int64)
+            most = lines(
+                self.triangles, self.low, self.high, self.leaves, axis, points, heights, signs
+            )
+            if most <= room:
+                return heights[:, :most], signs[:, :most]
+            room = most
+
+    def fill(
+        self, edges: list[Reals], ranges: list[tuple[int, int]]
+    ) -> tuple[NDArray[np.bool_], Ints, Reals, Reals]:
+        """Tell what the boxes of a part of a lattice have of the body, exactly.
+
+        Parameters
+        ----------
+        edges : list of (n + 1,) float64
+            Of the lattice's boxes by direction.
+        ranges : list of (int, int)
+            First box and end by direction.
+
+        Returns
+        -------
+        whole : (boxes,) bool
+            Boxes that lie inside and that no surface reaches.
+        places : (n,) int64
+            The boxes that it reaches, ascending.
+        volume, moment : (n,) and (n, D) float64
+            Of their parts, the moments about the boxes' centres.
+
+        Raises
+        ------
+        CaseError
+            If the surface overlaps itself, with the place.
+        """
+        from pgimp.kernels.meshclip import SUMS, clip_plane, settle_plane
+
+        cut = [e[begin : end + 1] for e, (begin, end) in zip(edges, ranges, strict=True)]
+        ex, ey, ez = (cut[0], np.array([0.0, 1.0]), cut[1]) if self.dimensions == 2 else cut
+        shape = (len(ex) - 1, len(ey) - 1, len(ez) - 1)
+        beyond = np.append(ez, np.inf)
+        whole = np.zeros(shape, bool)
+        places, found = [np.zeros(0, np.int64)], [np.zeros((0, 4))]
+        sums = np.empty((shape[1], shape[2] + 1, SUMS))
+        touched = np.empty(sums.shape[:2], bool)
+        parts = np.empty((shape[1], shape[2], 4))
+        for i, chosen in self._reaching(ex):
+            sums[:], touched[:] = 0.0, False
+            if len(chosen):
+                clip_plane(self.triangles, chosen, ex[i], ex[i + 1], ey, beyond, sums, touched)
+                dx = ex[i + 1] - ex[i]
+                wrong = settle_plane(sums, touched, dx, ey, ez, _SLACK, whole[i], parts)
+                if wrong >= 0:
+                    j, k = divmod(wrong, shape[2])
+                    at = [0.5 * (e[n] + e[n + 1]) for e, n in ((ex, i), (ey, j), (ez, k))]
+                    at = at if self.dimensions == 3 else [at[0], at[2]]
+                    raise CaseError(
+                        f"overlaps or cuts itself in the box of a particle at "
+                        f"({', '.join(f'{x:.6g}' for x in at)}): inside and outside cannot be "
+                        "told apart; repair the mesh (a union of its parts)"
+                    )
+            here = np.flatnonzero(touched[:, : shape[2]])
+            places.append(here + i * shape[1] * shape[2])
+            found.append(parts.reshape(-1, 4)[here])
+        values = np.concatenate(found)
+        moment = values[:, 1:] if self.dimensions == 3 else values[:, [1, 3]]
+        return whole.reshape(-1), np.concatenate(places), values[:, 0].copy(), moment
+
+    def _reaching(self, ex: Reals) -> Iterator[tuple[int, Ints]]:
+        """For each plane of boxes along x the triangles that may reach it, in their order."""
+        least, most = self.triangles[:, :, 0].min(axis=1), self.triangles[:, :, 0].max(axis=1)
+        for begin in range(0, len(ex) - 1, _TOGETHER):
+            end = min(begin + _TOGETHER, len(ex) - 1)
+            near = np.flatnonzero((least <= ex[end]) & (most >= ex[begin]))
+            a, b = least[near], most[near]
+            for i in range(begin, end):
+                yield i, near[(a <= ex[i + 1]) & (b >= ex[i])]
+
+
+def plant(triangles: Reals, component: Ints, dimensions: int) -> Surface:
+    """Order triangles along a space-filling curve, and build a tree of boxes over them."""
+    from pgimp.kernels.meshtree import LEAF
+
+    component = np.resize(component, len(triangles))
+    middle = triangles.mean(axis=1)
+    low, size = middle.min(axis=0), np.ptp(middle, axis=0)
+    grid = ((middle - low) / np.where(size > 0.0, size, 1.0) * 0x1FFFFF).astype(np.uint64)
+    order = np.argsort(_interleave(grid), kind="stable")
+    triangles = np.ascontiguousarray(triangles[order])
+    leaves = 1 << max(0, (-(-len(triangles) // LEAF) - 1).bit_length())
+    boxes = []
+    for reduce, nothing in ((np.minimum, np.inf), (np.maximum, -np.inf)):
+        tree = np.full((2 * leaves, 3), nothing)
+        ends = reduce.reduce(triangles, axis=1)
+        full = np.full((leaves * LEAF, 3), nothing)
+        full[: len(ends)] = ends
+        tree[leaves:] = reduce.reduce(full.reshape(leaves, LEAF, 3), axis=1)
+        level = leaves // 2
+        while level:
+            tree[level : 2 * level] = reduce(
+                tree[2 * level : 4 * level : 2], tree[2 * level + 1 : 4 * level : 2]
+            )
+            level //= 2
+        boxes.append(tree)
+    return Surface(triangles, component[order], boxes[0], boxes[1], dimensions)
+
+
+def nothing(dimensions: int) -> Surface:
+    """The surface of a body that is nowhere."""
+    tree = np.full((2, 3), np.inf)
+    return Surface(np.zeros((0, 3, 3)), np.zeros(0, np.int64), tree, -tree, dimensions)
+
+
+def _interleave(grid: NDArray[np.uint64]) -> NDArray[np.uint64]:
+    """Morton numbers of places on a grid of 21 bits a direction."""
+    total = np.zeros(len(grid), np.uint64)
+    for d in range(3):
+        x = grid[:, d].copy()
+        for shift, mask in (
+            (32, 0x1F00000000FFFF),
+            (16, 0x1F0000FF0000FF),
+            (8, 0x100F00F00F00F00F),
+            (4, 0x10C30C30C30C30C3),
+            (2, 0x1249249249249249),
+        ):
+            x = (x | (x << np.uint64(shift))) & np.uint64(mask)
+        total |= x << np.uint64(d)
+    return total

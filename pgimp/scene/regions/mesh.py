@@ -1,0 +1,162 @@
+"""The inside of a closed surface, or of cells, that a mesh file holds."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, Annotated, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from pgimp.case.base import Model, Number, Positive, Vector
+from pgimp.case.dispatch import Either
+from pgimp.case.paths import FileName
+from pgimp.errors import CaseError
+from pgimp.scene.regions.base import Bounds, Lengths, Mask, Plane, Points, Region
+
+if TYPE_CHECKING:
+    from pgimp.scene.meshtree import Surface
+
+
+class Mesh(Model, Region):
+    """Inside of a mesh: of a closed surface (STL, OBJ, PLY) or of cells (Gmsh, VTU, ...).
+
+    In 2D a closed outline of lines, or triangles and quadrilaterals. Points are scaled first, then
+    turned about the origin, then moved. Inner surfaces are holes. Particles have exactly what the
+    mesh has of their boxes.
+    """
+
+    DIMENSIONS: ClassVar[tuple[int, ...]] = (2, 3)
+    FROM_FILE: ClassVar[bool] = True
+
+    file: FileName = Field(
+        description="file of the mesh, from the folder of the case; meshio tells its format by "
+        "the ending of its name"
+    )
+    scale: Positive = Field(
+        default=1.0, description="factor of all lengths, such as 0.001 from mm to m [1]"
+    )
+    rotate: Annotated[
+        float | tuple[float, ...],
+        Either("degrees, in 3D about x, y and z", {float: Number, tuple: Vector}),
+    ] = Field(
+        default=0.0,
+        description="degrees: in 2D anticlockwise; in 3D a list, about x, then y, then z",
+    )
+    translate: Vector | None = Field(default=None, description="displacement; null: none [length]")
+
+    @cached_property
+    def surface(self) -> Surface:
+        """The surface in its place; the file is read when it is first asked for.
+
+        Raises
+        ------
+        CaseError
+            If it cannot be read, or encloses nothing.
+        """
+        from pgimp.scene.meshcells import facets_of
+        from pgimp.scene.meshclosed import enclose
+        from pgimp.scene.meshfile import read_mesh
+
+        mesh = read_mesh(self.file)
+        try:
+            found = facets_of(mesh, self.dimensions)
+            with np.errstate(over="ignore", invalid="ignore"):
+                points = self._moved(found.points)
+                extent = np.ptp(points[found.facets].reshape(-1, self.dimensions), axis=0)
+            if not (np.isfinite(points[found.facets]).all() and (extent > 1e-100).all()):
+                size = " x ".join(f"{x:.3g}" for x in extent)
+                raise CaseError(f"is {size} large: flat, or too large or small for any case")
+            if (extent > 1e100).any():
+                raise CaseError(f"is {extent.max():.3g} large: too large for any case")
+            return enclose(found._replace(points=points))
+        except CaseError as error:
+            raise CaseError(f"the mesh {self.file} {error}") from None
+
+    def belong(self, dimensions: int) -> None:
+        """See `Region.belong`."""
+        self.__dict__["dimensions_of_case"] = dimensions
+
+    @property
+    def dimensions(self) -> int:
+        """Directions of the case."""
+        return self.__dict__.get("dimensions_of_case", 3)
+
+    def _moved(self, points: Points) -> Points:
+        """Points in their place."""
+        points = points * self.scale
+        D = points.shape[1]
+        if isinstance(self.rotate, tuple):
+            for axis, degrees in enumerate(self.rotate):
+                points = _turned(points, (axis + 1) % 3, (axis + 2) % 3, degrees)
+        elif self.rotate:
+            points = _turned(points, 0, 1, self.rotate)
+        return points if self.translate is None else points + np.array(self.translate)[:D]
+
+    def contains(self, points: Points) -> Mask:
+        """See `Region.contains`."""
+        return self.surface.contains(points)
+
+    def bounds(self) -> Bounds:
+        """See `Region.bounds`."""
+        return self.surface.bounds
+
+    def distance(self, points: Points) -> Lengths:
+        """See `Region.distance`; exact."""
+        return self.surface.distance(points)
+
+    def curved(self, points: Points) -> Lengths:
+        """See `Region.curved`."""
+        return np.abs(self.distance(points))
+
+    def planes(self) -> list[Plane]:
+        """See `Region.planes`."""
+        return []
+
+    def crossings(self, points: Points, axis: int) -> Lengths:
+        """See `Region.crossings`."""
+        return self.surface.crossings(points, axis)
+
+    def fill(
+        self, edges: list[Lengths], ranges: Sequence[tuple[int, int]]
+    ) -> tuple[Mask, NDArray[np.int64], Lengths, Points]:
+        """See `Region.fill`."""
+        try:
+            return self.surface.fill(edges, list(ranges))
+        except CaseError as error:
+            raise CaseError(f"the mesh {self.file} {error}") from None
+
+    def facts(self) -> list[str]:
+        """See `Region.facts`."""
+        surface = self.surface
+        low, high = surface.bounds
+        what = "triangles" if self.dimensions == 3 else "segments"
+        size = "volume" if self.dimensions == 3 else "area"
+
+        def place(x: tuple[float, ...]) -> str:
+            return "(" + ", ".join(f"{value:.6g}" for value in x) + ")"
+
+        return [
+            f"{surface.facets:,} {what}, from {place(low)} to {place(high)}, "
+            f"{size} {surface.volume:.6g}"
+        ]
+
+    def notes(self) -> list[str]:
+        """See `Region.notes`."""
+        return [f"{self.file}: {note}" for note in self.surface.notes]
+
+
+def _turned(points: Points, i: int, j: int, degrees: float) -> Points:
+    """Turn points from axis i towards axis j; exactly by whole quarters."""
+    quarters, rest = divmod(degrees, 90.0)
+    if rest == 0.0:
+        c, s = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))[int(quarters % 4)]
+    else:
+        c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
+    points = points.copy()
+    x, y = points[:, i].copy(), points[:, j].copy()
+    points[:, i], points[:, j] = c * x - s * y, s * x + c * y
+    return points
