@@ -5,6 +5,7 @@ COMMANDS = {
     "init": "writes a commented case to start from; without a name, lists them",
     "check": "validates a case and estimates what it will cost",
     "study": "runs a case with many changes: a table and a plot of error against cost",
+    "plot": "draws curves of the history, pictures of frames, fields along a line",
     "batch": "writes a script for Slurm or PBS that takes a run to its end",
     "compare": "tells whether two runs have the same particles, bit for bit",
     "bench": "measures the speed of this machine by phase",

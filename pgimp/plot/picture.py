@@ -141,7 +141,8 @@ def _draw(
     low, high, beyond = scale(np.concatenate([seen.particles.value for seen in drawn]), limits)
     shades = colormaps[MAP].with_extremes(bad="#c8c8c8")
     colours = ScalarMappable(Normalize(low, high), shades)
-    figure, axes = _panels(len(shots), inside.size)
+    wide = inside.size[0] * min(len(shots), 2) > _FLAT * inside.size[1]
+    figure, axes = _panels(len(shots), inside.size, wide)
     margin = 0.03 * inside.size.max()
     several = len({shot.shown.name for shot in shots}) > 1
     for number, (shot, seen, axis) in enumerate(zip(shots, drawn, axes, strict=False)):
@@ -158,7 +159,6 @@ def _draw(
             _compass(axis, camera)
     for axis in axes[len(shots) :]:
         axis.set_visible(False)
-    wide = inside.size[0] * min(len(shots), 2) > _FLAT * inside.size[1]
     bar = figure.colorbar(
         colours,
         ax=list(axes),
@@ -172,15 +172,19 @@ def _draw(
     return figure
 
 
-def _panels(count: int, size: Array) -> tuple[Any, Any]:
-    """Return a figure with so many axes, of a shape that suits pictures of this size."""
+def _panels(count: int, size: Array, wide: bool) -> tuple[Any, Any]:
+    """Return a figure with so many axes, of a shape that suits pictures of this size.
+
+    The scale of colours is below them if they are `wide`, else at their right.
+    """
     from matplotlib.figure import Figure
 
     ratio = float(np.clip(size[1] / size[0], 0.12, 3.0))
     columns = count if count <= 3 else int(np.ceil(count / np.ceil(count / 4)))
     rows = -(-count // columns)
     width = _ONE_WIDTH if columns == 1 else _WIDTH
-    height = width / columns * 0.9 * ratio * rows + 0.45 * rows + 1.0
+    room = (0.9 if wide else 0.72) * width / columns
+    height = room * ratio * rows + 0.45 * rows + (1.0 if wide else 0.4)
     if height > _TALLEST:
         width, height = max(3.6, width * _TALLEST / height), _TALLEST
     figure = Figure(figsize=(width, height))
@@ -209,7 +213,7 @@ def _particles(
         return
     outline = camera.outline(dimension)
     corners = seen.place[:, None] + seen.particles.radius[:, None, None] * outline
-    shown = PolyCollection(corners, lw=_SEAM, edgecolors="face")
+    shown = PolyCollection(corners, lw=_SEAM, edgecolors="face", snap=False)
     shown.set(cmap=colours.cmap, norm=colours.norm)
     shown.set_array(np.ma.masked_invalid(seen.particles.value))
     axis.add_collection(shown)
