@@ -158,6 +158,7 @@ def test_the_resolved_case_reads_like_one_written_by_hand():
         "output: {every: null, at: [], fields: [velocity, stress], precision: float64, "
         "compression: none}\n"
         "history: {every: {steps: 100}}\n"
+        "probes: {}\n"
         "checkpoint: {every: {wall: 900.0}, keep: 2}\n"
     )
 

@@ -29,9 +29,10 @@ from pgimp.case.check_domain import (
     check_output,
     check_time,
 )
+from pgimp.case.check_probes import check_probes
 from pgimp.case.problems import Problem
 
-_NAMED = ("materials", "bodies", "boundaries", "escape", "tractions", "constraints")
+_NAMED = ("materials", "bodies", "boundaries", "escape", "tractions", "constraints", "probes")
 """Parts of a case that are made of named entries."""
 
 
@@ -103,4 +104,5 @@ _CHECKS = (
     check_tractions,
     check_constraints,
     check_output,
+    check_probes,
 )

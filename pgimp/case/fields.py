@@ -117,3 +117,30 @@ HISTORY: dict[str, str] = {
     "error.stress-max": "as for the displacement, of the Cauchy stress [stress]",
 }
 """Columns of ``history.csv``, in their order; AXIS stands for x, y, z, as many as there are."""
+
+POINT: dict[str, str] = {
+    "time": "simulated time [time]",
+    "step": "steps done",
+    "position-AXIS": "position of the particle that is followed [length]",
+    "displacement-AXIS": "position less that at the start [length]",
+    "velocity-AXIS": "velocity [length/time]",
+    "stress-COMPONENT": "Cauchy stress, tension positive [stress]",
+    "strain-COMPONENT": "Green-Lagrange strain, as the field of frames [1]",
+    "pressure": "as the field of frames [stress]",
+    "von-mises": "as the field of frames [stress]",
+    "volume": "current volume [length^dimensions]",
+    "density": "mass over current volume [mass/length^dimensions]",
+}
+"""Columns of a material point's file, in their order; COMPONENT stands for xx to xz."""
+
+PLACE: dict[str, str] = {
+    "time": "simulated time [time]",
+    "step": "steps done",
+    "volume-fraction": "sum of w V over the particles, over the volume of a cell [1]",
+    "density": "sum of w m over sum of w V [mass/length^dimensions]",
+    "velocity-AXIS": "sum of w m v over sum of w m [length/time]",
+    "stress-COMPONENT": "sum of w V times the Cauchy stress, over sum of w V [stress]",
+    "pressure": "of this stress [stress]",
+    "von-mises": "of this stress [stress]",
+}
+"""Columns of a place's file, in their order."""

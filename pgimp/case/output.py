@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, Field
 
-from pgimp.case.base import Count, Interval, Model, NonNegative, Positive, Steps
+from pgimp.case.base import Count, Interval, Model, Name, NonNegative, Positive, Steps, Vector
 from pgimp.case.dispatch import ByWord, Either
 from pgimp.case.fields import FIELDS
 from pgimp.case.messages import unknown
@@ -70,6 +70,38 @@ class History(Model):
         description="a line at the first step at or after every multiple of this; "
         "the start and the end always have one [time]",
     )
+
+
+class PointProbe(Model):
+    """A material point, followed wherever it goes."""
+
+    body: Name = Field(description="name of the body, one of whose particles is followed")
+    at: Vector = Field(
+        description="place at the start: followed is the particle of the body whose centre is then "
+        "closest to it, of several the one with the lowest id [length]"
+    )
+    every: Interval | None = Field(
+        default=None,
+        description="a line at the first step at or after every multiple of this, at the start and "
+        "at the end; null: as the history [time]",
+    )
+
+
+class PlaceProbe(Model):
+    """A place fixed in space, and the material that is there."""
+
+    place: Vector = Field(description="where, in the domain [length]")
+    every: Interval | None = Field(
+        default=None,
+        description="a line at the first step at or after every multiple of this, at the start and "
+        "at the end; null: as the history [time]",
+    )
+
+
+_PROBES: Mapping[str, type[BaseModel]] = {"body": PointProbe, "place": PlaceProbe}
+
+ProbeEntry = Annotated[Any, ByWord(lambda: _PROBES, "probe")]
+"""A probe as a case writes it, ``{body: .., at: [..]}`` or ``{place: [..]}``."""
 
 
 class WallTime(Model):

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple
 
 from pgimp.case.base import LARGEST_COUNT
-from pgimp.case.fields import ALWAYS, FAILURE, FIELDS, HISTORY, Field
+from pgimp.case.fields import ALWAYS, FAILURE, FIELDS, HISTORY, PLACE, POINT, Field
 from pgimp.case.jsonschema import Schema, json_schema, study_schema
 from pgimp.case.writer import flow
 
@@ -53,7 +53,6 @@ def reference() -> str:
         pages += [f"### {section.heading}\n", section.schema["description"] + "\n"]
         if below := list(_rows(section.path, section.schema, schema["$defs"], [])):
             pages.append(_table(_HEAD, below))
-    columns = [(_code(name), *_split(text)) for name, text in HISTORY.items()]
     pages += [
         "## Frames\n",
         "`frames/particles-NNNNNN.h5`, one row a particle in ascending `id`. Always there:\n",
@@ -66,7 +65,16 @@ def reference() -> str:
         "## History\n",
         "The columns of `history.csv`, in their order. AXIS is `x`, `y`, `z`, as many as the case "
         "has dimensions; NAME is each body, FACE each face that the case names.\n",
-        _table(("column", "meaning", "unit"), columns),
+        _columns(HISTORY),
+        "## Probes\n",
+        "`probes/NAME.csv` of a material point. After a particle was removed (`escape`), all but\n"
+        "time and step are empty.\n",
+        _columns(POINT),
+        "`probes/NAME.csv` of a place X: means over the particles around it, each with the weight\n"
+        "that a vertex of the grid there would have in linear interpolation, the product of\n"
+        "max(0, 1 - |x - X|/L) over the directions, L the cell. Where the volume fraction is below\n"
+        "0.25 there is no material, and all that follows is empty; at a flat surface it is 0.5.\n",
+        _columns(PLACE),
         "## Study file\n",
         "What `pgimp study` takes. Key paths are those of `--set`. An entry of `sweep` is like\n"
         "`{grid.cell: [[2.0], [1.0]], time.step: [2.0e-3, 1.0e-3]}`, two runs, or like\n"
@@ -75,6 +83,11 @@ def reference() -> str:
         _table(_HEAD, _rows("", study, study["$defs"], [])),
     ]
     return "\n".join(pages)
+
+
+def _columns(columns: Mapping[str, str]) -> str:
+    rows = [(_code(name), *_split(text)) for name, text in columns.items()]
+    return _table(("column", "meaning", "unit"), rows)
 
 
 def _fields(fields: Mapping[str, Field]) -> str:

@@ -32,7 +32,7 @@ from pgimp.case.check_domain import faces, whole
 from pgimp.case.checks import check, sound_parts
 from pgimp.case.dispatch import ByField, ByName, ByWord, Either
 from pgimp.case.messages import explain
-from pgimp.case.output import Checkpoint, History, Output
+from pgimp.case.output import Checkpoint, History, Output, ProbeEntry
 from pgimp.case.problems import problem, raise_problems
 from pgimp.scene.constraints import ConstraintEntry
 from pgimp.scene.motion import RigidMotion, zero_vector
@@ -202,6 +202,13 @@ class Case(Model):
     )
     output: Output = Field(default=Output(), description="frames")
     history: History = Field(default=History(), description="history.csv")
+    probes: dict[Name, ProbeEntry] = Field(
+        default={},
+        max_length=200,
+        description="what is followed in a file of its own, `probes/NAME.csv`: a material point, "
+        "{body: bar, at: [50.0]}, or a place fixed in space, {place: [50.0]}",
+        json_schema_extra={"additionalProperties": False},
+    )
     checkpoint: Checkpoint = Field(default=Checkpoint(), description="checkpoints")
 
     @model_validator(mode="wrap")

@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from time import monotonic
+from types import MappingProxyType
 from typing import Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
@@ -20,6 +21,7 @@ from pgimp.errors import DamagedError, RunError
 from pgimp.output import checkpointwriter, runinfo
 from pgimp.output.checkpointfile import CheckpointFile
 from pgimp.output.collective import explain, on_root
+from pgimp.output.probes import Record
 from pgimp.output.schedule import Schedule
 from pgimp.parallel.together import all_or_none
 from pgimp.solver.state import capture
@@ -39,6 +41,7 @@ class About(BaseModel):
     case: str
     frames: int = Field(ge=0, le=2**53)
     history: int = Field(ge=-1, le=2**53)
+    probes: dict[str, Record] = {}
     written: str
     made_by: dict[str, str | None]
     seconds: float | None = Field(ge=0.0, allow_inf_nan=False)
@@ -99,14 +102,14 @@ class Checkpoints:
         row = sum(array[0].nbytes for array in sim.particles)
         self.seconds = sim.count * row / _SLOW
         self._measured = False
-        self._stands_for = (-1, -1)
+        self._stands_for: tuple[int, int, Mapping[str, Record]] = (-1, -1, {})
 
     def resume(self, comm: Any, step: int, about: About) -> None:
         """Go on after the checkpoint of a step; collective.
 
         Later ones, which were found damaged, are renamed, or they would count as those to keep.
         """
-        self.latest, self._stands_for = step, (about.frames, about.history)
+        self.latest, self._stands_for = step, (about.frames, about.history, about.probes)
         if about.seconds is not None:
             self.seconds, self._measured = about.seconds, True
         on_root(comm, self._set_aside)
@@ -126,7 +129,9 @@ class Checkpoints:
         """Whether one falls due by the clock at the wall, which is to be asked on one rank."""
         return monotonic() >= self._next
 
-    def write(self, sim: Any, frames: int, line: int) -> bool:
+    def write(
+        self, sim: Any, frames: int, line: int, probes: Mapping[str, Record] = MappingProxyType({})
+    ) -> bool:
         """Write a checkpoint, unless there is one of this step and this output; collective.
 
         Parameters
@@ -135,6 +140,8 @@ class Checkpoints:
             The run, between two steps.
         frames, line : int
             Number of frames, and step of the last line of the history, which are safe on disk.
+        probes : mapping of str to Record
+            Likewise of the probes.
 
         Returns
         -------
@@ -146,7 +153,8 @@ class Checkpoints:
         RunError
             On every rank, if it could not be written whole; those before it stay.
         """
-        if sim.step == self.latest and (frames, line) == self._stands_for:
+        stands_for = (frames, line, probes)
+        if sim.step == self.latest and stands_for == self._stands_for:
             return False
         began = monotonic()
         path = self.folder / f"step-{sim.step:09d}.h5"
@@ -156,13 +164,14 @@ class Checkpoints:
             "case": self._case,
             "frames": frames,
             "history": line,
+            "probes": {name: record.model_dump() for name, record in probes.items()},
             "written": runinfo.now(),
             "made_by": self._made_by,
             "seconds": self.seconds if self._measured else None,
             "state": state,
         }
         self.size += checkpointwriter.write(path, sim.comm, about, rows.columns, whole, rows.order)
-        self.latest, self._stands_for = sim.step, (frames, line)
+        self.latest, self._stands_for = sim.step, stands_for
         on_root(sim.comm, self._delete_older)
         now = monotonic()
         self.seconds = max(self.seconds if self._measured else 0.0, now - began)

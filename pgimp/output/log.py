@@ -81,6 +81,7 @@ class Log:
                 self._file.close()
             self._file = None
 
+
 #: Phases in which no rank waits for another.
 _BUSY = ("P2G", "momentum", "G2P", "order", "sort")
 

@@ -13,6 +13,7 @@ from pgimp.errors import PgimpError, RunError, UsageError
 from pgimp.output import history, runinfo
 from pgimp.output.collective import explain
 from pgimp.output.hdf5 import open_file
+from pgimp.output.probefiles import probe_files
 from pgimp.output.rundir import FRAME, RUN
 
 if TYPE_CHECKING:
@@ -233,6 +234,11 @@ class Run:
     def history(self) -> Array:
         """history.csv so far, as a structured array: ``run.history["time"]``."""
         return history.read(self.path / "history.csv")
+
+    @property
+    def probes(self) -> dict[str, Array]:
+        """Each ``probes/NAME.csv`` so far, as `history`: ``run.probes["tip"]["position-x"]``."""
+        return {path.stem: history.read(path) for path in sorted(probe_files(self.path))}
 
     def follow(self, number: int) -> dict[str, Array]:
         """Follow a particle through the frames, to the last one before it left the domain.

@@ -12,6 +12,7 @@ from pgimp.output.checkpoints import About, Checkpoints
 from pgimp.output.collective import on_root
 from pgimp.output.frames import Frames
 from pgimp.output.history import History
+from pgimp.output.probes import Probes
 from pgimp.output.rundir import RunDirectory
 from pgimp.output.schedule import Schedule
 from pgimp.solver.simulation import NOTHING
@@ -33,9 +34,10 @@ class Recorder:
     ----------
     frames : Frames
     history : History
+    probes : Probes
     checkpoints : Checkpoints
     seconds : dict of str to float
-        What this rank has spent on each.
+        What this rank has spent on each; probes count as history.
     """
 
     def __init__(self, directory: RunDirectory, case: Any, sim: Any) -> None:
@@ -43,6 +45,7 @@ class Recorder:
         self._directory = directory
         self.frames = Frames(directory.path, case, sim)
         self.history = History(directory.path / "history.csv")
+        self.probes = Probes(directory.path, case, sim)
         self.checkpoints = Checkpoints(directory.path, case, sim)
         self._frame_times = Schedule(case.output.every, case.output.at)
         self._line_times = Schedule(case.history.every)
@@ -56,6 +59,8 @@ class Recorder:
         RunError
             On every rank, if that is not possible; so for all that follows.
         """
+        with self._timed("history"):
+            self.probes.begin()
         self._record(frame=True, line=True)
 
     def resume(self, about: About) -> list[str]:
@@ -80,6 +85,7 @@ class Recorder:
                 f"{self.history.path} ends at step {self.history.step}, but it had a line of step "
                 f"{about.history}: lines are missing"
             )
+        notes += self.probes.resume(about.probes)
         for schedule in (self._frame_times, self._line_times):
             schedule.skip(sim.time, sim.step, sim.dt)
         return notes
@@ -98,6 +104,8 @@ class Recorder:
                 self.frames.finish()
         frame = self._frame_times.due(sim.time, sim.step, sim.dt)
         line = self._line_times.due(sim.time, sim.step, sim.dt)
+        if probes := self.probes.due():
+            self._look(probes)
         if frame or line:
             self._record(frame, line)
         # The one of the end comes after the frame of the end.
@@ -106,6 +114,7 @@ class Recorder:
 
     def end(self) -> None:
         """Write the state at the end, as far as it is not there yet; collective."""
+        self._look(None)
         self._record(frame=self.frames.step != self._sim.step, line=True)
         self.checkpoint()
 
@@ -115,26 +124,39 @@ class Recorder:
         with self._timed("frames"):
             self.frames.sync(last=self._sim.finished)
         with self._timed("checkpoints"):
-            on_root(self._sim.comm, self.history.sync)
-            if self.checkpoints.write(self._sim, self.frames.written, self.history.step):
+            on_root(self._sim.comm, self._sync)
+            records = self.probes.records()
+            if self.checkpoints.write(self._sim, self.frames.written, self.history.step, records):
                 self._directory.note_checkpoint(self._sim.step)
+
+    def _sync(self) -> None:
+        self.history.sync()
+        self.probes.sync()
 
     def salvage(self) -> None:
         """Finish the last frame of a run that has failed on all ranks; collective."""
         with suppress(RunError):
             self.frames.finish()
 
+    def _look(self, probes: list[str] | None) -> None:
+        with self._timed("history"), self._salvaging():
+            self.probes.write(probes)
+
     def _record(self, frame: bool, line: bool) -> None:
         if line:
-            with self._timed("history"):
-                try:
-                    self.history.write(self._sim)
-                except RunError:
-                    self.salvage()
-                    raise
+            with self._timed("history"), self._salvaging():
+                self.history.write(self._sim)
         if frame:
             with self._timed("frames"):
                 self.frames.write(self._sim)
+
+    @contextmanager
+    def _salvaging(self) -> Iterator[None]:
+        try:
+            yield
+        except RunError:
+            self.salvage()
+            raise
 
     @contextmanager
     def _timed(self, what: str) -> Iterator[None]:
@@ -160,5 +182,6 @@ class Recorder:
         return self.frames.size + self.checkpoints.size
 
     def close(self) -> None:
-        """Close the history."""
+        """Close the history and the probes' files."""
         self.history.close()
+        self.probes.close()

@@ -13,13 +13,14 @@ from pgimp.errors import CaseError, DamagedError, RunError, UsageError
 from pgimp.output.checkpoints import About, intact, made_by, present
 from pgimp.output.collective import explain, on_root
 from pgimp.output.log import Log
+from pgimp.output.probes import require_known
 from pgimp.output.rundir import STARTING, RunDirectory
 from pgimp.solver.clock import clock_of
 from pgimp.solver.simulation import Simulation
 from pgimp.solver.state import State
 
 #: What may be another in a resumed run: it changes no particle, or only when the run ends.
-MAY_CHANGE = ("title", "time.end", "output", "history", "checkpoint")
+MAY_CHANGE = ("title", "time.end", "output", "history", "probes", "checkpoint")
 
 
 class Resumed(NamedTuple):
@@ -67,6 +68,7 @@ def resume(case: Case, comm: Any, directory: RunDirectory, log: Log) -> Resumed 
                 raise file
             about, state = About.of(file), State.of(file)
             began_as = _compare(about.case, case, f"{path}", log)
+            require_known(case, about.probes)
             clock = clock_of(began_as)
             clock.restore(state.step, state.time)
             if state.time > clock.end * (1.0 + 1e-12) or clock.time != state.time:
@@ -138,8 +140,8 @@ def _compare(text: str, case: Case, source: str, log: Log) -> Case:
         if len(refused) > most:
             lines.append(f"  and {len(refused) - most} more")
         raise UsageError(
-            "a resumed run must be the same case; only title, time.end, output, history and "
-            "checkpoint may change, but\n" + "\n".join(lines) + "\n"
+            "a resumed run must be the same case; only title, time.end, output, history, "
+            "probes and checkpoint may change, but\n" + "\n".join(lines) + "\n"
             "Undo these changes, or choose another directory with -o."
         )
     for key, then, now in accepted:

@@ -17,6 +17,7 @@ from pgimp.errors import RunError, UsageError
 from pgimp.output import runinfo
 from pgimp.output.collective import explain, on_root
 from pgimp.output.files import write
+from pgimp.output.probefiles import PROBES, probe_files
 
 RUN = "run.json"
 TOP = ("case.yaml", "input.yaml", "particles.xdmf", "history.csv", "log.txt", RUN)
@@ -132,7 +133,7 @@ class RunDirectory:
 
     def _examine(self, overwrite: bool, resume: bool) -> dict[str, Any] | None:
         """Return the last start of the run that is there; raise unless what is there may be."""
-        there = [name for name in (*TOP, *FOLDERS) if os.path.lexists(self.path / name)]
+        there = [name for name in (*TOP, *FOLDERS, PROBES) if os.path.lexists(self.path / name)]
         run = runinfo.read(self.path / RUN)
         if run is None and resume and any((self.path / "checkpoints").glob("step-*.h5")):
             return {"state": "lost", "checkpoint": 0}
@@ -203,6 +204,7 @@ class RunDirectory:
             for entry in folder.iterdir() if folder.is_dir() else ():
                 if data.fullmatch(entry.name) or _PART.fullmatch(entry.name):
                     yield entry
+        yield from probe_files(self.path)
         for name in (_FAILED, *TOP):
             if name != RUN:
                 yield self.path / name

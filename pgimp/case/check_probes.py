@@ -1,0 +1,70 @@
+"""Checks of the probes: material points in bodies, places in the domain."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+
+from pgimp.case.check_bodies import check_regions
+from pgimp.case.check_domain import AXES, WHOLE, Problems, check_grid, length
+from pgimp.case.messages import unknown
+from pgimp.case.output import PlaceProbe
+from pgimp.case.problems import Problem
+
+
+def check_probes(
+    dimensions: int,
+    grid: Any,
+    bodies: Mapping[str, Any],
+    body_names: Iterable[str],
+    probes: Mapping[str, Any],
+) -> Problems:
+    """Check that material points are in their bodies, and places in the domain."""
+    sound = not list(check_grid(dimensions, grid))
+    for name, entry in probes.items():
+        path: tuple[str | int, ...] = ("probes", name)
+        if isinstance(entry, PlaceProbe):
+            wrong = list(length((*path, "place"), entry.place, dimensions))
+            yield from wrong
+            if sound and not wrong:
+                yield from _in_domain((*path, "place"), entry.place, grid)
+            continue
+        if entry.body not in bodies and entry.body not in body_names:
+            yield Problem((*path, "body"), unknown("body", entry.body, body_names))
+        wrong = list(length((*path, "at"), entry.at, dimensions))
+        yield from wrong
+        if sound and not wrong and entry.body in bodies:
+            yield from _in_body((*path, "at"), entry, dimensions, grid, bodies)
+
+
+def _in_domain(path: tuple[str | int, ...], place: tuple[float, ...], grid: Any) -> Problems:
+    for i, x in enumerate(place):
+        least, most = grid.origin[i], grid.corner[i]
+        if not least - WHOLE * grid.cell[i] <= x <= most + WHOLE * grid.cell[i]:
+            yield Problem(
+                (*path, i),
+                f"{x:.15g} is outside of the domain, which goes from {least:.15g} to {most:.15g} "
+                f"along {AXES[i]}",
+            )
+
+
+def _in_body(
+    path: tuple[str | int, ...], entry: Any, dimensions: int, grid: Any, bodies: Mapping[str, Any]
+) -> Problems:
+    """Check that a place is in a body, or so close that one of its particles may be next to it."""
+    if any(check_regions(dimensions, grid, {entry.body: bodies[entry.body]})):
+        return
+    region, slack = bodies[entry.body].region, 0.5 * min(grid.cell)
+    low, high = region.bounds()
+    # First of a box around the body: what lies outside of that needs no closer look.
+    away = max(max(a - x, x - b) for a, x, b in zip(low, entry.at, high, strict=True))
+    if away <= slack:
+        away = float(region.distance(np.array([entry.at], float))[0])
+    if away > slack:
+        yield Problem(
+            path,
+            f"{list(entry.at)} is outside of body '{entry.body}', by {away:.3g} or more; it is the "
+            "place of the point at the start",
+        )

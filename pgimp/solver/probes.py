@@ -1,0 +1,212 @@
+"""What probes see: a particle that is followed by its number, or the material at a place.
+
+All is done only when a line falls due: a step knows nothing of probes. What is seen does not
+depend on the ranks: a particle is on one of them, and the sums at a place go layer by layer in
+canonical order, as those of the history.
+"""
+
+from collections.abc import Sequence
+from math import floor, prod
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pgimp.output.fields import OPTIONAL, Source
+from pgimp.output.framefile import blocks
+from pgimp.solver.population import Population
+
+if TYPE_CHECKING:
+    from pgimp.solver.simulation import Simulation
+
+AXES = "xyz"
+STRESS = "xx yy zz xy yz xz".split()
+#: Components of a strain, as columns of the field, by dimension.
+STRAINS = ((0,), (0, 1, 3), range(6))
+
+#: Part of a cell's volume around a place that must be filled: a flat surface has half of it.
+FILLED = 0.25
+
+_BLOCK = 1 << 16
+
+Line = dict[str, float | None]
+
+
+class Point:
+    """A material point: the particle of a number, on whatever rank it is.
+
+    Parameters
+    ----------
+    number : int
+        Its id.
+    origin : sequence of float
+        Its position at the start.
+    """
+
+    def __init__(self, number: int, origin: Sequence[float]) -> None:
+        self.number = number
+        self.origin = tuple(origin)
+        #: Whether no rank has it any more.
+        self.gone = False
+        self._row = -1
+
+    def known(self, population: Population) -> bool:
+        """Tell whether the particle is on this rank, where it was last."""
+        p, row, self._row = population.particles, self._row, -1
+        if 0 <= row < p.capacity and p.id[row] == self.number:
+            layer = int(p.layer[row]) - population.first
+            if 0 <= layer < population.layers:
+                # The row of a particle that has left keeps its number, but is in no layer's order.
+                rows = population.order[population.start[layer] : population.start[layer + 1]]
+                self._row = row if (rows == row).any() else -1
+        return self._row >= 0
+
+    def search(self, population: Population) -> bool:
+        """Look for the particle among all of this rank; tell whether it is there."""
+        self._row = -1
+        for begin, end in blocks(len(population.order), _BLOCK):
+            rows = population.order[begin:end]
+            there = np.flatnonzero(population.particles.id[rows] == self.number)
+            if len(there):
+                self._row = int(rows[there[0]])
+        return self._row >= 0
+
+    def own(self, sim: "Simulation") -> np.ndarray | None:
+        """Columns of the particle, None where it is not on this rank."""
+        if self._row < 0:
+            return None
+        scene, D = sim.scene, sim.scene.dimension
+        rows = np.array([self._row])
+        source = Source(sim.particles, rows, D, tuple(scene.body_material))
+        x = source.take("x")[0]
+        strain = OPTIONAL["strain"].values(source)[0]
+        parts = (x, x - self.origin, source.take("v")[0], source.take("sigma")[0])
+        scalars = [OPTIONAL[name].values(source)[0] for name in ("pressure", "von-mises")]
+        volume = source.take("V")[0]
+        return np.concatenate(
+            [*parts, strain[list(STRAINS[D - 1])], [*scalars, volume, source.take("m")[0] / volume]]
+        )
+
+    def line(self, sim: "Simulation", parts: list[np.ndarray | None]) -> Line:
+        """A line on rank 0, from what each rank has; nothing but the time once it is gone."""
+        D, S = sim.scene.dimension, sim.particles.sigma.shape[1]
+        names = [
+            f"{name}-{a}" for name in ("position", "displacement", "velocity") for a in AXES[:D]
+        ]
+        names += [f"stress-{name}" for name in STRESS[:S]]
+        names += [f"strain-{STRESS[i]}" for i in STRAINS[D - 1]]
+        names += ["pressure", "von-mises", "volume", "density"]
+        values = next((part for part in parts if part is not None), None)
+        return _line(sim, names, values)
+
+
+class Place:
+    """A place fixed in space: the mean over the particles around it.
+
+    A particle counts by the weight that a vertex of the grid there would have in linear
+    interpolation, w = product of max(0, 1 - |x_p - X|/L) over the directions. The columns are
+
+    - volume-fraction: sum of w V_p over the volume of a cell,
+    - density: sum of w m_p over sum of w V_p,
+    - velocity: sum of w m_p v_p over sum of w m_p,
+    - stress: sum of w V_p sigma_p over sum of w V_p; pressure and von-mises are of this stress.
+
+    Where less than a quarter is filled, only the volume fraction is given.
+
+    Parameters
+    ----------
+    place : sequence of float
+        Where it is.
+    """
+
+    def __init__(self, place: Sequence[float]) -> None:
+        self.place = tuple(place)
+
+    def own(self, sim: "Simulation") -> list[np.ndarray]:
+        """Sums of the layers of this rank whose particles may reach the place, in their order."""
+        population, frame, sums = sim.population, sim.scene.frame, []
+        p = population.particles
+        cell = floor((self.place[0] - frame.origin[0]) * frame.inverse[0]) + frame.ghost
+        # A particle is up to two cells beyond the first vertex of its support.
+        for number in range(cell - 3, cell + 3):
+            layer = number - population.first
+            if not 0 <= layer < population.layers:
+                continue
+            rows = population.order[population.start[layer] : population.start[layer + 1]]
+            weight = np.ones(len(rows))
+            for d, at in enumerate(self.place):
+                distance = np.abs(p.x[rows, d] - at) * frame.inverse[d]
+                weight *= np.maximum(0.0, 1.0 - distance)
+            rows, weight = rows[weight > 0.0], weight[weight > 0.0]
+            if len(rows):
+                mass, volume = (weight * p.m[rows])[:, None], (weight * p.V[rows])[:, None]
+                terms = np.hstack([volume, mass, mass * p.v[rows], volume * p.sigma[rows]])
+                sums.append(np.add.reduce(terms, axis=0))
+        return sums
+
+    def line(self, sim: "Simulation", parts: list[list[np.ndarray]]) -> Line:
+        """A line on rank 0, from the sums that each rank has."""
+        D, S = sim.scene.dimension, sim.particles.sigma.shape[1]
+        names = ["volume-fraction", "density", *(f"velocity-{a}" for a in AXES[:D])]
+        names += [f"stress-{name}" for name in STRESS[:S]] + ["pressure", "von-mises"]
+        sums = [layer for part in parts for layer in part]
+        total = np.add.reduce(np.array([np.zeros(2 + D + S), *sums]), axis=0)
+        fraction = total[0] / prod(sim.scene.frame.cell)
+        if fraction < FILLED:
+            return _line(sim, names, np.array([fraction]))
+        stress = total[2 + D :] / total[0]
+        alone = SimpleNamespace(sigma=stress[None])
+        source = Source(alone, np.array([0]), D, tuple(sim.scene.body_material))
+        scalars = [OPTIONAL[name].values(source)[0] for name in ("pressure", "von-mises")]
+        velocity = total[2 : 2 + D] / total[1]
+        return _line(
+            sim, names, np.array([fraction, total[1] / total[0], *velocity, *stress, *scalars])
+        )
+
+
+def _line(sim: "Simulation", names: list[str], values: np.ndarray | None) -> Line:
+    """A line with the first columns as `values` say, and nothing in the others."""
+    line: Line = {"time": sim.time, "step": sim.step} | dict.fromkeys(names)
+    if values is not None:
+        # Added zero turns -0 into 0.
+        line |= {name: float(value) + 0.0 for name, value in zip(names, values, strict=False)}
+    return line
+
+
+def nearest(sim: "Simulation", body: int, at: Sequence[float]) -> Point:
+    """The particle of a body whose centre is closest to a place now; collective.
+
+    Of several that are equally close, the one with the lowest number.
+    """
+    population, found = sim.population, (np.inf, -1, ())
+    p = population.particles
+    for begin, end in blocks(len(population.order), _BLOCK):
+        rows = population.order[begin:end]
+        rows = rows[p.body[rows] == body]
+        distance = np.zeros(len(rows))
+        for d, x in enumerate(at):
+            distance += (p.x[rows, d] - x) ** 2
+        if len(rows):
+            close = rows[distance == distance.min()]
+            row = close[np.argmin(p.id[close])]
+            best: Any = (float(distance.min()), int(p.id[row]), tuple(p.x[row].tolist()))
+            found = min(found, best) if found[1] >= 0 else best
+    _, number, origin = min(each for each in sim.comm.allgather(found) if each[1] >= 0)
+    return Point(number, origin)
+
+
+def sample(sim: "Simulation", probes: Sequence[Point | Place]) -> list[Line]:
+    """Lines of probes about the present state on rank 0, empty elsewhere; collective."""
+    comm, population = sim.comm, sim.population
+    points = [probe for probe in probes if isinstance(probe, Point) and not probe.gone]
+    if points:
+        known = comm.allreduce(np.array([point.known(population) for point in points], int))
+        lost = [point for point, there in zip(points, known, strict=True) if not there]
+        if lost:
+            found = comm.allreduce(np.array([point.search(population) for point in lost], int))
+            for point, there in zip(lost, found, strict=True):
+                point.gone = not there
+    parts = comm.gather([probe.own(sim) for probe in probes])
+    if parts is None:
+        return []
+    return [probe.line(sim, [part[i] for part in parts]) for i, probe in enumerate(probes)]
