@@ -96,6 +96,21 @@ def _digest_once(entry: type) -> str:
     return _digests[entry]
 
 
+_tagged: set[type] = set()
+
+
+def tag(entry: type) -> None:
+    """Give a class from outside a name that no other class has.
+
+    When Numba dispatches a call it tells the classes of NamedTuples apart by their names: of two
+    with the same name, as a notebook's cell makes them when it is run again, it takes the first.
+    The class is pickled, and found again, by its qualified name, which stays.
+    """
+    if entry not in _tagged:
+        _tagged.add(entry)
+        entry.__name__ += f"_{_digest_once(entry)[:16] or len(_tagged)}"
+
+
 def digest(entry: type) -> str:
     """Digest of all that a class's functions compile to.
 

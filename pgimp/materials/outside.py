@@ -12,7 +12,7 @@ import numba
 from numba.core import errors, types
 
 from pgimp.errors import UsageError
-from pgimp.kernels.outside import is_outside
+from pgimp.kernels.outside import is_outside, tag
 from pgimp.kernels.simd import vec4
 from pgimp.materials.base import Material, _compiled
 
@@ -50,18 +50,19 @@ def parameters_of(entry: Material) -> Any:
     who = f"the material '{entry.model}'"  # type: ignore[attr-defined]
     if "density" not in getattr(kind, "_fields", ()):
         raise UsageError(
-            f"{who}: parameters() must return a NamedTuple with a density, got {kind.__name__}"
+            f"{who}: parameters() must return a NamedTuple with a density, got {kind.__qualname__}"
         )
     for quantity, names in _ARGUMENTS.items():
         function = inspect.getattr_static(kind, quantity, None)
         call = f"{quantity}({', '.join(names)})"
         if not isinstance(function, staticmethod):
-            raise UsageError(f"{who}: {kind.__name__} needs a @staticmethod {call}")
+            raise UsageError(f"{who}: {kind.__qualname__} needs a @staticmethod {call}")
         given = len(inspect.signature(function.__func__).parameters)
         if given != len(names):
             raise UsageError(
-                f"{who}: {kind.__name__}.{quantity} takes {given} arguments instead of {call}"
+                f"{who}: {kind.__qualname__}.{quantity} takes {given} arguments instead of {call}"
             )
+    tag(kind)
     return parameters
 
 
@@ -140,7 +141,7 @@ def explained(materials: tuple[Any, ...], dimensions: int) -> Iterator[None]:
 def _examine(parameters: Any, dimensions: int) -> None:
     kinds = _Kinds.of(dimensions, types.float64)
     for quantity in _ARGUMENTS:
-        who = f"{type(parameters).__name__}.{quantity} of {_file(parameters)}"
+        who = f"{type(parameters).__qualname__}.{quantity} of {_file(parameters)}"
         try:
             result = _result(parameters, quantity, kinds)
         except errors.NumbaError as error:
