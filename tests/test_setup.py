@@ -19,7 +19,7 @@ ROOT = Path(__file__).resolve().parents[1]
 SCRIPTS = ["scripts/setup", "scripts/run", "scripts/test", "scripts/slurm", ".ci/run"]
 TOOLS = (
     "bash cat chmod cp cut dirname env flock grep head id mkdir mktemp nproc rm sed sha256sum tail "
-    "touch tr true"
+    "timeout touch tr true"
 ).split()
 PROGRAMS = {
     "openmpi-bin": ["mpirun"],
@@ -51,12 +51,19 @@ case "$*" in
 *"-m pip"*"install"*"--editable"*)
     printf '#!/usr/bin/env bash\necho "pgimp $*" >>"$LOG"; exit "${STATUS:-0}"' >"$here/pgimp"
     chmod +x "$here/pgimp" ;;
-*"-m pip"*" wheel "*)
+*"-m pip"*" wheel --no-"*)
     mkdir -p "$here/../wheels"
+    name=$(sed 's/.*--no-binary=\([a-z0-9]*\).*/\1/' <<<"$*")
     kind=${PIP_KEPT:-mpi}
     [[ "$*" != *--no-cache-dir* ]] || kind=mpi
-    echo "$kind" >"$here/../wheels/h5py-1.whl" ;;
-*"-m pip"*"install"*"h5py-1.whl"*) cp "${*: -1}" "$here/h5py" ;;
+    echo "settings $name ${HDF5_DIR:-} ${HDF5_PKGCONFIG_NAME:-} $CC $CFLAGS" >>"$LOG"
+    [[ "$name" != "${UNBUILT:-}" ]] || exit 1
+    echo "$kind" >"$here/../wheels/$name-1.whl" ;;
+*"-m pip"*"install"*"-1.whl"*)
+    file=${*: -1}
+    name=${file##*/}
+    cp "$file" "$here/${name%-1.whl}" ;;
+*"-m pip"*"install"*"--only-binary=h5py"*) echo serial >"$here/h5py" ;;
 *"-m pip"*) exit "${PIP_STATUS:-0}" ;;
 "-") grep -q mpi "$here/h5py" 2>/dev/null ;;
 *) exec "$REAL_PYTHON" "$@" ;;
@@ -80,6 +87,13 @@ echo "$(basename "$0") $*" >>"$LOG"
 case "$(basename "$0") $*" in
 "pkg-config --exists"*) [ -e "$(dirname "$0")/has-libhdf5-openmpi-dev" ] ;;
 "mpirun --version") echo "mpirun (Open MPI) 4.1.4" ;;
+"mpirun "*"from mpi4py"* | "srun "*"from mpi4py"*)
+    # The wheel fits, or what was built from source, as a venv's python is beside it.
+    for word in "$@"; do [[ "$word" != */.venv/bin/python ]] || bin=${word%/*}; done
+    size=2
+    [ -z "${STRANGERS:-}" ] || [ -e "$bin/mpi4py" ] || size=1
+    echo "of $size" ;;
+"h5pcc -showconfig") echo "   Installation point: $H5PCC_FOLDER" ;;
 "mpirun "*) exit "${STATUS:-0}" ;;
 esac
 """
@@ -187,6 +201,104 @@ def test_what_the_tests_need_comes_on_top(ready):
     assert "install --no-install-recommends paraview python3-paraview slurm-client" in ready.called
     assert "pytest" in ready.called
     assert "in place" in ready.run("scripts/setup", "--test").stdout
+
+
+def parallel_hdf5(folder):
+    """A folder with the one line by which an HDF5 with MPI is known."""
+    (folder / "include").mkdir(parents=True)
+    (folder / "include" / "H5pubconf.h").write_text("#define H5_HAVE_PARALLEL 1\n")
+    return str(folder)
+
+
+@pytest.fixture
+def cluster(machine):
+    """A machine of a user who is not root, with an MPI from a module, and a sudo that asks."""
+    machine.add("id", "#!/usr/bin/env bash\necho 1000")
+    for name in ("apt-get", "sudo"):
+        machine.add(name, f'#!/usr/bin/env bash\necho "{name} $*" >>"$LOG"; exit 1')
+    for name in ("mpirun", "mpicc"):
+        machine.add(name, PROGRAM)
+    return machine
+
+
+@pytest.mark.parametrize("named_by", ["HDF5_DIR", "h5pcc"])
+def test_mpi_and_hdf5_of_modules_are_used_without_root(cluster, tmp_path, named_by):
+    folder = parallel_hdf5(tmp_path / "hdf5")
+    env = {"LOADEDMODULES": "gcc/12.2:openmpi/4.1:hdf5/1.14", named_by: folder}
+    if named_by == "h5pcc":
+        cluster.add("h5pcc", PROGRAM)
+        env = env | {"H5PCC_FOLDER": folder}
+    done = cluster.run("scripts/setup", **env)
+    assert done.returncode == 0, done.stderr
+    assert "apt-get" not in cluster.called
+    assert "sudo" not in cluster.called
+    assert f"settings h5py {folder}  mpicc -O1 -g0" in cluster.called
+    assert "mpi4py from source" not in done.stdout
+    line = "pgimp batch CASE.yaml --module gcc/12.2 --module openmpi/4.1 --module hdf5/1.14\n"
+    assert line in done.stdout
+    assert "in place" in cluster.run("scripts/setup", **env).stdout
+    (cluster.bin / "mpirun").unlink()
+    done = cluster.run("scripts/run", "case.yaml")
+    assert done.returncode == 1
+    assert "  module load gcc/12.2 openmpi/4.1 hdf5/1.14\n" in done.stderr
+
+
+@pytest.mark.parametrize("hdf5", ["none", "serial", "not built"])
+def test_without_parallel_hdf5_h5py_has_no_mpi(cluster, tmp_path, hdf5):
+    env = {}
+    if hdf5 != "none":
+        env = {"HDF5_DIR": parallel_hdf5(tmp_path / "hdf5")}
+    if hdf5 == "serial":
+        (tmp_path / "hdf5/include/H5pubconf.h").write_text("/* #undef H5_HAVE_PARALLEL */\n")
+    if hdf5 == "not built":
+        env["UNBUILT"] = "h5py"
+    done = cluster.run("scripts/setup", **env)
+    assert done.returncode == 0, done.stderr
+    assert "apt-get" not in cluster.called
+    assert done.stdout.count("pgimp does not need it") == 1
+    assert ("settings h5py" in cluster.called) == (hdf5 == "not built")
+    assert "--only-binary=h5py" in cluster.called
+    assert "in place" in cluster.run("scripts/setup", **env).stdout
+
+
+def test_mpi4py_is_built_where_its_wheel_does_not_fit(cluster, tmp_path):
+    folder = parallel_hdf5(tmp_path / "hdf5")
+    done = cluster.run("scripts/setup", STRANGERS="1", HDF5_DIR=folder)
+    assert done.returncode == 0, done.stderr
+    assert "mpi4py's wheel does not fit" in done.stdout
+    words = next(line for line in cluster.called.splitlines() if "--no-binary=mpi4py" in line)
+    assert {"--no-cache-dir", "--no-build-isolation", "--no-deps"} <= set(words.split())
+    assert f"settings mpi4py {folder}  mpicc -O1 -g0" in cluster.called
+    assert cluster.called.index("settings mpi4py") < cluster.called.index("settings h5py")
+
+
+def test_mpi4py_that_cannot_be_built(cluster):
+    done = cluster.run("scripts/setup", STRANGERS="1", UNBUILT="mpi4py")
+    assert done.returncode == 1
+    assert "mpi4py could not be built with" in done.stderr
+
+
+def test_another_mpi_is_looked_at_again(cluster, tmp_path):
+    """Other modules are loaded than at the last set-up: mpi4py is tried with them."""
+    assert cluster.run("scripts/setup").returncode == 0
+    other = tmp_path / "other"
+    other.mkdir()
+    shutil.copy(cluster.bin / "mpirun", other / "mpirun")
+    done = cluster.run("scripts/setup", PATH=f"{other}:{cluster.bin}", STRANGERS="1")
+    assert done.returncode == 0, done.stderr
+    assert f"does not fit {other}/mpirun: building it from source" in done.stdout
+
+
+def test_srun_is_the_launcher_where_it_is_alone(cluster):
+    shutil.move(cluster.bin / "mpirun", cluster.bin / "srun")
+    done = cluster.run("scripts/setup")
+    assert done.returncode == 0, done.stderr
+    assert "'salloc -n 2 scripts/setup' would check" in done.stdout
+    assert "\nsrun" not in cluster.called
+    assert cluster.run("scripts/setup", SLURM_JOB_ID="1", MPICC="cc").returncode == 0
+    assert "\nsrun -n 2 " in cluster.called
+    assert cluster.run("scripts/run", "case.yaml").returncode == 0
+    assert cluster.called.splitlines()[-1].startswith("srun -n 2 ")
 
 
 @pytest.mark.parametrize("apt", [True, False])
