@@ -27,7 +27,6 @@ HERE = os.path.dirname(os.path.abspath(globals().get("__file__", "")))
 sys.path[:] = [path for path in sys.path if os.path.abspath(path) != HERE]
 
 try:
-    import paraview
     from paraview import servermanager, simple
 except ImportError:
     sys.exit(
@@ -147,8 +146,7 @@ def show(
     flat = bounds[4] == bounds[5] == 0.0
 
     view = simple.GetActiveViewOrCreate("RenderView")
-    if not paraview.fromGUI:
-        view.ViewSize = list(size)
+    view.ViewSize = list(size)
     view.UseColorPaletteForBackground = 0
     view.Background = [1.0, 1.0, 1.0]
     display = simple.Show(source, view)
@@ -261,15 +259,15 @@ def _aim(view, camera, bounds, size, flat):
     up = _cross(towards, right)
     middle = [0.5 * (bounds[i] + bounds[i + 1]) for i in (0, 2, 4)]
     half = [0.5 * (bounds[i + 1] - bounds[i]) for i in (0, 2, 4)]
-    wide, high = (sum(abs(a) * h for a, h in zip(axis, half)) for axis in (right, up))
+    wide, high = (sum(abs(a) * h for a, h in zip(axis, half, strict=True)) for axis in (right, up))
     # The bar of colours takes the rightmost seventh.
     view.CameraParallelProjection = 1
     view.CameraParallelScale = MARGIN * max(high, wide * size[1] / (0.84 * size[0]))
     aside = 0.16 * view.CameraParallelScale * size[0] / size[1]
     far = 3.0 * math.hypot(*half) or 1.0
-    focus = [m + aside * r for m, r in zip(middle, right)]
+    focus = [m + aside * r for m, r in zip(middle, right, strict=True)]
     view.CameraFocalPoint = focus
-    view.CameraPosition = [m + far * t for m, t in zip(focus, towards)]
+    view.CameraPosition = [m + far * t for m, t in zip(focus, towards, strict=True)]
     view.CameraViewUp = list(up)
     if flat:
         grid = view.AxesGrid
@@ -429,10 +427,14 @@ def main():
             save_movie(scene, args.movie, size, args.rate)
             print(f"wrote {args.movie}")
     except Wrong as error:
-        parser.exit(2, f"paraview.py: {error}\n")
+        print(f"paraview.py: {error}", file=sys.stderr, flush=True)
+        os._exit(2)  # with a window open, the usual way out crashes in the graphics driver
 
 
-if paraview.fromGUI:
-    print('Now, for instance: show("/path/to/RUN.out", field="von-mises")')
-elif __name__ == "__main__":
+# In ParaView's own shell there is no command line: the functions are then there to be called.
+if os.path.abspath(sys.argv[0] if sys.argv else "") == os.path.abspath(
+    globals().get("__file__", "-")
+):
     main()
+else:
+    print('Now, for instance: show("/path/to/RUN.out", field="von-mises")')
