@@ -72,8 +72,9 @@ def reference() -> str:
         _columns(POINT),
         "`probes/NAME.csv` of a place X: means over the particles around it, each with the weight\n"
         "that a vertex of the grid there would have in linear interpolation, the product of\n"
-        "max(0, 1 - |x - X|/L) over the directions, L the cell. Where the volume fraction is\n"
-        "below 0.25 there is no material, and what follows is empty; at a flat surface it is 0.5.\n",
+        "max(0, 1 - |x - X|/L) over the directions, L the cell. Where the volume fraction\n"
+        "is below 0.25 there is no material, and what follows is empty; at a flat surface it\n"
+        "is 0.5.\n",
         _columns(PLACE),
         "## Study file\n",
         "What `pgimp study` takes. Key paths are those of `--set`. An entry of `sweep` is like\n"
