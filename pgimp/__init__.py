@@ -1,7 +1,8 @@
 """pgimp: the Generalized Interpolation Material Point method, on slabs over MPI.
 
-From Python: ``load`` a case, ``run`` it (under mpirun on all ranks), drive a ``Simulation`` step by
-step, ``open`` a run directory. Importing pgimp imports neither MPI nor Numba nor h5py.
+From Python: ``load`` a case and change it, ``run`` it (under mpirun on all ranks), drive a
+``Simulation`` step by step, ``open`` a run directory, and ``register_material`` for laws of your
+own. Importing pgimp imports neither MPI nor Numba nor h5py.
 """
 
 from __future__ import annotations
@@ -17,12 +18,12 @@ if TYPE_CHECKING:
     from pgimp.materials.outside import takes_vectors
     from pgimp.materials.registry import register_material
     from pgimp.output.reader import open
-    from pgimp.solver.simulation import Simulation
+    from pgimp.solver.driver import Simulation
 
 __all__ = ["Simulation", "load", "open", "register_material", "run", "takes_vectors"]
 
 _HOMES = {
-    "Simulation": "pgimp.solver.simulation",
+    "Simulation": "pgimp.solver.driver",
     "load": "pgimp.case.load",
     "open": "pgimp.output.reader",
     "register_material": "pgimp.materials.registry",
@@ -37,3 +38,7 @@ def __getattr__(name: str) -> Any:
     from importlib import import_module
 
     return getattr(import_module(_HOMES[name]), name)
+
+
+def __dir__() -> list[str]:
+    return __all__

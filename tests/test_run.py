@@ -112,9 +112,10 @@ def test_reading_a_run(done):
 def test_frames_hold_the_state_of_the_simulation(done):
     """The same case, driven step by step from Python, has the same particles."""
     from pgimp.parallel.comm import Serial
+    from pgimp.solver.simulation import Simulation
 
     run = pgimp.open(done[0])
-    sim = pgimp.Simulation(run.case, Serial())
+    sim = Simulation(run.case, Serial())
     while not sim.finished:
         sim.advance()
     rows = sim.live()

@@ -9,6 +9,7 @@ from __future__ import annotations
 import inspect
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
+from contextvars import ContextVar
 from typing import Annotated, Any
 
 from pydantic import BaseModel, GetJsonSchemaHandler, TypeAdapter, ValidationError
@@ -23,9 +24,23 @@ COMMENT = "defined under "
 Registry = Callable[[], Mapping[str, type[BaseModel]]]
 
 
+_SPARSE: ContextVar[bool] = ContextVar("sparse", default=False)
+
+
 def plain(value: Any) -> Any:
     """Return `value` as the mappings, tuples and scalars that a case file writes."""
-    return value.model_dump(by_alias=True) if isinstance(value, BaseModel) else value
+    if not isinstance(value, BaseModel):
+        return value
+    return value.model_dump(by_alias=True, exclude_unset=_SPARSE.get())
+
+
+def given(value: BaseModel) -> dict[str, Any]:
+    """Return what was given of `value`, without the defaults that it got."""
+    token = _SPARSE.set(True)
+    try:
+        return plain(value)
+    finally:
+        _SPARSE.reset(token)
 
 
 class Dispatch(ABC):

@@ -1,15 +1,23 @@
-"""Overrides of single values of a case: ``--set time.end=3.0``."""
+"""Overrides of single values of a case: ``--set time.end=3.0``, in Python ``{"time.end": 3.0}``."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from os import PathLike, fspath
 from typing import Any
 
+from pydantic import BaseModel
+
+from pgimp.case.dispatch import given
 from pgimp.case.document import DEEPEST, Document, Path, parse
 from pgimp.case.messages import describe, dotted, shorten
 from pgimp.errors import CaseError
 
+Overrides = Sequence[str] | Mapping[str, Any]
+"""``["time.end=3.0"]``, as on the command line, or ``{"time.end": 3.0}``."""
 
-def apply(document: Document, overrides: list[str]) -> None:
+
+def apply(document: Document, overrides: Overrides) -> None:
     """Write every override into `document`, in their order; later ones win.
 
     A key that is not there yet is made: whether there is such a key, validation tells.
@@ -18,14 +26,25 @@ def apply(document: Document, overrides: list[str]) -> None:
     ----------
     document : Document
         The case; changed in place.
-    overrides : list of str
-        Each ``key.path=value``: keys and list indices (from 0) joined by dots, and YAML.
+    overrides : sequence of str, or mapping
+        Each ``key.path=value``: keys and list indices (from 0) joined by dots, and YAML; or values
+        by such paths.
 
     Raises
     ------
     CaseError
         When an override has no key or value, or its path leads nowhere.
     """
+    if isinstance(overrides, str):
+        raise CaseError(f"expected a list or a mapping of overrides, got the text '{overrides}'")
+    if isinstance(overrides, Mapping):
+        for key, value in overrides.items():
+            path = str(key).strip().split(".")
+            label = f"override of {shorten(str(key))}"
+            if not all(path):
+                raise CaseError(f"{label}: expected a path of keys, such as time.end")
+            change(document, path, as_data(value, label), label)
+        return
     for override in overrides:
         label = f"--set {shorten(override)}"
         written, equals, text = override.partition("=")
@@ -81,3 +100,38 @@ def _part(data: Any, key: str, path: Path, label: str) -> str | int:
             f"{label}: {where} is a list with the entries 0 to {last}, not '{shorten(key)}'"
         )
     raise CaseError(f"{label}: {where} is {describe(data)} and has no key '{shorten(key)}'")
+
+
+def as_data(value: Any, label: str, depth: int = 0) -> Any:
+    """Return a value from Python as a case file would give it.
+
+    Parameters
+    ----------
+    value : object
+        Numbers, text, lists and mappings, also of NumPy, and parts of a case.
+    label : str
+        Its place in messages.
+    depth : int
+        How deep it lies.
+
+    Raises
+    ------
+    CaseError
+        If it is nested too deeply, or a key is no text.
+    """
+    if depth > DEEPEST:
+        raise CaseError(f"{label}: nested deeper than {DEEPEST} levels")
+    if isinstance(value, BaseModel):
+        value = given(value)
+    elif isinstance(value, PathLike):
+        value = fspath(value)
+    elif hasattr(value, "tolist"):  # a number or an array of NumPy's
+        value = value.tolist()
+    if isinstance(value, Mapping):
+        for key in value:
+            if not isinstance(key, str):
+                raise CaseError(f"{label}: expected text as the key, got {describe(key)}")
+        return {str(key): as_data(part, label, depth + 1) for key, part in value.items()}
+    if isinstance(value, list | tuple):
+        return [as_data(part, label, depth + 1) for part in value]
+    return value

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TypeVar
 
 from pydantic import BaseModel, ValidationError
 
 from pgimp.case.document import Document, decode, few, parse, top_level
 from pgimp.case.messages import dotted, explain
-from pgimp.case.overrides import apply
+from pgimp.case.overrides import Overrides, apply
 from pgimp.case.paths import starting_from
 from pgimp.case.problems import Problem
 from pgimp.case.schema import Case
@@ -21,7 +20,7 @@ __all__ = ["decode", "dump_case", "read_case"]
 M = TypeVar("M", bound=BaseModel)
 
 
-def read_case(text: str | bytes, filename: str = "case", overrides: Sequence[str] = ()) -> Case:
+def read_case(text: str | bytes, filename: str = "case", overrides: Overrides = ()) -> Case:
     """Return the case that a case file defines.
 
     Parameters
@@ -30,8 +29,8 @@ def read_case(text: str | bytes, filename: str = "case", overrides: Sequence[str
         Content of the file; bytes are UTF-8.
     filename : str
         Name for messages.
-    overrides : sequence of str
-        ``key.path=value`` each, as of ``--set``.
+    overrides : sequence of str, or mapping
+        ``key.path=value`` each, as of ``--set``, or values by their paths.
 
     Returns
     -------
@@ -45,7 +44,7 @@ def read_case(text: str | bytes, filename: str = "case", overrides: Sequence[str
         key path, what is wrong, what is allowed.
     """
     document = read_document(text, filename)
-    apply(document, list(overrides))
+    apply(document, overrides)
     with starting_from(filename):
         return validate(Case, document, filename)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -18,6 +17,8 @@ from pgimp.output.stop import Stop, wall_time
 from pgimp.parallel.comm import abort_on_error, world
 
 if TYPE_CHECKING:
+    from pgimp.case.load import Source
+    from pgimp.case.overrides import Overrides
     from pgimp.case.schema import Case
     from pgimp.output.reader import Run
 
@@ -96,11 +97,11 @@ def execute(args: argparse.Namespace) -> int:
 
 
 def run(
-    case: Case | str | Path,
+    case: Source,
     comm: Any = None,
     output: str | Path | None = None,
     *,
-    overrides: Sequence[str] = (),
+    overrides: Overrides = (),
     overwrite: bool = False,
     resume: bool = False,
     wall_time: float | None = None,
@@ -110,15 +111,16 @@ def run(
 
     Parameters
     ----------
-    case : Case, str or Path
-        A case, or the name of its file.
+    case : Case, str, Path or mapping
+        A case, the name of its file, or what would be in the file as a dictionary.
     comm : communicator, optional
-        Of all ranks; by default all that the launcher started.
+        Of all ranks; by default all that the launcher started. `pgimp.parallel.comm.Serial()` is
+        this rank alone, so that ranks may run cases of their own.
     output : str or Path, optional
         The run directory; by default the name of the case's file with ``.out``, in the working
         directory. A case that comes from no file needs one.
-    overrides : sequence of str
-        Changes to the case's file, as ``key.path=value``.
+    overrides : mapping, or sequence of str
+        Changes to the case, ``{"time.end": 3.0}``, as for `load`.
     overwrite : bool
         Whether a run that the directory holds may be replaced.
     resume : bool
@@ -140,8 +142,10 @@ def run(
     RunError
         If the run fails. On more than one rank this ends the whole job with status 1.
     KeyboardInterrupt, SystemExit
-        After SIGINT or SIGTERM, once a checkpoint is written and the files are closed.
+        After SIGINT, as of a notebook's stop button, or SIGTERM, once a checkpoint is written and
+        the files are closed; ``resume=True`` goes on from there.
     """
+    from pgimp.case.load import load
     from pgimp.output import reader
 
     comm = world() if comm is None else comm
@@ -150,9 +154,9 @@ def run(
         if isinstance(case, str | Path):
             output = f"{Path(case).stem}.out" if output is None else output
             text = _read(str(case), comm)
-            case = _parse(text, str(case), list(overrides))
-        elif overrides:
-            raise UsageError("overrides change a case's file; change the Case itself instead")
+            case = _parse(text, str(case), overrides)
+        else:
+            case = load(case, overrides)
         if output is None:
             raise UsageError("a case that comes from no file needs output=, its run directory")
         if overwrite and resume:
@@ -177,7 +181,7 @@ def _read(name: str, comm: Any) -> bytes:
     return on_root(comm, content)
 
 
-def _parse(text: bytes, name: str, overrides: list[str]) -> Case:
+def _parse(text: bytes, name: str, overrides: Overrides) -> Case:
     from pgimp.case.reader import read_case
 
     return read_case(text, name, overrides)

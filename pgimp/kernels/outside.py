@@ -11,7 +11,7 @@ another process could not find again, as those of a notebook's cells, are compil
 import hashlib
 import pickle
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
 from typing import Any
@@ -58,21 +58,23 @@ class KernelCache:
         digests = [_digest_once(one) for one in classes]
         name = hashlib.sha256(" ".join(digests).encode()).hexdigest()[:16] if all(digests) else ""
         if name not in self._parts:
-            base = numba.config.CACHE_DIR
+            settings: Any = numba.config
+            base = settings.CACHE_DIR
             try:
-                numba.config.CACHE_DIR = str(Path(base) / f"outside-{name}")
+                settings.CACHE_DIR = str(Path(base) / f"outside-{name}")
                 self._parts[name] = FunctionCache(self._function)
             finally:
-                numba.config.CACHE_DIR = base
+                settings.CACHE_DIR = base
         return self._parts[name]
 
 
-def outsiders(kinds: Iterable[Any]) -> set[type]:
+def outsiders(kinds: Any) -> set[type]:
     """Return the NamedTuples from outside the package in Numba's types, at any depth."""
     found: set[type] = set()
     for kind in kinds:
-        if isinstance(kind, types.BaseNamedTuple) and is_outside(kind.instance_class):
-            found.add(kind.instance_class)
+        entry = getattr(kind, "instance_class", None)
+        if isinstance(kind, types.BaseNamedTuple) and isinstance(entry, type) and is_outside(entry):
+            found.add(entry)
         if isinstance(kind, types.BaseTuple):
             found |= outsiders(kind)
     return found

@@ -84,7 +84,8 @@ class _Kinds(NamedTuple):
 
 def _result(parameters: Any, quantity: str, kinds: _Kinds) -> Any:
     """Compile a function of a material for arguments of these types; return the result's."""
-    function = _compiled(type(parameters), quantity)
+    kind: Any = type(parameters)
+    function = _compiled(kind, quantity)
     given = (getattr(kinds, name) for name in _ARGUMENTS[quantity][1:])
     signature = (numba.typeof(parameters), *given)
     function.compile(signature)

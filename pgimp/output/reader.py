@@ -9,17 +9,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pgimp.errors import PgimpError, RunError, UsageError
+from pgimp.errors import RunError, UsageError
 from pgimp.output import history, runinfo
 from pgimp.output.collective import explain
-from pgimp.output.hdf5 import open_file
+from pgimp.output.frame import Array, Frame
 from pgimp.output.probefiles import probe_files
 from pgimp.output.rundir import FRAME, RUN
+from pgimp.output.tables import Fields, Table
 
 if TYPE_CHECKING:
     from pgimp.case.schema import Case
 
-Array = np.ndarray
+__all__ = ["Frame", "Run", "open"]
 
 
 def open(directory: str | Path) -> Run:
@@ -43,102 +44,6 @@ def open(directory: str | Path) -> Run:
     return Run(Path(directory))
 
 
-class Frame:
-    """The particles at one time; ``frame["stress"]`` reads a field.
-
-    Parameters
-    ----------
-    path : Path
-        The frame's file.
-
-    Attributes
-    ----------
-    number : int
-        Its place among the frames of the run, from 0.
-    time : float
-        Its simulated time.
-    step : int
-        The step after which it was written.
-    fields : list of str
-        The fields it has, in the order of the file format.
-    types : dict of str to str
-        Their types; those of numbers that are not whole depend on the case's ``output.precision``.
-    bodies, materials : list of str
-        Names, by the index that the fields ``body`` and ``material`` hold.
-
-    Raises
-    ------
-    RunError
-        If the file cannot be read; later on, when a field cannot.
-    """
-
-    def __init__(self, path: Path) -> None:
-        self.path = path
-        match = FRAME.fullmatch(path.name)
-        self.number = int(match[1]) if match else 0
-        with _Reading(path) as file:
-            self.time = float(file.attrs["time"])
-            self.step = int(file.attrs["step"])
-            self.bodies = [str(name) for name in file.attrs["bodies"]]
-            self.materials = [str(name) for name in file.attrs["materials"]]
-            self.fields = [name for name in file if name != "connectivity"]
-            self.types = {name: file[name].dtype.newbyteorder("<").str for name in self.fields}
-            self._count = len(file["id"])
-
-    def __len__(self) -> int:
-        """Return the number of particles."""
-        return self._count
-
-    def __contains__(self, name: object) -> bool:
-        """Tell whether the frame has a field."""
-        return name in self.fields
-
-    def __getitem__(self, name: str) -> Array:
-        """Read a field of all particles, in ascending id.
-
-        Parameters
-        ----------
-        name : str
-            One of `fields`.
-
-        Returns
-        -------
-        ndarray, shape (N,) or (N, k)
-            The values.
-
-        Raises
-        ------
-        KeyError
-            If the frame does not have the field.
-        """
-        return self.rows(name, 0, self._count)
-
-    def rows(self, name: str, first: int, last: int) -> Array:
-        """Read a stretch of a field.
-
-        Parameters
-        ----------
-        name : str
-            One of `fields`.
-        first, last : int
-            The rows from `first` up to but not including `last`.
-
-        Returns
-        -------
-        ndarray, shape (last - first,) or (last - first, k)
-            The values.
-
-        Raises
-        ------
-        KeyError
-            If the frame does not have the field.
-        """
-        if name not in self.fields:
-            raise KeyError(f"{self.path.name} has no field {name}; it has {', '.join(self.fields)}")
-        with _Reading(self.path) as file:
-            return file[name][first:last]
-
-
 class Run:
     """A run directory.
 
@@ -155,7 +60,7 @@ class Run:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self._known: dict[Path, Frame] = {}
+        self._known: dict[Path, tuple[tuple[int, int], Frame]] = {}
         if runinfo.read(path / RUN) is None:
             raise UsageError(f"{path} is no run directory of pgimp: it has no {RUN}.")
 
@@ -188,10 +93,23 @@ class Run:
         """All frames so far, in order of time."""
         folder = self.path / "frames"
         found = [path for path in folder.glob("particles-*.h5") if FRAME.fullmatch(path.name)]
-        for path in found:
-            if path not in self._known:
-                self._known[path] = Frame(path)
-        return sorted((self._known[path] for path in found), key=lambda frame: frame.number)
+        return sorted(map(self._frame, found), key=lambda frame: frame.number)
+
+    def _frame(self, path: Path) -> Frame:
+        """Return the frame of a file, which another run may have replaced since the last time."""
+        try:
+            about = path.stat()
+        except OSError as error:
+            raise RunError(f"cannot read {path}: {explain(error)}") from error
+        stamp = about.st_ino, about.st_mtime_ns
+        if path not in self._known or self._known[path][0] != stamp:
+            self._known[path] = stamp, Frame(path)
+        return self._known[path][1]
+
+    def __repr__(self) -> str:
+        """Say how far the run is."""
+        info = self.info
+        return f"<Run {self.path}: {info['state']}, {info['steps']} steps, {len(self)} frames>"
 
     def __len__(self) -> int:
         """Return the number of frames so far."""
@@ -231,16 +149,17 @@ class Run:
         return np.array([frame.time for frame in self.frames])
 
     @property
-    def history(self) -> Array:
+    def history(self) -> Table:
         """history.csv so far, as a structured array: ``run.history["time"]``."""
-        return history.read(self.path / "history.csv")
+        return history.read(self.path / "history.csv").view(Table)
 
     @property
-    def probes(self) -> dict[str, Array]:
+    def probes(self) -> dict[str, Table]:
         """Each ``probes/NAME.csv`` so far, as `history`: ``run.probes["tip"]["position-x"]``."""
-        return {path.stem: history.read(path) for path in sorted(probe_files(self.path))}
+        files = sorted(probe_files(self.path))
+        return {path.stem: history.read(path).view(Table) for path in files}
 
-    def follow(self, number: int) -> dict[str, Array]:
+    def follow(self, number: int) -> Fields:
         """Follow a particle through the frames, to the last one before it left the domain.
 
         Parameters
@@ -250,16 +169,18 @@ class Run:
 
         Returns
         -------
-        dict of str to ndarray, each of shape (frames,) or (frames, k)
-            ``time``, ``step`` and each field that all frames have; of a particle that was removed
-            only for the frames that have it.
+        Fields
+            By name arrays of shape (frames,) or (frames, k): ``time``, ``step`` and each field that
+            all frames have; of a particle that was removed only for the frames that have it.
 
         Raises
         ------
         KeyError
             If there is no such particle.
+        IndexError
+            If there is no frame yet.
         """
-        frames = self.frames
+        frames = [self.frame(0), *self.frames[1:]]
         names = [name for name in frames[0].fields if all(name in frame for frame in frames)]
         values: dict[str, list[Any]] = {name: [] for name in ["time", "step", *names]}
         for frame in frames:
@@ -273,27 +194,4 @@ class Run:
             values["step"].append(frame.step)
             for name in names:
                 values[name].append(frame.rows(name, row, row + 1)[0])
-        return {name: np.array(column) for name, column in values.items()}
-
-
-class _Reading:
-    """A file open for reading, whose errors name it."""
-
-    def __init__(self, path: Path) -> None:
-        self.path = path
-
-    def __enter__(self) -> Any:
-        try:
-            self._file = open_file(self.path, "r")
-        except OSError as error:
-            raise self._damage(error) from error
-        return self._file
-
-    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
-        self._file.close()
-        if isinstance(error, OSError | KeyError):
-            raise self._damage(error) from error
-
-    def _damage(self, error: OSError | KeyError) -> PgimpError:
-        cause = explain(error) if isinstance(error, OSError) else f"it has no {error}"
-        return RunError(f"cannot read {self.path}: {cause}")
+        return Fields({name: np.array(column) for name, column in values.items()})

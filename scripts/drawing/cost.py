@@ -15,6 +15,7 @@ from figures.methods import METHODS
 import pgimp
 from pgimp.errors import RunError
 from pgimp.parallel.comm import Serial
+from pgimp.solver.simulation import Simulation
 
 TIME = 0.5
 START, END = "<!-- written by scripts/pictures error-and-cost -->\n", "<!-- end -->"
@@ -68,7 +69,7 @@ def advance(kind, cell):
         f"time={{end: {TIME}, step: {kind.courant * 1.0e-3 * cell!r}}}",
         "exact=compaction",
     ]
-    sim = pgimp.Simulation(pgimp.load(ROOT / "cases/compaction.yaml", words), Serial())
+    sim = Simulation(pgimp.load(ROOT / "cases/compaction.yaml", words), Serial())
     began = perf_counter()
     failure = None
     try:

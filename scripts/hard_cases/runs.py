@@ -10,6 +10,7 @@ import numpy as np
 import pgimp
 from pgimp.errors import RunError
 from pgimp.parallel.comm import Serial
+from pgimp.solver.simulation import Simulation
 
 ROOT = Path(__file__).resolve().parents[2]
 CASES = ROOT / "cases" / "hard"
@@ -45,7 +46,7 @@ def words(changes):
 
 def begin(name, changes):
     """The simulation of cases/hard/NAME.yaml with some changes, on one rank."""
-    return pgimp.Simulation(pgimp.load(CASES / f"{name}.yaml", words(changes)), Serial())
+    return Simulation(pgimp.load(CASES / f"{name}.yaml", words(changes)), Serial())
 
 
 def watch(sim, lines=LINES, each=None):

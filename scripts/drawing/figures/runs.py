@@ -69,8 +69,9 @@ def perform(run):
     import pgimp
     from pgimp.errors import RunError
     from pgimp.parallel.comm import Serial
+    from pgimp.solver.simulation import Simulation
 
-    sim = pgimp.Simulation(pgimp.load(ROOT / "cases/compaction.yaml", run.words), Serial())
+    sim = Simulation(pgimp.load(ROOT / "cases/compaction.yaml", run.words), Serial())
     records, stopped, began = [], None, process_time()
     for time in run.times:
         try:

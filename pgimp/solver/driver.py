@@ -1,0 +1,183 @@
+"""A simulation driven from Python, without a run directory: ``pgimp.Simulation``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from math import inf
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pgimp.case.load import Source, load
+from pgimp.case.overrides import Overrides
+from pgimp.case.schema import Case
+from pgimp.errors import RunError
+from pgimp.output import fields
+from pgimp.output.tables import Fields
+from pgimp.parallel.comm import world
+from pgimp.solver import simulation
+
+if TYPE_CHECKING:
+    import pandas
+
+#: Times this close, relative to the later one, are the same.
+_SAME = 1e-12
+
+
+class Simulation:
+    """A case, advanced step by step; all ranks create it and advance it together.
+
+    Nothing is written; `pgimp.run` does the same steps and writes a run directory.
+
+    Parameters
+    ----------
+    case : Case, str, Path or mapping
+        A case, the name of its file, or what would be in the file as a dictionary.
+    comm : communicator, optional
+        Of all ranks; by default all that the launcher started.
+    overrides : mapping, or sequence of str
+        Changes to the case, as for `pgimp.load`.
+
+    Attributes
+    ----------
+    case : Case
+        What is simulated.
+    particles : Particles
+        The particles of this rank as they are now: ``sim.particles["stress"]``.
+    core : pgimp.solver.simulation.Simulation
+        The solver itself, whose interface may change.
+
+    Raises
+    ------
+    CaseError, UsageError
+        If the case is wrong.
+    """
+
+    def __init__(self, case: Source, comm: Any = None, overrides: Overrides = ()) -> None:
+        comm = world() if comm is None else comm
+        self.case: Case = load(case, overrides)
+        self.core = simulation.Simulation(self.case, comm)
+        self.particles = Particles(self.core)
+
+    def __repr__(self) -> str:
+        """Say how far it is."""
+        return f"<Simulation: t = {self.time:.6g} of {self.case.time.end:.6g}, step {self.steps}>"
+
+    @property
+    def time(self) -> float:
+        """Simulated time."""
+        return self.core.time
+
+    @property
+    def dt(self) -> float:
+        """Length of the last step; 0 before the first."""
+        return self.core.dt
+
+    @property
+    def steps(self) -> int:
+        """Steps done."""
+        return self.core.step
+
+    @property
+    def finished(self) -> bool:
+        """Whether the end of the case is reached."""
+        return self.core.finished
+
+    def step(self, count: int = 1) -> None:
+        """Do a step, or several; collective.
+
+        Parameters
+        ----------
+        count : int
+            How many.
+
+        Raises
+        ------
+        RunError
+            On every rank: if particles of any are at fault, or past the end of the case.
+        """
+        for _ in range(count):
+            if self.finished:
+                raise RunError(
+                    f"the case ends at t = {self.time:.6g}, after {self.steps} steps; a longer one "
+                    "has another time.end"
+                )
+            self.core.advance()
+
+    def advance(self, to: float = inf) -> None:
+        """Do steps until a time is reached or, first, the end of the case; collective.
+
+        The steps are those that a run does, so the time afterwards may be up to a step later.
+
+        Parameters
+        ----------
+        to : float
+            The simulated time; the end of the case by default.
+
+        Raises
+        ------
+        RunError
+            On every rank, if particles of any are at fault.
+        """
+        while not self.finished and self.time < to - _SAME * abs(to):
+            self.core.advance()
+
+    def diagnostics(self) -> dict[str, float] | None:
+        """Return a line of history.csv as it would be now; None but on rank 0; collective."""
+        return self.core.diagnostics()
+
+
+class Particles(Mapping[str, np.ndarray]):
+    """The particles of this rank as they are now, by the names of the fields of a frame.
+
+    Each access copies the values of that moment, in ascending id; see cases/reference.md for the
+    fields. ``len(particles["id"])`` is the number of particles.
+    """
+
+    def __init__(self, core: simulation.Simulation) -> None:
+        self._core = core
+
+    def _names(self) -> list[str]:
+        followed = self._core.particles.origin.shape[1] > 0
+        return [name for name in fields.FIELDS if followed or name != "displacement"]
+
+    def __iter__(self) -> Iterator[str]:
+        """Go through the names of the fields."""
+        return iter(self._names())
+
+    def __len__(self) -> int:
+        """Return the number of fields."""
+        return len(self._names())
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """Return a field.
+
+        Parameters
+        ----------
+        name : str
+            As in frames; ``displacement`` only if the case has it in ``output.fields``.
+
+        Returns
+        -------
+        ndarray, shape (n,) or (n, k)
+            A copy.
+
+        Raises
+        ------
+        KeyError
+            If there is no such field.
+        """
+        if name not in self._names():
+            raise KeyError(f"there is no field {name}; there are {', '.join(self._names())}")
+        core = self._core
+        rows = core.live()
+        rows = rows[np.argsort(core.particles.id[rows])]
+        scene = core.scene
+        source = fields.Source(core.particles, rows, scene.dimension, scene.body_material)
+        return fields.FIELDS[name].values(source)
+
+    def to_pandas(self, *names: str) -> pandas.DataFrame:
+        """Return fields, all by default, as a pandas.DataFrame; see `Frame.to_pandas`."""
+        wanted = [name for name in names or self if name != "id"]
+        found = Fields({"id": self["id"]} | {name: self[name] for name in wanted})
+        return found.to_pandas().set_index("id")
