@@ -63,6 +63,9 @@ def _region(path: tuple[str | int, ...], region: Any, dimensions: int) -> Proble
         hint = "; in 2D a disk is a ball" if dimensions == 2 else ""
         yield Problem(path, f"a {name} exists in {allowed} only{hint}")
         return
+    if region.WHOLE_BODY and (path[0] != "bodies" or len(path) > 4):
+        yield Problem(path, "particles of a file are a body of their own, and no part of a region")
+        return
     region.belong(dimensions)
     for field, info in type(region).model_fields.items():
         yield from length((*path, info.alias or field), getattr(region, field), dimensions)

@@ -5,7 +5,6 @@ the parts of a step cost on this machine; the rest is `pgimp.model`.
 """
 
 import argparse
-from dataclasses import dataclass
 from math import ceil
 
 import numpy as np
@@ -22,6 +21,7 @@ from pgimp.model.sample import samples_of
 from pgimp.output.progress import duration
 from pgimp.parallel.comm import Serial
 from pgimp.parallel.limits import limits
+from pgimp.scene.doubts import BodyFacts, doubts, idle_step, strains
 from pgimp.scene.extent import extents
 from pgimp.scene.geometry import share
 from pgimp.scene.lattice import Lattice
@@ -53,18 +53,6 @@ def execute(args: argparse.Namespace) -> int:
     """Run the command."""
     report(load(args.case, args.set))
     return 0
-
-
-@dataclass(frozen=True)
-class BodyFacts:
-    """What is known of a body before the run."""
-
-    name: str
-    particles: int
-    wave_speed: float
-    top_speed: float
-    extent: float
-    density: float
 
 
 def report(case: Case) -> None:
@@ -107,8 +95,10 @@ def report(case: Case) -> None:
     _report_cost(scene, lattice, counts, steps)
     for note in notes:
         print(f"note: {note}")
-    if warning := doubt(dt, rate, case.method.stable):
-        print(f"warning: {warning}")
+    warnings = [doubt(dt, rate, case.method.stable), idle_step(dt, rate)]
+    warnings += [text for body in bodies for text in doubts(case, body, steps * dt)]
+    for text in filter(None, warnings):
+        print(f"warning: {text}")
 
 
 def _facts(scene: Scene, lattice: Lattice, counts: np.ndarray, body: int) -> BodyFacts:
@@ -123,7 +113,7 @@ def _facts(scene: Scene, lattice: Lattice, counts: np.ndarray, body: int) -> Bod
     top = 0.0
     low, high = np.full(D, np.inf), np.full(D, -np.inf)
     for made in lattice.make((0, lattice.planes), counts, body):
-        v = scene.velocities(body, made.centroids)
+        v = scene.velocities(body, made.centroids) if made.velocities is None else made.velocities
         with np.errstate(over="ignore"):
             top = max(top, float(np.sqrt((v * v).sum(axis=1)).max()))
         low = np.minimum(low, made.positions.min(axis=0))
@@ -156,23 +146,8 @@ def _report_body(body: BodyFacts, case: Case, duration: float) -> None:
     )
     for fact in case.bodies[body.name].region.facts():
         print(f"{'':<16} {fact}")
-    weight = _greatest_gravity(case) * body.extent / c**2
-    impact = body.top_speed / c
-    print(f"{'':<16} strain by its own weight {weight:.2g}, by stopping its velocity {impact:.2g}")
-    if max(weight, impact) > 0.5:
-        print(
-            "warning: loads of the order of the stiffness; are the units of young, density, "
-            "gravity, velocity and grid one consistent set (mm with MPa wants tonnes)?"
-        )
-
-
-def _greatest_gravity(case: Case) -> float:
-    """Greatest length of the body force over the run."""
-    b = case.gravity
-    if b is None:
-        return 0.0
-    vectors = [row[1] for row in b.table] if hasattr(b, "table") else [b]
-    return max(float(np.linalg.norm(v)) for v in vectors)
+    texts = (f"{what} {strain:.2g}" for what, strain in strains(case, body).items())
+    print(f"{'':<16} strain {', '.join(texts)}")
 
 
 def _report_cost(scene: Scene, lattice: Lattice, counts: np.ndarray, steps: int) -> None:

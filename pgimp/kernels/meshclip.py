@@ -68,6 +68,14 @@ def _add(polygon, n, x0, y0, z0, xc, yc, zc, sums):
 
 
 @kernel
+def _take(target, source, n):
+    """Copy the n corners of a polygon."""
+    for a in range(n):
+        for d in range(3):
+            target[a, d] = source[a, d]
+
+
+@kernel
 def _first(edges, x):
     """Number of the box that x lies in, or at the low end of."""
     low, high = 0, len(edges) - 1
@@ -118,11 +126,11 @@ def clip_plane(T, chosen, x0, x1, ey, ez, sums, touched):
             continue
         if least < x0:
             _, n = _split(spare, n, 0, x0, rest, whole)
-            spare[:] = whole
+            _take(spare, whole, n)
         if most > x1:
             n, _ = _split(spare, n, 0, x1, whole, rest)
         else:
-            whole[:] = spare
+            _take(whole, spare, n)
         if n < 3:
             continue
         low, high = whole[0, 1], whole[0, 1]
@@ -132,14 +140,14 @@ def clip_plane(T, chosen, x0, x1, ey, ez, sums, touched):
             continue
         if low < ey[0]:
             _, n = _split(whole, n, 1, ey[0], rest, spare)
-            whole[:] = spare
+            _take(whole, spare, n)
         j = _first(ey, low)
         while j < ny and n >= 3:
             if high > ey[j + 1]:
                 m, n = _split(whole, n, 1, ey[j + 1], column, spare)
-                whole[:] = spare
+                _take(whole, spare, n)
             else:
-                column[:] = whole
+                _take(column, whole, n)
                 m, n = n, 0
             if m >= 3:
                 _column(column, m, x0, xc, ey[j], 0.5 * (ey[j + 1] - ey[j]), ez, nz, box, rest,
@@ -157,14 +165,14 @@ def _column(column, m, x0, xc, y0, yc, ez, nz, box, rest, sums, touched):
         return
     if low < ez[0]:
         _, m = _split(column, m, 2, ez[0], box, rest)
-        column[:] = rest
+        _take(column, rest, m)
     k = _first(ez, low)
     while k < nz and m >= 3:
         if high > ez[k + 1]:
             n, m = _split(column, m, 2, ez[k + 1], box, rest)
-            column[:] = rest
+            _take(column, rest, m)
         else:
-            box[:] = column
+            _take(box, column, m)
             n, m = m, 0
         if n >= 3:
             zc = 0.5 * (ez[k + 1] - ez[k]) if k + 1 < nz else 0.0

@@ -1,7 +1,7 @@
 """What the entries of all materials have in common, and the kernels' view of a material."""
 
 from functools import cache
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numba
 from numba.core import errors
@@ -31,6 +31,9 @@ class ArtificialViscosity(Model):
 
 class Material(Model):
     """Base of the entries ``materials.NAME``."""
+
+    CARRIES_STRESS: ClassVar[bool] = False
+    """Whether the stress of a step starts from that before, which a file of particles may give."""
 
     density: Positive = Field(description="initial density [mass/volume]")
     viscosity: ArtificialViscosity | None = Field(

@@ -7,7 +7,7 @@ of sym(G) would see a spurious strain of order (dt W)^2/2 in every step of a rot
 """
 
 from math import sqrt
-from typing import Literal, NamedTuple
+from typing import ClassVar, Literal, NamedTuple
 
 from pydantic import Field
 
@@ -57,6 +57,8 @@ class HookeParameters(NamedTuple):
 
 class Hooke(Material):
     """Linear elasticity in rate form, for small strains and any rotation."""
+
+    CARRIES_STRESS: ClassVar[bool] = True
 
     model: Literal["hooke"] = Field(description="name of the model")
     young: Young

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pgimp.case.schema import Case
+from pgimp.scene.regions import Points
 from pgimp.scene.regions.base import Region
 
 #: Bricks that are looked at, times the parts of the regions: a fraction of a second.
@@ -56,6 +57,11 @@ def extents(case: Case) -> list[Extent]:
         for a, b, x, h, n in ends:
             low.append(int(np.clip(np.floor((a - x) / h), 0, n)))
             high.append(int(np.clip(np.ceil((b - x) / h), low[-1], n)))
+        if isinstance(body.region, Points):
+            high = [max(a + 1, b) for a, b in zip(low, high, strict=True)]
+            count = float(body.region.summary.number)
+            found.append(Extent(tuple(low), tuple(high), count, count, 0.0))
+            continue
         looks = _LOOKS // (body.region.parts * len(case.bodies))
         found.append(_extent(body.region, origin, size, tuple(low), tuple(high), looks))
     return found

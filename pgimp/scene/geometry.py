@@ -14,7 +14,9 @@ from pgimp.errors import CaseError
 from pgimp.output.collective import on_root
 from pgimp.parallel.node import one_rank_first
 from pgimp.scene.meshtree import nothing, plant
-from pgimp.scene.regions import Mesh
+from pgimp.scene.regions import Mesh, Points
+from pgimp.scene.regions.points import NONE
+from pgimp.scene.scene import LEAST, MOST
 
 
 def _meshes(case: Case) -> Iterator[tuple[str, Mesh]]:
@@ -48,10 +50,10 @@ def share(case: Case, comm: Any) -> None:
         if mesh not in known:
             known[mesh] = on_root(comm, read)
         mesh.__dict__["surface"] = known[mesh]
-    if not known:
-        return
-    with one_rank_first(comm):
-        discard_damaged(_warm_up)
+    if known:
+        with one_rank_first(comm):
+            discard_damaged(_warm_up)
+    _read_points(case, comm)
     problems = [
         f"{dotted(problem.path)}: {problem.text}"
         for name, body in case.bodies.items()
@@ -75,13 +77,49 @@ def _warm_up() -> None:
     surface.fill([np.array([0.0, 1.0])] * 3, [(0, 1)] * 3)
 
 
-def do_without(case: Case) -> None:
+def _read_points(case: Case, comm: Any) -> None:
+    """Let rank 0 check the files of particles, and all ranks know what they hold."""
+    for name, body in case.bodies.items():
+        points = body.region
+        if not isinstance(points, Points):
+            continue
+
+        def read(name: str = name, points: Points = points) -> Any:
+            try:
+                found = points.summary
+            except CaseError as error:
+                raise CaseError(f"bodies.{name}.region: {error}") from None
+            material = case.materials[case.bodies[name].material]
+            if found.stress and not material.CARRIES_STRESS:
+                raise CaseError(
+                    f"bodies.{name}.region: the particles {points.file} have a stress, but the "
+                    f"stress of '{material.model}' follows from the deformation alone; leave it "
+                    "out, or use hooke"
+                )
+            least, most = found.least * material.density, found.volume * material.density
+            if not (least > LEAST and most < MOST):
+                raise CaseError(
+                    f"bodies.{name}.region: the particles {points.file} have masses of {least:.3g} "
+                    f"and {most:.3g} in all: nothing can be computed; choose other units"
+                )
+            return found
+
+        points.__dict__["summary"] = on_root(comm, read)
+
+
+def do_without(case: Case, comm: Any) -> None:
     """Take the bodies in files for empty, where their particles exist already."""
     for _, mesh in _meshes(case):
         mesh.__dict__["surface"] = nothing(case.dimensions)
+    for body in case.bodies.values():
+        if isinstance(body.region, Points):
+            body.region.__dict__["summary"] = NONE
 
 
 def release(case: Case) -> None:
     """Let go of what was read; it will be read anew when it is needed."""
     for _, mesh in _meshes(case):
         mesh.__dict__.pop("surface", None)
+    for body in case.bodies.values():
+        if isinstance(body.region, Points):
+            body.region.__dict__.pop("summary", None)

@@ -6,7 +6,7 @@ ever holds more. Ids number the particles by body, then by position (x first). W
 body's surface has of the body is found by `pgimp.scene.filling`.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,6 +16,8 @@ from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.scene.filling import SLIVER, Filling, Ranges, Survey
 from pgimp.scene.measure import TangledError
+from pgimp.scene.pointscloud import Cloud
+from pgimp.scene.regions import Points
 
 #: Particles that are made at a time.
 _BLOCK = 200_000
@@ -34,6 +36,9 @@ class Made(NamedTuple):
         Volumes, over that of a particle that no surface cuts.
     centroids : (n, D) float64
         Centres of mass of what the particles have of the body.
+    velocities : (n, D) float64 or None
+    stresses : (n, 6) float64 or None
+        As a file of particles gives them.
     """
 
     body: int
@@ -41,6 +46,8 @@ class Made(NamedTuple):
     ids: NDArray[np.int64]
     fractions: NDArray[np.float64]
     centroids: NDArray[np.float64]
+    velocities: NDArray[np.float64] | None = None
+    stresses: NDArray[np.float64] | None = None
 
 
 class Lattice:
@@ -64,8 +71,11 @@ class Lattice:
             edges.append(grid.origin[d] + points / per_cell[d] * grid.cell[d])
             centres = (points[:-1] + 0.5) / per_cell[d] * grid.cell[d]
             self.coordinates.append(grid.origin[d] + centres)
-        self.fillings = [
-            Filling(body.region, edges, self.coordinates, body.surface == "cut")
+        self.volume = float(np.prod(grid.cell)) / float(np.prod(per_cell))
+        self.fillings: list[Filling | Cloud] = [
+            Cloud(body.region, edges)
+            if isinstance(body.region, Points)
+            else Filling(body.region, edges, self.coordinates, body.surface == "cut")
             for body in case.bodies.values()
         ]
 
@@ -78,6 +88,9 @@ class Lattice:
         """Particles of each body in each plane of a range, (bodies, planes) int64."""
         counts = np.zeros((len(self.fillings), planes[1] - planes[0]), np.int64)
         for body, filling in enumerate(self.fillings):
+            if isinstance(filling, Cloud):
+                counts[body] = filling.count(planes)
+                continue
             try:
                 for survey in filling.slabs(planes):
                     begin, end = survey.ranges[0]
@@ -88,9 +101,14 @@ class Lattice:
         return counts
 
     def close_pairs(self) -> Iterator[tuple[int, int, Ranges]]:
-        """Pairs of bodies that may share a cell, with the part of the lattice where they may."""
+        """Pairs of bodies that may share a cell, with the part of the lattice where they may.
+
+        A body of a file's particles has no surface that another could be seen to cross.
+        """
         for a, first in enumerate(self.fillings):
             for b in range(a + 1, len(self.fillings)):
+                if isinstance(first, Cloud) or isinstance(self.fillings[b], Cloud):
+                    continue
                 both = list(zip(first.box, self.fillings[b].box, strict=True))
                 low = [max(begin for begin, _ in pair) for pair in both]
                 high = [min(end for _, end in pair) for pair in both]
@@ -128,8 +146,11 @@ class Lattice:
             last = min(planes[1], box[0][1])
             for plane in range(begin, last, deep):
                 part = [(plane, min(plane + deep, last)), *box[1:]]
-                both = [self.fillings[body].survey(part) for body in (a, b)]
-                place = self._overlap(both, (self.fillings[a], self.fillings[b]))
+                first, second = self.fillings[a], self.fillings[b]
+                assert isinstance(first, Filling)
+                assert isinstance(second, Filling)
+                both = [first.survey(part), second.survey(part)]
+                place = self._overlap(both, (first, second))
                 if place is not None:
                     message = (
                         f"bodies.{names[1]}.region: the point ({place}) lies in both "
@@ -171,7 +192,11 @@ class Lattice:
         return set(np.unique(cell).tolist())
 
     def make(
-        self, planes: tuple[int, int], counts: np.ndarray, only: int | None = None
+        self,
+        planes: tuple[int, int],
+        counts: np.ndarray,
+        only: int | None = None,
+        own: Callable[[np.ndarray], np.ndarray] | None = None,
     ) -> Iterator[Made]:
         """Particles of a range of planes, of all bodies or of one, in ascending id.
 
@@ -183,10 +208,22 @@ class Lattice:
             Particles of each body in each plane.
         only : int, optional
             The one body.
+        own : callable, optional
+            Tells which coordinates along x are wanted of particles that are not on the lattice; by
+            default those within the planes.
         """
         ends = np.cumsum(counts.ravel()).reshape(counts.shape)
         for body, filling in enumerate(self.fillings):
             if only is not None and body != only:
+                continue
+            if isinstance(filling, Cloud):
+                first = int(ends[body, -1] - counts[body].sum())
+                for rows, block in filling.make(planes, own):
+                    x = block.position
+                    yield Made(
+                        body, x, first + rows, block.volume / self.volume, x, block.velocity,
+                        block.stress,
+                    )  # fmt: skip
                 continue
             for survey in filling.slabs(planes):
                 plane = survey.ranges[0][0]

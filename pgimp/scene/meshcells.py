@@ -81,7 +81,9 @@ def facets_of(mesh: RawMesh, dimensions: int) -> Facets:
         raise CaseError("has volume cells, but the case has two dimensions")
     used = np.unique(np.concatenate([cells.ravel() for _, cells in blocks[top]]))
     if len(bad := used[~np.isfinite(points[used]).all(axis=1)]):
-        raise CaseError(f"{len(bad):,} of its points are not finite, the first is point {bad[0]}")
+        raise CaseError(
+            f"has {len(bad):,} points that are not finite, the first is number {bad[0]} from 0"
+        )
     if dimensions == 2 and points.shape[1] > 2:
         z = points[used, 2]
         if np.ptp(z) > 1e-9 * max(float(np.ptp(points[used, :2], axis=0).max()), 1e-300):

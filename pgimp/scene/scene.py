@@ -1,5 +1,7 @@
 """The scene: a case turned into what the solver works with, the same on every rank."""
 
+from collections.abc import Callable
+from itertools import chain
 from math import prod
 from typing import Any
 
@@ -13,6 +15,7 @@ from pgimp.kernels.order import cell_numbers
 from pgimp.materials.outside import parameters_of
 from pgimp.scene.lattice import Lattice, census
 from pgimp.scene.loads import SceneLoads
+from pgimp.scene.pointscloud import Cloud
 from pgimp.scene.tables import VectorTable
 from pgimp.solver.particles import Frame, Particles
 
@@ -183,7 +186,13 @@ class Scene:
         )
         return v + turn[:, :D]
 
-    def populate(self, lattice: Lattice, counts: np.ndarray, planes: tuple[int, int]) -> Particles:
+    def populate(
+        self,
+        lattice: Lattice,
+        counts: np.ndarray,
+        planes: tuple[int, int],
+        own: Callable[[np.ndarray], np.ndarray] | None = None,
+    ) -> Particles:
         """Particles of a range of lattice planes, ordered by body and position.
 
         Parameters
@@ -192,23 +201,43 @@ class Scene:
             Particles of each body in each plane of the lattice.
         planes : (int, int)
             First plane and end.
+        own : callable, optional
+            See `Lattice.make`; what it chooses need not be what the planes count.
         """
-        n = int(counts[:, planes[0] : planes[1]].sum())
+        # Of particles in files nobody knows the number before they are read.
+        files = [
+            list(lattice.make(planes, counts, body, own)) if isinstance(filling, Cloud) else None
+            for body, filling in enumerate(lattice.fillings)
+        ]
+        n = sum(
+            int(counts[body, planes[0] : planes[1]].sum())
+            if found is None
+            else sum(len(made.ids) for made in found)
+            for body, found in enumerate(files)
+        )
         p = Particles.empty(max(n, 1), self.dimension, self.origins, **self.loads.columns)
-        volume = float(np.prod(self.frame.cell)) / float(np.prod(lattice.per_cell))
         row = 0
-        for made in lattice.make(planes, counts):
+        every = (
+            lattice.make(planes, counts, body) if found is None else found
+            for body, found in enumerate(files)
+        )
+        for made in chain.from_iterable(every):
             rows = slice(row, row + len(made.ids))
             p.x[rows] = made.positions
             # A field linear in space has its mean over a part (5) at the part's centroid; an exact
             # solution refers to the particle's place.
             places = made.positions if self.moves else made.centroids
-            p.v[rows] = self.velocities(made.body, places)
-            if p.L.shape[1]:
+            if made.velocities is None:
+                p.v[rows] = self.velocities(made.body, places)
+            else:
+                p.v[rows] = made.velocities
+            if made.stresses is not None:
+                p.sigma[rows] = made.stresses[:, : p.sigma.shape[1]]
+            if p.L.shape[1] and made.velocities is None:
                 p.L[rows] = self._velocity_gradients(made.body, places)
             p.id[rows] = made.ids
             p.body[rows] = made.body
-            p.V0[rows] = p.V[rows] = volume * made.fractions  # (3)
+            p.V0[rows] = p.V[rows] = lattice.volume * made.fractions  # (3)
             p.m[rows] = p.V0[rows] * self.materials[self.body_material[made.body]].density  # (4)
             row += len(made.ids)
         if p.origin.shape[1]:

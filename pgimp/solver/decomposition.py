@@ -1,10 +1,12 @@
 """A rank's place in the decomposition, and how it changes while a simulation goes on."""
 
+from collections.abc import Callable
 from time import perf_counter, thread_time
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pgimp.kernels.order import layers_of
 from pgimp.parallel.halo import Halo
 from pgimp.parallel.handover import hand_over
 from pgimp.parallel.migrate import Migration
@@ -41,6 +43,18 @@ def share_out(sim: "Simulation", counts: np.ndarray, interval: int) -> None:
             f"{idle} of {sim.comm.size} ranks own no layer: the grid's {cuts[-1]} layers feed "
             f"at most {len(cuts) - 1} ranks ({each} layers each{outer}); use fewer ranks"
         )
+
+
+def owned(sim: "Simulation") -> Callable[[np.ndarray], np.ndarray]:
+    """Tell which undeformed particles are this rank's, by their coordinates along x."""
+    scene, slab = sim.scene, sim.slab
+
+    def own(x: np.ndarray) -> np.ndarray:
+        layers = np.empty(len(x), np.int64)
+        layers_of(scene.shape, scene.frame, sim.identity, x, layers)
+        return (slab.first <= layers) & (layers < slab.first + slab.layers)
+
+    return own
 
 
 def occupy(sim: "Simulation") -> None:

@@ -20,7 +20,7 @@ from pgimp.scene.lattice import Lattice
 from pgimp.scene.scene import Scene, count_particles
 from pgimp.solver.balance import Balance
 from pgimp.solver.clock import clock_of
-from pgimp.solver.decomposition import occupy, rebalance, share_out
+from pgimp.solver.decomposition import occupy, owned, rebalance, share_out
 from pgimp.solver.diagnostics import Diagnostics
 from pgimp.solver.faults import ROOM, Failure, collect
 from pgimp.solver.grid import Grid
@@ -125,10 +125,7 @@ class Simulation:
         D = scene.dimension
         self.identity = tuple(float(i == j) for i in range(D) for j in range(D))
         self.clock = clock_of(case)
-        if source is None:
-            share(case, comm)
-        else:
-            do_without(case)
+        (share if source is None else do_without)(case, comm)
         require(scene, comm, None if source is None else source.count)
         with one_rank_first(comm), explained(scene.materials, D):
             discard_damaged(lambda: warm_up(scene, self.identity))
@@ -154,7 +151,8 @@ class Simulation:
         """Particles of this rank's layers, and their number; `layer` holds that of each plane."""
         own = np.searchsorted(layer, (self.slab.first, self.slab.first + self.slab.layers))
         begin, end = int(own[0]), int(own[1])
-        return self.scene.populate(lattice, counts, (begin, end)), int(counts[:, begin:end].sum())
+        particles = self.scene.populate(lattice, counts, (begin, end), owned(self))
+        return particles, int(np.count_nonzero(particles.m))
 
     def decompose(self, layer_counts: np.ndarray) -> None:
         """Give each rank its layers, so that no rank has more particles than need be."""

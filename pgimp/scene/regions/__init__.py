@@ -12,12 +12,14 @@ from pgimp.scene.regions.box import Box
 from pgimp.scene.regions.combine import Difference, Union
 from pgimp.scene.regions.cylinder import Cylinder
 from pgimp.scene.regions.mesh import Mesh
+from pgimp.scene.regions.points import Points
 
 REGIONS: dict[str, type[BaseModel]] = {
     "box": Box,
     "ball": Ball,
     "cylinder": Cylinder,
     "mesh": Mesh,
+    "points": Points,
     "union": Union,
     "difference": Difference,
 }
@@ -31,6 +33,7 @@ __all__ = [
     "Cylinder",
     "Difference",
     "Mesh",
+    "Points",
     "Region",
     "RegionEntry",
     "Union",

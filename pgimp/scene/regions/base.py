@@ -46,6 +46,8 @@ class Region(ABC):
 
     #: Whether it lies in a file, which a case is validated without.
     FROM_FILE: ClassVar[bool] = False
+    #: Whether it makes a body of its own, and no part of another region.
+    WHOLE_BODY: ClassVar[bool] = False
 
     @property
     def parts(self) -> int:

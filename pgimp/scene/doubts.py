@@ -1,0 +1,166 @@
+"""What in a case looks like a mistake, of units mostly: seen before an hour is lost."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from pgimp.scene.tables import Table, VectorTable
+
+#: A strain by loads above this is no elastic solid's.
+_MOST_STRAIN = 0.5
+#: How long runs last in transits: a wave gets to the middle; explicit steps are worth it.
+_FEWEST_TRANSITS, _MOST_TRANSITS = 0.5, 1.0e6
+#: Below this, most steps are for nothing.
+_LEAST_COURANT = 0.01
+#: Waves [m/s], from jelly to diamond, and densities [kg/m^3], from aerogel to osmium, with room.
+_WAVES, _DENSITIES = (0.05, 3.0e4), (0.5, 3.0e4)
+
+_LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "km": 1e3, "um": 1e-6, "µm": 1e-6, "in": 0.0254}
+_TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6}
+_MASSES = {"kg": 1.0, "g": 1e-3, "mg": 1e-6, "t": 1e3, "tonne": 1e3, "Mg": 1e3}
+
+
+@dataclass(frozen=True)
+class BodyFacts:
+    """What is known of a body before the run."""
+
+    name: str
+    particles: int
+    wave_speed: float
+    top_speed: float
+    extent: float
+    density: float
+
+
+def strains(case: Any, body: BodyFacts) -> dict[str, float]:
+    """Return what the loads on a body would strain it by, were it linear.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+    body : BodyFacts
+        One of its bodies.
+
+    Returns
+    -------
+    dict
+        The strain of each load that there is, by words for it; weight and velocity always.
+    """
+    c = body.wave_speed
+    modulus = body.density * c * c
+    found = {
+        "by its own weight": _greatest(case.gravity) * body.extent / c**2,
+        "by stopping its velocity": body.top_speed / c,
+    }
+    pulls = [entry for entry in case.tractions.values() if entry.body == body.name]
+    if pulls:
+        greatest = max(max(_greatest(one.traction), _greatest(one.pressure)) for one in pulls)
+        found["by its tractions"] = greatest / modulus
+    moved = [entry.velocity for entry in case.constraints.values() if entry.body == body.name]
+    moved += [one.velocity for one in case.boundaries.values() if hasattr(one, "velocity")]
+    if moved:
+        speeds = [_greatest(component) for velocity in moved for component in velocity]
+        found["by prescribed velocities"] = max(speeds) / c
+    return found
+
+
+def _greatest(load: Any) -> float:
+    """Return the greatest size over time of a number or vector, constant or by a table."""
+    if load is None:
+        return 0.0
+    values = [row[1] for row in load.table] if isinstance(load, Table | VectorTable) else [load]
+    return max(float(np.linalg.norm(value)) for value in values)
+
+
+def doubts(case: Any, body: BodyFacts, duration: float) -> Iterator[str]:
+    """Yield what is doubtful about a body.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+    body : BodyFacts
+        One of its bodies.
+    duration : float
+        How long the run lasts.
+    """
+    if max(strains(case, body).values()) > _MOST_STRAIN:
+        yield (
+            f"bodies.{body.name}: loads of the order of the stiffness; are the units of young, "
+            "density, gravity, velocity, tractions and grid one consistent set (mm with MPa wants "
+            "tonnes)?"
+        )
+    yield from _unlikely(case.units, body)
+    transits = duration * body.wave_speed / body.extent
+    if transits < _FEWEST_TRANSITS:
+        yield (
+            f"time.end: no wave gets to the middle of {body.name} until then; is it in the unit "
+            "of time that belongs to young, density and grid?"
+        )
+    elif transits > _MOST_TRANSITS:
+        yield (
+            f"time.end: waves cross {body.name} {transits:.3g} times until then, too often for a "
+            "method that follows each; is it in the unit of time that belongs to young, density "
+            "and grid? What is slow can be shortened, as long as it stays slow for the waves"
+        )
+
+
+def _unlikely(units: str, body: BodyFacts) -> Iterator[str]:
+    """Yield what no solid has, in units whose label can be read, such as "mm, t, s"."""
+    words = re.split(r"[\s,;]+", units.strip())
+    if units.strip() == "SI":
+        words = ["m", "kg", "s"]
+    length, time, mass = (
+        next((table[word] for word in words if word in table), None)
+        for table in (_LENGTHS, _TIMES, _MASSES)
+    )
+    if length and mass:
+        yield from _outside(
+            f"materials of {body.name}: density {body.density:g}",
+            body.density * mass / length**3,
+            _DENSITIES,
+            units,
+            "kg/m^3",
+        )
+    if length and time:
+        yield from _outside(
+            f"materials of {body.name}: wave speed {body.wave_speed:.4g}",
+            body.wave_speed * length / time,
+            _WAVES,
+            units,
+            "m/s",
+        )
+
+
+def _outside(
+    what: str, value: float, limits: tuple[float, float], units: str, unit: str
+) -> Iterator[str]:
+    if not limits[0] <= value <= limits[1]:
+        yield (
+            f"{what} would be {value:.3g} {unit} in the units '{units}', which no solid has; are "
+            "young and density given in them?"
+        )
+
+
+def idle_step(dt: float, rate: float) -> str:
+    """Warning about a step far below what is stable, empty where there is nothing to say.
+
+    Parameters
+    ----------
+    dt : float
+        The step.
+    rate : float
+        Largest (c_p + |v_p|)/L, 1/time.
+    """
+    if dt * rate >= _LEAST_COURANT:
+        return ""
+    return (
+        f"time.step: {dt:g} is a Courant number of {dt * rate:.3g}; step: {{courant: 0.3}} takes "
+        f"{0.3 / (dt * rate):.3g} times fewer steps, if young, density and grid are right"
+    )
