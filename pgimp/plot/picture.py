@@ -23,7 +23,7 @@ _FLAT = 1.3
 _OUTLIERS = (0.5, 99.5)
 _ROOM = 0.25
 _ARROW = 24.0
-_SEAM = 0.3  # points; without, hairlines show between neighbours
+_SEAM = 0.5  # points; without, hairlines show between neighbours
 
 
 def picture(
