@@ -47,6 +47,8 @@ class Job:
         Absolute path of the script; empty if it goes to the terminal.
     version : str
         Of pgimp.
+    imports : sequence of str
+        Python files that register materials.
     """
 
     scheduler: str
@@ -66,6 +68,7 @@ class Job:
     changes: Sequence[str]
     file: str
     version: str
+    imports: Sequence[str] = ()
 
     @property
     def notice(self) -> int:
@@ -84,6 +87,7 @@ def write(job: Job) -> str:
     """
     slurm = job.scheduler == "slurm"
     options = [f"--output={job.output}", "--resume", *(f"--set={one}" for one in job.changes)]
+    options += [f"--import={one}" for one in job.imports]
     modules = [f"module load {shlex.quote(name)} || fail 'no such module'" for name in job.modules]
     if modules:
         modules[:0] = ["# shellcheck disable=SC1091", _MODULE]

@@ -73,10 +73,10 @@ class Dispatch(ABC):
 
 
 class ByField(Dispatch):
-    """A mapping whose field `key` names its type in a registry: ``{model: hooke, ...}``."""
+    """A mapping whose field `key` names its type, ``{model: hooke, ...}``; `hint` if unknown."""
 
-    def __init__(self, registry: Registry, key: str, what: str):
-        self.registry, self.key, self.what = registry, key, what
+    def __init__(self, registry: Registry, key: str, what: str, hint: str = ""):
+        self.registry, self.key, self.what, self.hint = registry, key, what, hint
 
     def validate(self, value: Any) -> BaseModel:
         """See `Dispatch`."""
@@ -93,7 +93,7 @@ class ByField(Dispatch):
         if not isinstance(name, str):
             wrong = f"expected the name of a {self.what} ({names}), {got(name)}"
         elif name not in known:
-            wrong = unknown(self.what, name, known)
+            wrong = unknown(self.what, name, known) + self.hint
         else:
             return known[name].model_validate(value)
         return raise_problems(self.what, [Problem((self.key,), wrong)], value)

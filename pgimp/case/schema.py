@@ -61,6 +61,10 @@ def _materials() -> Mapping[str, type[BaseModel]]:
     return import_module("pgimp.materials").MATERIALS
 
 
+#: What a model that is not known may be.
+_OUTSIDE = "; one from outside the package must be registered: --import FILE.py"
+
+
 def _boundaries() -> Mapping[str, type[BaseModel]]:
     return import_module("pgimp.boundaries").BOUNDARIES
 
@@ -153,7 +157,7 @@ class Case(Model):
         description="the shape of the particles, which decides the method"
     )
     time: Time = Field(description="end and step")
-    materials: dict[Name, Annotated[Any, ByField(_materials, "model", "model")]] = Field(
+    materials: dict[Name, Annotated[Any, ByField(_materials, "model", "model", _OUTSIDE)]] = Field(
         min_length=1,
         max_length=100,
         description="the materials by name",

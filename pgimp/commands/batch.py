@@ -12,6 +12,7 @@ from pathlib import Path
 from pgimp.batch.script import Job, write
 from pgimp.case.load import load
 from pgimp.errors import UsageError
+from pgimp.materials.registry import imported
 from pgimp.output import files
 from pgimp.output.collective import explain
 from pgimp.output.rundir import RUN
@@ -149,6 +150,7 @@ def execute(args: argparse.Namespace) -> int:
         changes=args.set,
         file="" if printed else os.path.abspath(script),
         version=installed("pgimp") or "unknown",
+        imports=imported,
     )
     if (Path(job.output) / RUN).exists():
         notes.append(f"{job.output} holds a run already; the job will go on with it")

@@ -199,6 +199,7 @@ def _run(
 ) -> bool:
     """Run a case in a directory; tell whether it reached its end."""
     from pgimp.case.reader import dump_case
+    from pgimp.kernels.outside import digests
     from pgimp.output.hdf5 import load_h5py
     from pgimp.output.resume import Resumed
     from pgimp.output.resume import resume as take_up
@@ -218,12 +219,28 @@ def _run(
         sim = _set_up(case, comm, log, began) if resumed is None else resumed.sim
         step = None if resumed is None else sim.step
         texts = {"case.yaml": dump_case(case).encode()} | ({"input.yaml": text} if text else {})
-        directory.prepare(texts, describe_start(comm, sim.count, step), resumed is not None)
+        about = describe_start(comm, sim.count, step)
+        if materials := digests(sim.scene.materials):
+            about["materials"] = materials
+        if step is not None:
+            _warn_of_edited(materials, directory, log)
+        directory.prepare(texts, about, resumed is not None)
         log.keep_in(output / "log.txt")
         return advance(case, sim, resumed and resumed.about, directory, log, stop)
     finally:
         directory.release()
         log.close()
+
+
+def _warn_of_edited(materials: dict[str, str], directory: RunDirectory, log: Log) -> None:
+    """Say which materials from outside the package are not what they were when the run began."""
+    before = (directory.before or {}).get("materials")
+    for name, known in before.items() if isinstance(before, dict) else ():
+        if materials.get(name) != known:
+            log.say(
+                f"warning: {name} is not what it was when the run began; from here on the material "
+                "acts as it does now"
+            )
 
 
 def _set_up(case: Case, comm: Any, log: Log, began: float) -> Any:

@@ -11,7 +11,7 @@ another process could not find again, as those of a notebook's cells, are compil
 import hashlib
 import pickle
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
 from typing import Any
@@ -111,6 +111,28 @@ def tag(entry: type) -> None:
     if entry not in _tagged:
         _tagged.add(entry)
         entry.__name__ += f"_{_digest_once(entry)[:16] or len(_tagged)}"
+
+
+def digests(parameters: Iterable[Any]) -> dict[str, str]:
+    """Return the digests of those types that come from outside, by name; empty where unknown.
+
+    Parameters
+    ----------
+    parameters : iterable of NamedTuple
+        Such as of all materials of a scene.
+    """
+    kinds = {type(one) for one in parameters if is_outside(type(one))}
+    return {_name(kind): _digest_once(kind)[:16] for kind in sorted(kinds, key=_name)}
+
+
+def unchanged(before: Mapping[str, str]) -> bool:
+    """Tell whether types that `digests` told of are still the same, in this process."""
+    for name, known in before.items():
+        module, _, path = name.rpartition(".")
+        kind = getattr(sys.modules.get(module), path, None)
+        if not known or not isinstance(kind, type) or _digest_once(kind)[:16] != known:
+            return False
+    return True
 
 
 def digest(entry: type) -> str:

@@ -18,6 +18,8 @@ from pathlib import Path
 from typing import Any
 
 from pgimp.errors import PgimpError
+from pgimp.kernels.outside import unchanged
+from pgimp.materials.registry import imported
 from pgimp.output import history, runinfo
 from pgimp.output.rundir import RUN
 from pgimp.study.measures import Unmeasured, costs, measure
@@ -63,6 +65,7 @@ def command(study: Study, run: Planned, output: Path) -> list[str]:
     """Return the words that start a run."""
     words = [*study.words, sys.executable, "-m", "pgimp", run.file]
     words += [word for option in run.options for word in ("--set", option)]
+    words += [word for name in imported for word in ("--import", name)]
     return [*words, "-o", str(output), "--overwrite", "--quiet"]
 
 
@@ -111,6 +114,8 @@ def _is_done(study: Study, run: Planned, output: Path) -> bool:
         return False
     version = info.get("versions", {}).get(runinfo.PROGRAM)
     if info.get("ranks") != study.ranks or version != runinfo.installed(runinfo.PROGRAM):
+        return False
+    if not unchanged(info.get("materials", {})):
         return False
     with suppress(OSError, ValueError):
         return (output / "case.yaml").read_text(encoding="utf-8") == run.resolved
