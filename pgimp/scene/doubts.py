@@ -13,8 +13,8 @@ from pgimp.scene.tables import Table, VectorTable
 
 #: A strain by loads above this is no elastic solid's.
 _MOST_STRAIN = 0.5
-#: How long runs last in transits: a wave gets to the middle; explicit steps are worth it.
-_FEWEST_TRANSITS, _MOST_TRANSITS = 0.5, 1.0e6
+#: How long runs last in transits: something happens; explicit steps are worth it.
+_FEWEST_TRANSITS, _MOST_TRANSITS = 0.1, 1.0e6
 #: Below this, most steps are for nothing.
 _LEAST_COURANT = 0.01
 #: Waves [m/s], from jelly to diamond, and densities [kg/m^3], from aerogel to osmium, with room.
@@ -100,8 +100,8 @@ def doubts(case: Any, body: BodyFacts, duration: float) -> Iterator[str]:
     transits = duration * body.wave_speed / body.extent
     if transits < _FEWEST_TRANSITS:
         yield (
-            f"time.end: no wave gets to the middle of {body.name} until then; is it in the unit "
-            "of time that belongs to young, density and grid?"
+            f"time.end: until then a wave crosses only {transits:.2g} of {body.name}; is it in the "
+            "unit of time that belongs to young, density and grid?"
         )
     elif transits > _MOST_TRANSITS:
         yield (
