@@ -48,6 +48,18 @@ FIELDS: dict[str, Field] = {
 }
 """What ``output.fields`` may name."""
 
+GRID: dict[str, Field] = {
+    "mass": Field("1", "mass, the sum of w m over the particles [mass]"),
+    "momentum": Field("3", "momentum, the sum of w m v [mass length/time]"),
+    "velocity": Field("3", "momentum over mass [length/time]"),
+    "force": Field(
+        "3",
+        "force by which the momentum will grow: of the stresses, of tractions and of gravity, "
+        "before faces and constraints act; at rest minus their reaction [force]",
+    ),
+}
+"""What ``output.grid`` may name, at the vertices."""
+
 FAILURE: dict[str, Field] = {
     "fault": Field(
         "1",

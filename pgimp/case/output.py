@@ -9,7 +9,7 @@ from pydantic import AfterValidator, BaseModel, Field
 
 from pgimp.case.base import Count, Interval, Model, Name, NonNegative, Positive, Steps, Vector
 from pgimp.case.dispatch import ByWord, Either
-from pgimp.case.fields import FIELDS
+from pgimp.case.fields import FIELDS, GRID
 from pgimp.case.messages import unknown
 from pgimp.case.problems import Problem, problem, raise_problems
 
@@ -17,6 +17,12 @@ from pgimp.case.problems import Problem, problem, raise_problems
 def _field(value: str) -> str:
     if value not in FIELDS:
         raise problem(unknown("field", value, FIELDS))
+    return value
+
+
+def _quantity(value: str) -> str:
+    if value not in GRID:
+        raise problem(unknown("quantity of the grid", value, GRID))
     return value
 
 
@@ -31,6 +37,11 @@ FieldName = Annotated[
     str, AfterValidator(_field), Field(strict=True, json_schema_extra={"enum": [*FIELDS]})
 ]
 """Name of a quantity that frames may hold."""
+
+GridName = Annotated[
+    str, AfterValidator(_quantity), Field(strict=True, json_schema_extra={"enum": [*GRID]})
+]
+"""Name of a quantity of the grid that frames may hold."""
 
 
 class Output(Model):
@@ -49,6 +60,11 @@ class Output(Model):
     fields: Annotated[tuple[FieldName, ...], AfterValidator(_unique)] = Field(
         default=("velocity", "stress"), description="what frames hold besides position and size"
     )
+    grid: Annotated[tuple[GridName, ...], AfterValidator(_unique)] = Field(
+        default=(),
+        description="what frames of the grid hold, which come with those of the particles: its "
+        "cells with particles, for grid.xdmf; none: there are no such frames",
+    )
     precision: Literal["float64", "float32"] = Field(
         default="float64",
         description="of the numbers in frames: float32 makes files about half as large and keeps 7 "
@@ -57,8 +73,9 @@ class Output(Model):
     )
     compression: Literal["none", "gzip"] = Field(
         default="none",
-        description="of frames, without loss: gzip makes them 1.4 to 2 times smaller, 3 to 5 times "
-        "with float32, and takes a core some 15 s for each GB; HDF5 programs read them as they are",
+        description="of frames of particles, without loss: gzip makes them 1.4 to 2 times "
+        "smaller, 3 to 5 times with float32, and takes a core some 15 s for each GB; HDF5 programs "
+        "read them as they are",
     )
 
 

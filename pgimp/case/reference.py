@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple
 
 from pgimp.case.base import LARGEST_COUNT
-from pgimp.case.fields import ALWAYS, FAILURE, FIELDS, HISTORY, PLACE, POINT, Field
+from pgimp.case.fields import ALWAYS, FAILURE, FIELDS, GRID, HISTORY, PLACE, POINT, Field
 from pgimp.case.jsonschema import Schema, json_schema, study_schema
 from pgimp.case.writer import flow
 
@@ -59,6 +59,11 @@ def reference() -> str:
         _fields(ALWAYS),
         "As `output.fields` asks for:\n",
         _fields(FIELDS),
+        "`frames/grid-NNNNNN.h5` has the cells that hold centres of particles (`connectivity`),\n"
+        "and all vertices with mass and the corners of those cells, ordered by x, then y, then z.\n"
+        "A vertex has a `position` and, as `output.grid` asks for, what the particles of the\n"
+        "frame of the same number give it as the next step begins; w is a particle's weight:\n",
+        _fields(GRID),
         "When a particle stops the run, `failure/particles.h5` holds it and those around it, as\n"
         "they were computed, with all fields and\n",
         _fields(FAILURE),

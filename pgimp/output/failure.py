@@ -18,7 +18,7 @@ from pgimp.output.fields import ALWAYS, FAILURE, FIELDS, OPTIONAL, Source
 from pgimp.output.files import write as write_file
 from pgimp.output.particlefile import ParticleFile
 from pgimp.output.rundir import FAILURE as FOLDER
-from pgimp.output.xdmf import Collection
+from pgimp.output.xdmf import Collection, particles
 from pgimp.solver.faults import Failure, explanation
 
 if TYPE_CHECKING:
@@ -101,7 +101,7 @@ def _write(folder: Path, sim: Simulation, failure: Failure, text: str, history: 
 
     def end() -> None:
         collection = Collection(folder / "particles.xdmf")
-        collection.add(path, failure.time, shown.count, file.types)
+        collection.add(particles(path, failure.time, shown.count, file.types))
         collection.write()
         states = [state for part, _ in told or () for state in part][:_MOST_TOLD]
         kinds = set().union(*(part for _, part in told or ()))

@@ -11,6 +11,7 @@ from pgimp.errors import RunError
 from pgimp.output.checkpoints import About, Checkpoints
 from pgimp.output.collective import on_root
 from pgimp.output.frames import Frames
+from pgimp.output.gridframes import GridFrames
 from pgimp.output.history import History
 from pgimp.output.probes import Probes
 from pgimp.output.rundir import RunDirectory
@@ -33,17 +34,20 @@ class Recorder:
     Attributes
     ----------
     frames : Frames
+    grid : GridFrames
     history : History
     probes : Probes
     checkpoints : Checkpoints
     seconds : dict of str to float
-        What this rank has spent on each; probes count as history.
+        What this rank has spent on each; the grid's frames count as frames, probes as
+        history.
     """
 
     def __init__(self, directory: RunDirectory, case: Any, sim: Any) -> None:
         self._sim = sim
         self._directory = directory
         self.frames = Frames(directory.path, case, sim)
+        self.grid = GridFrames(directory.path, case, sim)
         self.history = History(directory.path / "history.csv")
         self.probes = Probes(directory.path, case, sim)
         self.checkpoints = Checkpoints(directory.path, case, sim)
@@ -78,7 +82,7 @@ class Recorder:
         """
         sim = self._sim
         self.checkpoints.resume(sim.comm, sim.step, about)
-        notes = self.frames.resume(about.frames)
+        notes = self.frames.resume(about.frames) + self.grid.resume(about.frames)
         self.history.resume(sim.comm, about.history)
         if self.history.step != about.history:
             notes.append(
@@ -99,9 +103,10 @@ class Recorder:
             Whether a checkpoint is wanted besides those that the steps bring.
         """
         sim = self._sim
-        if self.frames.waiting and sim.granted == NOTHING:
+        if (self.frames.waiting or self.grid.waiting) and sim.granted == NOTHING:
             with self._timed("frames"):
                 self.frames.finish()
+                self.grid.finish()
         frame = self._frame_times.due(sim.time, sim.step, sim.dt)
         line = self._line_times.due(sim.time, sim.step, sim.dt)
         if probes := self.probes.due():
@@ -123,6 +128,7 @@ class Recorder:
         # It stands for the frames and lines before it, and must not survive them.
         with self._timed("frames"):
             self.frames.sync(last=self._sim.finished)
+            self.grid.sync(last=self._sim.finished)
         with self._timed("checkpoints"):
             on_root(self._sim.comm, self._sync)
             records = self.probes.records()
@@ -135,8 +141,9 @@ class Recorder:
 
     def salvage(self) -> None:
         """Finish the last frame of a run that has failed on all ranks; collective."""
-        with suppress(RunError):
-            self.frames.finish()
+        for series in (self.frames, self.grid):
+            with suppress(RunError):
+                series.finish()
 
     def _look(self, probes: list[str] | None) -> None:
         with self._timed("history"), self._salvaging():
@@ -149,6 +156,7 @@ class Recorder:
         if frame:
             with self._timed("frames"):
                 self.frames.write(self._sim)
+                self.grid.write(self._sim, self.frames.written)
 
     @contextmanager
     def _salvaging(self) -> Iterator[None]:
@@ -179,7 +187,12 @@ class Recorder:
     @property
     def size(self) -> int:
         """Bytes of the frames and checkpoints that this process wrote, on rank 0."""
-        return self.frames.size + self.checkpoints.size
+        return self.frames.size + self.grid.size + self.checkpoints.size
+
+    @property
+    def ready(self) -> bool:
+        """Whether this rank would not have to wait for the disk to finish the last frames."""
+        return self.frames.ready and self.grid.ready
 
     def close(self) -> None:
         """Close the history and the probes' files."""

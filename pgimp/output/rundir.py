@@ -20,8 +20,9 @@ from pgimp.output.files import write
 from pgimp.output.probefiles import PROBES, probe_files
 
 RUN = "run.json"
-TOP = ("case.yaml", "input.yaml", "particles.xdmf", "history.csv", "log.txt", RUN)
+TOP = ("case.yaml", "input.yaml", "particles.xdmf", "grid.xdmf", "history.csv", "log.txt", RUN)
 FRAME = re.compile(r"particles-(\d{6,})\.h5")
+GRID_FRAME = re.compile(r"grid-(\d{6,})\.h5")
 FOLDERS = ("frames", "checkpoints")
 #: State of a run whose directory is not yet cleared of the one before.
 STARTING = "starting"
@@ -29,7 +30,7 @@ FAILURE = "failure"
 # Of each folder, what a run writes there.
 _DATA = {
     "checkpoints": re.compile(r"step-\d{9,}\.h5(\.damaged)?"),
-    "frames": FRAME,
+    "frames": re.compile(f"{FRAME.pattern}|{GRID_FRAME.pattern}"),
     FAILURE: re.compile(r"particles\.h5|particles\.xdmf|report\.txt"),
 }
 # A name that can be no directory, whatever the disk is like.
@@ -38,7 +39,7 @@ _LOCK = ".lock"
 _FAILED = ".failed"
 _PART = re.compile(
     r"\.(case\.yaml|input\.yaml|run\.json|report\.txt|particles\.(xdmf|h5)|"
-    r"(particles|step)-\d+\.h5)\.part"
+    r"grid\.xdmf|(particles|grid|step)-\d+\.h5)\.part"
 )
 # Of ranks that fail together the lowest speaks on the terminal; so it does here.
 _HEAD_START_SECONDS = 0.01

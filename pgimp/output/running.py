@@ -119,7 +119,7 @@ def _wish(sim: Simulation, recorder: Recorder, stop: Stop, step: float) -> int:
         return STOP
     if sim.comm.rank == 0 and recorder.checkpoints.overdue:
         return CHECKPOINT
-    return NOTHING if recorder.frames.ready else PENDING
+    return NOTHING if recorder.ready else PENDING
 
 
 def amount(size: float) -> str:

@@ -9,11 +9,14 @@ from xml.sax.saxutils import quoteattr
 from pgimp.output.fields import EVERY
 from pgimp.output.files import write
 
+Kind = tuple[str, int, str]
+"""Of a field: its attribute type, number of columns (0 for a scalar) and type in the file."""
+
 _NUMBER_TYPE = {"f": "Float", "i": "Int"}
 
 
 class Collection:
-    """A temporal collection of particle frames, whole again after each frame.
+    """A temporal collection of frames, whole again after each frame.
 
     ParaView has three readers of XDMF, and this is what all of them read alike: cells by an
     explicit connectivity dataset, six-component tensors as a matrix, whole datasets only.
@@ -21,29 +24,16 @@ class Collection:
     Parameters
     ----------
     path : Path
-        The file; frames are named relative to its folder.
+        The file; its name without suffix is that of the collection.
     """
 
     def __init__(self, path: Path) -> None:
         self.path = path
         self._grids: list[str] = []
 
-    def add(self, frame: Path, time: float, count: int, types: Mapping[str, str]) -> None:
-        """Add a frame.
-
-        Parameters
-        ----------
-        frame : Path
-            The frame's file.
-        time : float
-            Its simulated time.
-        count : int
-            Its number of particles.
-        types : mapping of str to str
-            Its fields, `position` among them, and their types.
-        """
-        name = frame.relative_to(self.path.parent).as_posix()
-        self._grids.append(_grid(name, time, count, types))
+    def add(self, grid: str) -> None:
+        """Add a frame, as `particles` or `mesh` gives it."""
+        self._grids.append(grid)
 
     def write(self, durable: bool = False) -> None:
         """Write the file anew, with all frames so far.
@@ -62,30 +52,94 @@ class Collection:
         write(
             self.path,
             '<?xml version="1.0" encoding="utf-8"?>\n<Xdmf Version="3.0">\n<Domain>\n'
-            '<Grid Name="particles" GridType="Collection" CollectionType="Temporal">\n'
+            f'<Grid Name="{self.path.stem}" GridType="Collection" CollectionType="Temporal">\n'
             f"{''.join(self._grids)}</Grid>\n</Domain>\n</Xdmf>\n",
             durable,
         )
 
 
-def _grid(file: str, time: float, count: int, types: Mapping[str, str]) -> str:
+def particles(path: Path, time: float, count: int, types: Mapping[str, str]) -> str:
+    """Return how a frame of particles is listed.
+
+    Parameters
+    ----------
+    path : Path
+        The frame's file; the XDMF file is in the folder above or beside it.
+    time : float
+        Its simulated time.
+    count : int
+        Its number of particles.
+    types : mapping of str to str
+        Its fields, `position` among them, and their types.
+    """
+    file = _relative(path)
+    topology = 'TopologyType="Polyvertex"', 1
+    fields = {name: (EVERY[name].kind, EVERY[name].columns, types[name]) for name in types}
+    return _grid("particles", file, time, (count, count), topology, fields)
+
+
+#: What the cells of a grid are, by dimension, with the attribute that says so.
+_CELLS = (
+    'TopologyType="Polyline"',
+    'TopologyType="Quadrilateral"',
+    'TopologyType="Hexahedron"',
+)
+
+
+def mesh(
+    path: Path, time: float, counts: tuple[int, int], dimension: int, fields: Mapping[str, Kind]
+) -> str:
+    """Return how a frame of the grid is listed.
+
+    Parameters
+    ----------
+    path : Path
+        The frame's file.
+    time : float
+        Its simulated time.
+    counts : (int, int)
+        Its numbers of vertices and of cells.
+    dimension : int
+        1, 2 or 3.
+    fields : mapping of str to (str, int, str)
+        Its fields, `position` among them: attribute type, columns (0 for a scalar), type.
+    """
+    topology = _CELLS[dimension - 1], 2**dimension
+    return _grid("grid", _relative(path), time, counts, topology, fields)
+
+
+def _relative(path: Path) -> str:
+    """Return the name of a frame as the XDMF file has it."""
+    return f"{path.parent.name}/{path.name}" if path.parent.name == "frames" else path.name
+
+
+def _grid(
+    name: str,
+    file: str,
+    time: float,
+    counts: tuple[int, int],
+    topology: tuple[str, int],
+    fields: Mapping[str, Kind],
+) -> str:
+    vertices, cells = counts
+    kind, nodes = topology
+    columns = 0 if nodes == 1 else nodes
     lines = [
-        '<Grid Name="particles" GridType="Uniform">',
+        f'<Grid Name="{name}" GridType="Uniform">',
         f'<Time Value="{time!r}"/>',
-        f'<Topology TopologyType="Polyvertex" NumberOfElements="{count}" NodesPerElement="1">',
-        _item(file, "connectivity", "<i8", count, 0),
+        f'<Topology {kind} NumberOfElements="{cells}" NodesPerElement="{nodes}">',
+        _item(file, "connectivity", "<i8", cells, columns),
         "</Topology>",
         '<Geometry GeometryType="XYZ">',
-        _item(file, "position", types["position"], count, 3),
+        _item(file, "position", fields["position"][2], vertices, 3),
         "</Geometry>",
     ]
-    for name, dtype in types.items():
-        field = EVERY[name]
-        if name == "position":
+    for field, (attribute, width, dtype) in fields.items():
+        if field == "position":
             continue
         lines += [
-            f'<Attribute Name={quoteattr(name)} AttributeType="{field.kind}" Center="Node">',
-            _item(file, name, dtype, count, field.columns),
+            f'<Attribute Name={quoteattr(field)} AttributeType="{attribute}" Center="Node">',
+            _item(file, field, dtype, vertices, width),
             "</Attribute>",
         ]
     return "\n".join([*lines, "</Grid>\n"])

@@ -11,6 +11,7 @@ from pgimp.kernels.p2g import particles_to_grid
 from pgimp.solver.escapes import let_go
 
 if TYPE_CHECKING:
+    from pgimp.kernels.loads import Loads
     from pgimp.solver.simulation import Simulation
 
 #: Phases of a step, as `Simulation.timings` names them.
@@ -33,15 +34,9 @@ def step(sim: "Simulation", dt: float, end: float) -> tuple[int, float]:
     loads, grips = scene.loads.at(sim.time), scene.loads.grips(sim.time, end)
     times = [perf_counter()]
 
-    grid.active.fill(0)
     if grips:
         mark(shape, frame, window, particles, order, start, grid.marks)
-    for part in sim.halo.parts(start):  # first what neighbours wait for
-        particles_to_grid(  # (16, 17, 18, 21, 22)
-            shape, frame, window, particles, loads, order, start, part,
-            grid.scratch, grid.G, grid.active, grid.aside, grid.below,
-        )  # fmt: skip
-        sim.halo.proceed(grid, bool(grips))
+    sum_particles(sim, loads, bool(grips))
     times.append(perf_counter())
 
     sim.halo.finish(grid)
@@ -93,3 +88,16 @@ def step(sim: "Simulation", dt: float, end: float) -> tuple[int, float]:
     for phase, begin, finish in zip(PHASES, times, times[1:], strict=False):
         sim.timings[phase] += finish - begin
     return failed, rate
+
+
+def sum_particles(sim: "Simulation", loads: "Loads", marked: bool) -> None:
+    """Sum a rank's particles into its planes; `Halo.finish` adds what neighbours have."""
+    scene, grid, population = sim.scene, sim.grid, sim.population
+    grid.active.fill(0)
+    for part in sim.halo.parts(population.start):  # first what neighbours wait for
+        particles_to_grid(  # (16, 17, 18, 21, 22)
+            scene.shape, scene.frame, grid.window, population.particles, loads,
+            population.order, population.start, part,
+            grid.scratch, grid.G, grid.active, grid.aside, grid.below,
+        )  # fmt: skip
+        sim.halo.proceed(grid, marked)

@@ -1,0 +1,168 @@
+"""The frames of the grid: the cells where there are particles, and what their vertices have."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pgimp.case.fields import GRID
+from pgimp.errors import RunError
+from pgimp.output.collective import explain, on_root
+from pgimp.output.datasets import Dataset, lay_out
+from pgimp.output.files import temporary
+from pgimp.output.framefile import FrameFile
+from pgimp.output.hdf5 import open_file
+from pgimp.output.particlefile import FORMAT_VERSION
+from pgimp.output.rundir import GRID_FRAME
+from pgimp.output.series import Entry, Series
+from pgimp.output.unfinished import Unfinished, removed_on_error, told
+from pgimp.output.xdmf import Collection, mesh
+
+if TYPE_CHECKING:
+    from pgimp.solver.gridstate import ActiveGrid
+
+Array = np.ndarray
+
+
+class GridFrames(Series):
+    """Writes the frames of the grid, if the case wants any, and the XDMF file that lists them.
+
+    They have the numbers of the particles' frames. Each rank writes its own vertices and cells,
+    which follow each other in the file.
+
+    Parameters
+    ----------
+    directory : Path
+        The run directory; the same on every rank.
+    case : Case
+        Gives the title, the units and the quantities.
+    sim : Simulation
+        The run.
+    """
+
+    def __init__(self, directory: Path, case: Any, sim: Any) -> None:
+        super().__init__(sim.comm, Collection(directory / "grid.xdmf"), GRID_FRAME)
+        self.fields = [name for name in GRID if name in case.output.grid]
+        self._type = np.dtype(case.output.precision).newbyteorder("<").str
+        self._dimension = case.dimensions
+        self._attributes = {
+            "format": FORMAT_VERSION,
+            "title": str(case.title),
+            "units": str(case.units),
+            "dimensions": case.dimensions,
+        }
+
+    def write(self, sim: Any, number: int) -> None:
+        """Write the grid as the next frame, and finish the one before; collective.
+
+        Parameters
+        ----------
+        sim : Simulation
+            The run; it may go on at once.
+        number : int
+            That of the frame of the particles.
+
+        Raises
+        ------
+        RunError
+            On every rank, if there is no room for it, or if the one before could not be written
+            whole.
+        """
+        if not self.fields:
+            return
+        from pgimp.solver.gridstate import active_grid
+
+        self.finish()
+        path = self.folder / f"grid-{number:06d}.h5"
+        part, what = temporary(path), f"write the frame {path} at step {sim.step}"
+        state = active_grid(sim)
+        time, step = float(sim.time), int(sim.step)
+        attributes = self._attributes | {"time": time, "step": np.int64(step)}
+
+        def create() -> dict[str, int]:
+            shape = (state.total[1], 2**self._dimension)
+            cells = {"connectivity": np.broadcast_to(np.int64(0), shape)}
+            layout = lay_out(self._datasets, state.total[0], attributes, cells)
+            with told(what):
+                layout.create(part)
+            return layout.offsets
+
+        with removed_on_error(part, self.comm):
+            offsets = on_root(self.comm, create)
+            file = FrameFile(part, self.comm.rank)
+            for dataset in self._datasets:
+                values = self._rounded(dataset.name, self._values(dataset.name, state), file)
+                place = offsets[dataset.name] + state.first[0] * dataset.row_bytes
+                file.write(place, np.ascontiguousarray(values))
+            place = offsets["connectivity"] + state.first[1] * 8 * 2**self._dimension
+            file.write(place, state.cells)
+            unfinished = Unfinished(part, path, file, self.comm, what)
+        self._wait_for(unfinished, self._entry(path, time, step, state.total, self._types))
+
+    @property
+    def _types(self) -> dict[str, str]:
+        return dict.fromkeys(["position", *self.fields], self._type)
+
+    @property
+    def _datasets(self) -> list[Dataset]:
+        meaning = {"position": "position of the vertex [length]"}
+        meaning |= {name: GRID[name].meaning for name in self.fields}
+        return [
+            Dataset(name, dtype, (3,) if name != "mass" else (), {"meaning": meaning[name]})
+            for name, dtype in self._types.items()
+        ]
+
+    @staticmethod
+    def _values(name: str, state: ActiveGrid) -> Array:
+        if name == "velocity":
+            # A corner without mass stands still.
+            mass = np.where(state.mass > 0.0, state.mass, 1.0)
+            return state.momentum / mass[:, None]
+        return getattr(state, name)
+
+    def _rounded(self, name: str, values: Array, file: FrameFile) -> Array:
+        try:
+            with np.errstate(over="raise", under="ignore"):
+                return np.asarray(values, self._type)
+        except FloatingPointError:
+            file.error = file.error or (
+                f"the {name} of a vertex is beyond the range of float32; go on with --resume "
+                "--set output.precision=float64"
+            )
+            return np.zeros(values.shape, self._type)
+
+    def _entry(
+        self, path: Path, time: float, step: int, counts: tuple[int, int], types: Mapping[str, str]
+    ) -> Entry:
+        kinds = {
+            name: ("Scalar", 0, dtype) if name == "mass" else ("Vector", 3, dtype)
+            for name, dtype in types.items()
+        }
+        return Entry(time, step, mesh(path, time, counts, self._dimension, kinds))
+
+    def resume(self, number: int) -> list[str]:
+        """See `Series.resume`; without frames of the grid, nothing is done."""
+        return super().resume(number) if self.fields else []
+
+    def _missing(self, number: int, there: int) -> list[str]:
+        """They may have been asked for only later."""
+        return []
+
+    def _listed(self, path: Path) -> Entry:
+        try:
+            with open_file(path, "r") as file:
+                types = {
+                    name: file[name].dtype.newbyteorder("<").str
+                    for name in ("position", *GRID)
+                    if name in file
+                }
+                counts = len(file["position"]), len(file["connectivity"])
+                time, step = float(file.attrs["time"]), int(file.attrs["step"])
+        except OSError as error:
+            raise RunError(f"cannot read {path}: {explain(error)}") from error
+        except KeyError as error:
+            raise RunError(f"cannot read {path}: it has no {error}") from error
+        return self._entry(path, time, step, counts, types)

@@ -1,0 +1,132 @@
+"""The part of the grid where there are particles, as output shows it.
+
+It is summed anew from the particles as they are, just as the next step will do it: what is left
+from the last step belongs to where they were. So a frame of the grid belongs to the particles of
+the same time, also at the start, and after a resume.
+"""
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from pgimp.kernels.transfer import RECORD
+from pgimp.output.framefile import blocks
+from pgimp.solver.step import sum_particles
+
+if TYPE_CHECKING:
+    from pgimp.solver.simulation import Simulation
+
+_UP, _DOWN = 5, 6
+_BLOCK = 1 << 16
+
+#: Corners of a cell in the order of VTK's line, quadrilateral and hexahedron, by dimension.
+_CORNERS = (
+    ((0, 0, 0), (1, 0, 0)),
+    ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)),
+    ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)),
+)
+
+
+class ActiveGrid(NamedTuple):
+    """Vertices and cells of a rank, in order of x, y, z; those of the ranks follow each other.
+
+    Attributes
+    ----------
+    position : (n, 3) float64
+        Of the vertices: those with mass, and corners of the cells.
+    mass, momentum, force : (n,), (n, 3), (n, 3) float64
+        Sums over the particles; the force with that of gravity.
+    cells : (c, 2^D) int64
+        Vertices of the cells in which there are centres of particles, numbered over all ranks.
+    first : (int, int)
+        Number of the rank's first vertex and cell.
+    total : (int, int)
+        Vertices and cells of all ranks.
+    """
+
+    position: np.ndarray
+    mass: np.ndarray
+    momentum: np.ndarray
+    force: np.ndarray
+    cells: np.ndarray
+    first: tuple[int, int]
+    total: tuple[int, int]
+
+
+def active_grid(sim: "Simulation") -> ActiveGrid:
+    """Sum the particles as they are into the grid, and take out where there are any; collective."""
+    sum_particles(sim, sim.scene.loads.at(sim.time), marked=False)
+    sim.halo.finish(sim.grid)
+    comm, scene, grid, slab = sim.comm, sim.scene, sim.grid, sim.slab
+    own, D = sim.owned_planes, scene.dimension
+    extent = grid.window.extent
+    records = grid.G.reshape(*extent, RECORD)[:own]
+    records[grid.active[:own] == 0] = 0.0
+
+    cells, below = _cells(sim)
+    vertices = records[..., 0] > 0.0
+    shown = np.concatenate([below[None], cells])
+    for a, b, c in _CORNERS[D - 1]:
+        vertices[:, b:, c:] |= shown[1 - a : 1 - a + own, : extent[1] - b, : extent[2] - c]
+
+    counts = np.array(comm.allgather((int(vertices.sum()), int(cells.sum()))))
+    first, total = counts[: comm.rank].sum(axis=0), counts.sum(axis=0)
+    numbers = np.full((own + 1, *extent[1:]), -1, np.int64)
+    numbers[:own][vertices] = first[0] + np.arange(counts[comm.rank, 0])
+    sent = None if slab.below is None else comm.isend(numbers[0], slab.below, _DOWN)
+    if slab.above is not None:
+        numbers[own] = comm.recv(source=slab.above, tag=_DOWN)
+    if sent is not None:
+        sent.wait()
+    i, j, k = np.nonzero(cells)
+    corners = [numbers[i + a, j + b, k + c] for a, b, c in _CORNERS[D - 1]]
+
+    found, place = records[vertices], np.nonzero(vertices)
+    position = np.zeros((len(found), 3))
+    for d in range(D):
+        number = place[d] + (grid.window.lower[d] - scene.frame.ghost)
+        position[:, d] = scene.frame.origin[d] + number * scene.frame.cell[d]
+    mass = found[:, 0].copy()
+    return ActiveGrid(
+        position,
+        mass,
+        found[:, 1:4].copy(),
+        found[:, 5:8] + mass[:, None] * np.array(scene.gravity(sim.time)),
+        np.stack(corners, axis=1),
+        (int(first[0]), int(first[1])),
+        (int(total[0]), int(total[1])),
+    )
+
+
+def _cells(sim: "Simulation") -> tuple[np.ndarray, np.ndarray]:
+    """Which cells hold centres of particles, by their lowest vertex; collective.
+
+    Returns
+    -------
+    cells : (own planes, y, z) bool
+        Those of this rank.
+    below : (y, z) bool
+        Those of the last plane of the rank below.
+    """
+    grid, slab, own = sim.grid, sim.slab, sim.owned_planes
+    p, order, frame, window = sim.particles, sim.population.order, sim.scene.frame, sim.grid.window
+    marks = np.zeros((grid.planes, *window.extent[1:]), bool)
+    for begin, end in blocks(len(order), _BLOCK):
+        x = p.x[order[begin:end]]
+        place = [np.zeros(len(x), np.int64)] * 3
+        for d in range(sim.scene.dimension):
+            cell = np.floor((x[:, d] - frame.origin[d]) * frame.inverse[d])
+            place[d] = cell.astype(np.int64) + (frame.ghost - window.lower[d])
+        marks[tuple(place)] = True
+    # A particle of the last layer may be in the next cell, whose vertex the rank above has. Other
+    # layers do not reach beyond, so that the plane before is complete.
+    sent = None
+    if slab.above is not None:
+        sent = sim.comm.isend(marks[own - 1 : own + 1], slab.above, _UP)
+    below = np.zeros(window.extent[1:], bool)
+    if slab.below is not None:
+        below, shared = sim.comm.recv(source=slab.below, tag=_UP)
+        marks[0] |= shared
+    if sent is not None:
+        sent.wait()
+    return marks[:own], below
