@@ -1,4 +1,4 @@
-"""``pgimp init``: cases to start from, the files of cases/, also from a wheel; lines for editors."""
+"""``pgimp init``: cases to start from, as in cases/, also from a wheel; the lines for editors."""
 
 import json
 import os

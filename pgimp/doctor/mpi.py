@@ -15,9 +15,10 @@ from pgimp.doctor.probe import PREAMBLE, Answer, ask, ask_all, names, run
 
 PROBE = f"""{PREAMBLE}
 from mpi4py import MPI
+library = MPI.Get_library_version().strip("\\0 \\n").splitlines()[0].split(",")[0]
 print(json.dumps({{
     "version": mpi4py.__version__,
-    "library": MPI.Get_library_version().strip("\\0 \\n").splitlines()[0].split(",")[0],
+    "library": " ".join(library.split()),
     "files": mpi_libraries(),
     "chooses": not os.path.basename(MPI.__file__).startswith("MPI.cpython"),
 }}))
