@@ -6,13 +6,12 @@ import io
 from collections.abc import Sequence
 from typing import Any
 
+from pgimp.plot.style import COLOURS, MARKERS, STYLE
 from pgimp.study.measures import pareto
 from pgimp.study.plan import Plan
 from pgimp.study.runs import DONE, Outcome
 from pgimp.study.tables import curves
 
-_COLOURS = ("#1f5fa8", "#c0392b", "#2e8b57", "#d98e04", "#7d3c98", "#16a2b8", "#8a8a8a", "#5d4037")
-_MARKERS = "os^vDPX*"
 _LABELS = {"wall": "wall time [s]", "core": "wall time x ranks [s]"}
 _INCHES = (4.2, 4.2)
 _COLUMNS_OF_LEGEND = 6
@@ -50,18 +49,10 @@ def picture(plan: Plan, outcomes: Sequence[Outcome]) -> bytes | None:
     ]
     if not drawn:
         return None
-    style: Any = {
-        "font.size": 10,
-        "axes.grid": True,
-        "grid.color": "#e4e4e4",
-        "axes.axisbelow": True,
-        "axes.spines.top": False,
-        "axes.spines.right": False,
-        "legend.frameon": False,
-    }
+    style: Any = STYLE
     with rc_context(style):
         count = 1 + len(costs)
-        figure = Figure(figsize=(_INCHES[0] * count, _INCHES[1]), layout="constrained")
+        figure = Figure(figsize=(_INCHES[0] * count, _INCHES[1]))
         axes: Any = figure.subplots(1, count, sharey=True, squeeze=False)[0]
         for ax in axes:
             ax.set(xscale="log", yscale="log")
@@ -72,8 +63,8 @@ def picture(plan: Plan, outcomes: Sequence[Outcome]) -> bytes | None:
         )
         for number, (curve, runs) in enumerate(curves(drawn).items()):
             line = {
-                "color": _COLOURS[number % len(_COLOURS)],
-                "marker": _MARKERS[(number + number // len(_COLOURS)) % len(_MARKERS)],
+                "color": COLOURS[number % len(COLOURS)],
+                "marker": MARKERS[(number + number // len(COLOURS)) % len(MARKERS)],
                 "label": curve or plan.name,
                 "ms": 5,
                 "lw": 1.2,

@@ -5,19 +5,9 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
-plt.rcParams.update(
-    {
-        "font.size": 9,
-        "axes.grid": True,
-        "grid.color": "#e4e4e4",
-        "axes.axisbelow": True,
-        "axes.spines.top": False,
-        "axes.spines.right": False,
-        "legend.frameon": False,
-        "figure.constrained_layout.use": True,
-        "savefig.dpi": 110,
-    }
-)
+from pgimp.plot.style import STYLE
+
+plt.rcParams.update(STYLE | {"font.size": 9})
 
 
 def save(figure, path):

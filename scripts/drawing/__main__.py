@@ -6,11 +6,13 @@ from block import methods
 from column import compaction
 from cost import error_and_cost
 from exact import shock, spinning_block, vortex
-from scenes import bar_vibration, block3d, disks
+from looking import block3d, paraview
+from scenes import bar_vibration, disks
 
 PICTURES = {
     "compaction": compaction,
     "block3d": block3d,
+    "block3d-paraview": paraview,
     "disks": disks,
     "bar-vibration": bar_vibration,
     "shock": shock,

@@ -12,25 +12,14 @@ from matplotlib.collections import EllipseCollection
 from PIL import Image
 
 import pgimp
+from pgimp.plot import style
 
 ROOT = Path(__file__).resolve().parents[2]
 RUNS = ROOT / "pictures.out"
 PICTURES = ROOT / "cases" / "pictures"
 LARGE = 140_000  # bytes
-BLUE, RED, GREEN, ORANGE, GREY = "#1f5fa8", "#c0392b", "#2e8b57", "#d98e04", "#8a8a8a"
-plt.rcParams.update(
-    {
-        "font.size": 10,
-        "axes.grid": True,
-        "grid.color": "#e4e4e4",
-        "axes.axisbelow": True,
-        "axes.spines.top": False,
-        "axes.spines.right": False,
-        "legend.frameon": False,
-        "figure.constrained_layout.use": True,
-        "savefig.dpi": 110,
-    }
-)
+BLUE, RED, GREEN, ORANGE, GREY = style.BLUE, style.RED, style.GREEN, style.ORANGE, style.GREY
+plt.rcParams.update(style.STYLE)
 
 
 def run(case, redraw, name=None, overrides=(), ranks=2):
@@ -61,7 +50,7 @@ def dots(axis, frame, name, top, size=2.3):
         offsets=frame["position"][:, :2],
         transOffset=axis.transData,
         array=frame[name],
-        cmap="viridis",
+        cmap=style.MAP,
         clim=(0.0, top),
     )
     axis.add_collection(shown)
@@ -70,18 +59,20 @@ def dots(axis, frame, name, top, size=2.3):
 
 
 def save(figure, name):
-    """Write the picture; without the alpha channel the file is a fifth smaller.
-
-    One that is still large gets a palette of its own.
-    """
+    """Write the picture."""
     PICTURES.mkdir(exist_ok=True)
     path = PICTURES / f"{name}.png"
     figure.savefig(path)
     plt.close(figure)
+    shrink(path)
+
+
+def shrink(path):
+    """Make a PNG smaller: without the alpha channel by a fifth, a large one by a palette."""
     image = Image.open(path).convert("RGB")
     image.save(path, optimize=True)
     if path.stat().st_size > LARGE:
-        image.quantize(192, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE).save(
+        image.quantize(256, Image.Quantize.MEDIANCUT, 4, dither=Image.Dither.NONE).save(
             path, optimize=True
         )
     print(f"pictures: {path.relative_to(ROOT)}, {path.stat().st_size // 1024} kB")

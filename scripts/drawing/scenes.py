@@ -1,7 +1,7 @@
-"""The other cases: disks, block, bar."""
+"""The other cases: disks, bar."""
 
 import numpy as np
-from common import BLUE, GREEN, RED, dots, frame_at, plt, run, save
+from common import BLUE, RED, dots, frame_at, plt, run, save
 
 
 def energies(axis, results, unit):
@@ -36,67 +36,6 @@ def disks(redraw):
     axis.plot(results.history["time"], total, "k--", lw=1.0, label="sum")
     axis.legend(loc="center left", ncol=1)
     save(figure, "disks")
-
-
-def skins(lattice, values):
-    """Three visible faces of a block of particles: arrays of shape (rows, columns, ...)."""
-    shape = lattice.max(axis=0) + 1
-    table = np.empty((*shape, *values.shape[1:]))
-    table[tuple(lattice.T)] = values
-    return table[:, 0], table[-1], table[:, :, -1]
-
-
-def block3d(redraw):
-    """The block at four instants in 3D, coloured by the von Mises stress, and the energies."""
-    results = run("block3d", redraw)
-    history = results.history
-    first = results.frame(0)["position"]
-    lattice = np.stack(
-        [np.unique(first[:, d].round(9), return_inverse=True)[1] for d in range(3)], 1
-    )
-    lowest = results.times[np.argmin([f["position"][:, 2].mean() for f in results.frames[:25]])]
-    figure = plt.figure(figsize=(9, 5.8))
-    above, below = figure.subfigures(2, 1, height_ratios=(1.0, 0.85))
-    axes = above.subplots(1, 4, subplot_kw={"projection": "3d", "computed_zorder": False})
-    colours = plt.cm.ScalarMappable(plt.Normalize(0.0, 60.0), "viridis")
-    for axis, time in zip(axes, (0.0, lowest, 0.46, 0.6), strict=True):
-        frame = frame_at(results, time)
-        corners = np.meshgrid([0.1, 1.9], [0.0, 1.2])
-        axis.plot_surface(*corners, np.zeros((2, 2)), color="#dcdcdc", shade=False, zorder=0)
-        faces = zip(
-            skins(lattice, frame["position"]), skins(lattice, frame["von-mises"]), strict=True
-        )
-        for place, stress in faces:
-            axis.plot_surface(
-                *np.moveaxis(place, -1, 0),
-                rcount=99,
-                ccount=99,
-                facecolors=colours.to_rgba(stress[:-1, :-1] / 1e3),
-                linewidth=0,
-                antialiased=False,
-                shade=False,
-                zorder=1,
-            )
-        axis.set(xlim=(0.1, 1.9), ylim=(0.0, 1.2), zlim=(0.0, 1.25))
-        axis.set_box_aspect((1.8, 1.2, 1.25), zoom=1.1)
-        axis.view_init(14, -52)
-        axis.set_axis_off()
-        axis.set_title(f"t = {frame.time:.2f} s", fontsize=10, y=0.98)
-    above.colorbar(
-        colours,
-        ax=axes,
-        label="von Mises stress [kPa]",
-        location="bottom",
-        aspect=50,
-        shrink=0.6,
-        extend="max",
-    )
-    left, right = below.subplots(1, 2)
-    energies(left, results, "J")
-    left.legend()
-    right.plot(history["time"], history["reaction.z-min-z"] / 1e3, color=GREEN)
-    right.set(xlabel="time [s]", ylabel="force of the floor [kN]")
-    save(figure, "block3d")
 
 
 def bar_displacement(place, time, gravity=9.81, speed=20.0, length=1.0):
