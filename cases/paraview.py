@@ -47,7 +47,7 @@ CAMERAS = {
 }
 MOVIES = (".avi", ".ogv", ".mp4")
 MOST_LOOKED_AT = 200
-MARGIN = 1.12
+MARGIN = 1.15
 LEFT_AND_BELOW = 3  # of the bits of a grid's axes
 INK = [0.15, 0.15, 0.15]
 
@@ -145,6 +145,7 @@ def show(
         low, high = limits
     flat = bounds[4] == bounds[5] == 0.0
 
+    simple._DisableFirstRenderCameraReset()  # the first picture would undo the camera below
     view = simple.GetActiveViewOrCreate("RenderView")
     view.ViewSize = list(size)
     view.UseColorPaletteForBackground = 0
@@ -272,6 +273,7 @@ def _aim(view, camera, bounds, size, flat):
     if flat:
         grid = view.AxesGrid
         grid.Visibility = 1
+        grid.UseCustomBounds, grid.CustomBounds = 1, bounds
         grid.ShowGrid = grid.ShowTicks = 0
         grid.AxesToLabel = LEFT_AND_BELOW
         grid.XTitle, grid.YTitle, grid.ZTitle = "x", "y", "z"
@@ -337,9 +339,7 @@ def save_frames(scene, folder, size=(1200, 800)):
 
 def save_movie(scene, path, size=(1200, 800), rate=15):
     """Save all frames as a movie; the ending says which kind."""
-    kind = os.path.splitext(path)[1].lower()
-    if kind not in MOVIES:
-        raise Wrong(f"{path}: a movie ends in {', '.join(MOVIES)}; for pictures take --frames")
+    kind = _movie(path)
     animation = simple.GetAnimationScene()
     animation.UpdateAnimationUsingDataTimeSteps()
     animation.PlayMode = "Snap To TimeSteps"
@@ -356,6 +356,14 @@ def save_movie(scene, path, size=(1200, 800), rate=15):
             f"this ParaView cannot write {kind}: take another of {', '.join(MOVIES)}, or make one "
             "of the pictures of --frames, for instance with ffmpeg"
         ) from None
+
+
+def _movie(path):
+    """Return the ending of a movie's name."""
+    kind = os.path.splitext(path)[1].lower()
+    if kind not in MOVIES:
+        raise Wrong(f"{path}: a movie ends in {', '.join(MOVIES)}; for pictures take --frames")
+    return kind
 
 
 def _whole(path, write):
@@ -403,6 +411,8 @@ def main():
     if args.output and not args.output.lower().endswith(".png"):
         parser.error(f"-o {args.output}: the name must end in .png")
     try:
+        if args.movie:
+            _movie(args.movie)
         scene = show(
             args.run,
             args.field,

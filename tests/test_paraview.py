@@ -1,4 +1,4 @@
-"""The XDMF file in a real ParaView, through each of the three readers that people choose from."""
+"""A real ParaView: the XDMF file through each of its three readers, and cases/paraview.py."""
 
 import json
 import os
@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from particle_source import make_case, make_sim
+from PIL import Image
 
 from pgimp.output.frames import Frames
 from pgimp.output.reader import Frame
@@ -19,19 +20,23 @@ COUNT, GONE = 23, ((), (), range(9, 14))
 COUNTS = [COUNT - len(gone) for gone in GONE]
 
 
-def probe(path, body):
-    """Let pvpython open an XDMF file; without pvpython this fails, for CI must install it."""
-    program = shutil.which("pvpython")
-    assert program, "ParaView is not installed: apt-get install paraview python3-paraview xvfb"
-    environment = {
+def environment():
+    """Variables for ParaView: none of another Python or of MPI."""
+    return {
         key: value
         for key, value in os.environ.items()
         if not key.startswith(("OMPI_", "PMIX_", "PYTHON", "VIRTUAL_ENV"))
     }
+
+
+def probe(path, body):
+    """Let pvpython open an XDMF file; without pvpython this fails, for CI must install it."""
+    program = shutil.which("pvpython")
+    assert program, "ParaView is not installed: apt-get install paraview python3-paraview xvfb"
     script = Path(__file__).with_name("paraview_probe.py")
     run = subprocess.run(
         ["xvfb-run", "-a", program, str(script), str(path), str(body)],
-        env=environment,
+        env=environment(),
         capture_output=True,
         text=True,
         timeout=120,
@@ -99,3 +104,138 @@ def test_threshold_by_body(run, seen, reader):
     there = seen[reader]["threshold"]
     assert 0 < there["cells"] == np.count_nonzero(bodies == 1) < len(bodies) == COUNTS[2]
     assert np.unique(there["arrays"]["body"]) == [1]
+
+
+SCRIPT = Path(__file__).resolve().parents[1] / "cases" / "paraview.py"
+RADII = np.array([0.3, 0.45, 0.2, 0.4])
+CENTRES = np.array([[0.0, 0.0], [3.0, 0.2], [0.1, 2.0], [3.0, 2.0]])
+
+
+def pvpython(*words, cwd):
+    return subprocess.run(
+        ["xvfb-run", "-a", shutil.which("pvpython"), *map(str, words)],
+        env=environment(),
+        capture_output=True,
+        text=True,
+        timeout=120,
+        cwd=cwd,
+    )
+
+
+@pytest.fixture(scope="module")
+def discs(tmp_path_factory):
+    """Two frames of four discs in 2D, apart from each other, of stress 1 to 4 and 2 to 8."""
+    directory = tmp_path_factory.mktemp("discs") / "discs.out"
+    (directory / "frames").mkdir(parents=True)
+    sim, _ = make_sim(Serial(), 4, 2)
+    frames = Frames(directory, make_case(), sim)
+    particles, rows = sim.particles, sim.live()
+    rows = rows[np.argsort(particles.id[rows])]
+    particles.x[rows] = CENTRES
+    particles.V[rows] = (2.0 * RADII) ** 2
+    for number in range(2):
+        sim.step, sim.time = number, 0.5 * number
+        particles.sigma[rows] = 0.0
+        particles.sigma[rows, 1] = (1 + number) * np.arange(1, 5)
+        frames.write(sim)
+    frames.finish()
+    return directory
+
+
+def colours(path):
+    """The discs of a picture from its left and lower end: columns, rows and colours of each."""
+    pixels = np.asarray(Image.open(path).convert("RGB")).astype(int)[::-1]
+    inside = pixels[:, : int(0.84 * pixels.shape[1])]  # beside it is the bar of colours
+    coloured = np.ptp(inside, axis=2) > 30
+    middle = 0.5 * (CENTRES.min(axis=0) + CENTRES.max(axis=0))
+    rows, columns = np.nonzero(coloured)
+    cut = 0.5 * (columns.min() + columns.max()), 0.5 * (rows.min() + rows.max())
+    found = []
+    for centre in CENTRES:
+        mine = ((columns > cut[0]) == (centre[0] > middle[0])) & (
+            (rows > cut[1]) == (centre[1] > middle[1])
+        )
+        found.append((columns[mine], rows[mine], inside[rows[mine], columns[mine]]))
+    return found
+
+
+@pytest.fixture(scope="module")
+def drawn(discs):
+    """A picture, pictures of all frames and a movie, by the script of cases/."""
+    words = ["--field", "stress.yy", "-o", "last.png", "--frames", "all", "--movie", "discs.avi"]
+    done = pvpython(SCRIPT, discs, *words, "--size", "900x600", cwd=discs.parent)
+    assert done.returncode == 0, done.stderr
+    assert "wrote last.png" in done.stdout
+    return discs.parent
+
+
+def test_picture_has_discs_of_the_particles_size(drawn):
+    """In pixels; their unit is the distance of two centres, which knows nothing of radii."""
+    found = colours(drawn / "last.png")
+    centres = np.array([(columns.mean(), rows.mean()) for columns, rows, _ in found])
+    pixel = (CENTRES[1, 0] - CENTRES[0, 0]) / (centres[1, 0] - centres[0, 0])
+    np.testing.assert_allclose((centres - centres[0]) * pixel, CENTRES - CENTRES[0], atol=0.02)
+    areas = np.array([len(rows) for _, rows, _ in found]) * pixel**2
+    np.testing.assert_allclose(areas, np.pi * RADII**2, rtol=0.05)
+
+
+def test_colours_follow_the_field_with_one_range_for_all_times(drawn):
+    from matplotlib import colormaps
+
+    assert sorted(path.name for path in (drawn / "all").iterdir()) == [
+        f"frame-{number:06d}.png" for number in range(2)
+    ]
+    for number in range(2):
+        found = colours(drawn / "all" / f"frame-{number:06d}.png")
+        for disc, (_, _, seen) in enumerate(found):
+            value = (1 + number) * (1 + disc)
+            expected = 255 * np.array(colormaps["viridis"]((value - 1) / 7)[:3])
+            assert np.abs(np.median(seen, axis=0) - expected).max() < 12
+    assert (drawn / "last.png").read_bytes() == (drawn / "all/frame-000001.png").read_bytes()
+
+
+def test_movie_is_one(drawn):
+    content = (drawn / "discs.avi").read_bytes()
+    assert content[:4] == b"RIFF"
+    assert content[8:12] == b"AVI "
+    assert content.count(b"00dc") >= 2
+    assert not list(drawn.glob(".paraview-*"))
+
+
+@pytest.mark.parametrize("run", ["as-usual"], indirect=True)
+def test_three_dimensions_from_a_corner(run, tmp_path):
+    """Spheres, shaded; a component, a body, a range, from the corner."""
+    words = ["--field", "stress.xx", "--body", "1", "--range", "-1", "1", "--size", "600x400"]
+    done = pvpython(SCRIPT, run, *words, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    (path,) = tmp_path.glob("*-stress.xx.png")
+    pixels = np.asarray(Image.open(path).convert("RGB")).astype(int)
+    inside = pixels[:, :500]
+    coloured = np.ptp(inside, axis=2) > 30
+    assert 0.02 < coloured.mean() < 0.9
+    assert len(np.unique(inside[coloured] // 16, axis=0)) > 20
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["nix.out"], "there is no run directory nix.out"),
+        (["."], "has no particles.xdmf"),
+        (["discs.out", "--field", "von-mieses", "-o", "a.png"], "no field von-mieses; it has body"),
+        (["discs.out", "--frame", "2"], "there is no frame 2: there are 2, from 0, or -1"),
+        (["discs.out", "--movie", "film.gif"], "a movie ends in .avi, .ogv, .mp4"),
+    ],
+)
+def test_script_says_what_is_wrong(discs, words, message):
+    before = sorted(discs.parent.iterdir())
+    done = pvpython(SCRIPT, *words, cwd=discs.parent)
+    assert done.returncode == 2
+    assert message in done.stderr
+    assert "Traceback" not in done.stderr
+    assert sorted(discs.parent.iterdir()) == before
+
+
+def test_another_python_says_where_the_script_belongs(python):
+    done = python(["-S", SCRIPT, "run.out"])
+    assert done.returncode == 1
+    assert "Run it with pvpython" in done.stderr
