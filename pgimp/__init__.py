@@ -15,20 +15,39 @@ if TYPE_CHECKING:
 
     from pgimp.case.load import load
     from pgimp.commands.run import run
+    from pgimp.errors import CaseError, PgimpError, RunError, UsageError
     from pgimp.materials.outside import takes_vectors
     from pgimp.materials.registry import register_material
     from pgimp.output.reader import open
+    from pgimp.parallel.comm import world
     from pgimp.solver.driver import Simulation
 
-__all__ = ["Simulation", "load", "open", "register_material", "run", "takes_vectors"]
+__all__ = [
+    "CaseError",
+    "PgimpError",
+    "RunError",
+    "Simulation",
+    "UsageError",
+    "load",
+    "open",
+    "register_material",
+    "run",
+    "takes_vectors",
+    "world",
+]
 
 _HOMES = {
+    "CaseError": "pgimp.errors",
+    "PgimpError": "pgimp.errors",
+    "RunError": "pgimp.errors",
     "Simulation": "pgimp.solver.driver",
+    "UsageError": "pgimp.errors",
     "load": "pgimp.case.load",
     "open": "pgimp.output.reader",
     "register_material": "pgimp.materials.registry",
     "run": "pgimp.commands.run",
     "takes_vectors": "pgimp.materials.outside",
+    "world": "pgimp.parallel.comm",
 }
 
 
