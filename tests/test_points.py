@@ -1,0 +1,138 @@
+"""Bodies from files of particles: what is in the file is what runs; refusals with the row."""
+
+import h5py
+import numpy as np
+import pytest
+from meshes import case
+from scenes import field, start, write_case
+
+from pgimp.errors import CaseError
+
+
+def cloud(n=60, dimension=2):
+    rng = np.random.default_rng(4)
+    return {
+        "position": rng.uniform(-1.5, 1.5, (n, dimension)),
+        "volume": rng.uniform(0.01, 0.06, n),
+        "velocity": rng.uniform(-0.1, 0.1, (n, dimension)),
+    }
+
+
+def write_csv(path, data, **extra):
+    axes = "xyz"[: data["position"].shape[1]]
+    columns = dict(zip(axes, data["position"].T, strict=True)) | {"volume": data["volume"]}
+    if "velocity" in data:
+        columns |= {f"velocity-{a}": v for a, v in zip(axes, data["velocity"].T, strict=True)}
+    columns |= extra
+    rows = [",".join(repr(float(x)) for x in row) for row in zip(*columns.values(), strict=True)]
+    path.write_text("\n".join(["# by a test", ",".join(columns), "", *rows]) + "\n")
+
+
+def write_hdf5(path, data):
+    with h5py.File(path, "w") as file:
+        for key, value in data.items():
+            file[key] = value
+
+
+def points(path):
+    return {"points": {"file": str(path)}}
+
+
+@pytest.mark.parametrize("ending", ["csv", "h5"])
+def test_particles_are_those_of_the_file(tmp_path, ending):
+    data = cloud()
+    (write_csv if ending == "csv" else write_hdf5)(tmp_path / f"p.{ending}", data)
+    sim = start(case(points(tmp_path / f"p.{ending}"), dimension=2))
+    assert sim.count == 60
+    assert (field(sim, "x") == data["position"]).all()
+    np.testing.assert_allclose(field(sim, "V"), data["volume"], rtol=1e-15)
+    assert (field(sim, "v") == data["velocity"]).all()
+    np.testing.assert_allclose(field(sim, "m"), data["volume"], rtol=1e-15)
+
+
+def test_the_case_gives_the_velocity_that_the_file_leaves_out(tmp_path):
+    data = cloud()
+    del data["velocity"]
+    write_csv(tmp_path / "p.csv", data)
+    model = case(points(tmp_path / "p.csv"), dimension=2)
+    model["bodies"]["body"]["velocity"] = {"rotation": {"about": [0.1, 0.0], "rate": 2.0}}
+    x = data["position"]
+    expected = 2.0 * np.stack([-x[:, 1], x[:, 0] - 0.1], axis=1)
+    np.testing.assert_allclose(field(start(model), "v"), expected, atol=1e-14)
+
+
+def test_a_stress_is_for_materials_that_carry_it(tmp_path):
+    data = cloud() | {"stress": np.arange(360.0).reshape(60, 6)}
+    write_hdf5(tmp_path / "p.h5", data)
+    model = case(points(tmp_path / "p.h5"), dimension=2)
+    with pytest.raises(CaseError, match="follows from the deformation alone"):
+        start(model)
+    model["materials"]["soft"] = {"model": "hooke", "young": 1e4, "poisson": 0.3, "density": 1.0}
+    sim = start(model)
+    np.testing.assert_array_equal(field(sim, "sigma"), data["stress"][:, :4])
+
+
+def damaged():
+    good = "x,y,volume\n0,0,0.1\n"
+    return {
+        "nan.csv": (good + "nan,0,0.1\n", "line 3: the position is not finite"),
+        "inf.csv": (good + "0,0,inf\n", "line 3: the volume is not finite"),
+        "zero.csv": (good + "\n0,1,0\n", "line 4: the volume must be above zero, is 0"),
+        "word.csv": (good + "0,one,0.1\n", "line 3: 'one' is no number"),
+        "short.csv": (good + "0,0.1\n", "line 3: 2 values, expected 3"),
+        "head.csv": ("0,0,0.1\n", "names no column x, y, volume"),
+        "key.csv": ("x,y,volume,mass\n0,0,1,1\n", "unknown column 'mass'"),
+        "half.csv": ("x,y,volume,velocity-x\n0,0,1,1\n", "column velocity-y is missing"),
+        "none.csv": ("x,y,volume\n", "holds no particle"),
+        "out.csv": (good + "0,7,0.1\n", "reaches 5 beyond the domain at y-max"),
+        "noise.csv": (np.random.default_rng(2).bytes(3000), "cannot"),
+        "noise.h5": (np.random.default_rng(2).bytes(3000), "cannot read the particles"),
+        "empty.h5": (b"", "it is empty"),
+        "what.dat": (good, "must end in .h5, .hdf5 or .csv"),
+    }
+
+
+@pytest.mark.parametrize("name", damaged())
+def test_damaged_files_are_refused(tmp_path, name):
+    text, message = damaged()[name]
+    (tmp_path / name).write_bytes(text if isinstance(text, bytes) else text.encode())
+    with pytest.raises(CaseError, match=message):
+        start(case(points(tmp_path / name), dimension=2))
+
+
+def test_wrong_datasets_are_refused(tmp_path):
+    for change, message in (
+        ({"volume": None}, "no dataset 'volume'"),
+        ({"volume": np.ones(59)}, "59 rows of volume, but 60"),
+        ({"position": np.ones((60, 4))}, "'position' has the shape \\(60, 4\\)"),
+        ({"position": np.ones((60, 3))}, "row 0 \\(from 0\\): position has a part along"),
+        ({"volume": np.full(60, b"x")}, "'volume' is no dataset of numbers"),
+    ):
+        data = {k: v for k, v in (cloud() | change).items() if v is not None}
+        write_hdf5(tmp_path / "p.h5", data)
+        with pytest.raises(CaseError, match=message):
+            start(case(points(tmp_path / "p.h5"), dimension=2))
+
+
+def test_a_promise_of_many_rows_costs_no_memory(tmp_path):
+    with h5py.File(tmp_path / "p.h5", "w") as file:
+        file.create_dataset("position", (10**12, 2), chunks=(1000, 2))
+        file.create_dataset("volume", (10**12,), chunks=(1000,))
+    with pytest.raises(CaseError, match="row 0 \\(from 0\\): the volume must be above zero"):
+        start(case(points(tmp_path / "p.h5"), dimension=2))
+
+
+def test_no_part_of_another_region(tmp_path):
+    box = {"box": {"min": [0.0, 0.0], "max": [1.0, 1.0]}}
+    with pytest.raises(ValueError, match="a body of their own"):
+        start(case({"union": [box, points(tmp_path / "p.csv")]}, dimension=2))
+
+
+def test_same_bits_on_ranks(tmp_path, mpirun, python):
+    """Particles at any place of a cell: their layers are not those of the lattice's points."""
+    write_csv(tmp_path / "p.csv", cloud(400))
+    write_case(tmp_path / "p.yaml", case(points("p.csv"), dimension=2, end=0.1))
+    one = python(["-m", "pgimp", "p.yaml", "-o", "one"], cwd=tmp_path)
+    three = mpirun(3, ["-m", "pgimp", "p.yaml", "-o", "three"], cwd=tmp_path)
+    assert one.returncode == three.returncode == 0, one.stderr + three.stderr
+    assert python(["-m", "pgimp", "compare", "one", "three"], cwd=tmp_path).returncode == 0
