@@ -67,7 +67,7 @@ def test_a_stress_is_for_materials_that_carry_it(tmp_path):
     model = case(points(tmp_path / "p.h5"), dimension=2)
     with pytest.raises(CaseError, match="follows from the deformation alone"):
         start(model)
-    model["materials"]["soft"] = {"model": "hooke", "young": 1e4, "poisson": 0.3, "density": 1.0}
+    model["materials"]["soft"] = {"model": "hooke", "young": 100.0, "poisson": 0.3, "density": 1.0}
     sim = start(model)
     np.testing.assert_array_equal(field(sim, "sigma"), data["stress"][:, :4])
 
@@ -116,8 +116,8 @@ def test_wrong_datasets_are_refused(tmp_path):
 
 def test_a_promise_of_many_rows_costs_no_memory(tmp_path):
     with h5py.File(tmp_path / "p.h5", "w") as file:
-        file.create_dataset("position", (10**12, 2), chunks=(1000, 2))
-        file.create_dataset("volume", (10**12,), chunks=(1000,))
+        file.create_dataset("position", (10**12, 2), "f8", chunks=(1000, 2))
+        file.create_dataset("volume", (10**12,), "f8", chunks=(1000,))
     with pytest.raises(CaseError, match="row 0 \\(from 0\\): the volume must be above zero"):
         start(case(points(tmp_path / "p.h5"), dimension=2))
 

@@ -62,6 +62,8 @@ def share(case: Case, comm: Any) -> None:
             ("bodies", name, "region"), body.region, case.dimensions, case.grid
         )
     ]
+    if problems and known:
+        problems.append("if lengths in the file have another unit: scale: 0.001 makes m of mm")
     if problems:
         raise CaseError("\n".join(problems))
 

@@ -1,4 +1,12 @@
-"""The inside of a closed surface, or of cells, that a mesh file holds."""
+"""The inside of a closed surface, or of cells, that a mesh file holds.
+
+In 3D a surface of triangles or polygons (STL, OBJ, PLY) or volume cells (Gmsh, VTU, ...), in 2D an
+outline of lines, or triangles and quadrilaterals. Points are scaled first, then turned about the
+origin, then moved. Inner surfaces are holes. Sums over the particles are those of the mesh to
+rounding, whatever the lattice; a mesh of a curved body converges to it by second order in the size
+of its triangles. In unions and differences meshes are measured as the other regions are, by lines:
+there facets within a box leave an error of second order.
+"""
 
 from __future__ import annotations
 
@@ -22,12 +30,7 @@ if TYPE_CHECKING:
 
 
 class Mesh(Model, Region):
-    """Inside of a mesh: of a closed surface (STL, OBJ, PLY) or of cells (Gmsh, VTU, ...).
-
-    In 2D a closed outline of lines, or triangles and quadrilaterals. Points are scaled first, then
-    turned about the origin, then moved. Inner surfaces are holes. Particles have exactly what the
-    mesh has of their boxes.
-    """
+    """Inside of a mesh: a closed surface (STL, OBJ, PLY) or cells (Gmsh, VTU); holes are empty."""
 
     DIMENSIONS: ClassVar[tuple[int, ...]] = (2, 3)
     FROM_FILE: ClassVar[bool] = True
@@ -44,9 +47,12 @@ class Mesh(Model, Region):
         Either("degrees, in 3D about x, y and z", {float: Number, tuple: Vector}),
     ] = Field(
         default=0.0,
-        description="degrees: in 2D anticlockwise; in 3D a list, about x, then y, then z",
+        description="turn about the origin, after scaling, in degrees: in 2D anticlockwise; in 3D a "
+        "list, about x, then y, then z",
     )
-    translate: Vector | None = Field(default=None, description="displacement; null: none [length]")
+    translate: Vector | None = Field(
+        default=None, description="displacement, after turning; null: none [length]"
+    )
 
     @cached_property
     def surface(self) -> Surface:

@@ -1,4 +1,8 @@
-"""The user's own particles in place of those of the lattice."""
+"""The user's own particles in place of those of the lattice.
+
+Ids follow the rows. Masses are density times volume. For the shapes that have a size, all particles
+of a case start with that of the lattice, from `particles_per_cell`.
+"""
 
 from __future__ import annotations
 
@@ -36,11 +40,7 @@ NONE = Summary(0, (np.inf,) * 3, (-np.inf,) * 3, 0.0, 0.0, 0.0, False, False)
 
 
 class Points(Model, Region):
-    """Particles from a file, HDF5 or CSV: position, volume, and if wanted velocity and stress.
-
-    Ids follow the rows. Masses are density times volume. For the shapes that have a size, all
-    particles of a case start with that of the lattice, from `particles_per_cell`.
-    """
+    """Particles from a file; their size, for the shapes that have one, is `particles_per_cell`'s."""
 
     FROM_FILE: ClassVar[bool] = True
     WHOLE_BODY: ClassVar[bool] = True
