@@ -4,7 +4,7 @@ from functools import cache
 from typing import Annotated, Any, ClassVar
 
 import numba
-from numba.core import errors
+from numba.core import errors, types
 from numba.extending import overload
 from pydantic import Field
 
@@ -62,6 +62,8 @@ def evaluate(quantity, materials, k, args):
 
 @overload(evaluate, jit_options=INLINE_OPTIONS, prefer_literal=True, strict=False)
 def _evaluate(quantity, materials, k, args):
+    if not isinstance(quantity, types.Literal):
+        return None  # Numba tries that too, after an error in a material
     name = quantity.literal_value
     models = [material.instance_class for material in materials]
     function = _compiled(models[0], name)
@@ -103,6 +105,8 @@ def evaluate_four(quantity, materials, numbers, args, like):
 
 @overload(evaluate_four, jit_options=INLINE_OPTIONS, prefer_literal=True, strict=False)
 def _evaluate_four(quantity, materials, numbers, args, like):
+    if not isinstance(quantity, types.Literal):
+        return None
     name = quantity.literal_value
     if not all(_takes_vectors(material, name, args) for material in materials):
 

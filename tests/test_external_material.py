@@ -1,0 +1,292 @@
+"""Materials from outside the package: the same bits, never a stale kernel, messages for mistakes."""
+
+import os
+import sys
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from scenes import SOFT, box, scene, write_case
+
+import pgimp
+from pgimp.errors import CaseError, UsageError
+from pgimp.kernels import outside
+from pgimp.kernels.sums import fastest_rate
+from pgimp.materials import MATERIALS, NeoHookean, registry
+from pgimp.materials.outside import explained, parameters_of
+from pgimp.solver.particles import Frame, Particles
+
+CASES = Path(__file__).resolve().parents[1] / "cases"
+
+LAW = """
+from typing import Literal, NamedTuple
+import pgimp
+from pgimp.materials import Material
+from {helper} import faster
+
+FACTOR = {factor}
+
+class LawParameters(NamedTuple):
+    density: float
+
+    @staticmethod
+    def stress(material, F, J, sigma, L, dt):
+        return {stress}
+
+    @staticmethod
+    def energy(material, F, J, sigma):
+        return 0.0
+
+    @staticmethod
+    def speed(material, F, J):
+        return {speed}
+
+@pgimp.register_material
+class Law(Material):
+    model: Literal["law"]
+
+    def parameters(self):
+        return LawParameters(self.density)
+"""
+
+HELPER = """
+import numba
+
+@numba.njit
+def faster(c):
+    return {times} * c
+"""
+
+# The speed of a particle at rest, asked of a kernel of the package, and how often it was cached.
+ASK = """
+import sys
+import numpy as np
+from pgimp.kernels.sums import fastest_rate
+from pgimp.materials import MATERIALS
+from pgimp.materials.outside import parameters_of
+from pgimp.solver.particles import Frame, Particles
+
+def ask():
+    law = parameters_of(MATERIALS["law"](model="law", density=1.0))
+    frame = Frame((0.0,), (1.0,), (1.0,), (4,), 1)
+    p = Particles.empty(1, 1)
+    rows, zero = np.zeros(1, np.int32), np.zeros(1, np.int64)
+    rate = fastest_rate(frame, (1.0,), (law,), p, rows, zero)
+    print(rate, sum(fastest_rate.stats.cache_hits.values()))
+"""
+IMPORTED = f"{ASK}\nfrom pgimp.materials.registry import import_file\nimport_file('law.py')\nask()"
+
+
+def write_law(folder, factor=2.0, times=1.0, speed="faster(FACTOR)", stress="sigma", helper="aid"):
+    folder.mkdir(exist_ok=True)
+    text = LAW.format(factor=factor, speed=speed, stress=stress, helper=helper)
+    (folder / "law.py").write_text(text)
+    (folder / f"{helper}.py").write_text(HELPER.format(times=times))
+
+
+def test_an_edited_material_is_compiled_anew(tmp_path, python):
+    """Function, constant, helper; another project's of the same names; and in `__main__`."""
+    env = {"PGIMP_CACHE_DIR": str(tmp_path / "cache"), "PYTHONDONTWRITEBYTECODE": "1"}
+
+    def ask(program=IMPORTED, folder=tmp_path / "one"):
+        done = python(["-c", program], cwd=folder, env=env)
+        assert done.returncode == 0, done.stderr
+        return [tuple(map(float, line.split())) for line in done.stdout.splitlines()]
+
+    write_law(tmp_path / "one")
+    assert [ask(), ask()] == [[(2.0, 0)], [(2.0, 1)]]
+    write_law(tmp_path / "one", speed="faster(2.0 * FACTOR)")
+    assert ask() == [(4.0, 0)]
+    write_law(tmp_path / "one", factor=3.0)
+    assert ask() == [(3.0, 0)]
+    write_law(tmp_path / "one", factor=3.0, times=0.5)
+    assert ask() == [(1.5, 0)]
+    write_law(tmp_path / "two", factor=7.0)
+    assert ask(folder=tmp_path / "two") == [(7.0, 0)]
+    write_law(tmp_path / "one")
+    assert ask() == [(2.0, 1)]
+    # In a notebook: edited and imported again; and cells, which Numba cannot cache, run again.
+    again = "\nimport importlib, law, pathlib\np = pathlib.Path('law.py')\n"
+    again += "p.write_text(p.read_text().replace('FACTOR = 2.0', 'FACTOR = 5.5'))\n"
+    assert ask(IMPORTED + again + "importlib.reload(law)\nask()\n") == [(2.0, 1), (5.5, 1)]
+    cells = f"{ASK}\nexec({(tmp_path / 'two/law.py').read_text()!r})\nask()\n"
+    cells += cells.replace("FACTOR = 7.0", "FACTOR = 8.0")
+    assert ask(cells, tmp_path / "two") == [(7.0, 0), (8.0, 0)]
+
+
+def neo_hookean(folder):
+    """The package's neo-Hookean solid as a file of one's own."""
+    text = Path(sys.modules[NeoHookean.__module__].__file__).read_text()
+    text = text.replace('"neo-hookean"', '"rubber"').replace("NeoHookean", "Rubber")
+    text = text.replace(
+        "\nclass Rubber(", "\nimport pgimp\n\n@pgimp.register_material\nclass Rubber("
+    )
+    (folder / "rubber.py").write_text(text)
+
+
+@pytest.fixture(scope="module")
+def rubber(tmp_path_factory, mpirun):
+    """Folder with a run of the solid from outside, on two ranks, and one of the package's."""
+    folder = tmp_path_factory.mktemp("rubber")
+    neo_hookean(folder)
+    case = scene(2, box([2, 1], [5, 4], [0.3, -0.2]), gravity=[0.0, -5.0], end=0.2)
+    case |= {"boundaries": {"y-min": "slip"}, "output": {"every": 0.1, "fields": ["stress"]}}
+    pgimp.run(case, output=folder / "own", quiet=True)
+    write_case(folder / "case.yaml", case | {"materials": {"soft": SOFT | {"model": "rubber"}}})
+    words = ["-m", "pgimp", "--import", "rubber.py", "case.yaml", "-o", "outside", "--quiet"]
+    done = mpirun(2, words, cwd=folder)
+    assert done.returncode == 0, done.stderr
+    return folder
+
+
+def test_a_material_from_outside_gives_the_bits_of_the_same_one_inside(rubber):
+    paths = sorted((rubber / "own/frames").iterdir())
+    assert len(paths) == 3
+    for path in paths:
+        with h5py.File(path) as own, h5py.File(rubber / "outside/frames" / path.name) as other:
+            assert set(own) == set(other)
+            for name in own:
+                assert np.array_equal(own[name][()], other[name][()]), name
+    assert np.abs(h5py.File(paths[-1])["stress"][()]).max() > 1.0
+    known = pgimp.open(rubber / "outside").info["materials"]
+    assert list(known) == ["rubber.RubberParameters"] and len(next(iter(known.values()))) == 16
+    assert "materials" not in pgimp.open(rubber / "own").info
+
+
+def test_the_case_alone_does_not_name_code(rubber, python):
+    done = python(["-m", "pgimp", "case.yaml", "-o", "none"], cwd=rubber)
+    assert done.returncode == 2
+    assert "unknown model 'rubber'" in done.stderr and "--import FILE.py" in done.stderr
+    assert not (rubber / "none").exists()
+
+
+def test_an_installed_package_brings_materials(rubber, tmp_path, python):
+    neo_hookean(tmp_path)
+    about = tmp_path / "plug-1.0.dist-info"
+    about.mkdir()
+    (about / "METADATA").write_text("Metadata-Version: 2.1\nName: plug\nVersion: 1.0\n")
+    (about / "entry_points.txt").write_text("[pgimp.materials]\nrubber = rubber:Rubber\n")
+    program = "import pgimp; print(pgimp.load('case.yaml').materials['soft'].model)"
+    paths = {"PYTHONPATH": os.pathsep.join([str(tmp_path)])}
+    assert python(["-c", program], cwd=rubber, env=paths).stdout == "rubber\n"
+    (about / "entry_points.txt").write_text("[pgimp.materials]\nrubber = gone:Rubber\n")
+    done = python(["-m", "pgimp", "case.yaml"], cwd=rubber, env=paths)
+    assert done.returncode == 2 and "'rubber' of plug (gone:Rubber) cannot be loaded" in done.stderr
+
+
+@pytest.fixture
+def registered(monkeypatch):
+    """Register what is written in a file's text; forgotten after the test."""
+    monkeypatch.setattr("pgimp.materials.MATERIALS", registry.Registry(dict(MATERIALS)))
+
+    def register(text, **names):
+        space = {"__name__": "elsewhere", **names}
+        exec(text, space)
+        return space
+
+    return register
+
+
+def law(stress="(0.0, 0.0, 0.0)", speed="FACTOR", factor=2.0):
+    text = LAW.format(factor=factor, speed=speed, stress=stress, helper="math")
+    return text.replace("from math import faster", "from math import sqrt, log, exp")
+
+
+def ask(entry, dimensions=1):
+    parameters = parameters_of(entry)
+    D = dimensions
+    frame = Frame((0.0,) * D, (1.0,) * D, (1.0,) * D, (4,) * D, 1)
+    one = tuple(np.eye(D).ravel())
+    rows, zero = np.zeros(1, np.int32), np.zeros(1, np.int64)
+    with explained((parameters,), D):
+        return fastest_rate(frame, one, (parameters,), Particles.empty(1, D), rows, zero)
+
+
+def test_two_classes_of_one_name_are_two_materials(registered):
+    """Numba tells NamedTuples apart by their name."""
+    for factor in (2.0, 3.0):
+        space = registered(law(factor=factor))
+        assert ask(space["Law"](model="law", density=1.0)) == factor
+
+
+def test_whether_a_material_takes_vectors(registered):
+    assert pgimp.takes_vectors(NeoHookean(model="neo-hookean", density=1, young=1, poisson=0.3), 3)
+    registry.import_file(str(CASES / "fluid.py"))
+    fluid = sys.modules["fluid"].Fluid(model="fluid", density=1.0, bulk=1.0, shear=1.0)
+    assert all(pgimp.takes_vectors(fluid, D) for D in (1, 2, 3))
+    for stress, expected in {
+        "(max(F[0] - 1.0, 0.0) * sqrt(J) + log(J), 0.0, 0.0)": True,
+        "(choose(F[0] > 1.0, J, 2.0 * J), 0.0, 0.0)": True,
+        "(J if F[0] > 1.0 else 2.0 * J, 0.0, 0.0)": False,
+        "(exp(J), 0.0, 0.0)": False,
+    }.items():
+        from pgimp.materials import choose
+
+        space = registered(law(stress), choose=choose)
+        assert pgimp.takes_vectors(space["Law"](model="law", density=1.0), 1) is expected, stress
+
+
+def test_what_a_material_lacks_is_said(registered):
+    space = registered(law(speed="FACTOR * nothing"))
+    with pytest.raises(UsageError, match=r"LawParameters.speed of .* does not compile: .*nothing"):
+        ask(space["Law"](model="law", density=1.0))
+    space = registered(law("(0.0, 0.0)", speed="'fast'"))
+    with pytest.raises(UsageError, match="not the 4 numbers xx yy zz xy yz xz of a stress in 2D"):
+        ask(space["Law"](model="law", density=1.0), 2)
+    for old, new, message in [
+        ("density: float", "mass: float", "a NamedTuple with a density, got LawParameters"),
+        ("def energy(", "def work(", r"needs a @staticmethod energy\(material, F, J, sigma\)"),
+        ("energy(material, ", "energy(", "takes 3 arguments instead of energy"),
+    ]:
+        entry = registered(law().replace(old, new))["Law"](model="law", density=1.0)
+        with pytest.raises(UsageError, match=message):
+            parameters_of(entry)
+    for old, new, message in [
+        ('model: Literal["law"]', "", 'add a field\nmodel: Literal\\["my-material"\\]'),
+        ("Law(Material)", "Law", "no class derived from Material"),
+        ('"law"', '"hooke"', "there is a material 'hooke' already, pgimp.materials.hooke.Hooke"),
+        ("parameters(self)", "other(self)", r"needs a method parameters\(self\)"),
+    ]:
+        with pytest.raises(UsageError, match=message):
+            registered(law().replace(old, new))
+
+
+def test_files_that_cannot_be_imported(tmp_path):
+    (tmp_path / "wrong.py").write_text("x = 1\ny = x / 0\n")
+    (tmp_path / "no-name.py").write_text("")
+    (tmp_path / "syntax_error.py").write_text("def f(:\n")
+    (tmp_path / "json.py").write_text("")
+    for name, message in {
+        "wrong.py": "wrong.py: line 2: ZeroDivisionError",
+        "no-name.py": "'no-name' cannot be the name of a module",
+        "syntax_error.py": "line 1: SyntaxError",
+        "json.py": "another module of the name json; rename the file",
+        "gone.py": "there is no such file",
+    }.items():
+        with pytest.raises(UsageError, match=message):
+            registry.import_file(str(tmp_path / name))
+    with pytest.raises(UsageError, match="No module named 'no_such_package'"):
+        registry.import_file("no_such_package.laws")
+
+
+def test_the_digest_sees_what_functions_refer_to():
+    """Another value, another helper, a longer table: another digest; the same again: the same."""
+    digests = set()
+    for factor, table in [(1.0, [1.0]), (2.0, [1.0]), (2.0, [1.0, 2.0]), (2.0, [1.0, 2.0])]:
+        space = {"__name__": __name__, "TABLE": np.array(table)}
+        exec(law(speed="FACTOR * TABLE[0]", factor=factor).partition("@pgimp")[0], space)
+        kind = space["LawParameters"]
+        kind.__qualname__ = "found_again"
+        globals()["found_again"] = kind
+        digests.add(outside.digest(kind))
+    assert len(digests) == 3 and "" not in digests
+    kind.__qualname__ = "f.<locals>.LawParameters"
+    assert outside.digest(kind) == ""
+
+
+def test_a_wrong_entry_of_a_material_from_outside(registered):
+    registered(law())
+    case = scene(1, box([1], [3])) | {"materials": {"soft": {"model": "law", "density": -1.0}}}
+    with pytest.raises(CaseError, match=r"case: materials\.soft\.density: must be above 0"):
+        pgimp.load(case)
