@@ -191,10 +191,13 @@ def samples_of(case: Case, count: int, comm: Any, sizes: Sequence[int]) -> list[
         return Sample(lambda: Scattered(small, comm), comm)
 
     samples = []
+    # Particles of a file do not become fewer with coarser cells; a mesh would be read every time.
+    regions = [part for body in case.bodies.values() for part in body.region.simple()]
+    powers = () if any(part.FROM_FILE for part in regions) else (1.0, 0.9, 0.8, 0.7)
     for number, size in enumerate(sizes, 1):
         factor = (count / size) ** (1.0 / case.dimensions)
         # Coarse cells may be too large for a part of the case.
-        for power in (1.0, 0.9, 0.8, 0.7):
+        for power in powers:
             if count / factor ** (power * case.dimensions) > _LARGER * size:
                 break
             try:

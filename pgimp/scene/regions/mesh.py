@@ -47,8 +47,8 @@ class Mesh(Model, Region):
         Either("degrees, in 3D about x, y and z", {float: Number, tuple: Vector}),
     ] = Field(
         default=0.0,
-        description="turn about the origin, after scaling, in degrees: in 2D anticlockwise; in 3D a "
-        "list, about x, then y, then z",
+        description="turn about the origin, after scaling, in degrees: in 2D anticlockwise; in 3D "
+        "a list, about x, then y, then z",
     )
     translate: Vector | None = Field(
         default=None, description="displacement, after turning; null: none [length]"

@@ -40,7 +40,7 @@ NONE = Summary(0, (np.inf,) * 3, (-np.inf,) * 3, 0.0, 0.0, 0.0, False, False)
 
 
 class Points(Model, Region):
-    """Particles from a file; their size, for the shapes that have one, is `particles_per_cell`'s."""
+    """Particles from a file; their size, where the shape has one, is as on the lattice."""
 
     FROM_FILE: ClassVar[bool] = True
     WHOLE_BODY: ClassVar[bool] = True
