@@ -156,8 +156,9 @@ def narrow():
         step=0.01,
         materials=PAIR,
         boundaries={"x-min": "slip", "x-max": "slip"},
-        output={"every": 0.5, "fields": EVERYTHING},
+        output={"every": 0.5, "fields": EVERYTHING, "grid": ["momentum"]},
         history={"every": {"steps": 20}},
+        probes={"small": {"body": "small", "at": [1.0, 1.5, 6.5], "every": {"steps": 1}}},
     )
 
 
@@ -172,8 +173,9 @@ def line_leaves():
         step=0.01,
         materials=LINE,
         escape={"x-max": "remove"},
-        output={"every": 0.3, "fields": EVERYTHING},
+        output={"every": 0.3, "fields": EVERYTHING, "grid": ["mass"]},
         history={"every": {"steps": 20}},
+        probes={"first": {"body": "ahead", "at": [16.0], "every": {"steps": 1}}},
     )
 
 
@@ -219,8 +221,12 @@ def squeezed(dimension, shape, faces, **parts):
         step={"courant": 0.25},
         gravity=[0.0] * (dimension - 1) + [-1.0],
         boundaries=faces,
-        output={"every": 0.24, "fields": EVERYTHING},
+        output={"every": 0.24, "fields": EVERYTHING, "grid": ["mass", "velocity", "force"]},
         history={"every": 0.12},
+        probes={
+            "corner": {"body": "hits", "at": bodies["hits"]["region"]["box"]["max"]},
+            "between": {"place": [12.0, *[3.0] * (dimension - 1)], "every": {"steps": 4}},
+        },
         **parts,
     )
 

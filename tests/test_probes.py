@@ -1,5 +1,6 @@
 """Probes: against exact solutions, against the frames, and the same bytes on any ranks."""
 
+import json
 import shutil
 from pathlib import Path
 
@@ -131,17 +132,20 @@ def test_a_place_is_the_mean_of_what_is_there(leaves, name):
 def test_the_same_bytes_on_any_ranks_and_after_a_resume(leaves, tmp_path, mpirun):
     case = plane_leaves() | {"probes": PROBES}
     write_case(tmp_path / "case.yaml", case)
-    program = Path(__file__).with_name("rank_probe.py")
+    # First the slab boundaries move to random places every few steps.
+    ways = (3, ["balance_probe.py", "shuffled"], None), (2, ["rank_probe.py", "runs"], 0.5)
     wanted = {path.name: path.read_bytes() for path in (leaves.path / "probes").iterdir()}
     assert sorted(wanted) == [f"{name}.csv" for name in sorted(PROBES)]
-    for ranks, back in ((3, None), (2, 0.5)):
+    for ranks, (program, how), back in ways:
         if back is not None:
             go_back(tmp_path / "case", back)
-        job = mpirun(ranks, [program, "runs", tmp_path, tmp_path / "case.yaml"])
+        words = [Path(__file__).with_name(program), how, tmp_path, tmp_path / "case.yaml"]
+        job = mpirun(ranks, words)
         assert job.returncode == 0, job.stderr
         found = tmp_path / "case" / "probes"
         assert {path.name: path.read_bytes() for path in found.iterdir()} == wanted
     assert pgimp.open(tmp_path / "case").info["resumed_from"] > 0
+    assert len(json.loads((tmp_path / "case.json").read_text())["moves"]) > 3
 
 
 def test_a_resumed_run_may_have_other_probes_as_far_as_they_are_known(tmp_path):
@@ -239,3 +243,14 @@ def test_a_constraint_bears_the_weight_that_hangs_from_it():
     line = finish(sim).diagnostics()
     assert line["constraint.top-y"] == pytest.approx(0.5 * line["mass"], rel=1e-6)
     assert line["constraint.top-x"] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_the_bodies_add_up_to_the_whole(leaves):
+    """Mass and momentum of each body; once one has left there is none of it."""
+    lines, names = leaves.history, leaves.frame(0).bodies
+    for column in ("mass", "momentum-x", "momentum-y", "kinetic-energy", "strain-energy"):
+        parts = np.sum([lines[f"body.{name}.{column}"] for name in names], axis=0)
+        np.testing.assert_allclose(parts, lines[column], rtol=1e-12, atol=1e-12)
+    assert lines["body.corner.mass"][0] == pytest.approx(4.0, rel=1e-14)
+    assert lines["body.corner.momentum-x"][0] == pytest.approx(20.0, rel=1e-12)
+    assert lines["body.corner.mass"][-1] == lines["body.corner.momentum-x"][-1] == 0.0

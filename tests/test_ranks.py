@@ -52,8 +52,8 @@ def go_back(run, part):
 
 
 def digests(run):
-    """Of all frames, and of the history."""
-    files = [*sorted((run / "frames").iterdir()), run / "history.csv"]
+    """Of all frames, of the history and of the probes."""
+    files = [*sorted((run / "frames").iterdir()), run / "history.csv", *run.glob("probes/*")]
     return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
 
 

@@ -97,9 +97,11 @@ HISTORY: dict[str, str] = {
     "escaped.angular-momentum-AXIS": "their angular momentum then [mass length^2/time]",
     "escaped.kinetic-energy": "their kinetic energy then [energy]",
     "escaped.strain-energy": "their strain energy then [energy]",
+    "body.NAME.mass": "mass of each body [mass]",
     "body.NAME.centre-AXIS": (
         "centre of mass of each body; nan when all its particles were removed [length]"
     ),
+    "body.NAME.momentum-AXIS": "linear momentum of each body [mass length/time]",
     "body.NAME.kinetic-energy": "kinetic energy of each body [energy]",
     "body.NAME.strain-energy": "strain energy of each body [energy]",
     "reaction.FACE-AXIS": (

@@ -124,9 +124,12 @@ class Diagnostics:
         if scene.exits:
             line |= self._totals("escaped.", escaped, scene.dimension)
         for name, sums in zip(scene.body_names, bodies, strict=True):
+            line[f"body.{name}.mass"] = float(sums[MASS])
             for i, axis in enumerate(axes):
                 centre = sums[MOMENT + i] / sums[MASS] if sums[MASS] else np.nan
                 line[f"body.{name}.centre-{axis}"] = float(centre)
+            for i, axis in enumerate(axes):
+                line[f"body.{name}.momentum-{axis}"] = float(sums[MOMENTUM + i])
             line[f"body.{name}.kinetic-energy"] = float(sums[KINETIC])
             line[f"body.{name}.strain-energy"] = float(sums[STRAIN])
         force = self._reactions(sim.time, impulse)
