@@ -1,6 +1,7 @@
 """``pgimp init``: cases to start from, as in cases/, also from a wheel; the lines for editors."""
 
 import json
+import math
 import os
 import re
 import subprocess
@@ -12,9 +13,12 @@ from conftest import run
 from schema_checker import Checker
 
 from pgimp.case.jsonschema import json_schema, study_schema
+from pgimp.case.load import load
 from pgimp.case.reader import read_case
 from pgimp.cli import main
 from pgimp.commands.init import packaged
+from pgimp.parallel.comm import Serial
+from pgimp.scene.scene import Scene, count_particles
 from pgimp.study.plan import read_plan
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -46,7 +50,7 @@ def test_every_file_of_cases_is_listed_with_a_line(capsys):
 def test_case_written_is_the_packaged_one_with_its_own_name(name, folder):
     assert main(["init", name]) == 0
     file = f"{Path(name).name}.yaml"
-    assert set(files(folder)) == {file, "pgimp-schema.json"}
+    assert set(files(folder)) - {"nut.obj"} == {file, "pgimp-schema.json"}
     text = (folder / file).read_text()
     assert text.startswith("# yaml-language-server: $schema=pgimp-schema.json\n# ")
     there = (CASES / f"{name}.yaml").read_text()
@@ -69,6 +73,17 @@ def test_every_part_of_a_case_has_a_comment(name):
     assert len(opening.splitlines()) > 10
     parts = re.split(r"\n(?=\w)", body)[1:]
     assert [part.split(":")[0] for part in parts if "#" not in part] == ["title"]
+
+
+def test_mesh_comes_with_its_case(folder, capsys):
+    assert main(["init", "geometry/nut", "-o", "mine.yaml"]) == 0
+    assert set(files(folder)) == {"mine.yaml", "nut.obj", "pgimp-schema.json"}
+    assert files(folder)["nut.obj"] == (CASES / "geometry/nut.obj").read_bytes()
+    scene = Scene(load("mine.yaml"))
+    lattice, counts, _ = count_particles(scene, Serial())
+    planes = lattice.make((0, lattice.planes), counts, 0)
+    volume = lattice.volume * sum(float(made.fractions.sum()) for made in planes)
+    assert volume == pytest.approx(math.sqrt(3.0) / 2.0 * (13.0**2 - 8.0**2) * 6.5e-9, rel=1e-12)
 
 
 def test_nothing_is_overwritten(folder, capsys):
@@ -139,12 +154,8 @@ def test_schema_command_writes_what_init_writes(folder, capsys):
 
 def test_every_case_passes_check(folder):
     """Scene by scene, as `pgimp check` begins; the whole command on one of them."""
-    from pgimp.parallel.comm import Serial
-    from pgimp.scene.scene import Scene, count_particles
-
     for name in ONLY_CASES:
-        case = read_case(packaged()[name], f"{name}.yaml")
-        _, counts, _ = count_particles(Scene(case), Serial())
+        _, counts, _ = count_particles(Scene(load(CASES / f"{name}.yaml")), Serial())
         assert counts.sum() > 0
     assert main(["init", "bar-vibration"]) == 0
     done = run([sys.executable, "-m", "pgimp", "check", "bar-vibration.yaml"], cwd=folder)

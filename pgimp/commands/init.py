@@ -10,7 +10,6 @@ import shlex
 from collections.abc import Iterator
 from importlib.resources import files as installed
 from pathlib import Path
-from typing import Any
 
 from pgimp.errors import UsageError
 
@@ -18,6 +17,7 @@ from pgimp.errors import UsageError
 SCHEMA, STUDY_SCHEMA = "pgimp-schema.json", "pgimp-study-schema.json"
 
 _STUDIES = "studies/"
+_FILE = re.compile(r"^ *file: ([\w.-]+)", re.MULTILINE)
 _LINE = "# yaml-language-server: $schema="
 _OTHER_WAY = re.compile(r"\n#? *\(or: scripts/run [^)]*\)|[ \t]*\(or: scripts/run [^)]*\)")
 
@@ -66,6 +66,9 @@ def execute(args: argparse.Namespace) -> int:
     path = Path(args.output or f"{stem}{'-study' if study else ''}.yaml")
     _write(path, _personal(name, cases[name], path))
     print(f"{path}: written, with comments; pgimp schema --markdown explains every key there is")
+    for file in _FILE.findall(cases[name]):
+        text = _folder().joinpath(name).parent.joinpath(file).read_text(encoding="utf-8")
+        _write_beside(path.with_name(file), text, "the case takes it as it is")
     if study:
         case = _case_of(cases[name])
         beside = _case_path(case, path)
@@ -81,9 +84,8 @@ def packaged() -> dict[str, str]:
 
     The name is the path in the folder ``cases``, without the suffix.
     """
-    root = installed("pgimp").joinpath("cases")
 
-    def walk(folder: Any, before: str) -> Iterator[tuple[str, str]]:
+    def walk(folder: Path, before: str) -> Iterator[tuple[str, str]]:
         for entry in folder.iterdir():
             if entry.is_dir():
                 yield from walk(entry, f"{before}{entry.name}/")
@@ -91,13 +93,17 @@ def packaged() -> dict[str, str]:
                 yield before + entry.name.removesuffix(".yaml"), entry.read_text(encoding="utf-8")
 
     order = {"": 0, _STUDIES: 1}
-    found = dict(walk(root, ""))
+    found = dict(walk(_folder(), ""))
 
     def place(name: str) -> tuple[int, int, str]:
         folder = "".join(name.rpartition("/")[:2])
         return order.get(folder, 2), _dimensions(found[name]), name
 
     return {name: found[name] for name in sorted(found, key=place)}
+
+
+def _folder() -> Path:
+    return Path(str(installed("pgimp").joinpath("cases")))
 
 
 def _dimensions(text: str) -> int:
