@@ -1,4 +1,4 @@
-"""Materials from outside the package: the same bits, never a stale kernel, messages for mistakes."""
+"""Materials from outside the package: the same bits, no stale kernel, messages for mistakes."""
 
 import os
 import sys
@@ -159,6 +159,17 @@ def test_the_case_alone_does_not_name_code(rubber, python):
     assert done.returncode == 2
     assert "unknown model 'rubber'" in done.stderr and "--import FILE.py" in done.stderr
     assert not (rubber / "none").exists()
+
+
+def test_studies_and_batch_jobs_import_it_too(rubber, python):
+    study = {"format": 1, "case": "case.yaml", "sweep": [{"materials.soft.young": [50.0]}]}
+    write_case(rubber / "study.yaml", study | {"error": {"column": "mass", "reference": 9.0}})
+    words = "study study.yaml --import rubber.py --list".split()
+    done = python(["-m", "pgimp", *words], cwd=rubber)
+    assert f"--import {rubber / 'rubber.py'} -o" in done.stdout, done.stderr
+    words = "batch case.yaml --import rubber.py --ranks 2 --wall-time 1:00:00 --script -".split()
+    done = python(["-m", "pgimp", *words], cwd=rubber)
+    assert f"--import={rubber / 'rubber.py'} </dev/null" in done.stdout, done.stderr
 
 
 def test_an_installed_package_brings_materials(rubber, tmp_path, python):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from math import inf
+from math import inf, isclose
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -119,7 +119,7 @@ class Simulation:
         RunError
             On every rank, if particles of any are at fault.
         """
-        while not self.finished and self.time < to - _SAME * abs(to):
+        while not self.finished and self.time < to and not isclose(self.time, to, rel_tol=_SAME):
             self.core.advance()
 
     def diagnostics(self) -> dict[str, float] | None:
