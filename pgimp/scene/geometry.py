@@ -38,6 +38,7 @@ def share(case: Case, comm: Any) -> None:
     """
     from pgimp.kernels.jit import discard_damaged
 
+    release(case)
     known: dict[Mesh, Any] = {}
     for key, mesh in _meshes(case):
 

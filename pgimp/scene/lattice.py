@@ -14,10 +14,11 @@ from numpy.typing import NDArray
 
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
-from pgimp.scene.filling import SLIVER, Filling, Ranges, Survey
+from pgimp.scene.filling import SLIVER, Filling
 from pgimp.scene.measure import TangledError
 from pgimp.scene.pointscloud import Cloud
 from pgimp.scene.regions import Points
+from pgimp.scene.survey import Ranges, Survey
 
 #: Particles that are made at a time.
 _BLOCK = 200_000

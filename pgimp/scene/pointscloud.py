@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from pgimp.scene.filling import Ranges
 from pgimp.scene.pointsfile import Block
 from pgimp.scene.regions.points import Points
+from pgimp.scene.survey import Ranges
 
 Reals = NDArray[np.float64]
 Mask = NDArray[np.bool_]

@@ -132,7 +132,6 @@ class Simulation:
 
         if source is not None:
             restore(self, source)
-            release(case)
             return
         lattice, counts, notes = count_particles(scene, comm)
         self.notes += notes
