@@ -62,6 +62,8 @@ def _in_body(
     away = max(max(a - x, x - b) for a, x, b in zip(low, entry.at, high, strict=True))
     if away <= slack:
         away = float(region.distance(np.array([entry.at], float))[0])
+        if np.isinf(away):  # particles from a file have no surface
+            return
     if away > slack:
         yield Problem(
             path,
