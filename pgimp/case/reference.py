@@ -65,7 +65,7 @@ def reference() -> str:
         "frame of the same number give it as the next step begins; w is a particle's weight:\n",
         _fields(GRID),
         "When a particle stops the run, `failure/particles.h5` holds it and those around it, as\n"
-        "they were computed, with all fields and\n",
+        "they were computed, with all fields but `rank` and\n",
         _fields(FAILURE),
         "## History\n",
         "The columns of `history.csv`, in their order. AXIS is `x`, `y`, `z`, as many as the case "

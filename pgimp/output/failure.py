@@ -14,7 +14,7 @@ from pgimp.kernels.g2p import OUTSIDE
 from pgimp.kernels.order import vertices_of
 from pgimp.kernels.sums import fastest_rate
 from pgimp.output.collective import explain, on_root
-from pgimp.output.fields import ALWAYS, FAILURE, FIELDS, OPTIONAL, Source
+from pgimp.output.fields import ALWAYS, BY_RANKS, FAILURE, FIELDS, OPTIONAL, Source
 from pgimp.output.files import write as write_file
 from pgimp.output.particlefile import ParticleFile
 from pgimp.output.rundir import FAILURE as FOLDER
@@ -80,7 +80,8 @@ def _write(folder: Path, sim: Simulation, failure: Failure, text: str, history: 
     rows, kinds = sim.faults[: sim.failed].T
     found = _Found(rows, kinds, _places(sim, rows)[0])
     chosen, radius = _around(sim, found)
-    fields = [*ALWAYS, *OPTIONAL, *FAILURE]
+    # The same on any number of ranks.
+    fields = [name for name in (*ALWAYS, *OPTIONAL, *FAILURE) if name not in BY_RANKS]
     if not scene.origins:
         fields.remove("displacement")
     file = ParticleFile(sim.case, scene, fields)
