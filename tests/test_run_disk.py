@@ -16,12 +16,13 @@ from test_run import CASE
 import pgimp
 from pgimp.output.checkpointfile import CheckpointFile
 from pgimp.output.checkpoints import present
-from pgimp.output.fields import OPTIONAL
+from pgimp.output.fields import BY_RANKS, OPTIONAL
 
+ALL = [name for name in OPTIONAL if name not in BY_RANKS]
 #: What fills the disk, and the file that the message must name.
 FILLED_BY = {
     "frames": (
-        f"output={{every: {{steps: 1}}, at: [], fields: [{', '.join(OPTIONAL)}]}}",
+        f"output={{every: {{steps: 1}}, at: [], fields: [{', '.join(ALL)}]}}",
         "checkpoint={every: {steps: 4}, keep: 3}",
         "time.end=0.6",
         r"frames/particles-\d{6}\.h5",
