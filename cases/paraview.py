@@ -23,8 +23,8 @@ import sys
 import tempfile
 
 # This file has the name of ParaView's package: its folder must not be searched for that.
-HERE = os.path.dirname(os.path.abspath(globals().get("__file__", "")))
-sys.path[:] = [path for path in sys.path if os.path.abspath(path) != HERE]
+HERE = os.path.dirname(os.path.realpath(globals().get("__file__", "")))
+sys.path[:] = [path for path in sys.path if os.path.realpath(path) != HERE]
 
 try:
     from paraview import servermanager, simple
@@ -404,10 +404,10 @@ def main():
     add("--movie", metavar="FILE", help=f"a movie: {', '.join(MOVIES)}")
     add("--rate", type=int, default=15, help="frames a second of the movie")
     args = parser.parse_args()
-    size = re.fullmatch(r"(\d{2,5})x(\d{2,5})", args.size)
-    if not size:
+    pixels = re.fullmatch(r"(\d{2,5})x(\d{2,5})", args.size)
+    if not pixels:
         parser.error(f"--size {args.size}: such as 1200x800")
-    size = int(size[1]), int(size[2])
+    size = int(pixels[1]), int(pixels[2])
     if args.output and not args.output.lower().endswith(".png"):
         parser.error(f"-o {args.output}: the name must end in .png")
     try:

@@ -2,6 +2,7 @@
 
 import os
 import struct
+from pathlib import Path
 
 import meshio
 import numpy as np
@@ -12,6 +13,7 @@ from scenes import write_case
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 
+ROOT = Path(__file__).resolve().parents[1]
 BALL = ball(3, 1.3, (0.1, 0.05, -0.2))
 
 
@@ -238,3 +240,12 @@ def test_same_bits_on_ranks_and_resumed_without_the_file(tmp_path, mpirun, pytho
     assert refused.returncode == 2
     assert "No such file" in refused.stderr
     assert "Traceback" not in refused.stderr
+
+
+@pytest.mark.parametrize("rotate", [[30, 0, 0], [0, 30, 0], [90, 60, 0], [0, 0, 90]])
+def test_faces_along_a_line_that_is_looked_along(rotate):
+    """A hexagonal nut turned so that some faces are parallel to the grid but for rounding."""
+    nut = meshio.read(ROOT / "cases/geometry/nut.obj")
+    exact = 0.1**3 * volume(nut.points[nut.cells_dict["triangle"]])
+    total, *_ = filled(mesh(ROOT / "cases/geometry/nut.obj", scale=0.1, rotate=rotate))
+    assert total == pytest.approx(abs(exact), rel=1e-12)

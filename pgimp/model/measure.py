@@ -63,7 +63,7 @@ def costs_of(samples: Sequence[Sample]) -> Costs:
         for n, seconds, sample in zip(counts[1:], rest[1:], samples[1:], strict=True)
     )
     last = samples[-1]
-    return Costs(fixed, particles, vertex, last.seconds("P2G") / last.seconds())
+    return Costs(fixed, particles, vertex, last.seconds("P2G") / max(last.seconds(), 1e-9))
 
 
 def messages_of(pair: Sample, costs: Costs, comm: Any) -> Messages:

@@ -20,6 +20,9 @@ Ints = NDArray[np.int64]
 #: Triangles through which lines are looked along, for parts that overlap.
 _LOOKS = 20_000
 
+#: Least slope of a triangle against the line that is looked along.
+_SLOPE = 1e-6
+
 
 def enclose(found: Facets) -> Surface:
     """Make a surface of facets, (m, D) corners of (n, D) points.
@@ -202,11 +205,16 @@ def _check_lines(surface: Surface, low: Reals, high: Reals) -> None:
     n = len(surface.triangles)
     chosen = np.linspace(0, n - 1, min(n, _LOOKS)).astype(np.int64)
     points = np.tensordot(surface.triangles[chosen], [0.37, 0.34, 0.29], axes=(1, 0))
+    corners = surface.triangles[chosen]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    slopes = np.abs(normals) / np.linalg.norm(normals, axis=1, keepdims=True)
     slack = 1e-9 * float((high - low).max())
     for axis in range(3):
         if surface.dimensions == 2 and axis == 1:
             continue
-        heights, signs = surface.meet(points, axis)
+        # A line that runs along its triangle does not tell where it meets it.
+        across = slopes[:, axis] > _SLOPE
+        heights, signs = surface.meet(points[across], axis)
         order = np.argsort(heights, axis=1, kind="stable")
         heights = np.take_along_axis(heights, order, axis=1)
         within = -np.cumsum(np.take_along_axis(signs, order, axis=1), axis=1)
@@ -214,7 +222,7 @@ def _check_lines(surface: Surface, low: Reals, high: Reals) -> None:
         bad = np.argwhere(gap & ((within[:, :-1] < 0) | (within[:, :-1] > 1)))
         if len(bad):
             line, place = bad[0]
-            at = points[line].copy()
+            at = points[across][line].copy()
             at[axis] = 0.5 * (heights[line, place] + heights[line, place + 1])
             at = at[[0, 2]] if surface.dimensions == 2 else at
             raise CaseError(

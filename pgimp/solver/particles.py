@@ -95,7 +95,8 @@ class Particles(NamedTuple):
 
     def columns(self) -> "Columns":
         """All arrays bit by bit, (c, k) each: those of int32, and the others as int64."""
-        tables = [array.reshape(self.capacity, array[0].size) for array in self]
+        arrays: tuple[np.ndarray, ...] = tuple(self)
+        tables = [array.reshape(self.capacity, array[0].size) for array in arrays]
         words = tuple(table.view(np.int64) for table in tables if table.itemsize == 8)
         return words, tuple(table for table in tables if table.itemsize == 4)
 
