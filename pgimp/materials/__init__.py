@@ -34,4 +34,10 @@ __all__ = [
 ]
 
 #: The materials by their name in the case, ``materials: {NAME: {model: ...}}``.
-MATERIALS = Registry({"linear-1d": Linear1d, "neo-hookean": NeoHookean, "hooke": Hooke})
+MATERIALS = Registry(
+    {
+        "linear-1d": Linear1d,
+        "neo-hookean": NeoHookean,
+        "hooke": Hooke,
+    }
+)
