@@ -44,6 +44,15 @@ def write(path: Path, content: str | bytes, durable: bool = True) -> None:
         raise
 
 
+def sync_folder(folder: Path) -> None:
+    """Let the names in a folder outlast a crash of the machine; an OSError if that fails."""
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
 def publish(part: Path, path: Path) -> None:
     """Give a finished temporary file its name, so that a crash of the machine leaves it whole.
 

@@ -144,8 +144,9 @@ class GridFrames(Series):
         return Entry(time, step, mesh(path, time, counts, self._dimension, kinds))
 
     def resume(self, number: int) -> list[str]:
-        """See `Series.resume`; without frames of the grid, nothing is done."""
-        return super().resume(number) if self.fields else []
+        """See `Series.resume`; nothing is done if there have never been frames of the grid."""
+        there = on_root(self.comm, self._collection.path.exists)
+        return super().resume(number) if self.fields or there else []
 
     def _missing(self, number: int, there: int) -> list[str]:
         """They may have been asked for only later."""

@@ -12,6 +12,7 @@ import numpy as np
 
 from pgimp.errors import RunError
 from pgimp.output.collective import explain, on_root
+from pgimp.output.files import sync_folder
 
 
 class LineFile:
@@ -33,6 +34,7 @@ class LineFile:
         self.step = -1
         self._descriptor = -1
         self._columns = ""
+        self._unlisted = False  # in its folder, as far as a crash of the machine is concerned
 
     def resume(self, comm: Any, step: int) -> None:
         """Go on after the line of a step, or the last one before it; what follows is cut off.
@@ -54,6 +56,9 @@ class LineFile:
     def _cut(self, step: int) -> int:
         last = -1
         try:
+            if step < 0:  # there was no line yet, so whatever there is comes after
+                os.truncate(self.path, 0)
+                return -1
             with open(self.path, "r+b") as stream:
                 header = stream.readline()
                 place = stream.tell()
@@ -90,6 +95,9 @@ class LineFile:
         if self._descriptor >= 0:
             try:
                 os.fsync(self._descriptor)
+                if self._unlisted:
+                    sync_folder(self.path.parent)
+                    self._unlisted = False
                 if not os.path.samestat(os.fstat(self._descriptor), os.stat(self.path)):
                     raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT))
             except OSError as error:
@@ -120,6 +128,7 @@ class LineFile:
                 flags = os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC | start
                 self._descriptor = os.open(self.path, flags, 0o666)
             if not self._columns:
+                self._unlisted = True
                 self._line(columns)
                 self._columns = columns
             self._line(",".join(map(_text, values.values())))

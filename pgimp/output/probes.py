@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from pgimp.case.output import PlaceProbe
 from pgimp.errors import RunError, UsageError
 from pgimp.output.collective import explain, on_root
+from pgimp.output.files import sync_folder
 from pgimp.output.lines import LineFile
 from pgimp.output.probefiles import PROBES, probe_file
 from pgimp.output.schedule import Schedule
@@ -141,7 +142,8 @@ class Probes:
         sim, notes = self._sim, []
         self._open(records)
         for name, probe in self._probes.items():
-            if name not in records:
+            if name not in records:  # lines of a run that had this probe before stay
+                probe.file.resume(sim.comm, sim.step)
                 continue
             line = records[name].line
             probe.file.resume(sim.comm, line)
@@ -172,6 +174,7 @@ class Probes:
         folder = self._directory / PROBES
         try:
             folder.mkdir(exist_ok=True)
+            sync_folder(self._directory)
         except OSError as error:
             raise RunError(f"cannot make {folder}: {explain(error)}") from error
 

@@ -104,7 +104,7 @@ class Recorder:
         """
         sim = self._sim
         if (self.frames.waiting or self.grid.waiting) and sim.granted == NOTHING:
-            with self._timed("frames"):
+            with self._timed("frames"), self._salvaging():
                 self.frames.finish()
                 self.grid.finish()
         frame = self._frame_times.due(sim.time, sim.step, sim.dt)
@@ -154,7 +154,7 @@ class Recorder:
             with self._timed("history"), self._salvaging():
                 self.history.write(self._sim)
         if frame:
-            with self._timed("frames"):
+            with self._timed("frames"), self._salvaging():
                 self.frames.write(self._sim)
                 self.grid.write(self._sim, self.frames.written)
 

@@ -8,7 +8,6 @@ latest, and is lost if the run dies before that.
 
 from __future__ import annotations
 
-import os
 import re
 from abc import ABC, abstractmethod
 from pathlib import Path
@@ -16,6 +15,7 @@ from typing import Any, NamedTuple
 
 from pgimp.errors import RunError
 from pgimp.output.collective import explain, on_root
+from pgimp.output.files import sync_folder
 from pgimp.output.unfinished import Unfinished
 from pgimp.output.xdmf import Collection
 
@@ -126,11 +126,7 @@ class Series(ABC):
 
         def names() -> None:
             try:
-                folder = os.open(self.folder, os.O_RDONLY)
-                try:
-                    os.fsync(folder)
-                finally:
-                    os.close(folder)
+                sync_folder(self.folder)
             except OSError as error:
                 raise RunError(f"cannot write to {self.folder}: {explain(error)}") from error
 
