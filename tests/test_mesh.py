@@ -249,3 +249,40 @@ def test_faces_along_a_line_that_is_looked_along(rotate):
     exact = 0.1**3 * volume(nut.points[nut.cells_dict["triangle"]])
     total, *_ = filled(mesh(ROOT / "cases/geometry/nut.obj", scale=0.1, rotate=rotate))
     assert total == pytest.approx(abs(exact), rel=1e-12)
+
+
+def voxels(places, own_corners=False):
+    """A mesh of unit hexahedra at these places; each with corners of its own, or shared ones."""
+    unit = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    unit = np.concatenate([unit, np.add(unit, [0, 0, 1])])
+    corners = (np.array(places)[:, None, :] + unit).reshape(-1, 3)
+    cells = np.arange(len(corners)).reshape(-1, 8)
+    if not own_corners:
+        corners, group = np.unique(corners, axis=0, return_inverse=True)
+        cells = group.reshape(-1, 8)
+    return meshio.Mesh(0.3 * corners, [("hexahedron", cells)])
+
+
+@pytest.mark.parametrize("own_corners", [False, True])
+@pytest.mark.parametrize("rotate", [[0, 0, 0], [10, 20, 30]])
+def test_cells_that_touch_in_edges_or_do_not_share_corners(tmp_path, own_corners, rotate):
+    """What is inside is known of cells: neither a hole nor an overlap may be seen in them."""
+    board = [(i, j, k) for i in range(3) for j in range(3) for k in range(2) if (i + j + k) % 2]
+    for places in (board, [(i, j, k) for i in range(3) for j in range(3) for k in range(3)]):
+        voxels(places, own_corners).write(tmp_path / "cells.vtu")
+        total, *_ = filled(mesh(tmp_path / "cells.vtu", rotate=rotate))
+        assert total == pytest.approx(len(places) * 0.3**3, rel=1e-12)
+
+
+@pytest.mark.parametrize("angle", [15.0, 40.0, 75.0])
+def test_faces_on_planes_of_the_lattice_but_for_rounding(tmp_path, angle):
+    """A box that is turned back by `rotate`: its faces are almost on planes between particles."""
+    c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+    box = voxels([(0, 0, 0)])
+    box.points = box.points / 0.3 * [0.9, 0.3, 0.7]
+    box.points = box.points @ np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
+    box.write(tmp_path / "box.vtu")
+    region = mesh(tmp_path / "box.vtu", rotate=[angle, 0, 0], translate=[0, -0.3, -0.3])
+    for cell in (0.1, 0.2):
+        total, *_ = filled(region, cell=cell)
+        assert total == pytest.approx(0.9 * 0.3 * 0.7, rel=1e-12)

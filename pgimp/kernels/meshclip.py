@@ -10,7 +10,7 @@ import numpy as np
 from pgimp.kernels.jit import kernel
 
 #: Corners of a triangle after cuts by six planes, and one for good measure.
-_CORNERS = 12
+_CORNERS = 16
 #: Sums of a box: volume, moments (x, y, z), area of the pieces' shadows, its moments (x, y).
 SUMS = 7
 
@@ -26,11 +26,11 @@ def _split(source, n, axis, at, below, above):
             for d in range(3):
                 below[low, d] = source[a, d]
             low += 1
-        if p >= at:
+        if p > at:
             for d in range(3):
                 above[high, d] = source[a, d]
             high += 1
-        if (p < at < q) or (q < at < p):
+        if (p <= at) != (q <= at):
             # From the lower end, so that the triangle beyond an edge finds the same point.
             i, j = (a, b) if p < q else (b, a)
             part = (at - source[i, axis]) / (source[j, axis] - source[i, axis])
@@ -133,6 +133,7 @@ def clip_plane(T, chosen, x0, x1, ey, ez, sums, touched):
             _take(whole, spare, n)
         if n < 3:
             continue
+        near = 1e-15 * max(abs(T[t, 0, 2]), max(abs(T[t, 1, 2]), abs(T[t, 2, 2])))
         low, high = whole[0, 1], whole[0, 1]
         for a in range(1, n):
             low, high = min(low, whole[a, 1]), max(high, whole[a, 1])
@@ -150,14 +151,20 @@ def clip_plane(T, chosen, x0, x1, ey, ez, sums, touched):
                 _take(column, whole, n)
                 m, n = n, 0
             if m >= 3:
-                _column(column, m, x0, xc, ey[j], 0.5 * (ey[j + 1] - ey[j]), ez, nz, box, rest,
-                        sums[j], touched[j])  # fmt: skip
+                _column(column, m, x0, xc, ey[j], 0.5 * (ey[j + 1] - ey[j]), ez, nz, near, box,
+                        rest, sums[j], touched[j])  # fmt: skip
             j += 1
 
 
 @kernel
-def _column(column, m, x0, xc, y0, yc, ez, nz, box, rest, sums, touched):
+def _column(column, m, x0, xc, y0, yc, ez, nz, near, box, rest, sums, touched):
     """Share out what a column of boxes has of a triangle."""
+    # Rounding must not take a piece along a plane across it and back: its parts would overlap.
+    for a in range(m):
+        k = _first(ez, column[a, 2])
+        for at in (ez[k], ez[k + 1]):
+            if abs(column[a, 2] - at) <= near:
+                column[a, 2] = at
     low, high = column[0, 2], column[0, 2]
     for a in range(1, m):
         low, high = min(low, column[a, 2]), max(high, column[a, 2])

@@ -184,7 +184,7 @@ def _panels(count: int, size: Array, wide: bool) -> tuple[Any, Any]:
     rows = -(-count // columns)
     width = _ONE_WIDTH if columns == 1 else _WIDTH
     room = (0.9 if wide else 0.72) * width / columns
-    height = room * ratio * rows + 0.45 * rows + (1.0 if wide else 0.4)
+    height = room * ratio * rows + 0.45 * rows + (1.3 if wide else 0.4)
     if height > _TALLEST:
         width, height = max(3.6, width * _TALLEST / height), _TALLEST
     figure = Figure(figsize=(width, height))

@@ -88,9 +88,13 @@ def facets_of(mesh: RawMesh, dimensions: int) -> Facets:
         z = points[used, 2]
         if np.ptp(z) > 1e-9 * max(float(np.ptp(points[used, :2], axis=0).max()), 1e-300):
             raise CaseError("is not flat: in 2D all points must have the same z coordinate")
-    points = np.ascontiguousarray(points[:, :dimensions])
+    points = np.ascontiguousarray(points[:, :dimensions]) + 0.0  # -0.0 and 0.0 are one place
     if top == dimensions:
-        facets = (_boundary if dimensions == 3 else _outline)(points, blocks[top])
+        # Faces between cells whose corners coincide but are not shared are inside as well.
+        group, first, _ = unique_rows(points.view(np.int64))
+        points = points[first]
+        cells_of = [(base, group[cells]) for base, cells in blocks[top]]
+        facets = (_boundary if dimensions == 3 else _outline)(points, cells_of)
     elif dimensions == 3:
         facets = np.concatenate([_triangles(cells) for _, cells in blocks[top]])
     else:

@@ -41,6 +41,14 @@ def enclose(found: Facets) -> Surface:
         pairs, turned = _neighbours(points, facets, found.filled)
     else:
         pairs, turned = _corners(points, facets, found.filled)
+    if found.filled:
+        # The cells know what is inside; parts may touch in edges only, where others could not tell.
+        everything = np.zeros(len(facets), np.int64)
+        if _volumes(_stretch(points, facets), everything)[0] < 0.0:
+            facets = facets[:, ::-1]
+        surface = plant(_stretch(points, facets), everything, dimensions)
+        _check_lines(surface, points.min(axis=0), points.max(axis=0))
+        return surface._replace(notes=tuple(notes), facets=len(facets))
     root, parity = _orient(points, facets, pairs, turned)
     given = facets.copy()
     facets = _turned(facets, parity == 1)

@@ -199,7 +199,10 @@ def _text(name: str) -> Iterator[tuple[int, str]]:
         while part := file.read(_TEXT):
             whole, newline, rest_of_part = (rest + part).rpartition(b"\n")
             if not newline:
-                raise CaseError(f"line {line} is longer than {_TEXT:,} characters: no CSV file")
+                rest += part
+                if len(rest) > _TEXT:
+                    raise CaseError(f"line {line} is longer than {_TEXT:,} characters: no CSV file")
+                continue
             rest = rest_of_part
             text = whole.decode("utf-8-sig")
             yield line, text
