@@ -218,17 +218,26 @@ def test_hostile_files_are_refused(tmp_path, name):
 
 
 def test_same_bits_on_ranks_and_resumed_without_the_file(tmp_path, mpirun, python):
-    """The name counts from the case's folder; case.yaml of the run is itself a case."""
+    """With probes and a constraint; the name counts from the case's folder; case.yaml is a case."""
     (tmp_path / "cases").mkdir()
     stl(tmp_path / "cases/ball.stl", ball(2, 1.3))
     text = case(mesh("ball.stl"), time={"end": 0.1, "step": 0.01}, gravity=[0.0, 0.0, -9.81])
     text |= {"checkpoint": {"every": {"steps": 5}, "keep": 5}}
+    text |= {
+        "probes": {"low": {"body": "body", "at": [0.0, 0.0, -1.2]}, "gauge": {"place": [0, 0, 0]}}
+    }
+    top = {"box": {"min": [-2.0, -2.0, 0.8], "max": [2.0, 2.0, 2.0]}}
+    text |= {"constraints": {"top": {"body": "body", "region": top, "velocity": [0.5, None, 0.0]}}}
     write_case(tmp_path / "cases/ball.yaml", text)
     one = python(["-m", "pgimp", "cases/ball.yaml", "-o", "one"], cwd=tmp_path)
     assert one.returncode == 0, one.stderr
-    again = mpirun(2, ["-m", "pgimp", "one/case.yaml", "-o", "two"], cwd=tmp_path)
-    assert again.returncode == 0, again.stderr
-    assert python(["-m", "pgimp", "compare", "one", "two"], cwd=tmp_path).returncode == 0
+    for ranks, name in ((2, "two"), (3, "three"), (4, "four")):
+        again = mpirun(ranks, ["-m", "pgimp", "one/case.yaml", "-o", name], cwd=tmp_path)
+        assert again.returncode == 0, again.stderr
+        assert python(["-m", "pgimp", "compare", "one", name], cwd=tmp_path).returncode == 0
+        for probe in ("low", "gauge"):
+            files = [tmp_path / run / f"probes/{probe}.csv" for run in ("one", name)]
+            assert files[0].read_bytes() == files[1].read_bytes()
     (tmp_path / "cases/ball.stl").unlink()
     for name in ("one", "two"):
         longer = ["-m", "pgimp", "cases/ball.yaml", "-o", name, "--resume", "--set", "time.end=0.2"]
@@ -236,7 +245,7 @@ def test_same_bits_on_ranks_and_resumed_without_the_file(tmp_path, mpirun, pytho
         assert done.returncode == 0, done.stderr
         assert "resuming from" in done.stdout
     assert python(["-m", "pgimp", "compare", "one", "two"], cwd=tmp_path).returncode == 0
-    refused = mpirun(2, ["-m", "pgimp", "cases/ball.yaml", "-o", "three"], cwd=tmp_path)
+    refused = mpirun(2, ["-m", "pgimp", "cases/ball.yaml", "-o", "new"], cwd=tmp_path)
     assert refused.returncode == 2
     assert "No such file" in refused.stderr
     assert "Traceback" not in refused.stderr

@@ -53,10 +53,17 @@ def _in_domain(path: tuple[str | int, ...], place: tuple[float, ...], grid: Any)
 def _in_body(
     path: tuple[str | int, ...], entry: Any, dimensions: int, grid: Any, bodies: Mapping[str, Any]
 ) -> Problems:
-    """Check that a place is in a body, or so close that one of its particles may be next to it."""
-    if any(check_regions(dimensions, grid, {entry.body: bodies[entry.body]})):
+    """Check that a place is in a body; of bodies in files, this is left to who reads those."""
+    region = bodies[entry.body].region
+    if any(part.FROM_FILE for part in region.simple()):
         return
-    region, slack = bodies[entry.body].region, 0.5 * min(grid.cell)
+    if not any(check_regions(dimensions, grid, {entry.body: bodies[entry.body]})):
+        yield from check_near(path, entry, region, grid)
+
+
+def check_near(path: tuple[str | int, ...], entry: Any, region: Any, grid: Any) -> Problems:
+    """Check that a place is in a region, or so close that a particle of it may be next to it."""
+    slack = 0.5 * min(grid.cell)
     low, high = region.bounds()
     # First of a box around the body: what lies outside of that needs no closer look.
     away = max(max(a - x, x - b) for a, x, b in zip(low, entry.at, high, strict=True))

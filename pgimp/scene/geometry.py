@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from pgimp.case.check_bodies import check_bounds
+from pgimp.case.check_probes import check_near
 from pgimp.case.messages import dotted
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
@@ -63,6 +64,17 @@ def share(case: Case, comm: Any) -> None:
             ("bodies", name, "region"), body.region, case.dimensions, case.grid
         )
     ]
+    if not problems:
+        for name, probe in case.probes.items():
+            body = getattr(probe, "body", None)
+            region = case.bodies[body].region if body else None
+            if region and any(part.FROM_FILE for part in region.simple()):
+                problems += [
+                    f"{dotted(problem.path)}: {problem.text}"
+                    for problem in check_near(("probes", name, "at"), probe, region, case.grid)
+                ]
+        if problems:
+            raise CaseError("\n".join(problems))
     if problems and known:
         problems.append("if lengths in the file have another unit: scale: 0.001 makes m of mm")
     if problems:
