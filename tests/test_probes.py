@@ -12,6 +12,8 @@ from test_ranks import go_back
 
 import pgimp
 from pgimp.errors import UsageError
+from pgimp.output.lines import LineFile
+from pgimp.parallel.comm import Serial
 from pgimp.solver.probes import nearest
 
 CASES = Path(__file__).parents[1] / "cases"
@@ -254,3 +256,26 @@ def test_the_bodies_add_up_to_the_whole(leaves):
     assert lines["body.corner.mass"][0] == pytest.approx(4.0, rel=1e-14)
     assert lines["body.corner.momentum-x"][0] == pytest.approx(20.0, rel=1e-12)
     assert lines["body.corner.mass"][-1] == lines["body.corner.momentum-x"][-1] == 0.0
+
+
+def test_lines_of_a_probe_that_comes_back_stay(tmp_path):
+    """A resume that has a place again, of which it has no record, keeps what was seen before."""
+    path = tmp_path / "gauge.csv"
+    path.write_bytes(b"time,step,density\n0,0,1\n0.1,10,2\n0.2,20,3\n0.3,3")
+    file = LineFile(path)
+    file.resume(Serial(), 15)
+    file.append({"time": 0.16, "step": 16, "density": 4.0})
+    file.sync()
+    file.close()
+    lines = path.read_text().split()
+    assert lines[:-1] == ["time,step,density", "0,0,1", "0.1,10,2"]
+    assert [float(x) for x in lines[-1].split(",")] == [0.16, 16, 4]
+
+
+@pytest.mark.parametrize("left", [b"", b"time,st", b"time,step\n0.1,10\n"])
+def test_a_file_before_its_first_line_never_stops_a_resume(tmp_path, left):
+    path = tmp_path / "late.csv"
+    path.write_bytes(left)
+    file = LineFile(path)
+    file.resume(Serial(), -1)
+    assert file.step == -1 and path.read_bytes() == b""

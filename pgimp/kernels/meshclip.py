@@ -9,7 +9,7 @@ import numpy as np
 
 from pgimp.kernels.jit import kernel
 
-#: Corners of a triangle after cuts by six planes, and one for good measure.
+#: Corners of a triangle after cuts by six planes, some of them doubled where they lie on one.
 _CORNERS = 16
 #: Sums of a box: volume, moments (x, y, z), area of the pieces' shadows, its moments (x, y).
 SUMS = 7
