@@ -66,8 +66,8 @@ watched: dict = {}
 advance = Simulation.advance
 
 
-def watch(sim):
-    advance(sim)
+def watch(sim, agree=True):
+    advance(sim, agree)
     now = sim.comm.gather((sim.local_count, np.diff(sim.population.start)))
     if now is not None:
         watched.setdefault("ranks", []).append([part[0] for part in now])

@@ -193,9 +193,8 @@ class Rank:
         room = np.zeros((self.room, 2), np.int64)
         self.failed, self.leavers, *rest = grid_to_particles(
             self.shape, MATERIALS, self.frame, grid.window, population.particles, Loads(), (),
-            population.order, population.start, MATERIAL_OF, grid.G,
-            dt, tracked, True,
-            grid.bounds, self.exits, self.reach, population.movers, room,
+            population.order, population.start, np.arange(len(population.start) - 1), MATERIAL_OF,
+            grid.G, dt, tracked, True, grid.bounds, self.exits, self.reach, population.movers, room,
             np.zeros((grid.planes, 0, 3)), np.zeros(grid.planes),
         )  # fmt: skip
         self.faults = room[: self.failed]

@@ -27,7 +27,7 @@ def runs(folder, *cases):
     halo.PIECE, migrate.ROOM = 1, 2
     seen = {"on": set(), "off": set()}
     rooms = [0]
-    parts, send = halo.Halo.parts, migrate.Migration.send
+    parts, send = halo.Halo.parts, migrate.Migration.proceed
 
     def noted(self, start):
         found = parts(self, start)
@@ -38,7 +38,7 @@ def runs(folder, *cases):
         send(self, population, places)
         rooms.extend(link.to_send for link in self._links)
 
-    halo.Halo.parts, migrate.Migration.send = noted, sent
+    halo.Halo.parts, migrate.Migration.proceed = noted, sent
     for how, value in (("on", "1"), ("off", "0")):
         os.environ[halo.SWITCH] = value
         for case in cases:
@@ -70,7 +70,7 @@ def memory(case):
             after.append(used())
         tracemalloc.reset_peak()
         before = tracemalloc.get_traced_memory()[0]
-        sim.advance()
+        sim.advance(agree=False)
         if step > WARM and (step + 1) % RESORT:  # a re-sort is no part of a step
             most = max(most, tracemalloc.get_traced_memory()[1] - before)
     after.append(used())

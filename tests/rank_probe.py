@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from pgimp.parallel import halo
 from pgimp.solver.simulation import Simulation
 
 
@@ -27,13 +28,14 @@ def invert(sim, ids):
 
 
 def disturb(how, whom, step):
-    """Do something to particles before a step."""
+    """Do something to particles before a step; also small slabs are advanced in two halves."""
+    halo.PIECE = 1
     advance = Simulation.advance
 
-    def disturbed(sim):
+    def disturbed(sim, agree=True):
         if sim.step == step - 1:
             how(sim, whom)
-        advance(sim)
+        advance(sim, agree)
 
     Simulation.advance = disturbed
 

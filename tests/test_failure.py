@@ -10,6 +10,7 @@ from rank_probe import invert
 from scenes import box, scene, start, write_case
 from test_paraview import READERS, probe
 
+import pgimp
 from pgimp.errors import RunError
 from pgimp.kernels.g2p import INVERTED, NOT_FINITE
 from pgimp.output import failure
@@ -115,6 +116,32 @@ def test_the_neighbourhood_is_all_within_three_cells(runs, tmp_path):
         assert told[0] == report.partition("The last lines")[0]
         lines = (runs[0] / f"on-{ranks}" / "history.csv").read_text().splitlines()
         assert told[2].splitlines()[1:] == [lines[0], *lines[-20:]]
+
+
+def test_what_others_learn_a_step_late_is_told_alike(tmp_path, mpirun, python):
+    """Particles at fault in the slabs' ends, in between, and where lists of them overflow."""
+    bar = scene(2, box([1.0, 1.0], [31.0, 11.0]), cells=[32, 12], per_cell=4, end=1.0,
+                output={"every": 1.0}, history={"every": 1.0})  # fmt: skip
+    write_case(tmp_path / "bad.yaml", bar)
+    script = Path(__file__).with_name("rank_probe.py")
+    left = []
+    for ids in ("2000,700,40,4700", ",".join(map(str, range(150, 4000)))):
+        for ranks, start_on in ((1, python), (2, lambda words, cwd: mpirun(2, words, cwd=cwd))):
+            output = f"on-{ranks}-{len(left)}"
+            job = start_on([script, "invert", ids, 26, "bad.yaml", "-o", output], cwd=tmp_path)
+            assert job.returncode == 1 and "Traceback" not in job.stderr
+            text = re.sub(r"on rank \d", "", job.stderr.replace(output, ""))
+            files = {
+                path.name: path.read_bytes() for path in (tmp_path / output / "failure").iterdir()
+            }
+            report = files.pop("report.txt").decode()
+            files["report"] = re.sub(r"on rank \d", "", report).encode()
+            left.append((re.sub(r".*\[.*\n", "", text), files))
+            run = pgimp.open(tmp_path / output)
+            assert (run.info["steps"], list(run.times), list(run.history["step"])) == (25, [0], [0])
+    assert "particle 40 of body" in left[0][0] and "3 others are at fault" in left[0][0]
+    assert "particle 150 of body" in left[2][0] and "3849 others are at fault" in left[2][0]
+    assert left[0][1] == left[1][1] and left[2][1]["report"] == left[3][1]["report"]
 
 
 def test_what_is_at_infinity_is_drawn_where_it_was(tmp_path):

@@ -142,16 +142,17 @@ def test_a_violent_wall_turns_the_particle_next_to_it_inside_out():
     assert (match["id"], match["step"]) == ("0", "51") and "inside out" in match["what"]
 
 
-@pytest.mark.parametrize("kind", ["one rank", "every rank", "poison"])
+@pytest.mark.parametrize("kind", ["one rank", "every rank", 26, 40, 48, 50])
 def test_all_ranks_end_together_with_one_message(tmp_path, mpirun, kind):
+    """Also if a frame, a re-sort or the end is due with the step, or nothing."""
     if kind == "every rank":  # a bar that leaves sideways leaves on all ranks in the same step
         body = box([1.0, 5.0], [7.0, 7.0], [0.0, 2.3])
         case = scene(2, body, step=0.01, output={"every": 0.1}, history={"every": {"steps": 10}})
     else:
-        case = clap("max")
+        case = clap("max") | ({"time": {"step": 0.01, "end": 0.5}} if kind == 50 else {})
     command = ["-m", "pgimp"]
-    if kind == "poison":
-        command = [__file__.replace("test_faults", "rank_probe"), "poison", 1, 26]
+    if isinstance(kind, int):
+        command = [__file__.replace("test_faults", "rank_probe"), "poison", 1, kind]
     write_case(tmp_path / "bad.yaml", case)
     job = mpirun(3, [*command, "bad.yaml", "-o", "out"], cwd=tmp_path)
     assert job.returncode == 1
@@ -162,8 +163,7 @@ def test_all_ranks_end_together_with_one_message(tmp_path, mpirun, kind):
     rank, step, what = {
         "one rank": ("2", 51, "inside out"),
         "every rank": ("0", int(np.ceil(1.25 / 0.023)), "left the domain through y-max"),
-        "poison": ("1", 26, "not a finite number"),
-    }[kind]
+    }.get(kind, ("1", kind, "not a finite number"))
     assert match["rank"] == rank and "pgimp: rank 0: particle" in job.stderr
     assert int(match["step"]) == step and what in match["what"]
     # What the run has written before is whole.

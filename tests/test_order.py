@@ -94,7 +94,7 @@ class World:
                 movers[found] = place
                 found += 1
         left = movers[:found]
-        migration.send(population, left)
+        migration.proceed(population, left)
         coming = migration.receive(population)
         if found or len(coming):
             population.restore_order(left, coming)

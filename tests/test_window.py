@@ -8,7 +8,7 @@ from pgimp.kernels.place import first_vertex
 from pgimp.parallel.slabs import Slab
 from pgimp.shapes.gimp import GimpParameters
 from pgimp.shapes.mpm import MpmParameters
-from pgimp.solver.grid import MARGIN, Grid
+from pgimp.solver.grid import LATE, MARGIN, Grid
 from pgimp.solver.particles import Frame
 
 
@@ -18,11 +18,11 @@ def first_vertices(shape, frame, y, found):
         found[i] = first_vertex(frame, 1, shape.half[1], y[i])
 
 
-def plane_grid(origin, cell, cells, vertices):
+def plane_grid(origin, cell, cells, vertices, late=0):
     frame = Frame(
         (0.0, origin), (1.0, cell), (1.0, 1.0 / cell), (4, cells), vertices - 1
     )
-    return Grid(frame, vertices, Slab(0, 4 + 2 * vertices, None, None))
+    return Grid(frame, vertices, Slab(0, 4 + 2 * vertices, None, None), late)
 
 
 def reach(low, high):
@@ -63,3 +63,28 @@ def test_the_window_ends_with_the_grid():
     grid.cover(reach(0, 12))
     assert grid.base[:, 0].tolist() == [0, 12]
     assert grid.window.extent[1] == grid.frame.vertices[1] == 15
+
+
+@pytest.mark.parametrize("cells", [1, 4, 10, 200])
+def test_what_is_known_a_step_late_is_in_the_window_all_the_same(cells):
+    """In a step a particle moves by up to a cell, and its support may become as large as can be."""
+    random = np.random.default_rng(cells)
+    grid = plane_grid(0.0, 1.0, cells, 3, LATE)
+    last = grid.frame.vertices[1] - 3
+    y = random.uniform(0.0, cells)
+    grid.cover(reach(*2 * [int(y) + grid.frame.ghost]))
+    mine, reported, grown, drift = grid.known.copy(), None, 0, 1.0
+    for _ in range(2000):
+        drift *= -1.0 if random.random() < 0.01 else 1.0
+        y = min(max(0.0, y + random.choice([drift, random.uniform(-1.0, 1.0)])), float(cells))
+        first = int(np.floor(y - random.choice([0.0, 0.5, 1.0]))) + grid.frame.ghost
+        low, high = grid.bounds[1]
+        if not low <= y <= high:
+            mine[:, 0] = min(mine[0, 0], first), max(mine[1, 0], first)
+        if reported is not None and not grid.covers(reported):
+            grid.extend(reported)  # what was said after the step before
+            grown += 1
+        reported = mine.copy()
+        assert grid.base[0, 0] <= first <= grid.base[1, 0]
+    assert grown > 1 or cells < 200
+    assert grid.base[0, 0] >= 0 and grid.base[1, 0] <= last

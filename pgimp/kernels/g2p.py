@@ -104,10 +104,10 @@ def _fault(frame, exits, x, v, u, J, dt):
 
 @kernel
 def grid_to_particles(
-    shape, materials, frame, window, particles, loads, grips, order, start, material_of, G, dt,
-    tracked, controlled, bounds, exits, reach, movers, faults, impulse, work,
+    shape, materials, frame, window, particles, loads, grips, order, start, layers, material_of, G,
+    dt, tracked, controlled, bounds, exits, reach, movers, faults, impulse, work,
 ):  # fmt: skip
-    """Advance all particles of a rank by one step, and notice what happened to them.
+    """Advance particles of a rank by one step, and notice what happened to them.
 
     A particle at fault is left as it was computed, in its layer; the others go on.
 
@@ -117,6 +117,8 @@ def grid_to_particles(
         As in `particles_to_grid`; `G` holds velocities and accelerations.
     grips : tuple of Grip
         See `pgimp.kernels.grips`.
+    layers : (k,) int64
+        The layers to advance, ascending, counted from the rank's first one.
     material_of : (bodies,) int64
         Material of each body.
     tracked : bool
@@ -160,7 +162,7 @@ def grid_to_particles(
     fastest = vector(0.0)
     room = stack(ROOM)
     sums = stack(SUMS)
-    for layer in range(len(start) - 1):
+    for layer in layers:
         number = layer + window.lower[0]
         begin = layer * window.stride[0]
         power = layer_power(

@@ -37,7 +37,7 @@ class Messages(NamedTuple):
     bandwidth : float
         Bytes per second from one rank to another.
     reduction : float
-        Seconds of an Allreduce of a few numbers on two ranks.
+        Seconds of a reduction of a few numbers on two ranks.
     migrant : float
         Seconds for each particle that goes to a neighbour.
     measured : bool

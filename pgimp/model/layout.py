@@ -29,6 +29,8 @@ class Layout(NamedTuple):
         Least number of layers of the first and of the last slab, if more.
     crossing : float
         Part of a layer's particles that leave it in a step.
+    wide : int
+        Vertices of a plane where there are several ranks; 0 where that is not known to differ.
     """
 
     counts: NDArray[np.int64]
@@ -36,6 +38,11 @@ class Layout(NamedTuple):
     vertices: int
     ends: int = 0
     crossing: float = 0.0
+    wide: int = 0
+
+    def plane_on(self, ranks: int) -> int:
+        """Vertices of a plane on so many ranks."""
+        return self.wide if ranks > 1 and self.wide else self.plane
 
     @property
     def particles(self) -> int:
@@ -72,9 +79,11 @@ def layout_of(
     layers_of(scene.shape, scene.frame, identity, x, layer)
     of_layers = np.zeros(scene.frame.vertices[0], np.int64)
     np.add.at(of_layers, layer, counts)
-    extent = window(scene, bodies)
+    plane, wide = (
+        int(np.prod(window(scene, bodies, ranks)[1:], dtype=np.int64)) for ranks in (1, 2)
+    )
     ends = 2 * scene.vertices if scene.mirrors else 0
-    return Layout(of_layers, int(np.prod(extent[1:], dtype=np.int64)), scene.vertices, ends)
+    return Layout(of_layers, plane, scene.vertices, ends, wide=wide)
 
 
 def layout_now(sim: Any) -> Layout:

@@ -94,7 +94,7 @@ def _reduction(comm: Any) -> float:
     from mpi4py import MPI
 
     mine, every = np.zeros(8), np.zeros(8)
-    return _timed(comm, lambda: comm.Allreduce(mine, every, MPI.MAX))
+    return _timed(comm, lambda: comm.Iallreduce(mine, every, MPI.MAX).Wait())
 
 
 def _bandwidth(comm: Any) -> float:

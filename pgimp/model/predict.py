@@ -35,7 +35,7 @@ class Step(NamedTuple):
         slowest rank has beyond that mean, because layers are not divided.
     planes, calls, reduction : float
         Exchange of shared planes as far as nothing hides it; latencies and calls of messages to
-        neighbours, with the particles that go there; the Allreduce.
+        neighbours, with the particles that go there; the reduction, as far as nothing hides it.
     most : int
         Particles of the fullest slab.
     """
@@ -100,43 +100,52 @@ def predict(layout: Layout, costs: Costs, network: Network, ranks: int) -> Step:
     cuts = np.array(layout.cuts(ranks))
     first, end = cuts[:-1], cuts[1:]
     slabs, s, messages = len(first), layout.vertices, costs.messages
+    plane = layout.plane_on(ranks)
     below = np.concatenate([[0], np.cumsum(layout.counts)])
     n = below[end] - below[first]
     # A layer's particles take part in s planes.
     touched = np.convolve(layout.counts > 0, np.ones(s)) > 0.5
     planes = np.concatenate([[0], np.cumsum(touched)])
-    vertices = (planes[end + s - 1] - planes[first]) * float(layout.plane)
+    vertices = (planes[end + s - 1] - planes[first]) * float(plane)
     work = costs.particle(n) * n + costs.vertex * vertices
 
     # Of each boundary between slabs: running sums go up, partial sums down.
     pairs = s * (s - 1) // 2
-    up, down = (k * _RECORD * layout.plane for k in (s - 1, pairs))
+    up, down = (k * _RECORD * plane for k in (s - 1, pairs))
     crosses = np.arange(1, slabs) % network.ranks_per_node == 0
     fast = (up + down) / network.bandwidth
-    wire, calls, leaves = np.zeros(slabs), np.zeros(slabs), np.zeros(slabs)
+    wire, leaves = np.zeros(slabs), np.zeros(slabs)
     wire[1:] += np.where(crosses, fast, up / messages.bandwidth)
     wire[:-1] += np.where(crosses, fast, down / messages.bandwidth)
     # Sums and particles are two messages, one after the other.
-    call = messages.neighbour + np.where(crosses, 2.0 * network.latency, 0.0)
-    calls[1:] += call
-    calls[:-1] += call
+    late, latency = np.zeros(slabs), np.where(crosses, network.latency, 0.0)
+    late[1:] += latency
+    late[:-1] += latency
     leaves[1:] += layout.counts[first[1:]]
     leaves[:-1] += layout.counts[end[:-1] - 1]
-    calls += leaves * layout.crossing * messages.migrant
     neighbours = np.zeros(slabs)
     neighbours[1:] += 1.0
     neighbours[:-1] += 1.0
-    inside = np.maximum(0.0, 1.0 - neighbours * (s - 1) / (end - first))
-    inside[inside * n < PIECE] = 0.0
-    hidden = np.minimum(wire, costs.interior * work * inside)
-    exchange = neighbours * pairs * costs.vertex * layout.plane + wire - hidden
 
+    def behind(layers: int, part: float) -> np.ndarray:
+        """Seconds of work on layers that are not among those outer ones, as far as it is split."""
+        inside = np.maximum(0.0, 1.0 - neighbours * layers / (end - first))
+        return np.where(inside * n < PIECE, 0.0, part * work * inside)
+
+    wire += late
+    wire -= np.minimum(wire, behind(s - 1, costs.interior))
+    exchange = neighbours * pairs * costs.vertex * plane + wire
+    calls = neighbours * messages.neighbour + leaves * layout.crossing * messages.migrant
+    calls += late - np.minimum(late, behind(1, 1.0 - costs.interior))
+
+    slowest = int((work + exchange + calls).argmax())
     reduction = 0.0
     if ranks > 1:
         nodes = ceil(ranks / network.ranks_per_node)
         reduction = ceil(log2(min(ranks, network.ranks_per_node))) * messages.reduction
-        reduction += ceil(log2(nodes)) * network.latency
-    slowest = int((work + exchange + calls).argmax())
+        # It goes on while the next step sums its particles.
+        far = ceil(log2(nodes)) * network.latency
+        reduction += max(0.0, far - costs.interior * float(work[slowest]))
     parts = (
         costs.fixed,
         float(work.mean()),

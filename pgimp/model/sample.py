@@ -93,7 +93,8 @@ class Sample:
             for _ in range(steps):
                 if self.sim.finished:
                     return False
-                self.sim.advance()
+                self.sim.advance(agree=False)
+            self.sim.agree()
         except RunError:
             self._begin()
             return False

@@ -16,7 +16,7 @@ from pgimp.output.history import History
 from pgimp.output.probes import Probes
 from pgimp.output.rundir import RunDirectory
 from pgimp.output.schedule import Schedule
-from pgimp.solver.simulation import NOTHING
+from pgimp.solver.simulation import CHECKPOINT, NOTHING
 
 
 class Recorder:
@@ -94,27 +94,35 @@ class Recorder:
             schedule.skip(sim.time, sim.step, sim.dt)
         return notes
 
-    def step(self, now: bool) -> None:
-        """Write what falls due after a step; collective.
+    def step(self) -> None:
+        """Write what falls due after a step, or is granted; collective.
 
-        Parameters
-        ----------
-        now : bool
-            Whether a checkpoint is wanted besides those that the steps bring.
+        Nothing is written before all ranks have agreed that the step went well.
+
+        Raises
+        ------
+        RunError
+            On every rank, if it did not.
         """
         sim = self._sim
-        if (self.frames.waiting or self.grid.waiting) and sim.granted == NOTHING:
+        finish = (self.frames.waiting or self.grid.waiting) and sim.granted == NOTHING
+        frame = self._frame_times.due(sim.time, sim.step, sim.dt)
+        line = self._line_times.due(sim.time, sim.step, sim.dt)
+        probes = self.probes.due()
+        checkpoint = self.checkpoints.due(sim) or sim.granted == CHECKPOINT
+        if not (finish or frame or line or probes or checkpoint):
+            return
+        sim.agree()
+        if finish:
             with self._timed("frames"), self._salvaging():
                 self.frames.finish()
                 self.grid.finish()
-        frame = self._frame_times.due(sim.time, sim.step, sim.dt)
-        line = self._line_times.due(sim.time, sim.step, sim.dt)
-        if probes := self.probes.due():
+        if probes:
             self._look(probes)
         if frame or line:
             self._record(frame, line)
         # The one of the end comes after the frame of the end.
-        if (self.checkpoints.due(sim) or now) and not sim.finished:
+        if (checkpoint or sim.granted == CHECKPOINT) and not sim.finished:
             self.checkpoint()
 
     def end(self) -> None:

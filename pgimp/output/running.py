@@ -64,10 +64,11 @@ def advance(
         stopped = stop.agree(recorder.checkpoints.seconds if about is None else 0.0)
         while not (stopped or sim.finished):
             sim.wish = _wish(sim, recorder, stop, (perf_counter() - began) / (sim.step - first + 1))
-            sim.advance()
-            recorder.step(now=sim.granted == CHECKPOINT)
+            sim.advance(agree=False)
+            recorder.step()
             progress.step()
             stopped = sim.granted == STOP
+        sim.agree()
         if not sim.finished:
             stop.agree(0.0)
             recorder.checkpoint()
@@ -114,10 +115,15 @@ def advance(
 
 
 def _wish(sim: Simulation, recorder: Recorder, stop: Stop, step: float) -> int:
-    """What this rank asks for after the next step; `step` is how long one takes."""
-    if stop.requested(recorder.checkpoints.seconds + 2.0 * step):
+    """What this rank asks for after the next step; `step` is how long one takes.
+
+    It may be granted a step later, see `Simulation.advance`; until that is known, a checkpoint must
+    not be asked for again.
+    """
+    if stop.requested(recorder.checkpoints.seconds + 3.0 * step):
         return STOP
-    if sim.comm.rank == 0 and recorder.checkpoints.overdue:
+    known = sim.agreed or sim.wish != CHECKPOINT
+    if sim.comm.rank == 0 and recorder.checkpoints.overdue and known:
         return CHECKPOINT
     return NOTHING if recorder.ready else PENDING
 

@@ -81,6 +81,11 @@ class Halo:
                 cuts = np.linspace(self._first, self._last, pieces + 1).astype(int).tolist()
                 inner = [np.array([[a, b, 0]]) for a, b in pairwise(cuts)]
                 self._parts.append((edges, *inner))
+        every = np.arange(layers)
+        middle = every[slab.below is not None : layers - (slab.above is not None)]
+        self._halves: list[tuple[np.ndarray, ...]] = [(every,)]
+        if not self._alone and len(middle):
+            self._halves.append((np.setdiff1d(every, middle), middle))
         self._kept = False
         self._grid: Any = None
         self._marks: Any = None
@@ -107,6 +112,20 @@ class Halo:
             parts = self._parts[min(inner // self.piece, len(self._parts) - 1)]
         self._kept = len(parts) > 1 and self.slab.above is not None
         return parts
+
+    def halves(self, start: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Layers from which particles may leave the slab, then the others; or all at once.
+
+        Parameters
+        ----------
+        start : (layers + 1,) int64
+            As in `parts`.
+        """
+        ends, *others = self._halves[-1]
+        if not self.overlap or not others:
+            return self._halves[0]
+        inner = start[-1] - sum(start[i + 1] - start[i] for i in ends)
+        return self._halves[-1 if inner >= self.piece else 0]
 
     def proceed(self, grid: Grid, marked: bool = False) -> None:
         """Send what neighbours wait for, at the first call in a step; then see to the messages.

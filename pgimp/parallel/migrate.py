@@ -132,27 +132,35 @@ class Migration:
         self._links = [link for link in (below, above) if link is not None]
         self._arrivals, self._leaving = np.empty(0, np.int32), np.empty(0, np.int32)
         self._stay = 0
+        self._sent = False
         self.close = weakref.finalize(self, _close, self._links)
 
-    def send(self, population: Population, places: np.ndarray) -> None:
-        """Send away the particles that have left the slab; not collective beyond the neighbours.
+    def proceed(self, population: Population, places: np.ndarray) -> None:
+        """Take particles that have changed their layer; not collective beyond the neighbours.
+
+        At the first call in a step those that have left the slab are sent away; among what comes
+        with later calls there must be none.
 
         Parameters
         ----------
         population : Population
             This rank's; it gives up the rows of those that leave.
         places : (k,) int32
-            Places in its order of all particles that have changed their layer.
+            Places of the particles in its order.
         """
-        down = up = self._stay = 0
+        down = up = 0
         found = len(places)
         if found:
-            self._arrivals = with_room(self._arrivals, found)
+            self._arrivals = with_room(self._arrivals, self._stay + found, self._stay)
             self._leaving = with_room(self._leaving, found)
-            self._stay, down, up = sort_out(
+            stay, down, up = sort_out(
                 population.particles.layer, population.order, places, population.first,
-                population.layers, self._arrivals, self._leaving,
+                population.layers, self._arrivals[self._stay :], self._leaving,
             )  # fmt: skip
+            self._stay += stay
+        if self._sent:
+            return
+        self._sent = True
         leaving = self._leaving[:down], self._leaving[len(self._leaving) - up :]
         for link, rows in zip((self._below, self._above), leaving, strict=True):
             if link is not None:
@@ -162,14 +170,14 @@ class Migration:
                     population.release(rows)
 
     def receive(self, population: Population) -> np.ndarray:
-        """Take in the particles that come; not collective beyond the neighbours.
+        """Take in the particles that come, after `proceed`; not collective beyond the neighbours.
 
         Returns
         -------
         (n,) int32
             Rows of the particles that are new in a layer of this rank, until the next call.
         """
-        count = self._stay
+        count, self._stay, self._sent = self._stay, 0, False
         for link in self._links:
             number = link.wait()
             if number:

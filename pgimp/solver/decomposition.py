@@ -12,7 +12,7 @@ from pgimp.parallel.handover import hand_over
 from pgimp.parallel.migrate import Migration
 from pgimp.parallel.slabs import cut, slab_of
 from pgimp.solver.balance import Balance
-from pgimp.solver.grid import Grid
+from pgimp.solver.grid import LATE, Grid
 from pgimp.solver.state import ACCUMULATORS, no_sums
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ def occupy(sim: "Simulation") -> None:
     """Make grid, halo and sums by plane for the rank's layers; the window is still to be set."""
     scene, slab = sim.scene, sim.slab
     shared = scene.vertices - 1
-    sim.grid = Grid(scene.frame, scene.vertices, slab)
+    sim.grid = Grid(scene.frame, scene.vertices, slab, LATE if sim.comm.size > 1 else 0)
     sim.halo = Halo(sim.comm, slab, shared)
     sim.migration = Migration(sim.comm, slab, sim.particles)
     sim.owned_planes = slab.layers if slab.above is not None else sim.grid.planes
@@ -100,7 +100,6 @@ def move_boundaries(sim: "Simulation", cuts: list[int]) -> None:
     sums = hand_over(sim.comm, sim.balance.cuts, cuts, extra, sim.population, sums)
     sim.balance.cuts, sim.slab = cuts, slab_of(cuts, sim.comm.rank)
     occupy(sim)
-    sim.grid.base = window
-    sim.grid.extend(window)
+    sim.grid.store(window)
     for name, values in zip(ACCUMULATORS, sums, strict=True):
         getattr(sim, name)[: sim.owned_planes] = values

@@ -120,7 +120,8 @@ class Simulation:
             On every rank, if particles of any are at fault.
         """
         while not self.finished and self.time < to and not isclose(self.time, to, rel_tol=_SAME):
-            self.core.advance()
+            self.core.advance(agree=False)
+        self.core.agree()
 
     def diagnostics(self) -> dict[str, float] | None:
         """Return a line of history.csv as it would be now; None but on rank 0; collective."""

@@ -2,6 +2,8 @@
 
 from typing import TYPE_CHECKING, NamedTuple
 
+import numpy as np
+
 from pgimp.kernels.g2p import INVERTED, NOT_FINITE, OUTSIDE, TOO_FAST
 
 if TYPE_CHECKING:
@@ -44,6 +46,25 @@ class Failure(NamedTuple):
     time: float
     dt: float
     text: str
+
+
+def listed(sim: "Simulation", numbers: list[int]) -> np.ndarray:
+    """Rows and faults, in canonical order, of a rank's particles at fault in this step.
+
+    Parameters
+    ----------
+    numbers : list of int
+        How many have been found by each call; the first ones are in `sim.fault_room`.
+
+    Returns
+    -------
+    (n, 2) int64
+        At most `ROOM`.
+    """
+    found = np.concatenate([room[:n] for room, n in zip(sim.fault_room, numbers, strict=False)])
+    place = np.empty(sim.particles.capacity, np.int64)
+    place[sim.population.order] = np.arange(len(sim.population.order))
+    return found[np.argsort(place[found[:, 0]])][:ROOM]
 
 
 def collect(sim: "Simulation", time: float, dt: float) -> Failure:

@@ -8,6 +8,10 @@ from pgimp.solver.particles import FloatArray, Frame, Window
 #: Cells by which the window reaches beyond the particles, so that it seldom has to grow.
 MARGIN = 2
 
+#: Further cells where ranks learn of each other's particles a step late: in a step a particle
+#: moves by a cell at most, and its support may grow by another.
+LATE = 2
+
 
 def aligned(size: int) -> FloatArray:
     """Zeros at an address that vector loads accept; untouched pages cost no memory."""
@@ -30,6 +34,8 @@ class Grid:
         Vertices a direction in a particle's support.
     slab : Slab
         The rank's layers; it stores ``vertices - 1`` planes more, those that ranks share.
+    late : int
+        Cells by which a particle may be farther out than where all ranks know it to be.
 
     Attributes
     ----------
@@ -49,31 +55,36 @@ class Grid:
         See `pgimp.kernels.grips`; made when first asked for.
     base : (2, 2) int64
         First vertices (least, greatest; y, z) that a support in the window may have.
+    known : (2, 2) int64
+        Those that need not be reported: `late` cells less, but for the ends of the grid.
     """
 
-    def __init__(self, frame: Frame, vertices: int, slab: Slab) -> None:
+    def __init__(self, frame: Frame, vertices: int, slab: Slab, late: int = 0) -> None:
         self.frame = frame
+        self.late = late
         self.vertices = vertices
         self.slab = slab
         self.planes = slab.layers + vertices - 1 if slab.layers else 0
         self.below = vertices - 1 if slab.below is not None else 0
         self.active = np.zeros(self.planes, np.uint8)
         self.base = np.zeros((2, 2), np.int64)
+        self.known = np.zeros((2, 2), np.int64)
 
     def cover(self, reach: np.ndarray) -> None:
         """Store what the supports with first vertices within `reach` need, and a margin."""
-        self._store(reach + np.array([[-MARGIN], [MARGIN]]))
+        margin = MARGIN + self.late
+        self.store(reach + np.array([[-margin], [margin]]))
 
     def extend(self, reach: np.ndarray) -> None:
-        """Widen the window, by a margin, on the sides where it does not hold `reach`."""
-        base = self.base.copy()
-        base[0] = np.where(reach[0] < base[0], reach[0] - MARGIN, base[0])
-        base[1] = np.where(reach[1] > base[1], reach[1] + MARGIN, base[1])
-        self._store(base)
+        """Widen the window, by a margin, on the sides where `reach` goes beyond what is known."""
+        base, margin = self.base.copy(), MARGIN + self.late
+        base[0] = np.where(reach[0] < self.known[0], reach[0] - margin, base[0])
+        base[1] = np.where(reach[1] > self.known[1], reach[1] + margin, base[1])
+        self.store(base)
 
     def covers(self, reach: np.ndarray) -> bool:
-        """Whether the window holds the supports with first vertices within `reach`."""
-        (low, high), (least, greatest) = reach.tolist(), self.base.tolist()
+        """Whether supports with first vertices within `reach` lie in the window, also `late`."""
+        (low, high), (least, greatest) = reach.tolist(), self.known.tolist()
         return (  # in Python: NumPy would take a fifth of the step of a tiny scene
             low[0] >= least[0]
             and low[1] >= least[1]
@@ -81,14 +92,16 @@ class Grid:
             and high[1] <= greatest[1]
         )
 
-    def _store(self, base: np.ndarray) -> None:
+    def store(self, base: np.ndarray) -> None:
         """Make room for the supports with first vertices within `base`, cut to the grid."""
         lower, extent = [self.slab.first, 0, 0], [self.planes, 1, 1]
-        self.base = np.zeros_like(base)
+        self.base, self.known = np.zeros_like(base), np.zeros_like(base)
         for d in range(1, len(self.frame.cells)):
             last = self.frame.vertices[d] - self.vertices
             low, high = max(0, int(base[0, d - 1])), min(last, int(base[1, d - 1]))
             self.base[:, d - 1] = low, high
+            self.known[0, d - 1] = min(low + self.late, last) if low else 0
+            self.known[1, d - 1] = max(high - self.late, 0) if high < last else last
             lower[d], extent[d] = low, high - low + self.vertices
         self.window = Window.over((lower[0], lower[1], lower[2]), (extent[0], extent[1], extent[2]))
         plane = self.window.stride[0]
@@ -109,7 +122,7 @@ class Grid:
         return self._marks
 
     def _bounds(self) -> tuple[tuple[float, float], ...]:
-        """Coordinates within which a particle is sure to be in the domain and in the window.
+        """Coordinates within which a particle is sure to be in the domain and where it is known.
 
         Sure means that rounding cannot matter: inside by a billionth of a cell and by many times
         the rounding of coordinates of this size and of cell numbers of this size.
@@ -119,8 +132,8 @@ class Grid:
             low, high = 0.0, float(cells)
             if d > 0:
                 # A support has its first vertex between floor(xi - 1) and floor(xi).
-                low = max(low, float(self.base[0, d - 1] - self.frame.ghost) + 1.0)
-                high = min(high, float(self.base[1, d - 1] - self.frame.ghost) + 1.0)
+                low = max(low, float(self.known[0, d - 1] - self.frame.ghost) + 1.0)
+                high = min(high, float(self.known[1, d - 1] - self.frame.ghost) + 1.0)
             origin, cell = self.frame.origin[d], self.frame.cell[d]
             least, most = origin + low * cell, origin + high * cell
             eps = np.finfo(float).eps

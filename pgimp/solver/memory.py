@@ -15,7 +15,7 @@ from pgimp.parallel.limits import Limit, limits
 from pgimp.scene.extent import Extent, extents, points
 from pgimp.scene.filling import _SLAB
 from pgimp.scene.scene import Scene
-from pgimp.solver.grid import MARGIN
+from pgimp.solver.grid import LATE, MARGIN
 from pgimp.solver.particles import Particles
 
 #: What a process takes besides after its start: kernels, HDF5, buffers of MPI.
@@ -100,14 +100,15 @@ def bytes_each(scene: Scene, ranks: int) -> tuple[int, int, int]:
     return columns, int(kept), int(kept + frame)
 
 
-def window(scene: Scene, bodies: list[Extent]) -> list[int]:
+def window(scene: Scene, bodies: list[Extent], ranks: int) -> list[int]:
     """Vertices along each direction where there are particles at the beginning, and a margin."""
     s, per_cell = scene.vertices, scene.case.method.particles_per_cell
+    margin = 2 * (MARGIN + (LATE if ranks > 1 else 0))
     extent = []
     for d in range(scene.dimension):
         low = min(body.low[d] for body in bodies) // per_cell[d]
         high = -(-max(body.high[d] for body in bodies) // per_cell[d])
-        extent.append(min(scene.frame.vertices[d], high - low + s + 1 + (2 * MARGIN if d else 0)))
+        extent.append(min(scene.frame.vertices[d], high - low + s + 1 + (margin if d else 0)))
     return extent
 
 
@@ -155,7 +156,7 @@ def estimate(
 
     columns, kept, most = bytes_each(scene, ranks)
 
-    extent = window(scene, bodies)
+    extent = window(scene, bodies, ranks)
     plane = prod(extent[1:]) * (64 + (8 if scene.loads.constraints else 0))
     occupied = min(extent[0], sum(body.boxes[0] / per_cell[0] + s for body in bodies))
     # A layer's own planes; what is put aside at both ends, and received.

@@ -18,6 +18,7 @@ from pgimp.parallel.slabs import Slab
 from pgimp.scene.geometry import do_without, release, share
 from pgimp.scene.lattice import Lattice
 from pgimp.scene.scene import Scene, count_particles
+from pgimp.solver.agreement import Agreement
 from pgimp.solver.balance import Balance
 from pgimp.solver.clock import clock_of
 from pgimp.solver.decomposition import occupy, owned, rebalance, share_out
@@ -27,10 +28,11 @@ from pgimp.solver.grid import Grid
 from pgimp.solver.memory import require
 from pgimp.solver.particles import Particles
 from pgimp.solver.population import Population
-from pgimp.solver.stability import doubt, require_end, require_stable
+from pgimp.solver.stability import check_first_step
 from pgimp.solver.state import restore
 from pgimp.solver.step import PHASES, step
 from pgimp.solver.warmup import warm_up
+from pgimp.solver.window import open_window, shrink_window
 
 #: Steps between two re-sorts of the particles' rows: a sort costs half a step, and a step becomes
 #: slower by up to a thousandth with every step that the rows grow stale.
@@ -80,11 +82,17 @@ class Simulation:
     wish : int
         What this rank asks for, `NOTHING` to `FAULT`; it goes with the reduction of every step.
     granted : int
-        The greatest wish of all ranks at the end of the last step, the same on all.
-    faults, failed : (room, 2) int64, int
-        Rows and faults of this rank's particles at fault, and their number, which may be greater.
+        The greatest wish of all ranks that has become known since the last step began, the same
+        on all; `PENDING` if none has.
+    faults, failed : (n, 2) int64, int
+        Rows and faults of this rank's particles at fault in the last step, and their number, which
+        may be greater.
+    fault_room : (2, room, 2) int64
+        Where the kernels write them.
+    agreement : Agreement
+        What all ranks say of the last step, or will have said.
     failure : Failure or None
-        The step that failed.
+        The step that failed; `time`, `step` and `dt` are then those of the step before.
 
     Raises
     ------
@@ -100,6 +108,7 @@ class Simulation:
     halo: Halo
     migration: Migration
     owned_planes: int
+    reach: np.ndarray
     work: np.ndarray
     impulse: np.ndarray
     beyond: np.ndarray
@@ -114,14 +123,12 @@ class Simulation:
         self.timings = dict.fromkeys((*PHASES, "sort", "balance"), 0.0)
         self.dt = 0.0
         self.particle_steps = self.clamped = 0
-        self.faults, self.failed = np.zeros((ROOM, 2), np.int64), 0
+        self.fault_room = np.zeros((2, ROOM, 2), np.int64)
+        self.faults, self.failed = self.fault_room[0, :0], 0
         self.failure: Failure | None = None
         self.wish = self.granted = NOTHING
-        self._wishes = np.zeros((2, 7))  # this rank's, and the greatest of all
-        if comm.size > 1:
-            from mpi4py import MPI
-
-            self._greatest = MPI.MAX
+        self.agreement = Agreement(comm)
+        self._before = (0, 0.0, 0.0)  # step, time and dt before the last step
         D = scene.dimension
         self.identity = tuple(float(i == j) for i in range(D) for j in range(D))
         self.clock = clock_of(case)
@@ -142,7 +149,7 @@ class Simulation:
         self.decompose(np.bincount(layer, counts.sum(axis=0), scene.frame.vertices[0]))
         self.settle(*self._create(lattice, counts, layer))
         release(case)
-        self._check_step()
+        self.warnings += check_first_step(self)
 
     def _create(
         self, lattice: Lattice, counts: np.ndarray, layer: np.ndarray
@@ -168,9 +175,7 @@ class Simulation:
         self.population = Population(particles, count, scene.shape, scene.frame, slab, start)
         self.balance.watch(count)
         occupy(self)
-        self.reach = self._agree_on_reach(self.population.reach())
-        self.grid.cover(self.reach)
-        self.reach[:] = self.grid.base
+        open_window(self)
         if start is None:
             scene.loads.settle(self.population, comm)
         self.faces = scene.face_parameters(0.0, 0.0)
@@ -184,22 +189,6 @@ class Simulation:
             scene.frame, self.identity, scene.materials, population.particles,
             population.order, scene.material_of,
         )  # fmt: skip
-
-    def _agree_on_reach(self, reach: np.ndarray) -> np.ndarray:
-        """Least and greatest first vertices of all ranks; 0 where there are no particles."""
-        if self.comm.size > 1:
-            every = np.array(self.comm.allgather(reach))
-            reach = np.stack([every[:, 0].min(axis=0), every[:, 1].max(axis=0)])
-        return np.where(reach[0] > reach[1], 0, reach)
-
-    def _check_step(self) -> None:
-        """Compare the step with the stability limit."""
-        require_end(self.scene, self.rate)
-        dt = self.clock.next(self.rate)[0]
-        stable = self.case.method.stable
-        require_stable(dt, self.rate, stable)
-        if warning := doubt(dt, self.rate, stable):
-            self.warnings.append(warning)
 
     @property
     def time(self) -> float:
@@ -215,6 +204,11 @@ class Simulation:
     def finished(self) -> bool:
         """Whether the end of the case is reached."""
         return self.clock.finished
+
+    @property
+    def agreed(self) -> bool:
+        """Whether all that the ranks say of the last step is known."""
+        return not self.agreement.open
 
     @property
     def particles(self) -> Particles:
@@ -239,49 +233,63 @@ class Simulation:
         """Rows of this rank's particles in canonical order, (n,) int64."""
         return self.population.order.astype(np.int64)
 
-    def advance(self) -> None:
-        """Do one step.
+    def advance(self, agree: bool = True) -> None:
+        """Do one step; collective.
+
+        Parameters
+        ----------
+        agree : bool
+            Whether to wait until all ranks have done it. Otherwise it is the next step, or
+            `agree`, that finds out whether it has failed.
 
         Raises
         ------
         RunError
-            On every rank, if particles of any are at fault; the step is then done but for the
+            On every rank, if particles of any are at fault; that step is then done but for the
             clock, and there will be no other.
         """
         if self.failure:
             raise RunError(self.failure.text)
-        dt, end = self.clock.next(self.rate)
-        self.failed, rate = step(self, dt, end)
+        self.granted = PENDING
+        before = self.step, self.time, self.dt
+        self.dt, end, self.failed, rate = step(self)
+        self._before = before
+        self.clock.advance(end)
         if self.comm.size > 1:
             self.balance.note(self.timings, self.local_count)
-        if self.failed:
-            self.wish = FAULT
-        self._agree(rate)
-        if self.granted == FAULT:
-            self.failure = collect(self, end, dt)
-            raise RunError(self.failure.text)
-        self.dt = dt
-        self.clock.advance(end)
-        if self.comm.size > 1 and self._wishes[1, 6]:
+        wish = FAULT if self.failed else self.wish
+        asked = self.agreement.asks
+        self.agreement.begin(rate, wish, self.balance.asks, self.reach)
+        sort = self.step % RESORT == 0
+        if agree or asked or sort or self.comm.size == 1:
+            self.agree()
+        if not self.grid.covers(self.agreement.reach):
+            self.grid.extend(self.agreement.reach)
+        if asked:
             rebalance(self)
-        if self.step % RESORT == 0:
+            self.agreement.asks = False
+        if sort:
             self._sort()
 
-    def _agree(self, rate: float) -> None:
-        """Let all ranks know the greatest speed and wish, and the window that all need."""
-        self.rate, self.granted = rate, self.wish
-        if self.comm.size > 1:
-            mine, every = self._wishes
-            mine[0], mine[5], mine[6] = rate, self.wish, self.balance.asks
-            np.negative(self.reach[0], out=mine[1:3])
-            mine[3:5] = self.reach[1]
-            self.comm.Allreduce(mine, every, self._greatest)
-            self.rate, self.granted = float(every[0]), int(every[5])
-            np.negative(every[1:3], out=self.reach[0], casting="unsafe")
-            self.reach[1] = every[3:5]
-        if not self.grid.covers(self.reach):
-            self.grid.extend(self.reach)
-            self.reach[:] = self.grid.base
+    def agree(self) -> None:
+        """Learn what all ranks say of the last step, if that is not known; collective.
+
+        Raises
+        ------
+        RunError
+            On every rank, as from `advance`.
+        """
+        agreement = self.agreement
+        if not agreement.end():
+            return
+        known = self.granted if self.granted != PENDING else NOTHING
+        self.rate, self.granted = agreement.rate, max(known, agreement.wish)
+        if agreement.wish == FAULT:
+            dt, end = self.dt, self.time
+            step, time, self.dt = self._before
+            self.clock.restore(step, time)
+            self.failure = collect(self, end, dt)
+            raise RunError(self.failure.text)
 
     def _sort(self) -> None:
         """Sort the rows anew, report the load, and shrink a window that has become far too wide."""
@@ -291,12 +299,7 @@ class Simulation:
         if self.comm.size > 1:
             planes = int(self.grid.active.sum())
             self.balance.report(self.comm, self.local_count, planes, self.step)
-        reach = self._agree_on_reach(self.population.reach())
-        needed = np.prod(np.maximum(reach[1] - reach[0], 0) + 4.0)
-        stored = np.prod(self.grid.base[1] - self.grid.base[0] + 1.0)
-        if stored > 2.0 * needed + 64.0:
-            self.grid.cover(reach)
-            self.reach[:] = self.grid.base
+        shrink_window(self)
 
     def diagnostics(self) -> dict[str, float] | None:
         """The columns of history.csv, in order, on rank 0; None elsewhere; collective."""

@@ -13,6 +13,26 @@ _MOST_ENERGY = 1e280
 REFUSED = 1.0
 
 
+def check_first_step(sim: Any) -> list[str]:
+    """Compare the first step of a simulation with the stability limit.
+
+    Returns
+    -------
+    list of str
+        Warnings.
+
+    Raises
+    ------
+    CaseError
+        As from `require_end` and `require_stable`.
+    """
+    require_end(sim.scene, sim.rate)
+    dt, stable = sim.clock.next(sim.rate)[0], sim.case.method.stable
+    require_stable(dt, sim.rate, stable)
+    warning = doubt(dt, sim.rate, stable)
+    return [warning] if warning else []
+
+
 def require_end(scene: Any, rate: float) -> None:
     """Refuse a run that would never end, or has energies that no float64 can hold.
 

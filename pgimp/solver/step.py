@@ -1,7 +1,10 @@
 """One explicit time step, update stress last: the file to read first."""
 
+from collections.abc import Callable
 from time import perf_counter
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from pgimp.kernels.g2p import grid_to_particles
 from pgimp.kernels.grips import hold_marked, mark
@@ -9,6 +12,7 @@ from pgimp.kernels.mirror import fold, reflect
 from pgimp.kernels.momentum import update_momentum
 from pgimp.kernels.p2g import particles_to_grid
 from pgimp.solver.escapes import let_go
+from pgimp.solver.faults import listed
 
 if TYPE_CHECKING:
     from pgimp.kernels.loads import Loads
@@ -18,31 +22,39 @@ if TYPE_CHECKING:
 PHASES = ("P2G", "exchange", "momentum", "G2P", "migrate", "order")
 
 
-def step(sim: "Simulation", dt: float, end: float) -> tuple[int, float]:
-    """Advance a rank's particles to time `end`, `dt` away.
+def step(sim: "Simulation") -> tuple[float, float, int, float]:
+    """Advance a rank's particles by one step; collective.
 
     Returns
     -------
+    dt, end : float
+        Length of the step and the time at its end.
     failed : int
         Number of the rank's particles at fault; they are listed in `sim.faults`.
     rate : float
         Largest (c_p + |v_p|)/L of the rank, if the step is controlled.
-    """
-    scene, grid, population = sim.scene, sim.grid, sim.population
-    shape, frame, particles, window = scene.shape, scene.frame, population.particles, grid.window
-    order, start = population.order, population.start
-    loads, grips = scene.loads.at(sim.time), scene.loads.grips(sim.time, end)
-    times = [perf_counter()]
 
-    if grips:
-        mark(shape, frame, window, particles, order, start, grid.marks)
-    sum_particles(sim, loads, bool(grips))
-    times.append(perf_counter())
+    Raises
+    ------
+    RunError
+        On every rank, if particles of any were at fault in the step before, or if steps have
+        become so short that the run would never end. The particles are as they were.
+    """
+    scene, grid, population, migration = sim.scene, sim.grid, sim.population, sim.migration
+    shape, frame, particles, window = scene.shape, scene.frame, population.particles, grid.window
+    order, start, movers = population.order, population.start, population.movers
+    loads = scene.loads.at(sim.time)
+    lap = _stopwatch(sim.timings)
+
+    sum_particles(sim, loads, bool(scene.loads.constraints))
+    lap("P2G")
 
     sim.halo.finish(grid)
-    times.append(perf_counter())
+    sim.agree()  # on the step before: the greatest speed, and whether all went well
+    dt, end = sim.clock.next(sim.rate)
+    lap("exchange")
 
-    gravity = scene.gravity(sim.time)
+    grips, gravity = scene.loads.grips(sim.time, end), scene.gravity(sim.time)
     for mirror in scene.mirrors:
         fold(frame, window, grid.G, grid.active, mirror, dt, gravity, sim.owned_planes, sim.impulse)
     faces = sim.faces if not scene.varies else scene.face_parameters(sim.time, end)
@@ -60,44 +72,73 @@ def step(sim: "Simulation", dt: float, end: float) -> tuple[int, float]:
             frame, window, grid.G, grid.active, mirror, dt, gravity,
             sim.owned_planes, sim.impulse, sim.work,
         )  # fmt: skip
-    times.append(perf_counter())
+    lap("momentum")
 
-    failed, leavers, found, rate, clamped = grid_to_particles(  # (26, 27, 29, 30)
-        shape, scene.materials, frame, window, particles, loads, grips, order, start,
-        scene.material_of, grid.G, dt, scene.tracked, sim.clock.controlled,
-        grid.bounds, scene.exits, sim.reach, population.movers, sim.faults, sim.grip_impulse,
-        sim.work,
-    )  # fmt: skip
-    times.append(perf_counter())
-
-    sim.clamped += clamped
+    rate, failed, leavers, found = 0.0, [], 0, 0
+    for half, layers in enumerate(sim.halo.halves(start)):  # first what neighbours wait for
+        wrong, left, moved, fastest, clamped = grid_to_particles(  # (26, 27, 29, 30)
+            shape, scene.materials, frame, window, particles, loads, grips, order, start, layers,
+            scene.material_of, grid.G, dt, scene.tracked, sim.clock.controlled, grid.bounds,
+            scene.exits, sim.reach, movers[found:], sim.fault_room[half], sim.grip_impulse,
+            sim.work,
+        )  # fmt: skip
+        failed.append(wrong)
+        rate, leavers = max(rate, fastest), leavers + left
+        sim.clamped += clamped
+        lap("G2P")
+        if moved or sim.slab.neighbours:
+            migration.proceed(population, movers[found : found + moved])
+            found += moved
+            lap("migrate")
     sim.particle_steps += len(order)
-    movers = population.movers[:found]
+    if sum(failed):
+        sim.faults = listed(sim, failed)
+
+    movers = movers[:found]
+    if len(failed) > 1:
+        movers.sort()
+    if leavers:
+        let_go(sim, movers)
     coming = movers
     if found or sim.slab.neighbours:
-        if leavers:
-            let_go(sim, movers)
-        sim.migration.send(population, movers)
-        coming = sim.migration.receive(population)
-    times.append(perf_counter())
+        coming = migration.receive(population)
+    lap("migrate")
 
     if found or len(coming):
         population.restore_order(movers, coming)
-    times.append(perf_counter())
-
-    for phase, begin, finish in zip(PHASES, times, times[1:], strict=False):
-        sim.timings[phase] += finish - begin
-    return failed, rate
+    lap("order")
+    return dt, end, sum(failed), rate
 
 
 def sum_particles(sim: "Simulation", loads: "Loads", marked: bool) -> None:
     """Sum a rank's particles into its planes; `Halo.finish` adds what neighbours have."""
     scene, grid, population = sim.scene, sim.grid, sim.population
+    start = population.start
+    if sim.failed:  # what others do not know yet; such particles may be anywhere
+        start = np.zeros_like(start)
+    if marked:
+        mark(
+            scene.shape, scene.frame, grid.window, population.particles, population.order, start,
+            grid.marks,
+        )  # fmt: skip
     grid.active.fill(0)
-    for part in sim.halo.parts(population.start):  # first what neighbours wait for
+    for part in sim.halo.parts(start):  # first what neighbours wait for
         particles_to_grid(  # (16, 17, 18, 21, 22)
             scene.shape, scene.frame, grid.window, population.particles, loads,
-            population.order, population.start, part,
-            grid.scratch, grid.G, grid.active, grid.aside, grid.below,
+            population.order, start, part, grid.scratch, grid.G, grid.active, grid.aside,
+            grid.below,
         )  # fmt: skip
         sim.halo.proceed(grid, marked)
+
+
+def _stopwatch(timings: dict[str, float]) -> Callable[[str], None]:
+    """Make what adds the time since it was last called to that of a phase."""
+    last = perf_counter()
+
+    def lap(phase: str) -> None:
+        nonlocal last
+        now = perf_counter()
+        timings[phase] += now - last
+        last = now
+
+    return lap

@@ -53,8 +53,8 @@ def warm_up(scene: Scene, identity: tuple[float, ...]) -> None:
         reflect(*given, np.zeros(1))
     grid_to_particles(
         shape, scene.materials, frame, grid.window, p, loads, grips, rows, start,
-        scene.material_of, grid.G, 1.0, True, False, grid.bounds, 0, reach, rows.copy(),
-        np.zeros((1, 2), np.int64), np.zeros((1, len(grips), 3)), np.zeros(1),
+        np.zeros(0, np.int64), scene.material_of, grid.G, 1.0, True, False, grid.bounds, 0, reach,
+        rows.copy(), np.zeros((1, 2), np.int64), np.zeros((1, len(grips), 3)), np.zeros(1),
     )  # fmt: skip
     if grips:
         mark(shape, frame, grid.window, p, rows, start, grid.marks)

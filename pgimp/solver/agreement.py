@@ -1,0 +1,71 @@
+"""What all ranks agree on after a step: speed, wishes and the window, by one reduction.
+
+It is begun when a rank has done its step and completed when the next one needs it, after the sums
+of the grid are complete. So a rank need not wait at a step's end for those that are late by less
+than it has to do meanwhile. What is due between two steps completes it first.
+"""
+
+from typing import Any
+
+import numpy as np
+
+
+class Agreement:
+    """The reduction of a step; on one rank what is agreed on is what that rank says.
+
+    The same calls on all ranks in the same places of their steps, so that all know the same.
+
+    Parameters
+    ----------
+    comm : communicator
+        Of all ranks.
+
+    Attributes
+    ----------
+    open : bool
+        Whether it has been begun and not been completed.
+    rate : float
+        Largest (c_p + |v_p|)/L.
+    wish : int
+        The greatest.
+    asks : bool
+        Whether any rank asks for another decomposition.
+    reach : (2, 2) int64
+        First vertices (least, greatest; y, z) that all ranks together have reported.
+    """
+
+    def __init__(self, comm: Any) -> None:
+        self.rate, self.wish, self.asks = 0.0, 0, False
+        self.reach = np.zeros((2, 2), np.int64)
+        self._comm = comm
+        self._mine, self._every = np.zeros((2, 7))
+        self._request: Any = None
+        self.open = False
+        if comm.size > 1:
+            from mpi4py import MPI
+
+            self._greatest = MPI.MAX
+
+    def begin(self, rate: float, wish: int, asks: bool, reach: np.ndarray) -> None:
+        """Say what this rank has found in a step; collective."""
+        self.open = True
+        if self._comm.size == 1:
+            self.rate, self.wish, self.reach = rate, wish, reach
+            return
+        mine = self._mine
+        mine[0], mine[5], mine[6] = rate, wish, asks
+        np.negative(reach[0], out=mine[1:3])
+        mine[3:5] = reach[1]
+        self._request = self._comm.Iallreduce(mine, self._every, self._greatest)
+
+    def end(self) -> bool:
+        """Wait until all have said it; whether there was anything to wait for."""
+        was_open, self.open = self.open, False
+        if self._request is not None:
+            self._request.Wait()
+            self._request = None
+            every = self._every
+            self.rate, self.wish, self.asks = float(every[0]), int(every[5]), bool(every[6])
+            np.negative(every[1:3], out=self.reach[0], casting="unsafe")
+            self.reach[1] = every[3:5]
+        return was_open
