@@ -12,8 +12,10 @@ import pytest
 
 from pgimp import signals
 from pgimp.output import stop as module
+from pgimp.output.running import _wish
 from pgimp.output.stop import Held, Stop, clock, slurm_seconds_left, wall_time
 from pgimp.parallel.comm import Serial
+from pgimp.solver.simulation import CHECKPOINT, NOTHING
 
 
 @pytest.fixture(autouse=True)
@@ -273,3 +275,19 @@ def test_system_calls_of_libraries_go_on_after_a_signal():
             os.close(reader)
             os.close(writer)
     assert held.came == [signal.SIGUSR1]
+
+
+def test_a_checkpoint_is_asked_for_once_until_it_is_known_whether_it_is_granted():
+    """On several ranks that is a step later."""
+    checkpoints = SimpleNamespace(overdue=True, seconds=0.0)
+    recorder = SimpleNamespace(checkpoints=checkpoints, ready=True)
+    stop = SimpleNamespace(requested=lambda reserve: False)
+    sim = SimpleNamespace(agreed=True, wish=NOTHING, comm=Serial())
+    sim.wish = _wish(sim, recorder, stop, 0.1)
+    assert sim.wish == CHECKPOINT
+    sim.agreed = False
+    sim.wish = _wish(sim, recorder, stop, 0.1)
+    assert sim.wish == NOTHING
+    assert _wish(sim, recorder, stop, 0.1) == CHECKPOINT  # what was asked for before is known now
+    sim.agreed, sim.wish = True, CHECKPOINT  # it was written, but there is time for another
+    assert _wish(sim, recorder, stop, 0.1) == CHECKPOINT
