@@ -1,6 +1,7 @@
 """Helpers for every test: processes on several ranks or on one, in an environment of their own."""
 
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -88,5 +89,54 @@ def python():
 
     def launch(args, timeout=120.0, cwd=None, env=None):
         return run([sys.executable, *map(str, args)], timeout, cwd, env)
+
+    return launch
+
+
+@pytest.fixture(scope="session")
+def display():
+    """Variables with the display of an X server for ParaView, one for all tests of a process.
+
+    The server chooses its number itself, so no two can take the same, and stays as it is when its
+    last client leaves: Debian's otherwise begins anew, and refuses who comes in the meantime.
+    """
+    for program in ("pvpython", "Xvfb"):
+        words = "is not installed: apt-get install paraview python3-paraview xvfb"
+        assert shutil.which(program), f"{program} {words}"
+    options = ["-screen", "0", "1280x1024x24", "-nolisten", "tcp", "-noreset"]
+    said, tells = os.pipe()
+    server = subprocess.Popen(
+        ["Xvfb", "-displayfd", str(tells), *options],
+        pass_fds=[tells],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    os.close(tells)
+    try:
+        with os.fdopen(said) as file:
+            number = file.readline().strip()
+        assert number, "Xvfb did not start"
+        yield {"DISPLAY": f":{number}"}
+    finally:
+        server.terminate()
+        server.wait()
+
+
+@pytest.fixture(scope="session")
+def pvpython(display):
+    """``pvpython(*words)`` runs it, without variables that are for another Python or for MPI."""
+    other = ("PYTHON", "VIRTUAL_ENV")
+
+    def launch(*words, cwd=None):
+        env = {k: v for k, v in clean_env(display).items() if not k.startswith(other)}
+        return subprocess.run(
+            ["pvpython", *map(str, words)],
+            env=env,
+            capture_output=True,
+            text=True,
+            timeout=120,
+            cwd=cwd,
+        )
 
     return launch
