@@ -109,7 +109,7 @@ def test_mpirun_of_another_mpi(programs, tmp_path, capsys):
 
 def test_answers_of_ranks_that_share_a_line(programs):
     """As written with PYTHONUNBUFFERED=1, where a line's end comes after another rank's line."""
-    launcher = programs("launcher", "#!/bin/bash\nprintf 'hello\\n{\"a\": 1}{\"a\": 2}\\n\\n'\n")
+    launcher = programs("launcher", '#!/bin/bash\nprintf \'hello\\n{"a": 1}{"a": 2}\\n\\n\'\n')
     assert probe.ask_all("", launch=[str(launcher)]) == [{"a": 1}, {"a": 2}]
 
 
