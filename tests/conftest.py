@@ -1,6 +1,7 @@
 """Helpers for every test: processes on several ranks or on one, in an environment of their own."""
 
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -10,7 +11,17 @@ from typing import Protocol
 
 import pytest
 
+#: Files that take longest, which begin first, so that no worker is left with one at the end.
+LONG = ("ranks", "paper", "transfer", "shapes", "exact_errors", "proofs", "balance", "readme",
+        "mesh", "slurm", "cut", "overlap")  # fmt: skip
+
 LAUNCHER_VARIABLES = ("OMPI_", "PMIX_", "PMI_", "PALS_", "MPI_LOCAL", "SLURM_")
+
+
+def pytest_collection_modifyitems(items):
+    """Put the tests of `LONG` before the others; scripts/test hands out files in this order."""
+    places = {f"test_{name}": place for place, name in enumerate(LONG)}
+    items.sort(key=lambda item: places.get(item.path.stem, len(LONG)))
 
 
 class Launch(Protocol):
@@ -30,10 +41,11 @@ def clean_env(more: Mapping[str, str] | None = None) -> dict[str, str]:
     """Environment of a process that no launcher started, in which root may use mpirun.
 
     A process that has initialised MPI has its launcher's variables, which its children must not
-    inherit.
+    inherit. Ranks that wait leave the cores to other tests: two would not otherwise on two cores.
     """
     env = {k: v for k, v in os.environ.items() if not k.startswith(LAUNCHER_VARIABLES)}
     env |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+    env |= {"OMPI_MCA_mpi_yield_when_idle": "1"}
     return env | dict(more or {})
 
 
@@ -88,5 +100,54 @@ def python():
 
     def launch(args, timeout=120.0, cwd=None, env=None):
         return run([sys.executable, *map(str, args)], timeout, cwd, env)
+
+    return launch
+
+
+@pytest.fixture(scope="session")
+def display():
+    """Variables with the display of an X server for ParaView, one for all tests of a process.
+
+    The server chooses its number itself, so no two can take the same, and stays as it is when its
+    last client leaves: Debian's otherwise begins anew, and refuses who comes in the meantime.
+    """
+    for program in ("pvpython", "Xvfb"):
+        words = "is not installed: apt-get install paraview python3-paraview xvfb"
+        assert shutil.which(program), f"{program} {words}"
+    options = ["-screen", "0", "1280x1024x24", "-nolisten", "tcp", "-noreset"]
+    said, tells = os.pipe()
+    server = subprocess.Popen(
+        ["Xvfb", "-displayfd", str(tells), *options],
+        pass_fds=[tells],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    os.close(tells)
+    try:
+        with os.fdopen(said) as file:
+            number = file.readline().strip()
+        assert number, "Xvfb did not start"
+        yield {"DISPLAY": f":{number}"}
+    finally:
+        server.terminate()
+        server.wait()
+
+
+@pytest.fixture(scope="session")
+def pvpython(display):
+    """``pvpython(*words)`` runs it, without variables that are for another Python or for MPI."""
+    other = ("PYTHON", "VIRTUAL_ENV")
+
+    def launch(*words, cwd=None):
+        env = {k: v for k, v in clean_env(display).items() if not k.startswith(other)}
+        return subprocess.run(
+            ["pvpython", *map(str, words)],
+            env=env,
+            capture_output=True,
+            text=True,
+            timeout=120,
+            cwd=cwd,
+        )
 
     return launch

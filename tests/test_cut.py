@@ -11,6 +11,7 @@ from pydantic import TypeAdapter
 from scenes import field, finish, scene, start, write_case
 
 from pgimp.case.schema import Case
+from pgimp.cli import main
 from pgimp.errors import CaseError
 from pgimp.parallel.comm import Serial
 from pgimp.scene import filling
@@ -355,7 +356,7 @@ def test_particles_do_not_depend_on_the_planes_that_are_made_together(D):
 
 
 def test_the_ranks_do_not_matter(tmp_path, mpirun):
-    """A tilted cylinder and a ball, both cut, spinning: the same bits on 1, 2 and 3 ranks."""
+    """A tilted cylinder and a ball, both cut, spinning: the same bits on 1 and 3 ranks."""
     velocity = spinning(3)[0]
     case = scene(
         3,
@@ -367,13 +368,11 @@ def test_the_ranks_do_not_matter(tmp_path, mpirun):
         end=0.1,
     )
     write_case(tmp_path / "case.yaml", case)
-    for n in (1, 2, 3):
+    for n in (1, 3):
         words = ["-m", "pgimp", tmp_path / "case.yaml", "-o", tmp_path / str(n), "--quiet"]
         done = mpirun(n, words, timeout=300.0)
         assert done.returncode == 0, done.stderr
-    for n in (2, 3):
-        done = mpirun(1, ["-m", "pgimp", "compare", tmp_path / "1", tmp_path / str(n)])
-        assert done.returncode == 0, done.stdout + done.stderr
+    assert main(["compare", str(tmp_path / "1"), str(tmp_path / "3")]) == 0
 
 
 # -- in motion

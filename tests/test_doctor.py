@@ -12,7 +12,7 @@ import pytest
 from conftest import LAUNCHER_VARIABLES
 
 from pgimp.cli import main
-from pgimp.doctor import hdf5, kernels, machine, mpi
+from pgimp.doctor import hdf5, kernels, machine, mpi, probe
 
 OPEN_MPI = {"version": "4.1", "library": "Open MPI v4.1.4", "files": [], "chooses": True}
 
@@ -105,6 +105,12 @@ def test_mpirun_of_another_mpi(programs, tmp_path, capsys):
     assert "WRONG  two ranks    mpirun and mpi4py's Open MPI" in said
     assert "do not belong together: each process is alone" in said
     assert f"export MPI4PY_LIBMPI={library}; or remove .venv and run scripts/setup" in said
+
+
+def test_answers_of_ranks_that_share_a_line(programs):
+    """As written with PYTHONUNBUFFERED=1, where a line's end comes after another rank's line."""
+    launcher = programs("launcher", '#!/bin/bash\nprintf \'hello\\n{"a": 1}{"a": 2}\\n\\n\'\n')
+    assert probe.ask_all("", launch=[str(launcher)]) == [{"a": 1}, {"a": 2}]
 
 
 def test_mpi4py_built_for_another_mpi_cannot_be_told_its_library(programs):

@@ -1,9 +1,6 @@
 """A real ParaView: the XDMF file through each of its three readers, and cases/paraview.py."""
 
 import json
-import os
-import shutil
-import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -20,27 +17,9 @@ COUNT, GONE = 23, ((), (), range(9, 14))
 COUNTS = [COUNT - len(gone) for gone in GONE]
 
 
-def environment():
-    """Variables for ParaView: none of another Python or of MPI."""
-    return {
-        key: value
-        for key, value in os.environ.items()
-        if not key.startswith(("OMPI_", "PMIX_", "PYTHON", "VIRTUAL_ENV"))
-    }
-
-
-def probe(path, body):
-    """Let pvpython open an XDMF file; without pvpython this fails, for CI must install it."""
-    program = shutil.which("pvpython")
-    assert program, "ParaView is not installed: apt-get install paraview python3-paraview xvfb"
-    script = Path(__file__).with_name("paraview_probe.py")
-    run = subprocess.run(
-        ["xvfb-run", "-a", program, str(script), str(path), str(body)],
-        env=environment(),
-        capture_output=True,
-        text=True,
-        timeout=120,
-    )
+def probe(pvpython, path, body):
+    """Let pvpython open an XDMF file."""
+    run = pvpython(Path(__file__).with_name("paraview_probe.py"), path, body)
     lines = [line for line in run.stdout.splitlines() if line.startswith("PROBE")]
     assert lines, run.stdout + run.stderr
     return json.loads(lines[0].removeprefix("PROBE"))
@@ -65,8 +44,8 @@ def run(request, tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def seen(run):
-    return probe(run / "particles.xdmf", 1)
+def seen(pvpython, run):
+    return probe(pvpython, run / "particles.xdmf", 1)
 
 
 @pytest.mark.parametrize("reader", READERS)
@@ -111,17 +90,6 @@ RADII = np.array([0.3, 0.45, 0.2, 0.4])
 CENTRES = np.array([[0.0, 0.0], [3.0, 0.2], [0.1, 2.0], [3.0, 2.0]])
 
 
-def pvpython(*words, cwd):
-    return subprocess.run(
-        ["xvfb-run", "-a", shutil.which("pvpython"), *map(str, words)],
-        env=environment(),
-        capture_output=True,
-        text=True,
-        timeout=120,
-        cwd=cwd,
-    )
-
-
 @pytest.fixture(scope="module")
 def discs(tmp_path_factory):
     """Two frames of four discs in 2D, apart from each other, of stress 1 to 4 and 2 to 8."""
@@ -160,7 +128,7 @@ def colours(path):
 
 
 @pytest.fixture(scope="module")
-def drawn(discs):
+def drawn(pvpython, discs):
     """A picture, pictures of all frames and a movie, by the script of cases/."""
     words = ["--field", "stress.yy", "-o", "last.png", "--frames", "all", "--movie", "discs.avi"]
     done = pvpython(SCRIPT, discs, *words, "--size", "900x600", cwd=discs.parent)
@@ -203,7 +171,7 @@ def test_movie_is_one(drawn):
 
 
 @pytest.mark.parametrize("run", ["as-usual"], indirect=True)
-def test_three_dimensions_from_a_corner(run, tmp_path):
+def test_three_dimensions_from_a_corner(pvpython, run, tmp_path):
     """Spheres, shaded; a component, a body, a range, from the corner."""
     words = ["--field", "stress.xx", "--body", "1", "--range", "-1", "1", "--size", "600x400"]
     done = pvpython(SCRIPT, run, *words, cwd=tmp_path)
@@ -226,7 +194,7 @@ def test_three_dimensions_from_a_corner(run, tmp_path):
         (["discs.out", "--movie", "film.gif"], "a movie ends in .avi, .ogv, .mp4"),
     ],
 )
-def test_script_says_what_is_wrong(discs, words, message):
+def test_script_says_what_is_wrong(pvpython, discs, words, message):
     before = sorted(discs.parent.iterdir())
     done = pvpython(SCRIPT, *words, cwd=discs.parent)
     assert done.returncode == 2

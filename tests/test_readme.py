@@ -68,8 +68,6 @@ def shortened(command):
         return INSTEAD[command]
     if re.match(r"(mpirun -n \d+ )?pgimp cases/|scripts/run ", command):
         return f"{command} {SHORT}".replace("scripts/run", f"{ROOT}/scripts/run")
-    if command.startswith("pvpython "):
-        return f"xvfb-run -a {command}"
     return command
 
 
@@ -86,7 +84,7 @@ def folder(tmp_path_factory):
     return folder
 
 
-def test_commands_run(folder):
+def test_commands_run(folder, display):
     """Every command of the shell blocks, in order, in one folder."""
     listed = commands()
     assert listed[:2] == ["scripts/run cases/block3d.yaml", "scripts/test"]
@@ -101,7 +99,7 @@ def test_commands_run(folder):
             ):  # the text's reader would add it, or has removed the other
                 words.append("--overwrite")
             started.add(output)
-        done = run(words, cwd=folder, env=ENVIRONMENT)
+        done = run(words, cwd=folder, env=ENVIRONMENT | display)
         assert done.returncode == 0, f"{command}\n{done.stdout}\n{done.stderr}"
     assert (folder / "installed" / "pgimp" / "__main__.py").is_file()
 

@@ -90,7 +90,7 @@ def ask_all(script: str, *argv: str, launch: Sequence[str] = ()) -> list[dict[st
         return f"does not come back (waited {_SECONDS} s)"
     except OSError as error:
         return str(error)
-    answers = [json.loads(line) for line in done.stdout.splitlines() if line.startswith("{")]
+    answers = _objects(done.stdout)
     if done.returncode == 0 and answers:
         return answers
     # The message of an exception is what follows the indented lines of its traceback.
@@ -101,6 +101,21 @@ def ask_all(script: str, *argv: str, launch: Sequence[str] = ()) -> list[dict[st
     if done.returncode < 0:
         return f"crashes (signal {-done.returncode}) {words}".rstrip()
     return words or f"fails with status {done.returncode}"
+
+
+def _objects(text: str) -> list[dict[str, Any]]:
+    """Return the objects that begin lines, and those that follow them on the same line.
+
+    Where Python does not buffer, it writes the end of a line by itself: another rank's line may
+    come before it.
+    """
+    decoder, found = json.JSONDecoder(), []
+    for line in text.splitlines():
+        while line.startswith("{"):
+            answer, end = decoder.raw_decode(line)
+            found.append(answer)
+            line = line[end:]
+    return found
 
 
 def names(files: Sequence[str]) -> str:

@@ -43,10 +43,11 @@ PATIENCE = 60.0
 
 
 def environment(tcp=False):
-    """Environment of a job of its own; root may use mpirun, and ranks may talk by TCP."""
+    """Environment of a job of its own: as root, on cores that others want too, perhaps by TCP."""
     launcher = ("OMPI_", "PMIX_", "PMI_", "SLURM_")
     env = {name: value for name, value in os.environ.items() if not name.startswith(launcher)}
     env |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+    env |= {"OMPI_MCA_mpi_yield_when_idle": "1"}
     machines = {"OMPI_MCA_btl": "tcp,self", "OMPI_MCA_btl_tcp_if_include": "lo"}
     return env | (machines if tcp else {})
 

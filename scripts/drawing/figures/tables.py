@@ -75,7 +75,10 @@ def sections(results):
     lines = {key: line for key, line in lines.items() if line}
     cells = list(next(iter(lines.values())))
     rows = [
-        (f"{METHODS[m].label}, {n} p/c", *(entry(line[cell], "error") for cell in cells))
+        (
+            f"{METHODS[m].label}, {n} p/c",
+            *(entry(line[cell], "error") if cell in line else "" for cell in cells),
+        )
         for (m, n), line in lines.items()
     ]
     yield table(("cell", *(f"{cell:g}" for cell in cells)), rows)
