@@ -11,7 +11,7 @@ import numpy as np
 from pgimp.errors import PgimpError, RunError
 from pgimp.output.collective import explain
 from pgimp.output.hdf5 import open_file
-from pgimp.output.rundir import FRAME
+from pgimp.output.ownfiles import FRAME
 from pgimp.output.tables import data_frame
 
 if TYPE_CHECKING:
