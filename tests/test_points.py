@@ -84,7 +84,10 @@ def damaged():
         "key.csv": ("x,y,volume,mass\n0,0,1,1\n", "unknown column 'mass'"),
         "half.csv": ("x,y,volume,velocity-x\n0,0,1,1\n", "column velocity-y is missing"),
         "none.csv": ("x,y,volume\n", "holds no particle"),
-        "out.csv": (good + "0,7,0.1\n", "reaches 5 beyond the domain at y-max"),
+        "out.csv": (
+            good + "\n0,7,0.1\n",
+            r"reaches 5 beyond the domain at y-max: to 7 with the particle at \(0, 7\), line 4 of ",
+        ),
         "noise.csv": (np.random.default_rng(2).bytes(3000), "cannot"),
         "noise.h5": (np.random.default_rng(2).bytes(3000), "cannot read the particles"),
         "empty.h5": (b"", "it is empty"),
@@ -98,6 +101,22 @@ def test_damaged_files_are_refused(tmp_path, name):
     (tmp_path / name).write_bytes(text if isinstance(text, bytes) else text.encode())
     with pytest.raises(CaseError, match=message):
         start(case(points(tmp_path / name), dimension=2))
+
+
+def test_a_row_outside_of_the_grid_is_named(tmp_path):
+    data = cloud()
+    data["position"][41] = [-2.5, 1.0]
+    write_hdf5(tmp_path / "p.h5", data)
+    with pytest.raises(CaseError, match=r"x-min: .* \(-2\.5, 1\), row 41 \(from 0\) of ") as error:
+        start(case(points(tmp_path / "p.h5"), dimension=2))
+    assert "unit" not in str(error.value)
+    data["position"] *= 1000.0
+    data["position"][41] *= 0.5  # in 4 x 4
+    write_hdf5(tmp_path / "p.h5", data)
+    with pytest.raises(
+        CaseError, match=r"as mm for m\? Times 0\.001, and volumes times 1e-06, its"
+    ):
+        start(case(points(tmp_path / "p.h5"), dimension=2))
 
 
 def test_wrong_datasets_are_refused(tmp_path):
