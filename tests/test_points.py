@@ -1,12 +1,18 @@
 """Bodies from files of particles: what is in the file is what runs; refusals with the row."""
 
+from types import SimpleNamespace
+
 import h5py
 import numpy as np
 import pytest
 from meshes import case
 from scenes import field, start, write_case
 
+from pgimp.case.schema import Case
 from pgimp.errors import CaseError
+from pgimp.parallel.comm import Serial
+from pgimp.scene.geometry import share
+from pgimp.scene.lattice import Lattice, census
 
 
 def cloud(n=60, dimension=2):
@@ -117,6 +123,78 @@ def test_a_row_outside_of_the_grid_is_named(tmp_path):
         CaseError, match=r"as mm for m\? Times 0\.001, and volumes times 1e-06, its"
     ):
         start(case(points(tmp_path / "p.h5"), dimension=2))
+
+
+def two(first, second):
+    """A case of two bodies."""
+    found = case(first, dimension=2)
+    found["bodies"]["other"] = found["bodies"]["body"] | {"region": second}
+    return found
+
+
+def test_particles_in_another_body_are_refused(tmp_path):
+    """One that is deeper in a body than a quarter of a box, 0.25; not one that touches it."""
+    box = {"box": {"min": [0.0, -1.0], "max": [1.5, 1.5]}}
+    data = {"position": np.array([[-0.2, 0.0], [0.06, 0.3]]), "volume": np.full(2, 0.05)}
+    write_csv(tmp_path / "p.csv", data)
+    assert start(two(box, points(tmp_path / "p.csv"))).count == 62
+    data["position"][1, 0] = 0.07
+    write_csv(tmp_path / "p.csv", data)
+    for regions in ((box, points(tmp_path / "p.csv")), (points(tmp_path / "p.csv"), box)):
+        message = r"bodies\.other\.region: the particle at \(0\.07, 0\.3\) \(line 5 of .*overlap"
+        with pytest.raises(CaseError, match=message):
+            start(two(*regions))
+
+
+@pytest.mark.parametrize("ranks", [1, 2, 5, 16])
+def test_particles_of_two_files_at_nearly_the_same_place_are_refused(tmp_path, ranks):
+    """Wherever the pair is, by the definition; and any number of ranks names the same one."""
+    rng = np.random.default_rng(8)
+    places = np.stack(np.meshgrid(*[np.arange(-1.9, 2.0, 0.2)] * 2), axis=-1).reshape(-1, 2)
+    places += rng.uniform(-0.05, 0.05, places.shape)
+    volume = np.full(len(places), 0.04)
+    write_hdf5(tmp_path / "one.h5", {"position": places[::2], "volume": volume[::2]})
+    model = two(points(tmp_path / "one.h5"), points(tmp_path / "two.h5"))
+    limit = 0.1 * 0.2  # of the particle's size, which is less than that of a box, 0.25
+    for _ in range(20):
+        there = places[1::2].copy()
+        rows, turn = rng.choice(len(there), 3, False), rng.uniform(0.0, 2.0 * np.pi, 3)
+        targets = rng.choice(len(places) // 2, 3, False)
+        way = np.stack([np.cos(turn), np.sin(turn)], axis=1)
+        there[rows] = places[::2][targets] + limit * np.array([[0.99], [0.3], [1.01]]) * way
+        write_hdf5(tmp_path / "two.h5", {"position": there, "volume": volume[1::2]})
+        number = min(targets[:2], key=lambda i: tuple(places[::2][i]))
+        with pytest.raises(
+            CaseError, match=r"bodies\.other\.region: two particles .* overlap"
+        ) as e:
+            counted(model, ranks)
+        assert f"row {number} (from 0) of {tmp_path / 'one.h5'}" in str(e.value)
+        there[rows[:2]] = places[1::2][rows[:2]]
+        write_hdf5(tmp_path / "two.h5", {"position": there, "volume": volume[1::2]})
+        assert counted(model, ranks) == len(places)
+
+
+def counted(model, ranks):
+    """Number of particles, as so many ranks count them."""
+    model = Case.model_validate(model)
+    share(model, Serial())
+    lattice = Lattice(model)
+    everything = [census_of(lattice, rank, ranks) for rank in range(ranks)]
+    gathered = SimpleNamespace(rank=0, size=ranks, allgather=lambda mine: everything)
+    return census(lattice, gathered).counts.sum()
+
+
+def census_of(lattice, rank, ranks):
+    """What a rank tells the others in a census."""
+    told = []
+
+    def allgather(mine):
+        told.append(mine)
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        census(lattice, SimpleNamespace(rank=rank, size=ranks, allgather=allgather))
+    return told[0]
 
 
 def test_wrong_datasets_are_refused(tmp_path):

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
+from pgimp.scene.cloudmeetings import overlaps
 from pgimp.scene.filling import SLIVER, Filling
 from pgimp.scene.measure import TangledError
 from pgimp.scene.pointscloud import Cloud
@@ -111,7 +112,7 @@ class Lattice:
     def close_pairs(self) -> Iterator[tuple[int, int, Ranges]]:
         """Pairs of bodies that may share a cell, with the part of the lattice where they may.
 
-        A body of a file's particles has no surface that another could be seen to cross.
+        Those of a file's particles are looked at by `pgimp.scene.cloudmeetings`.
         """
         for a, first in enumerate(self.fillings):
             for b in range(a + 1, len(self.fillings)):
@@ -144,7 +145,8 @@ class Lattice:
         shared : set of pairs of names
             Bodies with particles in the same cell.
         """
-        errors, shared = [], set()
+        size = [float(edges[1] - edges[0]) for edges in self.edges]
+        errors, shared = list(overlaps(self.names, self.fillings, size, planes)), set()
         step = self.per_cell[0]
         for a, b, box in self.close_pairs():
             names = (self.names[a], self.names[b])
