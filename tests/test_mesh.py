@@ -192,7 +192,7 @@ def test_an_overlap_that_is_found_while_filling_names_the_body(tmp_path, monkeyp
     ("factor", "scale", "hint"),
     [
         (2.0, 1.0, ""),
-        (80.0, 1.0, ""),  # 192, less than 50 times 4
+        (70.0, 1.0, ""),  # 182, less than 50 times 4
         (1000.0, 1.0, "scale: 0.001 would make it fit"),
         (1000.0, 0.5, "scale: 0.0005 would make it fit"),
         (3000.0, 1.0, ""),  # too large in any case
