@@ -11,6 +11,7 @@ from scenes import field, start, write_case
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.parallel.comm import Serial
+from pgimp.scene import cloudmeetings
 from pgimp.scene.geometry import share
 from pgimp.scene.lattice import Lattice, census
 
@@ -140,10 +141,33 @@ def test_particles_in_another_body_are_refused(tmp_path):
     assert start(two(box, points(tmp_path / "p.csv"))).count == 62
     data["position"][1, 0] = 0.07
     write_csv(tmp_path / "p.csv", data)
-    for regions in ((box, points(tmp_path / "p.csv")), (points(tmp_path / "p.csv"), box)):
-        message = r"bodies\.other\.region: the particle at \(0\.07, 0\.3\) \(line 5 of .*overlap"
-        with pytest.raises(CaseError, match=message):
+    cloud_of = points(tmp_path / "p.csv")
+    for regions, name in (((box, cloud_of), "body"), ((cloud_of, box), "other")):
+        with pytest.raises(
+            CaseError, match=rf"\(line 5 of .* lies in '{name}': .* overlap"
+        ) as error:
             start(two(*regions))
+        assert "bodies.other.region: the particle at (0.07, 0.3)" in str(error.value)
+
+
+@pytest.mark.parametrize("block", [1, 7])
+def test_a_body_of_many_parts_is_looked_at_in_blocks_and_samples(tmp_path, monkeypatch, block):
+    """Every third of 60 particles of a region of two parts, in blocks."""
+    monkeypatch.setattr(cloudmeetings, "_BLOCK", 2 * block)
+    monkeypatch.setattr(cloudmeetings, "_LOOKS", 50)
+    half = {"box": {"min": [-2.0, -2.0], "max": [2.0, 0.0]}}
+    parts = {"union": [half, {"box": {"min": [-2.0, 0.0], "max": [0.0, 2.0]}}]}
+    data = cloud()
+    data["position"] = np.stack([np.linspace(0.5, 1.5, 60), np.linspace(1.5, 0.5, 60)], axis=1)
+    for row, message in ((3, "row 3 "), (4, "")):
+        data["position"][row, 1] = -1.0
+        write_hdf5(tmp_path / "p.h5", data)
+        if message:
+            with pytest.raises(CaseError, match=f"{message}.* lies in 'other'"):
+                counted(two(points(tmp_path / "p.h5"), parts), 3)
+        else:
+            assert counted(two(points(tmp_path / "p.h5"), parts), 3) > 60
+        data["position"][row, 1] = 1.0
 
 
 @pytest.mark.parametrize("ranks", [1, 2, 5, 16])

@@ -24,6 +24,12 @@ Ints = NDArray[np.int64]
 #: How deep in another body a particle may lie, and how close to one of another file, over its size.
 _DEEP, _CLOSE = 0.25, 0.1
 
+#: Distances to parts of a region that are asked for at most, and at a time.
+_LOOKS, _BLOCK = 100_000_000, 1_000_000
+
+#: Of the golden ratio: numbers of cells become one that is another for almost any other cell.
+_MIX = np.int64(0x1E3779B97F4A7C15)
+
 
 class _Some(NamedTuple):
     """Particles of a file: their rows, positions (n, D) and volumes."""
@@ -72,15 +78,15 @@ def overlaps(
             found = _close(first, second, (low, high), planes, min(box))
         elif isinstance(first, Cloud):
             assert isinstance(second, Filling)
-            found = _inside(first, second, (low, high), planes, min(box))
+            found = _inside(first, second, (low, high), planes, min(box), names[b])
         else:
             assert isinstance(second, Cloud)
-            found = _inside(second, first, (low, high), planes, min(box))
+            found = _inside(second, first, (low, high), planes, min(box), names[a])
         if found:
             yield (
                 (a, b),
-                f"bodies.{names[b]}.region: {found}: '{names[a]}' and '{names[b]}' overlap; move "
-                "or cut one of them, or leave such particles out of the file",
+                f"bodies.{names[b]}.region: {found}: bodies '{names[a]}' and '{names[b]}' "
+                "overlap; move or cut one of them, or leave such particles out of the file",
             )
 
 
@@ -91,16 +97,29 @@ def _common(first: Bounds, second: Bounds) -> tuple[Reals, Reals]:
 
 
 def _inside(
-    cloud: Cloud, body: Filling, box: tuple[Reals, Reals], planes: tuple[int, int], size: float
+    cloud: Cloud,
+    body: Filling,
+    box: tuple[Reals, Reals],
+    planes: tuple[int, int],
+    size: float,
+    name: str,
 ) -> str:
-    """Name the first particle that lies in a body on the lattice."""
+    """Name the first particle that lies in a body on the lattice, called `name`."""
     here = _taken(cloud, box, planes, None)
-    deep = np.flatnonzero(body.region.distance(here.x) < -_DEEP * size)
+    # Of many particles and many parts some must do, the same ones on any ranks.
+    some = here.rows % (1 + cloud.region.summary.number * body.region.parts // _LOOKS) == 0
+    here = _Some(*(column[some] for column in here))
+    found = [np.zeros(0, np.int64)]
+    block = max(1, _BLOCK // body.region.parts)
+    for begin in range(0, len(here.x), block):
+        distance = body.region.distance(here.x[begin : begin + block])
+        found.append(begin + np.flatnonzero(distance < -_DEEP * size))
+    deep = np.concatenate(found)
     if len(deep) == 0:
         return ""
-    i = deep[np.lexsort(here.x[deep].T[::-1])[0]]
+    i = deep[_first(here.x[deep])]
     where = cloud.region.line(int(here.rows[i]))
-    return f"the particle at {_place(here.x[i])} ({where} of {cloud.region.file}) lies in the other"
+    return f"the particle at {_place(here.x[i])} ({where} of {cloud.region.file}) lies in '{name}'"
 
 
 def _close(
@@ -121,24 +140,28 @@ def _close(
     # Files may be finer than the lattice.
     limit = _CLOSE * np.concatenate([one.volume, other.volume]) ** (1.0 / x.shape[1])
     limit = np.minimum(limit, reach)
-    best: tuple[tuple[float, ...], int, int] | None = None
+    found = []
     origin = np.array([edges[0] for edges in first.edges])
     for shift in product((0.0, 0.5), repeat=x.shape[1]):
-        cells = np.floor((x - origin) / (2.0 * reach) + shift).astype(np.int64)
-        order = np.lexsort(cells.T)  # which keeps the first body's before the second's
+        # Cells by one number: where two have the same, the distance tells.
+        cell = np.zeros(len(x), np.int64)
+        for d, by in enumerate(shift):
+            along = np.floor((x[:, d] - origin[d]) / (2.0 * reach) + by).astype(np.int64)
+            cell = cell * _MIX + along
+        order = np.argsort(cell, kind="stable")  # the first body's before the second's
         left, right = order[:-1], order[1:]
-        pair = (left < len(one.x)) & (right >= len(one.x))
-        pair &= (cells[left] == cells[right]).all(axis=1)
+        pair = (cell[left] == cell[right]) & (left < len(one.x)) & (right >= len(one.x))
         left, right = left[pair], right[pair]
         away = np.sqrt(np.square(x[left] - x[right]).sum(axis=1))
         close = away < np.minimum(limit[left], limit[right])
         close &= first.between(x[left, 0], planes)
-        for i, j in zip(left[close].tolist(), right[close].tolist(), strict=True):
-            found = tuple(x[i].tolist()), i, j
-            best = found if best is None else min(best, found)
-    if best is None:
+        if close.any():
+            left, right = left[close], right[close]
+            k = _first(x[left])
+            found.append((left[k], right[k]))
+    if not found:
         return ""
-    i, j = best[1], best[2]
+    i, j = found[_first(x[[pair[0] for pair in found]])]
     pair_of = [
         f"{cloud.region.line(int(row))} of {cloud.region.file}, at {_place(at)}"
         for cloud, row, at in (
@@ -166,6 +189,14 @@ def _taken(
         keep = ((box[0] <= block.position) & (block.position <= box[1])).all(axis=1)
         parts.append(_Some(rows[keep], block.position[keep], block.volume[keep]))
     return _Some(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+
+
+def _first(x: Reals) -> int:
+    """Row of the point that comes first by x, then y, then z; of equal ones the first row."""
+    rows = np.arange(len(x))
+    for along in x.T:
+        rows = rows[along[rows] == along[rows].min()]
+    return int(rows[0])
 
 
 def _place(x: Reals) -> str:
