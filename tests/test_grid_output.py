@@ -7,10 +7,16 @@ import h5py
 import numpy as np
 import pytest
 from rank_scenes import line_gimp, plane_leaves, plane_mpm, space_gimp
-from scenes import box, scene, write_case
+from scenes import box, scene, start, write_case
 from test_ranks import go_back
 
 import pgimp
+from pgimp.errors import RunError
+from pgimp.output.recorder import Recorder
+from pgimp.output.rundir import RunDirectory
+from pgimp.parallel.comm import Serial
+from pgimp.solver import gridstate
+from pgimp.solver.simulation import PENDING
 
 EVERYTHING = ["mass", "momentum", "velocity", "force"]
 FIELDS = ["velocity", "mass"]
@@ -186,6 +192,61 @@ def test_it_may_be_asked_for_in_the_middle(tmp_path):
     assert (result.path / "grid.xdmf").read_text().count("<Time") == 2
     run(tmp_path, case | {"output": {}}, overwrite=True)
     assert not (result.path / "grid.xdmf").exists() and not grids(result)
+
+
+@pytest.mark.parametrize("wanted", [["mass"], []])
+def test_frames_of_a_later_time_go_at_a_resume(tmp_path, wanted):
+    """Also where no further ones are wanted, and where the new ones come at other times."""
+    case = scene(2, box([1.0, 1.0], [3.0, 3.0], [1.0, 0.0]), end=0.4)
+    case |= {"checkpoint": {"every": {"steps": 10}, "keep": 9}}
+    result = run(tmp_path, case | {"output": {"every": 0.05, "grid": ["mass"]}})
+    assert len(grids(result)) == 9
+    go_back(result.path, 0.5)
+    result = run(tmp_path, case | {"output": {"every": 0.2, "grid": wanted}}, resume=True)
+    assert result.info["resumed_from"] == 20
+    kept = [0.0, 0.05, 0.1, 0.15, 0.2, *([0.4] if wanted else [])]
+    assert [grid["time"] for grid in grids(result)] == pytest.approx(kept)
+    assert (result.path / "grid.xdmf").read_text().count("<Time") == len(kept)
+    assert result.times.tolist() == pytest.approx([0.0, 0.05, 0.1, 0.15, 0.2, 0.4])
+
+
+@pytest.mark.parametrize("fails", ["history", "probes", "frames", "grid"])
+def test_a_whole_frame_is_kept_when_the_next_one_or_a_line_fails(tmp_path, monkeypatch, fails):
+    """What is on its way to the disk gets its name, though the run ends."""
+
+    def broken(*_, **__):
+        raise RunError("no room")
+
+    case = scene(2, box([1.0, 1.0], [3.0, 3.0], [1.0, 0.0]), end=0.4)
+    case |= {"history": {"every": {"steps": 1}}, "probes": {"a": {"place": [2.0, 2.0]}}}
+    case |= {"output": {"every": {"steps": 2}, "grid": ["mass"]}}
+    sim, comm = start(case), Serial()
+    directory = RunDirectory(tmp_path / "out", comm, probes=["a"])
+    directory.prepare({}, {"state": "running", "began": "now", "steps": 0})
+    recorder = Recorder(directory, sim.case, sim)
+    recorder.begin()
+    assert not list((tmp_path / "out" / "frames").glob("*.h5"))
+    if fails in ("history", "probes"):
+        monkeypatch.setattr(getattr(recorder, fails), "write", broken)
+    elif fails == "frames":
+        monkeypatch.setattr(recorder.frames._file, "write", broken)
+    else:
+        monkeypatch.setattr(gridstate, "active_grid", broken)
+    with pytest.raises(RunError, match="no room"):
+        for _ in range(2):
+            sim.wish = PENDING  # as if the disk were slow
+            sim.advance()
+            recorder.step(now=False)
+    recorder.close()
+    directory.release()
+    kept = {"grid-000000.h5", "particles-000000.h5"}
+    kept |= {"particles-000001.h5"} if fails == "grid" else set()
+    assert {path.name for path in (tmp_path / "out" / "frames").iterdir()} == kept
+    listed = [(tmp_path / "out" / f"{name}.xdmf").read_text() for name in ("particles", "grid")]
+    assert {name for name in kept if name in "".join(listed)} == kept
+    for path in (tmp_path / "out" / "frames").iterdir():
+        with h5py.File(path) as file:
+            assert len(file["position"]) > 0 and np.isfinite(file["position"][()]).all()
 
 
 @pytest.mark.parametrize("name", ["line", "leaves", "space"])

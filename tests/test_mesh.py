@@ -13,6 +13,7 @@ from scenes import write_case
 from pgimp.case.schema import Case
 from pgimp.cli import main
 from pgimp.errors import CaseError
+from pgimp.scene import meshclosed
 
 ROOT = Path(__file__).resolve().parents[1]
 BALL = ball(3, 1.3, (0.1, 0.05, -0.2))
@@ -177,6 +178,32 @@ def test_broken_surfaces_are_refused(tmp_path, name):
     stl(tmp_path / "bad.stl", T)
     with pytest.raises(CaseError, match=text):
         filled(mesh(tmp_path / "bad.stl"))
+
+
+def test_an_overlap_that_is_found_while_filling_names_the_body(tmp_path, monkeypatch):
+    """Few lines are looked along in a large mesh, so that they may miss it."""
+    monkeypatch.setattr(meshclosed, "_check_lines", lambda *_: None)
+    stl(tmp_path / "bad.stl", np.concatenate([BALL, ball(2, 1.0, (0.5, 0.0, 0.0))]))
+    message = r"^bodies\.body\.region: the mesh .*bad\.stl overlaps or cuts itself in the box of"
+    with pytest.raises(CaseError, match=message):
+        filled(mesh(tmp_path / "bad.stl"))
+
+
+@pytest.mark.parametrize(
+    ("factor", "scale", "hint"),
+    [
+        (2.0, 1.0, ""),
+        (70.0, 1.0, ""),  # 182, less than 50 times 4
+        (1000.0, 1.0, "scale: 0.001 would make it fit"),
+        (1000.0, 0.5, "scale: 0.0005 would make it fit"),
+        (3000.0, 1.0, ""),  # too large in any case
+    ],
+)
+def test_another_unit_is_proposed_where_it_would_help(tmp_path, factor, scale, hint):
+    stl(tmp_path / "far.stl", factor * BALL)
+    with pytest.raises(CaseError, match="beyond the domain at x-max") as error:
+        filled(mesh(tmp_path / "far.stl", scale=scale, translate=[0.5, 0.0, 0.0]))
+    assert ("scale" in str(error.value)) == bool(hint) and hint in str(error.value)
 
 
 def hostile_files():

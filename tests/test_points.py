@@ -1,13 +1,20 @@
 """Bodies from files of particles: what is in the file is what runs; refusals with the row."""
 
+from types import SimpleNamespace
+
 import h5py
 import numpy as np
 import pytest
 from meshes import case
 from scenes import field, start, write_case
 
+from pgimp.case.schema import Case
 from pgimp.cli import main
 from pgimp.errors import CaseError
+from pgimp.parallel.comm import Serial
+from pgimp.scene import cloudmeetings
+from pgimp.scene.geometry import share
+from pgimp.scene.lattice import Lattice, census
 
 
 def cloud(n=60, dimension=2):
@@ -85,7 +92,10 @@ def damaged():
         "key.csv": ("x,y,volume,mass\n0,0,1,1\n", "unknown column 'mass'"),
         "half.csv": ("x,y,volume,velocity-x\n0,0,1,1\n", "column velocity-y is missing"),
         "none.csv": ("x,y,volume\n", "holds no particle"),
-        "out.csv": (good + "0,7,0.1\n", "reaches 5 beyond the domain at y-max"),
+        "out.csv": (
+            good + "\n0,7,0.1\n",
+            r"reaches 5 beyond the domain at y-max: to 7 with the particle at \(0, 7\), line 4 of ",
+        ),
         "noise.csv": (np.random.default_rng(2).bytes(3000), "cannot"),
         "noise.h5": (np.random.default_rng(2).bytes(3000), "cannot read the particles"),
         "empty.h5": (b"", "it is empty"),
@@ -99,6 +109,117 @@ def test_damaged_files_are_refused(tmp_path, name):
     (tmp_path / name).write_bytes(text if isinstance(text, bytes) else text.encode())
     with pytest.raises(CaseError, match=message):
         start(case(points(tmp_path / name), dimension=2))
+
+
+def test_a_row_outside_of_the_grid_is_named(tmp_path):
+    data = cloud()
+    data["position"][41] = [-2.5, 1.0]
+    write_hdf5(tmp_path / "p.h5", data)
+    with pytest.raises(CaseError, match=r"x-min: .* \(-2\.5, 1\), row 41 \(from 0\) of ") as error:
+        start(case(points(tmp_path / "p.h5"), dimension=2))
+    assert "unit" not in str(error.value)
+    data["position"] *= 1000.0
+    data["position"][41] *= 0.5  # in 4 x 4
+    write_hdf5(tmp_path / "p.h5", data)
+    with pytest.raises(
+        CaseError, match=r"as mm for m\? Times 0\.001, and volumes times 1e-06, its"
+    ):
+        start(case(points(tmp_path / "p.h5"), dimension=2))
+
+
+def two(first, second):
+    """A case of two bodies."""
+    found = case(first, dimension=2)
+    found["bodies"]["other"] = found["bodies"]["body"] | {"region": second}
+    return found
+
+
+def test_particles_in_another_body_are_refused(tmp_path):
+    """One that is deeper in a body than a quarter of a box, 0.25; not one that touches it."""
+    box = {"box": {"min": [0.0, -1.0], "max": [1.5, 1.5]}}
+    data = {"position": np.array([[-0.2, 0.0], [0.06, 0.3]]), "volume": np.full(2, 0.05)}
+    write_csv(tmp_path / "p.csv", data)
+    assert start(two(box, points(tmp_path / "p.csv"))).count == 62
+    data["position"][1, 0] = 0.07
+    write_csv(tmp_path / "p.csv", data)
+    cloud_of = points(tmp_path / "p.csv")
+    for regions, name in (((box, cloud_of), "body"), ((cloud_of, box), "other")):
+        with pytest.raises(
+            CaseError, match=rf"\(line 5 of .* lies in '{name}': .* overlap"
+        ) as error:
+            start(two(*regions))
+        assert "bodies.other.region: the particle at (0.07, 0.3)" in str(error.value)
+
+
+@pytest.mark.parametrize("block", [1, 7])
+def test_a_body_of_many_parts_is_looked_at_in_blocks_and_samples(tmp_path, monkeypatch, block):
+    """Every third of 60 particles of a region of two parts, in blocks."""
+    monkeypatch.setattr(cloudmeetings, "_BLOCK", 2 * block)
+    monkeypatch.setattr(cloudmeetings, "_LOOKS", 50)
+    half = {"box": {"min": [-2.0, -2.0], "max": [2.0, 0.0]}}
+    parts = {"union": [half, {"box": {"min": [-2.0, 0.0], "max": [0.0, 2.0]}}]}
+    data = cloud()
+    data["position"] = np.stack([np.linspace(0.5, 1.5, 60), np.linspace(1.5, 0.5, 60)], axis=1)
+    for row, message in ((3, "row 3 "), (4, "")):
+        data["position"][row, 1] = -1.0
+        write_hdf5(tmp_path / "p.h5", data)
+        if message:
+            with pytest.raises(CaseError, match=f"{message}.* lies in 'other'"):
+                counted(two(points(tmp_path / "p.h5"), parts), 3)
+        else:
+            assert counted(two(points(tmp_path / "p.h5"), parts), 3) > 60
+        data["position"][row, 1] = 1.0
+
+
+@pytest.mark.parametrize("ranks", [1, 2, 5, 16])
+def test_particles_of_two_files_at_nearly_the_same_place_are_refused(tmp_path, ranks):
+    """Wherever the pair is, by the definition; and any number of ranks names the same one."""
+    rng = np.random.default_rng(8)
+    places = np.stack(np.meshgrid(*[np.arange(-1.9, 2.0, 0.2)] * 2), axis=-1).reshape(-1, 2)
+    places += rng.uniform(-0.05, 0.05, places.shape)
+    volume = np.full(len(places), 0.04)
+    write_hdf5(tmp_path / "one.h5", {"position": places[::2], "volume": volume[::2]})
+    model = two(points(tmp_path / "one.h5"), points(tmp_path / "two.h5"))
+    limit = 0.1 * 0.2  # of the particle's size, which is less than that of a box, 0.25
+    for _ in range(20):
+        there = places[1::2].copy()
+        rows, turn = rng.choice(len(there), 3, False), rng.uniform(0.0, 2.0 * np.pi, 3)
+        targets = rng.choice(len(places) // 2, 3, False)
+        way = np.stack([np.cos(turn), np.sin(turn)], axis=1)
+        there[rows] = places[::2][targets] + limit * np.array([[0.99], [0.3], [1.01]]) * way
+        write_hdf5(tmp_path / "two.h5", {"position": there, "volume": volume[1::2]})
+        number = min(targets[:2], key=lambda i: tuple(places[::2][i]))
+        with pytest.raises(
+            CaseError, match=r"bodies\.other\.region: two particles .* overlap"
+        ) as e:
+            counted(model, ranks)
+        assert f"row {number} (from 0) of {tmp_path / 'one.h5'}" in str(e.value)
+        there[rows[:2]] = places[1::2][rows[:2]]
+        write_hdf5(tmp_path / "two.h5", {"position": there, "volume": volume[1::2]})
+        assert counted(model, ranks) == len(places)
+
+
+def counted(model, ranks):
+    """Number of particles, as so many ranks count them."""
+    model = Case.model_validate(model)
+    share(model, Serial())
+    lattice = Lattice(model)
+    everything = [census_of(lattice, rank, ranks) for rank in range(ranks)]
+    gathered = SimpleNamespace(rank=0, size=ranks, allgather=lambda mine: everything)
+    return census(lattice, gathered).counts.sum()
+
+
+def census_of(lattice, rank, ranks):
+    """What a rank tells the others in a census."""
+    told = []
+
+    def allgather(mine):
+        told.append(mine)
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        census(lattice, SimpleNamespace(rank=rank, size=ranks, allgather=allgather))
+    return told[0]
 
 
 def test_wrong_datasets_are_refused(tmp_path):

@@ -11,7 +11,7 @@ from scenes import box, finish, scene, start, write_case
 from test_ranks import go_back
 
 import pgimp
-from pgimp.errors import UsageError
+from pgimp.errors import RunError, UsageError
 from pgimp.output.lines import LineFile
 from pgimp.parallel.comm import Serial
 from pgimp.solver.probes import nearest
@@ -279,3 +279,64 @@ def test_a_file_before_its_first_line_never_stops_a_resume(tmp_path, left):
     file = LineFile(path)
     file.resume(Serial(), -1)
     assert file.step == -1 and path.read_bytes() == b""
+
+
+def test_overwriting_takes_the_files_of_probes_that_a_resume_has_dropped(tmp_path):
+    case = scene(1, box([1.0], [5.0]), end=0.4, history={"every": {"steps": 10}})
+    case |= {"checkpoint": {"every": {"steps": 10}, "keep": 9}}
+    probes = {"a": {"place": [3.0]}, "b": {"place": [4.0]}, "c": {"place": [5.0]}}
+    result = run(tmp_path, case | {"probes": probes})
+    for _ in range(2):  # the second resume knows of c from what the first has kept
+        go_back(result.path, 0.5)
+        del probes[max(probes)]
+        assert list(run(tmp_path, case | {"probes": probes}, resume=True).probes) == list(probes)
+    assert result.info["probes"] == ["a", "b", "c"]
+    (result.path / "probes" / "mine.csv").write_text("time\n")
+    run(tmp_path, case, overwrite=True)
+    assert [path.name for path in (result.path / "probes").iterdir()] == ["mine.csv"]
+    assert result.info["probes"] == []
+
+
+def test_a_start_that_was_killed_knows_the_probes_of_the_run_before(tmp_path, monkeypatch):
+    """run.json says that a run starts before the old one's files go; it keeps their names."""
+
+    def killed(path, **_):
+        raise OSError("killed")
+
+    case = scene(1, box([1.0], [5.0]), end=0.1)
+    result = run(tmp_path, case | {"probes": {"a": {"place": [3.0]}}})
+    (result.path / "case.yaml").unlink()  # nothing but run.json knows of the probe
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "unlink", killed)
+        with pytest.raises(RunError, match="killed"):
+            run(tmp_path, case, overwrite=True)
+    assert result.state == "starting" and (result.path / "probes" / "a.csv").exists()
+    run(tmp_path, case, overwrite=True)
+    assert not (result.path / "probes" / "a.csv").exists()
+
+
+@pytest.mark.parametrize("way", ["overwrite", "resume"])
+def test_what_is_in_the_way_of_a_probe_is_found_before_anything_is_deleted(tmp_path, way):
+    case = scene(1, box([1.0], [5.0]), end=0.2)
+    result = run(tmp_path, case)
+    folder = result.path / "probes"
+    folder.write_text("mine")
+    before = contents(result.path)
+    for probes in ({"a": {"place": [3.0]}}, {}):
+        if probes:
+            with pytest.raises(UsageError, match=r"probes is in the way (.|\n)*move it away"):
+                run(tmp_path, case | {"probes": probes}, **{way: True})
+            assert contents(result.path) == before
+        else:  # nothing is to be written there
+            run(tmp_path, case | {"probes": probes}, **{way: True})
+            assert folder.read_text() == "mine"
+    folder.unlink()
+    folder.mkdir()
+    (folder / "a.csv").write_text("mine")
+    with pytest.raises(UsageError, match=r"a\.csv is in the way .* no earlier start has written"):
+        run(tmp_path, case | {"probes": {"a": {"place": [3.0]}}}, **{way: True})
+    assert (folder / "a.csv").read_text() == "mine"
+
+
+def contents(directory):
+    return {path: path.read_bytes() for path in directory.rglob("*") if path.is_file()}

@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -79,6 +80,47 @@ def test_files_that_are_no_runs_are_left_alone(tmp_path, name, overwrite):
         RunDirectory(tmp_path, Serial(), overwrite)
     assert [path.name for path in tmp_path.iterdir()] == [name]
     assert (tmp_path / name).read_text() == "mine"
+
+
+@pytest.mark.parametrize(
+    ("name", "is_folder"),
+    [
+        ("frames/grid-000004.h5", True),
+        ("checkpoints/.step-000000007.h5.part", True),
+        ("failure/particles.h5", True),
+        ("grid.xdmf", True),
+        ("history.csv", True),
+        (".failed", True),
+        ("frames", False),
+        ("checkpoints", False),
+    ],
+)
+def test_what_is_in_the_way_is_found_before_anything_is_deleted(tmp_path, name, is_folder):
+    path = tmp_path / "out"
+    make(path)
+    odd = path / name
+    if is_folder:
+        odd.unlink(missing_ok=True)
+        odd.mkdir()
+        (odd / "mine").write_text("mine")
+    else:
+        shutil.rmtree(odd)
+        odd.write_text("mine")
+    before = {file: file.read_bytes() for file in path.rglob("*") if file.is_file()}
+    with pytest.raises(
+        UsageError, match=rf"{re.escape(str(odd))} is in the way .*\n.*move it away"
+    ):
+        RunDirectory(path, Serial(), overwrite=True)
+    assert {file: file.read_bytes() for file in path.rglob("*") if file.is_file()} == before
+    shutil.move(odd, tmp_path / "moved")
+    directory = RunDirectory(path, Serial(), overwrite=True)
+    # What gets in the way while the simulation is set up is found as well.
+    (path / "log.txt").unlink()
+    (path / "log.txt").mkdir()
+    with pytest.raises(UsageError, match=r"log\.txt is in the way"):
+        directory.prepare({"case.yaml": b"new"}, START)
+    assert (path / "case.yaml").read_bytes() == b"resolved"
+    directory.release()
 
 
 def test_a_failure_is_noted_once(tmp_path):

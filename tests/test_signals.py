@@ -87,8 +87,9 @@ def wait_for_handler(process, number=signal.SIGUSR1):
     return time.monotonic() - began
 
 
-def test_ctrl_c_twice_in_the_first_moments_is_answered_in_one_line():
-    process = start([CONSOLE, "none.yaml"])
+def test_ctrl_c_twice_in_the_first_moments_is_answered_in_one_line(tmp_path):
+    (tmp_path / "slow.py").write_text("import time\ntime.sleep(20.0)\n")
+    process = start([CONSOLE, "--import", tmp_path / "slow.py", "none.yaml"])
     wait_for_handler(process)
     for _ in range(2):
         process.send_signal(signal.SIGINT)

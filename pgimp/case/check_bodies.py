@@ -91,16 +91,18 @@ def check_bounds(path: tuple[str | int, ...], region: Any, dimensions: int, grid
         least, most = grid.origin[i], grid.corner[i]
         slack = WHOLE * grid.cell[i]
         if low[i] < least - slack:
-            yield _beyond(path, f"{AXES[i]}-min", low[i], least)
+            yield _beyond(path, f"{AXES[i]}-min", low[i], least, region.at(i, low[i]))
         if high[i] > most + slack:
-            yield _beyond(path, f"{AXES[i]}-max", high[i], most)
+            yield _beyond(path, f"{AXES[i]}-max", high[i], most, region.at(i, high[i]))
 
 
-def _beyond(path: tuple[str | int, ...], face: str, reach: float, wall: float) -> Problem:
+def _beyond(
+    path: tuple[str | int, ...], face: str, reach: float, wall: float, what: str
+) -> Problem:
     return Problem(
         path,
-        f"reaches {abs(reach - wall):.6g} beyond the domain at {face}: to {reach:.15g}, "
-        f"where the domain ends at {wall:.15g}",
+        f"reaches {abs(reach - wall):.6g} beyond the domain at {face}: to {reach:.15g}"
+        f"{what and f' with {what}'}, where the domain ends at {wall:.15g}",
     )
 
 

@@ -15,7 +15,7 @@ from pgimp.errors import UsageError
 from pgimp.materials.registry import imported
 from pgimp.output import files
 from pgimp.output.collective import explain
-from pgimp.output.rundir import RUN
+from pgimp.output.ownfiles import RUN
 from pgimp.output.runinfo import installed
 from pgimp.output.stop import wall_time
 from pgimp.parallel.comm import Serial

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
 from pgimp.errors import UsageError
 from pgimp.output.fields import BY_RANKS, FIELDS
+from pgimp.output.gridreader import grid_differences, grid_frames
 from pgimp.output.pairs import Pair
+from pgimp.output.probefiles import PROBES
 from pgimp.output.reader import Frame, Run
+from pgimp.output.tolerance import Tolerance, tables, worst_of
 
 Array = np.ndarray
 
@@ -47,75 +49,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-class Tolerance(NamedTuple):
-    """How far numbers may lie apart; with both zero they must have the same bits.
-
-    Attributes
-    ----------
-    relative, absolute : float
-        The difference may be `relative` times the larger magnitude, plus `absolute`.
-    """
-
-    relative: float = 0.0
-    absolute: float = 0.0
-
-    def differ(self, first: Array, second: Array) -> Array:
-        """Tell which numbers differ; -0.0 and 0.0 have different bits, and equal NaNs are the same.
-
-        Parameters
-        ----------
-        first, second : ndarray
-            Of the same shape and type.
-
-        Returns
-        -------
-        ndarray of bool
-            Of that shape.
-        """
-        if first.dtype.kind != "f":
-            return first != second
-        bits = f"u{first.dtype.itemsize}"
-        unequal = np.ascontiguousarray(first).view(bits) != np.ascontiguousarray(second).view(bits)
-        if self.relative == self.absolute == 0.0 or not unequal.any():
-            return unequal
-        with np.errstate(invalid="ignore", over="ignore"):
-            allowed = self.absolute + self.relative * np.maximum(np.abs(first), np.abs(second))
-            near = (np.abs(first - second) <= allowed) & np.isfinite(first) & np.isfinite(second)
-        same = near | (first == second) | (np.isnan(first) & np.isnan(second))
-        return unequal & ~same
-
-
-class Worst(NamedTuple):
-    """The largest difference of a field.
-
-    Attributes
-    ----------
-    number : int
-        How many rows differ.
-    row, column : int
-        Where the difference is largest.
-    first, second : float
-        The two values there.
-    """
-
-    number: int
-    row: int
-    column: int
-    first: float
-    second: float
-
-    @property
-    def difference(self) -> float:
-        """Magnitude of the difference; infinite if only one of the values is a number."""
-        if math.isnan(self.first) or math.isnan(self.second):
-            return math.inf if math.isnan(self.first) != math.isnan(self.second) else 0.0
-        return abs(self.first - self.second) if self.first != self.second else 0.0
-
-    def __str__(self) -> str:
-        """Word the two values and their difference."""
-        return f"{self.first!r} and {self.second!r}, difference {self.difference:.3g}"
-
-
 def execute(args: argparse.Namespace) -> int:
     """Compare two run directories.
 
@@ -144,6 +77,8 @@ def execute(args: argparse.Namespace) -> int:
     for run in (first, second):
         if not run.frames:
             raise UsageError(f"{run.path} holds no frame yet, so there is nothing to compare.")
+    for note in only_in_one(first, second):
+        print(f"note: {note}")
     number = 0
     for number, line in enumerate(differences(first, second, tolerance), start=1):
         if number <= _MOST_LINES:
@@ -153,10 +88,14 @@ def execute(args: argparse.Namespace) -> int:
     if number:
         print(f"{args.first} and {args.second} differ")
         return 1
+    probes = len(first.probes.keys() & second.probes.keys())
+    grids = len(grid_frames(first.path)) if grid_frames(second.path) else 0
+    more = f", {probes} probe{'s' if probes > 1 else ''}" if probes else ""
+    more += f", {grids} frames of the grid" if grids else ""
     exactly = "bit for bit" if tolerance == Tolerance() else f"within {_words(tolerance)}"
     print(
         f"{args.first} and {args.second} are the same {exactly}: {len(first)} frames of "
-        f"{len(first.frame(-1))} particles, {len(first.history)} lines of history"
+        f"{len(first.frame(-1))} particles, {len(first.history)} lines of history{more}"
     )
     return 0
 
@@ -175,7 +114,8 @@ def differences(first: Run, second: Run, tolerance: Tolerance | None = None) -> 
     ------
     str
         A line about each difference: in the numbers of frames; in each common frame in the
-        particles that there are, and in the fields of those that both have; in the history.
+        particles that there are, and in the fields of those that both have; in the history; in the
+        probes and the frames of the grid, as far as both runs have them.
 
     Raises
     ------
@@ -186,10 +126,7 @@ def differences(first: Run, second: Run, tolerance: Tolerance | None = None) -> 
     frames: list[dict[int, Frame]] = [
         {frame.number: frame for frame in run.frames} for run in (first, second)
     ]
-    for run, mine, others in ((first, frames[0], frames[1]), (second, frames[1], frames[0])):
-        only = sorted(set(mine) - set(others))
-        if only:
-            yield f"{len(only)} of {len(mine)} frames are only in {run.path}: {_some(only)}"
+    yield from _missing("frames", (first, second), frames)
     told = False
     for number in sorted(set(frames[0]) & set(frames[1])):
         one, two = frames[0][number], frames[1][number]
@@ -201,7 +138,39 @@ def differences(first: Run, second: Run, tolerance: Tolerance | None = None) -> 
                 "compares them"
             )
         yield from _frame(one, two, tolerance)
-    yield from _history(first.history, second.history, tolerance)
+    yield from tables("history.csv", first.history, second.history, tolerance)
+    probes = first.probes, second.probes
+    for name in sorted(probes[0].keys() & probes[1].keys()):
+        yield from tables(f"{PROBES}/{name}.csv", probes[0][name], probes[1][name], tolerance)
+    grids = grid_frames(first.path), grid_frames(second.path)
+    if all(grids):
+        yield from _missing("frames of the grid", (first, second), grids)
+    for number in sorted(grids[0].keys() & grids[1].keys()):
+        yield from grid_differences(grids[0][number], grids[1][number], tolerance)
+
+
+def only_in_one(first: Run, second: Run) -> Iterator[str]:
+    """Yield what only one of two runs has and so is not compared: probes, frames of the grid.
+
+    Their particles may be the same all the same.
+    """
+    for one, other in ((first, second), (second, first)):
+        names = sorted(one.probes.keys() - other.probes.keys())
+        if names:
+            what = "probe" if len(names) == 1 else "probes"
+            yield f"only {one.path} has the {what} {', '.join(names)}"
+        if grid_frames(one.path) and not grid_frames(other.path):
+            yield f"only {one.path} has frames of the grid"
+
+
+def _missing(
+    what: str, runs: tuple[Run, Run], frames: Sequence[Mapping[int, object]]
+) -> Iterator[str]:
+    """Say which frames are in one run only."""
+    for run, mine, others in zip(runs, frames, frames[::-1], strict=True):
+        only = sorted(set(mine) - set(others))
+        if only:
+            yield f"{len(only)} of {len(mine)} {what} are only in {run.path}: {_some(only)}"
 
 
 def _some(numbers: Sequence[int] | Array) -> str:
@@ -243,7 +212,7 @@ def _precisions(first: Frame, second: Frame) -> tuple[str, str] | None:
 
 def _field(name: str, field: str, pair: Pair, tolerance: Tolerance) -> Iterator[str]:
     try:
-        worst = _worst(pair, field, tolerance)
+        worst = worst_of(pair.blocks(field), tolerance)
     except ValueError:
         yield f"{name}, {field}: of another shape or type"
         return
@@ -255,58 +224,6 @@ def _field(name: str, field: str, pair: Pair, tolerance: Tolerance) -> Iterator[
             f"{name}, {field}: {worst.number} of {len(pair)} particles differ, "
             f"worst is particle {pair.number(worst.row)}{component}: {worst}"
         )
-
-
-def _worst(pair: Pair, field: str, tolerance: Tolerance) -> Worst | None:
-    """Compare a field block by block; a ValueError says that the two are of different kinds."""
-    number, worst = 0, None
-    for start, one, two in pair.blocks(field):
-        if one.shape != two.shape or one.dtype.kind != two.dtype.kind:
-            raise ValueError(field)
-        if one.dtype != two.dtype:
-            if tolerance == Tolerance():
-                raise ValueError(field)
-            one, two = one.astype(float), two.astype(float)
-        one, two = one.reshape(len(one), -1), two.reshape(len(two), -1)
-        different = tolerance.differ(one, two)
-        rows, columns = np.nonzero(different)
-        number += len(np.unique(rows))
-        if len(rows):
-            distance = _distance(one[rows, columns], two[rows, columns])
-            at = int(np.argmax(distance))
-            row, column = int(rows[at]), int(columns[at])
-            found = Worst(0, start + row, column, one[row, column].item(), two[row, column].item())
-            if worst is None or found.difference > worst.difference:
-                worst = found
-    return worst._replace(number=number) if worst else None
-
-
-def _distance(first: Array, second: Array) -> Array:
-    with np.errstate(invalid="ignore", over="ignore"):
-        distance = np.abs(first.astype(float) - second.astype(float))
-    return np.where(np.isnan(first) != np.isnan(second), np.inf, np.nan_to_num(distance, nan=0.0))
-
-
-def _history(first: Array, second: Array, tolerance: Tolerance) -> Iterator[str]:
-    columns = [table.dtype.names or () for table in (first, second)]
-    if columns[0] != columns[1]:
-        odd = sorted(set(columns[0]) ^ set(columns[1]))
-        yield f"history.csv: other columns ({', '.join(odd) or 'in another order'})"
-    if len(first) != len(second):
-        yield f"history.csv: {len(first)} and {len(second)} lines"
-    lines = min(len(first), len(second))
-    for column in columns[0]:
-        if column not in columns[1]:
-            continue
-        one, two = first[column][:lines], second[column][:lines]
-        rows = np.flatnonzero(tolerance.differ(one, two))
-        if len(rows):
-            at = rows[np.argmax(_distance(one[rows], two[rows]))]
-            worst = Worst(len(rows), int(at), 0, one[at].item(), two[at].item())
-            yield (
-                f"history.csv, {column}: {worst.number} of {lines} lines differ, worst is line "
-                f"{worst.row + 2}: {worst}"
-            )
 
 
 def _words(tolerance: Tolerance) -> str:

@@ -205,7 +205,7 @@ def _run(
     from pgimp.output.resume import resume as take_up
     from pgimp.output.running import advance
 
-    directory = RunDirectory(output, comm, overwrite, resume)
+    directory = RunDirectory(output, comm, overwrite, resume, tuple(case.probes))
     try:
         log.say(f"pgimp {installed('pgimp') or '(not installed)'}: {case.title or output.stem}")
         began = perf_counter()

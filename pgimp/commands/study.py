@@ -16,8 +16,8 @@ from pgimp.errors import UsageError
 from pgimp.output import files
 from pgimp.output.collective import explain
 from pgimp.output.log import Log
+from pgimp.output.ownfiles import RUN
 from pgimp.output.progress import duration, terminal_columns
-from pgimp.output.rundir import RUN
 from pgimp.output.stop import Held
 from pgimp.parallel.comm import launcher
 from pgimp.study.measures import number

@@ -16,8 +16,8 @@ from pgimp.kernels.sums import fastest_rate
 from pgimp.output.collective import explain, on_root
 from pgimp.output.fields import ALWAYS, BY_RANKS, FAILURE, FIELDS, OPTIONAL, Source
 from pgimp.output.files import write as write_file
+from pgimp.output.ownfiles import FAILURE as FOLDER
 from pgimp.output.particlefile import ParticleFile
-from pgimp.output.rundir import FAILURE as FOLDER
 from pgimp.output.xdmf import Collection, particles
 from pgimp.solver.faults import Failure, explanation
 

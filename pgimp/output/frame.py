@@ -11,7 +11,7 @@ import numpy as np
 from pgimp.errors import PgimpError, RunError
 from pgimp.output.collective import explain
 from pgimp.output.hdf5 import open_file
-from pgimp.output.rundir import FRAME
+from pgimp.output.ownfiles import FRAME
 from pgimp.output.tables import data_frame
 
 if TYPE_CHECKING:
@@ -53,7 +53,7 @@ class Frame:
         self.path = path
         match = FRAME.fullmatch(path.name)
         self.number = int(match[1]) if match else 0
-        with _Reading(path) as file:
+        with Reading(path) as file:
             self.time = float(file.attrs["time"])
             self.step = int(file.attrs["step"])
             self.bodies = [str(name) for name in file.attrs["bodies"]]
@@ -125,7 +125,7 @@ class Frame:
         """
         if name not in self.fields:
             raise KeyError(f"{self.path.name} has no field {name}; it has {', '.join(self.fields)}")
-        with _Reading(self.path) as file:
+        with Reading(self.path) as file:
             return file[name][first:last]
 
     def to_pandas(self, *names: str) -> pandas.DataFrame:
@@ -153,13 +153,14 @@ class Frame:
         return data_frame({"id": self["id"]} | {name: self[name] for name in wanted}, index="id")
 
 
-class _Reading:
-    """A file open for reading, whose errors name it."""
+class Reading:
+    """A file open for reading, whose errors, each a RunError, name it."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
 
     def __enter__(self) -> Any:
+        """Open the file."""
         try:
             self._file = open_file(self.path, "r")
         except OSError as error:
@@ -167,6 +168,7 @@ class _Reading:
         return self._file
 
     def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+        """Close it."""
         self._file.close()
         if isinstance(error, OSError | KeyError):
             raise self._damage(error) from error

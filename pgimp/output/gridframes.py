@@ -15,8 +15,8 @@ from pgimp.output.datasets import Dataset, lay_out
 from pgimp.output.files import temporary
 from pgimp.output.framefile import FrameFile
 from pgimp.output.hdf5 import open_file
+from pgimp.output.ownfiles import GRID_FRAME
 from pgimp.output.particlefile import FORMAT_VERSION
-from pgimp.output.rundir import GRID_FRAME
 from pgimp.output.series import Entry, Series
 from pgimp.output.unfinished import Unfinished, removed_on_error, told
 from pgimp.output.xdmf import Collection, mesh

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 from pgimp.errors import CaseError
 
@@ -23,12 +24,35 @@ def probe_files(directory: Path) -> Iterator[Path]:
 
     The folder may hold others, which are not the run's.
     """
+    for name in _of_case(directory):
+        yield probe_file(directory, name)
+
+
+def probes_ever(directory: Path, run: dict[str, Any] | None) -> set[str]:
+    """Return the names of all probes that a run had, also those that its case has no more.
+
+    Parameters
+    ----------
+    directory : Path
+        The run directory.
+    run : dict or None
+        What its run.json says, whose starts each know the probes so far.
+    """
+    starts = run["starts"] if run else []
+    known = [start[PROBES] for start in starts if isinstance(start.get(PROBES), list)]
+    return {*_of_case(directory), *(name for names in known for name in _names(names))}
+
+
+def _of_case(directory: Path) -> Iterator[str]:
     from pgimp.case.document import parse
 
     data = None
     with suppress(OSError, UnicodeDecodeError, CaseError):
         data = parse((directory / "case.yaml").read_text(encoding="utf-8"), "case.yaml").data
     probes = data.get(PROBES) if isinstance(data, dict) else None
-    for name in probes if isinstance(probes, dict) else ():
-        if _NAME.fullmatch(str(name)):
-            yield probe_file(directory, str(name))
+    yield from _names(probes if isinstance(probes, dict) else ())
+
+
+def _names(found: Iterable[Any]) -> Iterator[str]:
+    """Yield what may name a probe: no more than that becomes the name of a file to delete."""
+    yield from (str(name) for name in found if _NAME.fullmatch(str(name)))

@@ -13,8 +13,8 @@ from pgimp.errors import RunError, UsageError
 from pgimp.output import history, runinfo
 from pgimp.output.collective import explain
 from pgimp.output.frame import Array, Frame
+from pgimp.output.ownfiles import FRAME, RUN
 from pgimp.output.probefiles import probe_files
-from pgimp.output.rundir import FRAME, RUN
 from pgimp.output.tables import Fields, Table
 
 if TYPE_CHECKING:

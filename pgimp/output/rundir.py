@@ -5,10 +5,9 @@ from __future__ import annotations
 import errno
 import fcntl
 import os
-import re
 import socket
 import time
-from collections.abc import Iterator
+from collections.abc import Collection
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -17,30 +16,24 @@ from pgimp.errors import RunError, UsageError
 from pgimp.output import runinfo
 from pgimp.output.collective import explain, on_root
 from pgimp.output.files import write
-from pgimp.output.probefiles import PROBES, probe_files
+from pgimp.output.ownfiles import (
+    FAILED,
+    FAILURE,
+    FOLDERS,
+    PART,
+    RUN,
+    TOP,
+    own_files,
+    probes_so_far,
+    require_room,
+)
+from pgimp.output.probefiles import PROBES
 
-RUN = "run.json"
-TOP = ("case.yaml", "input.yaml", "particles.xdmf", "grid.xdmf", "history.csv", "log.txt", RUN)
-FRAME = re.compile(r"particles-(\d{6,})\.h5")
-GRID_FRAME = re.compile(r"grid-(\d{6,})\.h5")
-FOLDERS = ("frames", "checkpoints")
 #: State of a run whose directory is not yet cleared of the one before.
 STARTING = "starting"
-FAILURE = "failure"
-# Of each folder, what a run writes there.
-_DATA = {
-    "checkpoints": re.compile(r"step-\d{9,}\.h5(\.damaged)?"),
-    "frames": re.compile(f"{FRAME.pattern}|{GRID_FRAME.pattern}"),
-    FAILURE: re.compile(r"particles\.h5|particles\.xdmf|report\.txt"),
-}
 # A name that can be no directory, whatever the disk is like.
 _NO_PLACE = (errno.ENOTDIR, errno.ENAMETOOLONG, errno.ELOOP)
 _LOCK = ".lock"
-_FAILED = ".failed"
-_PART = re.compile(
-    r"\.(case\.yaml|input\.yaml|run\.json|report\.txt|particles\.(xdmf|h5)|"
-    r"grid\.xdmf|(particles|grid|step)-\d+\.h5)\.part"
-)
 # Of ranks that fail together the lowest speaks on the terminal; so it does here.
 _HEAD_START_SECONDS = 0.01
 _LONGEST_HEAD_START_SECONDS = 0.2
@@ -59,6 +52,8 @@ class RunDirectory:
         Whether a run that is there may be replaced.
     resume : bool
         Whether a run that is there is to go on.
+    probes : collection of str
+        Names of the case's probes.
 
     Attributes
     ----------
@@ -70,16 +65,22 @@ class RunDirectory:
     ------
     UsageError
         On every rank, if the directory must not be used: it holds a run, or files of the same names
-        that are no run's, or is locked by another run.
+        that are no run's or are in the way, or is locked by another run.
     RunError
         On every rank, if it cannot be used: a full disk, no permission.
     """
 
     def __init__(
-        self, path: Path, comm: Any, overwrite: bool = False, resume: bool = False
+        self,
+        path: Path,
+        comm: Any,
+        overwrite: bool = False,
+        resume: bool = False,
+        probes: Collection[str] = (),
     ) -> None:
         self.path = path
         self.comm = comm
+        self._probes = probes
         self._lock = -1
         self._created = False
         self.before = on_root(comm, lambda: self._claim(overwrite, resume))
@@ -98,7 +99,9 @@ class RunDirectory:
             self._created = not self.path.exists()
             self.path.mkdir(parents=True, exist_ok=True)
             self._take_lock()
-            return self._examine(overwrite, resume)
+            before = self._examine(overwrite, resume)
+            require_room(self.path, resume, self._probes)
+            return before
         except OSError as error:
             self.release()
             raise self._refusal("use", error) from error
@@ -173,23 +176,28 @@ class RunDirectory:
 
         Raises
         ------
-        RunError
-            On every rank, if that is not possible.
+        UsageError, RunError
+            On every rank, if that is not possible; with the first, nothing is changed.
         """
         on_root(self.comm, lambda: self._prepare(texts, start, resume))
 
     def _prepare(self, texts: dict[str, bytes], start: dict[str, Any], resume: bool) -> None:
         try:
+            require_room(self.path, resume, self._probes)
+            start = start | {PROBES: sorted(self._probes)}
+            # Of probes that are dropped, nothing but run.json knows.
+            both = {PROBES: sorted({*self._probes, *probes_so_far(self.path)})}
             for name in FOLDERS:
                 (self.path / name).mkdir(exist_ok=True)
+            own = list(own_files(self.path))
             if resume:
-                runinfo.append(self.path / RUN, start)
+                runinfo.append(self.path / RUN, start | both)
             else:
                 # From here to the end of this the directory holds parts of two runs.
-                runinfo.write(self.path / RUN, start | {"state": STARTING})
-            for path in self._own_files():
-                past = path.name == _FAILED or path.parent.name == FAILURE
-                if not resume or past or _PART.fullmatch(path.name):
+                runinfo.write(self.path / RUN, start | both | {"state": STARTING})
+            for path in own:
+                past = path.name == FAILED or path.parent.name == FAILURE
+                if not resume or past or PART.fullmatch(path.name):
                     path.unlink(missing_ok=True)
             for name, text in texts.items():
                 write(self.path / name, text)
@@ -197,18 +205,6 @@ class RunDirectory:
                 runinfo.write(self.path / RUN, start)
         except OSError as error:
             raise self._refusal("write to", error) from error
-
-    def _own_files(self) -> Iterator[Path]:
-        """Yield the files of a run but run.json: without it the rest is taken for no run."""
-        for name, data in {**_DATA, "": _PART}.items():
-            folder = self.path / name
-            for entry in folder.iterdir() if folder.is_dir() else ():
-                if data.fullmatch(entry.name) or _PART.fullmatch(entry.name):
-                    yield entry
-        yield from probe_files(self.path)
-        for name in (_FAILED, *TOP):
-            if name != RUN:
-                yield self.path / name
 
     def _refusal(self, action: str, error: OSError) -> RunError | UsageError:
         message = f"cannot {action} the run directory {self.path}: {explain(error)}"
@@ -231,7 +227,7 @@ class RunDirectory:
         time.sleep(min(self.comm.rank * _HEAD_START_SECONDS, _LONGEST_HEAD_START_SECONDS))
         # On a disk that is full or gone the message on the terminal must do.
         with suppress(OSError):
-            os.close(os.open(self.path / _FAILED, os.O_CREAT | os.O_EXCL | os.O_WRONLY))
+            os.close(os.open(self.path / FAILED, os.O_CREAT | os.O_EXCL | os.O_WRONLY))
             self._update(state=state, steps=step, time=when, message=message)
             with open(self.path / "log.txt", "a", encoding="utf-8") as stream:
                 stream.write(f"{state} at step {step}, t = {when!r}: {message}\n")

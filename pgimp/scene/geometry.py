@@ -16,8 +16,12 @@ from pgimp.output.collective import on_root
 from pgimp.parallel.node import one_rank_first
 from pgimp.scene.meshtree import nothing, plant
 from pgimp.scene.regions import Mesh, Points
+from pgimp.scene.regions.base import Region
 from pgimp.scene.regions.points import NONE
 from pgimp.scene.scene import LEAST, MOST
+
+#: A body that is so many times as large as the grid was perhaps meant in another unit, by so much.
+_FAR_TOO_LARGE, _MILLI = 50.0, 0.001
 
 
 def _meshes(case: Case) -> Iterator[tuple[str, Mesh]]:
@@ -56,29 +60,66 @@ def share(case: Case, comm: Any) -> None:
         with one_rank_first(comm):
             discard_damaged(_warm_up)
     _read_points(case, comm)
-    problems = [
-        f"{dotted(problem.path)}: {problem.text}"
+    if problems := on_root(comm, lambda: _beyond(case) or _away(case)):
+        raise CaseError("\n".join(problems))
+
+
+def _from_files(case: Case) -> dict[str, Region]:
+    """Regions of the bodies that lie in files, by the bodies' names."""
+    return {
+        name: body.region
         for name, body in case.bodies.items()
         if any(region.FROM_FILE for region in body.region.simple())
-        for problem in check_bounds(
-            ("bodies", name, "region"), body.region, case.dimensions, case.grid
-        )
-    ]
-    if not problems:
-        for name, probe in case.probes.items():
-            body = getattr(probe, "body", None)
-            region = case.bodies[body].region if body else None
-            if region and any(part.FROM_FILE for part in region.simple()):
-                problems += [
-                    f"{dotted(problem.path)}: {problem.text}"
-                    for problem in check_near(("probes", name, "at"), probe, region, case.grid)
-                ]
-        if problems:
-            raise CaseError("\n".join(problems))
-    if problems and known:
-        problems.append("if lengths in the file have another unit: scale: 0.001 makes m of mm")
-    if problems:
-        raise CaseError("\n".join(problems))
+    }
+
+
+def _beyond(case: Case) -> list[str]:
+    """Say what of bodies in files lies beyond the domain, and whether another unit explains it."""
+    told = []
+    for name, region in _from_files(case).items():
+        path = ("bodies", name, "region")
+        problems = list(check_bounds(path, region, case.dimensions, case.grid))
+        told += [f"{dotted(problem.path)}: {problem.text}" for problem in problems]
+        hints = dict.fromkeys(_unit(case, part) for part in region.simple()) if problems else {}
+        told += [f"{dotted(path)}: {hint}" for hint in hints if hint]
+    return told
+
+
+def _unit(case: Case, region: Region) -> str:
+    """Say how a region would fit that is far too large for the domain; empty if it would not."""
+    if not isinstance(region, Mesh | Points):
+        return ""
+    low, high = (np.array(end) for end in region.bounds())
+    origin, corner = (np.array(end, float) for end in (case.grid.origin, case.grid.corner))
+    if not ((high - low) > _FAR_TOO_LARGE * (corner - origin)).any():
+        return ""
+    about = np.zeros(case.dimensions)  # of which it is scaled
+    if isinstance(region, Mesh) and region.translate is not None:
+        about += region.translate
+    low, high = about + _MILLI * (low - about), about + _MILLI * (high - about)
+    if not ((low >= origin) & (high <= corner)).all():
+        return ""
+    ask = f"are lengths in {region.file} in a smaller unit than the grid's, as mm for m?"
+    if isinstance(region, Mesh):
+        return f"{ask} scale: {_MILLI * region.scale:g} would make it fit"
+    return (
+        f"{ask} Times {_MILLI:g}, and volumes times {_MILLI**case.dimensions:g}, its particles "
+        "would fit"
+    )
+
+
+def _away(case: Case) -> list[str]:
+    """Say which probes are not in their bodies."""
+    told, regions = [], _from_files(case)
+    for name, probe in case.probes.items():
+        region = regions.get(getattr(probe, "body", None) or "")
+        if region is not None:
+            path = ("probes", name, "at")
+            told += [
+                f"{dotted(problem.path)}: {problem.text}"
+                for problem in check_near(path, probe, region, case.grid)
+            ]
+    return told
 
 
 def _warm_up() -> None:

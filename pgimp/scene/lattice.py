@@ -7,6 +7,7 @@ body's surface has of the body is found by `pgimp.scene.filling`.
 """
 
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
+from pgimp.scene.cloudmeetings import overlaps
 from pgimp.scene.filling import SLIVER, Filling
 from pgimp.scene.measure import TangledError
 from pgimp.scene.pointscloud import Cloud
@@ -65,18 +67,18 @@ class Lattice:
         self.names = list(case.bodies)
         self.per_cell = per_cell
         self.coordinates = []
-        edges = []
+        self.edges: list[NDArray[np.float64]] = []
         for d in range(case.dimensions):
             cells = round(grid.size[d] / grid.cell[d])
             points = np.arange(cells * per_cell[d] + 1)
-            edges.append(grid.origin[d] + points / per_cell[d] * grid.cell[d])
+            self.edges.append(grid.origin[d] + points / per_cell[d] * grid.cell[d])
             centres = (points[:-1] + 0.5) / per_cell[d] * grid.cell[d]
             self.coordinates.append(grid.origin[d] + centres)
         self.volume = float(np.prod(grid.cell)) / float(np.prod(per_cell))
         self.fillings: list[Filling | Cloud] = [
-            Cloud(body.region, edges)
+            Cloud(body.region, self.edges)
             if isinstance(body.region, Points)
-            else Filling(body.region, edges, self.coordinates, body.surface == "cut")
+            else Filling(body.region, self.edges, self.coordinates, body.surface == "cut")
             for body in case.bodies.values()
         ]
 
@@ -92,19 +94,25 @@ class Lattice:
             if isinstance(filling, Cloud):
                 counts[body] = filling.count(planes)
                 continue
-            try:
+            with self._named(body):
                 for survey in filling.slabs(planes):
                     begin, end = survey.ranges[0]
                     here = survey.exists.reshape(end - begin, -1).sum(axis=1)
                     counts[body, begin - planes[0] : end - planes[0]] = here
-            except TangledError as error:
-                raise CaseError(f"bodies.{self.names[body]}.region: {error}") from None
         return counts
+
+    @contextmanager
+    def _named(self, body: int) -> Iterator[None]:
+        """Give errors about a body's region its key."""
+        try:
+            yield
+        except (TangledError, CaseError) as error:
+            raise CaseError(f"bodies.{self.names[body]}.region: {error}") from None
 
     def close_pairs(self) -> Iterator[tuple[int, int, Ranges]]:
         """Pairs of bodies that may share a cell, with the part of the lattice where they may.
 
-        A body of a file's particles has no surface that another could be seen to cross.
+        Those of a file's particles are looked at by `pgimp.scene.cloudmeetings`.
         """
         for a, first in enumerate(self.fillings):
             for b in range(a + 1, len(self.fillings)):
@@ -137,7 +145,8 @@ class Lattice:
         shared : set of pairs of names
             Bodies with particles in the same cell.
         """
-        errors, shared = [], set()
+        size = [float(edges[1] - edges[0]) for edges in self.edges]
+        errors, shared = list(overlaps(self.names, self.fillings, size, planes)), set()
         step = self.per_cell[0]
         for a, b, box in self.close_pairs():
             names = (self.names[a], self.names[b])
@@ -150,7 +159,10 @@ class Lattice:
                 first, second = self.fillings[a], self.fillings[b]
                 assert isinstance(first, Filling)
                 assert isinstance(second, Filling)
-                both = [first.survey(part), second.survey(part)]
+                with self._named(a):
+                    both = [first.survey(part)]
+                with self._named(b):
+                    both.append(second.survey(part))
                 place = self._overlap(both, (first, second))
                 if place is not None:
                     message = (
@@ -268,8 +280,6 @@ def census(lattice: Lattice, comm: Any) -> Census:
     mine: Any
     try:
         mine = (lattice.count(share), *lattice.meetings(share))
-    except TangledError as error:
-        mine = f"bodies: a region {error}"
     except CaseError as error:
         mine = str(error)
     results = comm.allgather(mine)

@@ -41,11 +41,12 @@ class Cloud:
         if planes[0] >= planes[1]:
             return np.zeros(0, np.int64)
         total = np.zeros(len(self.edges[0]) - 1, np.int64)
-        for _, block in self.region.chosen(lambda x: self._between(x, planes)):
+        for _, block in self.region.chosen(lambda x: self.between(x, planes)):
             total += np.bincount(self._planes(block.position[:, 0]), minlength=len(total))
         return total[planes[0] : planes[1]]
 
-    def _between(self, x: Reals, planes: tuple[int, int]) -> Mask:
+    def between(self, x: Reals, planes: tuple[int, int]) -> Mask:
+        """Tell which coordinates are in a range of planes."""
         plane = self._planes(x)
         return (planes[0] <= plane) & (plane < planes[1])
 
@@ -53,4 +54,4 @@ class Cloud:
         self, planes: tuple[int, int], own: Callable[[Reals], Mask] | None
     ) -> Iterator[tuple[NDArray[np.int64], Block]]:
         """Yield rows and particles of a range of planes, or those with an x that is `own`."""
-        return self.region.chosen(own or (lambda x: self._between(x, planes)))
+        return self.region.chosen(own or (lambda x: self.between(x, planes)))

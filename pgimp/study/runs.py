@@ -21,7 +21,7 @@ from pgimp.errors import PgimpError
 from pgimp.kernels.outside import unchanged
 from pgimp.materials.registry import imported
 from pgimp.output import history, runinfo
-from pgimp.output.rundir import RUN
+from pgimp.output.ownfiles import RUN
 from pgimp.study.measures import Unmeasured, costs, measure
 from pgimp.study.plan import Planned
 from pgimp.study.schema import Study, measure_of

@@ -111,6 +111,10 @@ class Region(ABC):
     def bounds(self) -> Bounds:
         """Return the low and the high corner, shape (D,) each, of a box around the region."""
 
+    def at(self, axis: int, reach: float) -> str:
+        """Say what of it lies at a bound along an axis, for people; empty if that tells nothing."""
+        return ""
+
     def near(self, low: Sequence[float], high: Sequence[float]) -> Region | None:
         """Return a region that is the same within a box, without parts that do not reach it.
 

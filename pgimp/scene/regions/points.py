@@ -121,6 +121,22 @@ class Points(Model, Region):
                     ),
                 )
 
+    def line(self, row: int) -> str:
+        """Say where in the file a row stands; empty if it is there no more."""
+        for block in blocks(self.file, self.__dict__.get("dimensions_of_case", 3)):
+            if row < block.first + len(block.volume):
+                return block.place(row - block.first)
+        return ""
+
+    def at(self, axis: int, reach: float) -> str:
+        """See `Region.at`; the file is read once more."""
+        for block in blocks(self.file, self.__dict__.get("dimensions_of_case", 3)):
+            rows = np.flatnonzero(block.position[:, axis] == reach)
+            if len(rows):
+                x = ", ".join(f"{value:.6g}" for value in block.position[rows[0]])
+                return f"the particle at ({x}), {block.place(int(rows[0]))} of {self.file}"
+        return ""
+
     def bounds(self) -> Bounds:
         """See `Region.bounds`; of the particles' positions."""
         return self.summary.low, self.summary.high

@@ -1,0 +1,203 @@
+"""Where the particles of a file lie in another body, or on those of another file.
+
+Only what lies in the common box of two bodies is looked at; where there is none, nothing is read.
+What is refused is a mistake for sure, such as the same file twice: bodies in contact may reach into
+each other a little.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import combinations, product
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pgimp.scene.filling import Filling
+from pgimp.scene.pointscloud import Cloud
+from pgimp.scene.regions.base import Bounds
+
+Reals = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+#: How deep in another body a particle may lie, and how close to one of another file, over its size.
+_DEEP, _CLOSE = 0.25, 0.1
+
+#: Distances to parts of a region that are asked for at most, and at a time.
+_LOOKS, _BLOCK = 100_000_000, 1_000_000
+
+#: Of the golden ratio: numbers of cells become one that is another for almost any other cell.
+_MIX = np.int64(0x1E3779B97F4A7C15)
+
+
+class _Some(NamedTuple):
+    """Particles of a file: their rows, positions (n, D) and volumes."""
+
+    rows: Ints
+    x: Reals
+    volume: Reals
+
+
+def overlaps(
+    names: Sequence[str],
+    bodies: Sequence[Filling | Cloud],
+    box: Sequence[float],
+    planes: tuple[int, int],
+) -> Iterator[tuple[tuple[int, int], str]]:
+    """Yield for each pair of bodies, one of them from a file, the first overlap along x.
+
+    Parameters
+    ----------
+    names, bodies : sequence
+        All bodies.
+    box : sequence of float
+        Size of a box of the lattice by direction.
+    planes : (int, int)
+        Range of the lattice's planes that is searched; whatever it is, what is found in it is the
+        same.
+
+    Yields
+    ------
+    (int, int), str
+        The bodies' numbers and what is wrong, with the key.
+
+    Raises
+    ------
+    CaseError
+        If a file cannot be read any more.
+    """
+    for a, b in combinations(range(len(bodies)), 2):
+        first, second = bodies[a], bodies[b]
+        if isinstance(first, Filling) and isinstance(second, Filling):
+            continue
+        low, high = _common(first.region.bounds(), second.region.bounds())
+        if (low > high + min(box)).any() or planes[0] >= planes[1]:
+            continue
+        if isinstance(first, Cloud) and isinstance(second, Cloud):
+            found = _close(first, second, (low, high), planes, min(box))
+        elif isinstance(first, Cloud):
+            assert isinstance(second, Filling)
+            found = _inside(first, second, (low, high), planes, min(box), names[b])
+        else:
+            assert isinstance(second, Cloud)
+            found = _inside(second, first, (low, high), planes, min(box), names[a])
+        if found:
+            yield (
+                (a, b),
+                f"bodies.{names[b]}.region: {found}: bodies '{names[a]}' and '{names[b]}' "
+                "overlap; move or cut one of them, or leave such particles out of the file",
+            )
+
+
+def _common(first: Bounds, second: Bounds) -> tuple[Reals, Reals]:
+    """Corners of what two boxes have in common; low above high where they are apart."""
+    low, high = np.maximum(first[0], second[0]), np.minimum(first[1], second[1])
+    return low, high
+
+
+def _inside(
+    cloud: Cloud,
+    body: Filling,
+    box: tuple[Reals, Reals],
+    planes: tuple[int, int],
+    size: float,
+    name: str,
+) -> str:
+    """Name the first particle that lies in a body on the lattice, called `name`."""
+    here = _taken(cloud, box, planes, None)
+    # Of many particles and many parts some must do, the same ones on any ranks.
+    some = here.rows % (1 + cloud.region.summary.number * body.region.parts // _LOOKS) == 0
+    here = _Some(*(column[some] for column in here))
+    found = [np.zeros(0, np.int64)]
+    block = max(1, _BLOCK // body.region.parts)
+    for begin in range(0, len(here.x), block):
+        distance = body.region.distance(here.x[begin : begin + block])
+        found.append(begin + np.flatnonzero(distance < -_DEEP * size))
+    deep = np.concatenate(found)
+    if len(deep) == 0:
+        return ""
+    i = deep[_first(here.x[deep])]
+    where = cloud.region.line(int(here.rows[i]))
+    return f"the particle at {_place(here.x[i])} ({where} of {cloud.region.file}) lies in '{name}'"
+
+
+def _close(
+    first: Cloud, second: Cloud, box: tuple[Reals, Reals], planes: tuple[int, int], size: float
+) -> str:
+    """Name the first two particles of two files that are at nearly the same place.
+
+    Both are sorted into cells, of twice the distance that counts, on lattices that are shifted
+    against each other by half a cell in every combination of directions: two particles so close
+    are in one cell of one of them.
+    """
+    reach = _CLOSE * size
+    wide = (box[0] - reach, box[1] + reach)
+    one, other = (_taken(cloud, wide, planes, 4.0 * reach) for cloud in (first, second))
+    if len(one.x) == 0 or len(other.x) == 0:
+        return ""
+    x = np.concatenate([one.x, other.x])
+    # Files may be finer than the lattice.
+    limit = _CLOSE * np.concatenate([one.volume, other.volume]) ** (1.0 / x.shape[1])
+    limit = np.minimum(limit, reach)
+    found = []
+    origin = np.array([edges[0] for edges in first.edges])
+    for shift in product((0.0, 0.5), repeat=x.shape[1]):
+        # Cells by one number: where two have the same, the distance tells.
+        cell = np.zeros(len(x), np.int64)
+        for d, by in enumerate(shift):
+            along = np.floor((x[:, d] - origin[d]) / (2.0 * reach) + by).astype(np.int64)
+            cell = cell * _MIX + along
+        order = np.argsort(cell, kind="stable")  # the first body's before the second's
+        left, right = order[:-1], order[1:]
+        pair = (cell[left] == cell[right]) & (left < len(one.x)) & (right >= len(one.x))
+        left, right = left[pair], right[pair]
+        away = np.sqrt(np.square(x[left] - x[right]).sum(axis=1))
+        close = away < np.minimum(limit[left], limit[right])
+        close &= first.between(x[left, 0], planes)
+        if close.any():
+            left, right = left[close], right[close]
+            k = _first(x[left])
+            found.append((left[k], right[k]))
+    if not found:
+        return ""
+    i, j = found[_first(x[[pair[0] for pair in found]])]
+    pair_of = [
+        f"{cloud.region.line(int(row))} of {cloud.region.file}, at {_place(at)}"
+        for cloud, row, at in (
+            (first, one.rows[i], x[i]),
+            (second, other.rows[j - len(one.x)], x[j]),
+        )
+    ]
+    return f"two particles are at nearly the same place ({'; '.join(pair_of)})"
+
+
+def _taken(
+    cloud: Cloud, box: tuple[Reals, Reals], planes: tuple[int, int], beyond: float | None
+) -> _Some:
+    """Particles in a box and in a range of planes, or up to a distance beyond these along x."""
+    edges = cloud.edges[0]
+
+    def wanted(x: Reals) -> NDArray[np.bool_]:
+        inside = (box[0][0] <= x) & (x <= box[1][0])
+        if beyond is None:
+            return inside & cloud.between(x, planes)
+        return inside & (edges[planes[0]] - beyond <= x) & (x <= edges[planes[1]] + beyond)
+
+    parts = [_Some(np.zeros(0, np.int64), np.zeros((0, len(cloud.edges))), np.zeros(0))]
+    for rows, block in cloud.region.chosen(wanted):
+        keep = ((box[0] <= block.position) & (block.position <= box[1])).all(axis=1)
+        parts.append(_Some(rows[keep], block.position[keep], block.volume[keep]))
+    return _Some(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+
+
+def _first(x: Reals) -> int:
+    """Row of the point that comes first by x, then y, then z; of equal ones the first row."""
+    rows = np.arange(len(x))
+    for along in x.T:
+        rows = rows[along[rows] == along[rows].min()]
+    return int(rows[0])
+
+
+def _place(x: Reals) -> str:
+    return "(" + ", ".join(f"{value:.6g}" for value in x) + ")"
