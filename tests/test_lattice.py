@@ -11,7 +11,8 @@ from pgimp.errors import CaseError
 from pgimp.parallel.comm import Serial
 from pgimp.scene import filling, measure
 from pgimp.scene import lattice as lattice_module
-from pgimp.scene.lattice import Lattice, census
+from pgimp.scene.census import census
+from pgimp.scene.lattice import Lattice
 from pgimp.scene.scene import Scene, count_particles
 
 

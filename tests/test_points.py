@@ -13,8 +13,9 @@ from pgimp.cli import main
 from pgimp.errors import CaseError
 from pgimp.parallel.comm import Serial
 from pgimp.scene import cloudmeetings
+from pgimp.scene.census import census
 from pgimp.scene.geometry import share
-from pgimp.scene.lattice import Lattice, census
+from pgimp.scene.lattice import Lattice
 
 
 def cloud(n=60, dimension=2):

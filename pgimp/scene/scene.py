@@ -13,7 +13,8 @@ from pgimp.kernels.errors import initial_velocities
 from pgimp.kernels.mirror import Mirror
 from pgimp.kernels.order import cell_numbers
 from pgimp.materials.outside import parameters_of
-from pgimp.scene.lattice import Lattice, census
+from pgimp.scene.census import census
+from pgimp.scene.lattice import Lattice
 from pgimp.scene.loads import SceneLoads
 from pgimp.scene.pointscloud import Cloud
 from pgimp.scene.tables import VectorTable

@@ -180,15 +180,11 @@ class Simulation:
             scene.loads.settle(self.population, comm)
         self.faces = scene.face_parameters(0.0, 0.0)
         self.diagnostic_sums = Diagnostics()
-        rates = comm.allgather(self._fastest())
-        self.rate = max(rates)
-
-    def _fastest(self) -> float:
-        scene, population = self.scene, self.population
-        return fastest_rate(
-            scene.frame, self.identity, scene.materials, population.particles,
-            population.order, scene.material_of,
+        fastest = fastest_rate(
+            scene.frame, self.identity, scene.materials, self.particles, self.population.order,
+            scene.material_of,
         )  # fmt: skip
+        self.rate = max(comm.allgather(fastest))
 
     @property
     def time(self) -> float:

@@ -1,0 +1,65 @@
+"""The count of all particles before any is made, each rank a share, and what bodies share."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from pgimp.errors import CaseError
+from pgimp.scene.lattice import Lattice
+
+
+class Census(NamedTuple):
+    """What all ranks know about the particles before any exists.
+
+    `counts` holds the particles of each body in each plane, (bodies, planes); `notes` says which
+    bodies share cells.
+    """
+
+    counts: np.ndarray
+    notes: list[str]
+
+
+def census(lattice: Lattice, comm: Any) -> Census:
+    """Count all particles, each rank a share of the planes, and check what bodies contain.
+
+    Raises
+    ------
+    CaseError
+        The same on every rank: a point in two bodies, a body without a particle, too many
+        surfaces in one place.
+    """
+    step = lattice.per_cell[0]
+    columns = lattice.planes // step
+    share = (
+        comm.rank * columns // comm.size * step,
+        (comm.rank + 1) * columns // comm.size * step,
+    )
+    mine: Any
+    try:
+        mine = (lattice.count(share), *lattice.meetings(share))
+    except CaseError as error:
+        mine = str(error)
+    results = comm.allgather(mine)
+    if failure := next((result for result in results if isinstance(result, str)), None):
+        raise CaseError(failure)
+    counts = np.concatenate([result[0] for result in results], axis=1)
+    overlaps = [overlap for result in results for overlap in result[1]]
+    overlaps.sort(key=lambda overlap: overlap[0])  # of a pair the first point along x stays first
+    problems = [message for _, message in overlaps[:1]]
+    for body, name in enumerate(lattice.names):
+        if counts[body].sum() == 0:
+            problems.append(
+                f"bodies.{name}.region: holds no particle: no point of the lattice of "
+                f"{' x '.join(str(n) for n in lattice.per_cell)} particles a cell lies inside; "
+                "use a larger region, smaller cells (grid.cell), more particles per cell or "
+                "surface: cut"
+            )
+    if problems:
+        raise CaseError("\n".join(problems))
+    pairs = sorted(set().union(*(result[2] for result in results)))
+    notes = [
+        f"bodies '{a}' and '{b}' have particles in the same cell: they start in contact, as one"
+        for a, b in pairs
+    ]
+    notes += [note for filling in lattice.fillings for note in filling.region.notes()]
+    return Census(counts, notes)
