@@ -73,6 +73,7 @@ def memory(case):
         sim.advance(agree=False)
         if step > WARM and (step + 1) % RESORT:  # a re-sort is no part of a step
             most = max(most, tracemalloc.get_traced_memory()[1] - before)
+    sim.agree()
     after.append(used())
     messages = sim.halo.messages + sim.migration.messages
     moved = sim.migration.bytes - 8 * sim.migration.messages

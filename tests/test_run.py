@@ -14,7 +14,7 @@ from conftest import clean_env
 from particle_source import small_disk
 
 import pgimp
-from pgimp.errors import UsageError
+from pgimp.errors import RunError, UsageError
 from pgimp.output.fields import OPTIONAL
 
 CASE = """\
@@ -124,6 +124,28 @@ def test_frames_hold_the_state_of_the_simulation(done):
     np.testing.assert_array_equal(last["position"][:, :2], sim.particles.x[order])
     np.testing.assert_array_equal(last["stress"][:, :4], sim.particles.sigma[order])
     np.testing.assert_array_equal(last["volume"], sim.particles.V[order])
+
+
+def test_the_frame_before_steps_become_too_short_is_kept(tmp_path, monkeypatch):
+    """Also where it was still on its way to the disk, as that of the start is here."""
+    from pgimp.solver.simulation import Simulation
+
+    advance = Simulation.advance
+
+    def disturbed(sim, agree=True):
+        sim.rate = 1e300
+        advance(sim, agree)
+
+    monkeypatch.setattr(Simulation, "advance", disturbed)
+    (tmp_path / "blocks.yaml").write_text(CASE)
+    with pytest.raises(RunError, match=r"blown up\n.*\n.*holds 1 frame, to t = 0"):
+        pgimp.run(
+            tmp_path / "blocks.yaml", output=tmp_path / "out", quiet=True,
+            overrides=["time.step={courant: 0.3}"],
+        )  # fmt: skip
+    run = pgimp.open(tmp_path / "out")
+    assert (run.state, run.info["steps"], list(run.times)) == ("failed", 0, [0.0])
+    assert not list((tmp_path / "out").rglob("*.part"))
 
 
 @pytest.mark.parametrize("ranks", [2, 3])

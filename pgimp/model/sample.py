@@ -92,6 +92,7 @@ class Sample:
         try:
             for _ in range(steps):
                 if self.sim.finished:
+                    self.sim.agree()
                     return False
                 self.sim.advance(agree=False)
             self.sim.agree()

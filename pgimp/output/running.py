@@ -15,6 +15,7 @@ from pgimp.output.recorder import Recorder
 from pgimp.output.rundir import RunDirectory
 from pgimp.output.stop import Stop
 from pgimp.parallel.comm import describe
+from pgimp.solver.clock import EndlessError
 from pgimp.solver.simulation import CHECKPOINT, NOTHING, PENDING, STOP, Simulation
 
 #: Part of the mass past a wall that is worth a note.
@@ -77,7 +78,7 @@ def advance(
             recorder.end()
             ended = True
     except BaseException as error:
-        if sim.failure:
+        if sim.failure or isinstance(error, EndlessError):
             recorder.salvage()
         state = "stopped" if isinstance(error, KeyboardInterrupt) else "failed"
         directory.record_failure(state, sim.step, sim.time, describe(error))

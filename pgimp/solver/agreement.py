@@ -5,15 +5,24 @@ of the grid are complete. So a rank need not wait at a step's end for those that
 than it has to do meanwhile. What is due between two steps completes it first.
 """
 
+import weakref
 from typing import Any
 
 import numpy as np
 
 
+def _complete(requests: list[Any]) -> None:
+    """Wait for what has been begun: MPI writes to its arrays until then."""
+    while requests:
+        requests.pop().Wait()
+
+
 class Agreement:
     """The reduction of a step; on one rank what is agreed on is what that rank says.
 
-    The same calls on all ranks in the same places of their steps, so that all know the same.
+    The same calls on all ranks in the same places of their steps, so that all know the same. What
+    is begun when it is dropped, or at the process's end, is waited for: all ranks have begun it
+    or will, before they need anything else.
 
     Parameters
     ----------
@@ -39,7 +48,8 @@ class Agreement:
         self.reach = np.zeros((2, 2), np.int64)
         self._comm = comm
         self._mine, self._every = np.zeros((2, 7))
-        self._request: Any = None
+        self._begun: list[Any] = []
+        self.close = weakref.finalize(self, _complete, self._begun)
         self.open = False
         if comm.size > 1:
             from mpi4py import MPI
@@ -56,14 +66,13 @@ class Agreement:
         mine[0], mine[5], mine[6] = rate, wish, asks
         np.negative(reach[0], out=mine[1:3])
         mine[3:5] = reach[1]
-        self._request = self._comm.Iallreduce(mine, self._every, self._greatest)
+        self._begun.append(self._comm.Iallreduce(mine, self._every, self._greatest))
 
     def end(self) -> bool:
         """Wait until all have said it; whether there was anything to wait for."""
         was_open, self.open = self.open, False
-        if self._request is not None:
-            self._request.Wait()
-            self._request = None
+        if self._begun:
+            _complete(self._begun)
             every = self._every
             self.rate, self.wish, self.asks = float(every[0]), int(every[5]), bool(every[6])
             np.negative(every[1:3], out=self.reach[0], casting="unsafe")

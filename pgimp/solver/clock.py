@@ -8,6 +8,10 @@ from pgimp.errors import RunError
 from pgimp.solver.stability import MOST_STEPS
 
 
+class EndlessError(RunError):
+    """Steps have become so short that the run would never end; on every rank together."""
+
+
 class FixedClock:
     """Steps of one length: t = n * step, never a running sum.
 
@@ -81,13 +85,13 @@ class CourantClock:
 
         Raises
         ------
-        RunError
+        EndlessError
             If the steps have become so short that the run would never end.
         """
         stop = self._stops[bisect_right(self._stops, self.time)]
         left = stop - self.time
         if not left * rate < self._courant * MOST_STEPS:
-            raise RunError(
+            raise EndlessError(
                 f"after step {self.step}, at time {self.time:.6g}, waves or particles have become "
                 f"so fast, {rate:.3g} cells in a unit of time, that the end would take more than "
                 f"{MOST_STEPS:.0e} steps: the solution has blown up\n"

@@ -104,9 +104,11 @@ def count_here(quick, ranks):
                 sim = create(block((along, *across)), some, random=True)
                 for _ in range(BEFORE):
                     sim.advance(agree=False)
+                sim.agree()
                 before = sent()
                 for _ in range(COUNTED):
                     sim.advance(agree=False)
+                sim.agree()
                 every = some.gather([*((sent() - before) / COUNTED), sim.local_count])
                 if world.rank == 0:
                     messages, volume, reductions, _, particles = zip(*every, strict=True)
