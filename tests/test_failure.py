@@ -144,7 +144,7 @@ def test_what_others_learn_a_step_late_is_told_alike(tmp_path, mpirun, python):
     assert left[0][1] == left[1][1] and left[2][1]["report"] == left[3][1]["report"]
 
 
-def test_what_is_at_infinity_is_drawn_where_it_was(tmp_path):
+def test_what_is_at_infinity_is_drawn_where_it_was(tmp_path, pvpython):
     """ParaView shows the bundle; positions, sizes and the numbers that colour it are there."""
 
     def fling(sim):
@@ -165,7 +165,7 @@ def test_what_is_at_infinity_is_drawn_where_it_was(tmp_path):
         assert np.abs(place[:2] - before[int(number)]).max() < (0.6 if fault else 0.01)
     assert set(found["id"][found["fault"] > 0]) == set(sim.particles.id[rows])
     assert "none.csv:\n(cannot be read" in (folder / "report.txt").read_text()
-    shown = probe(folder / "particles.xdmf", 0)
+    shown = probe(pvpython, folder / "particles.xdmf", 0)
     for reader in READERS:
         (only,) = shown[reader]["shown"]
         assert only["cells"] == len(found["id"])

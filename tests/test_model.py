@@ -89,16 +89,16 @@ def test_messages_hide_behind_inner_layers():
 
 def test_between_nodes_the_network_counts():
     costs = Costs(0.0, ((1.0, 1e-7),), 0.0, 0.0, FREE)
-    near = predict(even(64, 1000), costs, Network(1.0, 1e9, 8), 8)
-    far = predict(even(64, 1000), costs, Network(1.0, 1e9, 4), 8)
+    near = predict(even(64, 2000), costs, Network(1.0, 1e9, 8), 8)
+    far = predict(even(64, 2000), costs, Network(1.0, 1e9, 4), 8)
     assert near.calls == near.reduction == 0.0
     # Particles' message hides behind all work but that on the outer layers, one each.
-    assert far.calls == pytest.approx(1.0 - 8e3 * 1e-7 * 6 / 8)
+    assert far.calls == pytest.approx(1.0 - 16e3 * 1e-7 * 6 / 8)
     assert far.reduction == pytest.approx(1.0)
     assert far.planes == pytest.approx(1.0 + (2 + 3) * 6400 / 1e9)
     # Of short latencies nothing is left where there is work enough, half of it in P2G.
     halves = costs._replace(interior=0.5)
-    soon = predict(even(64, 1000), halves, Network(100 * US, 1e12, 4), 8)
+    soon = predict(even(64, 2000), halves, Network(100 * US, 1e12, 4), 8)
     assert soon.calls == soon.planes == soon.reduction == 0.0
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from pgimp.model.costs import Costs, Network
 from pgimp.model.layout import Layout
-from pgimp.parallel.halo import PIECE
+from pgimp.parallel.halo import PIECE, PIECES
 
 #: Efficiency down to which more ranks pay off.
 EFFICIENT = 0.7
@@ -127,16 +127,16 @@ def predict(layout: Layout, costs: Costs, network: Network, ranks: int) -> Step:
     neighbours[1:] += 1.0
     neighbours[:-1] += 1.0
 
-    def behind(layers: int, part: float) -> np.ndarray:
-        """Seconds of work on layers that are not among those outer ones, as far as it is split."""
+    def behind(layers: int, part: float, least: int) -> np.ndarray:
+        """Seconds of work on all but so many outer layers; 0 with fewer particles than `least`."""
         inside = np.maximum(0.0, 1.0 - neighbours * layers / (end - first))
-        return np.where(inside * n < PIECE, 0.0, part * work * inside)
+        return np.where(inside * n < least, 0.0, part * work * inside)
 
     wire += late
-    wire -= np.minimum(wire, behind(s - 1, costs.interior))
+    wire -= np.minimum(wire, behind(s - 1, costs.interior, PIECE))
     exchange = neighbours * pairs * costs.vertex * plane + wire
     calls = neighbours * messages.neighbour + leaves * layout.crossing * messages.migrant
-    calls += late - np.minimum(late, behind(1, 1.0 - costs.interior))
+    calls += late - np.minimum(late, behind(1, 1.0 - costs.interior, PIECES * PIECE))
 
     slowest = int((work + exchange + calls).argmax())
     reduction = 0.0

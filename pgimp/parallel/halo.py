@@ -114,7 +114,9 @@ class Halo:
         return parts
 
     def halves(self, start: np.ndarray) -> tuple[np.ndarray, ...]:
-        """Layers from which particles may leave the slab, then the others; or all at once.
+        """Layers from which particles may leave the slab, then the others; all, if these are few.
+
+        To advance them apart lets ranks be out of step by what the others take, but costs a call.
 
         Parameters
         ----------
@@ -125,7 +127,7 @@ class Halo:
         if not self.overlap or not others:
             return self._halves[0]
         inner = start[-1] - sum(start[i + 1] - start[i] for i in ends)
-        return self._halves[-1 if inner >= self.piece else 0]
+        return self._halves[-1 if inner >= PIECES * self.piece else 0]
 
     def proceed(self, grid: Grid, marked: bool = False) -> None:
         """Send what neighbours wait for, at the first call in a step; then see to the messages.
