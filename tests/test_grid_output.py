@@ -236,7 +236,7 @@ def test_a_whole_frame_is_kept_when_the_next_one_or_a_line_fails(tmp_path, monke
         for _ in range(2):
             sim.wish = PENDING  # as if the disk were slow
             sim.advance()
-            recorder.step(now=False)
+            recorder.step()
     recorder.close()
     directory.release()
     kept = {"grid-000000.h5", "particles-000000.h5"}

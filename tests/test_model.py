@@ -276,3 +276,10 @@ def test_check_recommends_a_number_of_ranks(tmp_path, capsys):
     # Twelve cells and two rows of ghost vertices to either side.
     assert re.search(r"^ +8 .*slabs stop here", table, re.MULTILINE)
     assert "messages on a node" in text and "assumed" in text
+
+
+def test_all_cores_at_once_are_slower_than_one():
+    costs = Costs(50 * US, ((1.0, 1e-7),), 0.0, 0.0, FREE, busy=1.25)
+    one, two = (predict(even(64, 1000), costs, NETWORK, ranks) for ranks in (1, 2))
+    assert one.seconds == pytest.approx(50 * US + 64e3 * 1e-7)
+    assert two.seconds == pytest.approx(50 * US + 1.25 * 32e3 * 1e-7)

@@ -68,6 +68,9 @@ class Costs(NamedTuple):
         Part of the cost of particles and their vertices that messages can hide behind.
     messages : Messages
         Between ranks of a node.
+    busy : float
+        Factor of all work where the other cores of a node work too: what they share, and waiting
+        for those that are slower for a while. 1 where that is not measured.
     """
 
     fixed: float
@@ -75,6 +78,7 @@ class Costs(NamedTuple):
     vertex: float
     interior: float = 0.0
     messages: Messages = Messages()
+    busy: float = 1.0
 
     def particle(self, count: ArrayLike) -> NDArray[np.float64]:
         """Seconds of a particle-step on a rank with `count` particles: caches hold few or many."""

@@ -78,6 +78,14 @@ def messages_of(pair: Sample, costs: Costs, comm: Any) -> Messages:
     return free._replace(neighbour=comm.bcast(max(neighbour, 0.0)))
 
 
+def busy_of(crowd: Sample, costs: Costs, comm: Any) -> float:
+    """Factor of work on all ranks at once, from a large sample on all of them; collective."""
+    step = predict(layout_now(crowd.sim), costs, Network(), comm.size)
+    work = step.mean + step.excess
+    measured = crowd.seconds() + crowd.seconds("sort")
+    return float(comm.bcast(max(1.0, 1.0 + (measured - step.seconds) / work)))
+
+
 def _timed(comm: Any, act: Callable[[], object]) -> float:
     """Seconds of something that all ranks do, the median; the same on every rank."""
     seconds = []

@@ -108,6 +108,8 @@ def predict(layout: Layout, costs: Costs, network: Network, ranks: int) -> Step:
     planes = np.concatenate([[0], np.cumsum(touched)])
     vertices = (planes[end + s - 1] - planes[first]) * float(plane)
     work = costs.particle(n) * n + costs.vertex * vertices
+    if ranks > 1:
+        work *= costs.busy
 
     # Of each boundary between slabs: running sums go up, partial sums down.
     pairs = s * (s - 1) // 2

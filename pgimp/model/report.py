@@ -136,7 +136,8 @@ def on_node(costs: Costs) -> str:
     how = "measured" if m.measured else "assumed; `mpirun -n 2 pgimp bench --model` measures"
     return (
         f"messages on a node: {seconds_text(m.neighbour)} a step and neighbour, "
-        f"{m.bandwidth / 1e9:.3g} GB/s, reduction {seconds_text(m.reduction)} ({how})"
+        f"{m.bandwidth / 1e9:.3g} GB/s, reduction {seconds_text(m.reduction)}; work takes "
+        f"{costs.busy:.2f} times as long on all ranks at once ({how})"
     )
 
 

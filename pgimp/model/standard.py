@@ -59,14 +59,17 @@ def model_block(
     def block(n: int, on: Any) -> Simulation:
         return kind(Case.model_validate(block_case(n, _STEPS)), on)
 
+    sizes = _SAMPLES[:2] if max(cells, edge) <= _SAMPLES[1] else _SAMPLES
+
     def samples() -> Iterator[Sample]:
-        for n in _SAMPLES[:2] if max(cells, edge) <= _SAMPLES[1] else _SAMPLES:
+        for n in sizes:
             yield Sample(lambda n=n: block(n, Serial()), Serial())  # type: ignore[misc]
 
     costs, compared = compare(
         comm,
         samples,
-        lambda on: block(_SAMPLES[0], on),
+        lambda on: block(sizes[0], on),
+        lambda on: block(sizes[-1], on),
         {"block": lambda on: block(cells, on)},
         network,
         0.0,

@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from pgimp.model.costs import Costs, Network
 from pgimp.model.layout import layout_now
-from pgimp.model.measure import costs_of, messages_of, take_turns
+from pgimp.model.measure import busy_of, costs_of, messages_of, take_turns
 from pgimp.model.predict import predict
 from pgimp.model.sample import Sample
 from pgimp.parallel.comm import Serial
@@ -35,6 +33,7 @@ def compare(
     comm: Any,
     samples: Callable[[], Iterable[Sample]],
     small: Callable[[Any], Simulation],
+    large: Callable[[Any], Simulation],
     targets: dict[str, Callable[[Any], Simulation]],
     network: Network,
     seconds: float,
@@ -48,17 +47,20 @@ def compare(
     Parameters
     ----------
     samples : callable
-        Makes the samples of one rank, ascending by size.
-    small, targets : callable
+        Makes the samples of one rank, ascending by size; they run while the others wait.
+    small, large, targets : callable
         Make a simulation on a communicator: a small one, of which messages take most of the time,
-        and those to compare.
+        a large one, of which work takes most, and those to compare.
     seconds, fewest : float, int
         See `take_turns`.
     whole : bool
         Whether the whole of the targets is timed, see `Sample`.
     """
-    alone = list(samples())
+    mine = list(samples()) if comm.rank == 0 else []
+    number = comm.bcast(len(mine))
+    alone: list[Sample | None] = [*mine] if mine else [None] * number
     pair = Sample(lambda: small(comm), comm) if comm.size > 1 else None
+    crowd = Sample(lambda: large(comm), comm) if comm.size > 1 else None
     compared: list[tuple[str, int, Sample | None]] = []
     for name, make in targets.items():
         one = Sample(lambda make=make: make(Serial()), Serial(), whole) if comm.rank == 0 else None  # type: ignore[misc]
@@ -66,13 +68,14 @@ def compare(
         if comm.size > 1:
             many = Sample(lambda make=make: make(comm), comm, whole)  # type: ignore[misc]
             compared.append((name, comm.size, many))
-    turns = [*alone, *([pair] if pair else []), *(sample for _, _, sample in compared)]
+    turns = [*alone, pair, crowd, *(sample for _, _, sample in compared)]
     take_turns(turns, comm, seconds, fewest)
     while whole and not all(comm.allgather(_finished(compared))):
         take_turns(turns, comm, 0.0, fewest)
-    costs = _mean(comm.allgather(costs_of(alone)))
-    if pair:
+    costs = comm.bcast(costs_of(mine) if mine else None)
+    if pair and crowd:
         costs = costs._replace(messages=messages_of(pair, costs, comm))
+        costs = costs._replace(busy=busy_of(crowd, costs, comm))
     found = []
     for name, ranks, sample in compared:
         if sample is None:
@@ -87,17 +90,3 @@ def compare(
 def _finished(compared: list[tuple[str, int, Sample | None]]) -> bool:
     """Whether all simulations of this rank are at their ends."""
     return all(sample.sim.finished for _, _, sample in compared if sample)
-
-
-def _mean(costs: list[Costs]) -> Costs:
-    """Costs of all ranks, which may share what a node has, as one."""
-    particles = np.mean([one.particles for one in costs], axis=0)
-    fixed, vertex, interior = np.mean(
-        [(one.fixed, one.vertex, one.interior) for one in costs], axis=0
-    )
-    return Costs(
-        float(fixed),
-        tuple((float(n), float(seconds)) for n, seconds in particles),
-        float(vertex),
-        float(interior),
-    )

@@ -69,7 +69,14 @@ def verify(name: str, seconds: float, cpu_time: bool) -> None:
         def samples():
             return [Sample(lambda n=n: block(n, Serial()), Serial()) for n in (3, 9, 28)]
 
-        small, target = lambda on: block(3, on), lambda on: block(what, on)
+        def small(on):
+            return block(3, on)
+
+        def large(on):
+            return block(28, on)
+
+        def target(on):
+            return block(what, on)
     else:
         case = load(ROOT / f"cases/{kind}.yaml", what)
         count = Simulation(case, Serial()).count
@@ -80,13 +87,19 @@ def verify(name: str, seconds: float, cpu_time: bool) -> None:
 
         from pgimp.model.sample import resized
 
+        def sized(size, on):
+            return Simulation(resized(case, (count / size) ** (1 / case.dimensions)), on)
+
         def small(on):
-            return Simulation(resized(case, (count / sizes[0]) ** (1 / case.dimensions)), on)
+            return sized(sizes[0], on)
+
+        def large(on):
+            return sized(sizes[-1], on)
 
         def target(on):
             return Simulation(case, on)
 
-    _, found = compare(comm, samples, small, {name: target}, Network(), seconds, 5, whole)
+    _, found = compare(comm, samples, small, large, {name: target}, Network(), seconds, 5, whole)
     if comm.rank == 0:
         print(json.dumps([one._asdict() | {"deviation": one.deviation} for one in found]))
 
