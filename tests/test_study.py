@@ -15,6 +15,7 @@ from conftest import clean_env
 from matplotlib.image import imread
 
 from pgimp.cli import main
+from pgimp.study import runs
 from pgimp.study.plan import read_plan
 from pgimp.study.runs import perform
 
@@ -64,9 +65,13 @@ def beginnings(folder):
 
 @pytest.fixture
 def alone(monkeypatch):
-    """This process as no launcher started it, though an earlier test may have initialised MPI."""
+    """This process as no launcher started it, though an earlier test may have initialised MPI.
+
+    Nor has it imported a material, which the commands of a study would repeat.
+    """
     for name in set(os.environ) - set(clean_env()):
         monkeypatch.delenv(name)
+    monkeypatch.setattr(runs, "imported", [])
 
 
 @pytest.fixture(scope="module")
