@@ -15,7 +15,7 @@ from pgimp.output.gridreader import grid_differences, grid_frames
 from pgimp.output.pairs import Pair
 from pgimp.output.probefiles import PROBES
 from pgimp.output.reader import Frame, Run
-from pgimp.output.tolerance import Tolerance, tables, worst_of
+from pgimp.output.tolerance import Tolerance, moments, tables, worst_of
 
 Array = np.ndarray
 
@@ -180,10 +180,7 @@ def _some(numbers: Sequence[int] | Array) -> str:
 
 def _frame(first: Frame, second: Frame, tolerance: Tolerance) -> Iterator[str]:
     name = f"frame {first.number} (t = {first.time:.6g})"
-    if first.step != second.step:
-        yield f"{name}: step {first.step} and {second.step}"
-    if tolerance.differ(np.array([first.time]), np.array([second.time])).any():
-        yield f"{name}: time {first.time!r} and {second.time!r}"
+    yield from moments(name, first, second, tolerance)
     for one, other in ((first, second), (second, first)):
         for field in one.fields:
             if field not in other:

@@ -10,7 +10,7 @@ import numpy as np
 from pgimp.case.fields import GRID
 from pgimp.output.frame import Reading
 from pgimp.output.ownfiles import GRID_FRAME
-from pgimp.output.tolerance import Tolerance, worst_of
+from pgimp.output.tolerance import Tolerance, moments, worst_of
 
 Array = np.ndarray
 
@@ -79,10 +79,7 @@ def grid_differences(first: GridFrame, second: GridFrame, tolerance: Tolerance) 
         If a file cannot be read.
     """
     name = f"grid frame {first.number} (t = {first.time:.6g})"
-    if first.step != second.step:
-        yield f"{name}: step {first.step} and {second.step}"
-    if tolerance.differ(np.array([first.time]), np.array([second.time])).any():
-        yield f"{name}: time {first.time!r} and {second.time!r}"
+    yield from moments(name, first, second, tolerance)
     for one, other in ((first, second), (second, first)):
         for field in sorted(set(one.types) - set(other.types)):
             yield f"{name}: only {one.path.parents[1]} has {field}"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -78,6 +78,21 @@ class Worst(NamedTuple):
     def __str__(self) -> str:
         """Word the two values and their difference."""
         return f"{self.first!r} and {self.second!r}, difference {self.difference:.3g}"
+
+
+class Moment(Protocol):
+    """What has a step and a time, such as a frame."""
+
+    step: int
+    time: float
+
+
+def moments(name: str, first: Moment, second: Moment, tolerance: Tolerance) -> Iterator[str]:
+    """Yield a line each if the steps or the times of two frames differ; `name` is theirs."""
+    if first.step != second.step:
+        yield f"{name}: step {first.step} and {second.step}"
+    if tolerance.differ(np.array([first.time]), np.array([second.time])).any():
+        yield f"{name}: time {first.time!r} and {second.time!r}"
 
 
 def worst_of(blocks: Iterable[tuple[int, Array, Array]], tolerance: Tolerance) -> Worst | None:
