@@ -30,7 +30,7 @@ os.environ[balance.SWITCH] = "0" if how == "off" else "1"
 EVERY = 5
 
 
-def ask(mine, timings, count):
+def ask(mine, worked, count, step):
     mine._taken += 1
     mine.asks = mine._taken % EVERY == 0
 
@@ -49,17 +49,18 @@ def random_cuts(mine, counts, step):
 
 if how in ("shuffled", "short"):
     Balance.note, Balance.decide = ask, random_cuts
-    Balance.moved = lambda mine, seconds: None
+    Balance.moved = lambda mine, seconds, step: None
     handover._PIECE = 500  # so that what moves is sent in several messages
 if how == "counted":
     noted = Balance.note
 
-    def alike(mine, timings, count):
+    def alike(mine, worked, count, step):
         spent = mine._before[0] + 1e-6 * count
-        noted(mine, {"P2G": spent, "G2P": 0.0, "order": 0.0, "momentum": 0.0}, count)
+        noted(mine, {"P2G": spent, "G2P": 0.0, "order": 0.0, "momentum": 0.0}, count, step)
 
+    moved = Balance.moved
     Balance.note = alike
-    Balance.moved = lambda mine, seconds: None
+    Balance.moved = lambda mine, seconds, step: moved(mine, 0.0, step)
     balance._PRICE = 0.01
 
 watched: dict = {}

@@ -21,6 +21,7 @@ from pgimp.errors import UsageError
 from pgimp.parallel import handover
 from pgimp.parallel.slabs import Slab, cut, slab_of
 from pgimp.shapes.mpm import MpmParameters
+from pgimp.solver import balance as balance_module
 from pgimp.solver.balance import Balance, imbalance_of
 from pgimp.solver.particles import Frame, Particles
 from pgimp.solver.population import Population
@@ -170,6 +171,7 @@ class Machine:
                 new = self.balance.decide(self.layers, self.step)
                 if new:
                     self.balance.cuts = new
+                    self.balance.moved(0.0, self.step)
                 self.balance.watch(0)
         return len(self.balance.moves) - before
 
@@ -253,10 +255,65 @@ def test_a_rank_asks_when_particles_pour_in():
     balance = Balance([0, 50, 100], 1000, 3, 0, 48)
     timings = dict.fromkeys(("P2G", "G2P", "order", "momentum"), 0.0)
     balance.watch(500)
-    balance.note(timings, 514)
+    balance.note(timings, 514, 900)
     assert not balance.asks
-    balance.note(timings, 530)
+    balance.note(timings, 530, 900)
     assert balance.asks
+
+
+def test_a_rank_asks_for_nothing_that_cannot_pay():
+    """A decision alone takes as long as some steps of a small scene."""
+    balance = Balance([0, 50, 100], 1000, 3, 0, 48)
+    timings = dict.fromkeys(("P2G", "G2P", "order", "momentum"), 0.0)
+    balance.watch(500)
+    for step in range(1, 2000):
+        balance.note(timings, 530, step)
+        if balance.asks:
+            break
+    price = balance_module._PRICE * (30 + balance_module._BESIDES)
+    assert 30 * (step - 1) <= price < 30 * step
+    balance.moved(0.0, step)
+    balance.watch(530)
+    balance.note(timings, 560, step + 1)
+    assert not balance.asks
+
+
+SHARING = """
+import os, sys
+if sys.argv[1] == "one":
+    os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
+    parent = os.getpid()
+    if os.fork() == 0:  # work that is not the rank's
+        while os.getppid() == parent:
+            pass
+        os._exit(0)
+import pgimp
+from pgimp.parallel.comm import world
+from pgimp.parallel.node import cores
+from pgimp.solver.simulation import Simulation
+
+sim = Simulation(pgimp.load(sys.argv[2]), world())
+for step in range(60):
+    sim.advance()
+worked, took = ([times[key] for key in ("P2G", "G2P")] for times in (sim.worked, sim.timings))
+mine = len(cores()), sim.worked is sim.timings, sum(worked), sum(took)
+for line in world().gather(mine) or []:
+    print(*line)
+"""
+
+
+def test_ranks_that_share_a_core_go_by_the_time_they_had_it(tmp_path, mpirun):
+    """One core has two of them and other work: what these take is no work of a rank's."""
+    write_case(tmp_path / "column.yaml", column(60, 5.5))
+    for where in ("one", "all"):
+        job = mpirun(2, ["-c", SHARING, where, tmp_path / "column.yaml"], 120)
+        assert job.returncode == 0, job.stderr
+        for line in job.stdout.splitlines():
+            cores, same, worked, took = line.split()
+            assert (same == "True") == (int(cores) >= 2)
+            assert float(worked) <= 1.001 * float(took)
+            if where == "one":  # a quarter if all had the same
+                assert same == "False" and 0.0 < float(worked) < 0.7 * float(took)
 
 
 def test_the_switch(monkeypatch):

@@ -13,6 +13,7 @@ from pathlib import Path
 
 from pgimp.doctor.finding import Finding
 from pgimp.output.runinfo import cpu
+from pgimp.parallel.node import cores
 
 #: What Open MPI and its kin keep in shared memory for each rank, at the least.
 _SHARED_BYTES_PER_RANK = 16 << 20
@@ -21,14 +22,9 @@ _LONGEST_TEMPORARY = 56
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
-def cores() -> int:
-    """Return how many cores this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
 def examine() -> Iterator[Finding]:
     """Look at the machine and at Python."""
-    count = cores()
+    count = len(cores())
     yield Finding("machine", f"{cpu()}, {count} core{'' if count == 1 else 's'} for this process")
     yield python()
     yield from shared_memory(count)

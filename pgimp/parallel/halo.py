@@ -77,15 +77,17 @@ class Halo:
         self._parts: list[tuple[np.ndarray, ...]] = [(np.array([[0, layers, 0]]),)]
         if not self._alone and self._last > self._first:
             edges = np.array([[self._last, layers, 1], [0, self._first, 0]])
-            for pieces in range(1, min(PIECES, self._last - self._first) + 1):
-                cuts = np.linspace(self._first, self._last, pieces + 1).astype(int).tolist()
+            inside = self._last - self._first
+            for pieces in range(1, min(PIECES, inside) + 1):
+                cuts = [self._first + inside * i // pieces for i in range(pieces + 1)]
                 inner = [np.array([[a, b, 0]]) for a, b in pairwise(cuts)]
                 self._parts.append((edges, *inner))
         every = np.arange(layers)
-        middle = every[slab.below is not None : layers - (slab.above is not None)]
+        begin, end = int(slab.below is not None), layers - (slab.above is not None)
         self._halves: list[tuple[np.ndarray, ...]] = [(every,)]
-        if not self._alone and len(middle):
-            self._halves.append((np.setdiff1d(every, middle), middle))
+        if not self._alone and end > begin:
+            outer = np.concatenate([every[:begin], every[end:]])
+            self._halves.append((outer, every[begin:end]))
         self._kept = False
         self._grid: Any = None
         self._marks: Any = None

@@ -1,5 +1,6 @@
-"""One rank a node goes first: it compiles, and the others find the kernels in the cache."""
+"""Ranks of one node: what they share, and which of them goes first."""
 
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 def one_rank_first(comm: Any) -> Iterator[None]:
     """Run the body on the first rank of each node, then on the others; collective.
 
+    The first compiles, the others find the kernels in the cache.
     An error in the body passes through after the others have been let go.
     """
     if comm.size == 1:
@@ -25,3 +27,23 @@ def one_rank_first(comm: Any) -> Iterator[None]:
         if node.rank == 0:
             node.Barrier()
         node.Free()
+
+
+def cores() -> set[int]:
+    """Return the numbers of the cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return os.sched_getaffinity(0)
+    return set(range(os.cpu_count() or 1))
+
+
+def shares_cores(comm: Any) -> bool:
+    """Return whether there are more ranks on this rank's node than cores for them; collective."""
+    if comm.size == 1:
+        return False
+    from mpi4py import MPI
+
+    node = comm.Split_type(MPI.COMM_TYPE_SHARED)
+    usable = set().union(*node.allgather(cores()))
+    ranks = node.size
+    node.Free()
+    return ranks > len(usable)

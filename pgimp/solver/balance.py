@@ -27,8 +27,9 @@ _LEAST_GAIN = 0.02
 _LONGEST = 1000
 #: Intervals in which a rank must have differed before it is taken for slower or faster.
 _EVIDENCE, _MOST_EVIDENCE = 4, 64
-#: A move costs about as much as so many steps of the particles that move, and of some more.
-_PRICE, _BESIDES = 8.0, 1000.0
+#: A move costs about as much as so many steps of the particles that move, and of some more; that
+#: is where it begins, what moves cost is measured.
+_PRICE, _BESIDES = 2.0, 8000.0
 
 
 class Balance:
@@ -54,7 +55,7 @@ class Balance:
     asks : bool
         Whether this rank wants a decision.
     pause : int
-        Steps until a rank may ask again because of its particles.
+        Steps until a rank may ask again because of particles that it had at the last decision.
     total : int
         Particles of all ranks at the last report.
     imbalance : float or None
@@ -76,15 +77,17 @@ class Balance:
         self._steps = np.zeros((interval, 2))
         self._taken = 0
         self._before = (0.0, 0.0)
-        self._most = 2**62
+        self._clear, self._known = 2**62, 0
+        self._had: int | None = None
+        self._changed = 0
         self._seconds = 0.0
+        self._price = _PRICE
+        self._cold = True
         # What follows is of use on rank 0 only.
         self._density = np.ones(cuts[-1])
         self._expected = np.ones(len(cuts) - 1)
         self._plane = 0.0
-        self._price = _PRICE
         self._moved = 0.0
-        self._changed = 0
         self._patience = self._wait = 0
         self._forget()
         self._evidence = _EVIDENCE
@@ -96,16 +99,25 @@ class Balance:
         self._imbalances: list[float] = []
         self._refused = 0.0
 
-    def note(self, timings: dict[str, float], count: int) -> None:
-        """Take notice of a step; `timings` are a simulation's, `count` its rank's particles."""
-        spent = timings["P2G"] + timings["G2P"] + timings["order"], timings["momentum"]
+    def note(self, worked: dict[str, float], count: int, step: int) -> None:
+        """Take notice of a step.
+
+        Parameters
+        ----------
+        worked : dict of str to float
+            Seconds of work in each phase so far, see `Simulation.worked`.
+        count, step : int
+            This rank's particles; steps done.
+        """
+        spent = worked["P2G"] + worked["G2P"] + worked["order"], worked["momentum"]
         place = self._taken % self._interval
         self._steps[place] = spent[0] - self._before[0], spent[1] - self._before[1]
         self._before = spent
         self._taken += 1
         self.pause -= 1
-        if count > self._most and self.pause < 0:
-            self.asks = self.on
+        more, excess = count - self._known, count - (self._had or 0)
+        if more > self._clear or (excess > self._clear and self.pause < 0):
+            self.asks = self.on and self._may_pay(excess, step)
 
     def report(self, comm: Any, count: int, planes: int, step: int) -> None:
         """Let all know of all since the last report; collective.
@@ -133,9 +145,25 @@ class Balance:
             self._learn(every, busy, step)
 
     def watch(self, count: int) -> None:
-        """Ask for a decision as soon as there are clearly more particles than `count`."""
-        self._most = count + int(_SMALL * self.total / (len(self.cuts) - 1))
+        """Ask again when there are clearly more particles, than now or than after the last move.
+
+        Parameters
+        ----------
+        count : int
+            This rank's particles.
+        """
+        self._had = count if self._had is None else self._had
+        self._clear = int(_SMALL * self.total / (len(self.cuts) - 1))
+        self._known = count
         self.asks = False
+
+    def _may_pay(self, excess: float, step: int) -> bool:
+        """Whether to move boundaries may pay where a rank has so many particles too many."""
+        return excess * self._lasts(step) > self._price * (excess + _BESIDES)
+
+    def _lasts(self, step: int) -> int:
+        """For how many steps a move would help: what came about in so many lasts as many."""
+        return min(step - self._changed, _LONGEST)
 
     def _learn(self, every: np.ndarray, busy: np.ndarray, step: int) -> None:
         """Find out on rank 0 what particles and planes cost, and how ranks differ."""
@@ -157,8 +185,9 @@ class Balance:
         costs = work * self._expected * self._differences()
         imbalance = float(costs.max() / costs.mean()) - 1.0
         self._wait -= 1
-        self.asks = imbalance > max(_SMALL, self._refused + _LEAST_GAIN)
-        self.asks |= imbalance > _SMALL and self._wait <= 0
+        clear = imbalance > max(_SMALL, self._refused + _LEAST_GAIN)
+        again = imbalance > _SMALL and self._wait <= 0
+        self.asks = (clear or again) and self._may_pay(float(np.ptp(costs)), step)
 
     def _differences(self) -> np.ndarray:
         """By how much each rank takes longer than expected, beyond what changes all the time."""
@@ -214,7 +243,6 @@ class Balance:
         self._expected = np.add.reduceat(costs, edges) / below / mean
         self._expected[np.add.reduceat(work, edges) == 0.0] = 1.0
         self._moved += self._moving(counts, new) + _BESIDES
-        self._changed = step
         self._patience = self._wait = self.pause = 0
         self._forget()
         return new
@@ -236,10 +264,8 @@ class Balance:
         now, then = (np.add.reduceat(costs, cuts[:-1]).max() for cuts in (self.cuts, new))
         if now - then < _LEAST_GAIN * costs.sum() / ranks:
             return new, 0.0, 0.0
-        # What has come about in so many steps will be there for about as many.
-        lasts = min(step - self._changed, _LONGEST)
         price = self._price * (self._moving(counts, new) + _BESIDES)
-        return new, float(now - then) * lasts, price
+        return new, float(now - then) * self._lasts(step), price
 
     def _moving(self, counts: np.ndarray, new: list[int]) -> float:
         """Particles that the rank with most of them must send and receive."""
@@ -252,9 +278,13 @@ class Balance:
             most = max(most, had + gets - 2.0 * (total[end] - total[first]))
         return most
 
-    def moved(self, seconds: float) -> None:
+    def moved(self, seconds: float, step: int) -> None:
         """Take notice on every rank of a move that took it so long."""
-        self._seconds, self._taken = self._seconds + seconds, 0
+        self._changed, self._had, self._taken = step, None, 0
+        if self._cold:  # a first one says little of others
+            self._cold, self._moved = False, 0.0
+        else:
+            self._seconds += seconds
 
 
 def imbalance_of(costs: np.ndarray, cuts: list[int]) -> float:

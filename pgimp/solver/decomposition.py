@@ -79,7 +79,7 @@ def rebalance(sim: "Simulation") -> None:
         # Not by the clock: what others make of a shared core is no part of a move.
         agreed = thread_time()
         move_boundaries(sim, cuts)
-        balance.moved(thread_time() - agreed)
+        balance.moved(thread_time() - agreed, sim.step)
     balance.watch(sim.local_count)
     sim.timings["balance"] += perf_counter() - begin
 

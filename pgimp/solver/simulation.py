@@ -13,7 +13,7 @@ from pgimp.kernels.sums import fastest_rate
 from pgimp.materials.outside import explained
 from pgimp.parallel.halo import Halo
 from pgimp.parallel.migrate import Migration
-from pgimp.parallel.node import one_rank_first
+from pgimp.parallel.node import one_rank_first, shares_cores
 from pgimp.parallel.slabs import Slab
 from pgimp.scene.geometry import do_without, release, share
 from pgimp.scene.lattice import Lattice
@@ -74,6 +74,8 @@ class Simulation:
         What the user should know, the same on every rank.
     timings : dict of str to float
         Seconds spent in each phase by this rank.
+    worked : dict of str to float
+        Those in which it had a core, where ranks must share cores; else the same.
     balance : Balance
         What is known of the load of the ranks.
     particle_steps, clamped : int
@@ -121,6 +123,8 @@ class Simulation:
         self.notes: list[str] = []
         self.warnings: list[str] = []
         self.timings = dict.fromkeys((*PHASES, "sort", "balance"), 0.0)
+        shared = shares_cores(comm)
+        self.worked = dict.fromkeys(PHASES, 0.0) if shared else self.timings
         self.dt = 0.0
         self.particle_steps = self.clamped = 0
         self.fault_room = np.zeros((2, ROOM, 2), np.int64)
@@ -252,7 +256,7 @@ class Simulation:
         self._before = before
         self.clock.advance(end)
         if self.comm.size > 1:
-            self.balance.note(self.timings, self.local_count)
+            self.balance.note(self.worked, self.local_count, self.step)
         wish = FAULT if self.failed else self.wish
         asked = self.agreement.asks
         self.agreement.begin(rate, wish, self.balance.asks, self.reach)

@@ -1,7 +1,7 @@
 """One explicit time step, update stress last: the file to read first."""
 
 from collections.abc import Callable
-from time import perf_counter
+from time import perf_counter, thread_time
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -44,7 +44,7 @@ def step(sim: "Simulation") -> tuple[float, float, int, float]:
     shape, frame, particles, window = scene.shape, scene.frame, population.particles, grid.window
     order, start, movers = population.order, population.start, population.movers
     loads = scene.loads.at(sim.time)
-    lap = _stopwatch(sim.timings)
+    lap = _stopwatch(sim.timings, sim.worked)
 
     sum_particles(sim, loads, bool(scene.loads.constraints))
     lap("P2G")
@@ -131,14 +131,22 @@ def sum_particles(sim: "Simulation", loads: "Loads", marked: bool) -> None:
         sim.halo.proceed(grid, marked)
 
 
-def _stopwatch(timings: dict[str, float]) -> Callable[[str], None]:
-    """Make what adds the time since it was last called to that of a phase."""
+def _stopwatch(timings: dict[str, float], worked: dict[str, float]) -> Callable[[str], None]:
+    """Make what adds the time since it was last called to that of a phase.
+
+    `worked`, unless it is the same as `timings`, is by the clock of the rank's own work.
+    """
     last = perf_counter()
+    last_own = thread_time() if worked is not timings else 0.0
 
     def lap(phase: str) -> None:
-        nonlocal last
+        nonlocal last, last_own
         now = perf_counter()
         timings[phase] += now - last
         last = now
+        if worked is not timings:
+            own = thread_time()
+            worked[phase] += own - last_own
+            last_own = own
 
     return lap
