@@ -6,7 +6,8 @@ balance_probe.py HOW FOLDER CASE.yaml ...   runs cases, each into FOLDER/NAME of
 HOW is `off`; `on`, as people run it; `shuffled`: to random places every few steps, with
 checkpoints; `counted`: as on, but every particle takes the same time, and moving next to none,
 whatever a clock says; `short`: as shuffled, but the second rank runs out of memory.
-FOLDER/NAME.json gets the particles of each rank at every step, those of each layer, and the moves.
+FOLDER/NAME.json gets the particles of each rank at every step, those of each layer, the imbalance
+of time as last reported, and the moves.
 """
 
 import json
@@ -73,6 +74,7 @@ def watch(sim, agree=True):
     if now is not None:
         watched.setdefault("ranks", []).append([part[0] for part in now])
         watched.setdefault("layers", []).append(np.concatenate([part[1] for part in now]).tolist())
+        watched.setdefault("times", []).append(sim.balance.imbalance)
         watched["moves"] = sim.balance.moves
 
 

@@ -217,6 +217,19 @@ def test_a_rank_that_was_interrupted_moves_nothing():
     assert not machine.balance.moves
 
 
+def test_a_core_that_is_disturbed_for_tenths_of_a_second_moves_nothing():
+    """Steps of a millisecond: eight intervals in a row, 0.4 s, are slow on one rank."""
+    machine = Machine(body(each=10), 4)
+    for _ in range(20):
+        machine.run(20, 0.02)
+        machine.speed[2] = 0.8
+        machine.run(8, 0.02)
+        machine.speed[2] = 1.0
+    assert not machine.balance.moves
+    machine.speed[2] = 0.8  # for good
+    assert machine.run(60, 0.02) >= 1
+
+
 def test_a_slow_rank_gets_less_and_a_heavy_body_more_ranks():
     """Both in a few moves, after a while, and then all is quiet."""
     slow = Machine(body(), 4, speed=[1.0, 1.0, 0.5, 1.0])

@@ -27,6 +27,8 @@ _LEAST_GAIN = 0.02
 _LONGEST = 1000
 #: Intervals in which a rank must have differed before it is taken for slower or faster.
 _EVIDENCE, _MOST_EVIDENCE = 4, 64
+#: So many of the last are remembered, and as many seconds: disturbances last for tenths of one.
+_REMEMBERED, _SECONDS = 8, 1.0
 #: A move costs about as much as so many steps of the particles that move, and of some more; that
 #: is where it begins, what moves cost is measured.
 _PRICE, _BESIDES = 2.0, 8000.0
@@ -95,7 +97,8 @@ class Balance:
 
     def _forget(self) -> None:
         """Begin anew to watch how ranks differ."""
-        self._factors: deque[np.ndarray] = deque(maxlen=8)
+        self._factors: deque[np.ndarray] = deque()
+        self._spans: deque[float] = deque()
         self._imbalances: list[float] = []
         self._refused = 0.0
 
@@ -177,6 +180,10 @@ class Balance:
             self._moved = 0.0
         work = counts + self._plane * planes
         self._factors.append(np.where(work > 0.0, busy / particle / np.maximum(work, 1.0), 1.0))
+        self._spans.append(self._interval * float(busy.max()))
+        while len(self._spans) > _REMEMBERED and sum(self._spans) - self._spans[0] >= _SECONDS:
+            self._factors.popleft()
+            self._spans.popleft()
         self._imbalances.append(float(self.imbalance or 0.0))
         if self._doubted is not None and len(self._imbalances) >= _EVIDENCE - 1:
             helped = np.median(self._imbalances) < self._doubted - _LEAST_GAIN
@@ -191,7 +198,7 @@ class Balance:
 
     def _differences(self) -> np.ndarray:
         """By how much each rank takes longer than expected, beyond what changes all the time."""
-        if len(self._imbalances) < self._evidence:
+        if len(self._imbalances) < self._evidence or sum(self._spans) < _SECONDS:
             return np.ones(len(self.cuts) - 1)
         seen = np.array(self._factors)
         deviation = np.median(seen, axis=0) / self._expected - 1.0

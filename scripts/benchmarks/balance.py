@@ -1,7 +1,8 @@
 """How even the load stays while bodies move from rank to rank, and what that costs.
 
 Prints Markdown: particles of the fullest rank over the mean at every step, with slab boundaries
-that stay and with such that follow, and the least that layers allow; then cases whose load hardly
+that stay and with such that follow, the least that layers allow, and the same for the time that
+ranks take, which differs where cores or particles do; then cases whose load hardly
 moves, by turns with either: the moves, and the time of a step.
 """
 
@@ -65,7 +66,8 @@ def moving(folder, quick):
                 uneven = 100.0 * (counts.max(axis=1) / counts.mean(axis=1) - 1.0)
                 parts = [shares(layers, ranks) for layers in told["layers"][::10]]
                 least = 100.0 * max(part.max() / part.mean() - 1.0 for part in parts)
-                figures = uneven.mean(), np.percentile(uneven, 95), uneven.max(), least
+                times = 100.0 * np.mean([time for time in told["times"] if time is not None])
+                figures = uneven.mean(), np.percentile(uneven, 95), uneven.max(), least, times
                 first = name, int(counts[0].sum()), ranks, how, len(told["moves"])
                 yield (*first, *(f"{figure:.1f}" for figure in figures))
 
@@ -115,7 +117,7 @@ if __name__ == "__main__":
     with tempfile.TemporaryDirectory(dir=os.environ.get("TMPDIR")) as name:
         folder = Path(name)
         heads = ("scene", "particles", "ranks", "balance", "moves")
-        excess = ("mean, %", "95 of 100, %", "most, %", "least possible, %")
+        excess = ("mean, %", "95 of 100, %", "most, %", "least possible, %", "mean of time, %")
         table((*heads, *excess), moving(folder, quick))
         heads = ("case", "steps", "moves in each run", "speed with balance over that without")
         table(heads, still(folder, quick))
