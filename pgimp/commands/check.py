@@ -154,7 +154,7 @@ def _report_cost(scene: Scene, lattice: Lattice, counts: np.ndarray, steps: int)
     """Time on this machine, the number of ranks that pays off, and why not more do."""
     comm, bodies = Serial(), extents(scene.case)
     count = int(counts.sum())
-    sizes = [min(_SMALLEST, count), _SMALL, *([min(_LARGE, count)] if count > 4 * _SMALL else [])]
+    sizes = [min(_SMALLEST, count), _SMALL, *([min(_LARGE, count)] if count > 2 * _SMALL else [])]
     samples = samples_of(scene.case, count, comm, sizes)
     take_turns(samples, comm, _SECONDS)
     costs, network = costs_of(samples), Network()

@@ -19,10 +19,14 @@ from pgimp.solver.simulation import RESORT, Simulation
 
 #: Seconds and steps of a block that is timed as one.
 _BLOCK_SECONDS, _FEWEST, _MOST = 0.02, 2, 100
+#: Blocks in a row in which a scene remains about the same.
+_ROW = 9
 #: Small strains, without which a material's functions might take a shorter way.
 _STRAIN = 1e-3
 #: Radians in which places and strains go around from cell to cell.
 _WAVE = 0.6
+#: Cells a step by which particles move at least, on average: so much as to change layers at times.
+_DRIFT = 0.005
 #: A sample may have so many times the particles asked for.
 _LARGER = 4.0
 #: Steps, or times a case's own end, that no sample comes to.
@@ -30,15 +34,29 @@ _ENDLESS = 1_000_000
 
 
 class Scattered(Simulation):
-    """A simulation in which particles lie anywhere in their boxes, as they do after a while.
+    """A simulation in the midst of its motion: particles lie anywhere in their boxes, and drift."""
 
-    For one rank: particles do not keep to the layers of their lattice.
-    """
+    def __init__(self, case: Case, comm: Any, source: Any = None) -> None:
+        super().__init__(case, comm, source)
+        dt, _ = self.clock.next(self.rate)
+        v, cell = self.particles.v, self.scene.frame.cell[0]
+        rows = self.live()
+        way = dt / cell * float(np.abs(v[rows, 0]).sum())
+        total, count = np.sum(comm.allgather((way, len(rows))), axis=0)
+        if total < _DRIFT * count:
+            v[rows, 0] += _DRIFT * cell / dt
 
     def _create(
         self, lattice: Lattice, counts: np.ndarray, layer: np.ndarray
     ) -> tuple[Particles, int]:
+        slab = self.slab
+        end = slab.first + slab.layers
+        if slab.layers == 0:
+            return super()._create(lattice, counts, layer)
+        # Those of the neighbours' next layers may come to lie here.
+        self.slab = slab._replace(first=slab.first - 1, layers=slab.layers + 2)
         p, count = super()._create(lattice, counts, layer)
+        self.slab = slab
         scene, D = self.scene, self.scene.dimension
         cell = np.array(scene.frame.cell)
         # Neighbours lie alike, as in a body that moves and deforms.
@@ -47,7 +65,11 @@ class Scattered(Simulation):
         p.F[:count] += _STRAIN * np.sin(phase + np.arange(D * D))
         rows = np.arange(count, dtype=np.int32)
         locate(scene.shape, scene.frame, p, rows, scene.frame.vertices)
-        return p, count
+        here = (p.layer[:count] >= slab.first) | (slab.below is None)
+        here &= (p.layer[:count] < end) | (slab.above is None)
+        rows = rows[here]
+        kept = np.append(rows, 0)  # room for one at least
+        return Particles._make(column[kept] for column in p), len(rows)
 
 
 class Sample:
@@ -60,18 +82,21 @@ class Sample:
     comm : communicator
         Of its ranks.
     whole : bool
-        Whether the whole of it is timed, once. Otherwise it soon begins anew, before its scene has
-        become another.
+        Whether the whole of it is timed, at least once. Otherwise it soon begins anew, before its
+        scene has become another.
 
     Attributes
     ----------
     sim : Simulation
         As it is.
+    done : bool
+        Whether it has come to its end once, or is not to.
     """
 
     def __init__(self, make: Callable[[], Simulation], comm: Any, whole: bool = False) -> None:
         self._make, self._comm, self._whole = make, comm, whole
         self._blocks: list[dict[str, float]] = []
+        self.done = not whole
         self._begin()
         seconds: list[float] = []
         for _ in range(3):  # as often on every rank
@@ -103,13 +128,17 @@ class Sample:
 
     def run(self) -> None:
         """Time a block; collective."""
-        if self._left < self._steps or (self.sim.finished and not self._whole):
+        if self.sim.finished:
+            self.done = True
+        if self._left < self._steps or self.sim.finished:
             self._begin()
         sim = self.sim
         before = dict(sim.timings)
         self._comm.Barrier()
         begin = perf_counter()
         if not self._advance(self._steps):
+            if not self._whole:  # it may fail before so many are done, every time
+                self._steps = max(_FEWEST, self._steps // 2)
             return
         spent = perf_counter() - begin
         block = {name: sim.timings[name] - before[name] for name in before}
@@ -123,11 +152,14 @@ class Sample:
     def seconds(self, name: str = "step") -> float:
         """Seconds of a phase in a step, of the slowest rank; collective.
 
-        The median of all blocks or, where the whole is timed, their mean. "step" is all of it but
-        the sort, "sort" the step's part of a sort.
+        The median of all blocks; where the whole is timed, the mean of medians of some in a row:
+        so either is of a machine that nobody disturbs. "step" is all of it but the sort, "sort"
+        the step's part of a sort.
         """
-        typical = mean if self._whole else median
-        mine = typical(block[name] for block in self._blocks) if self._blocks else 0.0
+        every = [block[name] for block in self._blocks]
+        row = _ROW if self._whole else max(1, len(every))
+        medians = [median(every[i : i + row]) for i in range(0, len(every), row)]
+        mine = mean(medians) if medians else 0.0
         return float(max(self._comm.allgather(mine)))
 
 
@@ -145,6 +177,9 @@ def resized(case: Case, factor: float) -> Case:
     cells = [max(1, round(n / factor)) for n in grid.cells]
     data = case.model_dump(by_alias=True, exclude={"history", "checkpoint"})
     data["output"] = {"fields": case.output.fields}
+    # Coarser bodies may reach farther, and no sample shall end because of a few particles.
+    ends = (f"{axis}-{end}" for axis in "xyz"[: case.dimensions] for end in ("min", "max"))
+    data["escape"] = {face: "remove" for face in ends if face not in case.boundaries}
     data["grid"]["cell"] = [size / n for size, n in zip(grid.size, cells, strict=True)]
     if isinstance(time.step, float | int):
         step = float(time.step) * min(n / m for n, m in zip(grid.cells, cells, strict=True))

@@ -70,7 +70,7 @@ def compare(
             compared.append((name, comm.size, many))
     turns = [*alone, pair, crowd, *(sample for _, _, sample in compared)]
     take_turns(turns, comm, seconds, fewest)
-    while whole and not all(comm.allgather(_finished(compared))):
+    while not all(comm.allgather(all(sample.done for _, _, sample in compared if sample))):
         take_turns(turns, comm, 0.0, fewest)
     costs = comm.bcast(costs_of(mine) if mine else None)
     if pair and crowd:
@@ -85,8 +85,3 @@ def compare(
         measured = sample.seconds() + sample.seconds("sort")
         found.append(Comparison(name, layout.particles, ranks, measured, step.seconds))
     return costs, found
-
-
-def _finished(compared: list[tuple[str, int, Sample | None]]) -> bool:
-    """Whether all simulations of this rank are at their ends."""
-    return all(sample.sim.finished for _, _, sample in compared if sample)

@@ -80,15 +80,15 @@ def verify(name: str, seconds: float, cpu_time: bool) -> None:
     else:
         case = load(ROOT / f"cases/{kind}.yaml", what)
         count = Simulation(case, Serial()).count
-        sizes = [min(200, count), 5_000, *([min(150_000, count)] if count > 20_000 else [])]
+        sizes = [min(200, count), 5_000, *([min(150_000, count)] if count > 10_000 else [])]
 
         def samples():
             return samples_of(case, count, Serial(), sizes)
 
-        from pgimp.model.sample import resized
+        from pgimp.model.sample import Scattered, resized
 
         def sized(size, on):
-            return Simulation(resized(case, (count / size) ** (1 / case.dimensions)), on)
+            return Scattered(resized(case, (count / size) ** (1 / case.dimensions)), on)
 
         def small(on):
             return sized(sizes[0], on)
