@@ -228,6 +228,68 @@ def test_a_resized_case_is_the_same_case():
     assert list(sample.sim.case.bodies) == ["sample"]
 
 
+SCATTER = """
+import sys
+import numpy as np
+from pgimp import load
+from pgimp.model.sample import Scattered
+from pgimp.parallel.comm import world
+
+sim = Scattered(load(sys.argv[1]), world())
+for step in range(20):
+    p, rows = sim.particles, sim.live()
+    state = np.column_stack([p.id[rows], p.layer[rows], p.x[rows], p.v[rows], p.F[rows]])
+    if step == 0:
+        first = state
+    sim.advance()
+for states in (first, state):
+    parts = world().gather(states)
+    if parts:
+        print(np.concatenate(parts).tobytes().hex())
+"""
+
+
+def test_a_scattered_sample_is_the_same_on_any_number_of_ranks(tmp_path, mpirun):
+    """None lost or made twice where they cross a boundary, and the 20 steps work."""
+    write_case(tmp_path / "flying.yaml", flying())
+    said = []
+    for ranks in (1, 2, 3):
+        job = mpirun(ranks, ["-c", SCATTER, tmp_path / "flying.yaml"], 120)
+        assert job.returncode == 0, job.stderr
+        said.append(job.stdout.split())
+    assert said[0] == said[1] == said[2]
+    begin, later = (np.frombuffer(bytes.fromhex(text)).reshape(72, -1) for text in said[0])
+    assert sorted(begin[:, 0]) == list(range(72))
+    plain = Simulation(Case.model_validate(flying()), Serial())
+    layers = plain.particles.layer[plain.live()]
+    assert (np.sort(begin[:, 1]) != np.sort(layers)).any()  # some lie in other layers
+    # Half of them fly a hundredth of a cell a step already, so that no drift is added.
+    assert begin[:, 4].mean() == pytest.approx(0.5)
+    assert (later[:, 2] != begin[:, 2]).any()
+
+
+def test_a_sample_at_rest_drifts_and_loses_nobody_to_an_error():
+    """A body beside an open face: coarse samples of it reach beyond, and that ends nothing."""
+    body = box([6.0, 1.0], [11.9, 4.0])
+    case = Case.model_validate(scene(2, {"a": body}, cells=[12, 6], end=2.0, step=0.01))
+    for size in (20, 72):
+        (sample,) = samples_of(case, 72, Serial(), [size])
+        sim = sample.sim
+        way = sim.dt * sim.particles.v[sim.live(), 0].mean() / sim.scene.frame.cell[0]
+        assert way == pytest.approx(0.005, rel=0.1)
+        for _ in range(300):
+            sim.advance()
+
+
+def test_a_short_run_is_timed_again_and_again():
+    case = Case.model_validate(flying() | {"time": {"end": 0.05, "step": 0.01}})
+    sample = Sample(lambda: Simulation(case, Serial()), Serial(), whole=True)
+    assert not sample.done
+    take_turns([sample], Serial(), 0.0, 30)
+    assert sample.done and sample.seconds() > 0.0
+    assert len(sample._blocks) >= 10  # or it was five steps once, and then nothing
+
+
 def test_measured_and_predicted_agree_roughly():
     case = Case.model_validate(flying())
     samples = samples_of(case, 72, Serial(), [72, 4000])

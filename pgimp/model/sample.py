@@ -111,20 +111,19 @@ class Sample:
         self._left = _ENDLESS if self._whole else 2 * _MOST
         self.sim.advance()  # touches its memory
 
-    def _advance(self, steps: int) -> bool:
-        """Whether that went well; otherwise it has begun anew. The same on every rank."""
+    def _advance(self, steps: int) -> int:
+        """Steps done, fewer at the end; 0 if one failed and all begins anew. Same on every rank."""
         self._left -= steps
+        sim = self.sim
+        first = sim.step
         try:
-            for _ in range(steps):
-                if self.sim.finished:
-                    self.sim.agree()
-                    return False
-                self.sim.advance(agree=False)
-            self.sim.agree()
+            while sim.step < first + steps and not sim.finished:
+                sim.advance(agree=False)
+            sim.agree()
         except RunError:
             self._begin()
-            return False
-        return True
+            return 0
+        return sim.step - first
 
     def run(self) -> None:
         """Time a block; collective."""
@@ -136,14 +135,15 @@ class Sample:
         before = dict(sim.timings)
         self._comm.Barrier()
         begin = perf_counter()
-        if not self._advance(self._steps):
+        steps = self._advance(self._steps)
+        if not steps:
             if not self._whole:  # it may fail before so many are done, every time
                 self._steps = max(_FEWEST, self._steps // 2)
             return
         spent = perf_counter() - begin
         block = {name: sim.timings[name] - before[name] for name in before}
         block["step"] = spent - block.pop("sort")
-        block = {name: seconds / self._steps for name, seconds in block.items()}
+        block = {name: seconds / steps for name, seconds in block.items()}
         begin = perf_counter()
         sim.population.sort()
         block["sort"] = (perf_counter() - begin) / RESORT
