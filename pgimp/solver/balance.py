@@ -27,7 +27,7 @@ _LEAST_GAIN = 0.02
 _LONGEST = 1000
 #: Intervals in which a rank must have differed before it is taken for slower or faster.
 _EVIDENCE, _MOST_EVIDENCE = 4, 64
-#: So many of the last are remembered, and as many seconds: disturbances last for tenths of one.
+#: The last so many are remembered, of so many seconds: disturbances last for tenths of one.
 _REMEMBERED, _SECONDS = 8, 1.0
 #: A move costs about as much as so many steps of the particles that move, and of some more; that
 #: is where it begins, what moves cost is measured.
@@ -97,9 +97,9 @@ class Balance:
 
     def _forget(self) -> None:
         """Begin anew to watch how ranks differ."""
-        self._factors: deque[np.ndarray] = deque()
-        self._spans: deque[float] = deque()
-        self._imbalances: list[float] = []
+        self._factors: deque[np.ndarray] = deque(maxlen=_REMEMBERED)
+        self._watched = self._next = 0.0
+        self._imbalances: deque[float] = deque(maxlen=_MOST_EVIDENCE)
         self._refused = 0.0
 
     def note(self, worked: dict[str, float], count: int, step: int) -> None:
@@ -119,8 +119,9 @@ class Balance:
         self._taken += 1
         self.pause -= 1
         more, excess = count - self._known, count - (self._had or 0)
-        if more > self._clear or (excess > self._clear and self.pause < 0):
-            self.asks = self.on and self._may_pay(excess, step)
+        clear = more > self._clear or (excess > self._clear and self.pause < 0)
+        if clear and self.on and self._may_pay(excess, step):
+            self.asks = True
 
     def report(self, comm: Any, count: int, planes: int, step: int) -> None:
         """Let all know of all since the last report; collective.
@@ -179,11 +180,11 @@ class Balance:
             self._price = min(max(price, 0.5 * self._price), 1.5 * self._price)
             self._moved = 0.0
         work = counts + self._plane * planes
-        self._factors.append(np.where(work > 0.0, busy / particle / np.maximum(work, 1.0), 1.0))
-        self._spans.append(self._interval * float(busy.max()))
-        while len(self._spans) > _REMEMBERED and sum(self._spans) - self._spans[0] >= _SECONDS:
-            self._factors.popleft()
-            self._spans.popleft()
+        self._watched += self._interval * float(busy.max())
+        if self._watched >= self._next:
+            factors = busy / particle / np.maximum(work, 1.0)
+            self._factors.append(np.where(work > 0.0, factors, 1.0))
+            self._next = self._watched + _SECONDS / _REMEMBERED
         self._imbalances.append(float(self.imbalance or 0.0))
         if self._doubted is not None and len(self._imbalances) >= _EVIDENCE - 1:
             helped = np.median(self._imbalances) < self._doubted - _LEAST_GAIN
@@ -198,7 +199,7 @@ class Balance:
 
     def _differences(self) -> np.ndarray:
         """By how much each rank takes longer than expected, beyond what changes all the time."""
-        if len(self._imbalances) < self._evidence or sum(self._spans) < _SECONDS:
+        if len(self._imbalances) < self._evidence or self._watched < _SECONDS:
             return np.ones(len(self.cuts) - 1)
         seen = np.array(self._factors)
         deviation = np.median(seen, axis=0) / self._expected - 1.0
@@ -234,7 +235,7 @@ class Balance:
             # What grows evenly with time has a gain that grows with its square.
             since = step - self._changed
             growth = (price / gain) ** 0.5 if gain else 1.5
-            self.pause = int(since * min(growth - 1.0, 1.0))
+            self.pause = max(since // 8, int(since * min(growth - 1.0, 1.0)))
             return None
         # Was it for what had been known before?
         if (differences != 1.0).any():
