@@ -107,7 +107,7 @@ def verify(name: str, seconds: float, cpu_time: bool) -> None:
 def main() -> int:
     """Verify the cases named, or all of them, one after the other."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--seconds", type=float, default=15.0, help="of each case (default 15)")
+    parser.add_argument("--seconds", type=float, default=30.0, help="of each case (default 30)")
     parser.add_argument(
         "--cpu-time", action="store_true", help="the CPU's time, on one rank, for a busy machine"
     )
