@@ -19,10 +19,10 @@ from test_ranks import digests, go_back
 
 from pgimp.errors import UsageError
 from pgimp.parallel import handover
-from pgimp.parallel.slabs import Slab, cut, slab_of
+from pgimp.parallel.slabs import Slab, cut, imbalance_of, slab_of
 from pgimp.shapes.mpm import MpmParameters
 from pgimp.solver import balance as balance_module
-from pgimp.solver.balance import Balance, imbalance_of
+from pgimp.solver.balance import Balance
 from pgimp.solver.particles import Frame, Particles
 from pgimp.solver.population import Population
 

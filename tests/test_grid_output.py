@@ -16,7 +16,7 @@ from pgimp.output.recorder import Recorder
 from pgimp.output.rundir import RunDirectory
 from pgimp.parallel.comm import Serial
 from pgimp.solver import gridstate
-from pgimp.solver.simulation import PENDING
+from pgimp.solver.agreement import PENDING
 
 EVERYTHING = ["mass", "momentum", "velocity", "force"]
 FIELDS = ["velocity", "mass"]

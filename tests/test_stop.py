@@ -15,7 +15,7 @@ from pgimp.output import stop as module
 from pgimp.output.running import _wish
 from pgimp.output.stop import Held, Stop, clock, slurm_seconds_left, wall_time
 from pgimp.parallel.comm import Serial
-from pgimp.solver.simulation import CHECKPOINT, NOTHING
+from pgimp.solver.agreement import CHECKPOINT, NOTHING
 
 
 @pytest.fixture(autouse=True)

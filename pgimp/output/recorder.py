@@ -16,7 +16,7 @@ from pgimp.output.history import History
 from pgimp.output.probes import Probes
 from pgimp.output.rundir import RunDirectory
 from pgimp.output.schedule import Schedule
-from pgimp.solver.simulation import CHECKPOINT, NOTHING
+from pgimp.solver.agreement import CHECKPOINT, NOTHING
 
 
 class Recorder:

@@ -15,8 +15,9 @@ from pgimp.output.recorder import Recorder
 from pgimp.output.rundir import RunDirectory
 from pgimp.output.stop import Stop
 from pgimp.parallel.comm import describe
+from pgimp.solver.agreement import CHECKPOINT, NOTHING, PENDING, STOP
 from pgimp.solver.clock import EndlessError
-from pgimp.solver.simulation import CHECKPOINT, NOTHING, PENDING, STOP, Simulation
+from pgimp.solver.simulation import Simulation
 
 #: Part of the mass past a wall that is worth a note.
 _NEGLIGIBLE = 1e-6

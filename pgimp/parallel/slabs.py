@@ -120,6 +120,12 @@ def _cheapest(
     return boundaries[::-1], float(value[0])
 
 
+def imbalance_of(costs: np.ndarray, cuts: list[int]) -> float:
+    """Cost of the dearest rank over the mean, less one."""
+    parts = np.add.reduceat(costs, cuts[:-1])
+    return float(parts.max() / parts.mean()) - 1.0 if parts.any() else 0.0
+
+
 def slab_of(cuts: list[int], rank: int) -> Slab:
     """Slab of a rank, from the result of `cut`."""
     active = len(cuts) - 1

@@ -10,6 +10,10 @@ from typing import Any
 
 import numpy as np
 
+#: What a rank may wish for after a step; the greatest wish of all ranks is granted on all.
+#: PENDING: the rank still waits for the disk, see `pgimp.output.frames`.
+NOTHING, PENDING, CHECKPOINT, STOP, FAULT = range(5)
+
 
 def _complete(requests: list[Any]) -> None:
     """Wait for what has been begun: MPI writes to its arrays until then."""

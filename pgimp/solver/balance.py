@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from pgimp.parallel.slabs import common, cut, slab_of
+from pgimp.parallel.slabs import common, cut, imbalance_of, slab_of
 from pgimp.parallel.switches import switched_on
 
 #: Environment variable that turns it off.
@@ -293,9 +293,3 @@ class Balance:
             self._cold, self._moved = False, 0.0
         else:
             self._seconds += seconds
-
-
-def imbalance_of(costs: np.ndarray, cuts: list[int]) -> float:
-    """Cost of the dearest rank over the mean, less one."""
-    parts = np.add.reduceat(costs, cuts[:-1])
-    return float(parts.max() / parts.mean()) - 1.0 if parts.any() else 0.0

@@ -18,7 +18,7 @@ from pgimp.parallel.slabs import Slab
 from pgimp.scene.geometry import do_without, release, share
 from pgimp.scene.lattice import Lattice
 from pgimp.scene.scene import Scene, count_particles
-from pgimp.solver.agreement import Agreement
+from pgimp.solver.agreement import FAULT, NOTHING, PENDING, Agreement
 from pgimp.solver.balance import Balance
 from pgimp.solver.clock import clock_of
 from pgimp.solver.decomposition import occupy, owned, rebalance, share_out
@@ -40,10 +40,6 @@ RESORT = 48
 
 #: A vertex lighter than this part of the lightest initial particle is not accelerated.
 LIGHT = 1e-12
-
-#: What a rank may wish for after a step; the greatest wish of all ranks is granted on all.
-#: PENDING: the rank still waits for the disk, see `pgimp.output.frames`.
-NOTHING, PENDING, CHECKPOINT, STOP, FAULT = range(5)
 
 
 class Simulation:
@@ -123,8 +119,7 @@ class Simulation:
         self.notes: list[str] = []
         self.warnings: list[str] = []
         self.timings = dict.fromkeys((*PHASES, "sort", "balance"), 0.0)
-        shared = shares_cores(comm)
-        self.worked = dict.fromkeys(PHASES, 0.0) if shared else self.timings
+        self.worked = dict.fromkeys(PHASES, 0.0) if shares_cores(comm) else self.timings
         self.dt = 0.0
         self.particle_steps = self.clamped = 0
         self.fault_room = np.zeros((2, ROOM, 2), np.int64)
