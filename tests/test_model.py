@@ -12,6 +12,7 @@ from scenes import box, scene, write_case
 
 from pgimp.case.schema import Case
 from pgimp.cli import main
+from pgimp.errors import RunError
 from pgimp.model.block import Block, block_case, block_layout
 from pgimp.model.costs import Costs, Messages, Network
 from pgimp.model.layout import Layout, layout_now, layout_of
@@ -279,6 +280,31 @@ def test_a_sample_at_rest_drifts_and_loses_nobody_to_an_error():
         assert way == pytest.approx(0.005, rel=0.1)
         for _ in range(300):
             sim.advance()
+
+
+def test_a_sample_that_empties_begins_anew():
+    """A body as fast as sound, at the open end of its grid: no block has lost many particles."""
+    body = box([5.0, 1.0], [9.0, 4.0], [10.0, 0.0])
+    case = Case.model_validate(scene(2, {"a": body}, cells=[12, 6], end=0.2, step=0.01))
+    (sample,) = samples_of(case, 48, Serial(), [48])
+    counts = []
+    for _ in range(40):
+        sample.run()
+        counts.append(sample.sim.present())
+    assert min(counts) >= 47  # 98 of 100
+    assert sample._steps < 60 and len(sample._blocks) >= 20
+    without = Sample(lambda: Simulation(resized(case, 1.0), Serial()), Serial(), whole=True)
+    for _ in range(60):
+        without.sim.advance()
+    assert without.sim.present() < 47  # as it would be
+
+
+def test_a_run_that_fails_says_so_when_the_whole_is_timed():
+    body = box([5.0, 1.0], [9.0, 4.0], [10.0, 0.0])
+    case = Case.model_validate(scene(2, {"a": body}, cells=[12, 6], end=2.0, step=0.01))
+    sample = Sample(lambda: Simulation(case, Serial()), Serial(), whole=True)
+    with pytest.raises(RunError, match="left the domain"):
+        take_turns([sample], Serial(), 0.0, 30)
 
 
 def test_a_short_run_is_timed_again_and_again():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from math import prod
 from statistics import mean, median
 from time import perf_counter
@@ -29,6 +29,8 @@ _WAVE = 0.6
 _DRIFT = 0.005
 #: A sample may have so many times the particles asked for.
 _LARGER = 4.0
+#: Part of its particles that a sample must still have: of those left it would say too little.
+_KEPT = 0.98
 #: Steps, or times a case's own end, that no sample comes to.
 _ENDLESS = 1_000_000
 
@@ -108,11 +110,15 @@ class Sample:
 
     def _begin(self) -> None:
         self.sim = self._make()
-        self._left = _ENDLESS if self._whole else 2 * _MOST
+        self._left = 2 * _MOST
+        self._made = self.sim.present()
         self.sim.advance()  # touches its memory
 
     def _advance(self, steps: int) -> int:
-        """Steps done, fewer at the end; 0 if one failed and all begins anew. Same on every rank."""
+        """Steps done, fewer at the end; 0 if they are of no use and all begins anew.
+
+        The same on every rank. The whole of a run is of use, whatever it is; its error is raised.
+        """
         self._left -= steps
         sim = self.sim
         first = sim.step
@@ -121,6 +127,11 @@ class Sample:
                 sim.advance(agree=False)
             sim.agree()
         except RunError:
+            if self._whole:
+                raise
+            self._begin()
+            return 0
+        if not self._whole and sim.present() < _KEPT * self._made:
             self._begin()
             return 0
         return sim.step - first
@@ -129,7 +140,7 @@ class Sample:
         """Time a block; collective."""
         if self.sim.finished:
             self.done = True
-        if self._left < self._steps or self.sim.finished:
+        if self.sim.finished or (self._left < self._steps and not self._whole):
             self._begin()
         sim = self.sim
         before = dict(sim.timings)
@@ -137,8 +148,7 @@ class Sample:
         begin = perf_counter()
         steps = self._advance(self._steps)
         if not steps:
-            if not self._whole:  # it may fail before so many are done, every time
-                self._steps = max(_FEWEST, self._steps // 2)
+            self._steps = max(_FEWEST, self._steps // 2)  # it may fail before so many, every time
             return
         spent = perf_counter() - begin
         block = {name: sim.timings[name] - before[name] for name in before}
@@ -177,9 +187,7 @@ def resized(case: Case, factor: float) -> Case:
     cells = [max(1, round(n / factor)) for n in grid.cells]
     data = case.model_dump(by_alias=True, exclude={"history", "checkpoint"})
     data["output"] = {"fields": case.output.fields}
-    # Coarser bodies may reach farther, and no sample shall end because of a few particles.
-    ends = (f"{axis}-{end}" for axis in "xyz"[: case.dimensions] for end in ("min", "max"))
-    data["escape"] = {face: "remove" for face in ends if face not in case.boundaries}
+    data["escape"] = _open(case.dimensions, case.boundaries)
     data["grid"]["cell"] = [size / n for size, n in zip(grid.size, cells, strict=True)]
     if isinstance(time.step, float | int):
         step = float(time.step) * min(n / m for n, m in zip(grid.cells, cells, strict=True))
@@ -187,6 +195,12 @@ def resized(case: Case, factor: float) -> Case:
     else:
         data["time"]["end"] = time.end * _ENDLESS
     return Case.model_validate(data)
+
+
+def _open(dimensions: int, boundaries: Collection[str]) -> dict[str, str]:
+    """``escape`` of a sample: it does not end because of a few particles at an open face."""
+    faces = (f"{axis}-{end}" for axis in "xyz"[:dimensions] for end in ("min", "max"))
+    return {face: "remove" for face in faces if face not in boundaries}
 
 
 def plain(case: Case, count: int) -> Case:
@@ -207,6 +221,7 @@ def plain(case: Case, count: int) -> Case:
             if name == next(iter(case.bodies.values())).material
         },
         "boundaries": {"x-min": "fixed"},
+        "escape": _open(D, {"x-min"}),
     }
     data["bodies"] = {
         "sample": {

@@ -37,13 +37,13 @@ def cores() -> set[int]:
 
 
 def shares_cores(comm: Any) -> bool:
-    """Return whether there are more ranks on this rank's node than cores for them; collective."""
+    """Return whether ranks that may use only this rank's cores are more than these; collective."""
     if comm.size == 1:
         return False
     from mpi4py import MPI
 
     node = comm.Split_type(MPI.COMM_TYPE_SHARED)
-    usable = set().union(*node.allgather(cores()))
-    ranks = node.size
+    mine = cores()
+    ranks = sum(theirs <= mine for theirs in node.allgather(mine))
     node.Free()
-    return ranks > len(usable)
+    return ranks > len(mine)

@@ -29,9 +29,9 @@ _LONGEST = 1000
 _EVIDENCE, _MOST_EVIDENCE = 4, 64
 #: The last so many are remembered, of so many seconds: disturbances last for tenths of one.
 _REMEMBERED, _SECONDS = 8, 1.0
-#: A move costs about as much as so many steps of the particles that move, and of some more; that
-#: is where it begins, what moves cost is measured.
-_PRICE, _BESIDES = 2.0, 8000.0
+#: A move costs so many steps of the particles that move and of some more, until it is measured;
+#: and the most that one may cost.
+_PRICE, _BESIDES, _DEAREST = 2.0, 8000.0, 200.0
 
 
 class Balance:
@@ -58,6 +58,8 @@ class Balance:
         Whether this rank wants a decision.
     pause : int
         Steps until a rank may ask again because of particles that it had at the last decision.
+    price : float
+        Steps of the particles that move which a move costs, see `_PRICE`; learned on rank 0.
     total : int
         Particles of all ranks at the last report.
     imbalance : float or None
@@ -81,9 +83,8 @@ class Balance:
         self._before = (0.0, 0.0)
         self._clear, self._known = 2**62, 0
         self._had: int | None = None
-        self._changed = 0
-        self._seconds = 0.0
-        self._price = _PRICE
+        self._changed, self._seconds = -1, 0.0
+        self.price = _PRICE
         self._cold = True
         # What follows is of use on rank 0 only.
         self._density = np.ones(cuts[-1])
@@ -118,6 +119,8 @@ class Balance:
         self._before = spent
         self._taken += 1
         self.pause -= 1
+        if self._changed < 0:
+            self._changed = step - 1
         more, excess = count - self._known, count - (self._had or 0)
         clear = more > self._clear or (excess > self._clear and self.pause < 0)
         if clear and self.on and self._may_pay(excess, step):
@@ -163,7 +166,7 @@ class Balance:
 
     def _may_pay(self, excess: float, step: int) -> bool:
         """Whether to move boundaries may pay where a rank has so many particles too many."""
-        return excess * self._lasts(step) > self._price * (excess + _BESIDES)
+        return excess > 0.0 and excess * self._lasts(step) > self.price * (excess + _BESIDES)
 
     def _lasts(self, step: int) -> int:
         """For how many steps a move would help: what came about in so many lasts as many."""
@@ -177,7 +180,8 @@ class Balance:
         if self._moved and every[:, 4].any():
             price = float(every[:, 4].max() / particle / self._moved)
             # An interrupted move took long: a step towards it, and a larger one back.
-            self._price = min(max(price, 0.5 * self._price), 1.5 * self._price)
+            price = min(max(price, 0.5 * self.price), 1.5 * self.price)
+            self.price = min(price, _DEAREST)
             self._moved = 0.0
         work = counts + self._plane * planes
         self._watched += self._interval * float(busy.max())
@@ -203,7 +207,8 @@ class Balance:
             return np.ones(len(self.cuts) - 1)
         seen = np.array(self._factors)
         deviation = np.median(seen, axis=0) / self._expected - 1.0
-        return 1.0 + np.sign(deviation) * np.maximum(np.abs(deviation) - np.ptp(seen, axis=0), 0.0)
+        clear = np.maximum(np.abs(deviation) - np.ptp(seen, axis=0), 0.0)
+        return np.clip(1.0 + np.sign(deviation) * clear, 0.25, 4.0)
 
     def decide(self, counts: np.ndarray, step: int) -> list[int] | None:
         """Where boundaries should be; on rank 0.
@@ -272,7 +277,7 @@ class Balance:
         now, then = (np.add.reduceat(costs, cuts[:-1]).max() for cuts in (self.cuts, new))
         if now - then < _LEAST_GAIN * costs.sum() / ranks:
             return new, 0.0, 0.0
-        price = self._price * (self._moving(counts, new) + _BESIDES)
+        price = self.price * (self._moving(counts, new) + _BESIDES)
         return new, float(now - then) * self._lasts(step), price
 
     def _moving(self, counts: np.ndarray, new: list[int]) -> float:

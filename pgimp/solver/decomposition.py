@@ -74,7 +74,7 @@ def rebalance(sim: "Simulation") -> None:
     begin, comm, balance = perf_counter(), sim.comm, sim.balance
     counts = comm.gather(np.diff(sim.population.start))
     cuts = None if counts is None else balance.decide(np.concatenate(counts), sim.step)
-    cuts, balance.pause = comm.bcast((cuts, balance.pause))
+    cuts, balance.pause, balance.price = comm.bcast((cuts, balance.pause, balance.price))
     if cuts is not None:
         # Not by the clock: what others make of a shared core is no part of a move.
         agreed = thread_time()
