@@ -38,8 +38,8 @@ _ENDLESS = 1_000_000
 class Scattered(Simulation):
     """A simulation in the midst of its motion: particles lie anywhere in their boxes, and drift."""
 
-    def __init__(self, case: Case, comm: Any, source: Any = None) -> None:
-        super().__init__(case, comm, source)
+    def __init__(self, case: Case, comm: Any) -> None:
+        super().__init__(case, comm)
         dt, _ = self.clock.next(self.rate)
         v, cell = self.particles.v, self.scene.frame.cell[0]
         rows = self.live()

@@ -2,8 +2,8 @@
 
 Prints Markdown: particles of the fullest rank over the mean at every step, with slab boundaries
 that stay and with such that follow, the least that layers allow, and the same for the time that
-ranks take, which differs where cores or particles do; then cases whose load hardly
-moves, by turns with either: the moves, and the time of a step.
+ranks take, which differs where cores or particles do; then cases whose load hardly moves, by turns
+with either: the moves, and the time of a step.
 """
 
 import argparse
