@@ -12,6 +12,7 @@ from pgimp.kernels.mirror import Mirror, fold, reflect
 from pgimp.kernels.momentum import update_momentum
 from pgimp.kernels.p2g import particles_to_grid
 from pgimp.kernels.sums import SUMS, fastest_rate, layer_sums
+from pgimp.kernels.walls import WALL
 from pgimp.materials.hooke import HookeParameters
 from pgimp.materials.neo_hookean import NeoHookeanParameters
 from pgimp.parallel.halo import Halo
@@ -176,12 +177,12 @@ class Rank:
         b = (*gravity, 0.0, 0.0, 0.0)[:3]
         place = self.frame, grid.window, grid.G, grid.active
         for mirror in mirrors:
-            fold(*place, mirror, dt, b, owned, self.impulse)
+            fold(*place, mirror, (), dt, b, owned, self.impulse)
         update_momentum(
-            *place, dt, b, lightest, faces, owned, self.impulse, self.beyond, self.work
+            *place, dt, b, lightest, faces, (), owned, self.impulse, self.beyond, self.work
         )
         for mirror in reversed(mirrors):
-            reflect(*place, mirror, dt, b, owned, self.impulse, self.work)
+            reflect(*place, mirror, (), dt, b, owned, self.impulse, self.work)
 
     def grid_to_particles(self, dt: float, tracked: bool = True) -> tuple:
         """First fault and its row, then as the kernel from the movers on.
@@ -194,8 +195,9 @@ class Rank:
         self.failed, self.leavers, *rest = grid_to_particles(
             self.shape, MATERIALS, self.frame, grid.window, population.particles, Loads(), (),
             population.order, population.start, np.arange(len(population.start) - 1), MATERIAL_OF,
-            grid.G, dt, tracked, True, grid.bounds, self.exits, self.reach, population.movers, room,
-            np.zeros((grid.planes, 0, 3)), np.zeros(grid.planes),
+            grid.G, dt, tracked, True, grid.bounds, self.exits,
+            np.full((6, WALL), -1.0), self.reach, population.movers, room,
+            np.zeros((grid.planes, 0, 3)), np.zeros((grid.planes, 0, 3)), np.zeros(grid.planes),
         )  # fmt: skip
         self.faults = room[: self.failed]
         row, fault = self.faults[0] if self.failed else (-1, 0)

@@ -196,7 +196,7 @@ def test_grid_to_particles(name, D, tracked):
     rank.update_momentum(DT, GRAVITY[:D], (), LIGHTEST)
     reference.update_momentum(DT, GRAVITY, (), LIGHTEST)
     before = copied(rank)
-    fault, _, found, rate, clamped = rank.grid_to_particles(DT, tracked)
+    fault, _, found, rate, clamped, _ = rank.grid_to_particles(DT, tracked)
     reference.grid_to_particles(p, MATERIALS, MATERIAL_OF, DT, tracked)
     assert fault == 0
     after = copied(rank)

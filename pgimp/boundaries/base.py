@@ -21,6 +21,13 @@ class Boundary(Model):
         """Whether the parameters change in time, so that they are made anew for every step."""
         return False
 
+    def speed(self, axis: int, end: float) -> float | None:
+        """Velocity along direction `axis` at time `end` of what the face holds in.
+
+        None if it does not say how the material moves along its normal.
+        """
+        return 0.0
+
     @abstractmethod
     def parameters(self, axis: int, side: int, start: float, end: float) -> NamedTuple:
         """Parameters of the kernel for one step.

@@ -42,6 +42,11 @@ class Velocity(Boundary):
         """See `Boundary.varies`."""
         return any(isinstance(component, Table) for component in self.velocity)
 
+    def speed(self, axis: int, end: float) -> float | None:
+        """See `Boundary.speed`."""
+        held, velocity, _ = prescribed(self.velocity, end, end)
+        return velocity[axis] if held[axis] else None
+
     def parameters(self, axis: int, side: int, start: float, end: float) -> VelocityParameters:
         """See `Boundary.parameters`."""
         return VelocityParameters(axis, side, *prescribed(self.velocity, start, end))

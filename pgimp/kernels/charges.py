@@ -1,4 +1,4 @@
-"""What one particle carries to the grid: mass, momentum and its variation in space, stress."""
+"""What one particle carries to the grid: mass, momentum, stress."""
 
 from pgimp.kernels.jit import specialise
 from pgimp.kernels.simd import pack
@@ -63,38 +63,3 @@ def _charges(frame, viscosity, particles, p):
         )
 
     return charges3
-
-
-def slopes(affine, frame, particles, p):
-    """How a particle's momentum varies in space: m_p dv/dx_i for each direction; () if it does not.
-
-    With it, a vertex gets m_p (v_p + L_p (x_v - x_p)) S_vp. The particle's momentum remains, since
-    the arms' weighted sum is zero, and fields that are linear arrive as they are up to the surface.
-    """
-
-
-@specialise(slopes)
-def _slopes(affine, frame, particles, p):
-    D = len(frame.types[0])
-    if hasattr(affine, "count"):  # ()
-        return lambda affine, frame, particles, p: ()
-
-    def slopes1(affine, frame, particles, p):
-        return (pack(0.0, particles.m[p] * particles.L[p, 0], 0.0, 0.0),)
-
-    def slopes2(affine, frame, particles, p):
-        m, L = particles.m[p], particles.L
-        return (
-            pack(0.0, m * L[p, 0], m * L[p, 2], 0.0),
-            pack(0.0, m * L[p, 1], m * L[p, 3], 0.0),
-        )
-
-    def slopes3(affine, frame, particles, p):
-        m, L = particles.m[p], particles.L
-        return (
-            pack(0.0, m * L[p, 0], m * L[p, 3], m * L[p, 6]),
-            pack(0.0, m * L[p, 1], m * L[p, 4], m * L[p, 7]),
-            pack(0.0, m * L[p, 2], m * L[p, 5], m * L[p, 8]),
-        )
-
-    return (slopes1, slopes2, slopes3)[D - 1]

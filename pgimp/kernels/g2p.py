@@ -2,6 +2,7 @@
 
 from math import isfinite, sqrt
 
+from pgimp.kernels.affine import keep_gradients
 from pgimp.kernels.algebra import determinant, multiply, one_plus, symmetric
 from pgimp.kernels.batch import (
     LANES,
@@ -26,12 +27,13 @@ from pgimp.kernels.gathered import (
 from pgimp.kernels.grips import gripped
 from pgimp.kernels.jit import kernel, specialise
 from pgimp.kernels.lanes import of_lane
-from pgimp.kernels.loads import force_power, keep_gradients, layer_power, relaxed
+from pgimp.kernels.loads import force_power, layer_power, relaxed
 from pgimp.kernels.place import first_vertex
 from pgimp.kernels.simd import bits, lane, stack, vector
 from pgimp.kernels.transfer import gather
-from pgimp.kernels.tuples import plus_scaled
+from pgimp.kernels.tuples import plus_scaled, read
 from pgimp.kernels.viscosity import stiffened, thicken
+from pgimp.kernels.walls import hold_inside
 from pgimp.materials.base import evaluate_four
 from pgimp.shapes.base import size
 from pgimp.shapes.stretch import LARGEST
@@ -39,7 +41,7 @@ from pgimp.shapes.stretch import LARGEST
 #: What is wrong with a particle at fault.
 NOT_FINITE, INVERTED, TOO_FAST, OUTSIDE = 1, 2, 3, 4
 
-#: What `_fault` says of a particle that has left through a face that lets it go.
+#: What `_outside` says of a particle that has left through a face that lets it go.
 _LEAVES = -1
 
 #: The layer of such a particle.
@@ -80,8 +82,8 @@ def materials_of(material_of, body, rows):
 
 
 @kernel
-def _fault(frame, exits, x, v, u, J, dt):
-    """Name the fault of a particle that failed the combined check; 0 if there is none."""
+def _unsound(frame, x, v, u, J, dt):
+    """Name the fault of a particle that failed the combined check, wherever it is; 0 for none."""
     for d in range(len(x)):
         if not (isfinite(x[d]) and isfinite(v[d])):
             return NOT_FINITE
@@ -92,6 +94,12 @@ def _fault(frame, exits, x, v, u, J, dt):
     for d in range(len(x)):
         if not abs(u[d]) * dt * frame.inverse[d] <= 1.0:
             return TOO_FAST
+    return 0
+
+
+@kernel
+def _outside(frame, exits, x):
+    """Tell whether a particle has left the domain, and if it may."""
     fault = 0
     for d in range(len(x)):
         xi = (x[d] - frame.origin[d]) * frame.inverse[d]
@@ -105,7 +113,8 @@ def _fault(frame, exits, x, v, u, J, dt):
 @kernel
 def grid_to_particles(
     shape, materials, frame, window, particles, loads, grips, order, start, layers, material_of, G,
-    dt, tracked, controlled, bounds, exits, reach, movers, faults, impulse, work,
+    dt, tracked, controlled, bounds, exits, walls, reach, movers, faults, impulse, wall_impulse,
+    work,
 ):  # fmt: skip
     """Advance particles of a rank by one step, and notice what happened to them.
 
@@ -130,6 +139,8 @@ def grid_to_particles(
     exits : int
         Bit 2 d + s is set for a face, of direction d at the low (s = 0) or high end (1), through
         which particles may leave; one that has left through such faces alone gets the layer `GONE`.
+    walls : (6, 3) float64
+        The faces that hold particles in, see `pgimp.kernels.walls`.
     reach : (2, 2) int64
         Grown to the first vertices (least, greatest; y, z) of particles, at least of those beyond
         `bounds`.
@@ -139,8 +150,10 @@ def grid_to_particles(
         Filled with row and fault of the particles at fault, of the first ones if there are more.
     impulse : (planes, grips, 3) float64
         Grows by the momentum that the grips give to particles, layer by layer.
+    wall_impulse : (planes, faces, 3) float64
+        Likewise by what walls give to those that they hold in.
     work : (planes,) float64
-        Grows by the work of the loads and grips on particles, layer by layer.
+        Grows by the work of loads, grips and walls on particles, layer by layer.
 
     Returns
     -------
@@ -150,11 +163,14 @@ def grid_to_particles(
         Largest (c_p + |v_p|)/L, if controlled.
     clamped : int
         Number of particles whose half-width is clamped.
+    held : int
+        Number of particles that walls held in.
     """
     failed = 0
     leavers = 0
     found = 0
     clamped = 0
+    held = 0
     inverse = 0.0
     for d in range(len(frame.inverse)):
         inverse = max(inverse, frame.inverse[d])
@@ -187,7 +203,9 @@ def grid_to_particles(
             v = relaxed(loads.relaxation, dt, v, u)
             u, v = gripped(grips, particles, rows, count, u, v, impulse, work, layer)
             x = plus_scaled(dt, u, take_row(particles.x, rows, 0, u))  # (26)
-            keep_gradients(loads.affine, particles, rows, L)
+            keep_gradients(
+                loads.affine, shape, G, room, sums, begin, window.stride, particles, rows, L
+            )
             F = multiply(one_plus(dt, L), deformations(frame, particles, rows))
             J = determinant(F)
             m = materials_of(material_of, particles.body, rows)
@@ -221,9 +239,16 @@ def grid_to_particles(
                     continue
                 p = rows[j]
                 clamped += lane(vector(most), j) > LARGEST
-                layer_now = int(lane(now, j))
-                xj = of_lane(x, j)
-                fault = _fault(frame, exits, xj, of_lane(v, j), of_lane(u, j), lane(J, j), dt)
+                fault = _unsound(frame, of_lane(x, j), of_lane(v, j), of_lane(u, j), lane(J, j), dt)
+                if fault == 0:
+                    held += hold_inside(
+                        walls, frame, grips, particles, p, wall_impulse[layer],
+                        work[layer : layer + 1],
+                    )  # fmt: skip
+                xj = read(particles.x, p, 0, frame.origin)
+                layer_now = int(first_vertex(frame, 0, lane(vector(half[0]), j), xj[0]))
+                if fault == 0:
+                    fault = _outside(frame, exits, xj)
                 if fault == _LEAVES:
                     particles.layer[p] = GONE
                     movers[found] = k + j
@@ -248,4 +273,4 @@ def grid_to_particles(
                     found += 1
         work[layer] += dt * power
     rate = max(max(lane(fastest, 0), lane(fastest, 1)), max(lane(fastest, 2), lane(fastest, 3)))
-    return failed, leavers, found, rate, clamped
+    return failed, leavers, found, rate, clamped, held

@@ -1,6 +1,6 @@
 """What `gather` gives of a batch of particles, turned from a vector each to one a component."""
 
-from pgimp.kernels.jit import specialise
+from pgimp.kernels.jit import kernel, specialise
 from pgimp.kernels.simd import lane, load, store
 from pgimp.kernels.simdrows import transpose
 
@@ -76,6 +76,12 @@ def _collected(room, i, like):
     if len(like) == 2:
         return lambda room, i, like: _columns(room, i)[1:3]
     return lambda room, i, like: _columns(room, i)[1:]
+
+
+@kernel
+def held_weights(room):
+    """By particle, the weighted sum of what vertices have in `HELD`: above 0 if one holds it."""
+    return _columns(room, 1)[0]
 
 
 def gradients(room, i, like):

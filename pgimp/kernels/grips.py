@@ -12,8 +12,9 @@ from typing import NamedTuple
 
 from pgimp.kernels.batch import LANES, ROOM, entry, extent, first_place, four, supports, take
 from pgimp.kernels.jit import kernel, specialise
+from pgimp.kernels.loads import given
 from pgimp.kernels.simd import bits, lane, pack, stack, where
-from pgimp.kernels.transfer import RECORD
+from pgimp.kernels.transfer import HELD, RECORD
 
 #: Least weight along a direction of a vertex that a held particle reaches; less is rounding.
 FIRM = 1e-9
@@ -91,12 +92,12 @@ def mark(shape, frame, window, particles, order, start, mask):
 
 
 @kernel
-def hold_marked(window, G, active, mask, grips, dt, owned, impulse, work):
+def hold_marked(window, G, active, mask, grips, relaxation, dt, owned, impulse, work):
     """Set velocity and acceleration of the marked vertices, after the momentum update.
 
     Parameters
     ----------
-    window, G, active, dt, owned, work
+    window, G, active, relaxation, dt, owned, work
         As in `update_momentum`.
     mask
         See `mark`. Where constraints share a vertex, the later one rules.
@@ -113,17 +114,21 @@ def hold_marked(window, G, active, mask, grips, dt, owned, impulse, work):
             held = mask[r // 8]
             if held == 0 or not G[r] > 0.0:
                 continue
-            momentum = G[r] * dt if i < owned else 0.0
+            mass = G[r] if i < owned else 0.0
             for k in range(len(grips)):
                 if held >> k & 1 == 0:
                     continue
                 for d in range(3):
                     if grips[k].held[d]:
-                        change = momentum * (grips[k].rate[d] - G[r + 5 + d])
-                        G[r + 1 + d] = grips[k].velocity[d]
-                        G[r + 5 + d] = grips[k].rate[d]
+                        v, a = grips[k].velocity[d], grips[k].rate[d]
+                        change = given(
+                            relaxation, mass, dt, G[r + 1 + d], G[r + 5 + d], v, a
+                        )  # fmt: skip
+                        G[r + 1 + d] = v
+                        G[r + 5 + d] = a
+                        G[r + HELD] = int(G[r + HELD]) | 1 << d
                         impulse[i, k, d] += change
-                        work[i] += change * grips[k].velocity[d]
+                        work[i] += change * v
 
 
 def gripped(grips, particles, rows, count, u, v, impulse, work, plane):

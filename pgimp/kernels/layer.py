@@ -1,7 +1,8 @@
 """Particles to the planes of one layer: the inner part of (16, 18, 21, 22)."""
 
+from pgimp.kernels.affine import slopes
 from pgimp.kernels.batch import LANES, ROOM, first_place, four, supports
-from pgimp.kernels.charges import charges, slopes
+from pgimp.kernels.charges import charges
 from pgimp.kernels.jit import specialise
 from pgimp.kernels.loads import scatter_loads, weight
 from pgimp.kernels.simd import stack

@@ -6,7 +6,6 @@ Each is `()` in a scene without it; the types decide what is compiled, so that i
 from typing import Any, NamedTuple
 
 from pgimp.exact.base import body_force
-from pgimp.kernels.batch import put_row
 from pgimp.kernels.jit import specialise
 from pgimp.kernels.simd import pack
 from pgimp.kernels.tractions import scatter_tractions, traction_power
@@ -27,7 +26,7 @@ class Loads(NamedTuple):
     relaxation : float or ()
         Rate at which particles take on the grid's velocity, see `relaxed`.
     affine : float or ()
-        A number where particles carry their velocity gradient, see `pgimp.kernels.charges`.
+        A number where particles carry their velocity gradient, see `pgimp.kernels.affine`.
     """
 
     viscosity: Any = ()
@@ -78,6 +77,17 @@ def _weight(force, frame, particles, p):
     return weight_of
 
 
+def relaxed_part(rate, dt):
+    """Part of a particle's velocity that is the grid's after a step; 0 without relaxation."""
+
+
+@specialise(relaxed_part)
+def _relaxed_part(rate, dt):
+    if hasattr(rate, "count"):  # ()
+        return lambda rate, dt: 0.0
+    return lambda rate, dt: min(rate * dt, 1.0)
+
+
 def relaxed(rate, dt, v, u):
     """Velocities v of particles, after (27), moved towards the grid's at their place, u.
 
@@ -92,21 +102,29 @@ def _relaxed(rate, dt, v, u):
         return lambda rate, dt, v, u: v
 
     def relax(rate, dt, v, u):
-        part = min(rate * dt, 1.0)
+        part = relaxed_part(rate, dt)
         return plus_scaled(part, u, scaled(1.0 - part, v))
 
     return relax
 
 
-def keep_gradients(affine, particles, rows, L):
-    """Let four particles keep their velocity gradients where they carry one."""
+def given(rate, m, dt, v, a, V, A):
+    """Momentum that particles gain where vertices of mass m have (V, A) instead of (v, a).
+
+    By (27) they take on the acceleration; what is relaxed takes on the velocity.
+    """
 
 
-@specialise(keep_gradients)
-def _keep_gradients(affine, particles, rows, L):
-    if hasattr(affine, "count"):  # ()
-        return lambda affine, particles, rows, L: None
-    return lambda affine, particles, rows, L: put_row(particles.L, rows, 0, L)
+@specialise(given)
+def _given(rate, m, dt, v, a, V, A):
+    if hasattr(rate, "count"):  # ()
+        return lambda rate, m, dt, v, a, V, A: m * dt * (A - a)
+
+    def gained(rate, m, dt, v, a, V, A):
+        part = relaxed_part(rate, dt)
+        return m * ((1.0 - part) * dt * (A - a) + part * (V - v))
+
+    return gained
 
 
 def scatter_loads(loads, shape, frame, window, particles, order, begin, end, layer, scratch):

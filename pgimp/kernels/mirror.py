@@ -7,12 +7,15 @@ reflection of their images' velocity and acceleration, which the particles then 
 This is the motion of the grid under a constraint: velocities beyond the face are the reflection of
 those within. So it keeps energy, and momentum but for what the face gives: particles gain the sum
 of m a dt over all vertices with the mass m' that they carry beyond, where the normal force is f'.
-Reflection turns both around, so that the face gives -2 (f' + m' a) dt, a being the images'.
+Reflection turns both around, so that the face gives -2 (f' + m' a) dt, a being the images'. Of what
+particles take on of the grid's velocity (`relaxed`) it likewise gives -2 (p' + f' dt + m' v).
 """
 
 from typing import NamedTuple
 
 from pgimp.kernels.jit import kernel
+from pgimp.kernels.loads import given, relaxed_part
+from pgimp.kernels.transfer import HELD
 
 
 class Mirror(NamedTuple):
@@ -35,15 +38,15 @@ class Mirror(NamedTuple):
 
 
 @kernel
-def fold(frame, window, G, active, mirror, dt, gravity, owned, impulse):
+def fold(frame, window, G, active, mirror, relaxation, dt, gravity, owned, impulse):
     """Add the sums beyond a face to those of the mirror images.
 
     A vertex beyond it is left with the face's number, less than zero, in place of its mass, which
-    moves to its record's fifth place: `reflect` needs both, and for the rest it has no mass.
+    moves to its place `HELD`: `reflect` needs both, and for the rest it has no mass.
 
     Parameters
     ----------
-    frame, window, G, active, dt, gravity, owned, impulse
+    frame, window, G, active, relaxation, dt, gravity, owned, impulse
         As in `update_momentum`.
     mirror : Mirror
         The face.
@@ -69,7 +72,10 @@ def fold(frame, window, G, active, mirror, dt, gravity, owned, impulse):
                 weight = G[g] * gravity[axis]
                 G[r + 5 + axis] -= 2.0 * weight
                 if i < owned:
-                    impulse[i, mirror.number, axis] -= 2.0 * dt * (G[g + 5 + axis] + weight)
+                    part = relaxed_part(relaxation, dt)
+                    impulse[i, mirror.number, axis] -= (
+                        2.0 * dt * (G[g + 5 + axis] + weight) + 2.0 * part * G[g + 1 + axis]
+                    )
                 G[r] += G[g]
                 for d in range(3):
                     sign = -1.0 if d == axis else 1.0
@@ -79,18 +85,18 @@ def fold(frame, window, G, active, mirror, dt, gravity, owned, impulse):
                 for d in range(8):
                     G[g + d] = 0.0
                 G[g] = -1.0 - mirror.number
-                G[g + 4] = mass
+                G[g + HELD] = mass
 
 
 @kernel
-def reflect(frame, window, G, active, mirror, dt, gravity, owned, impulse, work):
+def reflect(frame, window, G, active, mirror, relaxation, dt, gravity, owned, impulse, work):
     """Set velocity and acceleration beyond a face from the mirror images.
 
     Of several faces the last one that has folded reflects first.
 
     Parameters
     ----------
-    frame, window, G, active, dt, gravity, owned, impulse, work
+    frame, window, G, active, relaxation, dt, gravity, owned, impulse, work
         As in `update_momentum`, which has counted the work of gravity on what was folded as if it
         moved with the images; its normal part moves against them.
     mirror : Mirror
@@ -109,9 +115,13 @@ def reflect(frame, window, G, active, mirror, dt, gravity, owned, impulse, work)
                 if r < 0 or G[g] != -1.0 - mirror.number:
                     continue
                 if i < owned:
-                    twice = 2.0 * dt * G[g + 4]
-                    impulse[i, mirror.number, axis] -= twice * G[r + 5 + axis]
-                    work[i] -= twice * gravity[axis] * G[r + 1 + axis]
+                    v, a, twice = G[r + 1 + axis], G[r + 5 + axis], 2.0 * G[g + HELD]
+                    impulse[i, mirror.number, axis] -= given(
+                        relaxation, twice, dt, 0.0, 0.0, v, a
+                    )  # fmt: skip
+                    work[i] -= twice * dt * gravity[axis] * v
+                G[r + HELD] = int(G[r + HELD]) | 1 << axis
+                G[g + HELD] = G[r + HELD]
                 for d in range(3):
                     sign = -1.0 if d == axis else 1.0
                     G[g + 1 + d] = sign * G[r + 1 + d]

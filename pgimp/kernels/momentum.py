@@ -2,11 +2,13 @@
 
 from pgimp.boundaries.base import constrain
 from pgimp.kernels.jit import kernel, specialise
+from pgimp.kernels.loads import given
+from pgimp.kernels.transfer import HELD
 
 
 @kernel
 def update_momentum(
-    frame, window, G, active, dt, gravity, lightest, faces, owned, impulse, beyond, work
+    frame, window, G, active, dt, gravity, lightest, faces, relaxation, owned, impulse, beyond, work
 ):  # fmt: skip
     """Turn the sums of a rank's active planes into velocities and accelerations.
 
@@ -19,6 +21,8 @@ def update_momentum(
         its gradient in full, however small its weight.
     faces : tuple
         Parameters of the boundary conditions, see `pgimp.boundaries`.
+    relaxation : float or ()
+        See `Loads`.
     owned : int
         Number of planes, from the first, whose sums this rank accounts for.
     impulse : (planes, faces, 3) float64
@@ -49,7 +53,9 @@ def update_momentum(
                 for d in range(3):
                     G[r + 5 + d] = 0.0
                     G[r + 1 + d] *= inverse
-        constrain_plane((), faces, frame, window, G, i, dt, i < owned, impulse, beyond, work)
+        constrain_plane(
+            (), faces, relaxation, frame, window, G, i, dt, i < owned, impulse, beyond, work
+        )
         if heavy and i < owned:
             power = 0.0
             for r in range(i * plane, (i + 1) * plane, 8):
@@ -58,22 +64,33 @@ def update_momentum(
             work[i] += dt * power
 
 
-def constrain_plane(done, faces, frame, window, G, i, dt, owned, impulse, beyond, work):
+def constrain_plane(
+    done, faces, relaxation, frame, window, G, i, dt, owned, impulse, beyond, work
+):  # fmt: skip
     """Apply the conditions of `faces` to the vertices of plane `i` that are on none of `done`."""
 
 
 @specialise(constrain_plane)
-def _constrain_plane(done, faces, frame, window, G, i, dt, owned, impulse, beyond, work):
-    if len(faces) == 0:
-        return lambda done, faces, frame, window, G, i, dt, owned, impulse, beyond, work: None
+def _constrain_plane(
+    done, faces, relaxation, frame, window, G, i, dt, owned, impulse, beyond, work
+):  # fmt: skip
+    def constrain_none(
+        done, faces, relaxation, frame, window, G, i, dt, owned, impulse, beyond, work
+    ):  # fmt: skip
+        pass
 
-    def constrain_all(done, faces, frame, window, G, i, dt, owned, impulse, beyond, work):
-        _constrain_face(done, faces, frame, window, G, i, dt, owned, impulse, beyond, work)
-        constrain_plane(
-            (*done, faces[0]), faces[1:], frame, window, G, i, dt, owned, impulse, beyond, work
+    def constrain_all(
+        done, faces, relaxation, frame, window, G, i, dt, owned, impulse, beyond, work
+    ):  # fmt: skip
+        _constrain_face(
+            done, faces, relaxation, frame, window, G, i, dt, owned, impulse, beyond, work
         )
+        constrain_plane(
+            (*done, faces[0]), faces[1:], relaxation, frame, window, G, i, dt, owned, impulse,
+            beyond, work,
+        )  # fmt: skip
 
-    return constrain_all
+    return constrain_all if len(faces) else constrain_none
 
 
 @kernel
@@ -96,33 +113,35 @@ def _beyond_any(faces, frame, number):
     )
 
 
-def hold(faces, n, frame, number, v, a, momentum, impulse):
+def hold(faces, n, relaxation, frame, number, v, a, mass, dt, impulse):
     """Apply the conditions of all faces that a vertex is on or beyond, one after the other.
 
-    The momentum that the particles gain in a step is the sum of m a dt (28), so a face's part of
-    it is `momentum`, which is m dt, times what its condition changes a by; `impulse`, (faces, 3),
-    grows by that, from row `n` on. Returns the vertex's velocity and acceleration.
+    A face's part of the momentum that the particles gain in a step is what its condition adds to
+    it, see `given`; `impulse`, (faces, 3), grows by that, from row `n` on. Returns the vertex's
+    velocity and acceleration.
     """
 
 
 @specialise(hold)
-def _hold(faces, n, frame, number, v, a, momentum, impulse):
+def _hold(faces, n, relaxation, frame, number, v, a, mass, dt, impulse):
     if len(faces) == 0:
-        return lambda faces, n, frame, number, v, a, momentum, impulse: (v, a)
+        return lambda faces, n, relaxation, frame, number, v, a, mass, dt, impulse: (v, a)
 
-    def hold_first(faces, n, frame, number, v, a, momentum, impulse):
+    def hold_first(faces, n, relaxation, frame, number, v, a, mass, dt, impulse):
         if _beyond(faces[0], frame, number):
-            before = a
+            u, b = v, a
             v, a = constrain(faces[0], v, a)
             for d in range(3):
-                impulse[n, d] += momentum * (a[d] - before[d])
-        return hold(faces[1:], n + 1, frame, number, v, a, momentum, impulse)
+                impulse[n, d] += given(relaxation, mass, dt, u[d], b[d], v[d], a[d])
+        return hold(faces[1:], n + 1, relaxation, frame, number, v, a, mass, dt, impulse)
 
     return hold_first
 
 
 @kernel
-def _constrain_face(done, faces, frame, window, G, i, dt, owned, impulse, beyond, work):
+def _constrain_face(
+    done, faces, relaxation, frame, window, G, i, dt, owned, impulse, beyond, work
+):  # fmt: skip
     """Treat the vertices of plane `i` on or beyond the first of `faces` but none of `done`.
 
     Where faces meet, a vertex is treated by all of them at once, because the work of each is its
@@ -153,11 +172,17 @@ def _constrain_face(done, faces, frame, window, G, i, dt, owned, impulse, beyond
                 continue
             if number[face.axis] != wall:
                 beyond[i, len(done)] += m
-            momentum = m * dt if owned else 0.0
-            before = (G[r + 5], G[r + 6], G[r + 7])
-            v = (G[r + 1], G[r + 2], G[r + 3])
-            v, a = hold(faces, len(done), frame, number, v, before, momentum, impulse[i])
+            mass = m if owned else 0.0
+            u = (G[r + 1], G[r + 2], G[r + 3])
+            b = (G[r + 5], G[r + 6], G[r + 7])
+            v, a = hold(
+                faces, len(done), relaxation, frame, number, u, b, mass, dt, impulse[i]
+            )  # fmt: skip
+            held = 0
             for d in range(3):
-                work[i] += momentum * (a[d] - before[d]) * v[d]
+                work[i] += given(relaxation, mass, dt, u[d], b[d], v[d], a[d]) * v[d]
+                if v[d] != u[d] or a[d] != b[d]:
+                    held |= 1 << d
             G[r + 1], G[r + 2], G[r + 3] = v
+            G[r + HELD] = held
             G[r + 5], G[r + 6], G[r + 7] = a

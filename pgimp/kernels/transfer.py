@@ -1,10 +1,11 @@
 """Scatter and gather: what one particle gives to the vertices of its support, and takes back.
 
-A vertex's record is 8 float64: (m, mv) and (-, f) while particles are summed, (m, v) and (-, a)
-after the momentum update. Both transfers are written once for all dimensions, and factor the sums
-by direction: in 3D the innermost vertex costs P2G three vector multiply-adds, and G2P three.
-Vertices without weight at the support's end are left out; the innermost direction, along which
-records follow each other, is unrolled for each number of vertices, the others are loops.
+A vertex's record is 8 float64: (m, mv) and (0, f) while particles are summed, (m, v) and (h, a)
+after the momentum update; bit d of h is set where a face or a constraint holds component d. Both
+transfers are written once for all dimensions, and factor the sums by direction: in 3D the innermost
+vertex costs P2G three vector multiply-adds, and G2P three. Vertices without weight at the support's
+end are left out; the innermost direction, along which records follow each other, is unrolled for
+each number of vertices, the others are loops.
 """
 
 from pgimp.kernels.batch import entries, entry, extent, extents
@@ -14,6 +15,9 @@ from pgimp.kernels.tuples import joined, plus_scaled, scaled
 
 #: Distance, in float64, of neighbours along the innermost direction: a record's size.
 RECORD = 8
+
+#: Where in a record the components are named that are held.
+HELD = 4
 
 
 def _sloped(w, A, e, C):

@@ -173,6 +173,13 @@ def _say_done(
             "half-width of more than one cell; its reach is held at one cell, so that neighbours "
             "may lose contact: use fewer or larger cells along the stretch"
         )
+    held = sim.comm.allreduce(sim.held)
+    if held:
+        share = 100.0 * held / (sim.count * sim.step)
+        log.say(
+            f"note: in {held} particle-steps ({share:.2g} %) a wall held in a particle whose centre "
+            "had passed it; that takes its velocity into the wall, which counts as the wall's force"
+        )
     part, when, face = sim.diagnostic_sums.beyond
     if part > _NEGLIGIBLE:
         log.say(

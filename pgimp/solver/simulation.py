@@ -74,9 +74,9 @@ class Simulation:
         Those in which it had a core, where ranks must share cores; else the same.
     balance : Balance
         What is known of the load of the ranks.
-    particle_steps, clamped : int
-        Particle-steps of this rank in this process, and those, since the start, with a half-width
-        held at one cell.
+    particle_steps, clamped, held : int
+        Particle-steps of this rank in this process; those, since the start, with a half-width
+        held at one cell, and those in which a wall held a particle in.
     wish : int
         What this rank asks for, `NOTHING` to `FAULT`; it goes with the reduction of every step.
     granted : int
@@ -121,7 +121,7 @@ class Simulation:
         self.timings = dict.fromkeys((*PHASES, "sort", "balance"), 0.0)
         self.worked = dict.fromkeys(PHASES, 0.0) if shares_cores(comm) else self.timings
         self.dt = 0.0
-        self.particle_steps = self.clamped = 0
+        self.particle_steps = self.clamped = self.held = 0
         self.fault_room = np.zeros((2, ROOM, 2), np.int64)
         self.faults, self.failed = self.fault_room[0, :0], 0
         self.failure: Failure | None = None
@@ -177,7 +177,7 @@ class Simulation:
         open_window(self)
         if start is None:
             scene.loads.settle(self.population, comm)
-        self.faces = scene.face_parameters(0.0, 0.0)
+        self.faces, self.walls = scene.face_parameters(0.0, 0.0), scene.walls(0.0)
         self.diagnostic_sums = Diagnostics()
         fastest = fastest_rate(
             scene.frame, self.identity, scene.materials, self.particles, self.population.order,

@@ -46,6 +46,7 @@ class State(BaseModel):
     count: int = Field(ge=1, le=2**53)
     lightest: float = Field(ge=0.0)
     clamped: int = Field(ge=0)
+    held: int = Field(ge=0, default=0)
     first_energy: float | None
     last_line: float | None
     beyond: float = Field(ge=0.0)
@@ -120,7 +121,7 @@ def capture(sim: "Simulation") -> tuple[dict[str, Any], Ordered, dict[str, np.nd
     """
     own = sim.owned_planes
     sums = [getattr(sim, name)[:own] for name in ACCUMULATORS]
-    parts = sim.comm.gather((np.diff(sim.population.start), sim.clamped, sums))
+    parts = sim.comm.gather((np.diff(sim.population.start), (sim.clamped, sim.held), sums))
     if parts is None:
         return {}, Ordered(sim), {}
     records = sim.diagnostic_sums
@@ -131,7 +132,8 @@ def capture(sim: "Simulation") -> tuple[dict[str, Any], Ordered, dict[str, np.nd
         rate=sim.rate,
         count=sim.count,
         lightest=sim.lightest,
-        clamped=sum(part[1] for part in parts),
+        clamped=sum(part[1][0] for part in parts),
+        held=sum(part[1][1] for part in parts),
         first_energy=records.first_energy,
         last_line=records.last[0] if records.last else None,
         beyond=records.beyond[0],
@@ -169,7 +171,9 @@ def restore(sim: "Simulation", source: Any) -> None:
     """
     comm, scene = sim.comm, sim.scene
     state, layers = all_or_none(comm, lambda: _outline(sim, source), DamagedError)
-    sim.count, sim.clamped = state.count, state.clamped if comm.rank == 0 else 0
+    sim.count = state.count
+    if comm.rank == 0:
+        sim.clamped, sim.held = state.clamped, state.held
     sim.decompose(layers)
     first, end = sim.slab.first, sim.slab.first + sim.slab.layers
     edges = np.concatenate([[0], np.cumsum(layers)])

@@ -43,7 +43,7 @@ def step(sim: "Simulation") -> tuple[float, float, int, float]:
     scene, grid, population, migration = sim.scene, sim.grid, sim.population, sim.migration
     shape, frame, particles, window = scene.shape, scene.frame, population.particles, grid.window
     order, start, movers = population.order, population.start, population.movers
-    loads = scene.loads.at(sim.time)
+    loads, relaxation = scene.loads.at(sim.time), scene.loads.relaxation
     lap = _stopwatch(sim.timings, sim.worked)
 
     sum_particles(sim, loads, bool(scene.loads.constraints))
@@ -56,35 +56,41 @@ def step(sim: "Simulation") -> tuple[float, float, int, float]:
 
     grips, gravity = scene.loads.grips(sim.time, end), scene.gravity(sim.time)
     for mirror in scene.mirrors:
-        fold(frame, window, grid.G, grid.active, mirror, dt, gravity, sim.owned_planes, sim.impulse)
-    faces = sim.faces if not scene.varies else scene.face_parameters(sim.time, end)
+        fold(
+            frame, window, grid.G, grid.active, mirror, relaxation, dt, gravity,
+            sim.owned_planes, sim.impulse,
+        )  # fmt: skip
+    faces, walls = sim.faces, sim.walls
+    if scene.varies:
+        faces, walls = scene.face_parameters(sim.time, end), scene.walls(end)
     update_momentum(  # (14, 17) and the boundary conditions
-        frame, window, grid.G, grid.active, dt, gravity, sim.lightest, faces,
+        frame, window, grid.G, grid.active, dt, gravity, sim.lightest, faces, relaxation,
         sim.owned_planes, sim.impulse, sim.beyond, sim.work,
     )  # fmt: skip
     if grips:
         hold_marked(
-            window, grid.G, grid.active, grid.marks, grips, dt,
+            window, grid.G, grid.active, grid.marks, grips, relaxation, dt,
             sim.owned_planes, sim.grip_impulse, sim.work,
         )  # fmt: skip
     for mirror in reversed(scene.mirrors):
         reflect(
-            frame, window, grid.G, grid.active, mirror, dt, gravity,
+            frame, window, grid.G, grid.active, mirror, relaxation, dt, gravity,
             sim.owned_planes, sim.impulse, sim.work,
         )  # fmt: skip
     lap("momentum")
 
     rate, failed, leavers, found = 0.0, [], 0, 0
     for half, layers in enumerate(sim.halo.halves(start)):  # first what neighbours wait for
-        wrong, left, moved, fastest, clamped = grid_to_particles(  # (26, 27, 29, 30)
+        wrong, left, moved, fastest, clamped, held = grid_to_particles(  # (26, 27, 29, 30)
             shape, scene.materials, frame, window, particles, loads, grips, order, start, layers,
             scene.material_of, grid.G, dt, scene.tracked, sim.clock.controlled, grid.bounds,
-            scene.exits, sim.reach, movers[found:], sim.fault_room[half], sim.grip_impulse,
-            sim.work,
+            scene.exits, walls, sim.reach, movers[found:], sim.fault_room[half],
+            sim.grip_impulse, sim.impulse, sim.work,
         )  # fmt: skip
         failed.append(wrong)
         rate, leavers = max(rate, fastest), leavers + left
         sim.clamped += clamped
+        sim.held += held
         lap("G2P")
         if moved or sim.slab.neighbours:
             migration.proceed(population, movers[found : found + moved])

@@ -41,25 +41,26 @@ def warm_up(scene: Scene, identity: tuple[float, ...]) -> None:
         np.zeros((0, 3), np.int64), grid.scratch, grid.G, grid.active, grid.aside, grid.below,
     )  # fmt: skip
     complete(grid.G, grid.window.stride[0], 0, 1, grid.aside, 0, False, np.empty(0))
-    faces = scene.face_parameters(0.0, 0.0)
+    faces, relaxation = scene.face_parameters(0.0, 0.0), scene.loads.relaxation
     update_momentum(
-        frame, grid.window, grid.G, grid.active, 1.0, scene.gravity(0.0), 0.0, faces, 1,
+        frame, grid.window, grid.G, grid.active, 1.0, scene.gravity(0.0), 0.0, faces, relaxation, 1,
         np.zeros((1, len(faces), 3)), np.zeros((1, len(faces))), np.zeros(1),
     )  # fmt: skip
     for mirror in scene.mirrors:
         none, impulse = np.zeros(0, np.uint8), np.zeros((1, len(faces), 3))
-        given = (frame, grid.window, grid.G, none, mirror, 1.0, scene.gravity(0.0), 1, impulse)
-        fold(*given)
-        reflect(*given, np.zeros(1))
+        given = (frame, grid.window, grid.G, none, mirror, relaxation, 1.0)
+        fold(*given, scene.gravity(0.0), 1, impulse)
+        reflect(*given, scene.gravity(0.0), 1, impulse, np.zeros(1))
     grid_to_particles(
         shape, scene.materials, frame, grid.window, p, loads, grips, rows, start,
-        np.zeros(0, np.int64), scene.material_of, grid.G, 1.0, True, False, grid.bounds, 0, reach,
-        rows.copy(), np.zeros((1, 2), np.int64), np.zeros((1, len(grips), 3)), np.zeros(1),
+        np.zeros(0, np.int64), scene.material_of, grid.G, 1.0, True, False, grid.bounds, 0,
+        scene.walls(0.0), reach, rows.copy(), np.zeros((1, 2), np.int64),
+        np.zeros((1, len(grips), 3)), np.zeros((1, len(faces), 3)), np.zeros(1),
     )  # fmt: skip
     if grips:
         mark(shape, frame, grid.window, p, rows, start, grid.marks)
         hold_marked(
-            grid.window, grid.G, np.zeros(0, np.uint8), grid.marks, grips, 1.0, 1,
+            grid.window, grid.G, np.zeros(0, np.uint8), grid.marks, grips, relaxation, 1.0, 1,
             np.zeros((1, len(grips), 3)), np.zeros(1),
         )  # fmt: skip
     material_of = scene.material_of

@@ -1,0 +1,67 @@
+"""Faces that hold particles in.
+
+The grid's velocity at a wall is zero only where all the weight is on vertices that the wall holds.
+A particle wider than a point has some on the vertices inside, so that flow along a wall, and what
+is pressed against it, creeps through: by a millionth of a cell, or by parts of it where particles
+stretch. Such a particle is set back onto the wall, and its velocity into the wall becomes that of
+the wall, as in an inelastic impact. What it loses by that is the wall's impulse and work.
+"""
+
+from math import isfinite
+
+from pgimp.kernels.jit import kernel, specialise
+
+#: Columns of `walls`: the face's number or -1, where particles are put, the wall's velocity.
+FACE, PLACE, VELOCITY, WALL = 0, 1, 2, 3
+
+
+def prescribed_by(grips, grip, d):
+    """Whether constraint number `grip`, from 1, prescribes component `d`; 0 is no constraint."""
+
+
+@specialise(prescribed_by)
+def _prescribed_by(grips, grip, d):
+    if len(grips) == 0:
+        return lambda grips, grip, d: False
+    return lambda grips, grip, d: grip > 0 and grips[grip - 1].held[d]
+
+
+@kernel
+def hold_inside(walls, frame, grips, particles, p, impulse, work):
+    """Set a particle that has passed walls back onto them.
+
+    Parameters
+    ----------
+    walls : (6, 3) float64
+        For each face, x-min to z-max: its number among those with a condition, or -1 if it holds
+        nothing in; the coordinate where it puts particles; its velocity along the normal.
+    grips : tuple of Grip
+        Constraints; a particle moves as its constraint says, also through a wall.
+    impulse : (faces, 3) float64
+        Grows by the momentum that the walls give.
+    work : (1,) float64
+        Grows by their work.
+
+    Returns
+    -------
+    int
+        1 if the particle is another now, else 0.
+    """
+    held = 0
+    for d in range(len(frame.origin)):
+        xi = (particles.x[p, d] - frame.origin[d]) * frame.inverse[d]
+        if not isfinite(xi) or (xi >= 0.0 and xi <= frame.cells[d]):
+            continue
+        wall = walls[2 * d + (xi > 0.0)]
+        grip = particles.grip[p, 0] if particles.grip.shape[1] > 0 else 0
+        if wall[FACE] < 0.0 or prescribed_by(grips, grip, d):
+            continue
+        held = 1
+        particles.x[p, d] = wall[PLACE]
+        change = wall[VELOCITY] - particles.v[p, d]
+        if change < 0.0 if xi > 0.0 else change > 0.0:
+            particles.v[p, d] = wall[VELOCITY]
+            change *= particles.m[p]
+            impulse[int(wall[FACE]), d] += change
+            work[0] += change * wall[VELOCITY]
+    return held
