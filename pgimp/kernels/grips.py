@@ -92,13 +92,13 @@ def mark(shape, frame, window, particles, order, start, mask):
 
 
 @kernel
-def hold_marked(window, G, active, mask, grips, relaxation, dt, owned, impulse, work):
+def hold_marked(window, G, active, mask, grips, relaxation, dt, gravity, owned, impulse, work):
     """Set velocity and acceleration of the marked vertices, after the momentum update.
 
     Parameters
     ----------
-    window, G, active, relaxation, dt, owned, work
-        As in `update_momentum`.
+    window, G, active, relaxation, dt, gravity, owned, work
+        As in `update_momentum`, which has counted gravity's work with the velocity before.
     mask
         See `mark`. Where constraints share a vertex, the later one rules.
     grips : tuple of Grip
@@ -124,6 +124,7 @@ def hold_marked(window, G, active, mask, grips, relaxation, dt, owned, impulse, 
                         change = given(
                             relaxation, mass, dt, G[r + 1 + d], G[r + 5 + d], v, a
                         )  # fmt: skip
+                        work[i] += mass * dt * gravity[d] * (v - G[r + 1 + d])
                         G[r + 1 + d] = v
                         G[r + 5 + d] = a
                         G[r + HELD] = int(G[r + HELD]) | 1 << d

@@ -55,6 +55,31 @@ def layer_sums(frame, like, materials, particles, order, start, material_of, sum
             )
 
 
+#: Bits of the two integers in which `exact_masses` holds a mass.
+HIGH, LOW = 60, 62
+
+
+@kernel
+def exact_masses(particles, order, unit, masses):
+    """Add up the masses of a rank's particles without rounding, so that no order matters.
+
+    Parameters
+    ----------
+    unit : float
+        2^60 over a power of two that is greater than the sum.
+    masses : (bodies, 2) int64
+        Zero on entry; then mass is ``(high + low / 2**62) / unit``. What a particle has below
+        2^-62 / unit is left out: nothing, unless it is 2^69 times lighter than the greatest sum.
+    """
+    for p in order:
+        scaled = particles.m[p] * unit
+        high = int(scaled)
+        row = masses[particles.body[p]]
+        low = row[1] + int((scaled - high) * 2.0**LOW)
+        row[0] += high + (low >> LOW)
+        row[1] = low & ((1 << LOW) - 1)
+
+
 @kernel
 def fastest_rate(frame, like, materials, particles, order, material_of):
     """Largest (c_p + |v_p|)/L over the particles, 1/time; times dt the Courant number."""

@@ -177,8 +177,8 @@ def _say_done(
     if held:
         share = 100.0 * held / (sim.count * sim.step)
         log.say(
-            f"note: in {held} particle-steps ({share:.2g} %) a wall held in a particle whose centre "
-            "had passed it; that takes its velocity into the wall, which counts as the wall's force"
+            f"note: in {held} particle-steps ({share:.2g} %) a wall held in a particle whose "
+            "centre had passed it; its velocity into the wall is lost, as a force of the wall"
         )
     part, when, face = sim.diagnostic_sums.beyond
     if part > _NEGLIGIBLE:

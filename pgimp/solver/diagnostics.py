@@ -1,5 +1,6 @@
 """The columns of history.csv: sums over the particles, work and reactions, in layer order."""
 
+from math import frexp, ldexp
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,12 +16,15 @@ from pgimp.kernels.errors import (
 )
 from pgimp.kernels.sums import (
     ANGULAR,
+    HIGH,
     KINETIC,
+    LOW,
     MASS,
     MOMENT,
     MOMENTUM,
     STRAIN,
     SUMS,
+    exact_masses,
     layer_sums,
 )
 
@@ -28,6 +32,12 @@ if TYPE_CHECKING:
     from pgimp.solver.simulation import Simulation
 
 AXES = "xyz"
+
+
+def _mass(sums: np.ndarray, unit: float) -> float:
+    """Mass in rows of `exact_masses`, rounded once."""
+    high, low = (sum(map(int, column)) for column in sums.T)
+    return ldexp(float((high << LOW) + low), -LOW) / unit
 
 
 class Diagnostics:
@@ -53,11 +63,14 @@ class Diagnostics:
             scene.frame, sim.identity, scene.materials, population.particles,
             population.order, population.start, scene.material_of, sums,
         )  # fmt: skip
+        masses = np.zeros((len(scene.body_names), 2), np.int64)
+        unit = 2.0 ** (HIGH - 2 - frexp(scene.most_mass)[1])  # see `Simulation.settle`
+        exact_masses(population.particles, population.order, unit, masses)
         own = sim.owned_planes
         impulse = np.concatenate([sim.impulse[:own], sim.grip_impulse[:own]], axis=1)
         faces = (impulse, sim.beyond[:own])
         parts = sim.comm.gather(
-            (sums, sim.work[:own], faces, self._own_errors(sim), sim.escaped[:own])
+            (sums, sim.work[:own], faces, self._own_errors(sim), sim.escaped[:own], masses)
         )
         if parts is None:
             return None
@@ -67,7 +80,10 @@ class Diagnostics:
             np.add.reduce(np.concatenate([part[2][i] for part in parts]), axis=0) for i in (0, 1)
         )
         escaped = np.add.reduce(np.concatenate([part[4] for part in parts]), axis=(0, 1))
-        line = self._columns(sim, bodies, escaped, work, impulse, beyond)
+        masses = np.stack([part[5] for part in parts])  # by rank and body
+        bodies[:, MASS] = [_mass(masses[:, body], unit) for body in range(len(bodies))]
+        mass = _mass(masses.reshape(-1, 2), unit)
+        line = self._columns(sim, bodies, mass, escaped, work, impulse, beyond)
         if scene.exact:
             added = np.add.reduce(np.concatenate([part[3][0] for part in parts]), axis=0)
             most = np.concatenate([part[3][1] for part in parts]).max(axis=0)
@@ -105,6 +121,7 @@ class Diagnostics:
         self,
         sim: "Simulation",
         bodies: np.ndarray,
+        mass: float,
         escaped: np.ndarray,
         work: float,
         impulse: np.ndarray,
@@ -113,6 +130,7 @@ class Diagnostics:
         scene = sim.scene
         axes = AXES[: scene.dimension]
         total = np.add.reduce(bodies, axis=0)
+        total[MASS] = mass
         kinetic, strain = float(total[KINETIC]), float(total[STRAIN])
         if self.first_energy is None:
             self.first_energy = kinetic + strain

@@ -26,6 +26,11 @@ _ADVICE = {
     OUTSIDE: "a larger grid (grid.origin, grid.size), a condition on that face (boundaries), "
     "letting particles go there (escape), an earlier time.end",
 }
+#: At a face with a condition, which holds particles in unless it moves them out.
+_DRAWN_OUT = (
+    "a larger grid (grid.origin, grid.size), and constraints on a part of the body instead of the "
+    "condition on that face, which moves the material out of the domain, or lets it move out"
+)
 
 
 class Failure(NamedTuple):
@@ -89,11 +94,14 @@ def _describe(sim: "Simulation", time: float, dt: float) -> tuple[str, str, str]
     place = ", ".join(f"{x:.6g}" for x in p.x[row])
     velocity = ", ".join(f"{v:.4g}" for v in p.v[row])
     body = sim.scene.body_names[p.body[row]]
+    advice = _ADVICE[fault]
+    if fault == OUTSIDE and _face(sim, row) in sim.case.boundaries:
+        advice = _DRAWN_OUT
     return (
         f"particle {p.id[row]} of body '{body}' {explanation(sim, row, fault)}",
         f"in step {sim.step + 1} to time {time:.6g} (dt {dt:.4g}), at ({place}), velocity "
         f"({velocity}), on rank {sim.comm.rank}",
-        _ADVICE[fault],
+        advice,
     )
 
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from pgimp.case.schema import Case
-from pgimp.errors import RunError
+from pgimp.errors import CaseError, RunError
 from pgimp.kernels.jit import discard_damaged
 from pgimp.kernels.order import layers_of
 from pgimp.kernels.sums import fastest_rate
@@ -169,8 +169,15 @@ class Simulation:
         With `start`, the beginnings of the layers, they are in order and have all they carry.
         """
         scene, comm, slab = self.scene, self.comm, self.slab
-        masses = comm.allgather(float(particles.m[:count].min(initial=np.inf)))
-        self.lightest = LIGHT * min(masses)
+        mine = particles.m[:count]
+        masses = comm.allgather((float(mine.min(initial=np.inf)), float(mine.sum())))
+        self.lightest = LIGHT * min(least for least, _ in masses)
+        total = sum(mass for _, mass in masses)
+        if total > 2.0 * scene.most_mass:  # only particles from a file can
+            raise CaseError(
+                f"bodies: the particles weigh {total:.6g}, and the whole domain, filled with the "
+                f"densest material, {scene.most_mass:.6g}: are the volumes of points right?"
+            )
         self.population = Population(particles, count, scene.shape, scene.frame, slab, start)
         self.balance.watch(count)
         occupy(self)

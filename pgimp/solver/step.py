@@ -69,7 +69,7 @@ def step(sim: "Simulation") -> tuple[float, float, int, float]:
     )  # fmt: skip
     if grips:
         hold_marked(
-            window, grid.G, grid.active, grid.marks, grips, relaxation, dt,
+            window, grid.G, grid.active, grid.marks, grips, relaxation, dt, gravity,
             sim.owned_planes, sim.grip_impulse, sim.work,
         )  # fmt: skip
     for mirror in reversed(scene.mirrors):

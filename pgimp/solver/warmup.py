@@ -10,7 +10,7 @@ from pgimp.kernels.momentum import update_momentum
 from pgimp.kernels.movers import pack_rows, sort_out, sort_rows, unpack_rows
 from pgimp.kernels.order import layers_of, locate, merge, reach_of
 from pgimp.kernels.p2g import complete, particles_to_grid
-from pgimp.kernels.sums import SUMS, fastest_rate, layer_sums
+from pgimp.kernels.sums import SUMS, exact_masses, fastest_rate, layer_sums
 from pgimp.parallel.slabs import Slab
 from pgimp.scene.scene import Scene
 from pgimp.solver.grid import Grid
@@ -60,14 +60,15 @@ def warm_up(scene: Scene, identity: tuple[float, ...]) -> None:
     if grips:
         mark(shape, frame, grid.window, p, rows, start, grid.marks)
         hold_marked(
-            grid.window, grid.G, np.zeros(0, np.uint8), grid.marks, grips, relaxation, 1.0, 1,
-            np.zeros((1, len(grips), 3)), np.zeros(1),
+            grid.window, grid.G, np.zeros(0, np.uint8), grid.marks, grips, relaxation, 1.0,
+            scene.gravity(0.0), 1,            np.zeros((1, len(grips), 3)), np.zeros(1),
         )  # fmt: skip
     material_of = scene.material_of
     layer_sums(
         frame, identity, scene.materials, p, rows, start, material_of,
         np.zeros((1, len(material_of), SUMS)),
     )  # fmt: skip
+    exact_masses(p, rows, 1.0, np.zeros((len(material_of), 2), np.int64))
     fastest_rate(frame, identity, scene.materials, p, rows, material_of)
     if scene.exact:
         layer_errors(
