@@ -17,7 +17,6 @@ from pgimp.parallel.node import one_rank_first
 from pgimp.scene.meshtree import nothing, plant
 from pgimp.scene.regions import Mesh, Points
 from pgimp.scene.regions.base import Region
-from pgimp.scene.regions.points import NONE
 from pgimp.scene.scene import LEAST, MOST
 
 #: A body that is so many times as large as the grid was perhaps meant in another unit, by so much.
@@ -169,7 +168,7 @@ def do_without(case: Case, comm: Any) -> None:
         mesh.__dict__["surface"] = nothing(case.dimensions)
     for body in case.bodies.values():
         if isinstance(body.region, Points):
-            body.region.__dict__["summary"] = NONE
+            body.region.__dict__["summary"] = body.region.nothing()
 
 
 def release(case: Case) -> None:

@@ -35,10 +35,6 @@ class Summary(NamedTuple):
     stress: bool
 
 
-#: Of a body whose particles exist already.
-NONE = Summary(0, (np.inf,) * 3, (-np.inf,) * 3, 0.0, 0.0, 0.0, False, False)
-
-
 class Points(Model, Region):
     """Particles from a file; their size, where the shape has one, is as on the lattice."""
 
@@ -55,6 +51,16 @@ class Points(Model, Region):
         """See `Region.belong`."""
         self.__dict__["dimensions_of_case"] = dimensions
 
+    @property
+    def dimensions(self) -> int:
+        """Directions of the case."""
+        return self.__dict__.get("dimensions_of_case", 3)
+
+    def nothing(self) -> Summary:
+        """Return what stands for the file where its particles exist already."""
+        D = self.dimensions
+        return Summary(0, (np.inf,) * D, (-np.inf,) * D, 0.0, 0.0, 0.0, False, False)
+
     @cached_property
     def summary(self) -> Summary:
         """What the file holds; it is read once, block by block, and checked.
@@ -64,7 +70,7 @@ class Points(Model, Region):
         CaseError
             If it cannot be read, or a row is no particle.
         """
-        D = self.__dict__.get("dimensions_of_case", 3)
+        D = self.dimensions
         count, volume = 0, 0.0
         low, high = np.full(D, np.inf), np.full(D, -np.inf)
         least, most = np.inf, 0.0
@@ -108,7 +114,7 @@ class Points(Model, Region):
 
     def chosen(self, which: Callable[[Lengths], Mask]) -> Iterator[tuple[NDArray, Block]]:
         """Yield the particles whose coordinate along x is wanted, with their rows in the file."""
-        for block in blocks(self.file, self.__dict__.get("dimensions_of_case", 3)):
+        for block in blocks(self.file, self.dimensions):
             rows = np.flatnonzero(which(np.ascontiguousarray(block.position[:, 0])))
             if len(rows):
                 yield (
@@ -123,14 +129,14 @@ class Points(Model, Region):
 
     def line(self, row: int) -> str:
         """Say where in the file a row stands; empty if it is there no more."""
-        for block in blocks(self.file, self.__dict__.get("dimensions_of_case", 3)):
+        for block in blocks(self.file, self.dimensions):
             if row < block.first + len(block.volume):
                 return block.place(row - block.first)
         return ""
 
     def at(self, axis: int, reach: float) -> str:
         """See `Region.at`; the file is read once more."""
-        for block in blocks(self.file, self.__dict__.get("dimensions_of_case", 3)):
+        for block in blocks(self.file, self.dimensions):
             rows = np.flatnonzero(block.position[:, axis] == reach)
             if len(rows):
                 x = ", ".join(f"{value:.6g}" for value in block.position[rows[0]])
