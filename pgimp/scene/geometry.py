@@ -13,11 +13,13 @@ from pgimp.case.messages import dotted
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.output.collective import on_root
+from pgimp.parallel.limits import limits
 from pgimp.parallel.node import one_rank_first
 from pgimp.scene.meshtree import nothing, plant
 from pgimp.scene.regions import Mesh, Points
 from pgimp.scene.regions.base import Region
 from pgimp.scene.scene import LEAST, MOST
+from pgimp.solver.particles import Particles
 
 #: A body that is so many times as large as the grid was perhaps meant in another unit, by so much.
 _FAR_TOO_LARGE, _MILLI = 50.0, 0.001
@@ -134,6 +136,9 @@ def _warm_up() -> None:
 
 def _read_points(case: Case, comm: Any) -> None:
     """Let rank 0 check the files of particles, and all ranks know what they hold."""
+    if not any(isinstance(body.region, Points) for body in case.bodies.values()):
+        return
+    room = _most_particles(case, comm)
     for name, body in case.bodies.items():
         points = body.region
         if not isinstance(points, Points):
@@ -141,7 +146,7 @@ def _read_points(case: Case, comm: Any) -> None:
 
         def read(name: str = name, points: Points = points) -> Any:
             try:
-                found = points.summary
+                found = points.read(room)
             except CaseError as error:
                 raise CaseError(f"bodies.{name}.region: {error}") from None
             material = case.materials[case.bodies[name].material]
@@ -160,6 +165,19 @@ def _read_points(case: Case, comm: Any) -> None:
             return found
 
         points.__dict__["summary"] = on_root(comm, read)
+
+
+def _most_particles(case: Case, comm: Any) -> int | None:
+    """Particles that the memory of all ranks holds, whatever else they have; collective."""
+    row = Particles.empty(1, case.dimensions)
+    mine = min(limits(), key=lambda limit: limit.free, default=None)
+    # Some ranks share the memory of a node.
+    pools: dict[str, int] = {}
+    for limit in comm.allgather(mine):
+        if limit is None:
+            return None
+        pools[limit.shared_by] = min(limit.free, pools.get(limit.shared_by, limit.free))
+    return int(sum(pools.values())) // sum(column.nbytes for column in row)
 
 
 def do_without(case: Case, comm: Any) -> None:
