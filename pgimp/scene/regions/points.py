@@ -6,7 +6,7 @@ of a case start with that of the lattice, from `particles_per_cell`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property
 from typing import ClassVar, NamedTuple
 
@@ -137,12 +137,15 @@ class Points(Model, Region):
             if len(rows):
                 yield block.first + rows, block.take(rows)
 
-    def line(self, row: int) -> str:
-        """Say where in the file a row stands; empty if it is there no more."""
+    def lines(self, rows: Sequence[int]) -> list[str]:
+        """Say where in the file rows stand, given ascending; fewer if it has become shorter."""
+        found: list[str] = []
         for block in blocks(self.file, self.dimensions):
-            if row < block.first + len(block.volume):
-                return block.place(row - block.first)
-        return ""
+            while len(found) < len(rows) and rows[len(found)] < block.first + len(block.volume):
+                found.append(block.place(rows[len(found)] - block.first))
+            if len(found) == len(rows):
+                break
+        return found
 
     def at(self, axis: int, reach: float) -> str:
         """See `Region.at`; the file is read once more."""
