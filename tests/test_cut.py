@@ -40,7 +40,8 @@ def cylinder(start, end, radius):
 
 
 def half_space(point, normal):
-    return {"half-space": {"point": [float(x) for x in point], "normal": [float(n) for n in normal]}}
+    point, normal = [float(x) for x in point], [float(n) for n in normal]
+    return {"half-space": {"point": point, "normal": normal}}
 
 
 def body(entry, surface="cut", velocity=None):

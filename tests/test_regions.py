@@ -233,7 +233,7 @@ INFINITE = math.inf
             [0, 1, 5],
         ),
         (
-            {"intersection": [cylinder([-3, 0, 0], [3, 0, 0], 1), half_space([0, 0, 0], [1, 0, 1])]},
+            {"intersection": [cylinder([-3, 0, 0], [3, 0, 0], 1), half_space([0] * 3, [1, 0, 1])]},
             [-3, -1, -1],
             [1, 1, 1],
         ),

@@ -400,7 +400,7 @@ def test_a_run_stops_before_its_wall_time(folder, tmp_path, capsys):
 
 
 def every_kind(D, folder):
-    """A body of each kind of region in the square from -2 to 2, by a name; files are in `folder`."""
+    """Regions of each kind in the square from -2 to 2, by a name; files are in `folder`."""
     rng = np.random.default_rng(D)
     box = {"box": {"min": [-1.1] * D, "max": [0.9] * D}}
     ball = {"ball": {"centre": [0.1] * D, "radius": 1.2}}

@@ -10,6 +10,7 @@ import numpy as np
 from pgimp.case.check_bodies import check_bounds
 from pgimp.case.check_probes import check_near
 from pgimp.case.messages import dotted
+from pgimp.case.places import located
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.output.collective import on_root
@@ -42,6 +43,11 @@ def share(case: Case, comm: Any) -> None:
     CaseError
         The same on every rank: a file that cannot be used, or what lies beyond the domain.
     """
+    with located(case):
+        _share(case, comm)
+
+
+def _share(case: Case, comm: Any) -> None:
     from pgimp.kernels.jit import discard_damaged
 
     release(case)

@@ -62,8 +62,8 @@ def find(h5py: Any, file: Any, key: str) -> Any:
     if isinstance(group, h5py.Dataset):
         if group.external:
             raise CaseError(
-                f"the data of '{key}' are in another file, {shown(group.external[0][0], 200)}; copy "
-                "them into this one (h5repack)"
+                f"the data of '{key}' are in another file, {shown(group.external[0][0], 200)}; "
+                "copy them into this one (h5repack)"
             )
         if group.is_virtual:
             raise CaseError(f"'{key}' is a view of other datasets; copy the data into this one")

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from pgimp.case.places import located
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.kernels.errors import initial_velocities
@@ -90,7 +91,8 @@ class Scene:
         self.body_material = tuple(used.index(b.material) for b in case.bodies.values())
         self.material_of = np.array(self.body_material, np.int64)
         self.materials = tuple(parameters_of(case.materials[name]) for name in used)
-        self.most_mass = self._weigh(used)
+        with located(case):
+            self.most_mass = self._weigh(used)
         named = case.boundaries
         order = [f"{axis}-{end}" for axis in AXES for end in ("min", "max")]
         self.faces = [Face(name, named[name]) for name in order if name in named]
@@ -280,7 +282,8 @@ def count_particles(scene: Scene, comm: Any) -> tuple[Lattice, np.ndarray, list[
         See `pgimp.scene.lattice.census`.
     """
     lattice = Lattice(scene.case)
-    taken = census(lattice, comm)
-    if int(taken.counts.sum()) >= 2**53:
-        raise CaseError("grid.cell: more particles than can be numbered; use larger cells")
+    with located(scene.case):
+        taken = census(lattice, comm)
+        if int(taken.counts.sum()) >= 2**53:
+            raise CaseError("grid.cell: more particles than can be numbered; use larger cells")
     return lattice, taken.counts, taken.notes
