@@ -6,18 +6,16 @@ is exact to rounding. Other pieces are integrated direction by direction: along 
 direction in which the surface is met most squarely by the exact length of the part inside; over the
 others by Gauss's rule between the places at which the surface leaves through the piece's edges, so
 that the integrand is smooth. Flat cuts at any angle are exact as well, also where several meet
-within a box: there the box is cut too (`_FLATS` of them at most).
+within a box: there the box is cut too, see `pgimp.scene.flatcuts`.
 
 Every box is computed for itself, in a fixed order of operations: neither the other boxes of a call
 nor their number changes a bit.
 """
 
-from collections.abc import Iterator
-from itertools import combinations, product
-
 import numpy as np
 from numpy.typing import NDArray
 
+from pgimp.scene.flatcuts import corners
 from pgimp.scene.regions.base import Points, Region
 
 Reals = NDArray[np.float64]
@@ -34,9 +32,6 @@ _BATCH, _CROSSINGS = 16384, 1_000_000
 #: Surfaces that may meet one box along a direction, and pieces that planes may cut it into: with
 #: more, the region's parts are far smaller than the box, and measuring it would take hours.
 _MOST_CUTS, _MOST_PIECES = 48, 2_000
-
-#: Tilted planes of a region for which it is looked where they meet one another.
-_FLATS = 16
 
 
 class TangledError(Exception):
@@ -200,7 +195,7 @@ def _integrate(
         rows, column = np.nonzero((a[:, None] < crossing) & (crossing < b[:, None]))
         found.append(rows)
         cuts.append(crossing[rows, column])
-    for rows, cut in _corners(region, points, low, high, axes):
+    for rows, cut in corners(region, points, low, high, axes):
         found.append(rows)
         cuts.append(cut)
     rows, left, right = _stretches(a, b, np.concatenate(found), np.concatenate(cuts))
@@ -228,56 +223,3 @@ def _integrate(
         parts[:, 1 + axis] = width * (at[:, axis] - centre[rows, axis])
         _add(total, rows, parts)
     return total
-
-
-def _corners(
-    region: Region, points: Points, low: Points, high: Points, axes: tuple[int, ...]
-) -> Iterator[tuple[Rows, Reals]]:
-    """Yield where along the first of `axes` tilted planes meet one another within pieces.
-
-    There what is inside across that direction has a kink. Two planes meet in a line, which leaves
-    a piece through faces across the other directions; three in a point.
-    """
-    D = points.shape[1]
-    flats = list(dict.fromkeys(flat for part in region.simple() for flat in part.flats()))
-    tilted = [flat for flat in flats if sum(n != 0.0 for n in flat.normal) > 1]
-    if len(axes) < 2 or not 2 <= len(tilted) <= _FLATS:
-        return
-    offsets, near = [], []
-    for normal, foot in tilted:
-        offsets.append(sum(n * x for n, x in zip(normal, foot, strict=True)))
-        away, reach = np.full(len(points), -offsets[-1]), np.zeros(len(points))
-        for d in range(D):
-            ends = (low[:, d], high[:, d]) if d in axes else (points[:, d], points[:, d])
-            away += normal[d] * (0.5 * (ends[0] + ends[1]))
-            reach += abs(normal[d]) * (0.5 * (ends[1] - ends[0]))
-        near.append(np.abs(away) <= reach * (1.0 + 1e-9))
-    for k in range(2, len(axes) + 1):
-        for chosen in combinations(range(len(tilted)), k):
-            rows = np.flatnonzero(np.logical_and.reduce([near[i] for i in chosen]))
-            if len(rows) == 0:
-                continue
-            for held in combinations(axes[1:], len(axes) - k):
-                free = [d for d in axes if d not in held]
-                matrix = np.array([[tilted[i].normal[d] for d in free] for i in chosen])
-                if abs(np.linalg.det(matrix)) < 1e-12:
-                    continue
-                inverse = np.linalg.inv(matrix)
-                for ends in product((low, high), repeat=len(held)):
-                    at = points[rows]
-                    for d, end in zip(held, ends, strict=True):
-                        at[:, d] = end[rows, d]
-                    inside = np.ones(len(rows), bool)
-                    for row, d in enumerate(free):
-                        x = np.zeros(len(rows))
-                        for column, i in enumerate(chosen):
-                            rest = np.full(len(rows), offsets[i])
-                            for other in range(D):
-                                if other not in free:
-                                    rest -= tilted[i].normal[other] * at[:, other]
-                            x += inverse[row, column] * rest
-                        slack = 1e-9 * (high[rows, d] - low[rows, d]) * (d != axes[0])
-                        inside &= (low[rows, d] - slack < x) & (x < high[rows, d] + slack)
-                        if d == axes[0]:
-                            cut = x
-                    yield rows[inside], cut[inside]

@@ -3,8 +3,9 @@
 Readers of dozens of formats meet files that nobody has checked: they print, exit, allocate what a
 damaged header asks for, or loop. Here they have limits of memory and time, and what goes wrong ends
 this process only. Other files that a mesh names are opened only where they are files on a disk:
-nobody may ever write to a pipe. Standard output gets the number of arrays and then arrays in NumPy's format:
-points, and for each block of cells its type and the cells. Errors are one line on standard error.
+nobody may ever write to a pipe. Standard output gets the number of arrays and then arrays in
+NumPy's format: points, and for each block of cells its type and the cells. Errors are one line on
+standard error.
 """
 
 import os
