@@ -1,4 +1,8 @@
-"""Half-space: all that lies on one side of a plane."""
+"""Half-space: all that lies on one side of a plane.
+
+As for boxes, points on the plane belong to it where it is the low face of the material: of two
+half-spaces with opposite normals each point belongs to one.
+"""
 
 from __future__ import annotations
 
@@ -22,11 +26,7 @@ from pgimp.scene.regions.base import (
 
 
 class HalfSpace(Model, Region):
-    """Side of a plane that its normal points away from; only a part of a body, as in intersection.
-
-    As for boxes, points on the plane belong to it where it is the low face of the material: of two
-    half-spaces with opposite normals each point belongs to one.
-    """
+    """Side of a plane that its normal points away from; of a body only a part (intersection)."""
 
     point: Vector = Field(description="a point of the plane [length]")
     normal: Vector = Field(
