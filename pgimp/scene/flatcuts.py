@@ -51,9 +51,9 @@ def corners(
         offsets.append(sum(n * x for n, x in zip(normal, foot, strict=True)))
         away, reach = np.full(len(points), -offsets[-1]), np.zeros(len(points))
         for d in range(D):
-            ends = (low[:, d], high[:, d]) if d in axes else (points[:, d], points[:, d])
-            away += normal[d] * (0.5 * (ends[0] + ends[1]))
-            reach += abs(normal[d]) * (0.5 * (ends[1] - ends[0]))
+            a, b = (low[:, d], high[:, d]) if d in axes else (points[:, d], points[:, d])
+            away += normal[d] * (0.5 * (a + b))
+            reach += abs(normal[d]) * (0.5 * (b - a))
         near.append(np.abs(away) <= reach * (1.0 + 1e-9))
     for k in range(2, len(axes) + 1):
         for chosen in combinations(range(len(tilted)), k):
