@@ -29,7 +29,18 @@ def cases(draw):
     low, high = [0.25 * s for s in size], [0.5 * s for s in size]
     box = {"box": {"min": low, "max": high}}
     ball = {"ball": {"centre": high, "radius": 0.4 * min(size)}}
-    region = draw(st.sampled_from([box, ball, {"union": [ball, {"difference": [ball, box, box]}]}]))
+    half = {"half-space": {"point": high, "normal": [1.0, -0.5, 0.2][:dimensions]}}
+    region = draw(
+        st.sampled_from(
+            [
+                box,
+                ball,
+                {"union": [ball, {"difference": [ball, box]}]},
+                {"intersection": [ball, half]},
+                {"difference": [ball, half]},
+            ]
+        )
+    )
     if dimensions == 3 and draw(st.booleans()):
         region = {"cylinder": {"from": low, "to": high, "radius": 0.1 * min(size)}}
     velocity = draw(vector)

@@ -2,14 +2,20 @@
 
 import re
 
+import meshio
+import numpy as np
 import pytest
 from bad_cases import GOOD, MISTAKES
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from pgimp.case.load import load
 from pgimp.case.reader import dump_case, read_case
 from pgimp.cli import main
 from pgimp.errors import CaseError
+from pgimp.parallel.comm import Serial
+from pgimp.scene.geometry import share
+from pgimp.scene.scene import Scene, count_particles
 
 JARGON = re.compile(
     r"Input should|pydantic|validation|\btuple\b|\bdict\b|\bNone\b|Traceback|_type\b|<class|\bctx\b"
@@ -189,3 +195,45 @@ def test_any_damage_gives_a_case_or_a_message(place, removed, put):
         assert all(line.startswith("case.yaml") for line in str(error).splitlines())
     else:
         assert read_case(dump_case(case)) == case
+
+
+def located_mistakes():
+    """Cases that only their geometry shows to be wrong: text in place of the region of `b`."""
+    return {
+        "overlap": ("{box: {min: [1.0, 1.0], max: [3.0, 3.0]}}", "the point (2.25, 2.25) lies in"),
+        "points": ("{points: {file: p.csv}}", "missing volume. Expected x,y,volume"),
+        "twins": ("{points: {file: twins.csv}}", "2 particles of "),
+        "mesh": ("{mesh: {file: m.vtu}}", "open ends, the first at (5, 5), of segment 0 (from 0)"),
+        "beyond": ("{points: {file: far.csv}}", "reaches 1 beyond the domain at x-max"),
+        "nothing": (
+            "{box: {min: [5.1, 5.1], max: [5.2, 5.2]}}\n    surface: whole",
+            "holds no particle",
+        ),
+    }
+
+
+@pytest.mark.parametrize("name", located_mistakes())
+def test_mistakes_of_geometry_have_file_and_line(tmp_path, name):
+    region, text = located_mistakes()[name]
+    (tmp_path / "p.csv").write_text("x,y\n1,1\n")
+    (tmp_path / "twins.csv").write_text("x,y,volume\n5,5,0.1\n5,5,0.1\n")
+    (tmp_path / "far.csv").write_text("x,y,volume\n9,5,0.1\n")
+    corners, lines = np.array([[5.0, 5, 0], [6, 5, 0], [6, 6, 0]]), np.array([[0, 1], [1, 2]])
+    meshio.write_points_cells(tmp_path / "m.vtu", corners, [("line", lines)])
+    (tmp_path / "c.yaml").write_text(
+        "format: 1\ndimensions: 2\ngrid: {size: [8.0, 8.0], cell: [1.0, 1.0]}\n"
+        "method: {shape: gimp, particles_per_cell: [2, 2]}\ntime: {end: 1.0, step: 0.01}\n"
+        "materials:\n  soft: {model: neo-hookean, young: 100.0, poisson: 0.3, density: 1.0}\n"
+        "bodies:\n  a:\n    material: soft\n    region: {box: {min: [2.0, 2.0], max: [4.0, 4.0]}}\n"
+        f"  b:\n    material: soft\n    region: {region}\n"
+    )
+    given = f"bodies.b.region={region}"
+    for overrides, place in (([], f"{tmp_path / 'c.yaml'}:14"), ([given], f"--set {given}")):
+        if overrides and "surface" in region:
+            continue
+        case = load(tmp_path / "c.yaml", overrides)
+        with pytest.raises(CaseError) as error:
+            share(case, Serial())
+            count_particles(Scene(case), Serial())
+        assert str(error.value).startswith(f"{place}: bodies.b.region: "), str(error.value)
+        assert text in str(error.value)

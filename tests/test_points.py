@@ -1,5 +1,7 @@
 """Bodies from files of particles: what is in the file is what runs; refusals with the row."""
 
+import os
+import time
 from types import SimpleNamespace
 
 import h5py
@@ -8,6 +10,7 @@ import pytest
 from meshes import case
 from scenes import field, start, write_case
 
+import pgimp
 from pgimp.case.schema import Case
 from pgimp.cli import main
 from pgimp.errors import CaseError
@@ -71,7 +74,7 @@ def test_the_case_gives_the_velocity_that_the_file_leaves_out(tmp_path):
 
 
 def test_a_stress_is_for_materials_that_carry_it(tmp_path):
-    data = cloud() | {"stress": np.arange(360.0).reshape(60, 6)}
+    data = cloud() | {"stress": np.arange(360.0).reshape(60, 6) * [1, 1, 1, 1, 0, 0]}
     write_hdf5(tmp_path / "p.h5", data)
     model = case(points(tmp_path / "p.h5"), dimension=2)
     with pytest.raises(CaseError, match="follows from the deformation alone"):
@@ -89,9 +92,17 @@ def damaged():
         "zero.csv": (good + "\n0,1,0\n", "line 4: the volume must be above zero, is 0"),
         "word.csv": (good + "0,one,0.1\n", "line 3: 'one' is no number"),
         "short.csv": (good + "0,0.1\n", "line 3: 2 values, expected 3"),
-        "head.csv": ("0,0,0.1\n", "names no column x, y, volume"),
-        "key.csv": ("x,y,volume,mass\n0,0,1,1\n", "unknown column 'mass'"),
-        "half.csv": ("x,y,volume,velocity-x\n0,0,1,1\n", "column velocity-y is missing"),
+        "head.csv": ("0,0,0.1\n", "missing x, y, volume; unknown '0', '0.1'; '0' more than once"),
+        "key.csv": ("x,y,volume,mass\n0,0,1,1\n", "unknown 'mass'. Expected x,y,volume and, if"),
+        "half.csv": ("x,y,volume,velocity-x\n0,0,1,1\n", "columns: missing velocity-y. Expected"),
+        "all.csv": (
+            "# by a test\nx,z,velocity-y,stress-xx,stress-yz,\x1b[31mred,x\n",
+            r"line 2, .*: missing y, volume, velocity-x, stress-yy, stress-zz, stress-xy; z, "
+            r"stress-yz, which a case in 2D does not have: leave them out; unknown "
+            r"'\\x1b\[31mred'; 'x' more than once\. Expected x,y,volume and, if wanted, "
+            r"velocity-x,velocity-y; stress-xx,stress-yy,stress-zz,stress-xy; velocity-grad",
+        ),
+        "escape.csv": (good + "0,\x1b]0;title\x07,0.1\n", r"line 3: '\\x1b\]0;title\\x07' is no"),
         "none.csv": ("x,y,volume\n", "holds no particle"),
         "out.csv": (
             good + "\n0,7,0.1\n",
@@ -200,6 +211,33 @@ def test_particles_of_two_files_at_nearly_the_same_place_are_refused(tmp_path, r
         assert counted(model, ranks) == len(places)
 
 
+@pytest.mark.parametrize("ranks", [1, 2, 7])
+@pytest.mark.parametrize("ending", ["csv", "h5"])
+def test_particles_at_one_place_are_refused_with_their_rows(tmp_path, ranks, ending):
+    """To a millionth of a box, 0.25, in one file; a little more apart they are anybody's own."""
+    data = cloud(300)
+    data["position"][:, 0] = np.sort(data["position"][:, 0])
+    write = write_csv if ending == "csv" else write_hdf5
+    path = tmp_path / f"p.{ending}"
+    rows = [120, *range(130, 148), 299]
+    place = data["position"][120].copy()
+    data["position"][rows] = place + np.linspace(0.0, 1e-7, 20)[:, None]
+    data["position"][[250, 280]] = data["position"][200]  # farther along x
+    write(path, data)
+    words = ["row {} (from 0)".format, lambda row: f"line {row + 4}"][ending == "csv"]
+    named = ", ".join(words(row) for row in rows[:10])
+    with pytest.raises(CaseError) as error:
+        counted(case(points(path), dimension=2), ranks)
+    assert (
+        f"bodies.body.region: 20 particles of {path} are at "
+        f"({place[0]:.6g}, {place[1]:.6g}): {named} and 10 more; leave all but one out"
+    ) in str(error.value)
+    data["position"][rows] = place + np.linspace(0.0, 1e-5, 20)[:, None]
+    data["position"][[250, 280]] += [[0.0, 1e-6], [1e-6, 0.0]]
+    write(path, data)
+    assert counted(case(points(path), dimension=2), ranks) == 300
+
+
 def counted(model, ranks):
     """Number of particles, as so many ranks count them."""
     model = Case.model_validate(model)
@@ -229,6 +267,16 @@ def test_wrong_datasets_are_refused(tmp_path):
         ({"volume": np.ones(59)}, "59 rows of volume, but 60"),
         ({"position": np.ones((60, 4))}, "'position' has the shape \\(60, 4\\)"),
         ({"position": np.ones((60, 3))}, "row 0 \\(from 0\\): position has a part along"),
+        (
+            {"stress": np.eye(60, 6)[::-1]},
+            r"row 54 \(from 0\): stress has a part along a direction that the case, 2D",
+        ),
+        (
+            {"velocity-gradient": np.ones((60, 9))},
+            r"row 0 \(from 0\): velocity-gradient has a part along a direction",
+        ),
+        ({"velocity-gradient": np.ones((60, 6))}, "'velocity-gradient' has the shape"),
+        ({"velocity-gradient": np.ones((60, 4)), "velocity": None}, "gradient, but no velocity"),
         ({"volume": np.full(60, b"x")}, "'volume' is no dataset of numbers"),
     ):
         data = {k: v for k, v in (cloud() | change).items() if v is not None}
@@ -237,12 +285,99 @@ def test_wrong_datasets_are_refused(tmp_path):
             start(case(points(tmp_path / "p.h5"), dimension=2))
 
 
-def test_a_promise_of_many_rows_costs_no_memory(tmp_path):
+def test_a_promise_of_more_particles_than_memory_holds_is_refused_at_once(tmp_path):
+    """Also where reading would find nothing wrong for hours: all rows are sound."""
     with h5py.File(tmp_path / "p.h5", "w") as file:
-        file.create_dataset("position", (10**12, 2), "f8", chunks=(1000, 2))
-        file.create_dataset("volume", (10**12,), "f8", chunks=(1000,))
-    with pytest.raises(CaseError, match="row 0 \\(from 0\\): the volume must be above zero"):
+        more = {"chunks": True, "compression": "gzip", "fillvalue": 1.0}
+        file.create_dataset("position", (10**12, 2), "f8", **more)
+        file.create_dataset("volume", (10**12,), "f8", **more)
+    message = r"cannot use .*p\.h5: it claims 1,000,000,000,000 particles, but the memory that is"
+    begin = time.perf_counter()
+    with pytest.raises(CaseError, match=message):
         start(case(points(tmp_path / "p.h5"), dimension=2))
+    assert time.perf_counter() - begin < 30.0
+
+
+def linked():
+    """What makes of an HDF5 file, by a name, one whose velocity is elsewhere; and the refusal."""
+
+    def replaced(file, link):
+        del file["velocity"]
+        file["velocity"] = link
+
+    def raw(file, name):
+        del file["velocity"]
+        file.create_dataset("velocity", (60, 2), "f8", external=[(name, 0, 960)])
+
+    def view(file):
+        layout = h5py.VirtualLayout((60, 2), "f8")
+        layout[:] = h5py.VirtualSource("fifo", "velocity", (60, 2))
+        del file["velocity"]
+        file.create_virtual_dataset("velocity", layout)
+
+    def through(file):
+        file["other"] = h5py.ExternalLink("fifo", "/")
+        replaced(file, h5py.SoftLink("/other/velocity"))
+
+    def circle(file):
+        file["there"] = h5py.SoftLink("/velocity")
+        replaced(file, h5py.SoftLink("/there"))
+
+    return {
+        "external": (
+            lambda f: replaced(f, h5py.ExternalLink("fi\x1bfo", "velocity")),
+            r"'velocity' is a link into the file fi\\x1bfo; copy",
+        ),
+        "nowhere": (
+            lambda f: replaced(f, h5py.SoftLink("/nowhere")),
+            "'velocity' is a link to nowhere",
+        ),
+        "circle": (circle, "'velocity' is a link that leads in a circle"),
+        "through": (through, "'velocity' is a link into the file fifo"),
+        "raw": (lambda f: raw(f, "fifo"), "the data of 'velocity' are in another file, fifo"),
+        "device": (lambda f: raw(f, "/dev/zero"), "are in another file, /dev/zero"),
+        "view": (view, "'velocity' is a view of other datasets"),
+    }
+
+
+@pytest.mark.parametrize("kind", linked())
+def test_data_that_lie_in_other_files_are_refused_and_not_opened(tmp_path, monkeypatch, kind):
+    """Nobody writes to the pipe: whoever opened it would wait for ever."""
+    monkeypatch.chdir(tmp_path)
+    os.mkfifo("fifo")
+    os.mkfifo("fi\x1bfo")
+    write_hdf5(tmp_path / "p.h5", cloud())
+    change, message = linked()[kind]
+    with h5py.File("p.h5", "r+") as file:
+        change(file)
+    with pytest.raises(CaseError, match=message):
+        start(case(points(tmp_path / "p.h5"), dimension=2))
+
+
+def test_links_within_the_file_are_followed(tmp_path):
+    data = cloud()
+    write_hdf5(tmp_path / "p.h5", data)
+    with h5py.File(tmp_path / "p.h5", "r+") as file:
+        file["a/b/speeds"] = file["velocity"]
+        del file["velocity"]
+        file["velocity"] = h5py.SoftLink("a/link")
+        file["a/link"] = h5py.SoftLink("b/./speeds")
+    sim = start(case(points(tmp_path / "p.h5"), dimension=2))
+    assert (field(sim, "v") == data["velocity"]).all()
+
+
+@pytest.mark.parametrize("ending", ["csv", "h5"])
+@pytest.mark.parametrize("kind", ["fifo", "device", "folder", "dangling"])
+def test_what_is_no_file_is_refused_at_once(tmp_path, kind, ending):
+    path = tmp_path / f"p.{ending}"
+    if kind == "fifo":
+        os.mkfifo(path)
+    elif kind == "folder":
+        path.mkdir()
+    else:
+        path.symlink_to("/dev/zero" if kind == "device" else "nowhere")
+    with pytest.raises(CaseError, match=r"cannot read the particles .*p\.(csv|h5): "):
+        start(case(points(path), dimension=2))
 
 
 def test_no_part_of_another_region(tmp_path):
@@ -251,11 +386,133 @@ def test_no_part_of_another_region(tmp_path):
         start(case({"union": [box, points(tmp_path / "p.csv")]}, dimension=2))
 
 
+# -- gradients of the velocity, for method.affine
+
+
+def affine(region, D, **parts):
+    found = case(region, dimension=D, **parts)
+    found["method"]["affine"] = True
+    return found
+
+
+def scattered(D, seed, n=9, spread=0.3):
+    """Particles near the points of a lattice in the square from -1.5 to 1.5, and a linear field."""
+    rng = np.random.default_rng(seed)
+    along = (np.arange(n) + 0.5) / n * 3.0 - 1.5
+    x = np.stack(np.meshgrid(*[along] * D), axis=-1).reshape(-1, D)
+    x = rng.permutation(x + rng.uniform(-spread, spread, x.shape) * 3.0 / n)
+    gradient, constant = rng.normal(size=(D, D)), rng.normal(size=D)
+    volume = np.full(len(x), (3.0 / n) ** D)
+    return {"position": x, "volume": volume, "velocity": constant + x @ gradient.T}, gradient
+
+
+@pytest.mark.parametrize("ending", ["csv", "h5"])
+@pytest.mark.parametrize("D", [1, 2, 3])
+@pytest.mark.parametrize("n", [5, 9, 14])
+def test_the_gradient_of_a_linear_field_is_exact(tmp_path, D, n, ending):
+    """Of particles coarser than the lattice's (0.25) and finer; at the surface too."""
+    data, gradient = scattered(D, D, n)
+    (write_csv if ending == "csv" else write_hdf5)(tmp_path / f"p.{ending}", data)
+    sim = start(affine(points(tmp_path / f"p.{ending}"), D))
+    L = field(sim, "L").reshape(-1, D, D)
+    assert len(L) == len(data["volume"])
+    assert np.abs(L - gradient).max() < 1e-12
+
+
+def test_a_smooth_field_has_its_gradient_by_second_order(tmp_path):
+    """Against the derivative: 4 times less for half the distance in the interior."""
+    errors = []
+    for n in (10, 20):
+        data, _ = scattered(2, 3, n, 0.0)
+        x, y = data["position"].T
+        data["velocity"] = np.stack([np.sin(x + 2 * y), x * x * y], axis=1)
+        write_hdf5(tmp_path / "p.h5", data)
+        L = field(start(affine(points(tmp_path / "p.h5"), 2, cell=6.0 / n / 1.5)), "L")
+        wave = np.cos(x + 2 * y)
+        exact = np.stack([wave, 2 * wave, 2 * x * y, x * x], axis=1)
+        interior = (np.abs(data["position"]) < 1.0).all(axis=1)
+        errors.append(np.abs(L - exact)[interior].max())
+    assert errors[1] < 0.35 * errors[0] and errors[0] < 0.3
+
+
+def test_few_neighbours_or_neighbours_on_a_line_give_the_solution_of_least_norm(tmp_path):
+    gradient = np.array([[1.0, 2.0, 0.5], [-0.5, 0.3, 0.7], [0.2, 0.4, -0.9]])
+    line = np.array([0.6, 0.0, 0.8])
+    groups = {
+        "line": (np.arange(4)[:, None] * 0.2 * line - 1.0, np.outer(line, line)),
+        "pair": (np.array([[1.0, 1.0, -1.0], [1.0, 1.2, -1.0]]), np.diag([0.0, 1.0, 0.0])),
+        "plane": (
+            np.array([[0.2 * i, 0.2 * j, 1.5] for i in range(4) for j in range(3)]),
+            np.diag([1.0, 1.0, 0.0]),
+        ),
+        "alone": (np.array([[-1.5, 1.5, -1.5]]), np.zeros((3, 3))),
+    }
+    x = np.concatenate([place for place, _ in groups.values()])
+    expected = np.concatenate(
+        [np.tile(gradient @ within, (len(place), 1, 1)) for place, within in groups.values()]
+    )
+    data = {"position": x, "volume": np.full(len(x), 0.25**3), "velocity": x @ gradient.T}
+    write_hdf5(tmp_path / "p.h5", data)
+    L = field(start(affine(points(tmp_path / "p.h5"), 3)), "L").reshape(-1, 3, 3)
+    np.testing.assert_allclose(L, expected, atol=1e-12)
+
+
+@pytest.mark.parametrize("ending", ["csv", "h5"])
+@pytest.mark.parametrize("D", [1, 2, 3])
+def test_a_gradient_in_the_file_is_taken_as_it_is(tmp_path, D, ending):
+    data, _ = scattered(D, D)
+    given = np.random.default_rng(3).normal(size=(len(data["volume"]), D, D))
+    if ending == "csv":
+        names = [f"velocity-gradient-{a}{b}" for a in "xyz"[:D] for b in "xyz"[:D]]
+        write_csv(
+            tmp_path / "p.csv",
+            data,
+            **dict(zip(names, given.reshape(len(given), -1).T, strict=True)),
+        )
+    else:
+        padded = np.zeros((len(given), 3, 3))
+        padded[:, :D, :D] = given
+        write_hdf5(tmp_path / "p.h5", data | {"velocity-gradient": padded})
+    sim = start(affine(points(tmp_path / f"p.{ending}"), D))
+    assert (field(sim, "L") == given.reshape(len(given), -1)).all()
+    assert start(case(points(tmp_path / f"p.{ending}"), dimension=D)).count == len(given)
+
+
+def test_a_frame_of_a_spinning_disk_goes_on_spinning(tmp_path):
+    """A frame as a cloud has the gradients that the other run has, but for its surface."""
+    disk = {"ball": {"centre": [0.1, 0.0], "radius": 1.2}}
+    spin = affine(disk, 2, end=0.02, output={"fields": ["velocity"]})
+    spin["bodies"]["body"] |= {
+        "surface": "whole",
+        "velocity": {"rotation": {"about": [0.1, 0.0], "rate": 2.0}},
+    }
+    sim = start(spin)
+    pgimp.run(spin, comm=Serial(), output=tmp_path / "spin", quiet=True)
+    expected = np.tile([0.0, -2.0, 2.0, 0.0], (sim.count, 1))
+    np.testing.assert_allclose(field(sim, "L"), expected, atol=1e-12)
+    frames = sorted((tmp_path / "spin/frames").glob("particles-*.h5"))
+    first = start(affine(points(frames[0]), 2))
+    np.testing.assert_allclose(field(first, "L"), expected, atol=1e-12)
+    assert first.count == sim.count
+    while not sim.finished:
+        sim.advance()
+    last = start(affine(points(frames[-1]), 2))
+    assert np.abs(field(last, "L") - field(sim, "L")).max() < 0.05 * 2.0
+
+
 def test_same_bits_on_ranks(tmp_path, mpirun, python):
-    """Particles at any place of a cell: their layers are not those of the lattice's points."""
+    """Particles at any place of a cell: their layers are not those of the lattice's points.
+
+    With gradients of their velocity, from neighbours that other ranks have; and resumed on others.
+    """
     write_csv(tmp_path / "p.csv", cloud(400))
-    write_case(tmp_path / "p.yaml", case(points("p.csv"), dimension=2, end=0.1))
+    model = affine(points("p.csv"), 2, end=0.1)
+    model |= {key: {"every": 0.05} for key in ("output", "history")}
+    write_case(tmp_path / "p.yaml", model)
     one = python(["-m", "pgimp", "p.yaml", "-o", "one"], cwd=tmp_path)
-    three = mpirun(3, ["-m", "pgimp", "p.yaml", "-o", "three"], cwd=tmp_path)
+    half = ["-m", "pgimp", "p.yaml", "-o", "three", "--set", "time.end=0.05"]
+    three = mpirun(3, half, cwd=tmp_path)
     assert one.returncode == three.returncode == 0, one.stderr + three.stderr
+    two = mpirun(2, ["-m", "pgimp", "p.yaml", "-o", "three", "--resume"], cwd=tmp_path)
+    assert two.returncode == 0 and "resuming from" in two.stdout, two.stderr
     assert main(["compare", str(tmp_path / "one"), str(tmp_path / "three")]) == 0

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from pydantic import TypeAdapter
 
@@ -27,6 +27,10 @@ def ball(centre, radius):
 
 def cylinder(start, end, radius):
     return {"cylinder": {"from": start, "to": end, "radius": radius}}
+
+
+def half_space(point, normal):
+    return {"half-space": {"point": point, "normal": normal}}
 
 
 def cloud(dimensions, n, half):
@@ -120,19 +124,31 @@ def entries(draw, dimensions, depth=2):
     """Regions of any kind."""
     vector = st.lists(st.floats(-10, 10), min_size=dimensions, max_size=dimensions)
     length = st.floats(0.1, 5)
-    kinds = (
-        ["box", "ball"] + ["cylinder"] * (dimensions == 3) + ["union", "difference"] * (depth > 0)
-    )
+    kinds = ["box", "ball", "half-space"] + ["cylinder"] * (dimensions == 3)
+    kinds += ["union", "difference", "intersection"] * (depth > 0)
     kind = draw(st.sampled_from(kinds))
     if kind == "box":
         low = draw(vector)
         return box(low, [x + draw(length) for x in low])
     if kind == "ball":
         return ball(draw(vector), draw(length))
+    if kind == "half-space":
+        normal = draw(vector)
+        keep = draw(st.integers(0, dimensions))  # across an axis often
+        normal = [x * (keep in (i, dimensions)) for i, x in enumerate(normal)]
+        assume(np.linalg.norm(normal) > 0.1)
+        return half_space(draw(vector), normal)
     if kind == "cylinder":
         start = draw(vector)
         return cylinder(start, [start[0] + draw(length), *draw(vector)[1:]], draw(length))
     return {kind: draw(st.lists(entries(dimensions, depth - 1), min_size=2, max_size=3))}
+
+
+def around(found, n, seed):
+    """Points in and around a region, also one without an end or without a point, (n, D)."""
+    low, high = (np.clip(end, -20.0, 20.0) for end in found.bounds())
+    low, high = np.minimum(low, high) - 1, np.maximum(low, high) + 1
+    return np.random.default_rng(seed).uniform(low, high, (n, len(low)))
 
 
 def inside_plainly(entry, point):
@@ -146,6 +162,10 @@ def inside_plainly(entry, point):
         a, b, p = (np.array(v) for v in (value["from"], value["to"], point))
         along = (p - a) @ (b - a) / ((b - a) @ (b - a))
         return 0 <= along < 1 and np.linalg.norm(p - a - along * (b - a)) < value["radius"]
+    if kind == "half-space":
+        return (np.array(point) - value["point"]) @ value["normal"] < 0
+    if kind == "intersection":
+        return all(inside_plainly(part, point) for part in value)
     if kind == "union":
         return any(inside_plainly(part, point) for part in value)
     return inside_plainly(value[0], point) and not any(inside_plainly(p, point) for p in value[1:])
@@ -157,8 +177,7 @@ def test_points_inside_are_those_of_the_definition_and_within_the_bounds(data, d
     entry = data.draw(entries(dimensions))
     found = region(**entry)
     low, high = found.bounds()
-    rng = np.random.default_rng(seed)
-    points = rng.uniform(np.array(low) - 1, np.array(high) + 1, (60, dimensions))
+    points = around(found, 60, seed)
     inside = found.contains(points)
     # A random point that rounding puts on the other side of a surface is as good as impossible.
     assert inside.tolist() == [inside_plainly(entry, point) for point in points]
@@ -176,17 +195,133 @@ def test_bounds_are_tight():
     assert high == pytest.approx((1 + math.sqrt(0.5), 1 + math.sqrt(0.5), 1))
     both = {"union": [box([0, 0], [1, 1]), ball([3, -1], 0.5)]}
     assert region(**both).bounds() == ((0.0, -1.5), (3.5, 1.0))
-    cut = {"difference": [box([0, 0], [1, 1]), ball([3, -1], 9)]}
+    cut = {"difference": [box([0, 0], [1, 1]), ball([3, -1], 2.5)]}
     assert region(**cut).bounds() == ((0.0, 0.0), (1.0, 1.0))
+
+
+QUARTER = [half_space([0, 0, 0], [-1, 0, 0]), half_space([0, 0, 0], [0, -2, 0])]
+INFINITE = math.inf
+
+
+@pytest.mark.parametrize(
+    ("entry", "low", "high"),
+    [
+        # Quarters of a ball, made in three ways.
+        ({"intersection": [ball([0, 0, 0], 2), *QUARTER]}, [0, 0, -2], [2, 2, 2]),
+        ({"intersection": [ball([0, 0, 0], 2), box([0, 0, -3], [3, 3, 3])]}, [0, 0, -2], [2, 2, 2]),
+        (
+            {
+                "difference": [
+                    ball([0, 0, 0], 2),
+                    box([-3, -3, -3], [0, 3, 3]),
+                    box([-3, -3, -3], [3, 0, 3]),
+                ]
+            },
+            [0, 0, -2],
+            [2, 2, 2],
+        ),
+        ({"difference": [ball([0, 0], 1), half_space([0.6, 0], [1, 0])]}, [0.6, -0.8], [1, 0.8]),
+        # Of a tilted cut the circle has its end where the plane lets it: at 45 degrees.
+        (
+            {"intersection": [ball([0, 0], 1), half_space([0, 0], [1, 1])]},
+            [-1, -1],
+            [math.sqrt(0.5)] * 2,
+        ),
+        (
+            {"difference": [cylinder([0, 0, 0], [0, 0, 5], 1), *QUARTER[:1]]},
+            [-1, -1, 0],
+            [0, 1, 5],
+        ),
+        (
+            {"intersection": [cylinder([-3, 0, 0], [3, 0, 0], 1), half_space([0] * 3, [1, 0, 1])]},
+            [-3, -1, -1],
+            [1, 1, 1],
+        ),
+        # Two balls meet in a circle; a pin with a round end.
+        ({"intersection": [ball([0, 0], 5), ball([6, 0], 5)]}, [1, -4], [5, 4]),
+        ({"difference": [ball([0, 0], 5), ball([3, 0], 4)]}, [-5, -5], [3, 5]),
+        (
+            {"intersection": [ball([0, 0, 0], 5), cylinder([0, 0, 0], [0, 0, 9], 3)]},
+            [-3, -3, 0],
+            [3, 3, 5],
+        ),
+        (
+            {"difference": [ball([0, 0, 0], 5), cylinder([0, 0, -9], [0, 0, 9], 3)]},
+            [-5, -5, -4],
+            [5, 5, 4],
+        ),
+        # Only half-spaces: a triangle, and a wedge without an end.
+        (
+            {"intersection": [half_space([0, 0], n) for n in ([-1, -1], [1, -1])]},
+            [-INFINITE, 0],
+            [INFINITE, INFINITE],
+        ),
+        (
+            {
+                "intersection": [
+                    half_space([0, 0], [-1, -1]),
+                    half_space([0, 0], [1, -1]),
+                    half_space([0, 2], [0, 1]),
+                ]
+            },
+            [-2, 0],
+            [2, 2],
+        ),
+        ({"union": [ball([0], 1), half_space([3], [-1])]}, [-1], [INFINITE]),
+        ({"intersection": [ball([0], 1), half_space([3], [-1])]}, [3], [1]),
+        ({"difference": [ball([0, 0], 1), ball([0.1, 0], 2)]}, [INFINITE] * 2, [-INFINITE] * 2),
+        # Round surfaces that meet in no plane: wide enough.
+        (
+            {"intersection": [ball([0, 0, 0], 1), cylinder([0.5, 0, -2], [0.5, 0, 2], 1)]},
+            [-0.5, -1, -1],
+            [1, 1, 1],
+        ),
+    ],
+)
+def test_bounds_of_combinations_are_exact(entry, low, high):
+    found = region(**entry).bounds()
+    for end, expected in zip(found, (low, high), strict=True):
+        np.testing.assert_allclose(end, np.array(expected, float), rtol=0, atol=1e-12)
+
+
+@settings(max_examples=300, deadline=None)
+@given(st.data(), st.integers(1, 3), st.integers(0, 2**32 - 1))
+def test_no_point_inside_is_beyond_the_bounds(data, dimensions, seed):
+    found = region(**data.draw(entries(dimensions, 3)))
+    low, high = found.bounds()
+    points = around(found, 5000, seed)
+    points = points[found.contains(points)]
+    assert ((low <= points) & (points <= high)).all()
+
+
+def test_touching_half_spaces_share_no_point_and_leave_none_out():
+    """As boxes: the low face belongs to the material."""
+    rng = np.random.default_rng(5)
+    for normal in (*np.eye(3), *rng.uniform(-1, 1, (20, 3))):
+        foot = rng.uniform(-1, 1, 3)
+        points = np.concatenate([[foot], rng.uniform(-2, 2, (50, 3))])
+        one, other = (
+            region(**half_space(foot.tolist(), n.tolist())).contains(points)
+            for n in (normal, -normal)
+        )
+        assert (one != other).all()
+        assert one[0] == (next(n for n in normal if n) < 0)
+    unit = region(**box([0, 0], [1, 1]))
+    sides = region(
+        intersection=[
+            half_space(p, n)
+            for p, n in (([0, 0], [-1, 0]), ([0, 0], [0, -1]), ([1, 1], [1, 0]), ([1, 1], [0, 1]))
+        ]
+    )
+    points = np.stack(np.meshgrid(*[[-0.5, 0.0, 0.5, 1.0, 1.5]] * 2), axis=-1).reshape(-1, 2)
+    assert (unit.contains(points) == sides.contains(points)).all()
 
 
 @st.composite
 def regions_and_points(draw, n):
     """A region of any kind in any dimension, and points in and around it."""
     found = region(**draw(entries(draw(st.integers(1, 3)))))
-    rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
-    low, high = (np.array(end) for end in found.bounds())
-    return found, rng.uniform(low - 1, high + 1, (n, len(low)))
+    return found, around(found, n, draw(st.integers(0, 2**32 - 1)))
 
 
 @settings(max_examples=150, deadline=None)

@@ -5,8 +5,13 @@ import os
 import shutil
 import time
 
+import meshes
+import meshio
 import numpy as np
 import pytest
+from meshes import stl
+from scenes import write_case
+from test_points import write_csv, write_hdf5
 from test_run import CASE
 
 import pgimp
@@ -16,6 +21,7 @@ from pgimp.errors import RunError, UsageError
 from pgimp.output.checkpointfile import CheckpointFile
 from pgimp.output.checkpoints import number_of, present
 from pgimp.parallel.comm import Serial
+from pgimp.scene.regions import REGIONS
 
 EVERY = "checkpoint={every: {steps: 40}, keep: 3}"
 
@@ -391,3 +397,63 @@ def test_a_run_stops_before_its_wall_time(folder, tmp_path, capsys):
     assert "stopped before the wall time 0:00:02 at step" in capsys.readouterr().out
     assert run.info["message"] == "stopped before the wall time 0:00:02"
     assert len(run) == 1 and os.listdir(run.path / "checkpoints")
+
+
+def every_kind(D, folder):
+    """Regions of each kind in the square from -2 to 2, by a name; files are in `folder`."""
+    rng = np.random.default_rng(D)
+    box = {"box": {"min": [-1.1] * D, "max": [0.9] * D}}
+    ball = {"ball": {"centre": [0.1] * D, "radius": 1.2}}
+    half = {"half-space": {"point": [0.2] * D, "normal": [1.0, 0.5, -0.3][:D]}}
+    kinds = {
+        "box": box,
+        "ball": ball,
+        "union": {"union": [box, ball]},
+        "difference": {"difference": [ball, half]},
+        "intersection": {"intersection": [box, half]},
+    }
+    data = {
+        "position": rng.uniform(-1.5, 1.5, (40, D)),
+        "volume": rng.uniform(0.02, 0.06, 40),
+        "velocity": rng.uniform(-0.1, 0.1, (40, D)),
+    }
+    write_csv(folder / "cloud.csv", data)
+    write_hdf5(folder / "cloud.h5", data)
+    kinds |= {f"points-{end}": {"points": {"file": f"cloud.{end}"}} for end in ("csv", "h5")}
+    if D == 3:
+        stl(folder / "mesh.stl", meshes.ball(2))
+        kinds["cylinder"] = {"cylinder": {"from": [-1, 0, 0.1], "to": [1, 0.5, 0], "radius": 0.9}}
+    if D == 2:
+        ring = np.array([[-1.0, -1.0], [1.1, -1.0], [0.8, 1.2]])
+        cells = [("line", np.array([[0, 1], [1, 2], [2, 0]]))]
+        meshio.write_points_cells(folder / "mesh.vtu", np.insert(ring, 2, 0.0, axis=1), cells)
+    if D > 1:
+        mesh = {"mesh": {"file": "mesh.stl" if D == 3 else "mesh.vtu"}}
+        kinds |= {"mesh": mesh, "cut mesh": {"intersection": [mesh, half]}}
+    return kinds
+
+
+@pytest.mark.parametrize("D", [1, 2, 3])
+def test_a_body_of_every_kind_is_resumed_with_the_same_bits(tmp_path, D):
+    """Also without the files that some of them came from."""
+    kinds = every_kind(D, tmp_path)
+    assert {"half-space", *(kind.partition("-")[0] for kind in kinds)} >= set(REGIONS) - (
+        set() if D == 3 else {"mesh", "cylinder"}
+    )
+    for name, region in kinds.items():
+        folder = tmp_path / name
+        folder.mkdir()
+        for file in [*tmp_path.glob("cloud.*"), *tmp_path.glob("mesh.*")]:
+            shutil.copy(file, folder)
+        model = meshes.case(region, dimension=D, end=0.04)
+        write_case(folder / "case.yaml", model)
+        words = {"quiet": True, "comm": Serial()}
+        whole = pgimp.run(folder / "case.yaml", output=folder / "whole", **words)
+        half = {"overrides": {"time.end": 0.02}, "output": folder / "half"}
+        pgimp.run(folder / "case.yaml", **half, **words)
+        for file in [*folder.glob("cloud.*"), *folder.glob("mesh.*")]:
+            file.unlink()
+        resumed = pgimp.run(folder / "case.yaml", output=folder / "half", resume=True, **words)
+        assert resumed.info["resumed_from"] == 2, name
+        for field in whole.frame(-1).fields:
+            assert whole.frame(-1)[field].tobytes() == resumed.frame(-1)[field].tobytes(), name

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from typing import Any
 
@@ -85,8 +86,20 @@ def check_regions(dimensions: int, grid: Any, bodies: Mapping[str, Any]) -> Prob
 
 
 def check_bounds(path: tuple[str | int, ...], region: Any, dimensions: int, grid: Any) -> Problems:
-    """Check that a region lies in the domain."""
+    """Check that a body's region has an end, is not empty and lies in the domain."""
     low, high = region.bounds()
+    ends = [f"{AXES[i]}-min" for i in range(dimensions) if low[i] == -math.inf]
+    ends += [f"{AXES[i]}-max" for i in range(dimensions) if high[i] == math.inf]
+    if any(a > b for a, b in zip(low, high, strict=True)):
+        yield Problem(path, "is empty: no point lies in it; see how its parts overlap")
+        return
+    if ends:
+        yield Problem(
+            path,
+            f"has no end towards {', '.join(ends)}, which a body needs; a half-space is a part of "
+            "one: region: {intersection: [{box: ..}, {half-space: ..}]}",
+        )
+        return
     for i in range(dimensions):
         least, most = grid.origin[i], grid.corner[i]
         slack = WHOLE * grid.cell[i]

@@ -10,6 +10,7 @@ from pgimp.case.document import Document, decode, few, parse, top_level
 from pgimp.case.messages import dotted, explain
 from pgimp.case.overrides import Overrides, apply
 from pgimp.case.paths import starting_from
+from pgimp.case.places import remember
 from pgimp.case.problems import Problem
 from pgimp.case.schema import Case
 from pgimp.case.writer import dump_case
@@ -46,7 +47,9 @@ def read_case(text: str | bytes, filename: str = "case", overrides: Overrides = 
     document = read_document(text, filename)
     apply(document, overrides)
     with starting_from(filename):
-        return validate(Case, document, filename)
+        case = validate(Case, document, filename)
+    remember(case, document, filename)
+    return case
 
 
 def read_document(text: str | bytes, filename: str) -> Document:

@@ -1,6 +1,6 @@
-"""Where the particles of a file lie in another body, or on those of another file.
+"""Where the particles of a file lie on one another, in another body, or on those of another file.
 
-Only what lies in the common box of two bodies is looked at; where there is none, nothing is read.
+Of two bodies only what lies in their common box is looked at; where there is none, nothing is read.
 What is refused is a mistake for sure, such as the same file twice: bodies in contact may reach into
 each other a little.
 """
@@ -24,6 +24,9 @@ Ints = NDArray[np.int64]
 #: How deep in another body a particle may lie, and how close to one of another file, over its size.
 _DEEP, _CLOSE = 0.25, 0.1
 
+#: How close two particles of one file may not be, over a box of the lattice; rows that are named.
+_SAME, _NAMED = 1e-6, 10
+
 #: Distances to parts of a region that are asked for at most, and at a time.
 _LOOKS, _BLOCK = 100_000_000, 1_000_000
 
@@ -45,7 +48,7 @@ def overlaps(
     box: Sequence[float],
     planes: tuple[int, int],
 ) -> Iterator[tuple[tuple[int, int], str]]:
-    """Yield for each pair of bodies, one of them from a file, the first overlap along x.
+    """Yield for each body from a file, and each pair with one, the first overlap along x.
 
     Parameters
     ----------
@@ -60,13 +63,16 @@ def overlaps(
     Yields
     ------
     (int, int), str
-        The bodies' numbers and what is wrong, with the key.
+        The bodies' numbers, twice the same for one body, and what is wrong, with the key.
 
     Raises
     ------
     CaseError
         If a file cannot be read any more.
     """
+    for a, cloud in enumerate(bodies):
+        if isinstance(cloud, Cloud) and (found := _twins(cloud, planes, _SAME * min(box))):
+            yield (a, a), f"bodies.{names[a]}.region: {found}; leave all but one out of the file"
     for a, b in combinations(range(len(bodies)), 2):
         first, second = bodies[a], bodies[b]
         if isinstance(first, Filling) and isinstance(second, Filling):
@@ -118,19 +124,14 @@ def _inside(
     if len(deep) == 0:
         return ""
     i = deep[_first(here.x[deep])]
-    where = cloud.region.line(int(here.rows[i]))
+    where = "".join(cloud.region.lines([int(here.rows[i])]))
     return f"the particle at {_place(here.x[i])} ({where} of {cloud.region.file}) lies in '{name}'"
 
 
 def _close(
     first: Cloud, second: Cloud, box: tuple[Reals, Reals], planes: tuple[int, int], size: float
 ) -> str:
-    """Name the first two particles of two files that are at nearly the same place.
-
-    Both are sorted into cells, of twice the distance that counts, on lattices that are shifted
-    against each other by half a cell in every combination of directions: two particles so close
-    are in one cell of one of them.
-    """
+    """Name the first two particles of two files that are at nearly the same place."""
     reach = _CLOSE * size
     wide = (box[0] - reach, box[1] + reach)
     one, other = (_taken(cloud, wide, planes, 4.0 * reach) for cloud in (first, second))
@@ -141,17 +142,10 @@ def _close(
     limit = _CLOSE * np.concatenate([one.volume, other.volume]) ** (1.0 / x.shape[1])
     limit = np.minimum(limit, reach)
     found = []
-    origin = np.array([edges[0] for edges in first.edges])
-    for shift in product((0.0, 0.5), repeat=x.shape[1]):
-        # Cells by one number: where two have the same, the distance tells.
-        cell = np.zeros(len(x), np.int64)
-        for d, by in enumerate(shift):
-            along = np.floor((x[:, d] - origin[d]) / (2.0 * reach) + by).astype(np.int64)
-            cell = cell * _MIX + along
-        order = np.argsort(cell, kind="stable")  # the first body's before the second's
-        left, right = order[:-1], order[1:]
-        pair = (cell[left] == cell[right]) & (left < len(one.x)) & (right >= len(one.x))
-        left, right = left[pair], right[pair]
+    for left, right in _pairs(x, reach):
+        # The first body's stand before the second's.
+        apart = (left < len(one.x)) & (right >= len(one.x))
+        left, right = left[apart], right[apart]
         away = np.sqrt(np.square(x[left] - x[right]).sum(axis=1))
         close = away < np.minimum(limit[left], limit[right])
         close &= first.between(x[left, 0], planes)
@@ -163,7 +157,7 @@ def _close(
         return ""
     i, j = found[_first(x[[pair[0] for pair in found]])]
     pair_of = [
-        f"{cloud.region.line(int(row))} of {cloud.region.file}, at {_place(at)}"
+        f"{''.join(cloud.region.lines([int(row)]))} of {cloud.region.file}, at {_place(at)}"
         for cloud, row, at in (
             (first, one.rows[i], x[i]),
             (second, other.rows[j - len(one.x)], x[j]),
@@ -172,8 +166,49 @@ def _close(
     return f"two particles are at nearly the same place ({'; '.join(pair_of)})"
 
 
+def _twins(cloud: Cloud, planes: tuple[int, int], limit: float) -> str:
+    """Name the particles of a file at one place, the first that several share.
+
+    No distance between particles of a file is too short but none: how they are made is not known.
+    """
+    if planes[0] >= planes[1]:
+        return ""
+    here = _taken(cloud, cloud.region.bounds(), planes, 4.0 * limit)
+    shared = [np.zeros(0, np.int64)]
+    for left, right in _pairs(here.x, limit):
+        same = np.sqrt(np.square(here.x[left] - here.x[right]).sum(axis=1)) < limit
+        shared.append(left[same & cloud.between(here.x[left, 0], planes)])
+    some = np.unique(np.concatenate(shared))
+    if len(some) == 0:
+        return ""
+    x = here.x[some[_first(here.x[some])]]
+    rows = np.sort(here.rows[np.sqrt(np.square(here.x - x).sum(axis=1)) < limit])
+    lines = ", ".join(cloud.region.lines(rows[:_NAMED].tolist()))
+    more = f" and {len(rows) - _NAMED:,} more" if len(rows) > _NAMED else ""
+    return f"{len(rows):,} particles of {cloud.region.file} are at {_place(x)}: {lines}{more}"
+
+
+def _pairs(x: Reals, reach: float) -> Iterator[tuple[Ints, Ints]]:
+    """Yield pairs of rows, the lower one first, among them those of points closer than `reach`.
+
+    The points are sorted into cells, of twice that size, on lattices that are shifted against each
+    other by half a cell in every combination of directions: two points so close are in one cell
+    of one of them. Of many in a cell each has its neighbour in the list.
+    """
+    for shift in product((0.0, 0.5), repeat=x.shape[1]):
+        # Cells by one number: where two have the same, the distance tells.
+        cell = np.zeros(len(x), np.int64)
+        for d, by in enumerate(shift):
+            along = np.floor(x[:, d] / (2.0 * reach) + by).astype(np.int64)
+            cell = cell * _MIX + along
+        order = np.argsort(cell, kind="stable")
+        left, right = order[:-1], order[1:]
+        same = cell[left] == cell[right]
+        yield left[same], right[same]
+
+
 def _taken(
-    cloud: Cloud, box: tuple[Reals, Reals], planes: tuple[int, int], beyond: float | None
+    cloud: Cloud, box: Bounds | tuple[Reals, Reals], planes: tuple[int, int], beyond: float | None
 ) -> _Some:
     """Particles in a box and in a range of planes, or up to a distance beyond these along x."""
     edges = cloud.edges[0]

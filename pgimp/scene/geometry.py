@@ -10,15 +10,17 @@ import numpy as np
 from pgimp.case.check_bodies import check_bounds
 from pgimp.case.check_probes import check_near
 from pgimp.case.messages import dotted
+from pgimp.case.places import located
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.output.collective import on_root
+from pgimp.parallel.limits import limits
 from pgimp.parallel.node import one_rank_first
 from pgimp.scene.meshtree import nothing, plant
 from pgimp.scene.regions import Mesh, Points
 from pgimp.scene.regions.base import Region
-from pgimp.scene.regions.points import NONE
 from pgimp.scene.scene import LEAST, MOST
+from pgimp.solver.particles import Particles
 
 #: A body that is so many times as large as the grid was perhaps meant in another unit, by so much.
 _FAR_TOO_LARGE, _MILLI = 50.0, 0.001
@@ -41,6 +43,11 @@ def share(case: Case, comm: Any) -> None:
     CaseError
         The same on every rank: a file that cannot be used, or what lies beyond the domain.
     """
+    with located(case):
+        _share(case, comm)
+
+
+def _share(case: Case, comm: Any) -> None:
     from pgimp.kernels.jit import discard_damaged
 
     release(case)
@@ -135,6 +142,9 @@ def _warm_up() -> None:
 
 def _read_points(case: Case, comm: Any) -> None:
     """Let rank 0 check the files of particles, and all ranks know what they hold."""
+    if not any(isinstance(body.region, Points) for body in case.bodies.values()):
+        return
+    room = _most_particles(case, comm)
     for name, body in case.bodies.items():
         points = body.region
         if not isinstance(points, Points):
@@ -142,7 +152,7 @@ def _read_points(case: Case, comm: Any) -> None:
 
         def read(name: str = name, points: Points = points) -> Any:
             try:
-                found = points.summary
+                found = points.read(room)
             except CaseError as error:
                 raise CaseError(f"bodies.{name}.region: {error}") from None
             material = case.materials[case.bodies[name].material]
@@ -163,13 +173,26 @@ def _read_points(case: Case, comm: Any) -> None:
         points.__dict__["summary"] = on_root(comm, read)
 
 
+def _most_particles(case: Case, comm: Any) -> int | None:
+    """Particles that the memory of all ranks holds, whatever else they have; collective."""
+    row = Particles.empty(1, case.dimensions)
+    mine = min(limits(), key=lambda limit: limit.free, default=None)
+    # Some ranks share the memory of a node.
+    pools: dict[str, int] = {}
+    for limit in comm.allgather(mine):
+        if limit is None:
+            return None
+        pools[limit.shared_by] = min(limit.free, pools.get(limit.shared_by, limit.free))
+    return int(sum(pools.values())) // sum(column.nbytes for column in row)
+
+
 def do_without(case: Case, comm: Any) -> None:
     """Take the bodies in files for empty, where their particles exist already."""
     for _, mesh in _meshes(case):
         mesh.__dict__["surface"] = nothing(case.dimensions)
     for body in case.bodies.values():
         if isinstance(body.region, Points):
-            body.region.__dict__["summary"] = NONE
+            body.region.__dict__["summary"] = body.region.nothing()
 
 
 def release(case: Case) -> None:

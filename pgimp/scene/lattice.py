@@ -40,8 +40,9 @@ class Made(NamedTuple):
     centroids : (n, D) float64
         Centres of mass of what the particles have of the body.
     velocities : (n, D) float64 or None
-    stresses : (n, 6) float64 or None
-        As a file of particles gives them.
+    stresses : (n, 3, 4 or 6) float64 or None
+    gradients : (n, D * D) float64 or None
+        Of the velocity. All three as a file of particles gives them.
     """
 
     body: int
@@ -51,6 +52,7 @@ class Made(NamedTuple):
     centroids: NDArray[np.float64]
     velocities: NDArray[np.float64] | None = None
     stresses: NDArray[np.float64] | None = None
+    gradients: NDArray[np.float64] | None = None
 
 
 class Lattice:
@@ -86,6 +88,11 @@ class Lattice:
     def planes(self) -> int:
         """Number of planes of points along x."""
         return len(self.coordinates[0])
+
+    @property
+    def box(self) -> list[float]:
+        """Size of a box by direction."""
+        return [float(edges[1] - edges[0]) for edges in self.edges]
 
     def count(self, planes: tuple[int, int]) -> np.ndarray:
         """Particles of each body in each plane of a range, (bodies, planes) int64."""
@@ -145,8 +152,7 @@ class Lattice:
         shared : set of pairs of names
             Bodies with particles in the same cell.
         """
-        size = [float(edges[1] - edges[0]) for edges in self.edges]
-        errors, shared = list(overlaps(self.names, self.fillings, size, planes)), set()
+        errors, shared = list(overlaps(self.names, self.fillings, self.box, planes)), set()
         step = self.per_cell[0]
         for a, b, box in self.close_pairs():
             names = (self.names[a], self.names[b])
@@ -235,7 +241,7 @@ class Lattice:
                     x = block.position
                     yield Made(
                         body, x, first + rows, block.volume / self.volume, x, block.velocity,
-                        block.stress,
+                        block.stress, block.gradient,
                     )  # fmt: skip
                 continue
             for survey in filling.slabs(planes):

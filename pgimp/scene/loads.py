@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from pgimp.case.places import located
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.kernels.loads import Loads
@@ -154,8 +155,9 @@ class SceneLoads:
         counts = np.sum([part[1] for part in everywhere], axis=0)
         for i, name in enumerate(self.case.constraints):
             if counts[i + 1] == 0:
-                raise CaseError(
-                    f"constraints.{name}.region: holds no particle of body "
-                    f"'{self.constraints[i].body}'; its particles are "
-                    f"{', '.join(f'{2 * h:.6g}' for h in self.half)} apart"
-                )
+                with located(self.case):
+                    raise CaseError(
+                        f"constraints.{name}.region: holds no particle of body "
+                        f"'{self.constraints[i].body}'; its particles are "
+                        f"{', '.join(f'{2 * h:.6g}' for h in self.half)} apart"
+                    )

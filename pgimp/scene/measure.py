@@ -5,7 +5,8 @@ surface meets lie inside or outside as a whole: for boxes, their unions and diff
 is exact to rounding. Other pieces are integrated direction by direction: along lines in the
 direction in which the surface is met most squarely by the exact length of the part inside; over the
 others by Gauss's rule between the places at which the surface leaves through the piece's edges, so
-that the integrand is smooth. Flat cuts at any angle are exact as well.
+that the integrand is smooth. Flat cuts at any angle are exact as well, also where several meet
+within a box: there the box is cut too, see `pgimp.scene.flatcuts`.
 
 Every box is computed for itself, in a fixed order of operations: neither the other boxes of a call
 nor their number changes a bit.
@@ -14,6 +15,7 @@ nor their number changes a bit.
 import numpy as np
 from numpy.typing import NDArray
 
+from pgimp.scene.flatcuts import corners
 from pgimp.scene.regions.base import Points, Region
 
 Reals = NDArray[np.float64]
@@ -153,15 +155,22 @@ def _piece(region: Region, low: Points, high: Points, centre: Points) -> Reals:
 
 
 def _steepness(region: Region, middle: Points, size: Points) -> Reals:
-    """Amount of the distance's slope in each direction, at the middle of pieces, (n, D)."""
-    steep = np.empty_like(middle)
-    for d in range(middle.shape[1]):
-        ends = []
-        for side in (-0.25, 0.25):
-            points = middle.copy()
-            points[:, d] += side * size[:, d]
-            ends.append(region.distance(points))
-        steep[:, d] = np.abs(ends[1] - ends[0]) / size[:, d]
+    """Amount of the slope, in each direction, of the curved surface nearest to each piece, (n, D).
+
+    Measured by that part's distance alone: planes that pieces end at say nothing.
+    """
+    steep, nearest = np.zeros_like(middle), np.full(len(middle), np.inf)
+    for part in region.simple():
+        away = part.curved(middle)
+        rows = np.flatnonzero(away < nearest)
+        nearest[rows] = away[rows]
+        for d in range(middle.shape[1]):
+            ends = []
+            for side in (-0.25, 0.25):
+                points = middle[rows]
+                points[:, d] += side * size[rows, d]
+                ends.append(part.distance(points))
+            steep[rows, d] = np.abs(ends[1] - ends[0]) / size[rows, d]
     return steep
 
 
@@ -186,6 +195,9 @@ def _integrate(
         rows, column = np.nonzero((a[:, None] < crossing) & (crossing < b[:, None]))
         found.append(rows)
         cuts.append(crossing[rows, column])
+    for rows, cut in corners(region, points, low, high, axes):
+        found.append(rows)
+        cuts.append(cut)
     rows, left, right = _stretches(a, b, np.concatenate(found), np.concatenate(cuts))
     if np.bincount(rows).max(initial=0) > _MOST_CUTS:
         raise TangledError

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from pgimp.errors import CaseError
 from pgimp.scene.meshfile import RawMesh
+from pgimp.scene.text import shown
 
 Ints = NDArray[np.int64]
 
@@ -29,11 +30,13 @@ _DIMENSION = {"line": 1, "triangle": 2, "quad": 2, "polygon": 2} | dict.fromkeys
 class Facets(NamedTuple):
     """Boundary of a body: points, (n, D), and corners of its facets, (m, D).
 
-    `filled` tells whether it comes from cells that fill the body, `notes` what was found.
+    `cells` are the numbers of the cells in the file, from 0, that the facets belong to, -1 where
+    they are between others; `filled` tells whether those fill the body, `notes` what was found.
     """
 
     points: NDArray[np.float64]
     facets: Ints
+    cells: Ints
     filled: bool
     notes: list[str]
 
@@ -59,13 +62,14 @@ def facets_of(mesh: RawMesh, dimensions: int) -> Facets:
         if cells.size == 0 or base == "vertex":
             continue
         if base not in _DIMENSION or cells.ndim != 2:
-            raise CaseError(f"has cells of the type {kind}, which are not supported")
+            raise CaseError(f"has cells of the type {shown(kind)}, which are not supported")
         if base == "polygon":
             base = {3: "triangle", 4: "quad"}.get(cells.shape[1], base)
-        if cells.min() < 0 or cells.max() >= len(points):
+        wrong = ((cells < 0) | (cells >= len(points))).any(axis=1)
+        if wrong.any():
             raise CaseError(
-                f"has cells with a corner that is none of its {len(points):,} points: it is "
-                "damaged, or counts corners from the end"
+                f"has cells with a corner that is none of its {len(points):,} points, the first is "
+                f"{base} {wrong.argmax()} (from 0): it is damaged, or counts corners from the end"
             )
         if base != "polygon" and (base != kind or base == "line"):
             corners = _CORNERS.get(base, 2)
@@ -95,11 +99,16 @@ def facets_of(mesh: RawMesh, dimensions: int) -> Facets:
         points = points[first]
         cells_of = [(base, group[cells]) for base, cells in blocks[top]]
         facets = (_boundary if dimensions == 3 else _outline)(points, cells_of)
-    elif dimensions == 3:
-        facets = np.concatenate([_triangles(cells) for _, cells in blocks[top]])
+        numbers = np.full(len(facets), -1)
     else:
-        facets = np.concatenate([cells for _, cells in blocks[top]])
-    return Facets(points, facets, top == dimensions, list(dict.fromkeys(notes)))
+        # Polygons are divided into triangles, lines are what they are.
+        each = [cells.shape[1] - 2 if dimensions == 3 else 1 for _, cells in blocks[top]]
+        number = [len(cells) for _, cells in blocks[top]]
+        facets = np.concatenate(
+            [_triangles(cells) if dimensions == 3 else cells for _, cells in blocks[top]]
+        )
+        numbers = np.repeat(np.arange(sum(number)), np.repeat(each, number))
+    return Facets(points, facets, numbers, top == dimensions, list(dict.fromkeys(notes)))
 
 
 def _triangles(faces: Ints) -> Ints:

@@ -2,16 +2,26 @@
 
 Readers of dozens of formats meet files that nobody has checked: they print, exit, allocate what a
 damaged header asks for, or loop. Here they have limits of memory and time, and what goes wrong ends
-this process only. Standard output gets the number of arrays and then arrays in NumPy's format:
-points, and for each block of cells its type and the cells. Errors are one line on standard error.
+this process only. Other files that a mesh names are opened only where they are files on a disk:
+nobody may ever write to a pipe. Standard output gets the number of arrays and then arrays in
+NumPy's format: points, and for each block of cells its type and the cells. Errors are one line on
+standard error.
 """
 
 import os
 import resource
+import signal
+import stat
 import sys
-from typing import IO
+from typing import IO, Any
 
 import numpy as np
+
+#: Endings of formats that are HDF5, or lead to such files.
+_HDF5 = (".xdmf", ".xmf", ".h5m", ".hmf", ".med", ".cgns")
+
+#: Time that may pass, over that of the processor: a last resort where something waits.
+_PATIENCE = 5
 
 
 def main() -> None:
@@ -20,6 +30,7 @@ def main() -> None:
     resource.setrlimit(resource.RLIMIT_DATA, (size, size))
     resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    signal.alarm(_PATIENCE * seconds)
     out = os.fdopen(os.dup(1), "wb")
     silence = os.open(os.devnull, os.O_WRONLY)
     speak = os.fdopen(os.dup(2), "w", errors="replace")
@@ -60,6 +71,10 @@ def _read(name: str) -> list[np.ndarray]:
         _check_stl(name)
     import meshio
 
+    if name.lower().endswith(_HDF5):
+        _guard_hdf5()
+    sys.addaudithook(_guard)
+
     def note(*args: object, **_: object) -> None:
         if text := " ".join(" ".join(str(a) for a in args).split()):
             _REASON["text"] = text[:300]
@@ -74,6 +89,54 @@ def _read(name: str) -> list[np.ndarray]:
             continue
         arrays += [np.array(kind), np.ascontiguousarray(np.asarray(block.data, np.int64))]
     return arrays
+
+
+def _require_file(name: Any) -> None:
+    """Refuse pipes and devices, which may keep a reader waiting or have no end."""
+    try:
+        mode = os.stat(name).st_mode
+    except (OSError, ValueError, TypeError):
+        return  # the reader will say so
+    if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)) and name != os.devnull:
+        raise OSError(f"it leads to {os.fsdecode(name)}, which is no regular file")
+
+
+def _guard(event: str, args: tuple[Any, ...]) -> None:
+    """Watch what Python opens by its name."""
+    if event == "open" and isinstance(args[0], str | bytes):
+        _require_file(args[0])
+
+
+def _guard_hdf5() -> None:
+    """Let h5py open files that have all their data in themselves, and no others."""
+    import h5py
+
+    class File(h5py.File):
+        """A file whose links and data lead nowhere else."""
+
+        def __init__(self, name: Any, *args: Any, **options: Any) -> None:
+            _require_file(name)
+            super().__init__(name, *args, **options)
+
+            def wrong_link(path: bytes, link: Any) -> str | None:
+                inside = link.type in (h5py.h5l.TYPE_HARD, h5py.h5l.TYPE_SOFT)
+                return None if inside else f"its '{path.decode()}' is a link into another file"
+
+            def wrong_data(path: bytes, about: Any) -> str | None:
+                if about.type != h5py.h5o.TYPE_DATASET:
+                    return None
+                found = self[path]
+                if not (found.external or found.is_virtual):
+                    return None
+                return f"the data of its '{path.decode()}' are in another file"
+
+            # The first answer ends a visit.
+            wrong = self.id.links.visit(wrong_link, info=True)
+            wrong = wrong or h5py.h5o.visit(self.id, wrong_data, info=True)
+            if wrong:
+                raise OSError(wrong)
+
+    h5py.File = File
 
 
 def _check_stl(name: str) -> None:

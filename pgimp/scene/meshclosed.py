@@ -34,22 +34,22 @@ def enclose(found: Facets) -> Surface:
         parts that overlap; with their number and a place.
     """
     notes, dimensions = list(found.notes), found.points.shape[1]
-    points, facets = _merge(found.points, found.facets, notes)
+    points, facets, cells = _merge(found, notes)
     if len(facets) == 0:
         raise CaseError("has no facet that is more than a point or a line")
     if dimensions == 3:
-        pairs, turned = _neighbours(points, facets, found.filled)
+        pairs, turned = _neighbours(points, facets, found.filled, cells)
     else:
-        pairs, turned = _corners(points, facets, found.filled)
+        pairs, turned = _corners(points, facets, found.filled, cells)
     if found.filled:
         # The cells know what is inside; parts may touch in edges only, where others could not tell.
         everything = np.zeros(len(facets), np.int64)
         if _volumes(_stretch(points, facets), everything)[0] < 0.0:
             facets = facets[:, ::-1]
         surface = plant(_stretch(points, facets), everything, dimensions)
-        _check_lines(surface, points.min(axis=0), points.max(axis=0))
+        _check_lines(surface, points, facets, cells)
         return surface._replace(notes=tuple(notes), facets=len(facets))
-    root, parity = _orient(points, facets, pairs, turned)
+    root, parity = _orient(points, facets, pairs, turned, cells)
     given = facets.copy()
     facets = _turned(facets, parity == 1)
     _, component = np.unique(root, return_inverse=True)
@@ -72,7 +72,7 @@ def enclose(found: Facets) -> Surface:
         notes.append(f"{changed:,} of {len(facets):,} {what} faced the wrong way; turned over")
     if cavities := int((depth % 2 == 1).sum()):
         notes.append(f"{cavities:,} inner surface{'s' * (cavities > 1)}: holes, left empty")
-    _check_lines(surface, points.min(axis=0), points.max(axis=0))
+    _check_lines(surface, points, facets, cells)
     return surface._replace(notes=tuple(notes), facets=len(facets))
 
 
@@ -80,10 +80,10 @@ def _turned(facets: Ints, which: NDArray[np.bool_]) -> Ints:
     return np.where(which[:, None], facets[:, ::-1], facets)
 
 
-def _merge(points: Reals, facets: Ints, notes: list[str]) -> tuple[Reals, Ints]:
-    """Merge equal points, drop facets that have collapsed or are there twice."""
-    points = points + 0.0  # -0.0 and 0.0 are one place
-    used, facets = np.unique(facets, return_inverse=True)
+def _merge(found: Facets, notes: list[str]) -> tuple[Reals, Ints, Ints]:
+    """Merge equal points, drop facets that have collapsed or are there twice; with their cells."""
+    points, cells = found.points + 0.0, found.cells  # -0.0 and 0.0 are one place
+    used, facets = np.unique(found.facets, return_inverse=True)
     points = points[used]
     group, first, _ = unique_rows(np.ascontiguousarray(points).view(np.int64))
     points, facets = points[first], group[facets.reshape(-1, facets.shape[-1])]
@@ -91,21 +91,31 @@ def _merge(points: Reals, facets: Ints, notes: list[str]) -> tuple[Reals, Ints]:
     flat = (ordered[:, 1:] == ordered[:, :-1]).any(axis=1)
     if flat.any():
         notes.append(f"{int(flat.sum()):,} degenerate facets dropped")
-        facets, ordered = facets[~flat], ordered[~flat]
+        facets, ordered, cells = facets[~flat], ordered[~flat], cells[~flat]
     if len(facets) == 0:
-        return points, facets
+        return points, facets, cells
     _, first, _ = unique_rows(ordered)
     if len(first) < len(facets):
         notes.append(f"{len(facets) - len(first):,} facets that are there twice dropped")
-        facets = facets[np.sort(first)]
-    return points, facets
+        facets, cells = facets[np.sort(first)], cells[np.sort(first)]
+    return points, facets, cells
 
 
 def _place(at: Reals) -> str:
     return "(" + ", ".join(f"{x:.6g}" for x in at) + ")"
 
 
-def _neighbours(points: Reals, facets: Ints, filled: bool) -> tuple[Ints, NDArray[np.bool_]]:
+def _of(what: str, cells: Ints) -> str:
+    """Say which cells of the file are meant, at most a few; nothing where that is not known."""
+    numbers = [str(number) for number in np.unique(cells[cells >= 0])[:5]]
+    if not numbers:
+        return ""
+    return f", of {what}{'s' * (len(numbers) > 1)} {', '.join(numbers)} (from 0)"
+
+
+def _neighbours(
+    points: Reals, facets: Ints, filled: bool, cells: Ints
+) -> tuple[Ints, NDArray[np.bool_]]:
     """Pairs of triangles at an edge, and whether they run along it in the same direction.
 
     Edges of more than two triangles are allowed where cells fill the body: they touch there.
@@ -124,8 +134,9 @@ def _neighbours(points: Reals, facets: Ints, filled: bool) -> tuple[Ints, NDArra
     ):
         if number := int(bad.sum()):
             a, b = points[keys[first[bad][0]]]
+            where = _of("triangle", cells[np.flatnonzero(group == bad.argmax()) // 3])
             raise CaseError(
-                f"has {number:,} {what}, the first from {_place(a)} to {_place(b)}: {why}; "
+                f"has {number:,} {what}, the first from {_place(a)} to {_place(b)}{where}: {why}; "
                 "repair the mesh"
             )
     order = np.argsort(group, kind="stable")
@@ -133,7 +144,9 @@ def _neighbours(points: Reals, facets: Ints, filled: bool) -> tuple[Ints, NDArra
     return order // 3, (start < end)[order[:, 0]] == (start < end)[order[:, 1]]
 
 
-def _corners(points: Reals, facets: Ints, filled: bool) -> tuple[Ints, NDArray[np.bool_]]:
+def _corners(
+    points: Reals, facets: Ints, filled: bool, cells: Ints
+) -> tuple[Ints, NDArray[np.bool_]]:
     """Pairs of segments at a corner, and whether both begin, or end, there."""
     corner = facets.ravel()
     group, first, counts = unique_rows(corner[:, None])
@@ -147,14 +160,17 @@ def _corners(points: Reals, facets: Ints, filled: bool) -> tuple[Ints, NDArray[n
     ):
         if number := int(bad.sum()):
             at = _place(points[corner[first[bad][0]]])
-            raise CaseError(f"has {number:,} {what}, the first at {at}: {why}; repair the mesh")
+            where = _of("segment", cells[np.flatnonzero(group == bad.argmax()) // 2])
+            raise CaseError(
+                f"has {number:,} {what}, the first at {at}{where}: {why}; repair the mesh"
+            )
     order = np.argsort(group, kind="stable")
     order = order[(counts == 2)[group[order]]].reshape(-1, 2)
     return order // 2, order[:, 0] % 2 == order[:, 1] % 2
 
 
 def _orient(
-    points: Reals, facets: Ints, pairs: Ints, turned: NDArray[np.bool_]
+    points: Reals, facets: Ints, pairs: Ints, turned: NDArray[np.bool_], cells: Ints
 ) -> tuple[Ints, Ints]:
     """First facet of each one's component, and whether it is to be turned to agree with it."""
     from pgimp.kernels.meshtree import unite
@@ -163,7 +179,10 @@ def _orient(
     wrong = unite(np.ascontiguousarray(pairs), np.ascontiguousarray(turned), root, parity)
     if wrong >= 0:
         at = _place(points[facets[pairs[wrong, 0]]].mean(axis=0))
-        raise CaseError(f"has only one side, as a Moebius strip has, near {at}; repair the mesh")
+        where = _of("triangle", cells[pairs[wrong]])
+        raise CaseError(
+            f"has only one side, as a Moebius strip has, near {at}{where}; repair the mesh"
+        )
     return root, parity
 
 
@@ -208,15 +227,18 @@ def _depths(surface: Surface, triangles: Reals, component: Ints) -> Ints:
     return surface.count_above(points, np.arange(number))
 
 
-def _check_lines(surface: Surface, low: Reals, high: Reals) -> None:
-    """Refuse parts of a surface that overlap: along a line, ways in and out must take turns."""
+def _check_lines(surface: Surface, places: Reals, facets: Ints, cells: Ints) -> None:
+    """Refuse parts of a surface that overlap: along a line, ways in and out must take turns.
+
+    The facets at their `places` are those of the surface, in the order of their `cells`.
+    """
     n = len(surface.triangles)
     chosen = np.linspace(0, n - 1, min(n, _LOOKS)).astype(np.int64)
     points = np.tensordot(surface.triangles[chosen], [0.37, 0.34, 0.29], axes=(1, 0))
     corners = surface.triangles[chosen]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     slopes = np.abs(normals) / np.linalg.norm(normals, axis=1, keepdims=True)
-    slack = 1e-9 * float((high - low).max())
+    slack = 1e-9 * float(np.ptp(places, axis=0).max())
     for axis in range(3):
         if surface.dimensions == 2 and axis == 1:
             continue
@@ -233,8 +255,11 @@ def _check_lines(surface: Surface, low: Reals, high: Reals) -> None:
             at = points[across][line].copy()
             at[axis] = 0.5 * (heights[line, place] + heights[line, place + 1])
             at = at[[0, 2]] if surface.dimensions == 2 else at
+            same = (_stretch(places, facets) == corners[across][line]).all(axis=(1, 2))
+            what = "segment" if surface.dimensions == 2 else "triangle"
+            where = _of(what, cells[np.flatnonzero(same) % len(facets)])
             raise CaseError(
-                f"overlaps or cuts itself, for example at {_place(at)} ({len(bad):,} places of "
-                f"{len(points):,} lines looked along): inside and outside cannot be told apart; "
-                "repair the mesh (a union of its parts)"
+                f"overlaps or cuts itself, for example at {_place(at)}, in line with a point"
+                f"{where} ({len(bad):,} places of {len(points):,} lines looked along): inside and "
+                "outside cannot be told apart; repair the mesh (a union of its parts)"
             )

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pgimp.errors import CaseError
+from pgimp.scene.text import shown
 
 #: Memory [bytes] and time [s] that reading may take: constants, and for each byte of the file.
 _MEMORY, _TIME = (1_500_000_000, 40), (60, 4e-6)
@@ -114,8 +115,8 @@ def _cause(name: str, status: int, said: str) -> str:
         return f"its reader was ended by signal {-status}: too much time or memory, or a crash"
     if "Could not deduce file format" in said or not Path(name).suffix:
         return (
-            f"meshio knows no format '{Path(name).suffix}'; use .stl, .obj, .ply, .msh, .vtu, "
-            ".vtk or another that meshio reads"
+            f"meshio knows no format '{shown(Path(name).suffix)}'; use .stl, .obj, .ply, .msh, "
+            ".vtu, .vtk or another that meshio reads"
         )
-    line = said.splitlines()[-1] if said else "it is damaged"
+    line = shown(said.splitlines()[-1], 300) if said else "it is damaged"
     return f"{line}; export it anew, or convert it (meshio convert FILE other.vtu)"

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from pgimp.scene.pointsfile import Block
+from pgimp.scene.pointsblock import Block
 from pgimp.scene.regions.points import Points
 from pgimp.scene.survey import Ranges
 

@@ -1,12 +1,13 @@
 """The scene: a case turned into what the solver works with, the same on every rank."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from itertools import chain
 from math import prod
 from typing import Any
 
 import numpy as np
 
+from pgimp.case.places import located
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.kernels.errors import initial_velocities
@@ -15,7 +16,8 @@ from pgimp.kernels.order import cell_numbers
 from pgimp.kernels.walls import WALL
 from pgimp.materials.outside import parameters_of
 from pgimp.scene.census import census
-from pgimp.scene.lattice import Lattice
+from pgimp.scene.cloudgradients import velocity_gradients
+from pgimp.scene.lattice import Lattice, Made
 from pgimp.scene.loads import SceneLoads
 from pgimp.scene.pointscloud import Cloud
 from pgimp.scene.tables import VectorTable
@@ -107,7 +109,8 @@ class Scene:
         self.body_material = tuple(used.index(b.material) for b in case.bodies.values())
         self.material_of = np.array(self.body_material, np.int64)
         self.materials = tuple(parameters_of(case.materials[name]) for name in used)
-        self.most_mass = self._weigh(used)
+        with located(case):
+            self.most_mass = self._weigh(used)
         named = case.boundaries
         order = [f"{axis}-{end}" for axis in AXES for end in ("min", "max")]
         self.faces = [Face(name, named[name]) for name in order if name in named]
@@ -214,6 +217,23 @@ class Scene:
         )
         return v + turn[:, :D]
 
+    def _from_file(self, lattice: Lattice, cloud: Cloud, found: Iterable[Made]) -> list[Made]:
+        """Particles of a file, with gradients of their velocity where they need some."""
+        made = list(found)
+        if not made or not self.loads.affine or made[0].velocities is None:
+            return made
+        if made[0].gradients is not None:
+            return made
+        x, v = (
+            np.concatenate([getattr(some, name) for some in made])
+            for name in ("positions", "velocities")
+        )
+        ends = np.cumsum([len(some.ids) for some in made])
+        gradients = np.split(velocity_gradients(cloud, lattice.box, x, v), ends[:-1])
+        return [
+            some._replace(gradients=part) for some, part in zip(made, gradients, strict=True)
+        ]
+
     def populate(
         self,
         lattice: Lattice,
@@ -234,7 +254,9 @@ class Scene:
         """
         # Of particles in files nobody knows the number before they are read.
         files = [
-            list(lattice.make(planes, counts, body, own)) if isinstance(filling, Cloud) else None
+            self._from_file(lattice, filling, lattice.make(planes, counts, body, own))
+            if isinstance(filling, Cloud)
+            else None
             for body, filling in enumerate(lattice.fillings)
         ]
         n = sum(
@@ -261,8 +283,12 @@ class Scene:
                 p.v[rows] = made.velocities
             if made.stresses is not None:
                 p.sigma[rows] = made.stresses[:, : p.sigma.shape[1]]
-            if p.L.shape[1] and made.velocities is None:
-                p.L[rows] = self._velocity_gradients(made.body, places)
+            if p.L.shape[1]:
+                p.L[rows] = (
+                    self._velocity_gradients(made.body, places)
+                    if made.gradients is None
+                    else made.gradients
+                )
             p.id[rows] = made.ids
             p.body[rows] = made.body
             p.V0[rows] = p.V[rows] = lattice.volume * made.fractions  # (3)
@@ -283,7 +309,8 @@ def count_particles(scene: Scene, comm: Any) -> tuple[Lattice, np.ndarray, list[
         See `pgimp.scene.lattice.census`.
     """
     lattice = Lattice(scene.case)
-    taken = census(lattice, comm)
-    if int(taken.counts.sum()) >= 2**53:
-        raise CaseError("grid.cell: more particles than can be numbered; use larger cells")
+    with located(scene.case):
+        taken = census(lattice, comm)
+        if int(taken.counts.sum()) >= 2**53:
+            raise CaseError("grid.cell: more particles than can be numbered; use larger cells")
     return lattice, taken.counts, taken.notes

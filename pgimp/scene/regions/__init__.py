@@ -9,8 +9,9 @@ from pydantic import BaseModel
 from pgimp.scene.regions.ball import Ball
 from pgimp.scene.regions.base import REGION, Region, RegionEntry
 from pgimp.scene.regions.box import Box
-from pgimp.scene.regions.combine import Difference, Union
+from pgimp.scene.regions.combine import Difference, Intersection, Union
 from pgimp.scene.regions.cylinder import Cylinder
+from pgimp.scene.regions.half_space import HalfSpace
 from pgimp.scene.regions.mesh import Mesh
 from pgimp.scene.regions.points import Points
 
@@ -18,10 +19,12 @@ REGIONS: dict[str, type[BaseModel]] = {
     "box": Box,
     "ball": Ball,
     "cylinder": Cylinder,
+    "half-space": HalfSpace,
     "mesh": Mesh,
     "points": Points,
     "union": Union,
     "difference": Difference,
+    "intersection": Intersection,
 }
 """The regions by their name in the case, ``region: {NAME: ...}``."""
 
@@ -32,6 +35,8 @@ __all__ = [
     "Box",
     "Cylinder",
     "Difference",
+    "HalfSpace",
+    "Intersection",
     "Mesh",
     "Points",
     "Region",

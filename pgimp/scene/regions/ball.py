@@ -13,6 +13,7 @@ from pgimp.scene.regions.base import (
     Plane,
     Points,
     Region,
+    Round,
     across,
 )
 
@@ -57,6 +58,10 @@ class Ball(Model, Region):
         low, high = self.bounds()
         c = self.centre
         return [across(i, at, c, c) for i in range(len(c)) for at in (low[i], high[i])]
+
+    def rounds(self) -> list[Round]:
+        """See `Region.rounds`."""
+        return [Round(self.centre, self.radius)]
 
     def crossings(self, points: Points, axis: int) -> Lengths:
         """See `Region.crossings`."""

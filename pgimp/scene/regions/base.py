@@ -31,6 +31,24 @@ class Plane(NamedTuple):
     high: tuple[float, ...]
 
 
+class Flat(NamedTuple):
+    """A flat part of a surface at any angle: the unit normal and a point of its plane."""
+
+    normal: tuple[float, ...]
+    point: tuple[float, ...]
+
+
+class Round(NamedTuple):
+    """A round part of a surface: a sphere, or a cylinder without ends round an axis.
+
+    `axis` is the cylinder's unit vector; None for a sphere, in 2D a circle.
+    """
+
+    centre: tuple[float, ...]
+    radius: float
+    axis: tuple[float, ...] | None = None
+
+
 def across(axis: int, at: float, low: tuple[float, ...], high: tuple[float, ...]) -> Plane:
     """Return the plane at coordinate `at` within the box from `low` to `high`."""
     ends = [tuple(at if d == axis else x for d, x in enumerate(end)) for end in (low, high)]
@@ -109,7 +127,18 @@ class Region(ABC):
 
     @abstractmethod
     def bounds(self) -> Bounds:
-        """Return the low and the high corner, shape (D,) each, of a box around the region."""
+        """Return the low and the high corner, shape (D,) each, of a box around the region.
+
+        Infinite where it has no end; a low end above the high one where no point lies in it.
+        """
+
+    def flats(self) -> list[Flat]:
+        """Return the planes that its flat surfaces lie in."""
+        return []
+
+    def rounds(self) -> list[Round]:
+        """Return the spheres and cylinders that its round surfaces lie in."""
+        return []
 
     def at(self, axis: int, reach: float) -> str:
         """Say what of it lies at a bound along an axis, for people; empty if that tells nothing."""

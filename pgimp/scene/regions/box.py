@@ -9,6 +9,7 @@ from pgimp.case.base import Model, Vector
 from pgimp.case.problems import Problem, raise_problems
 from pgimp.scene.regions.base import (
     Bounds,
+    Flat,
     Lengths,
     Mask,
     Plane,
@@ -66,6 +67,11 @@ class Box(Model, Region):
         """See `Region.planes`."""
         ends = enumerate(zip(self.min, self.max, strict=True))
         return [across(i, at, self.min, self.max) for i, pair in ends for at in pair]
+
+    def flats(self) -> list[Flat]:
+        """See `Region.flats`."""
+        axes = np.eye(len(self.min))
+        return [Flat(tuple(n), at) for at in (self.min, self.max) for n in axes.tolist()]
 
     def crossings(self, points: Points, axis: int) -> Lengths:
         """See `Region.crossings`."""

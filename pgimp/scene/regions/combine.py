@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from abc import abstractmethod
+from collections.abc import Iterable, Iterator, Sequence
+from functools import cached_property
 from typing import Annotated, Any
 
 import numpy as np
@@ -10,6 +12,25 @@ from pydantic import ConfigDict, Field, RootModel, model_validator
 
 from pgimp.case.base import tuples
 from pgimp.scene.regions.base import Bounds, Lengths, Mask, Plane, Points, Region, RegionEntry
+from pgimp.scene.regions.extremes import extremes
+
+
+def _joined(bounds: Iterable[Bounds]) -> Bounds:
+    """Return the bounds of all together."""
+    lows, highs = zip(*bounds, strict=True)
+    return (
+        tuple(min(low) for low in zip(*lows, strict=True)),
+        tuple(max(high) for high in zip(*highs, strict=True)),
+    )
+
+
+def _common(bounds: Iterable[Bounds]) -> Bounds:
+    """Return the bounds of what all have in common."""
+    lows, highs = zip(*bounds, strict=True)
+    return (
+        tuple(max(low) for low in zip(*lows, strict=True)),
+        tuple(min(high) for high in zip(*highs, strict=True)),
+    )
 
 
 class Combination(RootModel[Annotated[tuple[RegionEntry, ...], Field(min_length=2)]], Region):
@@ -31,6 +52,21 @@ class Combination(RootModel[Annotated[tuple[RegionEntry, ...], Field(min_length=
         """See `Region.simple`."""
         for region in self.root:
             yield from region.simple()
+
+    @abstractmethod
+    def _around(self) -> Bounds:
+        """Return bounds that follow from those of the parts alone, and may be too wide."""
+
+    @cached_property
+    def exact_bounds(self) -> Bounds:
+        """Bounds, exact where `extremes` can tell them."""
+        return extremes(self, self._around())
+
+    def bounds(self) -> Bounds:
+        """See `Region.bounds`; exact but for meshes, and round surfaces that meet in curves."""
+        if any(part.FROM_FILE for part in self.simple()):
+            return self._around()
+        return self.exact_bounds
 
     def facts(self) -> list[str]:
         """See `Region.facts`."""
@@ -81,13 +117,13 @@ class Union(Combination):
             return Union.model_construct(root=parts)
         return parts[0] if parts else None
 
+    def _around(self) -> Bounds:
+        """See `Combination`."""
+        return _joined(region.bounds() for region in self.root)
+
     def bounds(self) -> Bounds:
-        """See `Region.bounds`."""
-        lows, highs = zip(*(region.bounds() for region in self.root), strict=True)
-        return (
-            tuple(min(low) for low in zip(*lows, strict=True)),
-            tuple(max(high) for high in zip(*highs, strict=True)),
-        )
+        """See `Region.bounds`; those of the parts tell."""
+        return self._around()
 
 
 class Difference(Combination):
@@ -116,6 +152,36 @@ class Difference(Combination):
             return first
         return Difference.model_construct(root=(first, *others))
 
-    def bounds(self) -> Bounds:
-        """See `Region.bounds`; those of the first region."""
+    def _around(self) -> Bounds:
+        """See `Combination`."""
         return self.root[0].bounds()
+
+
+class Intersection(Combination):
+    """All points that lie in every one of the regions, as of a ball and two half-spaces."""
+
+    def contains(self, points: Points) -> Mask:
+        """See `Region.contains`."""
+        inside = self.root[0].contains(points)
+        for region in self.root[1:]:
+            inside &= region.contains(points)
+        return inside
+
+    def distance(self, points: Points) -> Lengths:
+        """See `Region.distance`."""
+        distance = self.root[0].distance(points)
+        for region in self.root[1:]:
+            distance = np.maximum(distance, region.distance(points))
+        return distance
+
+    def near(self, low: Sequence[float], high: Sequence[float]) -> Region | None:
+        """See `Region.near`."""
+        reach = dict.fromkeys(region.near(low, high) for region in self.root)
+        parts = tuple(region for region in reach if region is not None)
+        if len(parts) < len(reach):
+            return None
+        return Intersection.model_construct(root=parts) if len(parts) > 1 else parts[0]
+
+    def _around(self) -> Bounds:
+        """See `Combination`."""
+        return _common(region.bounds() for region in self.root)

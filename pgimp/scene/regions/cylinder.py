@@ -12,11 +12,13 @@ from pgimp.case.base import Model, Positive, Vector
 from pgimp.case.problems import Problem, raise_problems
 from pgimp.scene.regions.base import (
     Bounds,
+    Flat,
     Lengths,
     Mask,
     Plane,
     Points,
     Region,
+    Round,
     across,
     roots,
 )
@@ -97,6 +99,14 @@ class Cylinder(Model, Region):
                 for ends in (low, high)]  # fmt: skip
         sides = [i for i in range(3) if i != parallel]
         return found + [across(i, at, *line) for i in sides for at in (low[i], high[i])]
+
+    def flats(self) -> list[Flat]:
+        """See `Region.flats`; the ends."""
+        return [Flat(self._axis(), end) for end in (self.start, self.end)]
+
+    def rounds(self) -> list[Round]:
+        """See `Region.rounds`; the mantle."""
+        return [Round(self.start, self.radius, self._axis())]
 
     def crossings(self, points: Points, axis: int) -> Lengths:
         """See `Region.crossings`; x is counted from each point's own coordinate."""

@@ -6,7 +6,7 @@ of a case start with that of the lattice, from `particles_per_cell`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property
 from typing import ClassVar, NamedTuple
 
@@ -17,7 +17,8 @@ from pydantic import Field
 from pgimp.case.base import Model
 from pgimp.case.paths import FileName
 from pgimp.errors import CaseError
-from pgimp.scene.pointsfile import Block, blocks
+from pgimp.scene.pointsblock import Block
+from pgimp.scene.pointsfile import blocks
 from pgimp.scene.regions.base import Bounds, Lengths, Mask, Plane, Region
 from pgimp.scene.regions.base import Points as Positions
 
@@ -33,10 +34,7 @@ class Summary(NamedTuple):
     most: float
     velocity: bool
     stress: bool
-
-
-#: Of a body whose particles exist already.
-NONE = Summary(0, (np.inf,) * 3, (-np.inf,) * 3, 0.0, 0.0, 0.0, False, False)
+    gradient: bool
 
 
 class Points(Model, Region):
@@ -47,40 +45,65 @@ class Points(Model, Region):
 
     file: FileName = Field(
         description="file of the particles, from the folder of the case: .csv with a line of names "
-        "(x,y,z,volume,velocity-x,...,stress-xx,...), or .h5 with datasets position, volume, "
-        "velocity, stress"
+        "(x,y,z,volume,velocity-x,...,stress-xx,...,velocity-gradient-xx,...), or .h5 with "
+        "datasets position, volume, velocity, stress, velocity-gradient"
     )
 
     def belong(self, dimensions: int) -> None:
         """See `Region.belong`."""
         self.__dict__["dimensions_of_case"] = dimensions
 
+    @property
+    def dimensions(self) -> int:
+        """Directions of the case."""
+        return self.__dict__.get("dimensions_of_case", 3)
+
+    def nothing(self) -> Summary:
+        """Return what stands for the file where its particles exist already."""
+        D = self.dimensions
+        return Summary(0, (np.inf,) * D, (-np.inf,) * D, 0.0, 0.0, 0.0, False, False, False)
+
     @cached_property
     def summary(self) -> Summary:
-        """What the file holds; it is read once, block by block, and checked.
+        """What the file holds, see `read`."""
+        return self.read()
+
+    def read(self, most: int | None = None) -> Summary:
+        """Read the file once, block by block, and check it.
+
+        Parameters
+        ----------
+        most : int, optional
+            Particles that memory can hold.
 
         Raises
         ------
         CaseError
-            If it cannot be read, or a row is no particle.
+            If it cannot be read, claims more particles, or a row is no particle.
         """
-        D = self.__dict__.get("dimensions_of_case", 3)
+        D = self.dimensions
         count, volume = 0, 0.0
         low, high = np.full(D, np.inf), np.full(D, -np.inf)
-        least, most = np.inf, 0.0
-        velocity = stress = False
-        for block in blocks(self.file, D):
+        least, largest = np.inf, 0.0
+        velocity = stress = gradient = False
+        for block in blocks(self.file, D, most):
             self._check(block)
             count += len(block.volume)
             volume += float(block.volume.sum())
             low = np.minimum(low, block.position.min(axis=0))
             high = np.maximum(high, block.position.max(axis=0))
-            least, most = min(least, block.volume.min()), max(most, block.volume.max())
+            least, largest = min(least, block.volume.min()), max(largest, block.volume.max())
             velocity, stress = block.velocity is not None, block.stress is not None
+            gradient = block.gradient is not None
         if not count:
             raise CaseError(f"the file {self.file} holds no particle")
+        if gradient and not velocity:
+            raise CaseError(
+                f"the particles {self.file} have a velocity gradient, but no velocity; give both"
+            )
         ends = tuple(low.tolist()), tuple(high.tolist())
-        return Summary(count, *ends, volume, float(least), float(most), velocity, stress)
+        sizes = float(least), float(largest)
+        return Summary(count, *ends, volume, *sizes, velocity, stress, gradient)
 
     def _check(self, block: Block) -> None:
         """Refuse what is no particle, with its row."""
@@ -89,6 +112,7 @@ class Points(Model, Region):
             ("volume", block.volume),
             ("velocity", block.velocity),
             ("stress", block.stress),
+            ("velocity gradient", block.gradient),
         )
         for what, values in columns:
             if values is None:
@@ -108,29 +132,24 @@ class Points(Model, Region):
 
     def chosen(self, which: Callable[[Lengths], Mask]) -> Iterator[tuple[NDArray, Block]]:
         """Yield the particles whose coordinate along x is wanted, with their rows in the file."""
-        for block in blocks(self.file, self.__dict__.get("dimensions_of_case", 3)):
+        for block in blocks(self.file, self.dimensions):
             rows = np.flatnonzero(which(np.ascontiguousarray(block.position[:, 0])))
             if len(rows):
-                yield (
-                    block.first + rows,
-                    block._replace(
-                        position=block.position[rows],
-                        volume=block.volume[rows],
-                        velocity=None if block.velocity is None else block.velocity[rows],
-                        stress=None if block.stress is None else block.stress[rows],
-                    ),
-                )
+                yield block.first + rows, block.take(rows)
 
-    def line(self, row: int) -> str:
-        """Say where in the file a row stands; empty if it is there no more."""
-        for block in blocks(self.file, self.__dict__.get("dimensions_of_case", 3)):
-            if row < block.first + len(block.volume):
-                return block.place(row - block.first)
-        return ""
+    def lines(self, rows: Sequence[int]) -> list[str]:
+        """Say where in the file rows stand, given ascending; fewer if it has become shorter."""
+        found: list[str] = []
+        for block in blocks(self.file, self.dimensions):
+            while len(found) < len(rows) and rows[len(found)] < block.first + len(block.volume):
+                found.append(block.place(rows[len(found)] - block.first))
+            if len(found) == len(rows):
+                break
+        return found
 
     def at(self, axis: int, reach: float) -> str:
         """See `Region.at`; the file is read once more."""
-        for block in blocks(self.file, self.__dict__.get("dimensions_of_case", 3)):
+        for block in blocks(self.file, self.dimensions):
             rows = np.flatnonzero(block.position[:, axis] == reach)
             if len(rows):
                 x = ", ".join(f"{value:.6g}" for value in block.position[rows[0]])
@@ -168,8 +187,9 @@ class Points(Model, Region):
         def place(x: tuple[float, ...]) -> str:
             return "(" + ", ".join(f"{value:.6g}" for value in x) + ")"
 
-        more = [name for name in ("velocity", "stress") if getattr(found, name)]
-        given = f"; with {' and '.join(more)}" if more else ""
+        names = {"velocity": "velocity", "stress": "stress", "gradient": "velocity gradient"}
+        more = [name for key, name in names.items() if getattr(found, key)]
+        given = f"; with {', '.join(more)}" if more else ""
         return [
             f"{found.number:,} particles of a file, from {place(found.low)} to "
             f"{place(found.high)}, volume {found.volume:.6g}, of one {found.least:.4g} to "

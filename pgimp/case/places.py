@@ -1,0 +1,49 @@
+"""Where the parts of a case were written, for what turns out wrong after it was read."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from pgimp.case.document import Document
+from pgimp.errors import CaseError
+
+if TYPE_CHECKING:
+    from pgimp.case.schema import Case
+
+#: A line of a message that begins with a key.
+_KEY = re.compile(r"([a-z]+(?:\.[A-Za-z0-9_-]+)*): ")
+
+
+def remember(case: Case, document: Document, filename: str) -> None:
+    """Keep with a case in which file, and on which lines, its parts were written."""
+    case.__dict__["written"] = (filename, Document(None, document.places))
+
+
+@contextmanager
+def located(case: Case) -> Iterator[None]:
+    """Put file and line of their keys before the lines of a `CaseError` that is raised within.
+
+    Of a case that comes from no file, only the key is known.
+    """
+    try:
+        yield
+    except CaseError as error:
+        if type(error) is not CaseError or "written" not in case.__dict__:
+            raise
+        filename, document = case.__dict__["written"]
+        lines = [_with_place(line, filename, document) for line in str(error).split("\n")]
+        raise CaseError("\n".join(lines)) from None
+
+
+def _with_place(line: str, filename: str, document: Document) -> str:
+    match = _KEY.match(line)
+    if match is None:
+        return line
+    path = tuple(int(part) if part.isdecimal() else part for part in match[1].split("."))
+    place = document.place(path)
+    if place is None:
+        return line
+    return f"{filename}:{place}: {line}" if isinstance(place, int) else f"{place}: {line}"

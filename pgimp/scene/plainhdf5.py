@@ -1,0 +1,70 @@
+"""Datasets of a user's HDF5 file, found without opening any other file."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pgimp.errors import CaseError
+from pgimp.scene.text import shown
+
+#: Links that lead to one another before this counts as a circle.
+_MOST_LINKS = 16
+
+
+def find(h5py: Any, file: Any, key: str) -> Any:
+    """Return the object at a path; None if the file has none.
+
+    HDF5 would follow links into other files, and read data from them, which may be anything: a
+    pipe that nobody writes to, a device, a disk that is not there.
+
+    Parameters
+    ----------
+    h5py : module
+        As `pgimp.output.hdf5.load_h5py` gives it.
+    file : h5py.File
+        Open.
+    key : str
+        Path from its root.
+
+    Raises
+    ------
+    CaseError
+        If a link leads to another file, to nowhere or in a circle, or if the data are in another
+        file.
+    """
+    parts, group, links = key.strip("/").split("/"), file["/"], 0
+    while parts:
+        name = parts.pop(0).encode()
+        if name in (b"", b"."):
+            continue
+        if not isinstance(group, h5py.Group) or not group.id.links.exists(name):
+            if links:
+                raise CaseError(f"'{key}' is a link to nowhere")
+            return None
+        kind = group.id.links.get_info(name).type
+        if kind == h5py.h5l.TYPE_SOFT:
+            links += 1
+            if links > _MOST_LINKS:
+                raise CaseError(f"'{key}' is a link that leads in a circle")
+            target = group.id.links.get_val(name).decode(errors="replace")
+            group = file["/"] if target.startswith("/") else group
+            parts = target.strip("/").split("/") + parts
+        elif kind == h5py.h5l.TYPE_HARD:
+            group = group[name]
+        else:
+            other = b"another file"
+            if kind == h5py.h5l.TYPE_EXTERNAL:
+                other = b"the file " + group.id.links.get_val(name)[0]
+            raise CaseError(
+                f"'{key}' is a link into {shown(other.decode(errors='replace'), 200)}; copy the "
+                "data into this one"
+            )
+    if isinstance(group, h5py.Dataset):
+        if group.external:
+            raise CaseError(
+                f"the data of '{key}' are in another file, {shown(group.external[0][0], 200)}; "
+                "copy them into this one (h5repack)"
+            )
+        if group.is_virtual:
+            raise CaseError(f"'{key}' is a view of other datasets; copy the data into this one")
+    return group

@@ -1,0 +1,58 @@
+"""Some particles of a user's file, as both of its formats give them."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Reals = NDArray[np.float64]
+
+#: Rows that are read at a time.
+BLOCK = 200_000
+
+#: Components of the stress by dimension, the first of xx, yy, zz, xy, yz, xz.
+STRESS = {1: 3, 2: 4, 3: 6}
+
+
+class Block(NamedTuple):
+    """Some particles, rows `first` onwards.
+
+    Attributes
+    ----------
+    position, volume : (n, D) and (n,) float64
+    velocity : (n, D) float64 or None
+    stress : (n, 3, 4 or 6) float64 or None
+        Those of xx, yy, zz, xy, yz, xz that the dimension has.
+    gradient : (n, D * D) float64 or None
+        Of the velocity, row by row: dv_x/dx, dv_x/dy, ...
+    lines : callable
+        Gives the place of a row in the file for people, "row 0" or "line 2".
+    """
+
+    first: int
+    position: Reals
+    volume: Reals
+    velocity: Reals | None
+    stress: Reals | None
+    gradient: Reals | None
+    lines: Any
+
+    def place(self, row: int) -> str:
+        """Where a row of the block stands in the file, for people."""
+        return self.lines(row)
+
+    def take(self, rows: NDArray[np.int64]) -> Block:
+        """The columns of some rows."""
+
+        def of(values: Reals | None) -> Reals | None:
+            return None if values is None else values[rows]
+
+        return self._replace(
+            position=self.position[rows],
+            volume=self.volume[rows],
+            velocity=of(self.velocity),
+            stress=of(self.stress),
+            gradient=of(self.gradient),
+        )

@@ -1,0 +1,142 @@
+"""Particles from CSV: a line of names, `x,y,z,volume,velocity-x,...`, then one for each."""
+
+from __future__ import annotations
+
+import io
+from collections import Counter
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pgimp.errors import CaseError
+from pgimp.scene.pointsblock import STRESS, Block
+from pgimp.scene.text import shown
+
+Reals = NDArray[np.float64]
+
+#: Bytes of text that are read at a time.
+_TEXT = 8_000_000
+
+_AXES = "xyz"
+
+
+def _groups(D: int) -> dict[str, list[str]]:
+    """Names of the columns that belong together, in the order of a `Block`."""
+    axes, pairs = _AXES[:D], ("xx", "yy", "zz", "xy", "yz", "xz")
+    return {
+        "position": list(axes),
+        "volume": ["volume"],
+        "velocity": [f"velocity-{axis}" for axis in axes],
+        "stress": [f"stress-{pair}" for pair in pairs[: STRESS[D]]],
+        "gradient": [f"velocity-gradient-{a}{b}" for a in axes for b in axes],
+    }
+
+
+def read_csv(name: str, D: int) -> Iterator[Block]:
+    """Yield the particles of a file; see `pgimp.scene.pointsfile.blocks`."""
+    groups = _groups(D)
+    head: list[str] | None = None
+    first = 0
+    for line, text in _text(name):
+        lines = text.split("\n")
+        kept = [
+            (line + i, row) for i, row in enumerate(lines) if row.strip() and row.lstrip()[0] != "#"
+        ]
+        if head is None and kept:
+            head = [word.strip().lower() for word in kept[0][1].split(",")]
+            if problem := _misnamed(head, D):
+                raise CaseError(f"line {kept[0][0]}, the names of its columns: {problem}")
+            kept = kept[1:]
+        if not kept or head is None:
+            continue
+        values = _numbers(kept, len(head))
+        column = {key: values[:, i] for i, key in enumerate(head)}
+        table = {
+            group: np.stack([column[key] for key in keys], axis=1) if keys[0] in column else None
+            for group, keys in groups.items()
+        }
+        position = table["position"]
+        assert position is not None
+        yield Block(
+            first, position, column["volume"], table["velocity"], table["stress"],
+            table["gradient"], lambda row, kept=kept: f"line {kept[row][0]}",
+        )  # fmt: skip
+        first += len(values)
+    if head is None:
+        raise CaseError("it has no line of names, such as x,y,z,volume")
+
+
+def _misnamed(head: list[str], D: int) -> str:
+    """Say all that is wrong with the names of the columns; empty if nothing is."""
+    groups = _groups(D)
+    known = [key for keys in groups.values() for key in keys]
+    spatial = {key for keys in _groups(3).values() for key in keys}
+    needed = groups["position"] + groups["volume"]
+    missing = [
+        key
+        for group, keys in groups.items()
+        for key in keys
+        if key not in head
+        and (group in ("position", "volume") or any(key in head for key in keys))
+    ]
+    strange = [key for key in dict.fromkeys(head) if key not in known]
+    beyond = [key for key in strange if key in spatial]
+    unknown = [f"'{shown(key, 40)}'" for key in strange if key not in spatial]
+    twice = [f"'{shown(key, 40)}'" for key, number in Counter(head).items() if number > 1]
+    texts = []
+    if missing:
+        texts.append(f"missing {', '.join(missing)}")
+    if beyond:
+        texts.append(f"{', '.join(beyond)}, which a case in {D}D does not have: leave them out")
+    if unknown:
+        more = f" and {len(unknown) - 10} more" if len(unknown) > 10 else ""
+        texts.append(f"unknown {', '.join(unknown[:10])}{more}")
+    if twice:
+        texts.append(f"{', '.join(twice[:10])} more than once")
+    if not texts:
+        return ""
+    optional = "; ".join(
+        ",".join(keys) for group, keys in groups.items() if group not in ("position", "volume")
+    )
+    return f"{'; '.join(texts)}. Expected {','.join(needed)} and, if wanted, {optional}"
+
+
+def _text(name: str) -> Iterator[tuple[int, str]]:
+    """Yield whole lines of a file, some megabytes at a time, with the number of the first."""
+    line, rest = 1, b""
+    with open(name, "rb") as file:
+        while part := file.read(_TEXT):
+            whole, newline, rest_of_part = (rest + part).rpartition(b"\n")
+            if not newline:
+                rest += part
+                if len(rest) > _TEXT:
+                    raise CaseError(f"line {line} is longer than {_TEXT:,} characters: no CSV file")
+                continue
+            rest = rest_of_part
+            text = whole.decode("utf-8-sig")
+            yield line, text
+            line += text.count("\n") + 1
+    if rest:
+        yield line, rest.decode("utf-8-sig")
+
+
+def _numbers(kept: list[tuple[int, str]], columns: int) -> Reals:
+    """Numbers of lines, (n, columns)."""
+    try:
+        source = io.StringIO("\n".join(row for _, row in kept))
+        values = np.loadtxt(source, delimiter=",", ndmin=2, comments=None)
+        if values.shape == (len(kept), columns):
+            return values
+    except ValueError:
+        pass
+    for number, row in kept:
+        words = row.split(",")
+        if len(words) != columns:
+            raise CaseError(f"line {number}: {len(words)} values, expected {columns}")
+        for word in words:
+            try:
+                float(word)
+            except ValueError:
+                raise CaseError(f"line {number}: '{shown(word, 40)}' is no number") from None
+    raise CaseError(f"line {kept[0][0]} and those after it are no numbers")

@@ -1,0 +1,99 @@
+"""Particles from HDF5: datasets `position`, `volume`, and if wanted others, block by block."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pgimp.errors import CaseError
+from pgimp.scene.plainhdf5 import find
+from pgimp.scene.pointsblock import BLOCK, STRESS, Block
+
+Reals = NDArray[np.float64]
+
+#: The largest chunk of a dataset [bytes].
+_CHUNK = 256_000_000
+
+
+class _Kind(NamedTuple):
+    """Shapes that a row of a dataset may have, and the numbers of it that the case has."""
+
+    shapes: tuple[tuple[int, ...], ...]
+    kept: list[int]
+
+
+def _kinds(D: int) -> dict[str, _Kind]:
+    """Kinds of the datasets; vectors and tensors may be those of 3D, as in the frames of a run."""
+    vector = _Kind(((D,), (3,)) if D > 1 else ((), (1,), (3,)), list(range(D)))
+    square = [3 * i + j for i in range(D) for j in range(D)]
+    return {
+        "position": vector,
+        "volume": _Kind(((), (1,)), [0]),
+        "velocity": vector,
+        "stress": _Kind(((STRESS[D],), (6,)), list(range(STRESS[D]))),
+        "velocity-gradient": _Kind(((D, D), (D * D,), (3, 3), (9,)), square),
+    }
+
+
+def read_hdf5(name: str, D: int, most: int | None) -> Iterator[Block]:
+    """Yield the particles of a file; see `pgimp.scene.pointsfile.blocks`."""
+    from pgimp.output.hdf5 import load_h5py, open_file
+
+    h5py = load_h5py()
+    with open_file(Path(name), "r") as file:
+        kinds = _kinds(D)
+        found = {key: find(h5py, file, key) for key in kinds}
+        if missing := [key for key in ("position", "volume") if found[key] is None]:
+            raise CaseError(f"it has no dataset {', '.join(map(repr, missing))}")
+        data = {key: dataset for key, dataset in found.items() if dataset is not None}
+        for key, dataset in data.items():
+            _check(h5py, dataset, key, kinds[key])
+        count = len(data["position"])
+        for key, dataset in data.items():
+            if len(dataset) != count:
+                raise CaseError(f"{len(dataset):,} rows of {key}, but {count:,} of position")
+        if most is not None and count > most:
+            raise CaseError(
+                f"it claims {count:,} particles, but the memory that is here holds {most:,} at most"
+            )
+        for first in range(0, count, BLOCK):
+            rows = {
+                key: _rows(dataset[first : first + BLOCK], key, kinds[key], first, D)
+                for key, dataset in data.items()
+            }
+            yield Block(
+                first, rows["position"], rows["volume"].reshape(-1), rows.get("velocity"),
+                rows.get("stress"), rows.get("velocity-gradient"),
+                lambda row, first=first: f"row {first + row} (from 0)",
+            )  # fmt: skip
+
+
+def _check(h5py: Any, data: Any, key: str, kind: _Kind) -> None:
+    """Check the type and shape of a dataset."""
+    if not isinstance(data, h5py.Dataset) or data.dtype.kind not in "fiu":
+        raise CaseError(f"'{key}' is no dataset of numbers")
+    if data.ndim == 0 or data.shape[1:] not in kind.shapes:
+        shapes = dict.fromkeys(kind.shapes)
+        wanted = " or ".join(str(("n", *shape)).replace("'", "") for shape in shapes)
+        raise CaseError(f"'{key}' has the shape {data.shape}; expected {wanted}")
+    if data.chunks and np.prod(data.chunks, dtype=float) * data.dtype.itemsize > _CHUNK:
+        raise CaseError(f"'{key}' is stored in chunks of {data.chunks}; use smaller ones")
+
+
+def _rows(values: Any, key: str, kind: _Kind, first: int, D: int) -> Reals:
+    """Rows of a dataset as the case has them; refuse what has no place there."""
+    table = np.asarray(values, float).reshape(len(values), -1)
+    if table.shape[1] <= len(kind.kept):
+        return table
+    beyond = np.ones(table.shape[1], bool)
+    beyond[kind.kept] = False
+    if len(bad := np.flatnonzero((table[:, beyond] != 0.0).any(axis=1))):
+        raise CaseError(
+            f"row {first + bad[0]} (from 0): {key} has a part along a direction that the case, "
+            f"{D}D, does not have"
+        )
+    return np.ascontiguousarray(table[:, kind.kept])
