@@ -194,5 +194,13 @@ def check(load):
         if finer.created > max(CREATED, LEFT * books.created):
             text = f"{books.created:.3g} of the energy comes from nothing"
             text += f", {finer.created:.3g} with a quarter of the step"
-            books.wrong.append(("books: energy", text))
+            books.wrong.append((f"books: energy{_suspect(case)}", text))
     return books
+
+
+def _suspect(case):
+    """What in a case may make energy, so that each cause is a class of failures of its own."""
+    tables = [entry for kind in (case.boundaries, case.constraints) for entry in kind.values()
+              if entry.varies]  # fmt: skip
+    found = ["affine"] * case.method.affine + ["accelerated motion"] * bool(tables)
+    return "".join(f", {each}" for each in found or ["mpm"] * (case.method.shape == "mpm"))

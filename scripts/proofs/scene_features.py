@@ -152,7 +152,11 @@ def walls(rng, scene):
     for face in scene.faces:
         kind = rng.kind.choice(WALLS) if rng.kind.random() < 0.45 else None
         if kind == "moving":
-            kind = {"velocity": components(rng, scene, 0.05 * scene.speed)}
+            velocity = components(rng, scene, 0.05 * scene.speed)
+            across = "xyz".index(face[0])
+            if velocity[across] is None and rng.random() < 0.9:  # which lets particles through
+                velocity[across] = 0.0
+            kind = {"velocity": velocity}
         if kind:
             scene.case["boundaries"][face] = kind
 
