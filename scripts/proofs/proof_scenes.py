@@ -13,16 +13,18 @@ from collections import Counter
 import scene_books
 import scene_runs
 import scene_shrink
-from jobs import scratch
+from jobs import Job, scratch
 from scene_features import make
 
 import pgimp
 from pgimp.errors import PgimpError
 
 #: Scenes of one kind: what is compiled is the same.
-GROUP = 12
+GROUP = 20
 #: Groups of `--short`, whose kernels other tests compile too, see tests/rank_scenes.py.
 SHORT = (0,)
+#: One scene in so many is run by mpirun too.
+MPIRUN = 25
 #: A run that fails at a face.
 _LOST = re.compile(r"left the domain through (\S+)")
 
@@ -112,6 +114,8 @@ def work(folder, numbers, options):
             with contextlib.suppress(FileExistsError):
                 (folder / f"seen {re.sub('[^a-z]+', ' ', what.lower())}").touch(exist_ok=False)
                 smallest[what] = smaller(case, files, where, number, what, options)
+        if number % MPIRUN == 7 and outcome.kind == "done" and not (failures or options.short):
+            failures += by_mpirun(where, number)
         if not failures:
             shutil.rmtree(where)
         result = {"number": number, "outcome": outcome.kind, "said": outcome.said,
@@ -120,6 +124,17 @@ def work(folder, numbers, options):
         temporary = folder / f"{number}.part"
         temporary.write_text(json.dumps(result))
         temporary.rename(folder / f"{number}.json")
+
+
+def by_mpirun(where, number):
+    """What is wrong with a scene on real ranks."""
+    ranks = 2 + number // MPIRUN % 4
+    job = Job(ranks, ["case.yaml", "-o", "runs/mpirun", "--quiet"], where)
+    status, _ = job.wait(300.0)
+    if status != 0:
+        return [("mpirun", f"status {status} on {ranks} ranks: {job.said}")]
+    wrong = scene_runs.differences(where / "runs" / "1", where / "runs" / "mpirun")
+    return [("bits under mpirun", f"on {ranks} ranks: {', '.join(wrong)}")] if wrong else []
 
 
 def smaller(case, files, where, number, what, options):
