@@ -23,11 +23,20 @@ def _without(case, path):
     return found if part.pop(key, None) is not None else None
 
 
+def _step(case):
+    """A fixed step of about the size that Courant control takes."""
+    speed = max(math.sqrt(1.5 * m["young"] / m["density"]) for m in case["materials"].values())
+    step = case["time"]["step"]["courant"] * min(case["grid"]["cell"]) / (1.2 * speed)
+    return float(f"{step:.3g}")
+
+
 def _shorter(case):
     """Half the steps."""
     found = copy.deepcopy(case)
     time_, out = found["time"], found.get("output", {})
     if isinstance(time_["step"], dict):
+        if time_["end"] < _step(case):
+            return None
         time_["end"] = float(f"{0.5 * time_['end']:.4g}")
     else:
         steps = round(time_["end"] / time_["step"])
@@ -156,9 +165,7 @@ def candidates(case):
     for d, upper in itertools.product(range(case["dimensions"]), (False, True)):
         yield _smaller_grid(case, d, upper)
     if isinstance(case["time"]["step"], dict):
-        speed = max(math.sqrt(1.5 * m["young"] / m["density"]) for m in case["materials"].values())
-        step = case["time"]["step"]["courant"] * min(case["grid"]["cell"]) / (1.2 * speed)
-        step = float(f"{step:.3g}")
+        step = _step(case)
         end = round(max(1, round(case["time"]["end"] / step)) * step, 12)
         yield case | {"time": {"end": end, "step": step}}
     for name in case["materials"]:
@@ -179,20 +186,20 @@ def shrink(case, fails, seconds):
     fails : callable
         ``fails(case)`` tells whether another one fails in the same way.
     seconds : float
-        When to be content.
+        Of this process, after which the smallest so far will do.
 
     Returns
     -------
     dict
         The smallest that was found.
     """
-    end, tried, again = time.monotonic() + seconds, {repr(case)}, True
+    end, tried, again = time.process_time() + seconds, {repr(case)}, True
     while again:
         again = False
         for smaller in candidates(case):
             if smaller is None or repr(smaller) in tried:
                 continue
-            if time.monotonic() > end:
+            if time.process_time() > end:
                 return case
             tried.add(repr(smaller))
             if fails(smaller):
