@@ -38,7 +38,7 @@ def main(words):
     parser.add_argument("--scene", type=int, help="this one alone")
     parser.add_argument("--short", action="store_true", help="few kinds of scenes")
     parser.add_argument("--jobs", type=int, default=1, help="groups at a time")
-    parser.add_argument("--shrink", type=float, default=300.0, help="seconds of work for a failing scene")
+    parser.add_argument("--shrink", type=float, default=300.0, help="seconds for a failing scene")
     options = parser.parse_args(words)
     numbers = range(options.first, options.first + options.runs)
     if options.scene is not None:
