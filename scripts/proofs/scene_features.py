@@ -164,7 +164,7 @@ def walls(rng, scene):
 def escape(rng, scene):
     """Most faces that are open let particles out; one that does not may end the run."""
     open_faces = [face for face in scene.faces if face not in scene.case["boundaries"]]
-    ways = {face: "remove" if rng.random() < 0.93 else "stop" for face in open_faces}
+    ways = {face: "remove" if rng.random() < 0.97 else "stop" for face in open_faces}
     scene.case["escape"] = ways
 
 
