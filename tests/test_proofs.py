@@ -58,6 +58,35 @@ def test_random_scenes_are_the_same_on_any_ranks_and_their_books_balance():
     assert int(re.search(r"(\d+) done", said)[1]) >= 15 and "wrong: 0" in said
 
 
+FLIPPED = """
+import json, random, sys
+from pathlib import Path
+sys.path.insert(0, sys.argv[1])
+import scene_features, scene_runs
+scene_runs.prepare()
+from pgimp.parallel import handover
+
+unpack = handover.unpack
+def flipped(records, particles, rows):
+    unpack(records, particles, rows)
+    particles.v[rows[:1], 0] *= 1.0 + 3e-16
+if sys.argv[2] == "flipped":
+    handover.unpack = flipped
+case, files, _ = scene_features.make(1, 3380, 169)
+for name, text in (files | {"case.yaml": json.dumps(case)}).items():
+    Path(name).write_text(text)
+print(scene_runs.compare(Path("case.yaml"), Path("runs"), random.Random(3), 30))
+"""
+
+
+@pytest.mark.parametrize("how", ["flipped", "sound"])
+def test_one_bit_of_one_particle_that_changes_rank_is_noticed(tmp_path, how):
+    job = run([sys.executable, "-c", FLIPPED, str(PROOFS), how], 300, cwd=tmp_path)
+    assert job.returncode == 0, job.stderr
+    assert ("bits: frames, history.csv" in job.stdout) == (how == "flipped"), job.stdout
+    assert "kind='done'" in job.stdout
+
+
 def test_random_scenes_are_good_cases_of_every_kind(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     refused, seen = 0, set()

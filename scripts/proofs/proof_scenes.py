@@ -190,7 +190,10 @@ def examine(case, files, where, number, what=""):
 
 
 def _holds(boundaries, face):
-    """Whether a face lets nothing out: one whose velocity is free across it does."""
+    """Whether a face lets nothing out: one that is free across, or moves outwards, may."""
     entry = boundaries.get(face)
-    held = entry["velocity"]["xyz".index(face[0])] if isinstance(entry, dict) else entry
-    return held is not None
+    if not isinstance(entry, dict):
+        return entry is not None
+    across = entry["velocity"]["xyz".index(face[0])]
+    outwards = -1.0 if face.endswith("min") else 1.0
+    return isinstance(across, int | float) and across * outwards <= 0.0

@@ -152,10 +152,11 @@ def walls(rng, scene):
     for face in scene.faces:
         kind = rng.kind.choice(WALLS) if rng.kind.random() < 0.45 else None
         if kind == "moving":
-            velocity = components(rng, scene, 0.05 * scene.speed)
-            across = "xyz".index(face[0])
-            if velocity[across] is None and rng.random() < 0.9:  # which lets particles through
-                velocity[across] = 0.0
+            most = 0.05 * scene.speed
+            velocity = components(rng, scene, most)
+            if rng.random() < 0.9:  # else it may let particles through, or pull them out
+                inwards = number(rng, 0.0, most) * (1.0 if face.endswith("min") else -1.0)
+                velocity["xyz".index(face[0])] = inwards if rng.random() < 0.5 else 0.0
             kind = {"velocity": velocity}
         if kind:
             scene.case["boundaries"][face] = kind
