@@ -1,5 +1,6 @@
 """The proofs of scripts/faults, in short: they hold, and print their figures."""
 
+import json
 import re
 import sys
 from pathlib import Path
@@ -7,7 +8,15 @@ from pathlib import Path
 import pytest
 from conftest import run
 
+import pgimp
+from pgimp.errors import CaseError
+
 PROOFS = Path(__file__).resolve().parents[1] / "scripts" / "proofs"
+sys.path.insert(0, str(PROOFS))
+
+import scene_features  # noqa: E402
+import scene_shrink  # noqa: E402
+from scene_bodies import REGIONS  # noqa: E402
 
 
 def prove(*words, timeout=600):
@@ -41,6 +50,93 @@ def test_many_steps_leave_no_trace_in_the_memory():
     assert said.count("mass: 1 value(s)") == 2
     for residual in re.findall(r"is at most ([\d.e+-]+) of", said):
         assert float(residual) < 1e-8  # rounding of as many steps
+
+
+def test_random_scenes_are_the_same_on_any_ranks_and_their_books_balance():
+    """Twenty; a failing one is printed as a case file, made smaller."""
+    said = prove("scenes", "--short", "--runs", "20", "--shrink", "60", timeout=1200)
+    assert int(re.search(r"(\d+) done", said)[1]) >= 15 and "wrong: 0" in said
+
+
+FLIPPED = """
+import json, random, sys
+from pathlib import Path
+sys.path.insert(0, sys.argv[1])
+import scene_features, scene_runs
+scene_runs.prepare()
+from pgimp.parallel import handover
+
+unpack = handover.unpack
+def flipped(records, particles, rows):
+    unpack(records, particles, rows)
+    particles.v[rows[:1], 0] *= 1.0 + 3e-16
+if sys.argv[2] == "flipped":
+    handover.unpack = flipped
+case, files, _ = scene_features.make(1, 3380, 169)
+for name, text in (files | {"case.yaml": json.dumps(case)}).items():
+    Path(name).write_text(text)
+print(scene_runs.compare(Path("case.yaml"), Path("runs"), random.Random(3), 30))
+"""
+
+
+@pytest.mark.parametrize("how", ["flipped", "sound"])
+def test_one_bit_of_one_particle_that_changes_rank_is_noticed(tmp_path, how):
+    job = run([sys.executable, "-c", FLIPPED, str(PROOFS), how], 300, cwd=tmp_path)
+    assert job.returncode == 0, job.stderr
+    assert ("bits: frames, history.csv" in job.stdout) == (how == "flipped"), job.stdout
+    assert "kind='done'" in job.stdout
+
+
+def test_random_scenes_are_good_cases_of_every_kind(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    refused, seen = 0, set()
+    for number in range(300):
+        case, files, features = scene_features.make(4, number, number // 2)
+        for name, text in files.items():
+            (tmp_path / name).write_text(text)
+        try:
+            pgimp.load(case)
+        except CaseError:
+            refused += 1
+        seen |= {case["dimensions"], case["method"]["shape"], *features}
+        seen |= {key for body in case["bodies"].values() for key in body["region"]}
+        seen |= {str(each) for each in case["boundaries"].values()}
+    assert refused <= 3
+    features = {feature.name for feature in scene_features.FEATURES}
+    walls = set(scene_features.WALLS) - {"moving"}
+    assert {1, 2, 3, *scene_features.SHAPES, *REGIONS, *features, *walls} <= seen
+
+
+def test_a_scene_is_the_same_again_whatever_features_there_are_besides(monkeypatch):
+    """So that a seed still makes the scene that failed."""
+    before = [scene_features.make(1, number, 2)[0] for number in range(10)]
+    kept = [feature for feature in scene_features.FEATURES if feature.name != "gravity"]
+    monkeypatch.setattr(scene_features, "FEATURES", kept)
+    after = [scene_features.make(1, number, 2)[0] for number in range(10)]
+    assert before != after
+    for case in before:
+        case.pop("gravity", None)
+    assert before == after
+
+
+def test_a_failing_scene_is_made_smaller():
+    """What it fails of stays: a difference of regions, in a case that can be run."""
+
+    def fails(case):
+        try:
+            pgimp.load(case)
+        except CaseError:
+            return False
+        return '"difference"' in json.dumps(case["bodies"])
+
+    every = (scene_features.make(2, number, number)[0] for number in range(100))
+    found = [scene_shrink.shrink(case, fails, 60.0) for case in every if fails(case)][:8]
+    assert len(found) == 8
+    for case in found:
+        assert fails(case) and case["dimensions"] <= 2 and len(case["bodies"]) == 1
+        optional = ("gravity", "probes", "tractions", "constraints", "boundaries", "escape")
+        assert not any(case.get(key) for key in optional)
+        assert case["time"]["end"] == case["time"]["step"]
 
 
 @pytest.mark.parametrize("words", [["nothing"], ["kill", "--runs", "many"]])

@@ -200,3 +200,16 @@ def test_wrong_entries_are_named():
     case["bodies"]["body"]["region"] = {"ball": {"centre": [4.0, 4.0], "radius": 1.0}}
     with pytest.raises(Exception, match="is a ball; tractions act on faces of a box"):
         Case.model_validate(case)
+
+
+@pytest.mark.parametrize("more", [0.0, 1e-14, 5e-4])
+def test_no_patch_is_below_zero(more):
+    """Of a box that ends where a column does, but for rounding or a sliver; resuming needs it."""
+    rng = np.random.default_rng(3)
+    for _ in range(10):
+        cell, low = float(rng.uniform(0.6, 1.3)), float(rng.uniform(0.0, 2.0))
+        high = low + (5.0 + more) * 0.5 * cell
+        case = block(2, [low] * 2, [high] * 2, {"load": load("y-max", pressure=1.0)}, cell=cell)
+        case["grid"]["origin"] = [low - cell] * 2
+        patch = settled(case)[0].patch
+        assert (patch >= 0.0).all() and patch[patch > 0.0].min() > 1e-6 * cell

@@ -16,6 +16,10 @@ if TYPE_CHECKING:
     from pgimp.kernels.tractions import Traction
 
 
+#: Less of a column's area is rounding, or below zero where a sliver has been merged into the next.
+_LEAST = 1e-9
+
+
 class TractionEntry(Model):
     """A force on a face of a body that fills a box; it follows the particles along the face."""
 
@@ -121,6 +125,7 @@ class TractionEntry(Model):
             part[0] = 1.0  # the other face's affair
         share = part / overlap
         share[:-overlap] -= part[overlap:] / overlap
+        share[share < _LEAST] = 0.0
         shares = np.zeros_like(parts[self.axis])
         shares[first : last + 1] = share[:: self.side]
         return area * shares[columns[self.axis]]

@@ -1,0 +1,199 @@
+"""Random scenes: the same files on any ranks, stopped and resumed, and books that balance."""
+
+import argparse
+import contextlib
+import json
+import multiprocessing
+import random
+import re
+import shutil
+import time
+from collections import Counter
+
+import scene_books
+import scene_runs
+import scene_shrink
+from jobs import Job, scratch
+from scene_features import make
+
+import pgimp
+from pgimp.errors import PgimpError
+
+#: Scenes of one kind: what is compiled is the same.
+GROUP = 20
+#: Groups of `--short`, whose kernels other tests compile too, see tests/rank_scenes.py.
+SHORT = (384, 360, 94, 169, 397)
+#: One scene in so many is run by mpirun too.
+MPIRUN = 25
+#: A run that fails at a face.
+_LOST = re.compile(r"left the domain through (\S+)")
+
+
+def main(words):
+    """Run as many scenes as asked for; print what became of them, and the smallest that fail."""
+    parser = argparse.ArgumentParser(prog="scripts/faults scenes")
+    parser.add_argument("--runs", type=int, default=500)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--first", type=int, default=0, help="number of the first scene")
+    parser.add_argument("--scene", type=int, help="this one alone")
+    parser.add_argument("--short", action="store_true", help="few kinds of scenes")
+    parser.add_argument("--jobs", type=int, default=1, help="groups at a time")
+    parser.add_argument("--shrink", type=float, default=300.0, help="seconds for a failing scene")
+    options = parser.parse_args(words)
+    numbers = range(options.first, options.first + options.runs)
+    if options.scene is not None:
+        numbers = [options.scene]
+    elif options.short:
+        each = -(-options.runs // len(SHORT))
+        numbers = [GROUP * group + n for group in SHORT for n in range(each)][: options.runs]
+    groups = {}
+    for number in numbers:
+        groups.setdefault(number // GROUP, []).append(number)
+    began = time.monotonic()
+    with scratch("scenes") as (folder, failures):
+        waiting, running = list(groups.values()), []
+        context = multiprocessing.get_context("spawn")
+        while waiting or running:
+            while waiting and len(running) < options.jobs:
+                process = context.Process(target=work, args=(folder, waiting.pop(0), options))
+                process.start()
+                running.append(process)
+            running[0].join(0.2)
+            running = [process for process in running if process.is_alive()]
+        results = read(folder, numbers)
+        report(results, options, time.monotonic() - began)
+        failures += [f"scene {each['number']}: {what}" for each in results
+                     for what, _ in each["failures"]]  # fmt: skip
+    return 1 if failures else 0
+
+
+def read(folder, numbers):
+    """What is known of each scene; of those whose process died, that."""
+    results = []
+    for number in numbers:
+        path = folder / f"{number}.json"
+        died = {"number": number, "outcome": "died", "said": "", "features": [], "dimensions": 0,
+                "failures": [("the process died", "")], "seconds": 0.0}  # fmt: skip
+        results.append(json.loads(path.read_text()) if path.exists() else died)
+    return results
+
+
+def report(results, options, seconds):
+    """Print the figures."""
+    print(f"{len(results)} scenes, seed {options.seed}, in {seconds:.0f} s:")
+    outcomes = Counter(each["outcome"] for each in results)
+    print(f"  on one rank: {', '.join(f'{n} {what}' for what, n in outcomes.most_common())}")
+    spaces = Counter(f"{each['dimensions']}D" for each in results)
+    print(f"  {', '.join(f'{n} in {what}' for what, n in spaces.most_common())}")
+    words = Counter(re.sub(r"[\d.e+-]+|'\w+'", "..", each["said"].split("\n")[0])
+                    for each in results if each["outcome"] != "done")  # fmt: skip
+    for text, count in words.most_common(12):
+        print(f"    {count}: {text[:110]}")
+    wrong = Counter(what for each in results for what, _ in each["failures"])
+    print(f"  wrong: {sum(bool(each['failures']) for each in results)}")
+    for what, count in wrong.most_common():
+        which = [each for each in results if what in dict(each["failures"])]
+        print(f"\n{what}: {count} scenes, {', '.join(str(each['number']) for each in which[:20])}")
+        print(f"  {dict(which[0]['failures'])[what][:1500]}")
+        for each in which:
+            if text := each.get("smallest", {}).get(what):
+                print(text)
+                break
+
+
+def work(folder, numbers, options):
+    """Run scenes of one group in a process of its own."""
+    scene_runs.prepare()
+    for number in numbers:
+        began, where = time.monotonic(), folder / str(number)
+        case, files, features = make(options.seed, number, number // GROUP)
+        outcome, failures = examine(case, files, where, number)
+        smallest = {}
+        for what, _ in failures:
+            # One of each class is made smaller.
+            with contextlib.suppress(FileExistsError):
+                (folder / f"seen {re.sub('[^a-z]+', ' ', what.lower())}").touch(exist_ok=False)
+                smallest[what] = smaller(case, files, where, number, what, options)
+        if number % MPIRUN == 7 and outcome.kind == "done" and not (failures or options.short):
+            failures += by_mpirun(where, number)
+        if not failures:
+            shutil.rmtree(where)
+        result = {"number": number, "outcome": outcome.kind, "said": outcome.said,
+                  "dimensions": case["dimensions"], "features": features, "failures": failures,
+                  "smallest": smallest, "seconds": time.monotonic() - began}  # fmt: skip
+        temporary = folder / f"{number}.part"
+        temporary.write_text(json.dumps(result))
+        temporary.rename(folder / f"{number}.json")
+
+
+def by_mpirun(where, number):
+    """What is wrong with a scene on real ranks."""
+    ranks = 2 + number // MPIRUN % 4
+    job = Job(ranks, ["case.yaml", "-o", "runs/mpirun", "--quiet"], where)
+    status, _ = job.wait(300.0)
+    if status != 0:
+        return [("mpirun", f"status {status} on {ranks} ranks: {job.said}")]
+    wrong = scene_runs.differences(where / "runs" / "1", where / "runs" / "mpirun")
+    return [("bits under mpirun", f"on {ranks} ranks: {', '.join(wrong)}")] if wrong else []
+
+
+def smaller(case, files, where, number, what, options):
+    """The text of a case that is as small as can be and fails in the same way."""
+
+    def fails(other):
+        *_, failures = examine(other, files, where / "smaller", number, what)
+        return what in dict(failures)
+
+    if options.shrink > 0.0:
+        case = scene_shrink.shrink(case, fails, options.shrink)
+    used = {name: text for name, text in files.items() if name in json.dumps(case)}
+    shown = f"# {what}\n# scripts/faults scenes --seed {options.seed} --scene {number}\n"
+    shown += "".join(f"{key}: {json.dumps(value)}\n" for key, value in case.items() if value != {})
+    (where / "smallest.yaml").write_text(shown)
+    shown += "".join(f"# {name}:\n{text}" for name, text in used.items() if len(text) < 1500)
+    return shown
+
+
+def examine(case, files, where, number, what=""):
+    """Run a case in all ways and keep its books; `what` names the only failure of interest.
+
+    Returns
+    -------
+    Outcome, list of (str, str)
+        How it ended on one rank; classes and descriptions of what is wrong.
+    """
+    shutil.rmtree(where, ignore_errors=True)
+    where.mkdir(parents=True)
+    for name, text in files.items():
+        (where / name).write_text(text)
+    path = where / "case.yaml"
+    path.write_text(json.dumps(case, indent=1))
+    try:
+        pgimp.load(path)
+    except PgimpError as error:
+        return scene_runs.Outcome("refused", str(error)), []
+    failures = []
+    outcome = scene_runs.Outcome("done")
+    books = what.startswith("books")
+    if not books:
+        step = case["time"]["step"]
+        steps = 40 if isinstance(step, dict) else round(case["time"]["end"] / step)
+        rng = random.Random(f"ways {number}")
+        outcome, failures = scene_runs.compare(path, where / "runs", rng, max(steps, 1))
+        lost = _LOST.search(outcome.said)
+        if lost and _holds(case.get("boundaries", {}), lost[1]):
+            failures.append(("lost at a wall", outcome.said))
+    if outcome.kind != "refused" and (books or not what):
+        with contextlib.suppress(PgimpError):
+            failures += scene_books.check(lambda more: pgimp.load(path, more)).wrong
+    return outcome, failures
+
+
+def _holds(boundaries, face):
+    """Whether a face lets nothing out: one that is free across, or moves outwards, may."""
+    entry = boundaries.get(face)
+    if not isinstance(entry, dict):
+        return entry is not None
+    across = entry["velocity"]["xyz".index(face[0])]
+    outwards = -1.0 if face.endswith("min") else 1.0
+    return isinstance(across, int | float) and across * outwards <= 0.0

@@ -1,0 +1,318 @@
+"""The generator of random scenes: a table of features, each of which adds itself to a case.
+
+To add one, say a load: write a function ``(rng, scene) -> None`` that changes ``scene.case``, the
+dictionary of a case file (and ``scene.files``, files by name, if the case names any), and returns
+without a change where it does not fit. Then add a line to `FEATURES`: its name, the function, the
+part of scenes that get it, and whether it changes what Numba compiles (another type or number of
+parameters). What is compiled is chosen once for a group of scenes, as compiling takes longer than
+running: such a feature is in all scenes of a group or in none, and where it draws what is compiled
+it uses ``rng.kind``, which draws the same for all of them. Everything else is drawn from `rng`.
+Features come in the order of the table: the domain first, then what lies
+in it. A new kind of region goes into `scene_bodies.REGIONS`, a new material into `MATERIALS`.
+"""
+
+import math
+import random
+from typing import NamedTuple
+
+from scene_bodies import add_bodies, number, vector
+
+SHAPES = ("gimp", "gimp", "mpm", "finite-gimp", "fuzzy-constant", "fuzzy-nearest")
+MATERIALS = {
+    "soft": {"model": "neo-hookean", "young": 100.0, "poisson": 0.3, "density": 1.0},
+    "stiff": {"model": "hooke", "young": 300.0, "poisson": 0.25, "density": 2.0},
+    "bar": {"model": "linear-1d", "young": 100.0, "density": 1.0},
+    "heavy": {"model": "neo-hookean", "young": 80.0, "poisson": 0.0, "density": 3.0},
+}
+WALLS = ("fixed", "slip", "separating", "moving")
+FIELDS = ("velocity", "stress", "displacement", "deformation", "pressure", "von-mises", "strain",
+          "mass", "density")  # fmt: skip
+
+
+class Chance(random.Random):
+    """The numbers of a feature in a scene; those of `kind` are the same for all of a group.
+
+    Each feature has its own, so that one that is added or changed leaves the others as they were.
+    """
+
+    def __init__(self, seed, number, group, feature):
+        super().__init__(f"{seed} scene {number} {feature}")
+        self.kind = random.Random(f"{seed} group {group} {feature}")
+
+
+class Scene:
+    """A case that is being made up, and the files that it names."""
+
+    def __init__(self):
+        self.case, self.files, self.corners = {}, {}, {}
+
+    @property
+    def faces(self):
+        """Names of the domain's faces."""
+        return [f"{axis}-{end}" for axis in "xyz"[: self.dimension] for end in ("min", "max")]
+
+
+def domain(rng, scene):
+    """Long along x, so that many ranks have work; cells of any size, an origin anywhere."""
+    D = scene.dimension = rng.kind.choice((1, 2, 2, 3, 3, 3))
+    scene.cells = [rng.randint(8, 26), rng.randint(4, 8), rng.randint(3, 6)][:D]
+    scene.cell = [rng.choice((1.0, 1.0, 0.5, 0.3))] * D
+    if rng.random() < 0.4:
+        scene.cell = [number(rng, 0.7, 1.3) for _ in range(D)]
+    size = [n * h for n, h in zip(scene.cells, scene.cell, strict=True)]
+    origin = [0.0] * D if rng.random() < 0.6 else vector(rng, D, 5.0)
+    scene.case |= {
+        "format": 1,
+        "dimensions": D,
+        "grid": {"origin": origin, "size": size, "cell": scene.cell},
+        "materials": {},
+        "bodies": {},
+        "boundaries": {},
+        "output": {},
+    }
+
+
+def method(rng, scene):
+    """One of the shapes with its options."""
+    shape = rng.kind.choice(SHAPES)
+    scene.per_cell = [rng.choice((1, 2, 2, 3) if scene.dimension < 3 else (1, 1, 2))
+                      for _ in scene.cells]  # fmt: skip
+    entry = {"shape": shape, "particles_per_cell": scene.per_cell}
+    if shape in ("mpm", "gimp") and rng.kind.random() < 0.3:
+        entry["volume"] = "initial"
+    if shape.startswith("fuzzy"):
+        entry |= {"size": rng.kind.choice(("tracked", "fixed"))}
+        entry |= {"wall": rng.kind.choice(("mirror", "mirror", "ghost"))}
+    scene.case["method"] = entry
+
+
+def materials(rng, scene):
+    """One, or two models with a parameter that differs."""
+    names = ["bar"] if scene.dimension == 1 else ["soft", "stiff"]
+    chosen = rng.kind.choice(([names[0]], [names[-1]], names, names, [*names, "heavy"]))
+    if scene.dimension == 1 and "heavy" in chosen:
+        chosen = ["bar", "light"]
+    every = MATERIALS | {"light": MATERIALS["bar"] | {"density": number(rng, 0.2, 0.9)}}
+    scene.case["materials"] = {name: dict(every[name]) for name in dict.fromkeys(chosen)}
+    # All that are declared are used, if there are as many bodies: what is not used is not compiled.
+    scene.materials = [chosen[i % len(chosen)] for i in range(3)]
+    scene.speed = max(math.sqrt(1.5 * m["young"] / m["density"])
+                      for m in scene.case["materials"].values())  # fmt: skip
+
+
+def affine(rng, scene):
+    """Particles carry their velocity gradient."""
+    scene.case["method"]["affine"] = True
+
+
+def relaxation(rng, scene):
+    """Particles' velocities relax towards the grid's."""
+    scene.case["method"]["relaxation"] = number(rng, 0.5, 20.0)
+
+
+def viscosity(rng, scene):
+    """Artificial viscosity in every material, perhaps of one kind."""
+    for entry in scene.case["materials"].values():
+        terms = {"linear": number(rng, 0.0, 0.3), "quadratic": number(rng, 0.0, 1.5)}
+        entry["viscosity"] = terms
+
+
+def table(rng, scene, most, size=None):
+    """A load or velocity over the time of the run, linear in between."""
+    times = sorted({round(rng.uniform(-0.2, 1.2) * scene.end, 5) for _ in range(rng.randint(1, 4))})
+    value = (lambda: number(rng, -most, most)) if size is None else lambda: vector(rng, size, most)
+    return {"table": [[time, value()] for time in times]}
+
+
+def time(rng, scene):
+    """Fixed steps, or Courant control; 20 to 60 of them."""
+    steps, courant = rng.randint(20, 60), number(rng, 0.08, 0.35)
+    step = float(f"{courant * min(scene.cell) / (1.2 * scene.speed):.3g}")
+    scene.steps, scene.end = steps, round(steps * step, 12)
+    scene.case["time"] = {"end": scene.end, "step": step}
+    if rng.random() < 0.35:
+        scene.case["time"]["step"] = {"courant": courant}
+
+
+def components(rng, scene, most):
+    """A prescribed velocity: by component a number, a table, or free; one is held at least."""
+    found = []
+    for _ in range(scene.dimension):
+        kind = rng.random()
+        found.append(number(rng, -most, most) if kind < 0.4 else 0.0)
+        if kind > 0.5:
+            found[-1] = table(rng, scene, most) if kind < 0.75 else None
+    if all(each is None for each in found):
+        found[0] = 0.0
+    return found
+
+
+def walls(rng, scene):
+    """Conditions on some faces."""
+    for face in scene.faces:
+        kind = rng.kind.choice(WALLS) if rng.kind.random() < 0.45 else None
+        if kind == "moving":
+            most = 0.05 * scene.speed
+            velocity = components(rng, scene, most)
+            if rng.random() < 0.9:  # else it may let particles through, or pull them out
+                inwards = number(rng, 0.0, most) * (1.0 if face.endswith("min") else -1.0)
+                velocity["xyz".index(face[0])] = inwards if rng.random() < 0.5 else 0.0
+            kind = {"velocity": velocity}
+        if kind:
+            scene.case["boundaries"][face] = kind
+
+
+def escape(rng, scene):
+    """Most faces that are open let particles out; one that does not may end the run."""
+    open_faces = [face for face in scene.faces if face not in scene.case["boundaries"]]
+    ways = {face: "remove" if rng.random() < 0.97 else "stop" for face in open_faces}
+    scene.case["escape"] = ways
+
+
+def gravity(rng, scene):
+    """Constant, or over time."""
+    most = 0.05 * scene.speed**2 / max(scene.cells)
+    value = vector(rng, scene.dimension, most)
+    scene.case["gravity"] = value if rng.random() < 0.6 else table(
+        rng, scene, most, scene.dimension
+    )  # fmt: skip
+
+
+def traction(rng, scene):
+    """A pressure or a traction on a face of a body that is a box; the first is made one."""
+    bodies = scene.case["bodies"]
+    boxes = [name for name, body in bodies.items() if "box" in body["region"]]
+    if not boxes:
+        boxes = [next(iter(bodies))]
+        low, high = scene.corners[boxes[0]]
+        bodies[boxes[0]]["region"] = {"box": {"min": low, "max": high}}
+    entry = {"body": rng.choice(boxes), "face": rng.choice(scene.faces)}
+    if rng.random() < 0.5:
+        entry["pressure"] = table(rng, scene, 5.0) if rng.random() < 0.4 else number(rng, -5, 5)
+    else:
+        varies = rng.random() < 0.4
+        entry["traction"] = (
+            table(rng, scene, 5.0, scene.dimension) if varies else vector(rng, scene.dimension, 5.0)
+        )
+    scene.case["tractions"] = {"load": entry}
+
+
+def constraint(rng, scene):
+    """A half of a body or all of it moves as told."""
+    body = rng.choice([*scene.case["bodies"]])
+    low, high = (list(corner) for corner in scene.corners[body])
+    d = rng.randrange(scene.dimension)
+    ends = low if rng.random() < 0.5 else high
+    if rng.random() < 0.85:
+        ends[d] = 0.5 * (low[d] + high[d])
+    velocity = components(rng, scene, 0.1 * scene.speed)
+    entry = {"body": body, "region": {"box": {"min": low, "max": high}}, "velocity": velocity}
+    grips = scene.case.setdefault("constraints", {})
+    grips[f"grip{len(grips)}"] = entry
+
+
+def frames(rng, scene):
+    """Frames now and then, with any fields but the rank, which differs from run to run."""
+    end = scene.end
+    every = rng.choice((None, {"steps": rng.randint(3, 30)}, number(rng, 0.1 * end, 0.6 * end)))
+    scene.case["output"] |= {"every": every, "fields": rng.sample(FIELDS, rng.randint(0, 6))}
+    if rng.random() < 0.4:
+        at = sorted({number(rng, 0.0, 0.99 * end) for _ in range(rng.randint(1, 3))})
+        scene.case["output"]["at"] = at
+
+
+def grid_frames(rng, scene):
+    """Frames of the grid."""
+    names = rng.sample(("mass", "momentum", "velocity", "force"), rng.randint(1, 4))
+    scene.case["output"]["grid"] = names
+
+
+def small_files(rng, scene):
+    """Fewer digits in frames, or compressed ones."""
+    scene.case["output"]["precision"] = rng.choice(("float32", "float64"))
+    scene.case["output"]["compression"] = rng.choice(("gzip", "none"))
+
+
+def history(rng, scene):
+    """Lines by steps or by time."""
+    every = number(rng, 0.05 * scene.end, 0.5 * scene.end)
+    scene.case["history"] = {"every": rng.choice(({"steps": rng.randint(1, 20)}, every))}
+
+
+def probes(rng, scene):
+    """Places in the domain, and particles of bodies."""
+    found = scene.case["probes"] = {}
+    for name, (low, high) in scene.corners.items():
+        at = [number(rng, 0.6 * a + 0.4 * b, 0.4 * a + 0.6 * b)
+              for a, b in zip(low, high, strict=True)]  # fmt: skip
+        entry = {"place": at} if rng.random() < 0.4 else {"body": name, "at": at}
+        if rng.random() < 0.7:
+            entry["every"] = {"steps": rng.randint(1, 9)}
+        found[f"at-{name}"] = entry
+
+
+def checkpoints(rng, scene):
+    """Some, of which a few are kept."""
+    every = {"steps": rng.randint(3, max(4, scene.steps // 4))}
+    scene.case["checkpoint"] = {"every": every, "keep": rng.randint(2, 4)}
+
+
+class Feature(NamedTuple):
+    """A line of the table: see the head of this file."""
+
+    name: str
+    add: object
+    share: float = 1.0
+    compiled: bool = False
+
+
+FEATURES = (
+    Feature("domain", domain),
+    Feature("method", method),
+    Feature("affine", affine, 0.35, compiled=True),
+    Feature("relaxation", relaxation, 0.15, compiled=True),
+    Feature("materials", materials),
+    Feature("viscosity", viscosity, 0.2, compiled=True),
+    Feature("time", time),
+    Feature("bodies", add_bodies),
+    Feature("walls", walls, 0.7, compiled=True),
+    Feature("escape", escape, 0.95),
+    Feature("gravity", gravity, 0.5),
+    Feature("traction", traction, 0.25, compiled=True),
+    Feature("constraint", constraint, 0.25, compiled=True),
+    Feature("second constraint", constraint, 0.05, compiled=True),
+    Feature("frames", frames),
+    Feature("grid frames", grid_frames, 0.4),
+    Feature("precision and compression", small_files, 0.4),
+    Feature("history", history),
+    Feature("probes", probes, 0.5),
+    Feature("checkpoints", checkpoints),
+)
+
+
+def make(seed, number, group):
+    """A random scene.
+
+    Parameters
+    ----------
+    seed, number, group : int
+        Of the proof, the scene, and those that share what is compiled.
+
+    Returns
+    -------
+    case : dict
+        As in a case file, with the title of the scene.
+    files : dict of str to str
+        The files that it names.
+    features : list of str
+        Names of the features that it has.
+    """
+    scene, names = Scene(), []
+    for feature in FEATURES:
+        rng = Chance(seed, number, group, feature.name)
+        chance = rng.kind if feature.compiled else rng
+        if feature.share == 1.0 or chance.random() < feature.share:
+            feature.add(rng, scene)
+            names.append(feature.name)
+    title = f"scene {number} of group {group}, seed {seed}"
+    return {"title": title, **scene.case}, scene.files, names

@@ -1,0 +1,256 @@
+"""Ranks as threads of this process, with a communicator that does what pgimp asks of MPI's.
+
+What one rank sends is copied, so that ranks share no memory but what is constant. Ranks that wait
+for one that has failed are released, and one that waits for ever ends with an error: so a run in
+which ranks disagree is an outcome like any other, and does no harm to the process.
+"""
+
+import pickle
+import queue
+import sys
+import threading
+import time
+from types import SimpleNamespace
+
+import numpy as np
+
+from pgimp.parallel.comm import quiet_mpi
+
+#: Seconds that a rank waits for another: the first one may have to compile.
+PATIENCE = 300.0
+#: Seconds that ranks still wait for others after one has failed, which may fail alike.
+GRACE = 3.0
+
+
+class DesertedError(Exception):
+    """A rank has waited for another that will never come."""
+
+
+def prepare():
+    """Put a stand-in in the place of MPI's constants, so that no MPI library is initialised."""
+    quiet_mpi()
+    import h5py  # noqa: F401  # one that is built with MPI needs mpi4py's own module
+    import mpi4py
+
+    row = SimpleNamespace(Commit=lambda: None, Free=lambda: None)
+    constants = SimpleNamespace(
+        MAX="max",
+        COMM_TYPE_SHARED="shared",
+        BYTE=SimpleNamespace(Create_contiguous=lambda size: row),
+        Is_initialized=lambda: False,
+    )
+    mpi4py.MPI = sys.modules["mpi4py.MPI"] = constants
+
+
+class _World:
+    """What the ranks of one run share: the messages on their way, and whether a rank has failed."""
+
+    def __init__(self):
+        self._boxes, self._lock = {}, threading.Lock()
+        self.failed = None
+
+    def box(self, *key):
+        with self._lock:
+            return self._boxes.setdefault(key, queue.SimpleQueue())
+
+    def take(self, box):
+        """Wait for a message."""
+        end = time.monotonic() + PATIENCE
+        while True:
+            try:
+                return box.get(timeout=0.2)
+            except queue.Empty:
+                now = time.monotonic()
+                if now > end or (self.failed is not None and now > self.failed + GRACE):
+                    raise DesertedError("waits for a rank that has ended") from None
+
+
+class _Request:
+    """A message of an array, sent or received as often as it is started."""
+
+    def __init__(self, world, box, array, receives):
+        self._world, self._box, self._array, self._receives = world, box, array, receives
+        self._active = False
+
+    def Start(self):
+        if self._active:
+            raise RuntimeError("a request is started before its last message has arrived")
+        self._active = True
+        if not self._receives:
+            self._box.put(self._array.copy())
+
+    def Test(self):
+        return False
+
+    def Wait(self):
+        if self._receives and self._active:
+            message = self._world.take(self._box)
+            if message.size > self._array.size:
+                raise RuntimeError("a message is longer than its receiver's room")
+            self._array.reshape(-1)[: message.size] = message.reshape(-1)
+        self._active = False
+
+    def Free(self):
+        self._box = None
+
+
+class _Reduction:
+    """The greatest of all ranks' numbers, once all have said theirs."""
+
+    def __init__(self, comm, result):
+        self._comm, self._result = comm, result
+
+    def Wait(self):
+        self._result[:] = np.max(self._comm.collect("reduction"), axis=0)
+
+
+class Comm:
+    """One rank's communicator.
+
+    Parameters
+    ----------
+    rank, size : int
+        Its number, and how many there are.
+    world : _World
+        The same for all of them.
+    name : str
+        Tells communicators of the same ranks apart.
+    """
+
+    def __init__(self, rank, size, world, name=""):
+        self.rank, self.size, self.world, self._name = rank, size, world, name
+        self.stop_at = None
+
+    def _box(self, source, to, tag):
+        return self.world.box(self._name, source, to, tag)
+
+    def spread(self, tag, values):
+        """Send each rank, this one too, its own of `values`."""
+        for to, value in enumerate(values):
+            self._box(self.rank, to, tag).put(value)
+
+    def collect(self, tag):
+        """What all ranks have spread, in their order."""
+        return [self.world.take(self._box(rank, self.rank, tag)) for rank in range(self.size)]
+
+    # -- objects
+
+    def allgather(self, value):
+        """Return the values of all ranks."""
+        self.spread("objects", [pickle.dumps(value)] * self.size)
+        return [pickle.loads(each) for each in self.collect("objects")]
+
+    def gather(self, value, root=0):
+        """Return the values of all ranks on one of them."""
+        every = self.allgather(value)
+        return every if self.rank == root else None
+
+    def bcast(self, value=None, root=0):
+        """Return the value of one rank."""
+        return self.allgather(value if self.rank == root else None)[root]
+
+    def allreduce(self, value):
+        """Return the sum."""
+        return sum(self.allgather(value))
+
+    def Barrier(self):
+        """Wait for all."""
+        self.allgather(None)
+
+    def isend(self, value, to, tag=0):
+        """Send a value."""
+        self._box(self.rank, to, tag).put(pickle.dumps(value))
+        return SimpleNamespace(wait=lambda: None)
+
+    def recv(self, source, tag=0):
+        """Receive a value."""
+        return pickle.loads(self.world.take(self._box(source, self.rank, tag)))
+
+    # -- arrays
+
+    def Send_init(self, array, to, tag=0):
+        """Make a request that sends."""
+        return _Request(self.world, self._box(self.rank, to, tag), array, False)
+
+    def Recv_init(self, array, source, tag=0):
+        """Make a request that receives."""
+        return _Request(self.world, self._box(source, self.rank, tag), array, True)
+
+    def Isend(self, array, to, tag=0):
+        """Begin to send."""
+        request = self.Send_init(array, to, tag)
+        request.Start()
+        return request
+
+    def Irecv(self, array, source, tag=0):
+        """Begin to receive."""
+        request = self.Recv_init(array, source, tag)
+        request.Start()
+        return request
+
+    def Recv(self, array, source, tag=0):
+        """Receive."""
+        self.Irecv(array, source, tag).Wait()
+
+    def Allgather(self, mine, every):
+        """Put the arrays of all ranks into the rows of `every`."""
+        every[...] = np.array(self.allgather(mine)).reshape(every.shape)
+
+    def Alltoall(self, sent, received):
+        """Exchange a number with each rank."""
+        self.spread("numbers", sent.copy())
+        received[:] = self.collect("numbers")
+
+    def Alltoallv(self, sent, received):
+        """Exchange parts of buffers of bytes, whose rows are counted."""
+        (values, counts, _), (room, *_) = sent, received
+        size = values.size // max(int(np.sum(counts)), 1)
+        ends = size * np.cumsum(counts)[:-1]
+        self.spread("parts", [part.copy() for part in np.split(values, ends)])
+        parts = np.concatenate(self.collect("parts"))
+        if parts.size != room.size:
+            raise RuntimeError(f"{parts.size} bytes arrive where {room.size} are expected")
+        room[:] = parts
+
+    def Iallreduce(self, mine, every, _):
+        """Begin to find the greatest."""
+        self.spread("reduction", [mine.copy()] * self.size)
+        return _Reduction(self, every)
+
+    # -- communicators
+
+    def Dup(self):
+        """Return one of the same ranks."""
+        return Comm(self.rank, self.size, self.world, f"{self._name}+")
+
+    def Split_type(self, _):
+        """Return one of the same ranks: all are on one node."""
+        return self.Dup()
+
+    def Free(self):
+        """Do nothing."""
+
+
+def together(size, task):
+    """Run ``task(comm)`` on so many ranks.
+
+    Returns
+    -------
+    list
+        What it returned, or the exception that it raised, by rank.
+    """
+    world, results = _World(), [None] * size
+
+    def work(rank):
+        try:
+            results[rank] = task(Comm(rank, size, world))
+        except BaseException as error:
+            results[rank] = error
+            world.failed = world.failed or time.monotonic()
+
+    threads = [threading.Thread(target=work, args=(rank,), daemon=True) for rank in range(size)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    return results
