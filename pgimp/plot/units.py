@@ -17,7 +17,12 @@ _NAMES = {
 }
 _SECTION = {1: "^2", 2: ""}
 _EXTENSIVE = ("mass", "energy", "force")
-_PLACES = {"AXIS": "[xyz]", "FACE": "[xyz]-(min|max)", "NAME": r"[A-Za-z][\w-]*"}
+_PLACES = {
+    "AXIS": "[xyz]",
+    "COMPONENT": "[xyz][xyz]",
+    "FACE": "[xyz]-(min|max)",
+    "NAME": r"[A-Za-z][\w-]*",
+}
 
 
 def unit(kind: str, units: str, dimension: int) -> str:
@@ -66,8 +71,8 @@ def kind_of_field(name: str) -> str:
 
 
 def kind_of_column(name: str) -> str:
-    """Return the kind of a column of the history, empty if it has none."""
-    for key, meaning in fields.HISTORY.items():
+    """Return the kind of a column of the history or of a probe, empty if it has none."""
+    for key, meaning in (fields.HISTORY | fields.POINT | fields.PLACE).items():
         pattern = re.sub("|".join(_PLACES), lambda found: _PLACES[found[0]], re.escape(key))
         if re.fullmatch(pattern.replace(r"\-(", "-("), name):
             return _bracketed(meaning)
