@@ -13,7 +13,7 @@ from pgimp.case.messages import unknown
 from pgimp.errors import UsageError
 from pgimp.plot.runs import AXES, Shown
 from pgimp.plot.series import Series, open_series
-from pgimp.plot.style import COLOURS, DASHES
+from pgimp.plot.style import COLOURS, DASHES, log_ticks, plain
 from pgimp.plot.tables import Table
 from pgimp.plot.units import kind_of_column
 
@@ -26,6 +26,10 @@ _OF_A_PROBE = r"(displacement|velocity)-[xyz]|pressure|von-mises"
 _PATTERN = re.compile(r"[*?\[]")
 _MOST_COLUMNS = 24
 _WIDTHS = (5.4, 8.4, 9.9)
+_TICKS = {1: 8, 2: 7, 3: 5}
+# Inches: of a panel beside its axes; of a legend's entry without its words, and of a letter.
+_BESIDE, _HANDLE, _LETTER = 0.9, 0.5, 0.068
+_FEW = 3  # points that a line alone would not show
 
 
 def curves(
@@ -86,6 +90,8 @@ def curves(
         drawn.append(values)
         same = [one.shown.name, *([one.probe] if probes else [])]
         table.add(same, [values[name] for name in (across, *names)])
+    if len({one.shown.units for one in series}) > 1:
+        remarks.append(f"the runs have different units; those shown are of {series[0].shown.path}")
     return _draw(series, drawn, names, across, logarithmic), table, remarks
 
 
@@ -151,6 +157,7 @@ def _draw(
     rows = -(-len(groups) // wide)
     size = (_WIDTHS[wide - 1], 2.7 * rows + 0.4)
     figure = Figure(figsize=size)
+    room = size[0] / wide - _BESIDE
     axes = figure.subplots(rows, wide, squeeze=False).ravel()
     for axis, (kind, members) in zip(axes, groups.items(), strict=False):
         alone = len(members) == 1
@@ -163,9 +170,11 @@ def _draw(
                     values[across],
                     values[name],
                     color=COLOURS[number % len(COLOURS)],
-                    ls=DASHES[(number if not single else number // len(COLOURS)) % len(DASHES)],
+                    ls=DASHES[number % len(DASHES)],
                     lw=1.4,
-                    label=one.label if not single else _words(name, members),
+                    marker="o" if np.isfinite(values[name]).sum() < _FEW else None,
+                    ms=4,
+                    label=plain(one.label) if not single else _words(name, members),
                 )
         text = _words(members[0], []) if alone else _common(members, kind)
         axis.set(
@@ -174,14 +183,21 @@ def _draw(
         )
         if logarithmic:
             axis.set_yscale("log", nonpositive="mask")
+            log_ticks(axis.yaxis)
+        curves_there = [values[name] for values in drawn for name in members]
+        if not any((one > (0.0 if logarithmic else -np.inf)).any() for one in curves_there):
+            what = "no positive value" if logarithmic else "no value"
+            axis.text(0.5, 0.5, what, transform=axis.transAxes, ha="center", va="center")
+        axis.xaxis.get_major_locator().set_params(nbins=_TICKS[wide])
         if not alone and single:
+            widest = max(len(_words(name, members)) for name in members)
             axis.legend(
                 fontsize=8.5,
-                ncol=3,
+                ncol=max(1, min(3, int(room / (_HANDLE + _LETTER * widest)))),
                 loc="lower left",
                 bbox_to_anchor=(0.0, 0.98),
                 borderpad=0.0,
-                handlelength=1.4,
+                handlelength=1.8,
                 columnspacing=1.2,
             )
     for axis in axes[len(groups) :]:
@@ -194,12 +210,20 @@ def _draw(
         figure.legend(
             list(lines.values()), list(lines), loc="outside upper center", ncol=min(len(lines), 4)
         )
+    figure.draw_without_rendering()
+    for axis in axes[: len(groups)]:
+        # A power of ten above the axis needs the place under the legend.
+        if axis.get_legend() and axis.yaxis.get_offset_text().get_text():
+            axis.get_legend().set_bbox_to_anchor((0.0, 1.06), axis.transAxes)
     return figure
 
 
 def _common(members: Sequence[str], kind: str) -> str:
-    """Return the words that several columns share: ``energy``, ``reaction``."""
+    """Return the words that several columns share: ``velocity``, ``energy``, ``reaction``."""
+    whole = {re.sub("-[xyz]{1,2}$", "", name) for name in members}
     first = {name.split(".")[0] for name in members}
+    if len(whole) == 1:
+        return _words(whole.pop(), [])
     if kind.isalpha():
         return kind
     return first.pop() if len(first) == 1 else ""
@@ -210,6 +234,4 @@ def _words(name: str, among: Sequence[str]) -> str:
     ends = {one.rpartition("-")[2] for one in among if "." not in one}
     if len(ends) == 1 and len(among) > 1 and all("." not in one for one in among):
         name = name.rpartition("-")[0]
-    if "." in name:
-        return name
-    return name.replace("-", " ")
+    return plain(name if "." in name else name.replace("-", " "))
