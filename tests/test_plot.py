@@ -584,6 +584,8 @@ def test_units():
     assert unit("force", "m, kg, s", 1) == "N/m$^2$"
     assert unit("length/time", "mm, t, s", 3) == "mm/s"
     assert unit("length^dimensions", "m, kg, s", 2) == "m$^2$"
+    for dimension in (1, 2, 3):
+        assert unit("mass/length^dimensions", "m, kg, s", dimension) == "kg/m$^3$"
     assert unit("stress", "none", 3) == ""
     assert unit("stress", "ft, slug, s", 3) == "slug/(ft s$^2$)"
     assert kind_of_column("reaction.z-min-z") == "force"

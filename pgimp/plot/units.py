@@ -48,6 +48,9 @@ def unit(kind: str, units: str, dimension: int) -> str:
     if kind in ("", "1"):
         return ""
     length, mass, time = base
+    if kind == "mass/length^dimensions":
+        kind = "mass/length^3"  # per section and per thickness come in above and below
+        dimension = 3
     words = dict(zip(_BASE, base, strict=True)) | _NAMES.get(
         (length, mass, time),
         {
