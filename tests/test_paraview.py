@@ -1,7 +1,6 @@
 """A real ParaView: the XDMF file through each of its three readers, and cases/paraview.py."""
 
 import json
-import re
 import sys
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
