@@ -8,7 +8,7 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.collections import EllipseCollection
+from matplotlib.collections import PolyCollection
 from PIL import Image
 
 import pgimp
@@ -39,19 +39,17 @@ def frame_at(results, time):
     return results.frame(int(np.searchsorted(results.times, time - 1e-9)))
 
 
-def dots(axis, frame, name, top, size=2.3):
-    """Draw particles as dots, `size` times their radius across, coloured by a field up to `top`."""
-    size = size * frame["radius"]
-    shown = EllipseCollection(
-        size,
-        size,
-        np.zeros(len(frame)),
-        units="x",
-        offsets=frame["position"][:, :2],
-        transOffset=axis.transData,
-        array=frame[name],
-        cmap=style.MAP,
-        clim=(0.0, top),
+def boxes(axis, position, radius, values, limits, colours=style.MAP):
+    """Draw particles in 2D as squares of their size, coloured between two limits."""
+    corners = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+    shown = PolyCollection(
+        position[:, None, :2] + radius[:, None, None] * corners,
+        array=values,
+        cmap=colours,
+        clim=limits,
+        lw=0.5,  # without, hairlines show between neighbours
+        edgecolors="face",
+        snap=False,
     )
     axis.add_collection(shown)
     axis.grid(False)
