@@ -150,7 +150,7 @@ def _draw(
     shades = colormaps[MAP].with_extremes(bad="#c8c8c8")
     colours = ScalarMappable(Normalize(low, high), shades)
     wide = inside.size[0] * min(len(shots), 2) > _FLAT * inside.size[1]
-    figure, axes = _panels(len(shots), inside.size, wide)
+    figure, axes = _panels(len(shots), inside.size, wide, camera.along_axes)
     margin = 0.03 * inside.size.max()
     several = len({shot.shown.name for shot in shots}) > 1
     for number, (shot, seen, axis) in enumerate(zip(shots, drawn, axes, strict=False)):
@@ -189,10 +189,11 @@ def _draw(
     return figure
 
 
-def _panels(count: int, size: Array, wide: bool) -> tuple[Any, Any]:
+def _panels(count: int, size: Array, wide: bool, labelled: bool) -> tuple[Any, Any]:
     """Return a figure with so many axes, of a shape that suits pictures of this size.
 
-    The scale of colours is below them if they are `wide`, else at their right.
+    The scale of colours is below them if they are `wide`, else at their right; those that are not
+    `labelled` have no ticks.
     """
     from matplotlib.figure import Figure
 
@@ -202,6 +203,7 @@ def _panels(count: int, size: Array, wide: bool) -> tuple[Any, Any]:
     width = _ONE_WIDTH if columns == 1 else _WIDTH
     room = (0.9 if wide else 0.72) * width / columns
     height = room * ratio * rows + 0.45 * rows + (1.3 if wide else 0.4)
+    height -= 0.0 if labelled else 0.4
     if height > _TALLEST:
         width, height = max(3.6, width * _TALLEST / height), _TALLEST
     figure = Figure(figsize=(width, height))
@@ -250,7 +252,8 @@ def _label(axis: Any, shot: Shot, camera: Camera, columns: int, *, lowest: bool)
     from matplotlib.ticker import FuncFormatter, MaxNLocator
 
     if not camera.along_axes:
-        axis.set_axis_off()
+        axis.set(xticks=[], yticks=[])  # without axes at all there would be no room for the title
+        axis.spines[:].set_visible(False)
         return
     first = axis.get_subplotspec().is_first_col()
     sides = (("x", axis.xaxis, camera.right), ("y", axis.yaxis, camera.up))

@@ -38,6 +38,7 @@ STYLE: dict[str, Any] = {
     "axes.formatter.use_mathtext": True,
     "legend.frameon": False,
     "figure.constrained_layout.use": True,
+    "figure.constrained_layout.h_pad": 0.07,
     "savefig.dpi": 110,
 }
 """Settings of matplotlib, its ``rcParams``."""

@@ -13,6 +13,7 @@ from PIL import Image
 
 import pgimp
 from pgimp.plot import style
+from pgimp.plot.camera import camera
 
 ROOT = Path(__file__).resolve().parents[2]
 RUNS = ROOT / "pictures.out"
@@ -39,12 +40,15 @@ def frame_at(results, time):
     return results.frame(int(np.searchsorted(results.times, time - 1e-9)))
 
 
-def boxes(axis, position, radius, values, limits, colours=style.MAP):
-    """Draw particles in 2D as squares of their size, coloured between two limits."""
-    corners = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+def boxes(axis, position, radius, values, limits, colours=style.MAP, dimension=2):
+    """Draw particles as boxes of their size, in 3D from a corner, coloured between two limits."""
+    eye = camera(None, dimension, None)
+    place = eye.project(position)
+    back_to_front = np.argsort(place[:, 2], kind="stable")
+    corners = place[:, None, :2] + radius[:, None, None] * eye.outline(dimension)
     shown = PolyCollection(
-        position[:, None, :2] + radius[:, None, None] * corners,
-        array=values,
+        corners[back_to_front],
+        array=values[back_to_front],
         cmap=colours,
         clim=limits,
         lw=0.5,  # without, hairlines show between neighbours

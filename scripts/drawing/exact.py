@@ -91,17 +91,14 @@ def spinning_block(redraw):
     results = run("spinning-block", redraw)
     figure = plt.figure(figsize=(9, 5.4))
     above, below = figure.subfigures(2, 1, height_ratios=(1.15, 1.0))
-    axes = above.subplots(1, 4, subplot_kw={"projection": "3d"})
+    axes = above.subplots(1, 4, subplot_kw={"aspect": "equal"})
     for axis, time in zip(axes, (0.0, 0.25, 0.5, 0.75), strict=True):
         frame = frame_at(results, time)
-        place = frame["position"]
         mises = frame["von-mises"] / 1e3
-        shown = axis.scatter(*place.T, c=mises, s=5, vmin=0, vmax=60, cmap="viridis", lw=0)
-        axis.set(xlim=(-0.65, 0.65), ylim=(-0.65, 0.65), zlim=(-0.65, 0.65))
-        axis.set_box_aspect((1, 1, 1), zoom=1.25)
-        axis.view_init(22, -60)
-        axis.set_axis_off()
-        axis.set_title(f"t = {time:g} s", fontsize=10, y=1.1)
+        shown = boxes(axis, frame["position"], frame["radius"], mises, (0.0, 60.0), dimension=3)
+        axis.set(xlim=(-0.72, 0.72), ylim=(-0.78, 0.78), xticks=[], yticks=[])
+        axis.spines[:].set_visible(False)
+        axis.set_title(f"t = {time:g} s", fontsize=10)
     above.colorbar(
         shown, ax=axes, label="von Mises stress [kPa]", location="bottom", aspect=50, shrink=0.6
     )
