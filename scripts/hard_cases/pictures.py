@@ -78,7 +78,8 @@ def blocks():
             if k < len(frames):
                 x, V, sigma = frames[k]
                 pressure = -sigma[:, :3].mean(axis=1)
-                drawn = boxes(axis, x, 0.5 * np.sqrt(V), pressure, (-0.2, 0.2), SIGNED)
+                place = np.pad(x, ((0, 0), (0, 1)))
+                drawn = boxes(axis, place, 0.5 * np.sqrt(V), pressure, (-0.2, 0.2), SIGNED)
             else:
                 text = f"{run.fault}\nat t = {run.sim.time:.2f}"
                 axis.text(0.5, 0.5, text, transform=axis.transAxes, ha="center", va="center")
