@@ -74,7 +74,7 @@ def shrink(path):
     image = Image.open(path).convert("RGB")
     image.save(path, optimize=True)
     if path.stat().st_size > LARGE:
-        image.quantize(256, Image.Quantize.MEDIANCUT, 4, dither=Image.Dither.NONE).save(
+        image.quantize(256, Image.Quantize.MAXCOVERAGE, 0, dither=Image.Dither.NONE).save(
             path, optimize=True
         )
     print(f"pictures: {path.relative_to(ROOT)}, {path.stat().st_size // 1024} kB")
