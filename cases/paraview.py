@@ -15,6 +15,7 @@ and go on with mouse and menus. The state can be saved as usual.
 """
 
 import argparse
+import json
 import math
 import os
 import re
@@ -45,10 +46,34 @@ CAMERAS = {
     "z-min": (0, 0, -1),
     "z-max": (0, 0, 1),
 }
+# Units of the fields, of length, mass and time; those of these consistent sets have names.
+KINDS = {
+    "velocity": "L/T",
+    "stress": "S",
+    "displacement": "L",
+    "pressure": "S",
+    "von-mises": "S",
+    "mass": "M",
+    "density": "M/L\u00b3",
+    "volume": "V",
+    "radius": "L",
+}
+PRESSURES = {
+    "m, kg, s": "Pa",
+    "mm, t, s": "MPa",
+    "mm, g, ms": "MPa",
+    "mm, kg, ms": "GPa",
+    "cm, g, us": "Mbar",
+}
+OUTLIERS = 0.005
+ROOM = 0.25
+MOST_SAMPLED = 200_000
 MOVIES = (".avi", ".ogv", ".mp4")
 MOST_LOOKED_AT = 200
 MARGIN = 1.15
-LEFT_AND_BELOW = 3  # of the bits of a grid's axes
+LABELS = 65  # pixels, of the axes in 2D
+FILLED = 0.8  # of the width; the rest is for the bar of colours
+BELOW, LEFT_AND_BELOW = 2, 3  # of the bits of a grid's axes
 INK = [0.15, 0.15, 0.15]
 
 
@@ -104,7 +129,8 @@ def show(
     camera : str or three numbers, optional
         ``corner`` (in 3D the default), a face such as ``y-min``, or the direction towards the eye.
     limits : two numbers, optional
-        Values of the first and the last colour; by default the least and the greatest of all times.
+        Values of the first and the last colour; by default those of the particles at all times,
+        without the half per cent at an end that would stretch the scale by more than a quarter.
     body : int, optional
         Only the body of this number, in the order of the case, from 0.
     scale : float
@@ -139,6 +165,7 @@ def show(
     reader.UpdatePipeline(times[-1])
     name, component = _field(field, reader)
     label = _label(reader, name, component)
+    units = _units(directory)
     source = _only(reader, body) if body is not None else reader
     low, high, bounds = _survey(source, times, name, component)
     if limits is not None:
@@ -160,9 +187,11 @@ def show(
     display.Emissive = 0
     display.Ambient, display.Diffuse = 0.25, 0.85
     display.ShaderPreset = "Plain circle" if flat else "Sphere"
-    _colour(display, view, label, name, component, low, high, palette)
-    _aim(view, camera, bounds, size, flat)
-    _time(reader, view)
+    words = label.replace("von-mises", "von Mises stress").replace("-", " ").replace(".", " ")
+    title = _with_unit(words, units.get(KINDS.get(name)))
+    _colour(display, view, title, name, component, low, high, palette)
+    _aim(view, camera, bounds, size, flat, units.get("L"))
+    _time(reader, view, units.get("T", ""))
     scene = Scene(source, display, view, label, times)
     scene.go(-1)
     return scene
@@ -195,6 +224,36 @@ def _label(reader, name, component):
     return name if component < 0 else f"{name}.{COMPONENTS[_arrays(reader)[name]][component]}"
 
 
+def _units(directory):
+    """Return the units by the letters of `KINDS`; none if the case's label is no list of three."""
+    found = {"dimensions": "3", "units": '""'}
+    try:
+        with open(os.path.join(directory, "case.yaml"), encoding="utf-8") as file:
+            found.update(re.findall(r"^(dimensions|units): (.*)$", file.read(), re.MULTILINE))
+        label, dimension = json.loads(found["units"]), int(found["dimensions"])
+    except (OSError, ValueError):  # pictures need no units
+        return {}
+    parts = [part.strip() for part in str(label).split(",")]
+    if len(parts) != 3 or not all(re.fullmatch("[A-Za-z]+", part) for part in parts):
+        return {}
+    length, mass, time = parts
+    power = ("", "", "\u00b2", "\u00b3")
+    across = f"/{length}{power[3 - dimension]}" if dimension < 3 else ""
+    return {
+        "L": length,
+        "T": time,
+        "L/T": f"{length}/{time}",
+        "M": mass + across,
+        "M/L\u00b3": f"{mass}/{length}\u00b3",
+        "V": length + power[dimension],
+        "S": PRESSURES.get(", ".join(parts), f"{mass}/({length} {time}\u00b2)"),
+    }
+
+
+def _with_unit(text, unit):
+    return f"{text} [{unit}]" if unit else text
+
+
 def _only(reader, body):
     """Return the particles of a body."""
     found = simple.Threshold(Input=reader, Scalars=["POINTS", "body"])
@@ -206,30 +265,69 @@ def _only(reader, body):
 
 
 def _survey(source, times, name, component):
-    """Return the least and the greatest value, and the bounds, of all times or of many."""
+    """Return the ends of the colours, and the bounds, of all times or of many."""
     low, high = math.inf, -math.inf
     bounds = [math.inf, -math.inf] * 3
     step = -(-len(times) // MOST_LOOKED_AT)
-    for time in sorted({*times[::step], times[-1]}):
+    chosen = sorted({*times[::step], times[-1]})
+    values = []
+    sample = simple.MaskPoints(Input=source)
+    sample.RandomSampling = 0
+    sample.MaximumNumberofPoints = MOST_SAMPLED
+    for time in chosen:
         source.UpdatePipeline(time)
         array = source.PointData[name]
         data = source.GetDataInformation()
-        if not data.GetNumberOfPoints() or array is None:
+        count = data.GetNumberOfPoints()
+        if not count or array is None:
             continue
+        sample.OnRatio = -(-count * len(chosen) // MOST_SAMPLED)
+        sample.UpdatePipeline(time)
+        values += _values(servermanager.Fetch(sample), name, component)
+        ends = array.GetRange(component)
+        low, high = min(low, ends[0]), max(high, ends[1])
         reach = source.PointData["radius"].GetRange(0)[1]
-        values = array.GetRange(component)
-        low, high = min(low, values[0]), max(high, values[1])
         ends = data.GetBounds()
         for i in range(0, 6, 2):
             room = reach if ends[i] != ends[i + 1] or ends[i] != 0.0 else 0.0
             bounds[i] = min(bounds[i], ends[i] - room)
             bounds[i + 1] = max(bounds[i + 1], ends[i + 1] + room)
-    if low > high:
+    simple.Delete(sample)
+    if not math.isfinite(bounds[0]):
         raise Wrong("there are no particles in any frame")
+    low, high = _inner(low, high, sorted(values))
     return low, high if high > low else low + (abs(low) or 1.0), bounds
 
 
-def _colour(display, view, label, name, component, low, high, palette):
+def _values(data, name, component):
+    """Return the finite values of an array, or of its magnitude."""
+    array = data.GetPointData().GetArray(name)
+    rows = range(array.GetNumberOfTuples())
+    if component < 0 and array.GetNumberOfComponents() > 1:
+        found = [math.hypot(*array.GetTuple(row)) for row in rows]
+    else:
+        found = [array.GetComponent(row, max(component, 0)) for row in rows]
+    return [value for value in found if math.isfinite(value)]
+
+
+def _inner(low, high, values):
+    """Return the ends of the colours, without outliers that would stretch their scale by much."""
+    if not values:
+        return 0.0, 1.0
+    last = len(values) - 1
+    inner = []
+    for place in (OUTLIERS * last, (1.0 - OUTLIERS) * last):
+        below = math.floor(place)
+        above = min(below + 1, last)
+        inner.append(values[below] + (place - below) * (values[above] - values[below]))
+    room = ROOM * (inner[1] - inner[0])
+    if room > 0.0:
+        low = low if inner[0] - low <= room else inner[0]
+        high = high if high - inner[1] <= room else inner[1]
+    return low, high
+
+
+def _colour(display, view, title, name, component, low, high, palette):
     """Colour by an array, with a bar."""
     simple.ColorBy(display, ("POINTS", name))
     table = simple.GetColorTransferFunction(name)
@@ -241,15 +339,17 @@ def _colour(display, view, label, name, component, low, high, palette):
     table.AutomaticRescaleRangeMode = "Never"
     display.SetScalarBarVisibility(view, True)
     bar = simple.GetScalarBar(table, view)
-    bar.Title = label
+    bar.Title = title
     bar.ComponentTitle = ""
     bar.TitleColor = bar.LabelColor = INK
     bar.TitleFontSize, bar.LabelFontSize = 18, 16
     bar.WindowLocation = "Any Location"
-    bar.Orientation, bar.Position, bar.ScalarBarLength = "Vertical", [0.86, 0.2], 0.6
+    number = "%.4g" if "%" in bar.RangeLabelFormat else "{:.4g}"  # ParaView 6 has the latter
+    bar.RangeLabelFormat = number
+    bar.Orientation, bar.Position, bar.ScalarBarLength = "Vertical", [0.83, 0.2], 0.6
 
 
-def _aim(view, camera, bounds, size, flat):
+def _aim(view, camera, bounds, size, flat, length):
     """Look at the bounds from a direction, in parallel projection, so that they fill the view."""
     view.InteractionMode = "2D" if flat else "3D"
     view.OrientationAxesVisibility = 0 if flat else 1
@@ -261,23 +361,28 @@ def _aim(view, camera, bounds, size, flat):
     middle = [0.5 * (bounds[i] + bounds[i + 1]) for i in (0, 2, 4)]
     half = [0.5 * (bounds[i + 1] - bounds[i]) for i in (0, 2, 4)]
     wide, high = (sum(abs(a) * h for a, h in zip(axis, half, strict=True)) for axis in (right, up))
-    # The bar of colours takes the rightmost seventh.
+    room = [FILLED * size[0] / MARGIN, size[1] / MARGIN]
+    if flat:
+        room = [min(r, max(MARGIN * r - 2 * LABELS, 0.5 * r)) for r in room]
     view.CameraParallelProjection = 1
-    view.CameraParallelScale = MARGIN * max(high, wide * size[1] / (0.84 * size[0]))
-    aside = 0.16 * view.CameraParallelScale * size[0] / size[1]
+    view.CameraParallelScale = size[1] * max(high / room[1], wide / room[0])
+    aside = (1.0 - FILLED) * view.CameraParallelScale * size[0] / size[1]
     far = 3.0 * math.hypot(*half) or 1.0
     focus = [m + aside * r for m, r in zip(middle, right, strict=True)]
     view.CameraFocalPoint = focus
     view.CameraPosition = [m + far * t for m, t in zip(focus, towards, strict=True)]
     view.CameraViewUp = list(up)
     if flat:
+        line = bounds[2] == bounds[3]
+        if line:
+            bounds = [*bounds[:2], -0.1 * half[0], 0.1 * half[0], *bounds[4:]]
         grid = view.AxesGrid
         grid.Visibility = 1
         grid.UseCustomBounds, grid.CustomBounds = 1, bounds
         grid.ShowGrid = grid.ShowTicks = 0
-        grid.AxesToLabel = LEFT_AND_BELOW
-        grid.XTitle, grid.YTitle, grid.ZTitle = "x", "y", "z"
+        grid.AxesToLabel = BELOW if line else LEFT_AND_BELOW
         for axis in "XYZ":
+            setattr(grid, f"{axis}Title", _with_unit(axis.lower(), length))
             setattr(grid, f"{axis}TitleColor", INK)
             setattr(grid, f"{axis}LabelColor", INK)
         grid.GridColor = INK
@@ -311,13 +416,13 @@ def _cross(a, b):
     )
 
 
-def _time(reader, view):
+def _time(reader, view, second):
     """Write the time into the upper left corner."""
     note = simple.AnnotateTimeFilter(Input=reader)
     # Before 5.11, the format was that of printf.
     manager = servermanager.vtkSMProxyManager
     new = (manager.GetVersionMajor(), manager.GetVersionMinor()) >= (5, 11)
-    note.Format = "t = {time:.4g}" if new else "t = %.4g"
+    note.Format = f"t = {'{time:.4g}' if new else '%.4g'} {second}".rstrip()
     text = simple.Show(note, view, "TextSourceRepresentation")
     text.WindowLocation = "Upper Left Corner"
     text.Color = INK

@@ -4,11 +4,14 @@ import hashlib
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from scenes import box, field, finish, scene, start, write_case
 
 import pgimp
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
+from pgimp.scene.tables import Table
 
 RAMP = [[0.0, 0.0], [0.3, 0.6], [0.5, -0.2]]
 
@@ -71,6 +74,40 @@ def test_held_particles_move_exactly_as_the_table_says():
     held = grips > 0
     np.testing.assert_allclose(field(sim, "x")[held, 0], (x + way)[held], rtol=1e-14)
     assert field(sim, "v")[~held, 0].std() > 0.01
+
+
+def test_the_history_has_the_prescribed_displacement():
+    """The area under `RAMP` in closed form; particles, in 50 steps, to first order in the step."""
+    sim = start(line(constraints=line()["constraints"] | {"mid": grip([5], [6], -0.5)}))
+    held, x = field(sim, "grip")[:, 0] == 2, field(sim, "x")[:, 0]
+    while not sim.finished:
+        sim.advance()
+        t = sim.time
+        up, down = min(t, 0.3), max(t - 0.3, 0.0)
+        columns = sim.diagnostics()
+        way = up**2 + 0.6 * down - 2.0 * down**2
+        assert columns["displacement.right-x"] == pytest.approx(way, rel=1e-14)
+        assert columns["displacement.left-x"] == 0.0
+        assert columns["displacement.mid-x"] == pytest.approx(-0.5 * t, rel=1e-15)
+        moved = field(sim, "x")[held, 0] - x[held]
+        # A step takes the velocity at its end, too much by half of what it grew by: 0.6 in all.
+        np.testing.assert_allclose(moved, way, rtol=0, atol=1.01 * 0.5 * 0.6 * sim.dt)
+    assert t == pytest.approx(0.5)
+    names = [name for name in start(loaded()).diagnostics() if name.startswith("displacement")]
+    assert names == ["displacement.pull-x", "displacement.lift-y"]
+
+
+@given(
+    times=st.lists(st.integers(-8, 40), min_size=1, max_size=6, unique=True).map(sorted),
+    values=st.lists(st.integers(-9, 9), min_size=6, max_size=6),
+    t=st.integers(0, 50),
+)
+def test_a_table_is_integrated_exactly(times, values, t):
+    """Of whole numbers, so that a trapezium a unit of time is exact; any rows before and after."""
+    rows = [(0.5 * a, float(v)) for a, v in zip(times, values, strict=False)]
+    every = np.arange(t + 1) * 0.5
+    expected = np.trapezoid(at(rows, every), every)
+    assert Table(table=rows).integral(0.5 * t) == pytest.approx(expected, rel=1e-13, abs=1e-12)
 
 
 def test_components_that_are_null_stay_free():

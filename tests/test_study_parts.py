@@ -3,6 +3,7 @@
 import re
 from itertools import pairwise, product
 from math import isclose
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,8 +16,10 @@ from pgimp.case.document import parse
 from pgimp.case.jsonschema import study_schema
 from pgimp.case.reader import dump_case, read_case
 from pgimp.errors import CaseError, UsageError
+from pgimp.plot.style import STYLE
 from pgimp.study.measures import Unmeasured, measure, orders, pareto
 from pgimp.study.plan import read_plan
+from pgimp.study.plot import _guides
 from pgimp.study.runs import last_words
 from pgimp.study.schema import Measure, Study
 from pgimp.study.sweep import variants
@@ -271,3 +274,35 @@ def test_the_last_words_of_a_run():
     trace = "Traceback (most recent call last):\n  File x\n    y\nValueError: z\n"
     assert last_words(trace, 1).endswith("ValueError: z")
     assert len(last_words("x" * 10_000, 1)) == 600
+
+
+@pytest.mark.parametrize(
+    ("xs", "errors"),
+    [
+        ((5.0, 2.5, 1.0, 0.5), (2e-2, 1e-2, 3e-3, 8e-4)),
+        ((0.05, 0.02, 0.01), (0.3, 0.3, 0.299)),  # beside a flat curve both orders soon leave
+        ((4.0, 2.0), (1e-9, 1.0)),
+        ((100.0, 0.01), (1.0, 1e-12)),
+        ((2.0, 1.9), (0.5, 0.45)),
+    ],
+)
+def test_labels_of_orders_stay_inside_their_panel(xs, errors):
+    from matplotlib import rc_context
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    points = zip(xs, errors, strict=True)
+    runs = [SimpleNamespace(plan=SimpleNamespace(x=x), error=error) for x, error in points]
+    with rc_context(STYLE):
+        figure = Figure(figsize=(4.2, 4.2))
+        canvas = FigureCanvasAgg(figure)
+        axis = figure.subplots()
+        axis.loglog(xs, errors, "o-")
+        _guides(axis, runs)
+        canvas.draw()
+    frame = axis.get_window_extent()
+    for text in axis.texts:
+        box = text.get_window_extent()
+        assert frame.x0 <= box.x0 and box.x1 <= frame.x1
+        assert frame.y0 <= box.y0 and box.y1 <= frame.y1
+    assert [text.get_text() for text in axis.texts] == ["order 1", "order 2"]

@@ -111,6 +111,11 @@ HISTORY: dict[str, str] = {
     "constraint.NAME-AXIS": (
         "mean force of each constraint on the material since the last line [force]"
     ),
+    "displacement.NAME-AXIS": (
+        "displacement that each constraint prescribes, none where it is free: the integral of its "
+        "`velocity` since the start; its particles move in steps by the velocity at each step's "
+        "end, so that theirs differs from it by an error of first order in the step [length]"
+    ),
     "beyond.FACE": (
         "mass that particles carry past each named face in the last step, on vertices beyond it: a "
         "particle of fixed size does where the material is compressed against a wall, and what "

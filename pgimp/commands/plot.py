@@ -1,4 +1,4 @@
-"""``pgimp plot DIR...``: curves of the history, pictures of frames, fields along a line."""
+"""``pgimp plot DIR...``: curves of history and probes, pictures of frames, fields along a line."""
 
 from __future__ import annotations
 
@@ -30,14 +30,25 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         The parser to add to.
     """
     parser.add_argument("directories", metavar="DIR", nargs="+", help="run directories")
-    history = parser.add_argument_group("curves of the history, unless a frame is asked for")
+    history = parser.add_argument_group("curves over time, unless a frame is asked for")
     history.add_argument(
         "--columns",
+        "--y",
         metavar="NAME,...",
         help="columns of history.csv, also patterns as 'reaction.*' (default: energies, and what "
-        "there is of work, forces of faces and errors)",
+        "there is of work, errors, and the greatest component of each face's force)",
     )
-    history.add_argument("--x", metavar="NAME", help="column along the axis (default: time)")
+    history.add_argument(
+        "--probe",
+        metavar="NAME,...",
+        help="probes of the case, whose columns are then there beside those of the history",
+    )
+    history.add_argument(
+        "--x",
+        metavar="NAME",
+        help="column along the axis (default: time), such as displacement.top-y with "
+        "--y constraint.top-y",
+    )
     frame = parser.add_argument_group("a frame")
     frame.add_argument(
         "--field",
@@ -110,8 +121,11 @@ def execute(args: argparse.Namespace) -> int:
         else:
             from pgimp.plot.curves import curves
 
-            figure, table, remarks = curves(runs, _listed(args.columns), args.x or "time", args.log)
-            name = "history"
+            probes = _listed(args.probe)
+            figure, table, remarks = curves(
+                runs, probes, _listed(args.columns), args.x or "time", args.log
+            )
+            name = "-".join(dict.fromkeys(probes)) or "history"
         output = output or _output(_default_name(runs, name))
         if output.suffix.lower() == ".csv":
             _write(output, table.text())
@@ -139,9 +153,9 @@ def _check(args: argparse.Namespace) -> None:
     if args.at is not None and args.along is None:
         raise UsageError("--at is for a line: give --along too, or cut a slice with --slice")
     if _wants_frame(args):
-        for name in ("columns", "x"):
+        for name in ("columns", "x", "probe"):
             if getattr(args, name) is not None:
-                raise UsageError(f"--{name} is for the history, the other options for a frame")
+                raise UsageError(f"--{name} is for curves over time, the other options for a frame")
 
 
 def _frame(args: argparse.Namespace, runs: Sequence[Shown]) -> tuple[Any, Table, list[str], str]:

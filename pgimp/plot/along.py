@@ -11,7 +11,7 @@ from pgimp.errors import UsageError
 from pgimp.plot.quantity import Quantity
 from pgimp.plot.runs import AXES, Shot
 from pgimp.plot.selection import Selection, empty
-from pgimp.plot.style import COLOURS, DASHES, MARKERS
+from pgimp.plot.style import COLOURS, DASHES, MARKERS, log_ticks, plain
 from pgimp.plot.tables import Table
 
 Array = np.ndarray
@@ -101,6 +101,7 @@ def along(
     axes.title.set_fontsize(10)
     if logarithmic:
         axes.set_yscale("log", nonpositive="mask")
+        log_ticks(axes.yaxis)
     if len(shots) > 1:
         axes.legend(fontsize=9)
     return figure, table, remarks
@@ -150,7 +151,7 @@ def _described(quantity: Quantity, selection: Selection, means: bool) -> str:
 def _legend(shot: Shot, shots: Sequence[Shot]) -> str:
     names = {one.shown.name for one in shots}
     times = {one.frame.time for one in shots}
-    parts = [shot.shown.name] if len(names) > 1 else []
+    parts = [plain(shot.shown.name)] if len(names) > 1 else []
     return ", ".join([*parts, *([shot.title] if len(times) > 1 or not parts else [])])
 
 

@@ -1,9 +1,9 @@
-"""Curves of the history: a panel for each kind of quantity, or, of several runs, each quantity."""
+"""Curves of histories and probes: a panel a kind of quantity, or, of several, a quantity."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from fnmatch import fnmatchcase
 from typing import Any
 
@@ -11,31 +11,45 @@ import numpy as np
 
 from pgimp.case.messages import unknown
 from pgimp.errors import UsageError
-from pgimp.plot.runs import Shown
-from pgimp.plot.style import COLOURS, DASHES
+from pgimp.plot.runs import AXES, Shown
+from pgimp.plot.series import Series, open_series
+from pgimp.plot.style import COLOURS, DASHES, log_ticks, plain
 from pgimp.plot.tables import Table
 from pgimp.plot.units import kind_of_column
 
 Array = np.ndarray
 
 _ALWAYS = ("kinetic-energy", "strain-energy")
-_IF_ANY = r"external-work|reaction\.([xyz])-(min|max)-\1|constraint\..*|error(\..*)?"
+_IF_ANY = r"external-work|error(\..*)?"
+_FORCE = re.compile(r"((?:reaction|constraint)\..*)-[xyz]")
+_OF_A_PROBE = r"(displacement|velocity)-[xyz]|pressure|von-mises"
 _PATTERN = re.compile(r"[*?\[]")
 _MOST_COLUMNS = 24
 _WIDTHS = (5.4, 8.4, 9.9)
+_TICKS = {1: 8, 2: 7, 3: 5}
+# Inches: of a panel beside its axes; of a legend's entry without its words, and of a letter.
+_BESIDE, _HANDLE, _LETTER = 0.9, 0.5, 0.068
+_FEW = 3  # points that a line alone would not show
 
 
 def curves(
-    runs: Sequence[Shown], columns: Sequence[str], across: str, logarithmic: bool
+    runs: Sequence[Shown],
+    probes: Sequence[str],
+    columns: Sequence[str],
+    across: str,
+    logarithmic: bool,
 ) -> tuple[Any, Table, list[str]]:
-    """Draw the history.
+    """Draw the history, or probes.
 
     Parameters
     ----------
     runs : sequence of Shown
         The runs, overlaid.
+    probes : sequence of str
+        The probes; the history alone if empty.
     columns : sequence of str
-        Columns of history.csv, or patterns of their names; those that most want to see if empty.
+        Columns of history.csv and of the probes, or patterns of their names; if empty those that
+        are wanted most often.
     across : str
         The column along the horizontal axis.
     logarithmic : bool
@@ -53,44 +67,41 @@ def curves(
     Raises
     ------
     UsageError
-        If a run has no history, or none has such a column.
+        If there is no history or probe to draw, or none has such a column.
     """
-    histories = [shown.run.history for shown in runs]
-    remarks = []
-    for shown, history in zip(runs, histories, strict=True):
-        if not len(history):
-            more = " yet" if shown.run.state == "running" else "; history.every makes one"
-            raise UsageError(f"{shown.path} has no line of history{more}")
-        if across not in _columns(history):
-            raise UsageError(
-                f"{shown.path}: --x: {unknown('column', across, _columns(history), 'it has')}"
-            )
-    names = _named(histories, columns) if columns else _default(histories)
+    series = open_series(runs, probes)
+    for one in series:
+        if across not in one.columns:
+            text = unknown("column", across, one.columns, "it has")
+            raise UsageError(f"{one.shown.path}: --x: {text}")
+    names = _named(series, columns) if columns else _default(series)
     if len(names) > _MOST_COLUMNS:
         raise UsageError(f"{len(names)} columns in one figure; {_MOST_COLUMNS} is the most")
-    for shown, history in zip(runs, histories, strict=True):
-        missing = [name for name in names if name not in _columns(history)]
+    table = Table(["run", *(["probe"] if probes else []), across, *names])
+    drawn, remarks = [], []
+    for one in series:
+        missing = [name for name in names if name not in one.columns]
         if missing:
-            remarks.append(f"{shown.path} has no {', '.join(missing)}")
-    table = Table(["run", across, *names])
-    for shown, history in zip(runs, histories, strict=True):
-        blank = np.full(len(history), np.nan)
-        there = _columns(history)
-        table.add(
-            [shown.name],
-            [history[across], *(history[name] if name in there else blank for name in names)],
-        )
-    return _draw(runs, histories, names, across, logarithmic), table, remarks
+            remarks.append(f"{one.shown.path} has no {', '.join(missing)}")
+        values, left_out = one.take([across, *names])
+        if left_out:
+            text = f"{left_out:,} lines left out: only of the probe, or only of the history"
+            remarks.append(f"{one.shown.path}: {text}")
+        drawn.append(values)
+        same = [one.shown.name, *([one.probe] if probes else [])]
+        table.add(same, [values[name] for name in (across, *names)])
+    if len({one.shown.units for one in series}) > 1:
+        remarks.append(f"the runs have different units; those shown are of {series[0].shown.path}")
+    return _draw(series, drawn, names, across, logarithmic), table, remarks
 
 
-def _columns(history: Array) -> tuple[str, ...]:
-    """Return the columns of a history."""
-    return history.dtype.names or ()
+def _known(series: Sequence[Series]) -> list[str]:
+    return list(dict.fromkeys(name for one in series for name in one.columns))
 
 
-def _named(histories: Sequence[Array], columns: Sequence[str]) -> list[str]:
+def _named(series: Sequence[Series], columns: Sequence[str]) -> list[str]:
     """Return the columns that names and patterns stand for, in the order of the command line."""
-    known = list(dict.fromkeys(name for history in histories for name in _columns(history)))
+    known = _known(series)
     found: list[str] = []
     for column in columns:
         matching = [name for name in known if fnmatchcase(name, column)]
@@ -100,28 +111,45 @@ def _named(histories: Sequence[Array], columns: Sequence[str]) -> list[str]:
     return list(dict.fromkeys(found))
 
 
-def _default(histories: Sequence[Array]) -> list[str]:
-    """Return the energies, and of works, forces and errors what is not zero throughout."""
-    known = list(dict.fromkeys(name for history in histories for name in _columns(history)))
-    names = [name for name in _ALWAYS if name in known]
-    for name in known:
-        if re.fullmatch(_IF_ANY, name) and any(
-            np.nan_to_num(history[name]).any() for history in histories if name in _columns(history)
-        ):
-            names.append(name)
+def _default(series: Sequence[Series]) -> list[str]:
+    """Return the energies, and of works, forces and errors what is not zero throughout.
+
+    Of each face and constraint this is the component of the force that is greatest in any run; of
+    a probe its displacement, velocity, pressure and von Mises stress.
+    """
+    known = list(dict.fromkeys(name for one in series for name in one.own))
+    if series[0].probe:
+        names = [name for name in known if re.fullmatch(_OF_A_PROBE, name)]
+    else:
+        names = [name for name in _ALWAYS if name in known]
+        most = {name: _most(series, name) for name in known}
+        for name in known:
+            force = _FORCE.fullmatch(name)
+            rivals = [f"{force[1]}-{axis}" for axis in AXES] if force else [name]
+            best = max(rivals, key=lambda rival: most.get(rival, 0.0))
+            wanted = best == name if force else re.fullmatch(_IF_ANY, name)
+            if wanted and most[name] > 0.0:
+                names.append(name)
     return (names or [name for name in known if name not in ("time", "step")])[:_MOST_COLUMNS]
 
 
+def _most(series: Sequence[Series], name: str) -> float:
+    """Return the greatest absolute value of a column in any of the series."""
+    values = [one.take([name])[0][name] for one in series if name in one.columns]
+    return max(float(np.abs(np.nan_to_num(value)).max()) for value in values)
+
+
 def _draw(
-    runs: Sequence[Shown],
-    histories: Sequence[Array],
+    series: Sequence[Series],
+    drawn: Sequence[Mapping[str, Array]],
     names: Sequence[str],
     across: str,
     logarithmic: bool,
 ) -> Any:
     from matplotlib.figure import Figure
 
-    single = len(runs) == 1
+    single = len(series) == 1
+    shown = series[0].shown
     groups: dict[str, list[str]] = {}
     for name in names:
         groups.setdefault(kind_of_column(name) or name if single else name, []).append(name)
@@ -129,37 +157,47 @@ def _draw(
     rows = -(-len(groups) // wide)
     size = (_WIDTHS[wide - 1], 2.7 * rows + 0.4)
     figure = Figure(figsize=size)
+    room = size[0] / wide - _BESIDE
     axes = figure.subplots(rows, wide, squeeze=False).ravel()
     for axis, (kind, members) in zip(axes, groups.items(), strict=False):
         alone = len(members) == 1
-        for i, (shown, history) in enumerate(zip(runs, histories, strict=True)):
+        for i, (one, values) in enumerate(zip(series, drawn, strict=True)):
             for j, name in enumerate(members):
-                if name not in _columns(history):
+                if name not in one.columns:
                     continue
                 number = j if single else i
                 axis.plot(
-                    history[across],
-                    history[name],
+                    values[across],
+                    values[name],
                     color=COLOURS[number % len(COLOURS)],
-                    ls=DASHES[(number if not single else number // len(COLOURS)) % len(DASHES)],
+                    ls=DASHES[number % len(DASHES)],
                     lw=1.4,
-                    label=shown.name if not single else _words(name, members),
+                    marker="o" if np.isfinite(values[name]).sum() < _FEW else None,
+                    ms=4,
+                    label=plain(one.label) if not single else _words(name, members),
                 )
         text = _words(members[0], []) if alone else _common(members, kind)
         axis.set(
-            xlabel=runs[0].label(_words(across, []), kind_of_column(across)),
-            ylabel=runs[0].label(text, kind_of_column(members[0])),
+            xlabel=shown.label(_words(across, []), kind_of_column(across)),
+            ylabel=shown.label(text, kind_of_column(members[0])),
         )
         if logarithmic:
             axis.set_yscale("log", nonpositive="mask")
+            log_ticks(axis.yaxis)
+        curves_there = [values[name] for values in drawn for name in members]
+        if not any((one > (0.0 if logarithmic else -np.inf)).any() for one in curves_there):
+            what = "no positive value" if logarithmic else "no value"
+            axis.text(0.5, 0.5, what, transform=axis.transAxes, ha="center", va="center")
+        axis.xaxis.get_major_locator().set_params(nbins=_TICKS[wide])
         if not alone and single:
+            widest = max(len(_words(name, members)) for name in members)
             axis.legend(
                 fontsize=8.5,
-                ncol=3,
+                ncol=max(1, min(3, int(room / (_HANDLE + _LETTER * widest)))),
                 loc="lower left",
                 bbox_to_anchor=(0.0, 0.98),
                 borderpad=0.0,
-                handlelength=1.4,
+                handlelength=1.8,
                 columnspacing=1.2,
             )
     for axis in axes[len(groups) :]:
@@ -172,12 +210,20 @@ def _draw(
         figure.legend(
             list(lines.values()), list(lines), loc="outside upper center", ncol=min(len(lines), 4)
         )
+    figure.draw_without_rendering()
+    for axis in axes[: len(groups)]:
+        # A power of ten above the axis needs the place under the legend.
+        if axis.get_legend() and axis.yaxis.get_offset_text().get_text():
+            axis.get_legend().set_bbox_to_anchor((0.0, 1.06), axis.transAxes)
     return figure
 
 
 def _common(members: Sequence[str], kind: str) -> str:
-    """Return the words that several columns share: ``energy``, ``reaction``."""
+    """Return the words that several columns share: ``velocity``, ``energy``, ``reaction``."""
+    whole = {re.sub("-[xyz]{1,2}$", "", name) for name in members}
     first = {name.split(".")[0] for name in members}
+    if len(whole) == 1:
+        return _words(whole.pop(), [])
     if kind.isalpha():
         return kind
     return first.pop() if len(first) == 1 else ""
@@ -188,6 +234,4 @@ def _words(name: str, among: Sequence[str]) -> str:
     ends = {one.rpartition("-")[2] for one in among if "." not in one}
     if len(ends) == 1 and len(among) > 1 and all("." not in one for one in among):
         name = name.rpartition("-")[0]
-    if "." in name:
-        return name
-    return name.replace("-", " ")
+    return plain(name if "." in name else name.replace("-", " "))

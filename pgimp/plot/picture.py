@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
+from pgimp.output.reader import Frame
 from pgimp.plot.camera import Camera
 from pgimp.plot.quantity import Quantity
 from pgimp.plot.runs import AXES, Shot
 from pgimp.plot.selection import Selection, empty
-from pgimp.plot.style import MAP
+from pgimp.plot.style import MAP, plain
 from pgimp.plot.tables import Table
 from pgimp.plot.visible import NOTHING, Visible, extent, paint, visible
 
@@ -23,6 +24,12 @@ _FLAT = 1.3
 _OUTLIERS = (0.5, 99.5)
 _ROOM = 0.25
 _ARROW = 24.0
+_NAMES: dict[str, Callable[[Frame], list[str]]] = {
+    "body": lambda frame: frame.bodies,
+    "material": lambda frame: frame.materials,
+}
+_WHOLE = ("body", "material", "rank", "id")
+_MOST_NAMES = 12
 _SEAM = 0.5  # points; without, hairlines show between neighbours
 
 
@@ -137,12 +144,13 @@ def _draw(
     from matplotlib import colormaps
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
+    from matplotlib.ticker import MaxNLocator
 
     low, high, beyond = scale(np.concatenate([seen.particles.value for seen in drawn]), limits)
     shades = colormaps[MAP].with_extremes(bad="#c8c8c8")
     colours = ScalarMappable(Normalize(low, high), shades)
     wide = inside.size[0] * min(len(shots), 2) > _FLAT * inside.size[1]
-    figure, axes = _panels(len(shots), inside.size, wide)
+    figure, axes = _panels(len(shots), inside.size, wide, camera.along_axes)
     margin = 0.03 * inside.size.max()
     several = len({shot.shown.name for shot in shots}) > 1
     for number, (shot, seen, axis) in enumerate(zip(shots, drawn, axes, strict=False)):
@@ -152,9 +160,11 @@ def _draw(
             ylim=(inside.low[1] - margin, inside.low[1] + inside.size[1] + margin),
             aspect="equal",
         )
-        axis.set_title(f"{shot.shown.name}, {shot.title}" if several else shot.title, fontsize=10)
+        name = f"{plain(shot.shown.name)}, " if several else ""
+        axis.set_title(name + shot.title, fontsize=10)
         axis.grid(False)
-        _label(axis, shot, camera, axis.get_subplotspec().is_first_col())
+        columns = axis.get_subplotspec().get_gridspec().ncols
+        _label(axis, shot, camera, columns, lowest=number + columns >= len(shots))
         if number == 0 and not camera.along_axes:
             _compass(axis, camera)
     for axis in axes[len(shots) :]:
@@ -169,13 +179,21 @@ def _draw(
         aspect=40 if wide else 25,
     )
     bar.outline.set_linewidth(0.6)
+    names = _NAMES.get(quantity.text, lambda _: [])(shots[0].frame)
+    named = [number for number in range(len(names)) if low <= number <= high]
+    if 0 < len(named) <= _MOST_NAMES:
+        bar.set_ticks(named, labels=[plain(names[number]) for number in named])
+    elif quantity.text in _WHOLE:
+        bar.locator = MaxNLocator(integer=True)
+        bar.update_ticks()
     return figure
 
 
-def _panels(count: int, size: Array, wide: bool) -> tuple[Any, Any]:
+def _panels(count: int, size: Array, wide: bool, labelled: bool) -> tuple[Any, Any]:
     """Return a figure with so many axes, of a shape that suits pictures of this size.
 
-    The scale of colours is below them if they are `wide`, else at their right.
+    The scale of colours is below them if they are `wide`, else at their right; those that are not
+    `labelled` have no ticks.
     """
     from matplotlib.figure import Figure
 
@@ -185,6 +203,7 @@ def _panels(count: int, size: Array, wide: bool) -> tuple[Any, Any]:
     width = _ONE_WIDTH if columns == 1 else _WIDTH
     room = (0.9 if wide else 0.72) * width / columns
     height = room * ratio * rows + 0.45 * rows + (1.3 if wide else 0.4)
+    height -= 0.0 if labelled else 0.4
     if height > _TALLEST:
         width, height = max(3.6, width * _TALLEST / height), _TALLEST
     figure = Figure(figsize=(width, height))
@@ -228,20 +247,24 @@ def _holes(seen: Visible, camera: Camera, dimension: int, inside: Any) -> Array:
     return paint(marked, camera, dimension, inside) == 1.0
 
 
-def _label(axis: Any, shot: Shot, camera: Camera, first: bool) -> None:
+def _label(axis: Any, shot: Shot, camera: Camera, columns: int, *, lowest: bool) -> None:
+    """Name the axes at the left and below; `lowest` says that no picture is below this one."""
     from matplotlib.ticker import FuncFormatter, MaxNLocator
 
     if not camera.along_axes:
-        axis.set_axis_off()
+        axis.set(xticks=[], yticks=[])  # without axes at all there would be no room for the title
+        axis.spines[:].set_visible(False)
         return
+    first = axis.get_subplotspec().is_first_col()
     sides = (("x", axis.xaxis, camera.right), ("y", axis.yaxis, camera.up))
     for side, ticks, direction in sides:
         name, reversed_ = camera.axis(direction)
-        ticks.set_major_locator(MaxNLocator(5))
+        ticks.set_major_locator(MaxNLocator(3 if side == "x" and columns > 2 else 5))
         if reversed_:
             ticks.set_major_formatter(FuncFormatter(lambda value, _: f"{-value + 0.0:g}"))
-        if (side == "x" and axis.get_subplotspec().is_last_row()) or (side == "y" and first):
+        if lowest if side == "x" else first:
             axis.set(**{f"{side}label": shot.shown.label(name, "length")})
+    axis.xaxis.set_tick_params(labelbottom=lowest)
 
 
 def _compass(axis: Any, camera: Camera) -> None:

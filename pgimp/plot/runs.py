@@ -60,13 +60,18 @@ class Shown:
         """1, 2 or 3."""
         return self.case["dimensions"]
 
+    @property
+    def units(self) -> str:
+        """The case's label of its units."""
+        return str(self.case.get("units", ""))
+
     def label(self, text: str, kind: str) -> str:
         """Return the label of an axis for a kind of quantity, with its unit."""
-        return labelled(text, unit(kind, str(self.case.get("units", "")), self.dimension))
+        return labelled(text, unit(kind, self.units, self.dimension))
 
     def instant(self, time: float) -> str:
         """Return a time as a title says it: ``t = 0.32 s``."""
-        second = unit("time", str(self.case.get("units", "")), self.dimension)
+        second = unit("time", self.units, self.dimension)
         return f"t = {time:.4g} {second}".rstrip()
 
 

@@ -105,7 +105,9 @@ class Selection(NamedTuple):
 
 def empty(frame: Frame, place: Mapping[int, float]) -> UsageError:
     """Return the error that nothing is to be seen, with what there is."""
-    if not place or not len(frame):
+    if not len(frame):
+        return UsageError(f"{frame.path} has no particles: all have left the domain")
+    if not place:
         return UsageError(f"{frame.path} has no such particle")
     axes = sorted(place)
     low = np.full(3, np.inf)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 BLUE, RED, GREEN, ORANGE, PURPLE, SKY, GREY, BROWN = (
@@ -37,6 +38,48 @@ STYLE: dict[str, Any] = {
     "axes.formatter.use_mathtext": True,
     "legend.frameon": False,
     "figure.constrained_layout.use": True,
+    "figure.constrained_layout.h_pad": 0.07,
     "savefig.dpi": 110,
 }
 """Settings of matplotlib, its ``rcParams``."""
+
+
+
+def plain(text: str) -> str:
+    """Return a name so that matplotlib shows its dollar signs instead of reading mathematics."""
+    return text.replace("$", r"\$")
+
+
+_FEW_DECADES = 2.3
+_LEAST_DECADES = 1.0
+
+
+def log_ticks(ticks: Any) -> None:
+    """Give a logarithmic axis labels that neither collide nor leave all but one tick bare.
+
+    Parameters
+    ----------
+    ticks : matplotlib.axis.Axis
+        The axis, with its limits as they are to be. Over many decades powers of ten are labelled,
+        over few 1, 2 and 5 of each, over less than a decade round numbers.
+    """
+    from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
+
+    low, high = sorted(ticks.get_view_interval())
+    if low <= 0.0:
+        return
+    decades = math.log10(high / low)
+    ticks.set_minor_formatter(NullFormatter())
+    if decades < _FEW_DECADES:
+        few = decades < _LEAST_DECADES
+        ticks.set_major_locator(MaxNLocator(4) if few else LogLocator(subs=(1.0, 2.0, 5.0)))
+        ticks.set_major_formatter(FuncFormatter(lambda value, _: _number(value)))
+
+
+def _number(value: float) -> str:
+    """Return a number as plain as it can be: 20, 0.005, or with a power of ten."""
+    if 1.0e-3 <= value < 1.0e4:
+        return f"{value:g}"
+    mantissa, _, exponent = f"{value:e}".partition("e")
+    power = f"10^{{{int(exponent)}}}"
+    return f"${power}$" if float(mantissa) == 1.0 else f"${float(mantissa):g}\\times {power}$"

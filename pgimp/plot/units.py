@@ -17,7 +17,12 @@ _NAMES = {
 }
 _SECTION = {1: "^2", 2: ""}
 _EXTENSIVE = ("mass", "energy", "force")
-_PLACES = {"AXIS": "[xyz]", "FACE": "[xyz]-(min|max)", "NAME": r"[A-Za-z][\w-]*"}
+_PLACES = {
+    "AXIS": "[xyz]",
+    "COMPONENT": "[xyz][xyz]",
+    "FACE": "[xyz]-(min|max)",
+    "NAME": r"[A-Za-z][\w-]*",
+}
 
 
 def unit(kind: str, units: str, dimension: int) -> str:
@@ -43,6 +48,9 @@ def unit(kind: str, units: str, dimension: int) -> str:
     if kind in ("", "1"):
         return ""
     length, mass, time = base
+    if kind == "mass/length^dimensions":
+        kind = "mass/length^3"  # per section and per thickness come in above and below
+        dimension = 3
     words = dict(zip(_BASE, base, strict=True)) | _NAMES.get(
         (length, mass, time),
         {
@@ -66,8 +74,8 @@ def kind_of_field(name: str) -> str:
 
 
 def kind_of_column(name: str) -> str:
-    """Return the kind of a column of the history, empty if it has none."""
-    for key, meaning in fields.HISTORY.items():
+    """Return the kind of a column of the history or of a probe, empty if it has none."""
+    for key, meaning in (fields.HISTORY | fields.POINT | fields.PLACE).items():
         pattern = re.sub("|".join(_PLACES), lambda found: _PLACES[found[0]], re.escape(key))
         if re.fullmatch(pattern.replace(r"\-(", "-("), name):
             return _bracketed(meaning)

@@ -36,3 +36,10 @@ class ConstraintEntry(Model):
         from pgimp.kernels.grips import Grip
 
         return Grip(*prescribed(self.velocity, start, end))
+
+    def displacement(self, t: float) -> tuple[float | None, ...]:
+        """Return the displacement prescribed from time 0 to `t`, None where it is free."""
+        return tuple(
+            v.integral(t) if isinstance(v, Table) else None if v is None else v * t
+            for v in self.velocity
+        )

@@ -8,6 +8,8 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from collections.abc import Sequence
+from functools import cached_property
+from itertools import accumulate, pairwise
 from typing import Annotated, TypeVar
 
 from pydantic import Field, model_validator
@@ -66,6 +68,21 @@ class Table(Model):
         """Return the value at time `t`."""
         (t0, v0), (t1, v1) = _neighbours(self.table, t)
         return _between(t, t0, t1, v0, v1)
+
+    @cached_property
+    def _integrals(self) -> tuple[float, ...]:
+        """Integrals of the value from the first row to each row."""
+        pieces = ((t1 - t0) * (0.5 * v0 + 0.5 * v1) for (t0, v0), (t1, v1) in pairwise(self.table))
+        return tuple(accumulate(pieces, initial=0.0))
+
+    def _from_first_row(self, t: float) -> float:
+        row = max(bisect_right(self.table, t, key=lambda row: row[0]) - 1, 0)
+        start, value = self.table[row]
+        return self._integrals[row] + (t - start) * (0.5 * value + 0.5 * self.value(t))
+
+    def integral(self, t: float) -> float:
+        """Return the integral of the value from time 0 to `t`."""
+        return self._from_first_row(t) - self._from_first_row(0.0)
 
 
 class VectorTable(Model):

@@ -156,6 +156,10 @@ class Diagnostics:
         for name, row in zip(names, force, strict=True):
             for i, axis in enumerate(axes):
                 line[f"{name}-{axis}"] = float(row[i])
+        for name, entry in scene.case.constraints.items():
+            for axis, way in zip(axes, entry.displacement(sim.time), strict=True):
+                if way is not None:
+                    line[f"displacement.{name}-{axis}"] = way
         for face, mass in zip(scene.faces, beyond, strict=True):
             line[f"beyond.{face.name}"] = float(mass)
             if total[MASS]:

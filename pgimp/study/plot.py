@@ -6,7 +6,7 @@ import io
 from collections.abc import Sequence
 from typing import Any
 
-from pgimp.plot.style import COLOURS, MARKERS, STYLE
+from pgimp.plot.style import COLOURS, MARKERS, STYLE, log_ticks, plain
 from pgimp.study.measures import pareto
 from pgimp.study.plan import Plan
 from pgimp.study.runs import DONE, Outcome
@@ -15,8 +15,8 @@ from pgimp.study.tables import curves
 _LABELS = {"wall": "wall time [s]", "core": "wall time x ranks [s]"}
 _INCHES = (4.2, 4.2)
 _COLUMNS_OF_LEGEND = 6
-_FEW_DECADES = 10**2.3
-_LONG_NUMBER = 1.0e4
+# Parts of a panel where an order's label goes to the left of its place, and below it.
+_RIGHT, _TOP = 0.8, 0.92
 
 
 def picture(plan: Plan, outcomes: Sequence[Outcome]) -> bytes | None:
@@ -37,7 +37,6 @@ def picture(plan: Plan, outcomes: Sequence[Outcome]) -> bytes | None:
     """
     from matplotlib import rc_context
     from matplotlib.figure import Figure
-    from matplotlib.ticker import NullFormatter
 
     costs = plan.study.cost
     drawn = [
@@ -56,16 +55,16 @@ def picture(plan: Plan, outcomes: Sequence[Outcome]) -> bytes | None:
         axes: Any = figure.subplots(1, count, sharey=True, squeeze=False)[0]
         for ax in axes:
             ax.set(xscale="log", yscale="log")
-            ax.xaxis.set_minor_formatter(NullFormatter())
         label = plan.study.measure.label
         axes[0].set(
-            xlabel=plan.study.plot.x, ylabel=label if label == "error" else f"error: {label}"
+            xlabel=plain(plan.study.plot.x),
+            ylabel=plain(label if label == "error" else f"error: {label}"),
         )
         for number, (curve, runs) in enumerate(curves(drawn).items()):
             line = {
                 "color": COLOURS[number % len(COLOURS)],
                 "marker": MARKERS[(number + number // len(COLOURS)) % len(MARKERS)],
-                "label": curve or plan.name,
+                "label": plain(curve or plan.name),
                 "ms": 5,
                 "lw": 1.2,
             }
@@ -86,7 +85,8 @@ def picture(plan: Plan, outcomes: Sequence[Outcome]) -> bytes | None:
             fontsize=9,
         )
         for ax in axes:
-            _ticks(ax)
+            log_ticks(ax.xaxis)
+        log_ticks(axes[0].yaxis)
         left_out = len(outcomes) - len(drawn)
         if left_out:
             figure.supxlabel(f"{left_out} of {len(outcomes)} runs have no point", fontsize=8)
@@ -108,11 +108,14 @@ def _guides(ax: Any, drawn: Sequence[Outcome]) -> None:
         ax.plot([high, low], [error, end], color="#555555", lw=0.9, ls=dashes, zorder=1)
         inside = max(end, limits[0])
         at = high * (inside / error) ** (1.0 / order)
+        right, up = (ax.transScale + ax.transLimits).transform((at, inside))
         ax.annotate(
             f"order {order}",
             (at, inside),
-            xytext=(3, 4),
+            xytext=(-3 if right > _RIGHT else 3, -4 if up > _TOP else 4),
             textcoords="offset points",
+            ha="right" if right > _RIGHT else "left",
+            va="top" if up > _TOP else "bottom",
             fontsize=8,
             color="#555555",
             bbox={"color": "white", "alpha": 0.7, "pad": 0.5},
@@ -130,13 +133,3 @@ def _front(ax: Any, points: Sequence[tuple[float, float]]) -> Any:
     (line,) = ax.plot(xs, ys, drawstyle="steps-post", color="black", lw=1.4, alpha=0.55, zorder=1)
     ax.set(xlim=limits[0], ylim=limits[1])
     return line
-
-
-def _ticks(ax: Any) -> None:
-    """Label 1, 2 and 5 of each decade where there are few decades."""
-    from matplotlib.ticker import FuncFormatter, LogLocator
-
-    low, high = ax.get_xlim()
-    if high < _FEW_DECADES * low and high < _LONG_NUMBER:
-        ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-        ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))

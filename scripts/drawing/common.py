@@ -8,11 +8,12 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.collections import EllipseCollection
+from matplotlib.collections import PolyCollection
 from PIL import Image
 
 import pgimp
 from pgimp.plot import style
+from pgimp.plot.camera import camera
 
 ROOT = Path(__file__).resolve().parents[2]
 RUNS = ROOT / "pictures.out"
@@ -39,19 +40,20 @@ def frame_at(results, time):
     return results.frame(int(np.searchsorted(results.times, time - 1e-9)))
 
 
-def dots(axis, frame, name, top, size=2.3):
-    """Draw particles as dots, `size` times their radius across, coloured by a field up to `top`."""
-    size = size * frame["radius"]
-    shown = EllipseCollection(
-        size,
-        size,
-        np.zeros(len(frame)),
-        units="x",
-        offsets=frame["position"][:, :2],
-        transOffset=axis.transData,
-        array=frame[name],
-        cmap=style.MAP,
-        clim=(0.0, top),
+def boxes(axis, position, radius, values, limits, colours=style.MAP, dimension=2):
+    """Draw particles as boxes of their size, in 3D from a corner, coloured between two limits."""
+    eye = camera(None, dimension, None)
+    place = eye.project(position)
+    back_to_front = np.argsort(place[:, 2], kind="stable")
+    corners = place[:, None, :2] + radius[:, None, None] * eye.outline(dimension)
+    shown = PolyCollection(
+        corners[back_to_front],
+        array=values[back_to_front],
+        cmap=colours,
+        clim=limits,
+        lw=0.5,  # without, hairlines show between neighbours
+        edgecolors="face",
+        snap=False,
     )
     axis.add_collection(shown)
     axis.grid(False)
@@ -72,7 +74,7 @@ def shrink(path):
     image = Image.open(path).convert("RGB")
     image.save(path, optimize=True)
     if path.stat().st_size > LARGE:
-        image.quantize(256, Image.Quantize.MEDIANCUT, 4, dither=Image.Dither.NONE).save(
+        image.quantize(256, Image.Quantize.MAXCOVERAGE, 0, dither=Image.Dither.NONE).save(
             path, optimize=True
         )
     print(f"pictures: {path.relative_to(ROOT)}, {path.stat().st_size // 1024} kB")

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 from common import ROOT, RUNS, plt, save
 from figures.methods import METHODS
+from matplotlib.ticker import NullLocator
 
 import pgimp
 from pgimp.errors import RunError
@@ -146,7 +147,9 @@ def error_and_cost(redraw):
                 color="#d0d0d0", lw=6.0, zorder=0, label="best for its cost",
             )  # fmt: skip
         axis.set_xlabel(title)
-    axes[0].invert_xaxis()
+    cells = sorted({point["cell"] for point in done})
+    axes[0].set_xticks(cells, [f"{cell:g}" for cell in cells])
+    axes[0].xaxis.set_minor_locator(NullLocator())
     axes[0].set_ylabel("error (47) at W = 10000")
     handles, labels = axes[-1].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper center", ncol=4, fontsize=8)

@@ -1,7 +1,10 @@
 """The cases with exact solutions: shock, vortex, spinning block."""
 
 import numpy as np
-from common import BLUE, GREEN, GREY, RED, dots, frame_at, plt, run, save
+from common import BLUE, GREEN, GREY, RED, boxes, frame_at, plt, run, save
+from matplotlib.ticker import NullFormatter
+
+from pgimp.plot.style import log_ticks
 
 TRANSIT = 0.05
 
@@ -46,7 +49,7 @@ def vortex(redraw):
     for column, time in enumerate((0.0, 0.5, 1.0)):
         frame = frame_at(results[0.05], time)
         axis = axes[column]
-        shown = dots(axis, frame, "von-mises", top)
+        shown = boxes(axis, frame["position"], frame["radius"], frame["von-mises"], (0.0, top))
         radius = np.linspace(0.75, 1.25, 60)
         s = (radius - 1.0) / 0.5
         angle = 0.15 * np.sin(np.pi * time) * (1.0 - 4.0 * s * s) ** 2
@@ -69,6 +72,7 @@ def vortex(redraw):
                 history["time"], factor * history[f"error.{name}"], color=colour, label=f"{cell} m"
             )
         axis.set(xlabel="time [s]", ylabel=f"rms error: {label}")
+        log_ticks(axis.yaxis)
     lower[0].legend(fontsize=8, title="cell", title_fontsize=8, loc="lower right")
     axis = lower[2]
     worst = [1e3 * results[cell].history["error.displacement-l2"].max() for cell in cells]
@@ -76,7 +80,8 @@ def vortex(redraw):
     axis.loglog(cells, worst[-1] * (np.array(cells) / cells[-1]) ** 2, "k--", lw=1, label="order 2")
     axis.set(xlabel="cell [m]", ylabel="greatest rms error [mm]")
     axis.set_xticks(cells, [str(cell) for cell in cells])
-    axis.minorticks_off()
+    axis.xaxis.set_minor_formatter(NullFormatter())
+    log_ticks(axis.yaxis)
     axis.legend(fontsize=9)
     save(figure, "vortex")
 
@@ -86,17 +91,14 @@ def spinning_block(redraw):
     results = run("spinning-block", redraw)
     figure = plt.figure(figsize=(9, 5.4))
     above, below = figure.subfigures(2, 1, height_ratios=(1.15, 1.0))
-    axes = above.subplots(1, 4, subplot_kw={"projection": "3d"})
+    axes = above.subplots(1, 4, subplot_kw={"aspect": "equal"})
     for axis, time in zip(axes, (0.0, 0.25, 0.5, 0.75), strict=True):
         frame = frame_at(results, time)
-        place = frame["position"]
         mises = frame["von-mises"] / 1e3
-        shown = axis.scatter(*place.T, c=mises, s=5, vmin=0, vmax=60, cmap="viridis", lw=0)
-        axis.set(xlim=(-0.65, 0.65), ylim=(-0.65, 0.65), zlim=(-0.65, 0.65))
-        axis.set_box_aspect((1, 1, 1), zoom=1.3)
-        axis.view_init(22, -60)
-        axis.set_axis_off()
-        axis.set_title(f"t = {time:g} s", fontsize=10, y=1.0)
+        shown = boxes(axis, frame["position"], frame["radius"], mises, (0.0, 60.0), dimension=3)
+        axis.set(xlim=(-0.72, 0.72), ylim=(-0.78, 0.78), xticks=[], yticks=[])
+        axis.spines[:].set_visible(False)
+        axis.set_title(f"t = {time:g} s", fontsize=10)
     above.colorbar(
         shown, ax=axes, label="von Mises stress [kPa]", location="bottom", aspect=50, shrink=0.6
     )
@@ -108,5 +110,6 @@ def spinning_block(redraw):
                 history["time"], factor * history[f"error.{name}-{kind}"], color=colour, label=text
             )
         axis.set(xlabel="time [s]", ylabel=f"error: {label}")
+        log_ticks(axis.yaxis)
         axis.legend(fontsize=9)
     save(figure, "spinning-block")

@@ -1,7 +1,7 @@
 """The other cases: disks, bar."""
 
 import numpy as np
-from common import BLUE, RED, dots, frame_at, plt, run, save
+from common import BLUE, RED, boxes, frame_at, plt, run, save
 
 
 def energies(axis, results, unit):
@@ -24,7 +24,7 @@ def disks(redraw):
     for column, time in enumerate(times):
         axis = figure.add_subplot(grid[0, column], aspect="equal")
         frame = frame_at(results, time)
-        shown = dots(axis, frame, "von-mises", top, 2.7)
+        shown = boxes(axis, frame["position"], frame["radius"], frame["von-mises"], (0.0, top))
         axis.set(xlim=(-0.05, 1.05), ylim=(-0.05, 1.05), xlabel="x [m]", xticks=(0, 0.5, 1))
         axis.set(yticks=(0, 0.5, 1), ylabel="" if column else "y [m]")
         axis.set_title(f"t = {frame.time:.2f} s", fontsize=10)

@@ -18,8 +18,8 @@ QUICK_FUZZY_CELLS = (10.0, 1.0, 0.25)
 MARKERS = {1: "s", 2: "o", 4: "^"}
 CROSSED = {1: "x", 2: "+", 4: "1"}
 LEGEND = {"fontsize": 7, "frameon": True, "framealpha": 0.9, "edgecolor": "none"}
-#: Where runs that stop are shown, above all errors.
-STOPPED = 30.0
+#: Where runs that stop are marked: above the frame, in parts of its height.
+STOPPED = 1.02
 
 
 def cells_and_step(quick):
@@ -87,8 +87,8 @@ def readme(results, origin):
     figure, axes = plt.subplots(1, 2, figsize=(9.4, 4.9), sharey=True)
     ours(axes[0], results, PAPER)
     ours(axes[1], results, ("gimp-tracked", *FUZZY, GHOSTS[0]))
-    axes[0].set_title("the paper's methods (Fig. 10)", fontsize=10)
-    axes[1].set_title("volume tracked, and fuzzy particles", fontsize=10)
+    axes[0].set_title("the paper's methods (Fig. 10)", fontsize=10, pad=34)
+    axes[1].set_title("volume tracked, and fuzzy particles", fontsize=10, pad=34)
     axes[1].set_ylabel("")
     figure.supxlabel(origin, fontsize=7, color="#606060")
     save(figure, "convergence")
@@ -116,7 +116,7 @@ def speed_of(results, speed):
 
 def ours(axis, results, methods):
     """The errors of some methods, with the paper's axes, guides and markers."""
-    ended = []
+    ended, rows = [], 0
     for method in methods:
         shown = METHODS[method]
         for per_cell in COUNTS:
@@ -135,17 +135,21 @@ def ours(axis, results, methods):
             label = f"{per_cell} p/c {shown.label}"
             axis.plot(list(done), list(done.values()), label=label, **style)
             stopped = [cell for cell, r in line.items() if "stopped" in r]
-            place = STOPPED * (1.7 ** (1 - COUNTS.index(per_cell)))
-            axis.plot(stopped, [place] * len(stopped), **style | {"lw": 0.0})
-            ended += stopped
+            if stopped:
+                place = [STOPPED + 0.03 * rows] * len(stopped)
+                above = {"transform": axis.get_xaxis_transform(), "clip_on": False}
+                axis.plot(stopped, place, **style | above | {"lw": 0.0, "ms": 4.5})
+                ended += stopped
+                rows += 1
     if ended:
-        axis.text(1.4 * max(ended), STOPPED, "runs that stop early", va="center", fontsize=8)
+        axis.text(
+            1.5 * max(ended), STOPPED + 0.015 * (rows - 1), "these stop early: no error",
+            transform=axis.get_xaxis_transform(), va="center", fontsize=8,
+        )  # fmt: skip
     guides(axis)
-    axis.set(xlim=(0.01, 100.0), ylim=(1e-7, 100.0), xscale="log", yscale="log")
+    axis.set(xlim=(0.01, 100.0), ylim=(1e-8, 1.0), xscale="log", yscale="log")
     axis.set(xlabel="cell size (column: 50)", ylabel="error (47) at W = 10000")
-    # Errors without the paper's methods leave the upper left to the legend.
-    place = "lower right" if "finite-gimp" in methods else "upper left"
-    axis.legend(loc=place, labelspacing=0.25, **LEGEND)
+    axis.legend(loc="lower right", labelspacing=0.25, **LEGEND)
 
 
 def guides(axis):
