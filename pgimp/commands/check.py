@@ -212,7 +212,7 @@ def _report_steps(case: Case, steps: float, tried: Pilot | None) -> float:
     if tried is None:
         print(
             f"steps            {start} to t = {case.time.end:g} if no wave becomes faster; more if "
-            "the material is compressed (too many particles in files for a pilot run)"
+            "the material is compressed: no pilot run can be made of this case"
         )
         return steps
     how = f"{tried.particles:,} particles"

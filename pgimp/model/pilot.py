@@ -20,11 +20,11 @@ from pgimp.solver.simulation import Simulation
 #: Seconds that a pilot run may take, about; it ends after twice as many.
 _SECONDS = 2.0
 #: Cells that remain across a body, if it has so many.
-_FEWEST_CELLS = 3.0
+_FEWEST_CELLS = 6.0
 #: What the cells are made longer by, besides: a constraint may hold no particle with others.
 _TRIES = (1.0, 0.9, 1.15, 0.8, 1.3, 0.65)
-#: Particles of files, which do not become fewer, with which there is no pilot run.
-_MOST_FROM_FILES = 200_000
+#: Particles of a pilot run at most. Those of files do not become fewer with larger cells.
+_MOST_PARTICLES = 200_000
 
 
 class Pilot(NamedTuple):
@@ -77,14 +77,14 @@ def pilot(case: Case, count: int, steps: float, costs: Costs, fewest: float) -> 
     """
     regions = [part for body in case.bodies.values() for part in body.region.simple()]
     fixed = sum(part.summary.number for part in regions if isinstance(part, Points))
-    if fixed > _MOST_FROM_FILES:
+    if fixed > _MOST_PARTICLES:
         return None
     most = max(1.0, fewest / _FEWEST_CELLS)
     factor = 1.0
     while factor < most and _seconds(case, count, steps, costs, factor) > _SECONDS:
         factor = min(1.1 * factor, most)
-    if _seconds(case, count, steps, costs, factor) / steps * factor > _SECONDS:
-        return None  # not even a step
+    # Rather too few cells across a body than too many particles.
+    factor = max(factor, ((count - fixed) / _MOST_PARTICLES) ** (1.0 / case.dimensions))
     for tried in _TRIES if factor > 1.0 else (1.0,):
         try:
             sim = Simulation(coarse(case, max(1.0, factor * tried)), Serial())

@@ -9,7 +9,7 @@ From a wall it is half of that.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import combinations, product
+from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,12 +19,14 @@ from pgimp.scene.tables import Table, VectorTable
 
 AXES = "xyz"
 
-#: Instants at which the bodies' places are looked at.
-_INSTANTS = 129
+#: Instants at which the bodies' places are looked at: so many, fewer with many bodies.
+_INSTANTS, _FEWEST_INSTANTS, _PLACES = 129, 9, 20_000
 #: Distances below this part of a cell are none: the bodies touch.
 _TOUCH = 1e-6
 #: Of the part of the grid where two bodies may meet, if they are to be compared cell by cell.
 _MOST_CELLS = 20_000_000
+#: Pairs of bodies that are compared so, each in some hundredths of a second.
+_MOST_PAIRS = 100
 #: Pairs that are named; of more, the number.
 _NAMED = 3
 
@@ -68,7 +70,8 @@ def notes(case: Any) -> list[str]:
 
 
 def _instants(case: Any) -> np.ndarray:
-    return np.linspace(0.0, case.time.end, _INSTANTS)
+    number = min(_INSTANTS, max(_FEWEST_INSTANTS, _PLACES // len(case.bodies)))
+    return np.linspace(0.0, case.time.end, number)
 
 
 def _boxes(case: Any, times: np.ndarray) -> list[Box]:
@@ -157,14 +160,17 @@ def _stopped(case: Any, low: np.ndarray, high: np.ndarray, way: np.ndarray) -> n
 def _pairs(case: Any, boxes: list[Box], times: np.ndarray) -> Iterator[str]:
     """Say which bodies are apart at the start, and within reach later."""
     cell, near = np.array(case.grid.cell), reach(case)
+    low, high = (np.array([getattr(box, end) for box in boxes]) for end in ("low", "high"))
     met: list[tuple[float, str]] = []
-    for a, b in combinations(boxes, 2):
-        gap = np.maximum(a.low - b.high, b.low - a.high) / cell
-        step = np.abs(np.diff(gap, axis=0, append=gap[-1:]))
-        close = (gap - step < near).all(axis=1)
-        if close.any() and not (gap[0] < near).all() and step.any():
-            when = float(times[close.argmax()])
-            met.append((when, f"'{a.name}' and '{b.name}' (from t = {when:.2g} at the earliest)"))
+    for i, a in enumerate(boxes):
+        gap = np.maximum(low[i] - high[i + 1 :], low[i + 1 :] - high[i]) / cell
+        step = np.abs(np.diff(gap, axis=1, append=gap[:, -1:]))
+        close = (gap - step < near).all(axis=2)
+        later = close.any(axis=1) & ~(gap[:, 0] < near).all(axis=1) & step.any(axis=(1, 2))
+        for j in np.flatnonzero(later):
+            when = float(times[close[j].argmax()])
+            names = f"'{a.name}' and '{boxes[i + 1 + j].name}'"
+            met.append((when, f"{names} (from t = {when:.2g} at the earliest)"))
     if met:
         names = ", ".join(text for _, text in sorted(met)[:_NAMED])
         more = f" and {len(met) - _NAMED} more pairs" if len(met) > _NAMED else ""
@@ -219,12 +225,14 @@ def bonded(scene: Any, lattice: Any, counts: np.ndarray) -> Iterator[str]:
     case = scene.case
     boxes = _boxes(case, np.array([0.0, case.time.end]))
     cell, origin = np.array(scene.frame.cell), np.array(scene.frame.origin)
-    near = reach(case) + 1.0  # what a surface cuts reaches farther by half a particle at most
+    # What a surface cuts reaches farther, by half a particle at most.
+    near = reach(case) + 1.0 / np.array(lattice.per_cell)
+    lows, highs = (np.array([getattr(box, end)[0] for box in boxes]) for end in ("low", "high"))
     found: list[str] = []
-    for (i, a), (j, b) in combinations(enumerate(boxes), 2):
-        low, high = np.maximum(a.low[0], b.low[0]), np.minimum(a.high[0], b.high[0])
-        if (low - high > near * cell).any() or len(found) > _NAMED:
-            continue
+    for i, j in _close(lows, highs, near * cell):
+        if len(found) > _NAMED:
+            break
+        low, high = np.maximum(lows[i], lows[j]), np.minimum(highs[i], highs[j])
         # Cells in which particles of both may share vertices.
         first = np.floor((np.minimum(low, high) - origin) / cell - near).astype(int)
         shape = np.ceil((np.maximum(low, high) - origin) / cell + near).astype(int) - first
@@ -234,7 +242,7 @@ def bonded(scene: Any, lattice: Any, counts: np.ndarray) -> Iterator[str]:
             *(_marks(scene, lattice, counts, body, first, shape) for body in (i, j)), strict=True
         )
         if (vertices[0] & vertices[1]).any() and not (cells[0] & cells[1]).any():
-            found.append(f"'{a.name}' and '{b.name}'")
+            found.append(f"'{boxes[i].name}' and '{boxes[j].name}'")
     if found:
         more = " and others" if len(found) > _NAMED else ""
         yield (
@@ -242,6 +250,16 @@ def bonded(scene: Any, lattice: Any, counts: np.ndarray) -> Iterator[str]:
             "they are bonded there, in tension and shear too; bodies move by themselves while they "
             f"are {_range(reach(case))} cells apart or more"
         )
+
+
+def _close(low: np.ndarray, high: np.ndarray, near: np.ndarray) -> list[tuple[int, int]]:
+    """Pairs of boxes that are no farther from each other than `near`; of many the closest."""
+    found = []
+    for i in range(len(low)):
+        gap = np.maximum(low[i] - high[i + 1 :], low[i + 1 :] - high[i])
+        for j in np.flatnonzero((gap <= near).all(axis=1)):
+            found.append((float((gap[j] / near).max()), i, i + 1 + int(j)))
+    return [(i, j) for _, i, j in sorted(found)[:_MOST_PAIRS]]
 
 
 def _marks(
