@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError, RunError
+from pgimp.kernels.sums import fastest_rate
 from pgimp.model.costs import Costs
 from pgimp.parallel.comm import Serial
 from pgimp.scene.regions import Points
@@ -21,6 +22,8 @@ from pgimp.solver.simulation import Simulation
 _SECONDS = 2.0
 #: Cells that remain across a body, if it has so many.
 _FEWEST_CELLS = 6.0
+#: Steps of a fixed length between two looks at the fastest wave.
+_LOOK = 10
 #: What the cells are made longer by, besides: a constraint may hold no particle with others.
 _TRIES = (1.0, 0.9, 1.15, 0.8, 1.3, 0.65)
 #: Particles of a pilot run at most. Those of files do not become fewer with larger cells.
@@ -125,7 +128,7 @@ def _run(sim: Simulation, case: Case) -> Pilot:
     way = most = rate = 0.0
     try:
         while not sim.finished and perf_counter() - begin < 2.0 * _SECONDS:
-            rate = sim.rate * longer
+            rate = _rate(sim) * longer
             sim.advance()
             way += sim.dt * rate
             most = max(most, sim.dt * rate / longer)
@@ -137,3 +140,13 @@ def _run(sim: Simulation, case: Case) -> Pilot:
     steps = float(case.time.steps or way / courant)
     done = sim.time / end
     return Pilot(steps, sim.count, longer, done if done < 1.0 else 1.0, failure, most)
+
+
+def _rate(sim: Simulation) -> float:
+    """Largest (c_p + |v_p|)/L; of fixed steps, which do not keep it, now and then."""
+    if not sim.clock.controlled and sim.step % _LOOK == 0:
+        sim.rate = fastest_rate(
+            sim.scene.frame, sim.identity, sim.scene.materials, sim.particles,
+            sim.population.order, sim.scene.material_of,
+        )  # fmt: skip
+    return sim.rate

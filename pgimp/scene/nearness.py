@@ -193,17 +193,15 @@ def _walls(case: Any, boxes: list[Box], at_once: bool) -> Iterator[str]:
                 names.append(f"'{box.name}'")
         if names:
             more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
-            many = len(names) > 1
-            what = (
-                f"{'do' if many else 'does'} not touch the wall, but {'feel' if many else 'feels'}"
-                if at_once
-                else f"may come near the wall, and {'feel' if many else 'feels'}"
+            does, feel, them = (
+                ("does", "feels", "it") if len(names) == 1 else ("do", "feel", "them")
             )
-            holds = "" if condition.releases else "; it holds them when pulled away, too"
-            yield (
-                f"boundaries.{face}: {', '.join(names[:_NAMED])}{more} {what} it from "
-                f"{near[axis]:.3g} cells of distance on{holds}"
-            )
+            far = f"{near[axis]:.3g} cells" if near[axis] != 1.0 else "1 cell"
+            what = f"may come near the wall, and {feel} it from {far} away"
+            if at_once:
+                what = f"{does} not touch the wall, but {feel} it from {far} away"
+            holds = "" if condition.releases else f"; the wall holds {them} when pulled away, too"
+            yield f"boundaries.{face}: {', '.join(names[:_NAMED])}{more} {what}{holds}"
 
 
 def _range(values: np.ndarray) -> str:
