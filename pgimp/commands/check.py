@@ -98,11 +98,11 @@ def report(case: Case) -> None:
         _report_body(body, case)
     stable = 1.0 / rate
     print(f"step             {dt:.4g}, Courant {dt * rate:.3g}; Courant 1 is {stable:.4g}")
-    _report_memory(memory)
     steps = float(case.time.steps or case.time.end / dt)
     costs, crossing = _measure(scene, count)
     tried = pilot(case, count, steps, costs, _thinnest(case, bodies))
     steps = _report_steps(case, steps, tried)
+    _report_memory(memory)
     _report_cost(scene, lattice, counts, costs, crossing, steps)
     number = forecast.frames(case, steps)
     size = size_text(number * forecast.frame_size(case, count))

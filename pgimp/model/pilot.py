@@ -136,10 +136,10 @@ def _run(sim: Simulation, case: Case) -> Pilot:
         failure = str(error).splitlines()[0]
     end = case.time.end
     way += (end - sim.time) * rate
-    courant = getattr(case.time.step, "courant", None)
-    steps = float(case.time.steps or way / courant)
+    step = case.time.step
+    steps = float(case.time.steps or 0) if isinstance(step, float | int) else way / step.courant
     done = sim.time / end
-    return Pilot(steps, sim.count, longer, done if done < 1.0 else 1.0, failure, most)
+    return Pilot(steps, sim.count, longer, min(done, 1.0), failure, most)
 
 
 def _rate(sim: Simulation) -> float:

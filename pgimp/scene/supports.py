@@ -103,7 +103,7 @@ def own_weight(case: Any, body: BodyFacts) -> dict[str, float]:
     young = getattr(material, "young", body.density * body.wave_speed**2)
     most, words = found[""], ""
     held = list(supports(case, body))
-    for down in np.flatnonzero(g):
+    for down in np.flatnonzero(g).tolist():
         weight, height = body.density * float(g[down]), sizes[down]
         for axis in range(case.dimensions):
             if axis == down:
