@@ -104,16 +104,17 @@ def examine(scene: Scene, lattice: Lattice, counts: np.ndarray) -> Findings:
 def _examine(
     scene: Scene, lattice: Lattice, counts: np.ndarray, body: int, found: Findings
 ) -> BodyFacts:
-    D, top = scene.dimension, 0.0
+    D = scene.dimension
     low, high = np.full(D, np.inf), np.full(D, -np.inf)
-    slowest, fastest, momentum, mass = low.copy(), high.copy(), np.zeros(D), 0.0
+    speeds = _Speeds(D)
+    motion = scene.case.bodies[scene.body_names[body]].velocity
     for made in lattice.make((0, lattice.planes), counts, body):
-        v = scene.velocities(body, made.centroids) if made.velocities is None else made.velocities
-        with np.errstate(over="ignore"):
-            top = max(top, float(np.sqrt((v * v).sum(axis=1)).max()))
-        slowest, fastest = np.minimum(slowest, v.min(axis=0)), np.maximum(fastest, v.max(axis=0))
-        momentum += made.fractions @ v
-        mass += float(made.fractions.sum())
+        if made.velocities is not None:
+            speeds.add(made.velocities, made.fractions)
+        elif scene.moves or not isinstance(motion, tuple):
+            speeds.add(scene.velocities(body, made.centroids), made.fractions)
+        elif not speeds.mass:  # one for all
+            speeds.add(np.array([motion], float), np.ones(1))
         ends = made.positions.min(axis=0), made.positions.max(axis=0)
         low, high = np.minimum(low, ends[0]), np.maximum(high, ends[1])
         _count_held(scene, made, ends, found)
@@ -128,13 +129,31 @@ def _examine(
         scene.body_names[body],
         int(counts[body].sum()),
         _wave_speed(scene, body),
-        top,
+        speeds.top,
         scene.materials[scene.body_material[body]].density,
         tuple(low.tolist()),
         tuple(high.tolist()),
-        tuple((momentum / mass).tolist()),
-        bool((slowest == fastest).all()),
+        tuple((speeds.momentum / speeds.mass).tolist()),
+        bool((speeds.least == speeds.most).all()),
     )
+
+
+class _Speeds:
+    """Bounds and the mean of velocities, and the greatest speed."""
+
+    def __init__(self, dimension: int) -> None:
+        self.top = self.mass = 0.0
+        self.least, self.most = np.full(dimension, np.inf), np.full(dimension, -np.inf)
+        self.momentum = np.zeros(dimension)
+
+    def add(self, v: _Reals, mass: _Reals) -> None:
+        """Take some particles."""
+        with np.errstate(over="ignore"):
+            self.top = max(self.top, float(np.sqrt((v * v).sum(axis=1)).max()))
+        self.least = np.minimum(self.least, v.min(axis=0))
+        self.most = np.maximum(self.most, v.max(axis=0))
+        self.momentum += mass @ v
+        self.mass += float(mass.sum())
 
 
 def _wave_speed(scene: Scene, body: int) -> float:
