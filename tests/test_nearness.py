@@ -81,6 +81,10 @@ def test_who_may_meet():
     at_rest, coming = (5.0, 9.0, 0.0), (20.0, 24.0, -0.5)
     assert "'a' and 'b' (from t = " in said(line({"a": at_rest, "b": coming}))
     assert "2 cells apart" in said(line({"a": at_rest, "b": coming}))
+    # Within reach already, though no vertex may be shared yet; but not if they touch.
+    assert "may meet" in said(line({"a": at_rest, "b": (10.5, 24.0, -0.1)}))
+    assert not said(line({"a": at_rest, "b": (9.0, 24.0, -0.1)}))
+    assert not said(line({"a": at_rest, "b": (10.5, 24.0, 0.1)}))
     # Away from each other, side by side, and not before the end.
     assert not said(line({"a": coming, "b": (*at_rest[:2], -0.6)}))
     assert not said(line({"a": (*at_rest[:2], -0.5), "b": coming}))

@@ -215,9 +215,7 @@ def _report_steps(case: Case, steps: float, tried: Pilot | None) -> float:
             "the material is compressed: no pilot run can be made of this case"
         )
         return steps
-    how = f"{tried.particles:,} particles"
-    if tried.factor > 1.0 + 1e-9:
-        how += f" in cells {tried.factor:.3g} times as long"
+    how = _size(tried)
     if tried.done < 1.0:
         how += f", which went to t = {tried.done * case.time.end:.3g}"
     print(
@@ -227,14 +225,21 @@ def _report_steps(case: Case, steps: float, tried: Pilot | None) -> float:
     return tried.steps
 
 
+def _size(tried: Pilot) -> str:
+    """Say how large a pilot run was."""
+    text = f"{tried.particles:,} particles"
+    if tried.factor > 1.0 + 1e-9:
+        text += f" in cells {tried.factor:.3g} times as long"
+    return text
+
+
 def _pilot_doubts(case: Case, courant: float, tried: Pilot | None) -> Iterator[str]:
     """Say what a pilot run came to that a run may come to as well."""
     if tried is None:
         return
     if tried.failure:
         yield (
-            f"a pilot run of this case with {tried.particles:,} particles, in cells "
-            f"{tried.factor:.3g} times as long, failed at t = {tried.done * case.time.end:.3g}: "
+            f"a pilot run of {_size(tried)} failed at t = {tried.done * case.time.end:.3g}: "
             f"{tried.failure}"
         )
     stable = case.method.stable

@@ -117,9 +117,9 @@ class SceneLoads:
             overlap = max(1, int(self._overlap[entry.axis]))
             p.patch[mine, i] = entry.areas(parts, columns, 2.0 * self.half, overlap)
         for name in {entry.body for entry in self.constraints}:
-            body = self.bodies.index(name)
-            mine = np.flatnonzero(p.body[rows] == body)
-            p.grip[mine, 0] = self.held(body, p.x[mine])
+            number = self.bodies.index(name)
+            mine = np.flatnonzero(p.body[rows] == number)
+            p.grip[mine, 0] = self.held(number, p.x[mine])
 
     def held(self, body: int, x: np.ndarray) -> np.ndarray:
         """Which constraint holds each particle of a body, in its initial state, (n,) int64.

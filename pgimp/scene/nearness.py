@@ -158,7 +158,7 @@ def _stopped(case: Any, low: np.ndarray, high: np.ndarray, way: np.ndarray) -> n
 
 
 def _pairs(case: Any, boxes: list[Box], times: np.ndarray) -> Iterator[str]:
-    """Say which bodies are apart at the start, and within reach later."""
+    """Say which bodies are apart at the start, and come nearer, into each other's reach."""
     cell, near = np.array(case.grid.cell), reach(case)
     low, high = (np.array([getattr(box, end) for box in boxes]) for end in ("low", "high"))
     met: list[tuple[float, str]] = []
@@ -166,7 +166,9 @@ def _pairs(case: Any, boxes: list[Box], times: np.ndarray) -> Iterator[str]:
         gap = np.maximum(low[i] - high[i + 1 :], low[i + 1 :] - high[i]) / cell
         step = np.abs(np.diff(gap, axis=1, append=gap[:, -1:]))
         close = (gap - step < near).all(axis=2)
-        later = close.any(axis=1) & ~(gap[:, 0] < near).all(axis=1) & step.any(axis=(1, 2))
+        apart = gap.max(axis=2)
+        nearer = apart.min(axis=1) < apart[:, 0] - _TOUCH
+        later = close.any(axis=1) & nearer & (apart[:, 0] > _TOUCH)
         for j in np.flatnonzero(later):
             when = float(times[close[j].argmax()])
             names = f"'{a.name}' and '{boxes[i + 1 + j].name}'"
