@@ -20,6 +20,7 @@ from pgimp.cli import main
 from pgimp.errors import CaseError
 from pgimp.output import fields as written
 from pgimp.parallel.comm import Serial
+from pgimp.solver.diagnostics import column_names
 from pgimp.solver.simulation import Simulation
 
 PAGE = Path(__file__).parents[1] / "cases" / "reference.md"
@@ -60,7 +61,9 @@ def test_the_reference_names_the_columns_that_the_solver_writes(dimensions):
             "constraints": {"b": {"body": "b", "region": body["region"], "velocity": vector(0)}},
         }
     )
-    columns = list(Simulation(case, Serial()).diagnostics())
+    sim = Simulation(case, Serial())
+    columns = list(sim.diagnostics())
+    assert column_names(sim.scene) == columns
     position = 0
     for name in HISTORY:
         pattern = name.replace("AXIS", "[xyz]").replace("NAME", "b").replace("FACE", "x-min")

@@ -5,8 +5,12 @@ import pytest
 from pgimp.case.reader import read_case
 from pgimp.commands import check
 from pgimp.commands.init import packaged
+from pgimp.errors import CaseError
+from pgimp.output import forecast
+from pgimp.output.schedule import Schedule
 from pgimp.parallel.comm import Serial
-from pgimp.scene.doubts import doubts, idle_step, strains
+from pgimp.scene.doubts import case_doubts, doubts, idle_step, strains
+from pgimp.scene.facts import examine
 from pgimp.scene.scene import Scene, count_particles
 
 # A steel block of 0.1 m on a floor, in each of two consistent sets of units, and mixed up.
@@ -31,10 +35,14 @@ def block(end=1.0e-3, **of):
     return read_case(text, "block.yaml")
 
 
-def facts(case):
+def findings(case):
     scene = Scene(case)
     lattice, counts, _ = count_particles(scene, Serial())
-    return [check._facts(scene, lattice, counts, body) for body in range(len(case.bodies))]
+    return examine(scene, lattice, counts)
+
+
+def facts(case):
+    return findings(case).bodies
 
 
 def said(case):
@@ -124,7 +132,10 @@ def test_step_that_is_far_too_short(dt, fewer):
 
 def test_the_report_has_the_warnings(capsys, monkeypatch):
     """A step of a tenth of a thousandth of what is stable, in a block with mixed units."""
-    monkeypatch.setattr(check, "_report_cost", lambda *scene: None)  # it compiles and measures
+    # These compile and measure.
+    monkeypatch.setattr(check, "_measure", lambda *scene: (None, 0.0))
+    monkeypatch.setattr(check, "pilot", lambda *case: None)
+    monkeypatch.setattr(check, "_report_cost", lambda *scene: None)
     case = block(**(MM | {"density": 7850.0}), end=1.0)
     case = case.model_copy(update={"time": case.time.model_copy(update={"step": 1.0e-4})})
     check.report(case)
@@ -138,3 +149,150 @@ def test_packaged_cases_are_not_doubted():
     for name, text in packaged().items():
         if "/" not in name:
             assert said(read_case(text, name)) == [], name
+
+
+PLATE = """
+format: 1
+dimensions: 2
+grid: {size: [10.0, 4.0], cell: [0.5, 0.5]}
+method: {shape: gimp, particles_per_cell: [2, 2]}
+time: {end: 1.0, step: {courant: 0.3}}
+materials: {m: {model: hooke, young: 1.0e+6, poisson: 0.0, density: 1000.0}}
+bodies: {beam: {material: m, region: {box: {min: [0.0, 1.0], max: [8.0, 2.0]}}}}
+"""
+
+
+def plate(*more):
+    return read_case(PLATE + "\n".join(more), "plate.yaml")
+
+
+def test_a_constraint_that_holds_nothing_is_refused_as_by_a_run():
+    """Whatever the block that its particles come in, and if a later one takes them all."""
+    from pgimp.solver.simulation import Simulation
+
+    held = "{body: beam, velocity: [0.0, 0.0], region: {box: {min: [%s, 1.0], max: [%s, 2.0]}}}"
+    between = f"constraints: {{grip: {held % (0.3, 0.36)}}}"
+    after = f"constraints: {{grip: {held % (0.3, 1.0)}, more: {held % (0.0, 2.0)}}}"
+    said = []
+    for text in (between, after):
+        for build in (findings, lambda case: Simulation(case, Serial())):
+            with pytest.raises(CaseError, match=r"grip\.region: holds no particle") as caught:
+                build(plate(text))
+            said.append(str(caught.value))
+    assert said[0] == said[1] and said[2] == said[3]
+    found = findings(plate(f"constraints: {{grip: {held % (0.3, 1.0)}}}"))
+    assert found.held[1] == 3 * 4  # centres at 0.375, 0.625 and 0.875, in four rows
+
+
+def test_facts_of_a_body_that_turns_and_is_cut():
+    """A box from 0.1 into its first particle's, whose cut particles count by their volume."""
+    text = "velocity: {rotation: {about: [0.0, 1.5], rate: 2.0}}, "
+    case = read_case(PLATE.replace("min: [0.0, 1.0]", "min: [0.1, 1.0]").replace(
+        "{material", "{" + text + "material"), "x")  # fmt: skip
+    (beam,) = facts(case)
+    assert (beam.low, beam.high) == ((0.1, 1.0), (8.0, 2.0))
+    assert beam.sizes == pytest.approx((7.9, 1.0))
+    assert beam.velocity == pytest.approx((0.0, 2.0 * 4.05))  # of the centre of mass
+    assert not beam.rigid
+    (rest,) = facts(plate())
+    assert rest.rigid and rest.velocity == (0.0, 0.0)
+
+
+def concerns(case):
+    return list(case_doubts(case, findings(case)))
+
+
+def test_thin_bodies_probes_without_particles_and_idle_tractions():
+    assert concerns(plate()) == []
+    (text,) = concerns(read_case(PLATE.replace("max: [8.0, 2.0]", "max: [8.0, 1.4]"), "x"))
+    assert text.startswith("bodies.beam.region: fewer cells across it than one, 0.8 along y;")
+    assert concerns(read_case(PLATE.replace("max: [8.0, 2.0]", "max: [8.0, 1.5]"), "x")) == []
+    probes = "probes: {there: {place: [8.2, 1.5]}, nothing: {place: [9.5, 1.5]}}"
+    (text,) = concerns(plate(probes))
+    assert text.startswith("probes.nothing.place: no particle within a cell of it at the start")
+    pull = "tractions: {pull: {body: beam, face: x-min, traction: [1.0, 0.0]}}"
+    (text,) = concerns(plate(pull, "boundaries: {x-min: fixed}"))
+    assert text.startswith("tractions.pull: the face x-min of 'beam' lies at the domain's, whose")
+    assert concerns(plate(pull, "boundaries: {x-min: slip}")) == []
+    assert concerns(plate(pull, "boundaries: {x-max: fixed}")) == []
+
+
+# rho g = 1000 x 2, E = 1e6; a beam of 8 by 1.
+@pytest.mark.parametrize(
+    ("held", "words", "strain"),
+    [
+        ("boundaries: {x-min: fixed}", "cantilever from x-min (its end sinks by about 12)", 0.384),
+        ("boundaries: {x-min: fixed, x-max: slip}", "cantilever from x-min", 0.384),
+        ("boundaries: {y-min: fixed}", "", 0.002),
+        ("boundaries: {x-min: slip}", "", 0.002),
+        ("", "", 0.002),
+        (
+            "constraints: {grip: {body: beam, velocity: [0, 0], "
+            "region: {box: {min: [0, 1], max: [2, 2]}}}}",
+            "cantilever from constraint grip (its end sinks by about 3.9)",
+            0.216,
+        ),
+        (
+            "boundaries: {x-min: fixed}\nconstraints: {grip: {body: beam, velocity: [null, 0], "
+            "region: {box: {min: [7, 1], max: [8, 2]}}}}",
+            "beam between x-min and constraint grip",
+            0.5 * 2000.0 * 49.0 / 1e6,
+        ),
+        # On something that holds it along all its length it does not bend.
+        (
+            "boundaries: {x-min: fixed}\nconstraints: {bed: {body: beam, velocity: [0, 0], "
+            "region: {box: {min: [0, 1], max: [8, 1.3]}}}}",
+            "",
+            0.002,
+        ),
+    ],
+)
+def test_strain_by_its_own_weight_is_that_of_what_holds_a_body(held, words, strain):
+    """3 rho g l^2/(E h), a sixth of it between two clamps, or rho g h/E as a column."""
+    case = plate("gravity: [0.0, -2.0]", held)
+    (beam,) = facts(case)
+    found = {w: x for w, x in strains(case, beam).items() if w.startswith("by its own weight")}
+    first = next(iter(found))
+    assert words in first and ("as a" in first) == bool(words)
+    assert found[first] == pytest.approx(strain)
+    if words:
+        assert found["by its own weight as a column"] == pytest.approx(0.002)
+
+
+@pytest.mark.parametrize(
+    ("output", "expected"),
+    [
+        ("", None),
+        ("output: {every: 0.5}", None),
+        ("output: {every: 1.0}", None),
+        ("output: {every: 5.0}", "output.every: 5 is beyond the end at 1; there are frames only"),
+        ("output: {every: {steps: 3000}}", "output.every: 3,000 steps are more than the run takes"),
+        ("output: {every: 1.0e-5}", None),
+        ("history: {every: 2.0}", "history.every: 2 is beyond the end at 1; there are lines only"),
+        ("checkpoint: {every: 2.0}", "checkpoint.every: 2 is beyond the end at 1; there are no"),
+        ("checkpoint: {every: {wall: 9.0}}", None),
+        ("probes: {p: {place: [1, 1], every: 3}}", "probes.p.every: 3 is beyond the end at 1"),
+    ],
+)
+def test_output_that_never_falls_due(output, expected):
+    found = list(forecast.doubts(plate(output), 2000.0))
+    assert [text[: len(expected)] for text in found] == [expected] if expected else not found
+
+
+@pytest.mark.parametrize(
+    ("output", "number"),
+    [
+        ("", 2),
+        ("output: {every: 0.3}", 5),
+        ("output: {every: 0.1, at: [0.05, 1.0]}", 12),
+        ("output: {every: {steps: 7}}", 4),
+        ("output: {every: 1.0e-9}", 21),
+        ("output: {every: 1.0}", 2),
+    ],
+)
+def test_number_of_frames(output, number):
+    """By the schedule that a run keeps to, in 20 steps."""
+    case = plate(output)
+    schedule = Schedule(case.output.every, case.output.at)
+    steps = [n for n in range(1, 21) if schedule.due(n / 20, n, 0.05)]
+    assert len({0, 20, *steps}) == number == forecast.frames(case, 20.0)

@@ -38,7 +38,7 @@ case: cases/falling.yaml
 sweep:
   - {{time.step: [0.1, 0.05, 0.02], materials.bar.young: [1.0, 1.0, 1.0e+6]}}
 error: {{column: body.bar.centre-x, reference: {START + 0.5 * GRAVITY * END**2}}}
-columns: [mass, {{column: kinetic-energy, at: max}}, error]
+columns: [mass, {{column: kinetic-energy, at: max}}]
 cost: [wall, particle-steps, core]
 folder: results
 plot: {{x: time.step}}
@@ -100,7 +100,6 @@ def test_failed_runs_are_rows_and_the_others_count(first):
         assert float(row["history: mass"]) == 2.0
         kinetic = float(row["history: kinetic-energy@max"])
         assert kinetic == pytest.approx((GRAVITY * END) ** 2, rel=1e-9)
-        assert "unknown column 'error'" in row["message"]  # that of `columns`
     assert good["order"] == ""
     assert float(better["order"]) == pytest.approx(1.0, abs=1e-8)
     assert [row["front: particle-steps"] for row in (good, better, bad)] == ["1", "1", ""]
@@ -187,6 +186,15 @@ def test_list_runs_nothing(first, alone, tmp_path, capsys):
     lines = capsys.readouterr().out.splitlines()
     assert len(lines) == 3
     assert "--set time.step=0.05 --set materials.bar.young=1.0 -o " in lines[1]
+    assert not (tmp_path / "results").exists()
+
+
+def test_list_finds_an_error_that_no_run_has(alone, tmp_path, capsys):
+    path = put(tmp_path, STUDY.replace("body.bar.centre-x, ref", "body.bar.center-x, ref"))
+    for more in (["--list"], []):
+        assert main(["study", str(path), *more]) == 2
+        said = capsys.readouterr().err
+        assert "fall.yaml:7: error.column: unknown column 'body.bar.center-x'; did you mean" in said
     assert not (tmp_path / "results").exists()
 
 

@@ -24,7 +24,7 @@ from pgimp.study.runs import last_words
 from pgimp.study.schema import Measure, Study
 from pgimp.study.sweep import variants
 
-HEAD = "format: 1\ncase: cases/falling.yaml\nerror: error\n"
+HEAD = "format: 1\ncase: cases/falling.yaml\nerror: kinetic-energy\n"
 SWEEP = "sweep:\n  - {time.step: [0.1, 0.05]}\n"
 
 
@@ -138,6 +138,19 @@ WRONG = [
     (f"{SWEEP}plot: {{x: time.stop}}\n", ":6: plot.x: the case has no time.stop; swept are"),
     (f"{SWEEP}plot: {{x: method.shape}}\n", "method.shape is gimp, not a number (run step-0.1 and"),
     (f"{SWEEP}plot: {{group: methd}}\n", ":6: plot.group: the case has no methd"),
+    # What no history will have, in the words of the study, before a run starts.
+    (
+        f"{SWEEP}columns: [porosity, mass]\n",
+        ":6: columns.0: unknown column 'porosity'; history.csv will have: body.bar.centre-x,",
+    ),
+    (
+        f"{SWEEP}columns: [{{column: strain-energie, at: 0.5}}]\n",
+        ":6: columns.0.column: unknown column 'strain-energie'; did you mean 'strain-energy'?",
+    ),
+    (
+        f"{SWEEP}columns: [{{column: mass, at: 1.5}}]\n",
+        ":6: columns.0.at: 1.5 is after the end at 1 (time.end)",
+    ),
     (f"{SWEEP}columns: [{{column: a, at: begin}}]\n", "columns.0.at: unknown value 'begin'"),
     (f"{SWEEP}columns: [{{column: a, relative: true}}]\n", "needs a reference other than 0"),
     # Wrong cases: at the value of the study, or where the case has what does not fit it.
@@ -160,12 +173,34 @@ def test_a_wrong_study_is_named_with_its_place(tmp_path, text, message):
     assert not re.search(r"Input should|pydantic|tuple|dict\b|None|Traceback", str(caught.value))
 
 
+@pytest.mark.parametrize(
+    ("error", "message"),
+    [
+        ("error", ":3: error: unknown column 'error'; history.csv will have: body.bar.centre-x,"),
+        ("{column: momentum-y}", "error.column: unknown column 'momentum-y'; did you mean 'mom"),
+        ("{column: mass, at: 2.0}", "error.at: 2 is after the end at 1 (time.end) (run step-0.1"),
+    ],
+)
+def test_an_error_that_no_history_has_is_named_before_any_run(tmp_path, error, message):
+    with pytest.raises(CaseError) as caught:
+        read_plan(put(tmp_path, f"format: 1\ncase: cases/falling.yaml\nerror: {error}\n{SWEEP}"))
+    assert message in str(caught.value)
+
+
+def test_a_further_column_may_be_missing_in_some_runs(tmp_path):
+    sweep = "sweep: [{boundaries: [{x-min: fixed}, {}]}]\nplot: {x: time.end}\n"
+    assert len(read_plan(put(tmp_path, f"{HEAD}{sweep}columns: [reaction.x-min-x]\n")).runs) == 2
+    with pytest.raises(CaseError, match=r"error: unknown column 'reaction.x-min-x'.*\(run .*\)$"):
+        wanted = HEAD.replace("kinetic-energy", "reaction.x-min-x")
+        read_plan(put(tmp_path, wanted + sweep))
+
+
 def test_a_study_without_case_or_file(tmp_path):
     with pytest.raises(CaseError, match=r"case: missing \(the case file"):
-        read_plan(put(tmp_path, f"format: 1\nerror: e\n{SWEEP}"))
+        read_plan(put(tmp_path, f"format: 1\nerror: mass\n{SWEEP}"))
     with pytest.raises(UsageError, match=r"cannot read the study .*: Is a directory"):
         read_plan(tmp_path)
-    swept = "format: 1\nerror: e\nsweep: [{case: [cases/falling.yaml]}]\n"
+    swept = "format: 1\nerror: mass\nsweep: [{case: [cases/falling.yaml]}]\n"
     (run,) = read_plan(put(tmp_path, swept)).runs
     assert (run.name, run.options, run.values) == ("falling", (), {"case": "cases/falling.yaml"})
 

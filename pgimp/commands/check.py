@@ -1,34 +1,42 @@
 """``pgimp check``: validates a case and says what it will cost, before an hour is lost.
 
-Nothing is simulated but a few steps of the same case with coarser or finer cells, to measure what
-the parts of a step cost on this machine; the rest is `pgimp.model`.
+All is set up as by a run, particles a block at a time. Simulated are a few steps of the same case
+with coarser or finer cells, to measure what the parts of a step cost on this machine, and a pilot
+run on coarse cells, from which the number of steps is predicted; the rest is `pgimp.model`.
 """
 
 import argparse
+from collections.abc import Iterator
+from itertools import chain
 from math import ceil
 
 import numpy as np
 
 from pgimp.case.load import load
 from pgimp.case.schema import Case
-from pgimp.kernels.sums import fastest_rate
-from pgimp.model.costs import Network
+from pgimp.kernels.jit import discard_damaged
+from pgimp.materials.outside import explained
+from pgimp.model.costs import Costs, Network
 from pgimp.model.layout import layout_now, layout_of
 from pgimp.model.measure import costs_of, take_turns
+from pgimp.model.pilot import Pilot, pilot
 from pgimp.model.predict import Step
 from pgimp.model.report import between_nodes, ladder, lines, on_node, remark, scaling, verdict
 from pgimp.model.sample import samples_of
+from pgimp.output import forecast
 from pgimp.output.progress import duration
 from pgimp.parallel.comm import Serial
 from pgimp.parallel.limits import limits
-from pgimp.scene.doubts import BodyFacts, doubts, idle_step, strains
+from pgimp.scene import nearness
+from pgimp.scene.doubts import case_doubts, doubts, idle_step, strains
 from pgimp.scene.extent import extents
+from pgimp.scene.facts import BodyFacts, examine
 from pgimp.scene.geometry import share
 from pgimp.scene.lattice import Lattice
 from pgimp.scene.scene import Scene, count_particles
 from pgimp.solver.memory import Estimate, MemoryShortError, estimate, require, size_text
-from pgimp.solver.particles import Particles
 from pgimp.solver.stability import doubt, require_end, require_stable
+from pgimp.solver.warmup import warm_up
 
 #: Particles of the samples that are timed; the last are more than caches hold.
 _SMALLEST, _SMALL, _LARGE = 200, 5_000, 150_000
@@ -76,56 +84,41 @@ def report(case: Case) -> None:
         print(f"cells            {cells}, shape {case.method.shape}")
         _report_memory(error.estimate)
         raise
-    bodies = [_facts(scene, lattice, counts, body) for body in range(len(scene.body_names))]
+    found = examine(scene, lattice, counts)
+    bodies = found.bodies
     inverse = max(scene.frame.inverse)
     rate = max((body.wave_speed + body.top_speed) * inverse for body in bodies)
     require_end(scene, rate)
     dt = _step(case, rate)
-    steps = case.time.steps or ceil(case.time.end / dt * (1.0 - 1e-9))
     count = int(counts.sum())
     print(f"{case.title or 'case'}: valid")
     print(f"particles        {count:,} in {len(bodies)} bod{'y' if len(bodies) == 1 else 'ies'}")
     print(f"cells            {cells}, shape {case.method.shape}")
     for body in bodies:
-        _report_body(body, case, steps * dt)
+        _report_body(body, case)
     stable = 1.0 / rate
     print(f"step             {dt:.4g}, Courant {dt * rate:.3g}; Courant 1 is {stable:.4g}")
-    print(f"steps            {steps:,} to t = {case.time.end:g}")
+    steps = float(case.time.steps or case.time.end / dt)
+    costs, crossing = _measure(scene, count)
+    tried = pilot(case, count, steps, costs, _thinnest(case, bodies))
+    steps = _report_steps(case, steps, tried)
     _report_memory(memory)
-    _report_cost(scene, lattice, counts, steps)
-    for note in notes:
+    _report_cost(scene, lattice, counts, costs, crossing, steps)
+    number = forecast.frames(case, steps)
+    size = size_text(number * forecast.frame_size(case, count))
+    print(f"output           {number:,} frames of particles, about {size}")
+    for note in (*notes, *nearness.notes(case)):
         print(f"note: {note}")
-    warnings = [doubt(dt, rate, case.method.stable), idle_step(dt, rate)]
-    warnings += [text for body in bodies for text in doubts(case, body, steps * dt)]
-    for text in filter(None, warnings):
+    for text in chain(
+        filter(None, [doubt(dt, rate, case.method.stable), idle_step(dt, rate)]),
+        _pilot_doubts(case, dt * rate, tried),
+        *(doubts(case, body, case.time.end) for body in bodies),
+        case_doubts(case, found),
+        nearness.bonded(scene, lattice, counts),
+        nearness.doubts(case),
+        forecast.doubts(case, steps),
+    ):
         print(f"warning: {text}")
-
-
-def _facts(scene: Scene, lattice: Lattice, counts: np.ndarray, body: int) -> BodyFacts:
-    """Greatest speeds and size of a body; its particles are made a few planes at a time."""
-    point = Particles.empty(1, scene.dimension, False)
-    point.body[0] = body
-    D = scene.dimension
-    identity = tuple(float(i == j) for i in range(D) for j in range(D))
-    rate = fastest_rate(
-        scene.frame, identity, scene.materials, point, np.zeros(1, np.int32), scene.material_of
-    )
-    top = 0.0
-    low, high = np.full(D, np.inf), np.full(D, -np.inf)
-    for made in lattice.make((0, lattice.planes), counts, body):
-        v = scene.velocities(body, made.centroids) if made.velocities is None else made.velocities
-        with np.errstate(over="ignore"):
-            top = max(top, float(np.sqrt((v * v).sum(axis=1)).max()))
-        low = np.minimum(low, made.positions.min(axis=0))
-        high = np.maximum(high, made.positions.max(axis=0))
-    return BodyFacts(
-        scene.body_names[body],
-        int(counts[body].sum()),
-        rate / max(scene.frame.inverse),
-        top,
-        float((high - low + np.array(scene.frame.cell) / lattice.per_cell).max()),
-        scene.materials[scene.body_material[body]].density,
-    )
 
 
 def _step(case: Case, rate: float) -> float:
@@ -136,13 +129,14 @@ def _step(case: Case, rate: float) -> float:
     return float(case.time.step)
 
 
-def _report_body(body: BodyFacts, case: Case, duration: float) -> None:
+def _report_body(body: BodyFacts, case: Case) -> None:
     """Wave speed, transit time, and loads against stiffness: strains that show unit mistakes."""
     c = body.wave_speed
     transit = body.extent / c
+    transits = case.time.end / transit
     print(
         f"body {body.name:<11} {body.particles:,} particles; wave speed {c:.4g}, transit time "
-        f"{transit:.4g} over {body.extent:.4g}; the run lasts {duration / transit:.3g} transits"
+        f"{transit:.4g} over {body.extent:.4g}; the run lasts {transits:.3g} transits"
     )
     for fact in case.bodies[body.name].region.facts():
         print(f"{'':<16} {fact}")
@@ -150,41 +144,111 @@ def _report_body(body: BodyFacts, case: Case, duration: float) -> None:
     print(f"{'':<16} strain {', '.join(texts)}")
 
 
-def _report_cost(scene: Scene, lattice: Lattice, counts: np.ndarray, steps: int) -> None:
-    """Time on this machine, the number of ranks that pays off, and why not more do."""
-    comm, bodies = Serial(), extents(scene.case)
-    count = int(counts.sum())
+def _measure(scene: Scene, count: int) -> tuple[Costs, float]:
+    """Costs of a step on this machine, and the part of particles that change layer in one."""
+    comm, D = Serial(), scene.dimension
+    identity = tuple(float(i == j) for i in range(D) for j in range(D))
+    with explained(scene.materials, D):
+        # As a run, which refuses materials that cannot be compiled before all else.
+        discard_damaged(lambda: warm_up(scene, identity))
     sizes = [min(_SMALLEST, count), _SMALL, *([min(_LARGE, count)] if count > 2 * _SMALL else [])]
     samples = samples_of(scene.case, count, comm, sizes)
     take_turns(samples, comm, _SECONDS)
-    costs, network = costs_of(samples), Network()
+    return costs_of(samples), layout_now(samples[-1].sim).crossing
+
+
+def _report_cost(
+    scene: Scene,
+    lattice: Lattice,
+    counts: np.ndarray,
+    costs: Costs,
+    crossing: float,
+    steps: float,
+) -> None:
+    """Time on this machine, the number of ranks that pays off, and why not more do."""
+    bodies, count, network = extents(scene.case), int(counts.sum()), Network()
     layout = layout_of(scene, bodies, lattice.coordinates[0], counts.sum(axis=0))
-    layout = layout._replace(crossing=layout_now(samples[-1].sim).crossing)
+    layout = layout._replace(crossing=crossing)
 
     def memory(step: Step) -> float:
         return estimate(scene, step.ranks, True, bodies, count, step.most / count).size
 
-    found = scaling(layout, costs, network, memory)
-    one, ranks = found["steps"][0]["seconds"], found["pays_off"]
-    best = next(step for step in found["steps"] if step["ranks"] == ranks)
+    scaled = scaling(layout, costs, network, memory)
+    one, ranks = scaled["steps"][0]["seconds"], scaled["pays_off"]
+    best = next(step for step in scaled["steps"] if step["ranks"] == ranks)
     print(
         f"time             {_time_text(steps * one)} on one rank of this machine, without output "
         f"({1e-6 * count / one:.3g} million particle-steps/s measured)"
     )
     if steps * one >= _YEAR:
         print("warning: nobody will see the end; is time.end or time.step what it should be?")
-    print(f"ranks            {verdict(found)}")
+    print(f"ranks            {verdict(scaled)}")
     print(
         f"{'':<16} there {_time_text(steps * best['seconds'])}, {size_text(best['memory'])} a rank"
     )
     shown = [
-        step for step in found["steps"] if step["ranks"] in (*ladder((), ranks), found["slabs"])
+        step for step in scaled["steps"] if step["ranks"] in (*ladder((), ranks), scaled["slabs"])
     ]
-    for line in lines(shown, remark(found), f"{'':<17}"):
+    for line in lines(shown, remark(scaled), f"{'':<17}"):
         print(line)
     print(f"{'':<17}{on_node(costs)}")
     if shown[-1]["ranks"] > network.ranks_per_node:
         print(f"{'':<17}{between_nodes(network)}")
+
+
+def _thinnest(case: Case, bodies: list[BodyFacts]) -> float:
+    """Cells across the thinnest body."""
+    return min(
+        size / cell for one in bodies for size, cell in zip(one.sizes, case.grid.cell, strict=True)
+    )
+
+
+def _report_steps(case: Case, steps: float, tried: Pilot | None) -> float:
+    """Number of steps, predicted where they follow the fastest wave; return it."""
+    if case.time.steps is not None:
+        print(f"steps            {case.time.steps:,} to t = {case.time.end:g}")
+        return steps
+    start = f"{ceil(steps * (1.0 - 1e-9)):,}"
+    if tried is None:
+        print(
+            f"steps            {start} to t = {case.time.end:g} if no wave becomes faster; more if "
+            "the material is compressed: no pilot run can be made of this case"
+        )
+        return steps
+    how = _size(tried)
+    if tried.done < 1.0:
+        how += f", which went to t = {tried.done * case.time.end:.3g}"
+    print(
+        f"steps            about {tried.steps:,.0f} to t = {case.time.end:g}, predicted by a pilot "
+        f"run of {how}; {start} if no wave became faster"
+    )
+    return tried.steps
+
+
+def _size(tried: Pilot) -> str:
+    """Say how large a pilot run was."""
+    text = f"{tried.particles:,} particles"
+    if tried.factor > 1.0 + 1e-9:
+        text += f" in cells {tried.factor:.3g} times as long"
+    return text
+
+
+def _pilot_doubts(case: Case, courant: float, tried: Pilot | None) -> Iterator[str]:
+    """Say what a pilot run came to that a run may come to as well."""
+    if tried is None:
+        return
+    if tried.failure:
+        yield (
+            f"a pilot run of {_size(tried)} failed at t = {tried.done * case.time.end:.3g}: "
+            f"{tried.failure}"
+        )
+    stable = case.method.stable
+    if courant <= stable * (1.0 + 1e-9) < tried.courant and not tried.failure:
+        yield (
+            f"time.step: its Courant number grows from {courant:.3g} to {tried.courant:.3g} in a "
+            f"pilot run, as waves or particles become faster; above {stable:g} a free surface may "
+            "become unstable with this shape"
+        )
 
 
 def _time_text(seconds: float) -> str:

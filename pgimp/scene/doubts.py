@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from pgimp.scene.facts import BodyFacts, Findings
+from pgimp.scene.supports import held_at, own_weight
 from pgimp.scene.tables import Table, VectorTable
 
 #: A strain by loads above this is no elastic solid's.
@@ -17,24 +18,18 @@ _MOST_STRAIN = 0.5
 _FEWEST_TRANSITS, _MOST_TRANSITS = 0.1, 1.0e6
 #: Below this, most steps are for nothing.
 _LEAST_COURANT = 0.01
+#: Cells across a body below which it is thin, and from a wall within which a face is at it.
+_THIN, _AT_WALL = 1.0 - 1e-9, 0.5
+#: Spacings of particles within which a probe's particle lies, with room for a file's.
+_FAR = 1.0
 #: Waves [m/s], from jelly to diamond, and densities [kg/m^3], from aerogel to osmium, with room.
 _WAVES, _DENSITIES = (0.05, 3.0e4), (0.5, 3.0e4)
+
+AXES = "xyz"
 
 _LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "km": 1e3, "um": 1e-6, "µm": 1e-6, "in": 0.0254}
 _TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6}
 _MASSES = {"kg": 1.0, "g": 1e-3, "mg": 1e-6, "t": 1e3, "tonne": 1e3, "Mg": 1e3}
-
-
-@dataclass(frozen=True)
-class BodyFacts:
-    """What is known of a body before the run."""
-
-    name: str
-    particles: int
-    wave_speed: float
-    top_speed: float
-    extent: float
-    density: float
 
 
 def strains(case: Any, body: BodyFacts) -> dict[str, float]:
@@ -55,9 +50,9 @@ def strains(case: Any, body: BodyFacts) -> dict[str, float]:
     c = body.wave_speed
     modulus = body.density * c * c
     found = {
-        "by its own weight": _greatest(case.gravity) * body.extent / c**2,
-        "by stopping its velocity": body.top_speed / c,
+        "by its own weight" + words: strain for words, strain in own_weight(case, body).items()
     }
+    found["by stopping its velocity"] = body.top_speed / c
     pulls = [entry for entry in case.tractions.values() if entry.body == body.name]
     if pulls:
         greatest = max(max(_greatest(one.traction), _greatest(one.pressure)) for one in pulls)
@@ -109,6 +104,61 @@ def doubts(case: Any, body: BodyFacts, duration: float) -> Iterator[str]:
             "method that follows each; is it in the unit of time that belongs to young, density "
             "and grid? What is slow can be shortened, as long as it stays slow for the waves"
         )
+
+
+def case_doubts(case: Any, found: Findings) -> Iterator[str]:
+    """Yield what the particles show: thin bodies, probes without any, tractions at walls.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+    found : Findings
+        See `pgimp.scene.facts.examine`.
+    """
+    for body in found.bodies:
+        cells = [size / cell for size, cell in zip(body.sizes, case.grid.cell, strict=True)]
+        thin = [f"{n:.2g} along {AXES[d]}" for d, n in enumerate(cells) if n < _THIN]
+        if thin:
+            yield (
+                f"bodies.{body.name}.region: fewer cells across it than one, {', '.join(thin)}; "
+                "stress and bending need several: smaller cells (grid.cell)"
+            )
+    spacing = max(
+        cell / n for cell, n in zip(case.grid.cell, case.method.particles_per_cell, strict=True)
+    )
+    for name, probe in case.probes.items():
+        away = found.away[name]
+        if hasattr(probe, "place"):
+            if away >= 1.0:
+                yield (
+                    f"probes.{name}.place: no particle within a cell of it at the start; its lines "
+                    "are empty until material comes there"
+                )
+        elif away > _FAR * spacing:
+            yield (
+                f"probes.{name}.at: the closest particle of '{probe.body}' is {away:.3g} away, "
+                f"where particles are {spacing:.3g} apart"
+            )
+    yield from _idle_tractions(case)
+
+
+def _idle_tractions(case: Any) -> Iterator[str]:
+    """Yield the tractions that a wall takes up whole."""
+    for name, entry in case.tractions.items():
+        condition = case.boundaries.get(entry.face)
+        if condition is None:
+            continue
+        axis, side = entry.axis, entry.side
+        region = case.bodies[entry.body].region.bounds()[side > 0][axis]
+        wall = (case.grid.corner if side > 0 else case.grid.origin)[axis]
+        if abs(region - wall) <= _AT_WALL * case.grid.cell[axis] and all(
+            held_at(condition, axis, side)[: case.dimensions]
+        ):
+            yield (
+                f"tractions.{name}: the face {entry.face} of '{entry.body}' lies at the domain's, "
+                "whose condition holds it: the traction moves nothing"
+            )
 
 
 def _unlikely(units: str, body: BodyFacts) -> Iterator[str]:

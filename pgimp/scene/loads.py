@@ -117,9 +117,43 @@ class SceneLoads:
                     parts.append(((low[d] <= centres) & (centres < high[d])).astype(float))
             overlap = max(1, int(self._overlap[entry.axis]))
             p.patch[mine, i] = entry.areas(parts, columns, 2.0 * self.half, overlap)
-        for i, constraint in enumerate(self.constraints):
-            mine = p.body[rows] == self.bodies.index(constraint.body)
-            p.grip[rows, 0][mine & constraint.region.contains(p.x[rows])] = i + 1
+        for name in {entry.body for entry in self.constraints}:
+            number = self.bodies.index(name)
+            mine = np.flatnonzero(p.body[rows] == number)
+            p.grip[mine, 0] = self.held(number, p.x[mine])
+
+    def held(self, body: int, x: np.ndarray) -> np.ndarray:
+        """Which constraint holds each particle of a body, in its initial state, (n,) int64.
+
+        Constraints are numbered from 1, the last of several has it; 0 stands for none.
+        """
+        number = np.zeros(len(x), np.int64)
+        for i, entry in enumerate(self.constraints):
+            if entry.body == self.bodies[body]:
+                number[entry.region.contains(x)] = i + 1
+        return number
+
+    def require_held(self, counts: np.ndarray) -> None:
+        """Refuse constraints that hold no particle.
+
+        Parameters
+        ----------
+        counts : (constraints + 1,) int64
+            Particles by the number that `held` gives them.
+
+        Raises
+        ------
+        CaseError
+            If there is one.
+        """
+        for i, name in enumerate(self.case.constraints):
+            if counts[i + 1] == 0:
+                with located(self.case):
+                    raise CaseError(
+                        f"constraints.{name}.region: holds no particle of body "
+                        f"'{self.constraints[i].body}'; its particles are "
+                        f"{', '.join(f'{2 * h:.6g}' for h in self.half)} apart"
+                    )
 
     def _lattice(self, d: int) -> tuple[np.ndarray, np.ndarray]:
         """Edges and centres of the lattice's columns along direction `d`, as `Lattice` has them."""
@@ -152,12 +186,4 @@ class SceneLoads:
             if area > 0.0:
                 exact = entry.area(self.case.bodies[entry.body].region)
                 p.patch[rows, i] *= exact / area
-        counts = np.sum([part[1] for part in everywhere], axis=0)
-        for i, name in enumerate(self.case.constraints):
-            if counts[i + 1] == 0:
-                with located(self.case):
-                    raise CaseError(
-                        f"constraints.{name}.region: holds no particle of body "
-                        f"'{self.constraints[i].body}'; its particles are "
-                        f"{', '.join(f'{2 * h:.6g}' for h in self.half)} apart"
-                    )
+        self.require_held(np.sum([part[1] for part in everywhere], axis=0))

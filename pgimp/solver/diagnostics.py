@@ -1,7 +1,7 @@
 """The columns of history.csv: sums over the particles, work and reactions, in layer order."""
 
 from math import frexp, ldexp
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -38,6 +38,35 @@ def _mass(sums: np.ndarray, unit: float) -> float:
     """Mass in rows of `exact_masses`, rounded once."""
     high, low = (sum(map(int, column)) for column in sums.T)
     return ldexp(float((high << LOW) + low), -LOW) / unit
+
+
+class _Start(NamedTuple):
+    """What a line takes from a simulation besides its sums, before there is one."""
+
+    scene: Any
+    time: float = 0.0
+    step: int = 0
+    dt: float = 0.0
+
+
+def column_names(scene: Any) -> list[str]:
+    """Names of the columns that history.csv will have, found without a particle.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene of the run.
+    """
+    names = len(scene.body_names)
+    impulse = np.zeros((len(scene.faces) + len(scene.loads.constraints), 3))
+    lines = Diagnostics()
+    line = lines._columns(
+        _Start(scene), np.zeros((names, SUMS)), 0.0, np.zeros(SUMS), 0.0, impulse,
+        np.zeros(len(scene.faces)),
+    )  # fmt: skip
+    if scene.exact:
+        line |= lines._errors(np.zeros(ERRORS), np.zeros(ERRORS), scene.exact.scale(0.0))
+    return list(line)
 
 
 class Diagnostics:
@@ -119,7 +148,7 @@ class Diagnostics:
 
     def _columns(
         self,
-        sim: "Simulation",
+        sim: Any,
         bodies: np.ndarray,
         mass: float,
         escaped: np.ndarray,

@@ -15,6 +15,7 @@ from pgimp.parallel.halo import Halo
 from pgimp.parallel.migrate import Migration
 from pgimp.parallel.node import one_rank_first, shares_cores
 from pgimp.parallel.slabs import Slab
+from pgimp.scene import nearness
 from pgimp.scene.geometry import do_without, release, share
 from pgimp.scene.lattice import Lattice
 from pgimp.scene.scene import Scene, count_particles
@@ -147,6 +148,7 @@ class Simulation:
         layers_of(scene.shape, scene.frame, self.identity, lattice.coordinates[0], layer)
         self.decompose(np.bincount(layer, counts.sum(axis=0), scene.frame.vertices[0]))
         self.settle(*self._create(lattice, counts, layer))
+        self.warnings += nearness.doubts(case)
         release(case)
         self.warnings += check_first_step(self)
 

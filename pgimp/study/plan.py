@@ -11,13 +11,16 @@ from pathlib import Path
 from typing import Any
 
 from pgimp.case.document import MOST_MESSAGES, Document, read
-from pgimp.case.messages import dotted
+from pgimp.case.messages import dotted, unknown
 from pgimp.case.overrides import change
 from pgimp.case.reader import read_document, validate
 from pgimp.case.schema import Case
 from pgimp.case.writer import dump_case
 from pgimp.errors import CaseError, UsageError
-from pgimp.study.schema import CASE, Study, missing_file
+from pgimp.scene.scene import Scene
+from pgimp.solver.diagnostics import column_names
+from pgimp.study.measures import SAME_TIME
+from pgimp.study.schema import CASE, Measure, Study, measure_of, missing_file
 from pgimp.study.sweep import Variant, short, variants
 
 _ABSENT = object()
@@ -78,6 +81,7 @@ def read_plan(name: str | Path) -> Plan:
     cases = [made.make(variant) for variant in found]
     made.complain()
     complete = [(file, case) for file, case in cases if case is not None]
+    made.check_measures(found, [case for _, case in complete])
     runs = made.arrange(found, complete)
     made.complain()
     return Plan(study, text, Path(name).stem, tuple(runs))
@@ -146,6 +150,50 @@ class _Cases:
             for line in str(error).splitlines():
                 self.wrong[line].append(variant.name)
         return path, None
+
+    def check_measures(self, found: list[Variant], cases: list[Case]) -> None:
+        """Check that histories will have what is measured.
+
+        The error is needed of every run. Of the further columns, which runs may lack, those are
+        wrong that no run has.
+        """
+        names: list[list[str]] = []
+        for one, case in zip(found, cases, strict=True):
+            try:
+                names.append(column_names(Scene(case)))
+            except CaseError as error:
+                names.append([])
+                self.wrong[f"{self.name}: {error}"].append(one.name)
+        wanted = self.study.measure
+        path = ("error",)
+        for one, case, known in zip(found, cases, names, strict=True):
+            if known:
+                self._check_measure(path, self.study.error, wanted, known, case, one)
+        everywhere = list(dict.fromkeys(name for known in names for name in known))
+        last = max(cases, key=lambda case: case.time.end)
+        for i, entry in enumerate(self.study.columns):
+            self._check_measure(
+                ("columns", i), entry, measure_of(entry), everywhere, last, found[0]
+            )
+
+    def _check_measure(
+        self,
+        path: tuple[str | int, ...],
+        entry: str | Measure,
+        wanted: Measure,
+        known: list[str],
+        case: Case,
+        variant: Variant,
+    ) -> None:
+        inside = not isinstance(entry, str)
+        if wanted.column not in known:
+            text = unknown("column", wanted.column, known, "history.csv will have")
+            label = self.label((*path, "column") if inside else path)
+            self.wrong[f"{label}: {text}"].append(variant.name)
+        end = case.time.end
+        if isinstance(wanted.at, float) and wanted.at > end * (1.0 + SAME_TIME):
+            text = f"{wanted.at:.15g} is after the end at {end:.15g} (time.end)"
+            self.wrong[f"{self.label((*path, 'at'))}: {text}"].append(variant.name)
 
     def arrange(self, found: list[Variant], cases: list[tuple[str, Case]]) -> list[Planned]:
         """Find for every run what it is drawn against, and its curve."""

@@ -1,0 +1,77 @@
+"""How much a run will write, and what of it was asked for at times that it never reaches."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import floor
+from typing import Any
+
+from pgimp.output.fields import ALWAYS, OPTIONAL
+
+#: Relative to the interval: rounding, by which the end is a multiple of it.
+_ROUNDING = 1e-9
+#: Frames that are hardly what was meant.
+_MANY = 10_000
+
+
+def frames(case: Any, steps: float) -> int:
+    """Frames of a run with so many steps, the first and the last included."""
+    times = {0.0, case.time.end, *case.output.at}
+    return int(min(steps + 1, len(times) + _between(case.output.every, case.time.end, steps)))
+
+
+def frame_size(case: Any, particles: int) -> float:
+    """Bytes of a frame of particles, before they are compressed."""
+    real = 4 if case.output.precision == "float32" else 8
+    total = 0
+    for field in (*ALWAYS.values(), *(OPTIONAL[name] for name in case.output.fields)):
+        width = real if field.dtype == "<f8" else int(field.dtype[-1])
+        total += width * max(1, field.columns)
+    return float(total) * particles
+
+
+def _between(every: Any, end: float, steps: float) -> float:
+    """Number of times an interval ends before the end of the run."""
+    if every is None:
+        return 0.0
+    many = steps / every.steps if hasattr(every, "steps") else end / every
+    if many > steps:
+        return max(0.0, steps - 1.0)
+    return max(0.0, float(floor(many * (1.0 - _ROUNDING))))
+
+
+def doubts(case: Any, steps: float) -> Iterator[str]:
+    """Yield what is asked for in vain: intervals of output that end after the run.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+    steps : float
+        Steps that it takes, about.
+    """
+    ends = "at the start and at the end"
+    wanted = [
+        ("output.every", case.output.every, f"frames only {ends}"),
+        ("checkpoint.every", case.checkpoint.every, "no checkpoints but the last"),
+    ]
+    # By default lines are for runs of more steps than this one may have.
+    if "every" in case.history.model_fields_set:
+        wanted.append(("history.every", case.history.every, f"lines only {ends}"))
+    for name, probe in case.probes.items():
+        wanted.append((f"probes.{name}.every", probe.every, f"lines only {ends}"))
+    end = case.time.end
+    for key, every, what in wanted:
+        if every is None or hasattr(every, "wall"):
+            continue
+        count = getattr(every, "steps", None)
+        if count is None and every > end * (1.0 + _ROUNDING):
+            text = f"{every:g} is beyond the end at {end:g}"
+        elif count is not None and count > steps:
+            text = f"{count:,} steps are more than the run takes, about {steps:,.0f}"
+        else:
+            continue
+        yield f"{key}: {text}; there are {what}"
+    number = frames(case, steps)
+    if number > _MANY:
+        yield f"output.every: {number:,} frames; is it in the unit of time that time.end is in?"

@@ -1,0 +1,198 @@
+"""What is known of the bodies before the run, from particles that are made a block at a time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from pgimp.case.output import PlaceProbe
+from pgimp.kernels.sums import fastest_rate
+from pgimp.scene.lattice import Lattice, Made
+from pgimp.scene.regions import Points
+from pgimp.scene.scene import Scene
+from pgimp.solver.particles import Particles
+
+_Reals = np.ndarray[Any, np.dtype[np.float64]]
+
+
+@dataclass(frozen=True)
+class BodyFacts:
+    """What is known of a body before the run.
+
+    Attributes
+    ----------
+    name : str
+    particles : int
+    wave_speed, top_speed : float
+        At rest; the greatest initial speed of a particle.
+    density : float
+    low, high : tuple of float
+        Corners of the box that it fills.
+    velocity : tuple of float
+        Mean of the particles' initial velocities.
+    rigid : bool
+        Whether all particles start with that velocity.
+    """
+
+    name: str
+    particles: int
+    wave_speed: float
+    top_speed: float
+    density: float
+    low: tuple[float, ...]
+    high: tuple[float, ...]
+    velocity: tuple[float, ...]
+    rigid: bool
+
+    @property
+    def sizes(self) -> tuple[float, ...]:
+        """Extent along each direction."""
+        return tuple(b - a for a, b in zip(self.low, self.high, strict=True))
+
+    @property
+    def extent(self) -> float:
+        """The largest of its sizes."""
+        return max(self.sizes)
+
+
+@dataclass
+class Findings:
+    """What the particles of a case show, body by body.
+
+    Attributes
+    ----------
+    bodies : list of BodyFacts
+    held : (constraints + 1,) int64
+        Particles that each constraint holds, from the second entry on.
+    away : dict of str to float
+        For each probe, how far the closest particle is: of a material point from the particle's
+        centre, of a place the largest component in cells.
+    """
+
+    bodies: list[BodyFacts]
+    held: np.ndarray
+    away: dict[str, float]
+
+
+def examine(scene: Scene, lattice: Lattice, counts: np.ndarray) -> Findings:
+    """Make all particles, a block at a time, and look at each.
+
+    Parameters
+    ----------
+    scene : Scene
+    lattice, counts
+        See `count_particles`.
+
+    Raises
+    ------
+    CaseError
+        As a run at its start, if a constraint holds no particle.
+    """
+    found = Findings(
+        [],
+        np.zeros(len(scene.loads.constraints) + 1, np.int64),
+        dict.fromkeys(scene.case.probes, np.inf),
+    )
+    for body in range(len(scene.body_names)):
+        found.bodies.append(_examine(scene, lattice, counts, body, found))
+    scene.loads.require_held(found.held)
+    return found
+
+
+def _examine(
+    scene: Scene, lattice: Lattice, counts: np.ndarray, body: int, found: Findings
+) -> BodyFacts:
+    D = scene.dimension
+    low, high = np.full(D, np.inf), np.full(D, -np.inf)
+    speeds = _Speeds(D)
+    motion = scene.case.bodies[scene.body_names[body]].velocity
+    for made in lattice.make((0, lattice.planes), counts, body):
+        if made.velocities is not None:
+            speeds.add(made.velocities, made.fractions)
+        elif scene.moves or not isinstance(motion, tuple):
+            speeds.add(scene.velocities(body, made.centroids), made.fractions)
+        elif not speeds.mass:  # one for all
+            speeds.add(np.array([motion], float), np.ones(1))
+        ends = made.positions.min(axis=0), made.positions.max(axis=0)
+        low, high = np.minimum(low, ends[0]), np.maximum(high, ends[1])
+        _count_held(scene, made, ends, found)
+        _measure_probes(scene, made, ends, found)
+    # Boxes round the particles, where the region itself does not say less.
+    half = 0.5 * np.array(scene.frame.cell) / lattice.per_cell
+    low, high = low - half, high + half
+    region = scene.case.bodies[scene.body_names[body]].region
+    if not isinstance(region, Points):
+        low, high = np.maximum(low, region.bounds()[0]), np.minimum(high, region.bounds()[1])
+    return BodyFacts(
+        scene.body_names[body],
+        int(counts[body].sum()),
+        _wave_speed(scene, body),
+        speeds.top,
+        scene.materials[scene.body_material[body]].density,
+        tuple(low.tolist()),
+        tuple(high.tolist()),
+        tuple((speeds.momentum / speeds.mass).tolist()),
+        bool((speeds.least == speeds.most).all()),
+    )
+
+
+class _Speeds:
+    """Bounds and the mean of velocities, and the greatest speed."""
+
+    def __init__(self, dimension: int) -> None:
+        self.top = self.mass = 0.0
+        self.least, self.most = np.full(dimension, np.inf), np.full(dimension, -np.inf)
+        self.momentum = np.zeros(dimension)
+
+    def add(self, v: _Reals, mass: _Reals) -> None:
+        """Take some particles."""
+        with np.errstate(over="ignore"):
+            self.top = max(self.top, float(np.sqrt((v * v).sum(axis=1)).max()))
+        self.least = np.minimum(self.least, v.min(axis=0))
+        self.most = np.maximum(self.most, v.max(axis=0))
+        self.momentum += mass @ v
+        self.mass += float(mass.sum())
+
+
+def _wave_speed(scene: Scene, body: int) -> float:
+    """Wave speed of a body at rest."""
+    D = scene.dimension
+    point = Particles.empty(1, D, False)
+    point.body[0] = body
+    identity = tuple(float(i == j) for i in range(D) for j in range(D))
+    rows = np.zeros(1, np.int32)
+    rate = fastest_rate(scene.frame, identity, scene.materials, point, rows, scene.material_of)
+    return rate / max(scene.frame.inverse)
+
+
+def _gap(ends: tuple[_Reals, _Reals], low: Any, high: Any) -> _Reals:
+    """Distance of two boxes by direction; zero where they overlap."""
+    return np.maximum(0.0, np.maximum(ends[0] - high, np.array(low) - ends[1]))
+
+
+def _count_held(scene: Scene, made: Made, ends: tuple[_Reals, _Reals], found: Findings) -> None:
+    entries = scene.loads.constraints
+    name = scene.body_names[made.body]
+    if any(c.body == name and not _gap(ends, *c.region.bounds()).any() for c in entries):
+        numbers = scene.loads.held(made.body, made.positions)
+        found.held += np.bincount(numbers, minlength=len(found.held))
+
+
+def _measure_probes(scene: Scene, made: Made, ends: tuple[_Reals, _Reals], found: Findings) -> None:
+    cell = np.array(scene.frame.cell)
+    for name, probe in scene.case.probes.items():
+        place = isinstance(probe, PlaceProbe)
+        at = np.array(probe.place if place else probe.at, float)
+        # No closer than the box around them; a place has no need of the closest one.
+        apart = _gap(ends, at, at)
+        if place:
+            if found.away[name] < 1.0 or (apart / cell).max() >= 1.0:
+                continue
+            least = float((np.abs(made.positions - at) / cell).max(axis=1).min())
+        elif probe.body != scene.body_names[made.body] or np.hypot.reduce(apart) > found.away[name]:
+            continue
+        else:
+            least = float(np.sqrt(((made.positions - at) ** 2).sum(axis=1).min()))
+        found.away[name] = min(found.away[name], least)

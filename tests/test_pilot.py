@@ -1,0 +1,96 @@
+"""Steps predicted by a pilot run against the steps that runs take, where waves become faster."""
+
+import pytest
+
+from pgimp.case.schema import Case
+from pgimp.errors import CaseError
+from pgimp.model import pilot as pilots
+from pgimp.model.costs import Costs
+from pgimp.model.pilot import coarse, pilot
+from pgimp.parallel.comm import Serial
+from pgimp.solver.simulation import Simulation
+
+#: 50 us a step and 0.2 us a particle, as on a laptop: what the machine measures must not matter.
+COSTS = Costs(50e-6, ((100, 0.2e-6), (10_000, 0.2e-6)), 0.0)
+
+
+def squeezed(**more):
+    """A column pressed by its weight, tenfold in the end, to some four fifths of its height."""
+    return Case.model_validate(
+        {
+            "format": 1,
+            "dimensions": 2,
+            "grid": {"size": [1.0, 2.5], "cell": [0.0625, 0.0625]},
+            "method": {"shape": "gimp", "particles_per_cell": [2, 2]},
+            "time": {"end": 1.0, "step": {"courant": 0.3}},
+            "materials": {
+                "m": {"model": "neo-hookean", "young": 1e5, "poisson": 0.3, "density": 1000.0}
+            },
+            "bodies": {
+                "b": {"material": "m", "region": {"box": {"min": [0.0, 0.0], "max": [1.0, 2.0]}}}
+            },
+            "gravity": {"table": [[0.0, [0.0, 0.0]], [1.0, [0.0, -60.0]]]},
+            "boundaries": {"x-min": "slip", "x-max": "slip", "y-min": "fixed"},
+        }
+        | more
+    )
+
+
+@pytest.fixture(scope="module")
+def run():
+    """The whole run: its steps, and those that its first step lets expect."""
+    sim = Simulation(squeezed(), Serial())
+    expected = sim.case.time.end / sim.clock.next(sim.rate)[0]
+    while not sim.finished:
+        sim.advance()
+    return sim, expected
+
+
+def test_steps_are_predicted_where_the_wave_becomes_faster(run, monkeypatch):
+    sim, expected = run
+    assert sim.step > 1.1 * expected
+    for seconds, factor in ((10.0, 1.0), (0.05, 1.5)):
+        monkeypatch.setattr(pilots, "_SECONDS", seconds)
+        monkeypatch.setattr(pilots, "perf_counter", lambda: 0.0)
+        found = pilot(sim.case, sim.count, expected, COSTS, 16.0)
+        assert found.factor == 1.0 if factor == 1.0 else found.factor > factor
+        assert found.done == 1.0 and not found.failure
+        assert found.steps == pytest.approx(sim.step, rel=0.05)
+
+
+def test_a_pilot_run_that_takes_too_long_is_ended(run, monkeypatch):
+    sim, expected = run
+    ticks = iter(range(10**6))
+    monkeypatch.setattr(pilots, "perf_counter", lambda: next(ticks) * 0.01)
+    found = pilot(sim.case, sim.count, expected, COSTS, 16.0)
+    assert 0.0 < found.done < 1.0
+    assert expected < found.steps < 1.2 * sim.step
+
+
+def test_a_pilot_run_that_fails_says_so():
+    """Flung out of the domain."""
+    case = squeezed(boundaries={}, gravity=[0.0, -60.0])
+    found = pilot(case, 2048, 100.0, COSTS, 16.0)
+    assert "left the domain through y-min" in found.failure
+    assert "\n" not in found.failure
+    assert found.done < 0.5
+
+
+def test_a_fixed_step_keeps_its_number_and_its_courant_number():
+    case = squeezed()
+    longest = 0.3 * 0.0625 / 11.6  # the wave at rest has 11.6 m/s
+    case = squeezed(time={"end": 640 * longest, "step": longest})
+    found = pilot(case, 2048, 640.0, COSTS, 16.0)
+    assert found.steps == 640.0
+    assert 0.32 < found.courant < 0.6
+
+
+def test_no_pilot_run_of_what_cannot_be_coarse(monkeypatch):
+    """Constraints hold a row of particles, which may lie elsewhere on other grids."""
+    row = {"box": {"min": [0.0, 0.07], "max": [1.0, 0.09]}}
+    case = squeezed(constraints={"g": {"body": "b", "velocity": [0, 0], "region": row}})
+    with pytest.raises(CaseError, match="holds no particle"):
+        Simulation(coarse(case, 1.5), Serial())
+    monkeypatch.setattr(pilots, "_SECONDS", 0.05)
+    found = pilot(case, 2048, 600.0, COSTS, 16.0)
+    assert found is None or found.factor > 1.0
