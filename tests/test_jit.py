@@ -25,6 +25,7 @@ from pgimp.kernels.jit import FOLDER, kernel
 
 PACKAGE = Path(pgimp.__file__).parent
 SEED = 20041
+COMPILING = "compiling for this kind of scene, once, about half a minute"
 
 RUN = """
 import numpy as np
@@ -37,7 +38,7 @@ from pgimp.solver.particles import Frame, Particles
 p = Particles.empty(1, 1, False)
 p.x[0, 0] = 2.5
 frame = Frame((0.0,), (1.0,), (1.0,), (4,), 1)
-with announced(lambda: print("compiling")):
+with announced(print):
     locate(MpmParameters((0.0,)), frame, p, np.zeros(1, np.int32), frame.vertices)
 print(*told(), sep="\\n")
 print(FOLDER.path, p.layer[0], sum(locate.stats.cache_hits.values()))
@@ -57,7 +58,7 @@ def run(folder: Path) -> tuple[Path, int, int, str]:
 
 
 def test_second_process_finds_the_kernels(tmp_path):
-    assert run(tmp_path / "a")[1:] == (3, 0, "compiling")
+    assert run(tmp_path / "a")[1:] == (3, 0, COMPILING)
     assert run(tmp_path / "a")[1:] == (3, 1, "")
 
 
@@ -188,14 +189,14 @@ def test_several_write_and_read_at_once_and_some_are_killed(tmp_path):
 
 def test_what_is_compiled_is_announced_once(tmp_path):
     said = []
-    with announced(lambda: said.append(1)):
+    with announced(said.append):
         fresh(tmp_path)(3.0, 4.0)
         fresh(tmp_path)(3, 4)
-    assert said == [1]
-    with announced(lambda: said.append(2)):
+    assert said == [COMPILING]
+    with announced(said.append):
         fresh(tmp_path)(3.0, 4.0)
     fresh(tmp_path)(np.float32(3), np.float32(4))
-    assert said == [1] and cache._listeners == []
+    assert said == [COMPILING] and cache._listeners == []
 
 
 @pytest.fixture(scope="module")
@@ -223,9 +224,6 @@ def some_kernels(folder):
     found = [path for path in kept if re.search(r"\.(reach_of|sort_rows|sort_out)-", path.name)]
     assert len(found) >= 3
     return found
-
-
-COMPILING = "compiling for this kind of scene, once, about half a minute"
 
 
 def test_a_run_says_when_it_compiles(small, python):

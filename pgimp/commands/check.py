@@ -11,6 +11,7 @@ import numpy as np
 
 from pgimp.case.load import load
 from pgimp.case.schema import Case
+from pgimp.kernels.cache import announced
 from pgimp.kernels.sums import fastest_rate
 from pgimp.model.costs import Network
 from pgimp.model.layout import layout_now, layout_of
@@ -19,7 +20,7 @@ from pgimp.model.predict import Step
 from pgimp.model.report import between_nodes, ladder, lines, on_node, remark, scaling, verdict
 from pgimp.model.sample import samples_of
 from pgimp.output.progress import duration
-from pgimp.parallel.comm import Serial
+from pgimp.parallel.comm import Serial, say
 from pgimp.parallel.limits import limits
 from pgimp.scene.doubts import BodyFacts, doubts, idle_step, strains
 from pgimp.scene.extent import extents
@@ -51,7 +52,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(args: argparse.Namespace) -> int:
     """Run the command."""
-    report(load(args.case, args.set))
+    with announced(say):
+        report(load(args.case, args.set))
     return 0
 
 

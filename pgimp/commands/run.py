@@ -25,8 +25,6 @@ if TYPE_CHECKING:
 #: Exit status of a run that stopped before its end on request, with a checkpoint.
 STOPPED = 75
 
-_COMPILING = "compiling for this kind of scene, once, about half a minute"
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command line of a run.
@@ -214,7 +212,7 @@ def _run(
         began = perf_counter()
         if comm.rank == 0:  # which takes longer than to write many a frame
             load_h5py()
-        with announced(lambda: log.say(_COMPILING)):
+        with announced(log.say):
             found = take_up(case, comm, directory, log) if resume else None
             if found == "done":
                 log.say(f"{output} holds this run, done already: nothing is left to do")

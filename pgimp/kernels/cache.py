@@ -143,12 +143,12 @@ def _source(function: Any) -> str:
 
 
 @contextmanager
-def announced(tell: Callable[[], None]) -> Iterator[None]:
-    """Call `tell` once before the first kernel that is compiled, if any is, in the context."""
+def announced(tell: Callable[[str], Any]) -> Iterator[None]:
+    """Tell the user, once and with `tell`, before the first kernel that is compiled, if any is."""
 
     def once() -> None:
         _listeners.remove(once)
-        tell()
+        tell("compiling for this kind of scene, once, about half a minute")
 
     _listeners.append(once)
     try:
