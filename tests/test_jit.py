@@ -378,4 +378,4 @@ def test_all_that_numba_compiles_is_part_of_the_cache_name():
     for path in PACKAGE.rglob("*.py"):
         name = str(path.relative_to(PACKAGE))
         if re.search(r"^ *@(kernel|specialise|overload|njit|intrinsic)", path.read_text(), re.M):
-            assert name.startswith(COMPILED), f"{name} compiles kernels: name it in jit.COMPILED"
+            assert name.startswith(COMPILED), f"{name} compiles kernels: name it in folder.COMPILED"

@@ -1,4 +1,4 @@
-"""The disk cache of kernels that are compiled for types from outside the package.
+"""Types from outside the package: where kernels that are compiled for them are kept.
 
 A material that a user's program registers is a NamedTuple whose functions are compiled into the
 kernels. The name of the cache folder stands for pgimp's sources alone, and Numba's key for the
