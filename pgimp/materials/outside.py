@@ -199,7 +199,8 @@ def _examine(who: str, parameters: Any, dimensions: int) -> None:
 def _require_stress(where: str, result: Any, dimensions: int) -> None:
     wanted = _COUNTS[dimensions - 1]
     names = _COMPONENTS[:wanted]
-    if not isinstance(result, types.BaseTuple) or len(result) != wanted:
+    given = len(result) if isinstance(result, types.BaseTuple) else None
+    if given != wanted:
         raise UsageError(
             f"{where} must return the {wanted} components {' '.join(names)} of a stress in "
             f"{dimensions}D as a tuple, but returns {_described(result)}"
