@@ -266,6 +266,21 @@ def test_kernel_cache_that_cannot_be_written(monkeypatch):
     assert "export PGIMP_CACHE_DIR=" in finding.cure
 
 
+def test_kernel_cache_that_others_can_write_to(tmp_path, monkeypatch):
+    tmp_path.chmod(0o777)
+    monkeypatch.setenv("PGIMP_CACHE_DIR", str(tmp_path))
+    finding = next(kernels.examine())
+    assert finding.mark == "note"
+    assert f"{tmp_path} cannot be trusted: others may write to it (mode 0777)" in finding.cure
+
+
+def test_kernel_cache_without_a_name(monkeypatch):
+    monkeypatch.setenv("PGIMP_CACHE_DIR", "")
+    finding = only(kernels.examine())
+    assert finding.mark == "WRONG"
+    assert "name a folder, or unset it" in finding.cure
+
+
 def test_numba_that_must_not_compile(monkeypatch):
     monkeypatch.setenv("NUMBA_DISABLE_JIT", "1")
     finding = next(kernels.examine())
@@ -298,7 +313,7 @@ def test_kernels_of_different_cpus(tmp_path, monkeypatch):
     assert finding.mark == "note"
     assert "nehalem" in finding.found
     assert "nodes of one type only" in finding.cure
-    for path in (tmp_path / "cache").rglob("*.nbi"):
+    for path in (tmp_path / "cache").rglob("*.nbc"):
         path.write_bytes(b"damaged")
     assert kernels.cached_targets(tmp_path / "cache") == set()
 

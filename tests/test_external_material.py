@@ -1,12 +1,14 @@
 """Materials from outside the package: the same bits, no stale kernel, messages for mistakes."""
 
 import os
+import re
 import sys
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
+from material_driver import response
 from scenes import SOFT, box, scene, write_case
 
 import pgimp
@@ -14,10 +16,12 @@ from pgimp.errors import CaseError, UsageError
 from pgimp.kernels import outside
 from pgimp.kernels.sums import fastest_rate
 from pgimp.materials import MATERIALS, NeoHookean, registry
-from pgimp.materials.outside import explained, parameters_of
+from pgimp.materials.outside import parameters_of
 from pgimp.solver.particles import Frame, Particles
 
-CASES = Path(__file__).resolve().parents[1] / "cases"
+ROOT = Path(__file__).resolve().parents[1]
+CASES = ROOT / "cases"
+README = (ROOT / "README.md").read_text(encoding="utf-8")
 
 LAW = """
 from typing import Literal, NamedTuple
@@ -68,7 +72,7 @@ from pgimp.materials.outside import parameters_of
 from pgimp.solver.particles import Frame, Particles
 
 def ask():
-    law = parameters_of(MATERIALS["law"](model="law", density=1.0))
+    law = parameters_of(MATERIALS["law"](model="law", density=1.0), 1)
     frame = Frame((0.0,), (1.0,), (1.0,), (4,), 1)
     p = Particles.empty(1, 1)
     rows, zero = np.zeros(1, np.int32), np.zeros(1, np.int64)
@@ -199,19 +203,18 @@ def registered(monkeypatch):
     return register
 
 
-def law(stress="(0.0, 0.0, 0.0)", speed="FACTOR", factor=2.0):
+def law(stress="sigma", speed="FACTOR", factor=2.0):
     text = LAW.format(factor=factor, speed=speed, stress=stress, helper="math")
     return text.replace("from math import faster", "from math import sqrt, log, exp")
 
 
 def ask(entry, dimensions=1):
-    parameters = parameters_of(entry)
+    parameters = parameters_of(entry, dimensions)
     D = dimensions
     frame = Frame((0.0,) * D, (1.0,) * D, (1.0,) * D, (4,) * D, 1)
     one = tuple(np.eye(D).ravel())
     rows, zero = np.zeros(1, np.int32), np.zeros(1, np.int64)
-    with explained((parameters,), D):
-        return fastest_rate(frame, one, (parameters,), Particles.empty(1, D), rows, zero)
+    return fastest_rate(frame, one, (parameters,), Particles.empty(1, D), rows, zero)
 
 
 def test_two_classes_of_one_name_are_two_materials(registered):
@@ -240,19 +243,21 @@ def test_whether_a_material_takes_vectors(registered):
 
 def test_what_a_material_lacks_is_said(registered):
     space = registered(law(speed="FACTOR * nothing"))
-    with pytest.raises(UsageError, match=r"LawParameters.speed of .* does not compile: .*nothing"):
+    with pytest.raises(UsageError, match=r"LawParameters.speed \(.*\) does not compile: .*nothing"):
         ask(space["Law"](model="law", density=1.0))
-    space = registered(law("(0.0, 0.0)", speed="'fast'"))
-    with pytest.raises(UsageError, match="not the 4 numbers xx yy zz xy yz xz of a stress in 2D"):
-        ask(space["Law"](model="law", density=1.0), 2)
     for old, new, message in [
         ("density: float", "mass: float", "a NamedTuple with a density, got LawParameters"),
         ("def energy(", "def work(", r"needs a @staticmethod energy\(material, F, J, sigma\)"),
         ("energy(material, ", "energy(", "takes 3 arguments instead of energy"),
+        ("energy(material, ", "energy(material, more, ", "takes 5 arguments instead of energy"),
+        ("    @staticmethod\n", "    @staticmethod\n    @numba.njit\n", "must be a plain function"),
+        ("density: float", "density: float\n    names: dict", "names of LawParameters.* type dict"),
+        ("Parameters(self.density)", "Parameters(1.0 / 0.0)", r"Law.parameters\(\) of .* fails: Z"),
     ]:
-        entry = registered(law().replace(old, new))["Law"](model="law", density=1.0)
-        with pytest.raises(UsageError, match=message):
-            parameters_of(entry)
+        text = law().replace(old, new).replace("names: dict", "names: dict = {}")
+        entry = registered(f"import numba\n{text}")["Law"](model="law", density=1.0)
+        with pytest.raises(UsageError, match=f"^the material 'law'.*{message}"):
+            parameters_of(entry, 1)
     for old, new, message in [
         ('model: Literal["law"]', "", 'add a field\nmodel: Literal\\["my-material"\\]'),
         ("Law(Material)", "Law", "no class derived from Material"),
@@ -261,6 +266,153 @@ def test_what_a_material_lacks_is_said(registered):
     ]:
         with pytest.raises(UsageError, match=message):
             registered(law().replace(old, new))
+
+
+#: What a stress in 1D, 2D and 3D has.
+COUNTS = (3, 4, 6)
+
+
+@pytest.mark.parametrize("D", [1, 2, 3])
+def test_a_stress_of_the_wrong_kind_is_refused(registered, D):
+    """Too short, too long, no tuple: the kernels would write whatever they are given."""
+    wanted = COUNTS[D - 1]
+
+    def refused(stress, message):
+        entry = registered(law(stress))["Law"](model="law", density=1.0)
+        with pytest.raises(UsageError, match=message) as caught:
+            parameters_of(entry, D)
+        where = "the material 'law': LawParameters.stress (<string>:12) "
+        assert str(caught.value).startswith(where)
+
+    for count in {*COUNTS, 1, 2, wanted - 1, wanted + 1, 9} - {wanted}:
+        told = rf"the {wanted} components xx yy zz.* in {D}D as a tuple, but returns a tuple of"
+        refused(f"({'J, ' * count})", f"{told} {count}$")
+    refused("J", "as a tuple, but returns a float$")
+    refused("F[0] > 1.0", "as a tuple, but returns a bool$")
+    refused("None", "as a tuple, but returns None$")
+    refused("[J] * 6", r"as a tuple, but returns .*list")
+    more = ", J" * (wanted - 2)
+    refused(f"(J, 1j * J{more})", f"{wanted} floats, but the component yy is a complex number$")
+    refused(f"(J, 0{more})", "the component yy is an int; write 0.0 for 0$")
+    refused(f"(J > 1.0, J{more})", "the component xx is a bool$")
+    refused(f"(J, (J, J){more})", "the component yy is a tuple of 2$")
+
+
+def test_an_energy_or_speed_that_is_no_float_is_refused(registered):
+    for result, message in {
+        "(J,)": "a tuple of 1",
+        "F": "a tuple of 4",
+        "J > 1.0": "a bool",
+        "0": "an int; write 0.0 for 0",
+        "1j * J": "a complex number",
+        "np.zeros(3)": "an array",
+        "None": "None",
+        "np.float32(J)": "float32",
+    }.items():
+        for quantity in ("energy", "speed"):
+            text = law(speed=result if quantity == "speed" else "J")
+            if quantity == "energy":
+                text = text.replace("return 0.0", f"return {result}")
+            entry = registered(text, np=np)["Law"](model="law", density=1.0)
+            told = rf"'law': LawParameters\.{quantity} \(<string>:\d+\) must return a float, but "
+            with pytest.raises(UsageError, match=f"{told}returns {message}$"):
+                parameters_of(entry, 2)
+
+
+def test_a_stress_that_is_right_in_another_dimension_only(registered):
+    entry = registered(law("(0.0, 0.0, 0.0)"))["Law"](model="law", density=1.0)
+    parameters_of(entry, 1)
+    for D in (2, 3):
+        with pytest.raises(UsageError, match="returns a tuple of 3"):
+            parameters_of(entry, D)
+
+
+def test_a_wrong_stress_stops_a_run_before_anything_is_written(tmp_path, python, mpirun):
+    """With file and line, status 2 on every rank; a corrected one runs, and is asked only once."""
+    write_law(tmp_path, stress="(J, J, J, J, J)")
+    case = scene(2, box([1, 1], [3, 3])) | {"materials": {"soft": {"model": "law", "density": 1.0}}}
+    write_case(tmp_path / "case.yaml", case)
+    words = ["-m", "pgimp", "--import", "law.py", "case.yaml", "-o", "out"]
+    check = ["-m", "pgimp", "check", "--import", "law.py", "case.yaml"]
+    for done in (mpirun(2, words, cwd=tmp_path), python(check, cwd=tmp_path)):
+        assert done.returncode == 2
+        assert "Traceback" not in done.stderr
+        told = f"the material 'law': LawParameters.stress ({tmp_path}/law.py:12) must return the 4"
+        assert done.stderr.count(told) == 1
+    assert not (tmp_path / "out").exists()
+    write_law(tmp_path)
+    program = (
+        "from pgimp.materials import outside, registry\n"
+        "registry.import_file('law.py')\n"
+        "import law, numba\n"
+        "for D in (1, 2): outside.parameters_of(law.Law(model='law', density=1.0), D)\n"
+        "print(outside._compiled.cache_info())"
+    )
+    env = {"PGIMP_CACHE_DIR": str(tmp_path / "cache")}
+    for misses in (3, 0):
+        done = python(["-c", program], cwd=tmp_path, env=env)
+        assert f"misses={misses}," in done.stdout, done.stderr
+
+
+def test_parameters_may_be_tuples_and_arrays(registered):
+    text = law(speed="material.pair[1] * material.table[2]").replace(
+        "density: float", "density: float\n    pair: tuple\n    table: np.ndarray"
+    )
+    text = text.replace("(self.density)", "(self.density, (1.0, 2.0), np.arange(3.0))")
+    assert ask(registered(text, np=np)["Law"](model="law", density=1.0)) == 4.0
+
+
+@pytest.fixture(scope="module")
+def maxwell(tmp_path_factory):
+    """The material that README.md shows, as a file that is imported."""
+    (text,) = re.findall(r'^```python\n("""Maxwell.*?)^```$', README, re.MULTILINE | re.DOTALL)
+    path = tmp_path_factory.mktemp("maxwell") / "maxwell.py"
+    path.write_text(text)
+    registry.import_file(str(path))
+    yield {"model": "maxwell", "young": 100.0, "poisson": 0.3, "time": 0.05, "density": 1.0}
+    del MATERIALS["maxwell"]
+
+
+def test_an_initial_stress_relaxes_in_the_material_of_the_readme(maxwell, tmp_path):
+    """A bar at rest between two walls, from `points`: the deviator falls by 1/(1 + dt/T) a step."""
+    x = np.arange(0.25, 8.0, 0.5)
+    given = np.array([-3.0, 1.5, 6.0])
+    names = ["x", "volume", *(f"stress-{part}" for part in ("xx", "yy", "zz", "xy", "yz", "xz"))]
+    rows = [[place, 0.5, *given, 0.0, 0.0, 0.0] for place in x]
+    lines = [",".join(map(repr, row)) for row in np.array(rows).tolist()]
+    (tmp_path / "bar.csv").write_text("\n".join([",".join(names), *lines, ""]))
+    region = {"points": {"file": str(tmp_path / "bar.csv")}}
+    case = scene(1, {"material": "soft", "region": region}, step=0.005, end=0.05)
+    case |= {"materials": {"soft": maxwell}, "boundaries": {"x-min": "slip", "x-max": "slip"}}
+    sim = pgimp.Simulation(case)
+    assert sim.particles["stress"][:, :3] == pytest.approx(np.tile(given, (16, 1)))
+    sim.advance()
+    mean, kept = given.mean(), (1.0 + 0.005 / 0.05) ** -sim.steps
+    assert sim.steps == 10
+    found = sim.particles["stress"][:, :3]
+    assert found == pytest.approx(np.tile(mean + kept * (given - mean), (16, 1)), rel=1e-12)
+
+
+@pytest.mark.parametrize("D", [2, 3])
+def test_the_stress_of_the_readmes_material_turns_with_the_body(maxwell, D):
+    """In a step of pure rotation it is Q S Q^T, with the rotation by Cayley's formula."""
+    parameters = parameters_of(MATERIALS["maxwell"](**maxwell | {"time": 1e12}), D)
+    rng = np.random.default_rng(5)
+    W = rng.normal(size=(D, D))
+    W -= W.T
+    before = np.zeros((3, 3))
+    before[:D, :D] = rng.normal(size=(D, D))
+    before = before + before.T + np.diag([0.0, 0.0, 1.0])
+    one = np.eye(D)
+    Q = np.eye(3)
+    Q[:D, :D] = np.linalg.solve(one - 0.05 * W, one + 0.05 * W)
+    given = before[[0, 1, 2, 0, 1, 0], [0, 1, 2, 1, 2, 2]][: COUNTS[D - 1]]
+    stress, energy, speed = response((parameters,), one, given, W, dt=0.1)
+    assert stress == pytest.approx(Q @ before @ Q.T, rel=1e-9)
+    lam, mu = parameters.lam, parameters.mu
+    strain = (before - lam / (3 * lam + 2 * mu) * np.trace(before) * np.eye(3)) / (2 * mu)
+    assert energy == pytest.approx(0.5 * np.sum(before * strain))
+    assert speed == pytest.approx(np.sqrt(lam + 2 * mu))
 
 
 def test_files_that_cannot_be_imported(tmp_path):

@@ -15,8 +15,12 @@ from material_driver import (
     deformations,
     material,
     response,
+    row,
 )
 from reference import matrix, tensor, voigt
+
+from pgimp.kernels import algebra
+from pgimp.kernels.jit import kernel
 
 dimensions = pytest.mark.parametrize("D", [1, 2, 3])
 
@@ -35,6 +39,35 @@ def turn(angle, D):
     x, y, z = np.array([1, 2, 3]) / np.sqrt(14)
     K = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
     return np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * K @ K
+
+
+@kernel
+def operations(A, B, Q, S, T):
+    return (
+        algebra.multiply(A, B), algebra.inverse(A), algebra.one_plus(0.3, A), algebra.skew(A),
+        algebra.add(A, B), algebra.symmetric(A), algebra.left_cauchy_green(A),
+        algebra.isotropic(2.0, S, 3.0), algebra.add(S, T), algebra.rotate(Q, S),
+        (algebra.determinant(A), algebra.contract(S, T)),
+    )  # fmt: skip
+
+
+@dimensions
+def test_operations_on_tensors(D):
+    """Each as NumPy has it, with symmetric tensors as (3, 3) matrices."""
+    rng = np.random.default_rng(SEED + 40)
+    A, B, Q = rng.normal(size=(D, D)), rng.normal(size=(D, D)), turned(D)
+    n = COMPONENTS[D]
+    s, t = rng.normal(size=n), rng.normal(size=n)
+    S, T, one = tensor(s), tensor(t), np.eye(3)
+    found = operations(row(A), row(B), row(Q), row(s), row(t))
+    matrices = [A @ B, np.linalg.inv(A), np.eye(D) + 0.3 * A, (A - A.T) / 2, A + B]
+    b, D3, Q3 = matrix(row(A)), np.zeros((3, 3)), matrix(row(Q))
+    D3[:D, :D] = (A + A.T) / 2
+    tensors = [D3, b @ b.T, 2.0 * S + 3.0 * one, S + T, Q3 @ S @ Q3.T]
+    numbers = [np.linalg.det(A), np.sum(S * T)]
+    expected = [*(row(M) for M in matrices), *(voigt(M, n) for M in tensors), numbers]
+    for ours, right in zip(found, expected, strict=True):
+        np.testing.assert_allclose(ours, right, rtol=1e-12, atol=1e-14)
 
 
 @dimensions

@@ -1,6 +1,7 @@
 """README.md keeps its word: its commands, case and material work as printed."""
 
 import ast
+import inspect
 import os
 import re
 import shlex
@@ -12,6 +13,7 @@ import pytest
 from conftest import run
 
 from pgimp.case.reader import read_case
+from pgimp.kernels import algebra
 from pgimp.study.plan import read_plan
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -141,6 +143,19 @@ def test_material_of_ones_own_is_printed_as_it_is():
 
     text = (ROOT / "cases/fluid.py").read_text(encoding="utf-8")
     assert code(block_of("from math import log, sqrt\nfrom typing")) == code(text)
+
+
+def test_all_operations_on_tensors_are_listed():
+    """Each function of `pgimp.kernels.algebra` with its arguments, and no other."""
+    table = TEXT.partition("| operation | result |\n|---|---|\n")[2].partition("\n\n")[0]
+    listed = re.findall(r"^\| `(.*?)`", table, re.MULTILINE)
+    there = [
+        f"{name}{inspect.signature(function)}"
+        for name, function in vars(algebra).items()
+        if inspect.isfunction(function) and function.__module__ == algebra.__name__
+        if not name.startswith("_")
+    ]
+    assert listed == there
 
 
 def apply(difference, path):

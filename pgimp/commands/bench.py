@@ -8,18 +8,19 @@ import argparse
 import json
 import platform
 from collections.abc import Callable
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from statistics import median
 from time import perf_counter
 from typing import Any
 
 import numpy as np
 
+from pgimp.kernels.cache import announced
 from pgimp.model.block import GRAVITY, SPEED, YOUNG, Block, block_case
 from pgimp.model.costs import Network
 from pgimp.model.predict import MOST_RANKS
 from pgimp.model.standard import MOST_PARTICLES, model_block
-from pgimp.parallel.comm import world
+from pgimp.parallel.comm import say, world
 from pgimp.solver.simulation import RESORT, Simulation
 
 #: Phases of the table, and the simulation's phases that each sums.
@@ -151,6 +152,11 @@ def measure(comm: Any, cells: int, repeats: int, lattice: bool) -> dict[str, Any
 def execute(args: argparse.Namespace) -> int:
     """Run the command; also under mpirun."""
     comm = world()
+    with announced(say) if comm.rank == 0 else nullcontext():
+        return _execute(args, comm)
+
+
+def _execute(args: argparse.Namespace, comm: Any) -> int:
     if args.model:
         network = Network(args.latency, args.bandwidth, int(args.ranks_per_node))
         particles = int(args.particles)

@@ -14,8 +14,7 @@ import numpy as np
 
 from pgimp.case.load import load
 from pgimp.case.schema import Case
-from pgimp.kernels.jit import discard_damaged
-from pgimp.materials.outside import explained
+from pgimp.kernels.cache import announced
 from pgimp.model.costs import Costs, Network
 from pgimp.model.layout import layout_now, layout_of
 from pgimp.model.measure import costs_of, take_turns
@@ -25,7 +24,7 @@ from pgimp.model.report import between_nodes, ladder, lines, on_node, remark, sc
 from pgimp.model.sample import samples_of
 from pgimp.output import forecast
 from pgimp.output.progress import duration
-from pgimp.parallel.comm import Serial
+from pgimp.parallel.comm import Serial, say
 from pgimp.parallel.limits import limits
 from pgimp.scene import nearness
 from pgimp.scene.doubts import case_doubts, doubts, idle_step, strains
@@ -36,7 +35,6 @@ from pgimp.scene.lattice import Lattice
 from pgimp.scene.scene import Scene, count_particles
 from pgimp.solver.memory import Estimate, MemoryShortError, estimate, require, size_text
 from pgimp.solver.stability import doubt, require_end, require_stable
-from pgimp.solver.warmup import warm_up
 
 #: Particles of the samples that are timed; the last are more than caches hold.
 _SMALLEST, _SMALL, _LARGE = 200, 5_000, 150_000
@@ -59,7 +57,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(args: argparse.Namespace) -> int:
     """Run the command."""
-    report(load(args.case, args.set))
+    with announced(say):
+        report(load(args.case, args.set))
     return 0
 
 
@@ -146,11 +145,7 @@ def _report_body(body: BodyFacts, case: Case) -> None:
 
 def _measure(scene: Scene, count: int) -> tuple[Costs, float]:
     """Costs of a step on this machine, and the part of particles that change layer in one."""
-    comm, D = Serial(), scene.dimension
-    identity = tuple(float(i == j) for i in range(D) for j in range(D))
-    with explained(scene.materials, D):
-        # As a run, which refuses materials that cannot be compiled before all else.
-        discard_damaged(lambda: warm_up(scene, identity))
+    comm = Serial()
     sizes = [min(_SMALLEST, count), _SMALL, *([min(_LARGE, count)] if count > 2 * _SMALL else [])]
     samples = samples_of(scene.case, count, comm, sizes)
     take_turns(samples, comm, _SECONDS)

@@ -199,6 +199,7 @@ def _run(
 ) -> bool:
     """Run a case in a directory; tell whether it reached its end."""
     from pgimp.case.reader import dump_case
+    from pgimp.kernels.cache import announced
     from pgimp.kernels.outside import digests
     from pgimp.output.hdf5 import load_h5py
     from pgimp.output.resume import Resumed
@@ -211,12 +212,17 @@ def _run(
         began = perf_counter()
         if comm.rank == 0:  # which takes longer than to write many a frame
             load_h5py()
-        found = take_up(case, comm, directory, log) if resume else None
-        if found == "done":
-            log.say(f"{output} holds this run, done already: nothing is left to do")
-            return True
-        resumed = found if isinstance(found, Resumed) else None
-        sim = _set_up(case, comm, log, began) if resumed is None else resumed.sim
+        with announced(log.say):
+            found = take_up(case, comm, directory, log) if resume else None
+            if found == "done":
+                log.say(f"{output} holds this run, done already: nothing is left to do")
+                return True
+            resumed = found if isinstance(found, Resumed) else None
+            sim = _set_up(case, comm, log, began) if resumed is None else resumed.sim
+        for note in sim.notes:
+            log.say(f"note: {note}")
+        for warning in sim.warnings:
+            log.say(f"warning: {warning}")
         step = None if resumed is None else sim.step
         texts = {"case.yaml": dump_case(case).encode()} | ({"input.yaml": text} if text else {})
         about = describe_start(comm, sim.count, step)
@@ -252,8 +258,4 @@ def _set_up(case: Case, comm: Any, log: Log, began: float) -> Any:
         f"{sim.count} particles in {sim.scene.dimension}D on {ranks}, "
         f"to t = {case.time.end:.6g}; set up in {duration(perf_counter() - began)}"
     )
-    for note in sim.notes:
-        log.say(f"note: {note}")
-    for warning in sim.warnings:
-        log.say(f"warning: {warning}")
     return sim

@@ -2,38 +2,44 @@
 
 from __future__ import annotations
 
-import os
-import pickle
 import pickletools
 import re
-import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
 from pgimp.doctor.finding import Finding
 from pgimp.doctor.probe import ask
+from pgimp.errors import UsageError
+from pgimp.kernels import sealed
+from pgimp.kernels.folder import wanted_folder
 
 PROBE = """
 import json
-from pgimp.kernels import jit
+from pgimp.kernels import folder, jit
 import llvmlite.binding, numba
 assert numba.njit(lambda x: x + 1)(1) == 2
 print(json.dumps({
     "version": numba.__version__,
     "cpu": llvmlite.binding.get_host_cpu_name(),
-    "folder": str(jit.cache_folder()),
-    "wanted": str(jit.wanted_folder()),
+    "folder": str(jit.FOLDER.path),
+    "wanted": str(folder.wanted_folder()),
+    "why_not": jit.FOLDER.why_not,
     "compiles": not numba.config.DISABLE_JIT,
 }))
 """
 
-#: What an LLVM target can do, such as +avx2,-avx512f: in Numba's index it follows the CPU's name.
+#: What an LLVM target can do, such as +avx2,-avx512f: in a kernel's key it follows the CPU's name.
 _FEATURES = re.compile(r"[+-][\w.-]+(,[+-][\w.-]+)+")
 _MOST_FILES = 200
 
 
 def examine() -> Iterator[Finding]:
     """Look at Numba, at the folder of its kernels, and at what is in there."""
+    try:
+        wanted_folder()
+    except UsageError as error:
+        yield Finding("Numba", "PGIMP_CACHE_DIR is empty", str(error), True)
+        return
     tried = ask(PROBE)
     if isinstance(tried, str):
         yield Finding("Numba", tried, "run scripts/setup again, or: pip install numba", True)
@@ -45,27 +51,17 @@ def examine() -> Iterator[Finding]:
             f"{tried['version']}, but NUMBA_DISABLE_JIT keeps it from compiling",
             "unset NUMBA_DISABLE_JIT: without compiled kernels pgimp is a hundred times slower",
         )
-    elif tried["folder"] != tried["wanted"]:
+    elif tried["why_not"]:
         yield Finding(
             "Numba",
             found,
-            f"they belong into {tried['wanted']}, where nothing can be written "
-            f"({_why_not(Path(tried['wanted']))}), so that they are compiled anew on every fresh "
-            "machine; export PGIMP_CACHE_DIR=FOLDER, one that can be written from all nodes",
+            f"they belong into {tried['wanted']}, but {tried['why_not']}, so that they are "
+            "compiled anew on every fresh machine; export PGIMP_CACHE_DIR=FOLDER, one that only "
+            "you can write to, from all nodes",
         )
     else:
         yield Finding("Numba", found)
     yield from types_of_cpu(Path(tried["folder"]))
-
-
-def _why_not(folder: Path) -> str:
-    """Return why no file can be made in a folder."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
-            return "now it can"
-    except OSError as error:
-        return os.strerror(error.errno) if error.errno else str(error)
 
 
 def types_of_cpu(folder: Path) -> Iterator[Finding]:
@@ -85,7 +81,7 @@ def types_of_cpu(folder: Path) -> Iterator[Finding]:
 def cached_targets(folder: Path) -> set[tuple[str, str]]:
     """Return the CPUs, name and instructions, for which there are kernels in a folder."""
     targets = set()
-    for path in sorted(folder.rglob("*.nbi"))[:_MOST_FILES]:
+    for path in sorted(folder.rglob("*.nbc"))[:_MOST_FILES]:
         before = ""
         for text in _texts(path):
             if _FEATURES.fullmatch(text):
@@ -95,12 +91,10 @@ def cached_targets(folder: Path) -> set[tuple[str, str]]:
 
 
 def _texts(path: Path) -> Iterator[str]:
-    """Yield the strings of a file of pickles, whose objects are not made."""
+    """Yield the strings of a kernel's key, the first of the file's pickles; nothing is made."""
     try:
-        with open(path, "rb") as file:
-            while file.peek(1):
-                for _, argument, _ in pickletools.genops(file):
-                    if isinstance(argument, str):
-                        yield argument
-    except (OSError, ValueError, pickle.UnpicklingError):  # damaged; a run renews it
+        for _, argument, _ in pickletools.genops(sealed.read(path)):
+            if isinstance(argument, str):
+                yield argument
+    except (OSError, sealed.UntrustedError):  # a run renews it
         return

@@ -1,4 +1,4 @@
-"""The disk cache of kernels that are compiled for types from outside the package.
+"""Types from outside the package: where kernels that are compiled for them are kept.
 
 A material that a user's program registers is a NamedTuple whose functions are compiled into the
 kernels. The name of the cache folder stands for pgimp's sources alone, and Numba's key for the
@@ -16,56 +16,27 @@ from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
 from typing import Any
 
-import numba
 import numpy as np
 from numba.core import types
-from numba.core.caching import FunctionCache, NullCache
 
 #: What these hold changes only with their versions, which Numba and the folder's name know.
 _KNOWN = {*sys.stdlib_module_names, "llvmlite", "numba", "numpy", "pgimp"} - {"__main__"}
 
 
-class KernelCache:
-    """Numba's disk cache of one kernel, with a part for each set of types from outside.
+def part_of(kinds: Iterable[Any]) -> str | None:
+    """Name the sub-folder for kernels that are compiled for Numba's types `kinds`.
 
-    Parameters
-    ----------
-    function : function
-        The kernel's Python function.
+    Returns
+    -------
+    str or None
+        Empty for the package's own types; None if another process would not find the types again.
     """
-
-    def __init__(self, function: Any) -> None:
-        self._function = function
-        self._own = FunctionCache(function)
-        self._parts: dict[str, Any] = {"": NullCache()}
-
-    def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """Return what is compiled for a signature, or None."""
-        return self._part(sig).load_overload(sig, target_context)
-
-    def save_overload(self, sig: Any, data: Any) -> None:
-        """Keep what is compiled for a signature."""
-        self._part(sig).save_overload(sig, data)
-
-    def __getattr__(self, name: str) -> Any:
-        """All else is as for pgimp's own types."""
-        return getattr(self._own, name)
-
-    def _part(self, sig: Any) -> Any:
-        classes = sorted(outsiders(getattr(sig, "args", sig)), key=_name)
-        if not classes:
-            return self._own
-        digests = [_digest_once(one) for one in classes]
-        name = hashlib.sha256(" ".join(digests).encode()).hexdigest()[:16] if all(digests) else ""
-        if name not in self._parts:
-            settings: Any = numba.config
-            base = settings.CACHE_DIR
-            try:
-                settings.CACHE_DIR = str(Path(base) / f"outside-{name}")
-                self._parts[name] = FunctionCache(self._function)
-            finally:
-                settings.CACHE_DIR = base
-        return self._parts[name]
+    classes = sorted(outsiders(kinds), key=_name)
+    digests = [_digest_once(one) for one in classes]
+    if not all(digests):
+        return None
+    text = " ".join(digests).encode()
+    return f"outside-{hashlib.sha256(text).hexdigest()[:16]}" if digests else ""
 
 
 def outsiders(kinds: Any) -> set[type]:

@@ -48,15 +48,13 @@ def share(case: Case, comm: Any) -> None:
 
 
 def _share(case: Case, comm: Any) -> None:
-    from pgimp.kernels.jit import discard_damaged
-
     release(case)
     known: dict[Mesh, Any] = {}
     for key, mesh in _meshes(case):
 
         def read(key: str = key, mesh: Mesh = mesh) -> Any:
             try:
-                return discard_damaged(lambda: mesh.surface)
+                return mesh.surface
             except CaseError as error:
                 raise CaseError(f"{key}: {error}") from None
 
@@ -65,7 +63,7 @@ def _share(case: Case, comm: Any) -> None:
         mesh.__dict__["surface"] = known[mesh]
     if known:
         with one_rank_first(comm):
-            discard_damaged(_warm_up)
+            _warm_up()
     _read_points(case, comm)
     if problems := on_root(comm, lambda: _beyond(case) or _away(case)):
         raise CaseError("\n".join(problems))

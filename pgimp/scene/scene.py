@@ -108,7 +108,9 @@ class Scene:
         self.material_names = used
         self.body_material = tuple(used.index(b.material) for b in case.bodies.values())
         self.material_of = np.array(self.body_material, np.int64)
-        self.materials = tuple(parameters_of(case.materials[name]) for name in used)
+        self.materials = tuple(
+            parameters_of(case.materials[name], self.dimension) for name in used
+        )
         with located(case):
             self.most_mass = self._weigh(used)
         named = case.boundaries

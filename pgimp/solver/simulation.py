@@ -7,10 +7,10 @@ import numpy as np
 
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError, RunError
-from pgimp.kernels.jit import discard_damaged
+from pgimp.kernels.cache import told
+from pgimp.kernels.jit import FOLDER
 from pgimp.kernels.order import layers_of
 from pgimp.kernels.sums import fastest_rate
-from pgimp.materials.outside import explained
 from pgimp.parallel.halo import Halo
 from pgimp.parallel.migrate import Migration
 from pgimp.parallel.node import one_rank_first, shares_cores
@@ -134,8 +134,9 @@ class Simulation:
         self.clock = clock_of(case)
         (share if source is None else do_without)(case, comm)
         require(scene, comm, None if source is None else source.count)
-        with one_rank_first(comm), explained(scene.materials, D):
-            discard_damaged(lambda: warm_up(scene, self.identity))
+        with one_rank_first(comm):
+            warm_up(scene, self.identity)
+        self._tell_of_kernels()
 
         if source is not None:
             restore(self, source)
@@ -151,6 +152,12 @@ class Simulation:
         self.warnings += nearness.doubts(case)
         release(case)
         self.warnings += check_first_step(self)
+
+    def _tell_of_kernels(self) -> None:
+        """Take up, once each, what ranks have to say of the cache on their nodes."""
+        said = self.comm.allgather((told(), FOLDER.warning))
+        self.notes += dict.fromkeys(line for lines, _ in said for line in lines)
+        self.warnings += dict.fromkeys(warning for _, warning in said if warning)
 
     def _create(
         self, lattice: Lattice, counts: np.ndarray, layer: np.ndarray
