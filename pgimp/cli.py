@@ -9,13 +9,11 @@ import os
 import sys
 import time
 from collections.abc import Sequence
-from contextlib import suppress
-from io import TextIOWrapper
 from pathlib import Path
-from typing import Any, NoReturn, cast
+from typing import Any, NoReturn
 
 from pgimp.commands import COMMANDS
-from pgimp.errors import PgimpError, UsageError
+from pgimp.errors import PgimpError, RunError, UsageError
 from pgimp.parallel.comm import (
     SharedUsageError,
     abort_on_error,
@@ -25,6 +23,7 @@ from pgimp.parallel.comm import (
     say,
     world,
 )
+from pgimp.terminal import guarded, silence
 
 # A rank other than the first waits this long before it prints an error of the set-up, which other
 # nodes may not have: if the first rank has it too, the launcher has ended the job by then.
@@ -58,7 +57,7 @@ class Parser(argparse.ArgumentParser):
     def print_help(self, file: Any = None) -> None:
         """Print the help, on the first rank."""
         if _is_first_rank():
-            super().print_help(file)
+            print(self.format_help(), end="", file=file, flush=True)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -74,24 +73,22 @@ def main(argv: Sequence[str] | None = None) -> int:
     int
         The exit status: 0 done, 1 failed, 2 the case or the command line is wrong.
     """
-    for stream in (sys.stdout, sys.stderr):
-        # Another program's stream may have no such method; a title may have any character.
-        with suppress(AttributeError, ValueError):
-            cast(TextIOWrapper, stream).reconfigure(errors="backslashreplace")
-    try:
-        status = _dispatch(list(sys.argv[1:] if argv is None else argv))
-        sys.stdout.flush()
-        return status
-    except BrokenPipeError:
-        # The interpreter flushes stdout once more at exit and would complain.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return _BROKEN_PIPE_STATUS
-    except KeyboardInterrupt as error:
-        return _complain(error, 130)
-    except PgimpError as error:
-        return _complain(error, error.exit_status)
-    except Exception as error:
-        return _complain(error, 1)
+    with guarded() as out:
+        try:
+            status = _dispatch(list(sys.argv[1:] if argv is None else argv))
+            out.flush()
+            return status
+        except KeyboardInterrupt as error:
+            return _complain(error, 130)
+        except PgimpError as error:
+            return _complain(error, error.exit_status)
+        except Exception as error:
+            if error is not out.error:
+                return _complain(error, 1)
+            silence(out)
+            if isinstance(error, BrokenPipeError):  # who reads has seen enough
+                return _BROKEN_PIPE_STATUS
+            return _complain(RunError(f"cannot write to standard output: {error.strerror}"), 1)
 
 
 def _dispatch(words: list[str]) -> int:

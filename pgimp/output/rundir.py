@@ -28,6 +28,7 @@ from pgimp.output.ownfiles import (
     require_room,
 )
 from pgimp.output.probefiles import PROBES
+from pgimp.terminal import escape
 
 #: State of a run whose directory is not yet cleared of the one before.
 STARTING = "starting"
@@ -230,7 +231,7 @@ class RunDirectory:
             os.close(os.open(self.path / FAILED, os.O_CREAT | os.O_EXCL | os.O_WRONLY))
             self._update(state=state, steps=step, time=when, message=message)
             with open(self.path / "log.txt", "a", encoding="utf-8") as stream:
-                stream.write(f"{state} at step {step}, t = {when!r}: {message}\n")
+                stream.write(f"{state} at step {step}, t = {when!r}: {escape(message)}\n")
 
     def finish(
         self, state: str, step: int, when: float, seconds: float, message: str | None = None
