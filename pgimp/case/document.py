@@ -27,6 +27,7 @@ from ruamel.yaml.scanner import Scanner
 from pgimp.case.messages import describe, dotted, shorten
 from pgimp.case.syntax import explain_syntax, position
 from pgimp.errors import CaseError
+from pgimp.plainfile import read_some
 
 LARGEST_FILE = 4_000_000
 """Bytes; a case is a few thousand, a table of a whole earthquake record some 100,000."""
@@ -75,10 +76,9 @@ def read(name: str | FilePath) -> bytes:
     Raises
     ------
     OSError
-        When it cannot be read.
+        When it cannot be read, or is a pipe into which nobody writes.
     """
-    with open(name, "rb") as stream:
-        return stream.read(LARGEST_FILE + 1)
+    return read_some(name, LARGEST_FILE + 1)
 
 
 def decode(content: bytes, filename: str) -> str:

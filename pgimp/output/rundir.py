@@ -16,6 +16,7 @@ from pgimp.errors import RunError, UsageError
 from pgimp.output import runinfo
 from pgimp.output.collective import explain, on_root
 from pgimp.output.files import write
+from pgimp.output.linereader import so_far
 from pgimp.output.ownfiles import (
     FAILED,
     FAILURE,
@@ -151,9 +152,11 @@ class RunDirectory:
             return None
         last = run["starts"][-1]
         if not (overwrite or resume):
+            state, steps = last["state"], last["steps"]
+            if state == "running":
+                state, steps = "running or killed", so_far(self.path).get("steps", 0)
             raise UsageError(
-                f"{self.path} holds a run ({last['state']}, begun {last['began']}, "
-                f"{last['steps']} steps).\n"
+                f"{self.path} holds a run ({state}, begun {last['began']}, {steps} steps).\n"
                 "Add --resume to go on with it, --overwrite to replace it, or choose another "
                 "directory with -o."
             )
