@@ -264,7 +264,7 @@ def test_version_needs_no_case(capsys):
 @pytest.mark.parametrize(
     ("error", "status", "said"),
     [
-        (BrokenPipeError(), 141, ""),
+        (BrokenPipeError(), 1, f"pgimp: unexpected BrokenPipeError {TRACEBACK_HINT}\n"),
         (KeyboardInterrupt(), 130, "pgimp: interrupted\n"),
         (MemoryError(), 1, "pgimp: out of memory\n"),
         (KeyError("x"), 1, f"pgimp: unexpected KeyError: 'x' {TRACEBACK_HINT}\n"),

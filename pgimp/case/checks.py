@@ -29,6 +29,7 @@ from pgimp.case.check_domain import (
     check_output,
     check_time,
 )
+from pgimp.case.check_numbers import check_numbers
 from pgimp.case.check_probes import check_probes
 from pgimp.case.problems import Problem
 
@@ -41,7 +42,7 @@ def check(parts: Mapping[str, Any]) -> list[Problem]:
     for name, key in (("declared", "materials"), ("body_names", "bodies")):
         if key in parts:
             parts = {name: tuple(parts[key]), **parts}
-    problems: list[Problem] = []
+    problems: list[Problem] = list(check_numbers(parts))
     for run in _CHECKS:
         names = inspect.signature(run).parameters
         if all(name in parts for name in names):
