@@ -6,6 +6,8 @@ import argparse
 import difflib
 import importlib
 import os
+import re
+import shlex
 import sys
 import time
 from collections.abc import Sequence
@@ -29,6 +31,8 @@ from pgimp.terminal import guarded, silence
 # nodes may not have: if the first rank has it too, the launcher has ended the job by then.
 _FIRST_RANK_SPEAKS_SECONDS = 3.0
 _BROKEN_PIPE_STATUS = 141
+# How launchers take the number of ranks, in one word or two.
+_RANKS = re.compile(r"(?:-n|-np|--np|--ntasks|--ranks)(?:=?(\d+))?")
 # These and a run are on all ranks; the other commands run on one and never initialise MPI.
 _PARALLEL = ("run", "bench")
 # These read cases, whose materials may come from outside the package.
@@ -108,6 +112,8 @@ def _dispatch(words: list[str]) -> int:
         if _is_first_rank():
             print(f"pgimp {version('pgimp')}")
         return 0
+    if wrong := _slip(words):
+        raise SharedUsageError(wrong)
     parser = Parser(
         prog="pgimp",
         usage="pgimp CASE.yaml [options]",
@@ -118,6 +124,27 @@ def _dispatch(words: list[str]) -> int:
     )
     parser.add_argument("--version", action="store_true", help="print the version and exit")
     return _execute("run", parser, words)
+
+
+def _slip(words: list[str]) -> str:
+    """Say what was probably meant by words that are no run of a case; empty if they may be one."""
+    name, rest = words[0], shlex.join(words[1:])
+    if name == "run" and not os.path.exists(name):
+        return f"there is no command run: a case is run with `{f'pgimp {rest}'.strip()}`"
+    if name.isidentifier() and len(words) > 1 and not os.path.exists(name):
+        near = difflib.get_close_matches(name, COMMANDS, n=1)
+        if near:
+            return f"there is no command {name}. Did you mean `pgimp {near[0]} {rest}`?"
+    for place, word in enumerate(words):
+        found = _RANKS.fullmatch(word)
+        number = found and (found[1] or next(iter(words[place + 1 :]), ""))
+        if number and number.isdecimal():
+            others = words[:place] + words[place + 1 + (not found[1]) :]
+            return (
+                "the number of ranks is for the launcher: "
+                f"`mpirun -n {number} {shlex.join(['pgimp', *others])}`"
+            )
+    return ""
 
 
 def _execute(name: str, parser: Parser, words: list[str]) -> int:

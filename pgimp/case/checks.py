@@ -42,11 +42,13 @@ def check(parts: Mapping[str, Any]) -> list[Problem]:
     for name, key in (("declared", "materials"), ("body_names", "bodies")):
         if key in parts:
             parts = {name: tuple(parts[key]), **parts}
-    problems: list[Problem] = list(check_numbers(parts))
+    problems: list[Problem] = []
     for run in _CHECKS:
         names = inspect.signature(run).parameters
         if all(name in parts for name in names):
             problems.extend(run(**{name: parts[name] for name in names}))
+    told = {item.path for item in problems}
+    problems += [item for item in check_numbers(parts) if item.path not in told]
     return problems
 
 
