@@ -130,7 +130,7 @@ def _slip(words: list[str]) -> str:
     """Say what was probably meant by words that are no run of a case; empty if they may be one."""
     name, rest = words[0], shlex.join(words[1:])
     if name == "run" and not os.path.exists(name):
-        return f"there is no command run: a case is run with `{f'pgimp {rest}'.strip()}`"
+        return f"there is no command run: a case is run with `pgimp {rest or 'CASE.yaml'}`"
     if name.isidentifier() and len(words) > 1 and not os.path.exists(name):
         near = difflib.get_close_matches(name, COMMANDS, n=1)
         if near:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from typing import Any
 
@@ -56,6 +56,8 @@ class Escaping:
     ----------
     raw : text stream
         The stream behind it.
+    last : bool
+        Whether it is the last one, so that nobody can be told when it breaks; it then goes silent.
 
     Attributes
     ----------
@@ -63,26 +65,28 @@ class Escaping:
         What the stream behind it raised last.
     """
 
-    def __init__(self, raw: Any) -> None:
+    def __init__(self, raw: Any, last: bool = False) -> None:
         self.raw = raw
         self.error: OSError | None = None
+        self._last = last
 
     def write(self, text: str) -> int:
         """Write text, escaped."""
-        try:
-            self.raw.write(escape(text))
-        except OSError as error:
-            self.error = error
-            raise
+        self._try(self.raw.write, escape(text))
         return len(text)
 
     def flush(self) -> None:
         """Write what waits to be written."""
+        self._try(self.raw.flush)
+
+    def _try(self, action: Callable[..., Any], *text: str) -> None:
         try:
-            self.raw.flush()
+            action(*text)
         except OSError as error:
             self.error = error
-            raise
+            if not self._last:
+                raise
+            silence(self.raw)
 
     def __getattr__(self, name: str) -> Any:
         """Be like the stream in everything else."""
@@ -115,7 +119,7 @@ def guarded() -> Iterator[Escaping]:
         with suppress(AttributeError, ValueError):
             stream.reconfigure(errors="backslashreplace")
     out = Escaping(sys.stdout)
-    sys.stdout, sys.stderr = out, Escaping(sys.stderr)  # type: ignore[assignment]
+    sys.stdout, sys.stderr = out, Escaping(sys.stderr, last=True)  # type: ignore[assignment]
     try:
         yield out
     finally:

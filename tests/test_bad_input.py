@@ -30,7 +30,7 @@ def test_mutated_cases_are_refused_or_run():
     ("text", "words"),
     [
         (BOMB, "'&l0': a case file has no anchors"),
-        ("format: !!python/object/apply:os.system [touch harm]", "the tag '!!python/object/apply:os.system'"),
+        ("format: !!python/object/apply:os.system [touch harm]", "the tag '!!python"),
         (GOOD.replace("format: 1", "format: !!int 1"), "the tag"),
         (GOOD + "base: &b {end: 1}\n", "no anchors and aliases"),
         (GOOD + "<<: {time: {end: 1}}\n", "<<: unknown key"),
