@@ -136,10 +136,11 @@ def _slip(words: list[str]) -> str:
         if near:
             return f"there is no command {name}. Did you mean `pgimp {near[0]} {rest}`?"
     for place, word in enumerate(words):
-        found = _RANKS.fullmatch(word)
-        number = found and (found[1] or next(iter(words[place + 1 :]), ""))
-        if number and number.isdecimal():
-            others = words[:place] + words[place + 1 + (not found[1]) :]
+        if (found := _RANKS.fullmatch(word)) is None:
+            continue
+        number = found[1] or next(iter(words[place + 1 :]), "")
+        if number.isdecimal():
+            others = words[:place] + words[place + (1 if found[1] else 2) :]
             return (
                 "the number of ranks is for the launcher: "
                 f"`mpirun -n {number} {shlex.join(['pgimp', *others])}`"

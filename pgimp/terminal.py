@@ -11,7 +11,8 @@ import re
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from typing import Any
+from io import TextIOWrapper
+from typing import Any, cast
 
 # Control characters but newline and tab, what turns the direction of text or is not seen, other
 # separators of lines, halves of characters (which names of files may have).
@@ -117,7 +118,7 @@ def guarded() -> Iterator[Escaping]:
     for stream in streams:
         # Another program's stream may have no such method; a title may have any character.
         with suppress(AttributeError, ValueError):
-            stream.reconfigure(errors="backslashreplace")
+            cast(TextIOWrapper, stream).reconfigure(errors="backslashreplace")
     out = Escaping(sys.stdout)
     sys.stdout, sys.stderr = out, Escaping(sys.stderr, last=True)  # type: ignore[assignment]
     try:

@@ -143,7 +143,7 @@ def test_a_run_that_goes_on_shows_its_steps(run):
     assert "running, 60 steps so far" in repr(found)
     history.unlink()
     assert "running, 200 steps so far" in repr(found)  # of the copied run.json
-    with pytest.raises(UsageError, match="running or killed, begun .*, 0 steps"):
+    with pytest.raises(UsageError, match=r"running or killed, begun .*, 0 steps"):
         run(resume=False)
 
 

@@ -10,8 +10,10 @@ from pgimp.case.problems import Problem
 
 #: In any units nature has none near these, and a product of two fits a float64.
 SMALLEST, LARGEST = 1e-150, 1e150
-# Parts whose numbers are divided by. Elsewhere, as in the tail of a pulse, the smallest are zero.
+# Parts whose numbers are divided by, but for some. Elsewhere, as in the tail of a pulse, the
+# smallest are as good as zero.
 _DIVISORS = ("materials", "time", "grid")
+_NO_DIVISORS = ("origin", "poisson", "viscosity")
 
 
 def check_numbers(parts: Mapping[str, Any]) -> Iterator[Problem]:
@@ -25,7 +27,7 @@ def _check(path: tuple[str | int, ...], value: Any, divides: bool) -> Iterator[P
     if isinstance(value, Mapping | tuple | list):
         entries = value.items() if isinstance(value, Mapping) else enumerate(value)
         for key, entry in entries:
-            yield from _check((*path, key), entry, divides and key != "origin")
+            yield from _check((*path, key), entry, divides and key not in _NO_DIVISORS)
     elif isinstance(value, int | float) and value != 0:
         if abs(value) > LARGEST:
             what, limit = "large", f"at most {LARGEST:g}"

@@ -134,7 +134,8 @@ def read(path: Path) -> np.ndarray:
     """
     blocks: list[np.ndarray] = []
     rows: list[tuple[float, ...]] = []
-    number, names = 1, np.dtype([])
+    number = width = 1
+    names = np.dtype([])
     try:
         with open_plain(path) as stream:
             # The last line has no end yet, or is empty.
@@ -142,10 +143,11 @@ def read(path: Path) -> np.ndarray:
                 text = line.decode(errors="replace").rstrip("\r\n").split(",")
                 if number == 1:
                     names = np.dtype([(name, np.float64) for name in text])
+                    width = len(text)
                 else:
                     rows.append(tuple(float(value or "nan") for value in text))
-                    if len(text) != len(names):
-                        raise ValueError(f"{len(text)} values in {len(names)} columns")
+                    if len(text) != width:
+                        raise ValueError(f"{len(text)} values in {width} columns")
                 number += 1
                 if len(rows) == _BLOCK:
                     blocks.append(np.array(rows, names))
