@@ -51,7 +51,7 @@ def fake_run(case, text, comm, output, overwrite, resume, log, stop):
 
 
 run._run = fake_run
-check._report_cost = lambda *args: None
+check.report = lambda case, *more: print(f"{case.title}: valid")
 bench.measure = lambda *args: BENCH
 bench._table = str
 doctor._examine = lambda: iter([Finding("machine", "is one")])
