@@ -22,6 +22,9 @@ def main() -> int:
         The exit status, which signals no longer change.
     """
     try:
+        from pgimp import terminal
+
+        terminal.reopen()
         from pgimp import cli
 
         return cli.main()

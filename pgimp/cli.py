@@ -6,16 +6,16 @@ import argparse
 import difflib
 import importlib
 import os
+import re
+import shlex
 import sys
 import time
 from collections.abc import Sequence
-from contextlib import suppress
-from io import TextIOWrapper
 from pathlib import Path
-from typing import Any, NoReturn, cast
+from typing import Any, NoReturn
 
 from pgimp.commands import COMMANDS
-from pgimp.errors import PgimpError, UsageError
+from pgimp.errors import PgimpError, RunError, UsageError
 from pgimp.parallel.comm import (
     SharedUsageError,
     abort_on_error,
@@ -25,11 +25,14 @@ from pgimp.parallel.comm import (
     say,
     world,
 )
+from pgimp.terminal import guarded, silence
 
 # A rank other than the first waits this long before it prints an error of the set-up, which other
 # nodes may not have: if the first rank has it too, the launcher has ended the job by then.
 _FIRST_RANK_SPEAKS_SECONDS = 3.0
 _BROKEN_PIPE_STATUS = 141
+# How launchers take the number of ranks, in one word or two.
+_RANKS = re.compile(r"(?:-n|-np|--np|--ntasks|--ranks)(?:=?(\d+))?")
 # These and a run are on all ranks; the other commands run on one and never initialise MPI.
 _PARALLEL = ("run", "bench")
 # These read cases, whose materials may come from outside the package.
@@ -58,7 +61,7 @@ class Parser(argparse.ArgumentParser):
     def print_help(self, file: Any = None) -> None:
         """Print the help, on the first rank."""
         if _is_first_rank():
-            super().print_help(file)
+            print(self.format_help(), end="", file=file, flush=True)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -74,24 +77,22 @@ def main(argv: Sequence[str] | None = None) -> int:
     int
         The exit status: 0 done, 1 failed, 2 the case or the command line is wrong.
     """
-    for stream in (sys.stdout, sys.stderr):
-        # Another program's stream may have no such method; a title may have any character.
-        with suppress(AttributeError, ValueError):
-            cast(TextIOWrapper, stream).reconfigure(errors="backslashreplace")
-    try:
-        status = _dispatch(list(sys.argv[1:] if argv is None else argv))
-        sys.stdout.flush()
-        return status
-    except BrokenPipeError:
-        # The interpreter flushes stdout once more at exit and would complain.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return _BROKEN_PIPE_STATUS
-    except KeyboardInterrupt as error:
-        return _complain(error, 130)
-    except PgimpError as error:
-        return _complain(error, error.exit_status)
-    except Exception as error:
-        return _complain(error, 1)
+    with guarded() as out:
+        try:
+            status = _dispatch(list(sys.argv[1:] if argv is None else argv))
+            out.flush()
+            return status
+        except KeyboardInterrupt as error:
+            return _complain(error, 130)
+        except PgimpError as error:
+            return _complain(error, error.exit_status)
+        except Exception as error:
+            if error is not out.error:
+                return _complain(error, 1)
+            silence(out)
+            if isinstance(error, BrokenPipeError):  # who reads has seen enough
+                return _BROKEN_PIPE_STATUS
+            return _complain(RunError(f"cannot write to standard output: {error.strerror}"), 1)
 
 
 def _dispatch(words: list[str]) -> int:
@@ -111,6 +112,8 @@ def _dispatch(words: list[str]) -> int:
         if _is_first_rank():
             print(f"pgimp {version('pgimp')}")
         return 0
+    if wrong := _slip(words):
+        raise SharedUsageError(wrong)
     parser = Parser(
         prog="pgimp",
         usage="pgimp CASE.yaml [options]",
@@ -121,6 +124,28 @@ def _dispatch(words: list[str]) -> int:
     )
     parser.add_argument("--version", action="store_true", help="print the version and exit")
     return _execute("run", parser, words)
+
+
+def _slip(words: list[str]) -> str:
+    """Say what was probably meant by words that are no run of a case; empty if they may be one."""
+    name, rest = words[0], shlex.join(words[1:])
+    if name == "run" and not os.path.exists(name):
+        return f"there is no command run: a case is run with `pgimp {rest or 'CASE.yaml'}`"
+    if name.isidentifier() and len(words) > 1 and not os.path.exists(name):
+        near = difflib.get_close_matches(name, COMMANDS, n=1)
+        if near:
+            return f"there is no command {name}. Did you mean `pgimp {near[0]} {rest}`?"
+    for place, word in enumerate(words):
+        if (found := _RANKS.fullmatch(word)) is None:
+            continue
+        number = found[1] or next(iter(words[place + 1 :]), "")
+        if number.isdecimal():
+            others = words[:place] + words[place + (1 if found[1] else 2) :]
+            return (
+                "the number of ranks is for the launcher: "
+                f"`mpirun -n {number} {shlex.join(['pgimp', *others])}`"
+            )
+    return ""
 
 
 def _execute(name: str, parser: Parser, words: list[str]) -> int:

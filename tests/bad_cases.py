@@ -69,6 +69,12 @@ MISTAKES = [
     # Types
     ("1.0e6", '"1.0e6"', "13: materials.steel.young", "got the text '1.0e6'", "without quotes"),
     ("1.0e6", "1_000_000", "13: materials.steel.young", "write the number as 1000000,"),
+    ("1.0e6", '"1e6"', "13: materials.steel.young", "PyYAML takes it for text"),
+    ("1.0e6", "1,5", "13: materials.steel.young", "a decimal point, not a comma: 1.5"),
+    ("cell: [0.5, 0.5]", "cell: [1,5, 1,5]", "5: grid.cell", "at most 3", "decimal commas?"),
+    ("x-min: fixed", "x-min: {velocity: [1.0, 0.0], 3}", "27: boundaries.x-min.3", "not a comma"),
+    ("1.0e6", "1e-300", "13: materials.steel.young", "too small to compute with"),
+    ("1.0e6", "1e300", "13: materials.steel.young", "too large to compute with"),
     ("1.0e6", "1.0d6", "13: materials.steel.young", "write the number as 1.0e6,"),
     ("1.0e6", "true", "13: materials.steel.young", "expected a number, got true"),
     ("1.0e6", "[1.0e6]", "13: materials.steel.young", "expected a number, got a list of 1"),

@@ -3,6 +3,7 @@
 import re
 import sys
 from pathlib import Path
+from time import process_time
 
 import pytest
 from bad_cases import BALL, GOOD
@@ -29,7 +30,7 @@ def test_mutated_cases_are_refused_or_run():
     ("text", "words"),
     [
         (BOMB, "'&l0': a case file has no anchors"),
-        ("format: !!python/object/apply:os.system [touch harm]", "the tag 'tag:yaml.org"),
+        ("format: !!python/object/apply:os.system [touch harm]", "the tag '!!python"),
         (GOOD.replace("format: 1", "format: !!int 1"), "the tag"),
         (GOOD + "base: &b {end: 1}\n", "no anchors and aliases"),
         (GOOD + "<<: {time: {end: 1}}\n", "<<: unknown key"),
@@ -58,6 +59,18 @@ def test_the_nastiest_by_hand(text, words):
     lines = str(caught.value).splitlines()
     assert len(lines) <= 10 and all(len(line) < 400 and line.isprintable() for line in lines)
     assert any(words in line for line in lines), lines
+
+
+@pytest.mark.parametrize("begin", ["!", "!<", "!a!", "!%41", "&", "*", "[!", "? !", "%"])
+def test_a_token_of_megabytes_takes_no_longer_than_its_length(begin):
+    """Of what a case has no use for, the scanner took minutes, growing with the square."""
+    text = f"a: 1\n{begin}{'a' * 2_000_000} 1\n"
+    began = process_time()
+    with pytest.raises(CaseError) as caught:
+        read_case(text, "case.yaml")
+    # 0.02 s for most, 1.5 s for a plain text; a tag took minutes.
+    assert process_time() - began < 8.0
+    assert len(str(caught.value)) < 400
 
 
 def test_more_values_than_anyone_writes_are_refused(monkeypatch):

@@ -201,6 +201,17 @@ def test_cancelled_job_is_not_requeued(job):
     assert not job.requeued
 
 
+def test_a_killed_rank_leaves_a_line(job, folder):
+    (folder / "blocks.out").mkdir()
+    (folder / "blocks.out" / "log.txt").write_text("so far\n")
+    status, said = job().run("137")  # as mpirun ends, of which a rank got a SIGKILL
+    line = "batch: a rank was ended by signal 9, as happens when memory runs out"
+    assert status == 137 and line in said
+    assert (folder / "blocks.out" / "log.txt").read_text() == f"so far\n{line}\n"
+    assert "ended with status 1" in job.run("1")[1]
+    assert job.run("0") == (0, "")
+
+
 def test_refused_requeue(job):
     status, said = job().run("checkpoint 75", REFUSED="1")
     assert status == 75

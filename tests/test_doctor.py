@@ -138,6 +138,16 @@ def test_one_rank_is_enough_where_there_is_no_mpi(monkeypatch, capsys):
     assert "pgimp works here" in said
 
 
+def test_a_launcher_is_started_as_people_do(programs, monkeypatch):
+    """Open MPI's mpirun in /bin, called by its path, takes / for its prefix and refuses."""
+    name = programs("mpirun", "#!/bin/bash\n")
+    words = []
+    monkeypatch.setattr(mpi, "ask", lambda *args, launch: words.append(launch) or {"ranks": 2,
+                        "parallel": False})  # fmt: skip
+    assert not mpi._two_ranks(OPEN_MPI, str(name), mpi._MPIRUN).broken
+    assert words[0][0] == "mpirun"
+
+
 def test_launcher_that_does_not_start(programs, monkeypatch):
     programs("mpirun", "#!/bin/bash\n[ $1 = --version ] || echo 'no daemon here' >&2; exit 3\n")
     monkeypatch.delenv("SLURM_JOB_ID", raising=False)

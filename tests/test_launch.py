@@ -244,6 +244,13 @@ def test_no_arguments_explains_itself(capsys):
         (["--quiet", "check"], "the command must be the first word: pgimp check"),
         (["case.yaml", "--overwite"], "unrecognized arguments: --overwite"),
         (["-o"], "expected one argument"),
+        (["chekc", "x"], "there is no command chekc. Did you mean `pgimp check x`?"),
+        (["run", "case.yaml"], "a case is run with `pgimp case.yaml`"),
+        (["run"], "a case is run with `pgimp CASE.yaml`"),
+        (["-n", "4", "case.yaml"], "for the launcher: `mpirun -n 4 pgimp case.yaml`"),
+        (["case.yaml", "-np", "4", "--quiet"], "`mpirun -n 4 pgimp case.yaml --quiet`"),
+        (["-n4", "case.yaml"], "`mpirun -n 4 pgimp case.yaml`"),
+        (["case.yaml", "-n"], "unrecognized arguments: -n"),
         (["doctor", "--bogus"], "unrecognized arguments: --bogus"),
     ],
 )
@@ -264,7 +271,7 @@ def test_version_needs_no_case(capsys):
 @pytest.mark.parametrize(
     ("error", "status", "said"),
     [
-        (BrokenPipeError(), 141, ""),
+        (BrokenPipeError(), 1, f"pgimp: unexpected BrokenPipeError {TRACEBACK_HINT}\n"),
         (KeyboardInterrupt(), 130, "pgimp: interrupted\n"),
         (MemoryError(), 1, "pgimp: out of memory\n"),
         (KeyError("x"), 1, f"pgimp: unexpected KeyError: 'x' {TRACEBACK_HINT}\n"),

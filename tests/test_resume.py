@@ -118,6 +118,41 @@ def test_what_is_missing_of_the_earlier_output_is_said(run, capsys):
     assert (resumed.path / "particles.xdmf").read_text().count("<Time") == 8
 
 
+@pytest.mark.parametrize(
+    ("places", "words"),
+    [
+        # Lines of the steps 0, 30, 60, 90, 120, 150, 180 and 200; the checkpoint is of step 160.
+        ([0, 1, 3, 4, 5, 6, 7], ":4: there are 5 lines up to step 150, but there were 6"),
+        ([1, 2, 3, 4, 5, 6, 7], ":2: there are 5 lines up to step 150"),
+        ([0, 4, 5, 6, 7], "gap is from step 0 to step 120"),
+        ([0, 1, 2, 4, 3, 5, 6, 7], ":6: step 90 follows step 120"),
+        ([0, 1, 2, 2, 3, 4, 5], ":5: step 60 follows step 60"),
+        ([0, 1, 2, 3, 4, 6, 7], ":7: step 180 follows step 120, but there was a line of step 150"),
+    ],
+)
+def test_lines_missing_inside_a_history_are_noticed(run, places, words):
+    history = run.output / "history.csv"
+    names, *lines = history.read_text().splitlines(keepends=True)
+    history.write_text(names + "".join(lines[place] for place in places))
+    before = history.read_bytes(), (run.output / "run.json").read_bytes()
+    with pytest.raises(UsageError) as caught:
+        run()
+    assert words in str(caught.value) and "move it away" in str(caught.value)
+    assert before == (history.read_bytes(), (run.output / "run.json").read_bytes())
+
+
+def test_a_run_that_goes_on_shows_its_steps(run):
+    found = pgimp.open(run.output)
+    history = run.output / "history.csv"
+    history.write_text("".join(history.read_text().splitlines(keepends=True)[:4]) + "0.7,7")
+    assert (found.info["steps"], found.info["time"]) == (60, 0.6)
+    assert "running, 60 steps so far" in repr(found)
+    history.unlink()
+    assert "running, 200 steps so far" in repr(found)  # of the copied run.json
+    with pytest.raises(UsageError, match=r"running or killed, begun .*, 0 steps"):
+        run(resume=False)
+
+
 def test_what_may_change_changes_no_particle(run, whole, capsys):
     changes = ["title=Another", "output={every: 0.1, fields: [stress]}", "history={every: 0.05}"]
     resumed = run(*changes, quiet=False)

@@ -256,6 +256,15 @@ wait "$run" || status=$?
 
 # --- What next? ---
 
+if [ "$status" -gt 128 ] && [ "$status" != 138 ] && ! "$cancelled"; then
+    why="a rank was ended by signal $((status - 128))"
+    [ "$status" != 137 ] || why="$why, as happens when memory runs out"
+    say "$why; submit this script again to go on from the last checkpoint"
+    [ ! -f "$output/log.txt" ] || printf 'batch: %s\n' "$why" >>"$output/log.txt"
+elif [ "$status" != 0 ] && [ "$status" != 75 ] && [ "$status" != 138 ]; then
+    say "the run ended with status $status; its message is above, and in $output/log.txt"
+fi
+
 @@{timed}stuck=$output/.batch-stuck # the last job got no further
 case $status in
 0) rm -f -- "$stuck"; exit 0 ;;

@@ -29,6 +29,7 @@ from pgimp.case.check_domain import (
     check_output,
     check_time,
 )
+from pgimp.case.check_numbers import check_numbers
 from pgimp.case.check_probes import check_probes
 from pgimp.case.problems import Problem
 
@@ -46,6 +47,8 @@ def check(parts: Mapping[str, Any]) -> list[Problem]:
         names = inspect.signature(run).parameters
         if all(name in parts for name in names):
             problems.extend(run(**{name: parts[name] for name in names}))
+    told = {item.path for item in problems}
+    problems += [item for item in check_numbers(parts) if item.path not in told]
     return problems
 
 

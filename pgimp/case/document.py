@@ -14,7 +14,6 @@ from typing import Any
 from ruamel.yaml import YAML
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
 from ruamel.yaml.events import (
-    AliasEvent,
     CollectionEndEvent,
     DocumentStartEvent,
     Event,
@@ -23,10 +22,12 @@ from ruamel.yaml.events import (
     ScalarEvent,
     SequenceStartEvent,
 )
+from ruamel.yaml.scanner import Scanner
 
 from pgimp.case.messages import describe, dotted, shorten
 from pgimp.case.syntax import explain_syntax, position
 from pgimp.errors import CaseError
+from pgimp.plainfile import read_some
 
 LARGEST_FILE = 4_000_000
 """Bytes; a case is a few thousand, a table of a whole earthquake record some 100,000."""
@@ -36,6 +37,8 @@ DEEPEST = 32
 
 MOST_VALUES = 200_000
 """Keys, values and list entries: some seconds of reading; a table of 50,000 rows."""
+
+_LONGEST_SHOWN = 70
 
 MOST_MESSAGES = 9
 """Lines about what is wrong; the mistakes in the others are often the same."""
@@ -73,10 +76,9 @@ def read(name: str | FilePath) -> bytes:
     Raises
     ------
     OSError
-        When it cannot be read.
+        When it cannot be read, or is a pipe into which nobody writes.
     """
-    with open(name, "rb") as stream:
-        return stream.read(LARGEST_FILE + 1)
+    return read_some(name, LARGEST_FILE + 1)
 
 
 def decode(content: bytes, filename: str) -> str:
@@ -122,8 +124,12 @@ def parse(text: str, filename: str) -> Document:
         )
     builder = _Builder(filename)
     try:
-        for event in YAML(typ="safe", pure=True).parse(text):
+        reader = YAML(typ="safe", pure=True)
+        reader.Scanner = _Scanner
+        for event in reader.parse(text):
             builder.take(event)
+    except _ForeignError as error:
+        raise CaseError(f"{position(filename, error.mark)}: {error}") from None
     except MarkedYAMLError as error:
         raise CaseError(explain_syntax(error, text, filename)) from None
     except (YAMLError, ValueError) as error:
@@ -154,6 +160,31 @@ def scalar(text: str) -> Any:
     if _NOT_FINITE.fullmatch(text):
         return float(text.replace(".", ""))
     return text
+
+
+class _ForeignError(Exception):
+    """What is YAML, but has no place in a case file; and where it is."""
+
+    def __init__(self, text: str, mark: Any) -> None:
+        super().__init__(text)
+        self.mark = mark
+
+
+class _Scanner(Scanner):
+    """Refuses anchors, aliases and tags where they begin: a tag of megabytes takes minutes."""
+
+    def fetch_anchor(self) -> None:
+        self._refuse("", "anchors and aliases; write it out")
+
+    fetch_alias = fetch_anchor
+
+    def fetch_tag(self) -> None:
+        self._refuse("the tag ", "tags; leave it out")
+
+    def _refuse(self, kind: str, why: str) -> None:
+        found = re.match(r"[^\s\0,\[\]{}]*", self.reader.prefix(_LONGEST_SHOWN))
+        name = shorten(found[0] if found else "")
+        raise _ForeignError(f"{kind}'{name}': a case file has no {why}", self.reader.get_mark())
 
 
 class _Builder:
@@ -187,20 +218,7 @@ class _Builder:
                 raise self.fail(
                     event, f"more than {MOST_VALUES:,} keys and values are too many for a case"
                 )
-            self._check(event)
             self._node(event)
-
-    def _check(self, event: NodeEvent) -> None:
-        if isinstance(event, AliasEvent) or event.anchor:
-            sign = "*" if isinstance(event, AliasEvent) else "&"
-            raise self.fail(
-                event,
-                f"'{sign}{shorten(event.anchor)}': a case file has no anchors and aliases; "
-                "write it out",
-            )
-        if tag := getattr(event, "tag", None):
-            name = shorten(str(tag))
-            raise self.fail(event, f"the tag '{name}': a case file has no tags; leave it out")
 
     def _node(self, event: NodeEvent) -> None:
         container, path = self.open[-1] if self.open else (None, ())

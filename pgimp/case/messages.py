@@ -14,6 +14,10 @@ from pydantic_core import ErrorDetails, ValidationError
 from pgimp.case.problems import ABSENT, KIND, MOST_PROBLEMS, Problem
 
 _NUMBER_LIKE = re.compile(r"[-+]?(\d[\d_]*(\.\d*)?|\.\d+)([eEdD][-+]?\d+)?")
+# What PyYAML, of YAML 1.1, takes for a number with an exponent.
+_PYYAML = re.compile(r"[-+]?(\d+\.\d*|\.\d+)[eE][-+]\d+")
+_COMMA = re.compile(r"([-+]?\d+),(\d+([eE][-+]?\d+)?)")
+_DIGITS = re.compile(r"\d+([eE][-+]?\d+)?")
 _COLON = re.compile(r"([A-Za-z][A-Za-z0-9_-]*):(\S.*)")
 
 
@@ -64,6 +68,10 @@ def got(value: Any) -> str:
         if _NUMBER_LIKE.fullmatch(value):
             plain = re.sub("[dD]", "e", value.replace("_", ""))
             text += f"; write the number as {shorten(plain)}, without quotes"
+            if "e" in plain and not _PYYAML.fullmatch(plain):
+                text += " (PyYAML takes it for text: it wants a point and a sign, as in 1.0e+6)"
+        elif match := _COMMA.fullmatch(value):
+            text += f"; a decimal point, not a comma: {shorten(f'{match[1]}.{match[2]}')}"
         elif match := _COLON.fullmatch(value):
             parts = f"{shorten(match[1])}: {shorten(match[2])}"
             text += f"; a space is missing after the colon: '{parts}'"
@@ -171,6 +179,11 @@ def _text(item: ErrorDetails, keys: Mapping[str, str]) -> str:
     if kind in (KIND, ABSENT):
         return context["text"]
     if kind == "extra_forbidden":
+        if value is None and _DIGITS.fullmatch(str(loc[-1])):
+            return (
+                f"unknown key '{shorten(str(loc[-1]))}'; a number takes a decimal point, not a "
+                f"comma: 0.{shorten(str(loc[-1]))}, where 0 stands for what is before the comma"
+            )
         return unknown("key", str(loc[-1]), keys, "allowed")
     if kind == "missing":
         meaning = keys.get(str(loc[-1]), "").rstrip(".") if len(loc) == 1 else ""
@@ -184,7 +197,10 @@ def _text(item: ErrorDetails, keys: Mapping[str, str]) -> str:
         least = kind == "too_short"
         limit = context["min_length" if least else "max_length"]
         entries = "entry" if limit == 1 else "entries"
-        return f"expected at {'least' if least else 'most'} {limit} {entries}, {got(value)}"
+        text = f"expected at {'least' if least else 'most'} {limit} {entries}, {got(value)}"
+        if not least and all(isinstance(entry, int) for entry in value):
+            text += "; are there decimal commas? Numbers take a point, 0.5"
+        return text
     if kind == "string_too_short":
         return "expected text, got none"
     if kind == "string_too_long":

@@ -19,6 +19,7 @@ from pgimp.output.ownfiles import RUN
 from pgimp.output.runinfo import installed
 from pgimp.output.stop import wall_time
 from pgimp.parallel.comm import Serial
+from pgimp.plainfile import read_plain
 from pgimp.scene.geometry import share
 from pgimp.scene.scene import Scene, count_particles
 
@@ -26,6 +27,7 @@ _WORD = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+:@/-]*", re.ASCII)
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_.+-]{0,62}", re.ASCII)
 _LAUNCHERS = ("mpirun", "mpiexec", "srun")
 _MOST = 10_000_000
+_LARGEST = 1 << 20
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -184,7 +186,7 @@ def _job_name(case: str) -> str:
 
 def _save(path: Path, text: str, overwrite: bool) -> None:
     try:
-        if path.exists() and not overwrite and path.read_bytes() != text.encode():
+        if path.exists() and not overwrite and read_plain(path, _LARGEST) != text.encode():
             raise UsageError(f"there is a {path}; add --overwrite or name another with --script")
         files.write(path, text)
         path.chmod(0o755 & ~_umask())

@@ -12,11 +12,14 @@ from importlib.resources import files as installed
 from pathlib import Path
 
 from pgimp.errors import UsageError
+from pgimp.plainfile import read_plain
 
 #: The schemas that editors read, beside the case and beside the study.
 SCHEMA, STUDY_SCHEMA = "pgimp-schema.json", "pgimp-study-schema.json"
 
 _STUDIES = "studies/"
+# Bytes of what is beside a case, far more than a mesh that comes with one.
+_LARGEST = 64 << 20
 _FILE = re.compile(r"^ *file: ([\w.-]+)", re.MULTILINE)
 _LINE = "# yaml-language-server: $schema="
 _OTHER_WAY = re.compile(r"\n#? *\(or: scripts/run [^)]*\)|[ \t]*\(or: scripts/run [^)]*\)")
@@ -182,13 +185,13 @@ def _write(path: Path, text: str) -> None:
 def _write_beside(path: Path, text: str, otherwise: str) -> None:
     """Write a file that the case goes with, or say what it means that there is another one."""
     try:
-        there = path.read_bytes()
+        there = read_plain(path, _LARGEST)
     except FileNotFoundError:
         _write(path, text)
         print(f"{path}: written")
         return
     except OSError as error:
-        raise UsageError(f"cannot read {path}: {error.strerror}") from None
+        raise UsageError(f"cannot read {path}: {error.strerror or error}") from None
     if there != text.encode():
         print(f"{path}: there already, and left alone; {otherwise}")
 

@@ -7,6 +7,7 @@ import fcntl
 import os
 import shlex
 import signal
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -24,6 +25,7 @@ from pgimp.study.measures import number
 from pgimp.study.plan import Plan, read_plan
 from pgimp.study.runs import DONE, Outcome, command, perform
 from pgimp.study.tables import as_csv, as_markdown, compare
+from pgimp.terminal import unescaped
 
 TABLE, PAGE, PICTURE, COPY = "study.csv", "study.md", "study.png", "study.yaml"
 _LOCK = ".lock"
@@ -167,7 +169,7 @@ def _bar(log: Log, total: int) -> Iterator[Any]:
         MofNCompleteColumn(),
         TimeElapsedColumn(),
         TextColumn("{task.fields[text]}", table_column=Column(no_wrap=True, overflow="ellipsis")),
-        console=Console(force_terminal=True, width=columns),
+        console=Console(file=unescaped(sys.stdout), force_terminal=True, width=columns),
         transient=True,
         refresh_per_second=_REFRESHES,  # the runs are being timed
     )

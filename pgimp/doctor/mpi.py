@@ -145,7 +145,9 @@ def _two_ranks(mpi: dict[str, Any], launcher: str, ways: Sequence[Sequence[str]]
     answers: list[Answer] = []
     with tempfile.TemporaryDirectory() as folder:
         for options in ways:
-            words = [launcher, *options, "-n", "2"]
+            # By its name, as people start it: called as /bin/mpirun, Open MPI's refuses, because it
+            # takes what is before /bin for its prefix.
+            words = [name, *options, "-n", "2"]
             tried = ask(_RANKS_PROBE, os.path.join(folder, "parallel.h5"), launch=words)
             answers.append(tried)
             if isinstance(tried, dict) and tried["ranks"] == 2:

@@ -41,6 +41,7 @@ class About(BaseModel):
     case: str
     frames: int = Field(ge=0, le=2**53)
     history: int = Field(ge=-1, le=2**53)
+    lines: int | None = Field(default=None, ge=0, le=2**53)
     probes: dict[str, Record] = {}
     written: str
     made_by: dict[str, str | None]
@@ -130,7 +131,12 @@ class Checkpoints:
         return monotonic() >= self._next
 
     def write(
-        self, sim: Any, frames: int, line: int, probes: Mapping[str, Record] = MappingProxyType({})
+        self,
+        sim: Any,
+        frames: int,
+        line: int,
+        probes: Mapping[str, Record] = MappingProxyType({}),
+        lines: int | None = None,
     ) -> bool:
         """Write a checkpoint, unless there is one of this step and this output; collective.
 
@@ -142,6 +148,8 @@ class Checkpoints:
             Number of frames, and step of the last line of the history, which are safe on disk.
         probes : mapping of str to Record
             Likewise of the probes.
+        lines : int, optional
+            Number of lines of the history.
 
         Returns
         -------
@@ -164,6 +172,7 @@ class Checkpoints:
             "case": self._case,
             "frames": frames,
             "history": line,
+            "lines": lines,
             "probes": {name: record.model_dump() for name, record in probes.items()},
             "written": runinfo.now(),
             "made_by": self._made_by,

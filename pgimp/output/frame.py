@@ -10,9 +10,11 @@ import numpy as np
 
 from pgimp.errors import PgimpError, RunError
 from pgimp.output.collective import explain
-from pgimp.output.hdf5 import open_file
+from pgimp.output.hdf5 import load_h5py, open_file
 from pgimp.output.ownfiles import FRAME
-from pgimp.output.tables import data_frame
+from pgimp.output.tables import absent, data_frame
+from pgimp.plainfile import require_plain
+from pgimp.terminal import escape
 
 if TYPE_CHECKING:
     import pandas
@@ -58,7 +60,7 @@ class Frame:
             self.step = int(file.attrs["step"])
             self.bodies = [str(name) for name in file.attrs["bodies"]]
             self.materials = [str(name) for name in file.attrs["materials"]]
-            self.fields = [name for name in file if name != "connectivity"]
+            self.fields = [name for name in file.names if name != "connectivity"]
             self.types = {name: file[name].dtype.newbyteorder("<").str for name in self.fields}
             self._count = len(file["id"])
 
@@ -77,7 +79,8 @@ class Frame:
     def __repr__(self) -> str:
         """Say which frame it is and what it has."""
         fields = ", ".join(self.fields)
-        return f"<Frame {self.number}: t = {self.time:.6g}, {self._count} particles; {fields}>"
+        said = f"<Frame {self.number}: t = {self.time:.6g}, {self._count} particles; {fields}>"
+        return escape(said)
 
     def __contains__(self, name: object) -> bool:
         """Tell whether the frame has a field."""
@@ -124,7 +127,7 @@ class Frame:
             If the frame does not have the field.
         """
         if name not in self.fields:
-            raise KeyError(f"{self.path.name} has no field {name}; it has {', '.join(self.fields)}")
+            raise KeyError(absent(f"field {name!r} in {self.path.name}", str(name), self.fields))
         with Reading(self.path) as file:
             return file[name][first:last]
 
@@ -153,26 +156,83 @@ class Frame:
         return data_frame({"id": self["id"]} | {name: self[name] for name in wanted}, index="id")
 
 
+# What h5py raises for a file that is not what it should be, and what comes of odd types and shapes.
+_DAMAGES = (OSError, KeyError, TypeError, ValueError, AttributeError, RuntimeError)
+
+
 class Reading:
     """A file open for reading, whose errors, each a RunError, name it."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
 
-    def __enter__(self) -> Any:
+    def __enter__(self) -> Content:
         """Open the file."""
         try:
+            require_plain(self.path)
             self._file = open_file(self.path, "r")
+            return Content(self._file)
         except OSError as error:
             raise self._damage(error) from error
-        return self._file
 
     def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
         """Close it."""
         self._file.close()
-        if isinstance(error, OSError | KeyError):
+        if isinstance(error, _DAMAGES):
             raise self._damage(error) from error
 
-    def _damage(self, error: OSError | KeyError) -> PgimpError:
-        cause = explain(error) if isinstance(error, OSError) else f"it has no {error}"
+    def _damage(self, error: BaseException) -> PgimpError:
+        if isinstance(error, OSError):
+            cause = explain(error)
+        elif isinstance(error, KeyError):
+            cause = f"it has no {error}"
+        else:
+            cause = f"it is not as pgimp writes it: {' '.join(str(error).split())}"
         return RunError(f"cannot read {self.path}: {cause}")
+
+
+class Content:
+    """What an open HDF5 file holds itself.
+
+    Links and datasets that lead to other files are refused: those may be anybody's, or a pipe that
+    keeps whoever opens it waiting.
+
+    Parameters
+    ----------
+    file : h5py.File
+        The file.
+
+    Attributes
+    ----------
+    attrs : mapping
+        Its attributes.
+    names : list of str
+        Its datasets, and what else it may have.
+    """
+
+    def __init__(self, file: Any) -> None:
+        self._file = file
+        self.attrs = file.attrs
+        self.names = list(file)
+
+    def __getitem__(self, name: str) -> Any:
+        """Return a dataset.
+
+        Raises
+        ------
+        KeyError
+            If there is none of this name.
+        OSError
+            If it is no dataset, or lies in another file.
+        """
+        h5py = load_h5py()
+        if name not in self.names:
+            raise KeyError(name)
+        if not isinstance(self._file.get(name, getlink=True), h5py.HardLink):
+            raise OSError(f"its {name} is a link to another place")
+        found = self._file[name]
+        if not isinstance(found, h5py.Dataset):
+            raise OSError(f"its {name} is no dataset")
+        if found.is_virtual or found.external:
+            raise OSError(f"its {name} lies in other files")
+        return found

@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pgimp.case.fields import GRID
-from pgimp.errors import RunError
-from pgimp.output.collective import explain, on_root
+from pgimp.output.collective import on_root
 from pgimp.output.datasets import Dataset, lay_out
 from pgimp.output.files import temporary
 from pgimp.output.framefile import FrameFile
-from pgimp.output.hdf5 import open_file
+from pgimp.output.gridreader import GridFrame
 from pgimp.output.ownfiles import GRID_FRAME
 from pgimp.output.particlefile import FORMAT_VERSION
 from pgimp.output.series import Entry, Series
@@ -153,17 +152,6 @@ class GridFrames(Series):
         return []
 
     def _listed(self, path: Path) -> Entry:
-        try:
-            with open_file(path, "r") as file:
-                types = {
-                    name: file[name].dtype.newbyteorder("<").str
-                    for name in ("position", *GRID)
-                    if name in file
-                }
-                counts = len(file["position"]), len(file["connectivity"])
-                time, step = float(file.attrs["time"]), int(file.attrs["step"])
-        except OSError as error:
-            raise RunError(f"cannot read {path}: {explain(error)}") from error
-        except KeyError as error:
-            raise RunError(f"cannot read {path}: it has no {error}") from error
-        return self._entry(path, time, step, counts, types)
+        frame = GridFrame(path)
+        counts = frame.vertices, frame.cells
+        return self._entry(path, frame.time, frame.step, counts, frame.types)

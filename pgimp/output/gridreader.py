@@ -47,7 +47,7 @@ class GridFrame:
         self.number = int(match[1]) if match else 0
         with Reading(path) as file:
             self.time, self.step = float(file.attrs["time"]), int(file.attrs["step"])
-            names = ["position", *(name for name in GRID if name in file)]
+            names = ["position", *(name for name in GRID if name in file.names)]
             self.types = {name: file[name].dtype.newbyteorder("<").str for name in names}
             self.vertices, self.cells = len(file["position"]), len(file["connectivity"])
 

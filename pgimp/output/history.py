@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from pgimp.output.collective import on_root
-from pgimp.output.lines import LineFile, read
+from pgimp.output.linereader import read
+from pgimp.output.lines import LineFile
 
 __all__ = ["History", "read"]
 

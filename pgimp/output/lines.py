@@ -8,11 +8,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from pgimp.errors import RunError
 from pgimp.output.collective import explain, on_root
 from pgimp.output.files import sync_folder
+from pgimp.output.linereader import numbered
+from pgimp.plainfile import open_plain
 
 
 class LineFile:
@@ -27,11 +27,14 @@ class LineFile:
     ----------
     step : int
         Step of the last line; -1 before the first.
+    count : int
+        Number of lines.
     """
 
     def __init__(self, path: Path) -> None:
         self.path = path
         self.step = -1
+        self.count = 0
         self._descriptor = -1
         self._columns = ""
         self._unlisted = False  # in its folder, as far as a crash of the machine is concerned
@@ -51,30 +54,28 @@ class LineFile:
         RunError
             On every rank, if the file cannot be read or written, or has no such lines.
         """
-        self.step = on_root(comm, lambda: self._cut(step))
+        self.step, self.count = on_root(comm, lambda: self._cut(step))
 
-    def _cut(self, step: int) -> int:
-        last = -1
+    def _cut(self, step: int) -> tuple[int, int]:
+        last, count = -1, 0
         try:
             if step < 0:  # there was no line yet, so whatever there is comes after
                 os.truncate(self.path, 0)
-                return -1
-            with open(self.path, "r+b") as stream:
-                header = stream.readline()
-                place = stream.tell()
-                column = header.rstrip(b"\n").split(b",").index(b"step")
-                for line in stream:
-                    # Behind the line that is looked for, anything may follow.
-                    number = int(line.split(b",")[column]) if line.endswith(b"\n") else step + 1
+                return -1, 0
+            with open_plain(self.path) as stream:
+                header, lines = numbered(stream)
+                place = len(header)
+                # Behind the line that is looked for, anything may follow.
+                for number, line in lines:
                     if number > step:
                         break
-                    last, place = number, place + len(line)
+                    last, place, count = number, place + len(line), count + 1
                     if number == step:
                         break
-                stream.truncate(place if last >= 0 else 0)
-                self._columns = header.decode().rstrip("\n") if last >= 0 else ""
+            os.truncate(self.path, place if last >= 0 else 0)
+            self._columns = header.decode().rstrip("\n") if last >= 0 else ""
         except FileNotFoundError:
-            return -1
+            return -1, 0
         except (ValueError, IndexError):
             raise RunError(
                 f"cannot go on with {self.path}: it is damaged before the line of step {step}; "
@@ -82,7 +83,7 @@ class LineFile:
             ) from None
         except OSError as error:
             raise RunError(f"cannot go on with {self.path}: {explain(error)}") from error
-        return last
+        return last, count
 
     def sync(self) -> None:
         """See to it that the lines so far outlast a crash of the machine; on rank 0.
@@ -132,6 +133,7 @@ class LineFile:
                 self._line(columns)
                 self._columns = columns
             self._line(",".join(map(_text, values.values())))
+            self.count += 1
         except OSError as error:
             raise RunError(f"cannot write {self.path}: {explain(error)}") from error
 
@@ -152,39 +154,3 @@ class LineFile:
 
 def _text(value: float | None) -> str:
     return "" if value is None else format(value, ".17g")
-
-
-def read(path: Path) -> np.ndarray:
-    """Read such a file, also while it grows.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-
-    Returns
-    -------
-    ndarray, shape (lines,)
-        A structured array with a field of float64 for each column, nan where nothing is written;
-        empty if there is no file.
-
-    Raises
-    ------
-    RunError
-        If it cannot be read or is damaged.
-    """
-    try:
-        text = path.read_text(encoding="utf-8", errors="replace")
-    except FileNotFoundError:
-        text = ""
-    except OSError as error:
-        raise RunError(f"cannot read {path}: {explain(error)}") from error
-    lines = text.split("\n")[:-1]  # the last has no end yet, or is empty
-    columns = lines[0].split(",") if lines else []
-    table = np.empty(max(0, len(lines) - 1), dtype=[(name, np.float64) for name in columns])
-    for row, line in enumerate(lines[1:]):
-        try:
-            table[row] = tuple(float(value or "nan") for value in line.split(","))
-        except ValueError as error:
-            raise RunError(f"{path}, line {row + 2} is damaged: {str(error)[:80]!r}") from error
-    return table

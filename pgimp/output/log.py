@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, TextIO
+
+from pgimp.terminal import escape, silence
 
 
 class Log:
@@ -37,7 +38,8 @@ class Log:
         """Show a line and keep it."""
         if not self.speaks:
             return
-        if not self.quiet:
+        text = escape(text)
+        if not self.quiet and sys.stdout is not None:
             try:
                 self.show(text)
                 sys.stdout.flush()
@@ -48,8 +50,7 @@ class Log:
     def fall_silent(self) -> None:
         """Go on without the terminal: it was closed, or what read from a pipe has ended."""
         self.quiet = True
-        with suppress(OSError, ValueError):
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        silence(sys.stdout)
 
     def note(self, text: str) -> None:
         """Keep a line without showing it."""
@@ -59,7 +60,7 @@ class Log:
             self._early.append(text)
             return
         try:
-            self._file.write(f"{text}\n")
+            self._file.write(f"{escape(text)}\n")
             self._file.flush()
         except OSError:
             # A disk too full for this line stops the run at the next frame, with its message.

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from pgimp.errors import CaseError
+from pgimp.plainfile import read_plain
 
 PROBES = "probes"
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,99}")
@@ -44,11 +45,11 @@ def probes_ever(directory: Path, run: dict[str, Any] | None) -> set[str]:
 
 
 def _of_case(directory: Path) -> Iterator[str]:
-    from pgimp.case.document import parse
+    from pgimp.case.document import LARGEST_FILE, parse
 
     data = None
     with suppress(OSError, UnicodeDecodeError, CaseError):
-        data = parse((directory / "case.yaml").read_text(encoding="utf-8"), "case.yaml").data
+        data = parse(read_plain(directory / "case.yaml", LARGEST_FILE).decode(), "case.yaml").data
     probes = data.get(PROBES) if isinstance(data, dict) else None
     yield from _names(probes if isinstance(probes, dict) else ())
 

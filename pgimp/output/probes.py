@@ -33,6 +33,8 @@ class Record(BaseModel):
         Id and initial position of the particle that is followed; -1 and `at` for a place.
     line : int
         Step of the last line that is safe on disk.
+    lines : int or None
+        Number of lines up to there; None if nobody knows.
     """
 
     model_config = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)
@@ -42,6 +44,7 @@ class Record(BaseModel):
     number: int = Field(ge=-1, le=2**53)
     origin: _Place
     line: int = Field(ge=-1, le=2**53)
+    lines: int | None = Field(default=None, ge=0, le=2**53)
 
 
 def _what(entry: Any) -> tuple[str | None, list[float]]:
@@ -88,7 +91,14 @@ class _Probe(NamedTuple):
         number, origin = -1, at
         if isinstance(self.eye, Point):
             number, origin = self.eye.number, list(self.eye.origin)
-        return Record(body=body, at=at, number=number, origin=origin, line=self.file.step)
+        return Record(
+            body=body,
+            at=at,
+            number=number,
+            origin=origin,
+            line=self.file.step,
+            lines=self.file.count,
+        )
 
 
 class Probes:

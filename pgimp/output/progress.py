@@ -11,6 +11,7 @@ from typing import Any
 
 from pgimp.output.log import Log
 from pgimp.parallel.comm import launcher
+from pgimp.terminal import unescaped
 
 # Looking at the clock after every step would be felt in tiny scenes: about this often is enough.
 _LOOK_SECONDS = 0.1
@@ -38,7 +39,7 @@ def terminal_columns() -> int:
     if os.environ.get("TERM", "dumb") == "dumb":
         return 0
     if launcher() is None:
-        return shutil.get_terminal_size().columns if sys.stdout.isatty() else 0
+        return shutil.get_terminal_size().columns if sys.stdout and sys.stdout.isatty() else 0
     try:
         name = os.readlink(f"/proc/{os.getppid()}/fd/1")
         if not name.startswith(("/dev/pts/", "/dev/tty")):
@@ -151,7 +152,7 @@ def _make_bar(columns: int, end: float) -> tuple[Any, Any]:
         parts.insert(0, BarColumn(bar_width=min(30, columns - _DEFAULT_COLUMNS)))
     bar = Bar(
         *parts,
-        console=Console(force_terminal=True, width=columns),
+        console=Console(file=unescaped(sys.stdout), force_terminal=True, width=columns),
         auto_refresh=False,
         transient=True,
     )

@@ -13,9 +13,12 @@ from pgimp.errors import RunError, UsageError
 from pgimp.output import history, runinfo
 from pgimp.output.collective import explain
 from pgimp.output.frame import Array, Frame
+from pgimp.output.linereader import so_far
 from pgimp.output.ownfiles import FRAME, RUN
 from pgimp.output.probefiles import probe_files
-from pgimp.output.tables import Fields, Table
+from pgimp.output.tables import Fields, Table, Tables
+from pgimp.plainfile import read_plain
+from pgimp.terminal import escape
 
 if TYPE_CHECKING:
     from pgimp.case.schema import Case
@@ -66,11 +69,15 @@ class Run:
 
     @property
     def info(self) -> dict[str, Any]:
-        """What run.json says of the last start: versions, hosts, state, steps and so on."""
+        """What run.json says of the last start: versions, hosts, state, steps and so on.
+
+        While the run goes on, steps and time are those of the last line of history.csv.
+        """
         content = runinfo.read(self.path / RUN)
         if content is None:
             raise UsageError(f"{self.path} is no run directory any more: its {RUN} has gone.")
-        return content["starts"][-1]
+        last = content["starts"][-1]
+        return last | so_far(self.path) if last["state"] == "running" else last
 
     @property
     def state(self) -> str:
@@ -80,11 +87,12 @@ class Run:
     @cached_property
     def case(self) -> Case:
         """The case as resolved, with every default."""
+        from pgimp.case.document import LARGEST_FILE
         from pgimp.case.reader import read_case
 
         path = self.path / "case.yaml"
         try:
-            return read_case(path.read_text(encoding="utf-8"), str(path), [])
+            return read_case(read_plain(path, LARGEST_FILE), str(path), [])
         except OSError as error:
             raise RunError(f"cannot read {path}: {explain(error)}") from error
 
@@ -109,7 +117,8 @@ class Run:
     def __repr__(self) -> str:
         """Say how far the run is."""
         info = self.info
-        return f"<Run {self.path}: {info['state']}, {info['steps']} steps, {len(self)} frames>"
+        steps = f"{info['steps']} steps{' so far' * (info['state'] == 'running')}"
+        return escape(f"<Run {self.path}: {info['state']}, {steps}, {len(self)} frames>")
 
     def __len__(self) -> int:
         """Return the number of frames so far."""
@@ -154,10 +163,10 @@ class Run:
         return history.read(self.path / "history.csv").view(Table)
 
     @property
-    def probes(self) -> dict[str, Table]:
+    def probes(self) -> Tables:
         """Each ``probes/NAME.csv`` so far, as `history`: ``run.probes["tip"]["position-x"]``."""
         files = sorted(probe_files(self.path))
-        return {path.stem: history.read(path).view(Table) for path in files}
+        return Tables({path.stem: history.read(path).view(Table) for path in files})
 
     def follow(self, number: int) -> Fields:
         """Follow a particle through the frames, to the last one before it left the domain.

@@ -139,8 +139,8 @@ class Recorder:
             self.grid.sync(last=self._sim.finished)
         with self._timed("checkpoints"):
             on_root(self._sim.comm, self._sync)
-            records = self.probes.records()
-            if self.checkpoints.write(self._sim, self.frames.written, self.history.step, records):
+            safe = self.frames.written, self.history.step, self.probes.records()
+            if self.checkpoints.write(self._sim, *safe, self.history.count):
                 self._directory.note_checkpoint(self._sim.step)
 
     def _sync(self) -> None:

@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from pgimp.case.document import LARGEST_FILE
 from pgimp.case.reader import read_case
 from pgimp.case.schema import Case
 from pgimp.case.writer import flow
 from pgimp.errors import CaseError, DamagedError, RunError, UsageError
 from pgimp.output.checkpoints import About, intact, made_by, present
 from pgimp.output.collective import explain, on_root
+from pgimp.output.linereader import require_whole
 from pgimp.output.log import Log
+from pgimp.output.probefiles import probe_file
 from pgimp.output.probes import require_known
 from pgimp.output.rundir import STARTING, RunDirectory
+from pgimp.plainfile import read_plain
 from pgimp.solver.clock import clock_of
 from pgimp.solver.simulation import Simulation
 from pgimp.solver.state import State
@@ -69,6 +74,7 @@ def resume(case: Case, comm: Any, directory: RunDirectory, log: Log) -> Resumed 
             about, state = About.of(file), State.of(file)
             began_as = _compare(about.case, case, f"{path}", log)
             require_known(case, about.probes)
+            on_root(comm, partial(_require_lines, directory.path, case, about))
             clock = clock_of(began_as)
             clock.restore(state.step, state.time)
             if state.time > clock.end * (1.0 + 1e-12) or clock.time != state.time:
@@ -101,9 +107,17 @@ def resume(case: Case, comm: Any, directory: RunDirectory, log: Log) -> Resumed 
     return "afresh"
 
 
+def _require_lines(directory: Path, case: Case, about: About) -> None:
+    """Refuse to go on with files of lines that have lost some."""
+    require_whole(directory / "history.csv", about.history, about.lines)
+    for name in case.probes:
+        if record := about.probes.get(name):
+            require_whole(probe_file(directory, name), record.line, record.lines)
+
+
 def _case_of(directory: Path) -> str | None:
     try:
-        return (directory / "case.yaml").read_text(encoding="utf-8")
+        return read_plain(directory / "case.yaml", LARGEST_FILE).decode()
     except FileNotFoundError:
         return None
     except (OSError, UnicodeDecodeError) as error:

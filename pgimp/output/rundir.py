@@ -16,6 +16,7 @@ from pgimp.errors import RunError, UsageError
 from pgimp.output import runinfo
 from pgimp.output.collective import explain, on_root
 from pgimp.output.files import write
+from pgimp.output.linereader import so_far
 from pgimp.output.ownfiles import (
     FAILED,
     FAILURE,
@@ -28,6 +29,7 @@ from pgimp.output.ownfiles import (
     require_room,
 )
 from pgimp.output.probefiles import PROBES
+from pgimp.terminal import escape
 
 #: State of a run whose directory is not yet cleared of the one before.
 STARTING = "starting"
@@ -150,9 +152,11 @@ class RunDirectory:
             return None
         last = run["starts"][-1]
         if not (overwrite or resume):
+            state, steps = last["state"], last["steps"]
+            if state == "running":
+                state, steps = "running or killed", so_far(self.path).get("steps", 0)
             raise UsageError(
-                f"{self.path} holds a run ({last['state']}, begun {last['began']}, "
-                f"{last['steps']} steps).\n"
+                f"{self.path} holds a run ({state}, begun {last['began']}, {steps} steps).\n"
                 "Add --resume to go on with it, --overwrite to replace it, or choose another "
                 "directory with -o."
             )
@@ -230,7 +234,7 @@ class RunDirectory:
             os.close(os.open(self.path / FAILED, os.O_CREAT | os.O_EXCL | os.O_WRONLY))
             self._update(state=state, steps=step, time=when, message=message)
             with open(self.path / "log.txt", "a", encoding="utf-8") as stream:
-                stream.write(f"{state} at step {step}, t = {when!r}: {message}\n")
+                stream.write(f"{state} at step {step}, t = {when!r}: {escape(message)}\n")
 
     def finish(
         self, state: str, step: int, when: float, seconds: float, message: str | None = None

@@ -18,9 +18,12 @@ from typing import Any
 
 from pgimp.output import files
 from pgimp.output.hdf5 import load_h5py
+from pgimp.plainfile import read_plain
 
 PROGRAM = "pgimp"
 FORMAT_VERSION = 1
+# Bytes of a run.json; a start of a run takes some 2,000.
+_LARGEST = 32 << 20
 
 
 def now() -> str:
@@ -136,8 +139,8 @@ def read(path: Path) -> dict[str, Any] | None:
         None if there is none, or it is not pgimp's.
     """
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        content = json.loads(read_plain(path, _LARGEST).decode())
+    except (OSError, ValueError, RecursionError):
         return None
     if not isinstance(content, dict) or content.get("program") != PROGRAM:
         return None
@@ -149,7 +152,10 @@ def read(path: Path) -> dict[str, Any] | None:
 
 def _is_start(start: Any) -> bool:
     """Tell whether an entry of ``starts`` has what is relied on."""
-    return isinstance(start, dict) and all(key in start for key in ("state", "began", "steps"))
+    kinds = {"state": str, "began": str, "steps": int}
+    return isinstance(start, dict) and all(
+        isinstance(start.get(key), kind) for key, kind in kinds.items()
+    )
 
 
 def write(path: Path, start: dict[str, Any]) -> None:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from collections.abc import Collection, Mapping
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pgimp.case.messages import nearest
 from pgimp.errors import UsageError
 from pgimp.output.fields import EVERY
+from pgimp.terminal import escape
 
 if TYPE_CHECKING:
     import pandas
@@ -16,6 +18,35 @@ if TYPE_CHECKING:
 
 class Table(np.ndarray):
     """A structured array, a field for each column: ``table["time"]``, ``table.dtype.names``."""
+
+    def __getitem__(self, key: Any) -> Any:
+        """Return a column by its name; lines as of any array.
+
+        Raises
+        ------
+        KeyError
+            If there is no such column; it says which there are.
+        """
+        names = self.dtype.names
+        if isinstance(key, str) and names is not None:
+            if key not in names:
+                raise KeyError(absent(f"column {key!r}", key, names))
+            return np.asarray(super().__getitem__(key))
+        return super().__getitem__(key)
+
+    def __repr__(self) -> str:
+        """Say how many lines there are, and of each column its name, first and last value."""
+        if self.dtype.names is None or self.ndim != 1:
+            return repr(np.asarray(self))
+        lines = [f"<Table of {len(self)} line{'s' * (len(self) != 1)}>"]
+        width = max(map(len, self.dtype.names), default=0)
+        for name in self.dtype.names:
+            column = self[name]
+            ends = f"{column[0]:.6g} ... {column[-1]:.6g}" if len(self) else "-"
+            lines.append(f"  {name:<{width}}  {ends}")
+        return escape("\n".join(lines))
+
+    __str__ = __repr__
 
     def to_pandas(self) -> pandas.DataFrame:
         """Return the table as a pandas.DataFrame.
@@ -26,6 +57,29 @@ class Table(np.ndarray):
             If pandas is not installed.
         """
         return data_frame({name: np.asarray(self[name]) for name in self.dtype.names or ()})
+
+
+class Tables(dict[str, Table]):
+    """Tables by name; a wrong name's error says which there are."""
+
+    def __missing__(self, name: object) -> Table:
+        """Raise a KeyError that names what is there."""
+        raise KeyError(absent(f"probe {name!r}", str(name), self))
+
+    def __repr__(self) -> str:
+        """Say of each table its name, how many lines it has, and its columns."""
+        lines = [
+            f"  {name}: {len(table)} lines of {', '.join(table.dtype.names or ('nothing',))}"
+            for name, table in self.items()
+        ]
+        return escape("\n".join([f"<{len(self)} probe{'s' * (len(self) != 1)}>", *lines]))
+
+
+def absent(what: str, name: str, known: Collection[str]) -> str:
+    """Say that something is not there, which name may have been meant, and which there are."""
+    guess = nearest(name, known)
+    hint = f"did you mean {guess!r}? " if guess else ""
+    return escape(f"there is no {what}; {hint}there are: {', '.join(known) or 'none'}")
 
 
 class Fields(dict[str, np.ndarray]):

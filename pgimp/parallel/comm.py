@@ -8,10 +8,11 @@ import time
 import traceback
 import warnings
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Any, NamedTuple, TypeVar
 
 from pgimp.errors import CaseError, PgimpError, UsageError
+from pgimp.terminal import escape
 
 T = TypeVar("T")
 
@@ -206,9 +207,11 @@ def describe(error: BaseException) -> str:
 
 def say(message: str) -> None:
     """Write a message to stderr in one piece, so that those of several ranks do not mix."""
-    sys.stdout.flush()
-    sys.stderr.write(f"pgimp: {message}\n")
-    sys.stderr.flush()
+    for stream, text in ((sys.stdout, ""), (sys.stderr, escape(f"pgimp: {message}\n"))):
+        # Without a stream to say it on, the status must do.
+        with suppress(OSError, ValueError, AttributeError):
+            stream.write(text)
+            stream.flush()
 
 
 @contextmanager

@@ -8,10 +8,12 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from pgimp.case.document import LARGEST_FILE
 from pgimp.case.reader import read_document
 from pgimp.errors import RunError, UsageError
 from pgimp.output.collective import explain
 from pgimp.output.reader import Frame, Run
+from pgimp.plainfile import read_plain
 from pgimp.plot.units import labelled, unit
 
 AXES = "xyz"
@@ -47,7 +49,7 @@ class Shown:
         """The case as resolved, as plain data: a material from outside the package is no matter."""
         path = self.path / "case.yaml"
         try:
-            content = path.read_bytes()
+            content = read_plain(path, LARGEST_FILE)
         except OSError as error:
             raise RunError(f"cannot read {path}: {explain(error)}") from error
         case = read_document(content, str(path)).data

@@ -17,11 +17,13 @@ from math import inf
 from pathlib import Path
 from typing import Any
 
+from pgimp.case.document import LARGEST_FILE
 from pgimp.errors import PgimpError
 from pgimp.kernels.outside import unchanged
 from pgimp.materials.registry import imported
 from pgimp.output import history, runinfo
 from pgimp.output.ownfiles import RUN
+from pgimp.plainfile import read_plain
 from pgimp.study.measures import Unmeasured, costs, measure
 from pgimp.study.plan import Planned
 from pgimp.study.schema import Study, measure_of
@@ -118,7 +120,7 @@ def _is_done(study: Study, run: Planned, output: Path) -> bool:
     if not unchanged(info.get("materials", {})):
         return False
     with suppress(OSError, ValueError):
-        return (output / "case.yaml").read_text(encoding="utf-8") == run.resolved
+        return read_plain(output / "case.yaml", LARGEST_FILE).decode() == run.resolved
     return False
 
 

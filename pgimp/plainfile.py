@@ -1,0 +1,106 @@
+"""Reading files of others without waiting for ever, or reading for ever.
+
+Opening a named pipe waits for who writes into it, a device may never end, and in a folder from
+elsewhere any file may be either.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+import stat
+import time
+from typing import BinaryIO
+
+#: How long a pipe may keep silent [s].
+PATIENCE = 5.0
+_PAUSE = 0.02
+
+
+def require_plain(name: str | os.PathLike[str]) -> None:
+    """Refuse what is no plain file.
+
+    Raises
+    ------
+    OSError
+        If there is no such file, or it is a directory, a pipe or a device.
+    """
+    _check(os.stat(name))
+
+
+def _check(about: os.stat_result) -> None:
+    if stat.S_ISDIR(about.st_mode):
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+    if not stat.S_ISREG(about.st_mode):
+        raise OSError("it is no plain file but a pipe or a device")
+
+
+def open_plain(name: str | os.PathLike[str]) -> BinaryIO:
+    """Open a plain file for reading.
+
+    Raises
+    ------
+    OSError
+        As from `require_plain`, or if it cannot be read.
+    """
+    stream = os.fdopen(os.open(name, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), "rb")
+    try:
+        _check(os.fstat(stream.fileno()))
+    except OSError:
+        stream.close()
+        raise
+    return stream
+
+
+def read_plain(name: str | os.PathLike[str], most: int) -> bytes:
+    """Return the content of a plain file.
+
+    Parameters
+    ----------
+    name : path-like
+        The file.
+    most : int
+        The most bytes that such a file has.
+
+    Raises
+    ------
+    OSError
+        As from `open_plain`, or if it has more.
+    """
+    with open_plain(name) as stream:
+        content = stream.read(most + 1)
+    if len(content) > most:
+        raise OSError(f"it is too large (at most {most:,} bytes)")
+    return content
+
+
+def read_some(name: str | os.PathLike[str], most: int) -> bytes:
+    """Return the content of a file, or what comes out of a pipe, but no more than so many bytes.
+
+    Raises
+    ------
+    OSError
+        If it cannot be read, or nothing comes for `PATIENCE`.
+    """
+    parts: list[bytes] = []
+    left, until = most, time.monotonic() + PATIENCE
+    descriptor = os.open(name, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+    try:
+        waits = stat.S_ISFIFO(os.fstat(descriptor).st_mode)
+        while left > 0:
+            try:
+                part = os.read(descriptor, left)
+            except BlockingIOError:  # somebody has it open for writing, but has not written
+                part = None
+            if part:
+                parts.append(part)
+                left, until = left - len(part), time.monotonic() + PATIENCE
+            elif part is not None and (parts or not waits):
+                break
+            elif time.monotonic() > until:
+                raise OSError(f"nothing has come out of this pipe for {PATIENCE:g} s")
+            else:
+                time.sleep(_PAUSE)
+    finally:
+        os.close(descriptor)
+    return b"".join(parts)
