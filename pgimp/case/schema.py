@@ -176,8 +176,12 @@ class Case(Model):
     )
     boundaries: dict[str, Annotated[Any, ByWord(_boundaries, "boundary condition")]] = Field(
         default={},
-        description="conditions on faces of the domain, x-min to z-max; a face that is not named "
-        "is open: it acts only on a particle whose centre crosses it, as `escape` says",
+        description="conditions on faces of the domain, x-min to z-max. A face with a condition "
+        "holds in what is inside: a particle whose centre passes it is set back onto it, and its "
+        "velocity into the wall becomes that of the wall, as a force of the wall (reaction); the "
+        "log counts such particle-steps. One that moves the material out of the domain, or leaves "
+        "it free along its normal, holds nothing in. A face that is not named is open: it acts "
+        "only on a particle whose centre crosses it, as `escape` says",
         json_schema_extra={"propertyNames": {"enum": [*faces(3)]}},
     )
     escape: dict[str, Literal["stop", "remove"]] = Field(

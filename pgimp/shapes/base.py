@@ -25,7 +25,8 @@ class Shape(Model):
         default=False,
         description="whether particles give the grid their velocity together with its gradient, "
         "v + L (x_v - x_p): linear fields then arrive as they are up to free surfaces, and spin "
-        "lasts",
+        "lasts. Particles that reach a vertex held by a face or a constraint go without the "
+        "gradient of the components held there, which would create energy",
     )
 
     #: Vertices a direction in a support.
