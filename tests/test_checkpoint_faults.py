@@ -101,7 +101,8 @@ FAULTS = {
 
 def fail(comm, disk, fault):
     """Write a file while one rank, the last where that can be, has a fault."""
-    rows, whole = content(30 if comm.rank else 0)
+    # Only a file of several blocks is written by several ranks.
+    rows, whole = content((2000 if fault == "put" else 30) if comm.rank else 0)
     path, about = disk / f"{fault}.h5", dict(ABOUT)
     alone = comm.rank == comm.size - 1
     patch = nullcontext()
