@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-# What is read at once.
-_BLOCK = 4 << 20
+# What is read at once, and stays in the core's cache.
+_BLOCK = 1 << 18
 
 
 class Written(NamedTuple):

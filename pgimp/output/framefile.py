@@ -61,15 +61,16 @@ class FrameFile:
     comm : communicator
         Of all ranks, each of which opens the file; creation is not collective.
     most : int, optional
-        With it, checksums are CRC-32, also on one rank, and a stretch with one of its own gets no
-        longer than this, in bytes, or hardly.
+        With it, there are checksums to keep, and a stretch with one of its own gets no longer than
+        this, in bytes, or hardly.
 
     Attributes
     ----------
     error : str or None
         What went wrong first on this rank.
     written : list of Written
-        What was written on this rank, in the order of writing, if checksums are made.
+        What this rank was given to write, in this order, with CRC-32, if there are to be checksums
+        to keep.
     """
 
     def __init__(self, path: Path, comm: Any, most: int | None = None) -> None:
@@ -78,6 +79,8 @@ class FrameFile:
         self.written: list[Written] = []
         self._comm = comm
         self._most = most
+        # What this rank was given to write, for another one to verify.
+        self._given: list[Written] = []
         # Of each block that this rank has not filled alone, so far: places and bytes.
         self._parts: dict[int, list[tuple[int, bytes]]] = {}
         self._descriptor = -1
@@ -111,28 +114,29 @@ class FrameFile:
         if self._comm.size == 1:
             self._put(place, data)
         else:
+            self._given.append(Written(place, len(data), word_sum(data)))
             for start, part in self._whole_blocks(place, data):
                 self._put(start, part)
         if self._most is not None:
             self._note(place, data, self._most)
-        elif self._comm.size > 1:
-            self.written.append(Written(place, len(data), word_sum(data)))
 
     def _whole_blocks(self, place: int, data: memoryview) -> Iterator[tuple[int, memoryview]]:
-        """Yield the blocks that are whole with these data; the rest of the data is kept."""
+        """Yield what is in blocks that are whole with these data; the rest is kept."""
         end = place + len(data)
         first = min(-(-place // BLOCK) * BLOCK, end)
         last = max(end // BLOCK * BLOCK, first)
         if first < last:
             yield first, data[first - place : last - place]
         for start, stop in ((place, first), (last, end)):
-            if start < stop:
-                number = start // BLOCK
-                parts = self._parts.setdefault(number, [])
-                parts.append((start, bytes(data[start - place : stop - place])))
-                if sum(len(part) for _, part in parts) == BLOCK:
-                    whole = b"".join(part for _, part in sorted(self._parts.pop(number)))
-                    yield number * BLOCK, memoryview(whole)
+            if start == stop:
+                continue
+            part, number = data[start - place : stop - place], start // BLOCK
+            kept = self._parts.setdefault(number, [])
+            if len(part) + sum(len(old) for _, old in kept) < BLOCK:
+                kept.append((start, bytes(part)))
+            else:
+                yield start, part
+                yield from ((begin, memoryview(old)) for begin, old in self._parts.pop(number))
 
     def _put(self, place: int, data: memoryview) -> None:
         if not self.error:
@@ -201,15 +205,14 @@ class FrameFile:
         several_nodes = len(set(comm.allgather(socket.gethostname()))) > 1
         far = comm.size // 2  # most likely on another node
         to, origin = (comm.rank + far) % comm.size, (comm.rank - far) % comm.size
-        pieces = comm.sendrecv(self.written, dest=to, source=origin)
+        pieces = comm.sendrecv(self._given, dest=to, source=origin)
         try:
             descriptor = os.open(self.path, os.O_RDONLY | os.O_CLOEXEC)
             try:
                 if several_nodes:
                     # Not what this node has in its memory, but what the server has.
                     os.posix_fadvise(descriptor, 0, 0, os.POSIX_FADV_DONTNEED)
-                checksum = word_sum if self._most is None else zlib.crc32
-                wrong = first_wrong(descriptor, pieces, checksum)
+                wrong = first_wrong(descriptor, pieces, word_sum)
             finally:
                 os.close(descriptor)
         except OSError as error:
