@@ -54,9 +54,6 @@ class Comm:
     def Alltoall(self, sent, received):
         received[:] = self.alltoall(sent.copy())
 
-    def sendrecv(self, thing, dest, source):
-        return self.allgather(thing)[source]
-
 
 def move(self, values, sent, arrived, received):
     """Stands for MPI's Alltoallv in `_Exchange`."""

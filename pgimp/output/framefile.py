@@ -79,8 +79,10 @@ class FrameFile:
         self.written: list[Written] = []
         self._comm = comm
         self._most = most
-        # What this rank was given to write, for another one to verify.
+        # What this rank was given to write, for another one to verify; later, what it is to verify.
         self._given: list[Written] = []
+        self._to_verify: list[Written] = []
+        self._several_nodes = False
         # Of each block that this rank has not filled alone, so far: places and bytes.
         self._parts: dict[int, list[tuple[int, bytes]]] = {}
         self._descriptor = -1
@@ -157,12 +159,19 @@ class FrameFile:
         """Write what has been kept, each block on one rank; collective, after all of `write`."""
         if self._comm.size == 1:
             return
-        leaving: list[list[tuple[int, bytes]]] = [[] for _ in range(self._comm.size)]
+        size, host = self._comm.size, socket.gethostname()
+        leaving: list[tuple[str, list[tuple[int, bytes]], list[Written]]]
+        leaving = [(host, [], []) for _ in range(size)]
         for number, parts in self._parts.items():
-            leaving[number % self._comm.size] += parts
+            leaving[number % size][1].extend(parts)
         self._parts.clear()
-        for place, part in sorted(chain(*self._comm.alltoall(leaving))):
+        # To a rank that is most likely on another node.
+        leaving[(self._comm.rank + size // 2) % size][2].extend(self._given)
+        hosts, parts_of, given = zip(*self._comm.alltoall(leaving), strict=True)
+        for place, part in sorted(chain(*parts_of)):
             self._put(place, memoryview(part))
+        self._to_verify = list(chain(*given))
+        self._several_nodes = len(set(hosts)) > 1
 
     def close(self) -> None:
         """Close the file, with all that this rank wrote safe on the disk; wait until it is."""
@@ -194,25 +203,20 @@ class FrameFile:
             self._descriptor = -1
 
     def verify(self) -> None:
-        """Compare what is in the file with what was written; collective, when all have closed it.
+        """Compare what is in the file with what was written, when all ranks have closed it.
 
         Each rank looks at what another one wrote. On one rank nothing is done: a kernel gives back
         what it was given.
         """
-        comm = self._comm
-        if comm.size == 1:
+        if self._comm.size == 1:
             return
-        several_nodes = len(set(comm.allgather(socket.gethostname()))) > 1
-        far = comm.size // 2  # most likely on another node
-        to, origin = (comm.rank + far) % comm.size, (comm.rank - far) % comm.size
-        pieces = comm.sendrecv(self._given, dest=to, source=origin)
         try:
             descriptor = os.open(self.path, os.O_RDONLY | os.O_CLOEXEC)
             try:
-                if several_nodes:
+                if self._several_nodes:
                     # Not what this node has in its memory, but what the server has.
                     os.posix_fadvise(descriptor, 0, 0, os.POSIX_FADV_DONTNEED)
-                wrong = first_wrong(descriptor, pieces, word_sum)
+                wrong = first_wrong(descriptor, self._to_verify, word_sum)
             finally:
                 os.close(descriptor)
         except OSError as error:
