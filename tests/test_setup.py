@@ -80,7 +80,8 @@ case "$(basename "$0") $*" in
     for word in "$@"; do [[ "$word" != */.venv/bin/python ]] || bin=${word%/*}; done
     size=2
     [ -z "${STRANGERS:-}" ] || [ -e "$bin/mpi4py" ] || size=1
-    echo "of $size" ;;
+    [[ "$*" = *COMM_WORLD.rank* ]] || mixed=of
+    echo "${mixed:-}of $size" ;;
 "mpirun "*) exit "${STATUS:-0}" ;;
 esac
 """
