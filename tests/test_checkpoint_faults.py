@@ -91,6 +91,7 @@ class Rows(dict):
 FAULTS = {
     "shape": "do not fit each other",
     "put": "Input/output error",
+    "lost": "are not those that were written there",
     "sync": "Input/output error",
     "about": "not JSON compliant",
     "type": "holds numbers of type <f4",
@@ -101,7 +102,8 @@ FAULTS = {
 
 def fail(comm, disk, fault):
     """Write a file while one rank, the last where that can be, has a fault."""
-    rows, whole = content(30 if comm.rank else 0)
+    # Only a file of several blocks is written by several ranks.
+    rows, whole = content((2000 if fault in ("put", "lost") else 30) if comm.rank else 0)
     path, about = disk / f"{fault}.h5", dict(ABOUT)
     alone = comm.rank == comm.size - 1
     patch = nullcontext()
@@ -113,6 +115,8 @@ def fail(comm, disk, fault):
         rows["x"] = rows["x"][:, :2]
     elif fault == "put" and alone:
         patch = mock.patch.object(framefile, "put", broken)
+    elif fault == "lost" and alone:
+        patch = mock.patch.object(framefile, "put", lambda *_: None)
     elif fault == "sync" and alone:
         patch = mock.patch.object(os, "fdatasync", broken)
     elif fault == "header" and alone:

@@ -24,8 +24,6 @@ TOOLS = (
 PROGRAMS = {
     "openmpi-bin": ["mpirun"],
     "libopenmpi-dev": ["mpicc"],
-    "pkg-config": ["pkg-config"],
-    "libhdf5-openmpi-dev": [],
     "gcc": ["gcc"],
     "paraview": ["pvpython"],
     "xvfb": ["xvfb-run"],
@@ -52,20 +50,12 @@ case "$*" in
     printf '#!/usr/bin/env bash\necho "pgimp $*" >>"$LOG"; exit "${STATUS:-0}"' >"$here/pgimp"
     chmod +x "$here/pgimp" ;;
 *"-m pip"*" wheel --no-"*)
-    mkdir -p "$here/../wheels"
-    name=$(sed 's/.*--no-binary=\([a-z0-9]*\).*/\1/' <<<"$*")
-    kind=${PIP_KEPT:-mpi}
-    [[ "$*" != *--no-cache-dir* ]] || kind=mpi
-    echo "settings $name ${HDF5_DIR:-} ${HDF5_PKGCONFIG_NAME:-} $CC $CFLAGS" >>"$LOG"
-    [[ "$name" != "${UNBUILT:-}" ]] || exit 1
-    echo "$kind" >"$here/../wheels/$name-1.whl" ;;
-*"-m pip"*"install"*"-1.whl"*)
-    file=${*: -1}
-    name=${file##*/}
-    cp "$file" "$here/${name%-1.whl}" ;;
-*"-m pip"*"install"*"--only-binary=h5py"*) echo serial >"$here/h5py" ;;
+    echo "settings $CC $CFLAGS" >>"$LOG"
+    [ -z "${UNBUILT:-}" ] || exit 1
+    folder=$(sed 's/.*--wheel-dir \([^ ]*\) .*/\1/' <<<"$*")
+    touch "$folder/mpi4py-1.whl" ;;
+*"-m pip"*"install"*"-1.whl"*) touch "$here/mpi4py" ;;
 *"-m pip"*) exit "${PIP_STATUS:-0}" ;;
-"-") grep -q mpi "$here/h5py" 2>/dev/null ;;
 *) exec "$REAL_PYTHON" "$@" ;;
 esac
 """
@@ -78,22 +68,20 @@ for package in "$@"; do
     for program in $(sed -n "s/^$package: //p" "$here/packages"); do
         cp "$here/template" "$here/$program"
     done
-    touch "$here/has-$package"
 done
 """
 
 PROGRAM = r"""#!/usr/bin/env bash
 echo "$(basename "$0") $*" >>"$LOG"
 case "$(basename "$0") $*" in
-"pkg-config --exists"*) [ -e "$(dirname "$0")/has-libhdf5-openmpi-dev" ] ;;
 "mpirun --version") echo "mpirun (Open MPI) 4.1.4" ;;
 "mpirun "*"from mpi4py"* | "srun "*"from mpi4py"*)
     # The wheel fits, or what was built from source, as a venv's python is beside it.
     for word in "$@"; do [[ "$word" != */.venv/bin/python ]] || bin=${word%/*}; done
     size=2
     [ -z "${STRANGERS:-}" ] || [ -e "$bin/mpi4py" ] || size=1
-    echo "of $size" ;;
-"h5pcc -showconfig") echo "   Installation point: $H5PCC_FOLDER" ;;
+    [[ "$*" = *COMM_WORLD.rank* ]] || mixed=of
+    echo "${mixed:-}of $size" ;;
 "mpirun "*) exit "${STATUS:-0}" ;;
 esac
 """
@@ -127,7 +115,6 @@ class Machine:
     def add_system_packages(self) -> None:
         for name in (name for names in PROGRAMS.values() for name in names):
             self.add(name, PROGRAM)
-        self.add("has-libhdf5-openmpi-dev", "")
 
     def run(self, *words: str, **env: str) -> subprocess.CompletedProcess[str]:
         """Run a script of the project; `called` then has what it started."""
@@ -178,9 +165,8 @@ def test_bare_machine_is_set_up_then_nothing_is_left_to_do(machine, user):
     done = machine.run("scripts/setup")
     assert done.returncode == 0, done.stdout + done.stderr
     install = next(line for line in machine.called.splitlines() if " install " in line)
-    assert set(install.split()) >= {"openmpi-bin", "libopenmpi-dev", "libhdf5-openmpi-dev", "gcc"}
-    assert "paraview" not in install
-    assert "--no-build-isolation" in machine.called  # the trap of h5py's isolated build
+    assert install.endswith(" openmpi-bin")  # nothing to compile with, nor HDF5
+    assert "--no-binary" not in machine.called
     assert machine.called.splitlines()[-2].startswith("pgimp doctor")
 
     again = machine.run("scripts/setup")
@@ -203,13 +189,6 @@ def test_what_the_tests_need_comes_on_top(ready):
     assert "in place" in ready.run("scripts/setup", "--test").stdout
 
 
-def parallel_hdf5(folder):
-    """A folder with the one line by which an HDF5 with MPI is known."""
-    (folder / "include").mkdir(parents=True)
-    (folder / "include" / "H5pubconf.h").write_text("#define H5_HAVE_PARALLEL 1\n")
-    return str(folder)
-
-
 @pytest.fixture
 def cluster(machine):
     """A machine of a user who is not root, with an MPI from a module, and a sudo that asks."""
@@ -221,59 +200,50 @@ def cluster(machine):
     return machine
 
 
-@pytest.mark.parametrize("named_by", ["HDF5_DIR", "h5pcc"])
-def test_mpi_and_hdf5_of_modules_are_used_without_root(cluster, tmp_path, named_by):
-    folder = parallel_hdf5(tmp_path / "hdf5")
-    env = {"LOADEDMODULES": "gcc/12.2:openmpi/4.1:hdf5/1.14", named_by: folder}
-    if named_by == "h5pcc":
-        cluster.add("h5pcc", PROGRAM)
-        env = env | {"H5PCC_FOLDER": folder}
+def test_the_mpi_of_a_module_is_used_without_root(cluster):
+    env = {"LOADEDMODULES": "gcc/12.2:openmpi/4.1"}
     done = cluster.run("scripts/setup", **env)
     assert done.returncode == 0, done.stderr
     assert "apt-get" not in cluster.called
     assert "sudo" not in cluster.called
-    assert f"settings h5py {folder}  mpicc -O1 -g0" in cluster.called
-    assert "mpi4py from source" not in done.stdout
-    line = "pgimp batch CASE.yaml --module gcc/12.2 --module openmpi/4.1 --module hdf5/1.14\n"
+    assert "--no-binary" not in cluster.called
+    line = "pgimp batch CASE.yaml --module gcc/12.2 --module openmpi/4.1\n"
     assert line in done.stdout
     assert "in place" in cluster.run("scripts/setup", **env).stdout
     (cluster.bin / "mpirun").unlink()
     done = cluster.run("scripts/run", "case.yaml")
     assert done.returncode == 1
-    assert "  module load gcc/12.2 openmpi/4.1 hdf5/1.14\n" in done.stderr
+    assert "  module load gcc/12.2 openmpi/4.1\n" in done.stderr
 
 
-@pytest.mark.parametrize("hdf5", ["none", "serial", "not built"])
-def test_without_parallel_hdf5_h5py_has_no_mpi(cluster, tmp_path, hdf5):
-    env = {}
-    if hdf5 != "none":
-        env = {"HDF5_DIR": parallel_hdf5(tmp_path / "hdf5")}
-    if hdf5 == "serial":
-        (tmp_path / "hdf5/include/H5pubconf.h").write_text("/* #undef H5_HAVE_PARALLEL */\n")
-    if hdf5 == "not built":
-        env["UNBUILT"] = "h5py"
-    done = cluster.run("scripts/setup", **env)
-    assert done.returncode == 0, done.stderr
-    assert "apt-get" not in cluster.called
-    assert done.stdout.count("pgimp does not need it") == 1
-    assert ("settings h5py" in cluster.called) == (hdf5 == "not built")
-    assert "--only-binary=h5py" in cluster.called
-    assert "in place" in cluster.run("scripts/setup", **env).stdout
-
-
-def test_mpi4py_is_built_where_its_wheel_does_not_fit(cluster, tmp_path):
-    folder = parallel_hdf5(tmp_path / "hdf5")
-    done = cluster.run("scripts/setup", STRANGERS="1", HDF5_DIR=folder)
+def test_mpi4py_is_built_where_its_wheel_does_not_fit(cluster):
+    done = cluster.run("scripts/setup", STRANGERS="1")
     assert done.returncode == 0, done.stderr
     assert "mpi4py's wheel does not fit" in done.stdout
     words = next(line for line in cluster.called.splitlines() if "--no-binary=mpi4py" in line)
     assert {"--no-cache-dir", "--no-build-isolation", "--no-deps"} <= set(words.split())
-    assert f"settings mpi4py {folder}  mpicc -O1 -g0" in cluster.called
-    assert cluster.called.index("settings mpi4py") < cluster.called.index("settings h5py")
+    assert "settings mpicc -O1 -g0" in cluster.called
+    assert "apt-get" not in cluster.called
+
+
+@pytest.mark.parametrize("user", ["root", "other"])
+def test_what_builds_mpi4py_is_installed_where_root_may(cluster, user):
+    (cluster.bin / "mpicc").unlink()
+    if user == "root":
+        cluster.add("id", "#!/usr/bin/env bash\necho 0")
+        cluster.add("apt-get", APT_GET)
+    done = cluster.run("scripts/setup", STRANGERS="1")
+    assert done.returncode == 0, done.stderr
+    if user == "root":
+        assert "install --no-install-recommends gcc libc6-dev libopenmpi-dev" in cluster.called
+        assert "settings mpicc" in cluster.called
+    else:
+        assert "cannot be built here:\nsetup: no mpicc" in done.stdout
+        assert "apt-get" not in cluster.called
 
 
 def test_mpi4py_that_cannot_be_built(cluster):
-    done = cluster.run("scripts/setup", STRANGERS="1", UNBUILT="mpi4py")
+    done = cluster.run("scripts/setup", STRANGERS="1", UNBUILT="1")
     assert done.returncode == 1
     assert "mpi4py could not be built with" in done.stderr
 
@@ -305,13 +275,11 @@ def test_srun_is_the_launcher_where_it_is_alone(cluster):
 def test_missing_packages_are_left_to_the_administrator(machine, apt):
     """No root and no sudo, or no apt-get at all."""
     machine.add("id", f"#!/usr/bin/env bash\necho {1000 if apt else 0}")
-    machine.add("gcc", PROGRAM)
     if apt:
         machine.add("apt-get", APT_GET)
     done = machine.run("scripts/setup")
     assert done.returncode == 1
-    wanted = "openmpi-bin libopenmpi-dev pkg-config libhdf5-openmpi-dev"
-    assert f"  apt-get update && apt-get install --no-install-recommends {wanted}\n" in done.stderr
+    assert "apt-get install --no-install-recommends openmpi-bin\n" in done.stderr
     assert "apt-get" not in machine.called
     assert not (machine.root / ".venv").exists()
 
@@ -321,7 +289,6 @@ def test_changed_requirements_are_installed(ready):
         file.write("\n")
     done = ready.run("scripts/setup")
     assert "installing Python packages" in done.stdout
-    assert "building h5py" not in done.stdout
     assert "-m venv" not in ready.called
 
 
@@ -351,13 +318,6 @@ def test_failed_pip_is_explained_and_tried_again(machine):
     assert "pip could not install these" in done.stderr
     assert machine.run("scripts/setup").returncode == 0
     assert "-m venv" not in machine.called
-
-
-def test_h5py_kept_by_pip_without_mpi_is_built_again(machine):
-    machine.add_system_packages()
-    done = machine.run("scripts/setup", PIP_KEPT="serial")
-    assert done.returncode == 0, done.stderr
-    assert machine.called.count("--wheel-dir") == 2
 
 
 def test_setup_fails_when_the_doctor_finds_something_wrong(machine):

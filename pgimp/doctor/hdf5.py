@@ -1,4 +1,4 @@
-"""h5py: whether it works, with the MPI library of mpi4py or without, on this file system."""
+"""h5py: whether it works, and on this file system; whether it brings in an MPI of its own."""
 
 from __future__ import annotations
 
@@ -25,15 +25,14 @@ except OSError as error:
 print(json.dumps({{
     "version": h5py.version.version,
     "hdf5": h5py.version.hdf5_version,
-    "mpi": bool(h5py.get_config().mpi),
     "files": mpi_libraries(),
     "lock": lock,
 }}))
 """
 
-_REBUILD = (
-    "remove .venv and run scripts/setup, which builds h5py with the mpicc it finds; or do without "
-    "MPI in h5py, as pgimp can: pip install --force-reinstall --no-deps --only-binary=h5py h5py"
+_WHEEL = (
+    "take its wheel, which has an HDF5 of its own and no MPI: "
+    "pip install --force-reinstall --no-deps --only-binary=h5py h5py"
 )
 
 
@@ -53,14 +52,13 @@ def examine(mpi: Answer) -> Iterator[Finding]:
     with folder:
         tried = ask(PROBE, os.path.join(folder.name, "serial.h5"))
     if isinstance(tried, str):
-        yield Finding("h5py", tried, _REBUILD, True)
+        yield Finding("h5py", tried, _WHEEL, True)
         return
-    kind = "with MPI" if tried["mpi"] else "without MPI, which pgimp does not need"
-    found = f"{tried['version']} {kind}, HDF5 {tried['hdf5']}"
+    found = f"{tried['version']}, HDF5 {tried['hdf5']}"
     own = mpi["files"] if isinstance(mpi, dict) else []
     libraries = sorted({os.path.realpath(path) for path in [*tried["files"], *own]})
     if len(libraries) > 1 and tried["files"]:
-        yield Finding("h5py", f"{found}, brings in a second MPI {names(libraries)}", _REBUILD, True)
+        yield Finding("h5py", f"{found}, brings in a second MPI {names(libraries)}", _WHEEL, True)
     else:
         yield Finding("h5py", found)
     if tried["lock"]:

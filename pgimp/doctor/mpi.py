@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import shutil
 import subprocess
-import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -25,7 +24,7 @@ print(json.dumps({{
 """
 
 _RANKS_PROBE = """
-import json, sys
+import json
 from mpi4py import MPI
 import numpy
 comm = MPI.COMM_WORLD
@@ -34,17 +33,8 @@ if comm.size == 2:
     comm.Sendrecv(there, 1 - comm.rank, recvbuf=other, source=1 - comm.rank)
     assert (other == 1 - comm.rank).all(), "a message of 1 MiB came through damaged"
 ranks = comm.allreduce(1)
-parallel = False
-if ranks == 2:
-    import h5py
-    parallel = bool(h5py.get_config().mpi)
-    if parallel:
-        with h5py.File(sys.argv[1], "w", driver="mpio", comm=comm) as file:
-            data = file.create_dataset("x", (2,))
-            with data.collective:
-                data[comm.rank] = comm.rank
 if comm.rank == 0:
-    print(json.dumps({"ranks": ranks, "parallel": parallel}))
+    print(json.dumps({"ranks": ranks}))
 """
 
 _NODES_PROBE = """
@@ -143,25 +133,22 @@ def _two_ranks(mpi: dict[str, Any], launcher: str, ways: Sequence[Sequence[str]]
     name = os.path.basename(launcher)
     part = "two ranks" if name != "srun" else "srun"
     answers: list[Answer] = []
-    with tempfile.TemporaryDirectory() as folder:
-        for options in ways:
-            # By its name, as people start it: called as /bin/mpirun, Open MPI's refuses, because it
-            # takes what is before /bin for its prefix.
-            words = [name, *options, "-n", "2"]
-            tried = ask(_RANKS_PROBE, os.path.join(folder, "parallel.h5"), launch=words)
-            answers.append(tried)
-            if isinstance(tried, dict) and tried["ranks"] == 2:
-                found = "exchange messages"
-                found += " and write one HDF5 file together" if tried["parallel"] else ""
-                mode = " ".join(word for word in options if word.startswith("--mpi"))
-                if mode and any(isinstance(answer, dict) for answer in answers[:-1]):
-                    return Finding(
-                        part,
-                        f"two ranks {found} with {mode}, without each is alone",
-                        f"start pgimp with: srun {mode}; in batch scripts: pgimp batch CASE.yaml "
-                        f"--launcher 'srun {mode}'",
-                    )
-                return Finding(part, found if part != name else f"two ranks {found}")
+    for options in ways:
+        # By its name, as people start it: called as /bin/mpirun, Open MPI's refuses, because it
+        # takes what is before /bin for its prefix.
+        tried = ask(_RANKS_PROBE, launch=[name, *options, "-n", "2"])
+        answers.append(tried)
+        if isinstance(tried, dict) and tried["ranks"] == 2:
+            found = "exchange messages"
+            mode = " ".join(word for word in options if word.startswith("--mpi"))
+            if mode and any(isinstance(answer, dict) for answer in answers[:-1]):
+                return Finding(
+                    part,
+                    f"two ranks {found} with {mode}, without each is alone",
+                    f"start pgimp with: srun {mode}; in batch scripts: pgimp batch CASE.yaml "
+                    f"--launcher 'srun {mode}'",
+                )
+            return Finding(part, found if part != name else f"two ranks {found}")
     alone = any(isinstance(answer, dict) for answer in answers)
     return Finding(
         part,

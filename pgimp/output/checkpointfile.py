@@ -17,12 +17,13 @@ import numpy as np
 from pgimp.errors import DamagedError
 from pgimp.output.checkpointheader import LAYOUT, Place, parse
 from pgimp.output.checkpointwriter import write
+from pgimp.output.checksums import Written, first_wrong, read_into
 
 __all__ = ["LAYOUT", "CheckpointFile", "DamagedError", "write"]
 
 Array = np.ndarray
 
-# What is read at once.
+# What is looked at at once.
 _BLOCK = 4 << 20
 
 
@@ -97,16 +98,18 @@ class CheckpointFile:
             If something in this part is not as it was written.
         """
         begin = self._header.begin
-        block = memoryview(bytearray(_BLOCK))
-        for start, size, checksum in self._header.pieces:
-            if (start - begin + size // 2) * parts // (self.size - begin) != part:
-                continue
-            found = 0
-            for at in range(start, start + size, _BLOCK):
-                some = block[: min(_BLOCK, start + size - at)]
-                found = zlib.crc32(some[: self._read_into(some, at)], found)
-            if found != checksum:
-                raise DamagedError(f"bytes {start} to {start + size} do not have their checksum")
+        mine = [
+            Written(start, size, checksum)
+            for start, size, checksum in self._header.pieces
+            if (start - begin + size // 2) * parts // (self.size - begin) == part
+        ]
+        try:
+            wrong = first_wrong(self._descriptor, mine, zlib.crc32)
+        except OSError as error:
+            raise DamagedError(_cannot_read(error)) from None
+        if wrong:
+            end = wrong.start + wrong.size
+            raise DamagedError(f"bytes {wrong.start} to {end} do not have their checksum")
 
     def read(self, name: str, first: int, last: int) -> Array:
         """Read rows of a dataset.
@@ -166,17 +169,11 @@ class CheckpointFile:
                 raise DamagedError("it ends before its data")
 
     def _read_into(self, view: memoryview, start: int) -> int:
-        """Read from byte `start` on until `view` is full or the file ends; return how much."""
-        done = 0
+        """See `checksums.read_into`."""
         try:
-            while done < len(view):
-                some = os.preadv(self._descriptor, [view[done : done + _BLOCK]], start + done)
-                if some == 0:
-                    break
-                done += some
+            return read_into(self._descriptor, view, start)
         except OSError as error:
             raise DamagedError(_cannot_read(error)) from None
-        return done
 
 
 def _shapes(places: dict[str, Place]) -> dict[str, tuple[np.dtype, tuple[int, ...]]]:

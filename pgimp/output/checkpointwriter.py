@@ -1,12 +1,11 @@
 """Writing a checkpoint: reserve the space, write data and header, sync, and only then the name.
 
-Every rank makes checksums of what it writes, while it does. They are compared when the checkpoint
-is read; until then the ones before it stay.
+Every rank makes checksums of what it writes, while it does. They are in the header, and are
+compared before the file gets its name and when the checkpoint is read.
 """
 
 from __future__ import annotations
 
-import os
 import zlib
 from collections.abc import Mapping
 from itertools import accumulate, chain
@@ -17,10 +16,11 @@ import numpy as np
 
 from pgimp.errors import DamagedError, RunError
 from pgimp.output.checkpointheader import KINDS, encode, parse
+from pgimp.output.checksums import Written
 from pgimp.output.collective import agree, explain, on_root
-from pgimp.output.datasets import Dataset, bytes_of, lay_out
+from pgimp.output.datasets import Dataset, Layout, bytes_of, lay_out
 from pgimp.output.files import publish, temporary
-from pgimp.output.framefile import FrameFile, Written, blocks
+from pgimp.output.framefile import FrameFile, blocks
 from pgimp.output.unfinished import removed_on_error, told
 
 Array = np.ndarray
@@ -84,7 +84,7 @@ def write(
     with removed_on_error(part, comm):
         try:
             offsets = on_root(comm, lambda: plan.create(whole, what))
-            file = FrameFile(part, comm.rank, plan.most)
+            file = FrameFile(part, comm, plan.most)
             for name, (dtype, tail) in shapes.items():
                 array = rows[name]
                 place = offsets[name] + first * Dataset(name, dtype, tail).row_bytes
@@ -100,8 +100,11 @@ def write(
                     place += block.nbytes
             agree(comm, what, file.error)
             written = comm.gather(file.written)
-            on_root(comm, lambda: plan.head(written, what))
+            on_root(comm, lambda: plan.head(file, written, what))
+            file.settle()
             file.close()
+            agree(comm, what, file.error)
+            file.verify()
             agree(comm, what, file.error)
             on_root(comm, lambda: plan.publish(path, what))
         finally:
@@ -123,8 +126,6 @@ class _Plan:
         Longest piece of the rows.
     size : int
         Bytes of the file, when it is made.
-    written : list of Written
-        The whole datasets.
     """
 
     def __init__(
@@ -141,7 +142,7 @@ class _Plan:
         self.size = 0
         self.row_bytes = sum(dataset.row_bytes for dataset in self.datasets)
         self.most = max(_PIECE, self.count * self.row_bytes // _PIECES)
-        self.written: list[Written] = []
+        self._layout, self._whole = Layout({}, {}, 0), dict[str, Array]()
         places = {d.name: {"dtype": d.dtype, "shape": d.tail, "offset": 0} for d in self.datasets}
         self.content: dict[str, Any] = {
             "size": 0,
@@ -151,8 +152,9 @@ class _Plan:
         }
 
     def create(self, whole: Mapping[str, Array], what: str) -> dict[str, int]:
-        """Make the file, with the whole datasets in it; return where each dataset begins."""
+        """Make the file, with nothing in it yet; return where each dataset begins."""
         arrays = {name: np.asarray(a, _little(a), order="C") for name, a in whole.items()}
+        self._whole = arrays
         places = {
             name: {"dtype": array.dtype.str, "shape": array.shape, "offset": 0}
             for name, array in arrays.items()
@@ -169,39 +171,46 @@ class _Plan:
             room = len(encode(self.content)) + _NUMBER * (len(places) + 2) + _PIECE_TEXT * pieces
             self.begin = max(512, 1 << (room - 1).bit_length())
             layout = lay_out(self.datasets, self.count, whole=arrays, user_block=self.begin)
-            layout.create(self.part, arrays)
+            layout.create(self.part)
         except OSError as error:
             raise RunError(f"cannot {what}: {explain(error)}") from error
         except (ValueError, TypeError, RuntimeError) as error:
             raise RunError(f"cannot {what}: {error}") from error
         for name, place in places.items():
             place["offset"] = layout.offsets[name]
-        for name, array in arrays.items():
-            if array.size:
-                checksum = zlib.crc32(bytes_of(array))
-                self.written.append(Written(layout.offsets[name], array.nbytes, checksum))
+        self._layout, self.size = layout, layout.size
         return layout.offsets
 
-    def head(self, written: list[list[Written]], what: str) -> None:
-        """Write the header, with the checksums of what the ranks wrote."""
+    def head(self, file: FrameFile, written: list[list[Written]], what: str) -> None:
+        """Write all but the rows: the header has the checksums of what the ranks wrote."""
+        offsets, says = self._layout.offsets, self._layout.parts
+        whole = [
+            Written(offsets[name], array.nbytes, zlib.crc32(bytes_of(array)))
+            for name, array in self._whole.items()
+            if array.size
+        ]
+        pieces: list[list[int]] = []
+        end = self.begin
+        for piece in [*sorted(chain(*written, whole)), Written(self.size, 0, 0)]:
+            if piece.start > end:  # what HDF5 says about the datasets
+                between = bytearray(piece.start - end)
+                for place, data in says.items():
+                    if end <= place < piece.start:
+                        between[place - end : place - end + len(data)] = data
+                pieces.append([end, len(between), zlib.crc32(between)])
+            if piece.size:
+                pieces.append(list(piece))
+            end = piece.start + piece.size
         try:
-            with told(what), open(self.part, "r+b") as stream:
-                self.size = size = stream.seek(0, os.SEEK_END)
-                pieces: list[list[int]] = []
-                end = self.begin
-                for piece in [*sorted(chain(*written, self.written)), Written(size, 0, 0)]:
-                    if (gap := piece.start - end) > 0:  # what HDF5 says about the datasets
-                        stream.seek(end)
-                        pieces.append([end, gap, zlib.crc32(stream.read(gap))])
-                    if piece.size:
-                        pieces.append(list(piece))
-                    end = piece.start + piece.size
-                header = encode(self.content | {"size": size, "pieces": pieces})
-                parse(lambda start, length: header[start : start + length], size)
-                stream.seek(0)
-                stream.write(header)
+            header = encode(self.content | {"size": self.size, "pieces": pieces})
+            parse(lambda start, length: header[start : start + length], self.size)
         except DamagedError as error:
             raise RunError(f"cannot {what}: {error}") from error
+        file.write(0, header)
+        for place, data in says.items():
+            file.write(place, data)
+        for name, array in self._whole.items():
+            file.write(offsets[name], array)
 
     def publish(self, path: Path, what: str) -> None:
         """Name the file, once all of it is on the disk."""

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from pgimp.output.datasets import Dataset, make, put, reserve
+from pgimp.output.datasets import Dataset, make, reserve
 from pgimp.output.hdf5 import load_h5py, open_file
 from pgimp.output.image import Image
 
@@ -127,17 +127,18 @@ class Chunks:
         return places
 
     def _reserve(self, end: int) -> None:
-        reserve(self._descriptor, self._reserved, end)
+        reserve(self._descriptor, self._reserved, end, keep_size=True)
         self._reserved = max(self._reserved, end)
 
-    def finish(self) -> None:
-        """Write what HDF5 says of the datasets."""
+    def finish(self) -> dict[int, bytes]:
+        """Give the file its size and close it; return what HDF5 says of the datasets, by place."""
         self._file.close()
         self._reserve(self._image.size)
         os.ftruncate(self._descriptor, self._image.size)
-        for (place, _), data in self._image.parts.items():
-            put(self._descriptor, memoryview(data), place)
+        # A file that has its size already gives back what is reserved beyond it.
+        os.ftruncate(self._descriptor, self._image.size)
         self.close()
+        return self._image.stretches()
 
     def close(self) -> None:
         """Close the file, finished or not."""

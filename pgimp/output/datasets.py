@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import errno
 import math
 import os
@@ -18,6 +19,10 @@ from pgimp.output.image import Image
 Array = np.ndarray
 
 _CANNOT_RESERVE = {errno.EOPNOTSUPP, errno.EINVAL, errno.ENOSYS}
+# Where the file system cannot, that of POSIX would write to every page, those of other ranks too.
+_fallocate = ctypes.CDLL(None, use_errno=True).fallocate
+_fallocate.argtypes = ctypes.c_int, ctypes.c_int, ctypes.c_int64, ctypes.c_int64
+_KEEP_SIZE = 1
 _NONE: Mapping[str, Any] = MappingProxyType({})
 
 
@@ -52,18 +57,16 @@ class Layout(NamedTuple):
     parts: dict[int, bytes]
     size: int
 
-    def create(self, path: Path, whole: Mapping[str, Array] = _NONE) -> None:
+    def create(self, path: Path) -> None:
         """Make the file, with its space on the disk reserved.
 
         On a full disk a parallel write may lose data without an error; so the space is there before
-        any rank writes.
+        any rank writes. Nothing is written: each byte of a file is left to `FrameFile`.
 
         Parameters
         ----------
         path : Path
             The file; replaced if there.
-        whole : mapping of str to ndarray
-            Datasets that are written here and now.
 
         Raises
         ------
@@ -72,10 +75,7 @@ class Layout(NamedTuple):
         """
         with open(path, "wb", buffering=0) as stream:
             reserve(stream.fileno(), 0, self.size)
-            for place, data in self.parts.items():
-                put(stream.fileno(), memoryview(data), place)
-            for name, array in whole.items():
-                put(stream.fileno(), bytes_of(array), self.offsets[name])
+            os.ftruncate(stream.fileno(), self.size)
 
 
 def lay_out(
@@ -119,14 +119,7 @@ def lay_out(
         for dataset, shape in shapes:
             made = make(file, dataset, shape, properties)
             offsets[dataset.name] = made.get_offset() if math.prod(shape) else 0
-    parts: dict[int, bytes] = {}
-    last = -1
-    for (place, _), data in sorted(image.parts.items()):
-        if last >= 0 and place == last + len(parts[last]):
-            parts[last] += data
-        else:
-            parts[place], last = data, place
-    return Layout(offsets, parts, image.size)
+    return Layout(offsets, image.stretches(), image.size)
 
 
 def make(file: Any, dataset: Dataset, shape: tuple[int, ...], properties: Any) -> Any:
@@ -143,20 +136,29 @@ def make(file: Any, dataset: Dataset, shape: tuple[int, ...], properties: Any) -
     return made
 
 
-def reserve(descriptor: int, start: int, end: int) -> None:
+def reserve(descriptor: int, start: int, end: int, keep_size: bool = False) -> None:
     """See to it that there is room on the disk for a stretch of a file.
+
+    Parameters
+    ----------
+    descriptor : int
+        The file, open for writing.
+    start, end : int
+        Where the stretch begins and ends.
+    keep_size : bool
+        Whether the file does not become longer by it.
 
     Raises
     ------
     OSError
         If there is none. File systems that know no reservation are taken at their word later.
     """
-    try:
-        if end > start:
-            os.posix_fallocate(descriptor, start, end - start)
-    except OSError as error:
-        if error.errno not in _CANNOT_RESERVE:
-            raise
+    mode, code = _KEEP_SIZE if keep_size else 0, errno.EINTR
+    while end > start and code == errno.EINTR:
+        done = _fallocate(descriptor, mode, start, end - start)
+        code = ctypes.get_errno() if done < 0 else 0
+    if end > start and code and code not in _CANNOT_RESERVE:
+        raise OSError(code, os.strerror(code))
 
 
 def bytes_of(array: Array) -> memoryview:

@@ -81,17 +81,22 @@ class GridFrames(Series):
         time, step = float(sim.time), int(sim.step)
         attributes = self._attributes | {"time": time, "step": np.int64(step)}
 
+        says: dict[int, bytes] = {}
+
         def create() -> dict[str, int]:
             shape = (state.total[1], 2**self._dimension)
             cells = {"connectivity": np.broadcast_to(np.int64(0), shape)}
             layout = lay_out(self._datasets, state.total[0], attributes, cells)
             with told(what):
                 layout.create(part)
+            says.update(layout.parts)
             return layout.offsets
 
         with removed_on_error(part, self.comm):
             offsets = on_root(self.comm, create)
-            file = FrameFile(part, self.comm.rank)
+            file = FrameFile(part, self.comm)
+            for place, data in says.items():
+                file.write(place, data)
             for dataset in self._datasets:
                 values = self._rounded(dataset.name, self._values(dataset.name, state), file)
                 place = offsets[dataset.name] + state.first[0] * dataset.row_bytes

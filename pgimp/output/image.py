@@ -25,6 +25,19 @@ class Image(io.RawIOBase):
         self.size = 0
         self._place = 0
 
+    def stretches(self) -> dict[int, bytes]:
+        """Return what was written, by place, in stretches that neither overlap nor touch."""
+        stretches: dict[int, bytes] = {}
+        start = end = -1
+        for begin, length in [*sorted(self.parts), (self.size + 1, 0)]:
+            if begin > end:
+                if start >= 0:
+                    self.seek(start)
+                    stretches[start] = self.read(end - start)
+                start = begin
+            end = max(end, begin + length)
+        return stretches
+
     def readable(self) -> bool:
         """Return that it can be read."""
         return True

@@ -161,6 +161,7 @@ class ParticleFile:
         self, part: Path, rows: Rows, attributes: dict[str, Any], values: _Values, what: str
     ) -> FrameFile:
         """Write each row where it belongs, in datasets that lie in one piece each."""
+        says: dict[int, bytes] = {}
 
         def begin() -> dict[str, int]:
             if self._count != rows.count:
@@ -169,16 +170,16 @@ class ParticleFile:
                 self._layout = lay_out(self._datasets, rows.count, attributes | stands_for)
                 self._count = rows.count
             time, step = np.array(attributes["time"], "<f8"), np.array(attributes["step"], "<i8")
-            parts = {
-                place: data.replace(_TIME, time.tobytes()).replace(_STEP, step.tobytes())
-                for place, data in self._layout.parts.items()
-            }
+            for place, data in self._layout.parts.items():
+                says[place] = data.replace(_TIME, time.tobytes()).replace(_STEP, step.tobytes())
             with told(what):
-                self._layout._replace(parts=parts).create(part)
+                self._layout.create(part)
             return self._layout.offsets
 
         offsets = on_root(rows.comm, begin)
-        file = FrameFile(part, rows.comm.rank)
+        file = FrameFile(part, rows.comm)
+        for where, data in says.items():
+            file.write(where, data)
         for group in self._groups(rows):
             for row, columns in values.collect(rows, group):
                 for dataset, column in zip(group, columns, strict=True):
@@ -190,6 +191,7 @@ class ParticleFile:
     ) -> FrameFile:
         """Compress each chunk of rows, and write it where rank 0 finds a place for it."""
         made: list[Chunks] = []
+        says: dict[int, bytes] = {}
         length = chunk_rows(rows.count)
 
         def begin() -> None:
@@ -205,10 +207,10 @@ class ParticleFile:
 
         def finish() -> None:
             with told(what):
-                made[0].finish()
+                says.update(made[0].finish())
 
         on_root(rows.comm, begin)
-        file = FrameFile(part, rows.comm.rank)
+        file = FrameFile(part, rows.comm)
         try:
             for group in self._groups(rows):
                 packed: list[list[bytes]] = [[] for _ in group]
@@ -222,6 +224,8 @@ class ParticleFile:
                     for data, at in zip(own, where[first : first + len(own)], strict=True):
                         file.write(int(at), data)
             on_root(rows.comm, finish)
+            for begins, text in says.items():
+                file.write(begins, text)
         except BaseException:
             file.abandon()
             raise

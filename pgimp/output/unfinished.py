@@ -22,7 +22,7 @@ class Unfinished:
     file : FrameFile
         Of this rank.
     comm : communicator
-        Of all ranks.
+        Of all ranks; creation is collective.
     what : str
         What is being done, for messages.
     """
@@ -30,6 +30,7 @@ class Unfinished:
     def __init__(self, part: Path, path: Path, file: FrameFile, comm: Any, what: str) -> None:
         self.path = path
         self._part, self._file, self._comm, self._what = part, file, comm, what
+        file.settle()
         file.close_later()
 
     @property
@@ -58,6 +59,8 @@ class Unfinished:
 
         with removed_on_error(self._part, self._comm):
             self._file.close()
+            agree(self._comm, self._what, self._file.error)
+            self._file.verify()
             agree(self._comm, self._what, self._file.error)
             on_root(self._comm, publish)
 
