@@ -13,9 +13,9 @@ from pgimp.errors import CaseError
 from pgimp.kernels.errors import initial_velocities
 from pgimp.kernels.mirror import Mirror
 from pgimp.kernels.order import cell_numbers
-from pgimp.kernels.walls import WALL
 from pgimp.materials.outside import parameters_of
 from pgimp.scene.census import census
+from pgimp.scene.faces import AXES, Face, walls
 from pgimp.scene.cloudgradients import velocity_gradients
 from pgimp.scene.lattice import Lattice, Made
 from pgimp.scene.loads import SceneLoads
@@ -23,41 +23,8 @@ from pgimp.scene.pointscloud import Cloud
 from pgimp.scene.tables import VectorTable
 from pgimp.solver.particles import Frame, Particles
 
-AXES = "xyz"
-
 #: Masses outside of this would leave the range of float64 in sums and products.
 LEAST, MOST = 1e-200, 1e200
-
-
-class Face:
-    """A face of the domain with a condition on it."""
-
-    def __init__(self, name: str, condition: Any) -> None:
-        self.name = name
-        self.condition = condition
-        self.axis = AXES.index(name[0])
-        self.side = -1 if name.endswith("min") else 1
-
-    def parameters(self, start: float, end: float) -> Any:
-        """Parameters of the condition's kernel for a step."""
-        return self.condition.parameters(self.axis, self.side, start, end)
-
-    def wall(self, frame: Frame, end: float) -> tuple[float, float] | None:
-        """Coordinate onto which the face puts particles that pass it, and its velocity there.
-
-        None where it lets them pass, since it draws the material out of the domain or leaves it
-        free along its normal.
-        """
-        speed = self.condition.speed(self.axis, end)
-        if speed is None or speed * self.side > 0.0:
-            return None
-        origin, cells = frame.origin[self.axis], frame.cells[self.axis]
-        if self.side < 0:
-            return origin, speed
-        place = origin + cells * frame.cell[self.axis]
-        while (place - origin) * frame.inverse[self.axis] > cells:  # by rounding
-            place = float(np.nextafter(place, -np.inf))
-        return place, speed
 
 
 class Scene:
@@ -175,12 +142,7 @@ class Scene:
 
     def walls(self, end: float) -> np.ndarray:
         """Where faces hold particles in during a step to `end`; see `pgimp.kernels.walls`."""
-        walls = np.full((6, WALL), -1.0)
-        for number, face in enumerate(self.faces):
-            wall = face.wall(self.frame, end)
-            if wall is not None:
-                walls[2 * face.axis + (face.side > 0)] = number, *wall
-        return walls
+        return walls(self.faces, self.frame, end)
 
     def _velocity_gradients(self, body: int, positions: np.ndarray) -> np.ndarray:
         """Gradient of the initial velocity, (n, D*D), by differences over half a cell."""

@@ -1,0 +1,58 @@
+"""Faces of the domain with a condition, as the solver sees them."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from pgimp.kernels.walls import WALL
+from pgimp.solver.particles import Frame
+
+AXES = "xyz"
+
+
+class Face:
+    """A face of the domain with a condition on it."""
+
+    def __init__(self, name: str, condition: Any) -> None:
+        self.name = name
+        self.condition = condition
+        self.axis = AXES.index(name[0])
+        self.side = -1 if name.endswith("min") else 1
+
+    def parameters(self, start: float, end: float) -> Any:
+        """Parameters of the condition's kernel for a step."""
+        return self.condition.parameters(self.axis, self.side, start, end)
+
+    def wall(self, frame: Frame, end: float) -> tuple[float, float] | None:
+        """Coordinate onto which the face puts particles that pass it, and its velocity there.
+
+        None where it lets them pass, since it draws the material out of the domain or leaves it
+        free along its normal.
+        """
+        speed = self.condition.speed(self.axis, end)
+        if speed is None or speed * self.side > 0.0:
+            return None
+        origin, cells = frame.origin[self.axis], frame.cells[self.axis]
+        if self.side < 0:
+            return origin, speed
+        place = origin + cells * frame.cell[self.axis]
+        while (place - origin) * frame.inverse[self.axis] > cells:  # by rounding
+            place = float(np.nextafter(place, -np.inf))
+        return place, speed
+
+
+def walls(faces: Sequence[Face], frame: Frame, end: float) -> np.ndarray:
+    """Where faces hold particles in during a step to `end`.
+
+    Returns
+    -------
+    (6, 3) float64
+        See `pgimp.kernels.walls`.
+    """
+    found = np.full((6, WALL), -1.0)
+    for number, face in enumerate(faces):
+        wall = face.wall(frame, end)
+        if wall is not None:
+            found[2 * face.axis + (face.side > 0)] = number, *wall
+    return found
