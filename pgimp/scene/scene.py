@@ -15,8 +15,8 @@ from pgimp.kernels.mirror import Mirror
 from pgimp.kernels.order import cell_numbers
 from pgimp.materials.outside import parameters_of
 from pgimp.scene.census import census
-from pgimp.scene.faces import AXES, Face, walls
 from pgimp.scene.cloudgradients import velocity_gradients
+from pgimp.scene.faces import AXES, Face, walls
 from pgimp.scene.lattice import Lattice, Made
 from pgimp.scene.loads import SceneLoads
 from pgimp.scene.pointscloud import Cloud
