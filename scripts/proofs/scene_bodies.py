@@ -64,6 +64,20 @@ def difference(rng, low, high, scene):
     return {"difference": [whole, hole]}
 
 
+def intersection(rng, low, high, scene):
+    """What a ball and a box that does not cover it share."""
+    cut = [number(rng, a, 0.5 * (a + b)) for a, b in zip(low, high, strict=True)]
+    return {"intersection": [ball(rng, low, high, scene), box(rng, cut, high, scene)]}
+
+
+def half_space(rng, low, high, scene):
+    """A box or a ball on one side of a plane of any direction."""
+    whole = (ball if rng.random() < 0.4 else box)(rng, low, high, scene)
+    point = [number(rng, 0.6 * a + 0.4 * b, b) for a, b in zip(low, high, strict=True)]
+    normal = [number(rng, -0.3, 1.0) for _ in low[1:]] + [1.0]
+    return {"intersection": [whole, {"half-space": {"point": point, "normal": normal}}]}
+
+
 def mesh(rng, low, high, scene):
     """A double pyramid from a file; a square on its corner in 2D."""
     centre, half = middle(low, high), [0.499 * (b - a) for a, b in zip(low, high, strict=True)]
@@ -114,6 +128,8 @@ REGIONS = {
     "cylinder": (cylinder, (3,), 2),
     "union": (union, (1, 2, 3), 1),
     "difference": (difference, (2, 3), 1),
+    "intersection": (intersection, (1, 2, 3), 1),
+    "half-space": (half_space, (1, 2, 3), 1),
     "mesh": (mesh, (2, 3), 1),
     "points": (points, (1, 2, 3), 2),
 }

@@ -206,7 +206,12 @@ def constraint(rng, scene):
     if rng.random() < 0.85:
         ends[d] = 0.5 * (low[d] + high[d])
     velocity = components(rng, scene, 0.1 * scene.speed)
-    entry = {"body": body, "region": {"box": {"min": low, "max": high}}, "velocity": velocity}
+    region = {"box": {"min": low, "max": high}}
+    if rng.random() < 0.3:
+        middle = [0.5 * (a + b) for a, b in zip(*scene.corners[body], strict=True)]
+        normal = [1.0, *vector(rng, scene.dimension - 1, 1.0)]
+        region = {"half-space": {"point": middle, "normal": normal}}
+    entry = {"body": body, "region": region, "velocity": velocity}
     grips = scene.case.setdefault("constraints", {})
     grips[f"grip{len(grips)}"] = entry
 
