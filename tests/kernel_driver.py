@@ -179,7 +179,7 @@ class Rank:
         for mirror in mirrors:
             fold(*place, mirror, (), dt, b, owned, self.impulse)
         update_momentum(
-            *place, dt, b, lightest, faces, (), owned, self.impulse, self.beyond, self.work
+            *place, dt, b, lightest, faces, (), (), owned, self.impulse, self.beyond, self.work
         )
         for mirror in reversed(mirrors):
             reflect(*place, mirror, (), dt, b, owned, self.impulse, self.work)

@@ -14,6 +14,7 @@ from pgimp.errors import CaseError
 PROOFS = Path(__file__).resolve().parents[1] / "scripts" / "proofs"
 sys.path.insert(0, str(PROOFS))
 
+import proof_scenes  # noqa: E402
 import scene_features  # noqa: E402
 import scene_shrink  # noqa: E402
 from scene_bodies import REGIONS  # noqa: E402
@@ -54,6 +55,17 @@ def test_many_steps_leave_no_trace_in_the_memory():
 
 def test_random_scenes_are_the_same_on_any_ranks_and_their_books_balance():
     """Twenty; a failing one is printed as a case file, made smaller."""
+    numbers = [(proof_scenes.GROUP * group + n, group) for group in proof_scenes.SHORT
+               for n in range(4)]  # fmt: skip
+    scenes = [scene_features.make(1, *each) for each in numbers]
+    seen = {feature for *_, features in scenes for feature in features}
+    assert {"affine", "relaxation", "constraint", "walls", "gravity", "probes"} <= seen
+    cases = [case for case, *_ in scenes]
+    assert {case["method"]["shape"] for case in cases} >= {"mpm", "gimp"}
+    assert {case["dimensions"] for case in cases if "points" in json.dumps(case)} >= {1, 2}
+    for kind in ("boundaries", "constraints"):  # accelerated ones, and gravity where one is held
+        assert any("table" in json.dumps(case.get(kind, {})) for case in cases)
+        assert any(case.get(kind) and "gravity" in case for case in cases)
     said = prove("scenes", "--short", "--runs", "20", "--shrink", "60", timeout=1200)
     assert int(re.search(r"(\d+) done", said)[1]) >= 15 and "wrong: 0" in said
 
@@ -99,7 +111,8 @@ def test_random_scenes_are_good_cases_of_every_kind(tmp_path, monkeypatch):
         except CaseError:
             refused += 1
         seen |= {case["dimensions"], case["method"]["shape"], *features}
-        seen |= {key for body in case["bodies"].values() for key in body["region"]}
+        regions = json.dumps([body["region"] for body in case["bodies"].values()])
+        seen |= {kind for kind in REGIONS if f'"{kind}"' in regions}
         seen |= {str(each) for each in case["boundaries"].values()}
     assert refused <= 3
     features = {feature.name for feature in scene_features.FEATURES}

@@ -91,30 +91,59 @@ def mark(shape, frame, window, particles, order, start, mask):
                     _mark(shape, mask, bit, place, room, j, 0, window.stride, frame.origin)
 
 
+def ruled(marked, r, v):
+    """Velocity of the vertex at `r` when all constraints are applied to `v`.
+
+    Parameters
+    ----------
+    marked : (grips, mask) or ()
+        The constraints and the vertices that they hold, see `mark`. Where constraints share a
+        vertex, the later one rules.
+    """
+
+
+@specialise(ruled)
+def _ruled(marked, r, v):
+    if len(marked) == 0:
+        return lambda marked, r, v: v
+
+    def by_constraints(marked, r, v):
+        grips, mask = marked
+        for k in range(len(grips)):
+            if mask[r // RECORD] >> k & 1:
+                h, u = grips[k].held, grips[k].velocity
+                v = (u[0] if h[0] else v[0], u[1] if h[1] else v[1], u[2] if h[2] else v[2])
+        return v
+
+    return by_constraints
+
+
 @kernel
-def hold_marked(window, G, active, mask, grips, relaxation, dt, gravity, owned, impulse, work):
+def hold_marked(window, G, active, marked, relaxation, dt, gravity, owned, impulse, work):
     """Set velocity and acceleration of the marked vertices, after the momentum update.
 
     Parameters
     ----------
-    window, G, active, relaxation, dt, gravity, owned, work
+    window, G, active, relaxation, dt, gravity, owned
         As in `update_momentum`, which has counted gravity's work with the velocity before.
-    mask
-        See `mark`. Where constraints share a vertex, the later one rules.
-    grips : tuple of Grip
-        The constraints.
+    marked : (grips, mask)
+        See `ruled`.
     impulse : (planes, grips, 3) float64
         Grows by the momentum that each constraint gives to the vertices.
+    work : (planes,) float64
+        Grows by that momentum times the velocity that the last constraint leaves.
     """
+    grips, mask = marked
     plane = window.stride[0]
     for i in range(len(active)):
         if active[i] == 0:
             continue
-        for r in range(i * plane, (i + 1) * plane, 8):
-            held = mask[r // 8]
+        for r in range(i * plane, (i + 1) * plane, RECORD):
+            held = mask[r // RECORD]
             if held == 0 or not G[r] > 0.0:
                 continue
             mass = G[r] if i < owned else 0.0
+            last = ruled(marked, r, (G[r + 1], G[r + 2], G[r + 3]))
             for k in range(len(grips)):
                 if held >> k & 1 == 0:
                     continue
@@ -129,7 +158,7 @@ def hold_marked(window, G, active, mask, grips, relaxation, dt, gravity, owned, 
                         G[r + 5 + d] = a
                         G[r + HELD] = int(G[r + HELD]) | 1 << d
                         impulse[i, k, d] += change
-                        work[i] += change * v
+                        work[i] += change * last[d]
 
 
 def gripped(grips, particles, rows, count, u, v, impulse, work, plane):

@@ -1,6 +1,7 @@
 """Momentum update (14) of the vertices, boundary conditions, and what the faces do."""
 
 from pgimp.boundaries.base import constrain
+from pgimp.kernels.grips import ruled
 from pgimp.kernels.jit import kernel, specialise
 from pgimp.kernels.loads import given
 from pgimp.kernels.transfer import HELD
@@ -8,7 +9,8 @@ from pgimp.kernels.transfer import HELD
 
 @kernel
 def update_momentum(
-    frame, window, G, active, dt, gravity, lightest, faces, relaxation, owned, impulse, beyond, work
+    frame, window, G, active, dt, gravity, lightest, faces, marked, relaxation, owned, impulse,
+    beyond, work,
 ):  # fmt: skip
     """Turn the sums of a rank's active planes into velocities and accelerations.
 
@@ -21,6 +23,8 @@ def update_momentum(
         its gradient in full, however small its weight.
     faces : tuple
         Parameters of the boundary conditions, see `pgimp.boundaries`.
+    marked : tuple
+        The constraints and the vertices that they hold, see `ruled`; they are applied after this.
     relaxation : float or ()
         See `Loads`.
     owned : int
@@ -54,7 +58,7 @@ def update_momentum(
                     G[r + 5 + d] = 0.0
                     G[r + 1 + d] *= inverse
         constrain_plane(
-            (), faces, relaxation, frame, window, G, i, dt, i < owned, impulse, beyond, work
+            (), faces, marked, relaxation, frame, window, G, i, dt, i < owned, impulse, beyond, work
         )
         if heavy and i < owned:
             power = 0.0
@@ -65,29 +69,29 @@ def update_momentum(
 
 
 def constrain_plane(
-    done, faces, relaxation, frame, window, G, i, dt, owned, impulse, beyond, work
+    done, faces, marked, relaxation, frame, window, G, i, dt, owned, impulse, beyond, work
 ):  # fmt: skip
     """Apply the conditions of `faces` to the vertices of plane `i` that are on none of `done`."""
 
 
 @specialise(constrain_plane)
 def _constrain_plane(
-    done, faces, relaxation, frame, window, G, i, dt, owned, impulse, beyond, work
+    done, faces, marked, relaxation, frame, window, G, i, dt, owned, impulse, beyond, work
 ):  # fmt: skip
     def constrain_none(
-        done, faces, relaxation, frame, window, G, i, dt, owned, impulse, beyond, work
+        done, faces, marked, relaxation, frame, window, G, i, dt, owned, impulse, beyond, work
     ):  # fmt: skip
         pass
 
     def constrain_all(
-        done, faces, relaxation, frame, window, G, i, dt, owned, impulse, beyond, work
+        done, faces, marked, relaxation, frame, window, G, i, dt, owned, impulse, beyond, work
     ):  # fmt: skip
         _constrain_face(
-            done, faces, relaxation, frame, window, G, i, dt, owned, impulse, beyond, work
+            done, faces, marked, relaxation, frame, window, G, i, dt, owned, impulse, beyond, work
         )
         constrain_plane(
-            (*done, faces[0]), faces[1:], relaxation, frame, window, G, i, dt, owned, impulse,
-            beyond, work,
+            (*done, faces[0]), faces[1:], marked, relaxation, frame, window, G, i, dt, owned,
+            impulse, beyond, work,
         )  # fmt: skip
 
     return constrain_all if len(faces) else constrain_none
@@ -140,12 +144,12 @@ def _hold(faces, n, relaxation, frame, number, v, a, mass, dt, impulse):
 
 @kernel
 def _constrain_face(
-    done, faces, relaxation, frame, window, G, i, dt, owned, impulse, beyond, work
+    done, faces, marked, relaxation, frame, window, G, i, dt, owned, impulse, beyond, work
 ):  # fmt: skip
     """Treat the vertices of plane `i` on or beyond the first of `faces` but none of `done`.
 
     Where faces meet, a vertex is treated by all of them at once, because the work of each is its
-    force times the velocity that the last of them leaves.
+    force times the velocity that the last of them leaves, or a constraint after them.
     """
     face = faces[0]
     wall = frame.ghost if face.side < 0 else frame.ghost + frame.cells[face.axis]
@@ -178,9 +182,10 @@ def _constrain_face(
             v, a = hold(
                 faces, len(done), relaxation, frame, number, u, b, mass, dt, impulse[i]
             )  # fmt: skip
+            last = ruled(marked, r, v)
             held = 0
             for d in range(3):
-                work[i] += given(relaxation, mass, dt, u[d], b[d], v[d], a[d]) * v[d]
+                work[i] += given(relaxation, mass, dt, u[d], b[d], v[d], a[d]) * last[d]
                 if v[d] != u[d] or a[d] != b[d]:
                     held |= 1 << d
             G[r + 1], G[r + 2], G[r + 3] = v

@@ -55,6 +55,7 @@ def step(sim: "Simulation") -> tuple[float, float, int, float]:
     lap("exchange")
 
     grips, gravity = scene.loads.grips(sim.time, end), scene.gravity(sim.time)
+    marked = (grips, grid.marks) if grips else ()
     for mirror in scene.mirrors:
         fold(
             frame, window, grid.G, grid.active, mirror, relaxation, dt, gravity,
@@ -64,12 +65,12 @@ def step(sim: "Simulation") -> tuple[float, float, int, float]:
     if scene.varies:
         faces, walls = scene.face_parameters(sim.time, end), scene.walls(end)
     update_momentum(  # (14, 17) and the boundary conditions
-        frame, window, grid.G, grid.active, dt, gravity, sim.lightest, faces, relaxation,
+        frame, window, grid.G, grid.active, dt, gravity, sim.lightest, faces, marked, relaxation,
         sim.owned_planes, sim.impulse, sim.beyond, sim.work,
     )  # fmt: skip
-    if grips:
+    if marked:
         hold_marked(
-            window, grid.G, grid.active, grid.marks, grips, relaxation, dt, gravity,
+            window, grid.G, grid.active, marked, relaxation, dt, gravity,
             sim.owned_planes, sim.grip_impulse, sim.work,
         )  # fmt: skip
     for mirror in reversed(scene.mirrors):

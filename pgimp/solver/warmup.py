@@ -42,9 +42,10 @@ def warm_up(scene: Scene, identity: tuple[float, ...]) -> None:
     )  # fmt: skip
     complete(grid.G, grid.window.stride[0], 0, 1, grid.aside, 0, False, np.empty(0))
     faces, relaxation = scene.face_parameters(0.0, 0.0), scene.loads.relaxation
+    marked = (grips, grid.marks) if grips else ()
     update_momentum(
-        frame, grid.window, grid.G, grid.active, 1.0, scene.gravity(0.0), 0.0, faces, relaxation, 1,
-        np.zeros((1, len(faces), 3)), np.zeros((1, len(faces))), np.zeros(1),
+        frame, grid.window, grid.G, grid.active, 1.0, scene.gravity(0.0), 0.0, faces, marked,
+        relaxation, 1, np.zeros((1, len(faces), 3)), np.zeros((1, len(faces))), np.zeros(1),
     )  # fmt: skip
     for mirror in scene.mirrors:
         none, impulse = np.zeros(0, np.uint8), np.zeros((1, len(faces), 3))
@@ -57,11 +58,11 @@ def warm_up(scene: Scene, identity: tuple[float, ...]) -> None:
         scene.walls(0.0), reach, rows.copy(), np.zeros((1, 2), np.int64),
         np.zeros((1, len(grips), 3)), np.zeros((1, len(faces), 3)), np.zeros(1),
     )  # fmt: skip
-    if grips:
+    if marked:
         mark(shape, frame, grid.window, p, rows, start, grid.marks)
         hold_marked(
-            grid.window, grid.G, np.zeros(0, np.uint8), grid.marks, grips, relaxation, 1.0,
-            scene.gravity(0.0), 1,            np.zeros((1, len(grips), 3)), np.zeros(1),
+            grid.window, grid.G, np.zeros(0, np.uint8), marked, relaxation, 1.0,
+            scene.gravity(0.0), 1, np.zeros((1, len(grips), 3)), np.zeros(1),
         )  # fmt: skip
     material_of = scene.material_of
     layer_sums(

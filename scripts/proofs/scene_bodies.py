@@ -64,6 +64,20 @@ def difference(rng, low, high, scene):
     return {"difference": [whole, hole]}
 
 
+def intersection(rng, low, high, scene):
+    """What a ball and a box that does not cover it share."""
+    cut = [number(rng, a, 0.7 * a + 0.3 * b) for a, b in zip(low, high, strict=True)]
+    return {"intersection": [ball(rng, low, high, scene), box(rng, cut, high, scene)]}
+
+
+def half_space(rng, low, high, scene):
+    """A box or a ball on one side of a plane of any direction."""
+    whole = (ball if rng.random() < 0.4 else box)(rng, low, high, scene)
+    point = [number(rng, 0.2 * a + 0.8 * b, b) for a, b in zip(low, high, strict=True)]
+    normal = [number(rng, -0.3, 1.0) for _ in low[1:]] + [1.0]
+    return {"intersection": [whole, {"half-space": {"point": point, "normal": normal}}]}
+
+
 def mesh(rng, low, high, scene):
     """A double pyramid from a file; a square on its corner in 2D."""
     centre, half = middle(low, high), [0.499 * (b - a) for a, b in zip(low, high, strict=True)]
@@ -92,14 +106,15 @@ def points(rng, low, high, scene):
     counts = [max(1, int((b - a) / s)) for a, b, s in zip(low, high, apart, strict=True)]
     moves, stressed = rng.random() < 0.6, scene.stressed and rng.random() < 0.5
     names = [*"xyz"[:D], "volume"] + [f"velocity-{a}" for a in "xyz"[:D]] * moves
-    names += [f"stress-{c}" for c in ("xx", "yy", "zz", "xy", "yz", "xz")] * stressed
+    stresses = ("xx", "yy", "zz", "xy", "yz", "xz")[: 6 if D == 3 else 4] * stressed
+    names += [f"stress-{c}" for c in stresses]
     rows = []
     for place in itertools.product(*map(range, counts)):
         jitter = [rng.uniform(0.3, 0.7) for _ in place]
         x = [a + s * (n + j) for a, s, n, j in zip(low, apart, place, jitter, strict=True)]
         row = [*x, math.prod(apart) * rng.uniform(0.8, 1.1)]
         row += [rng.uniform(-1.0, 1.0) for _ in range(D)] * moves
-        row += [rng.uniform(-0.5, 0.5) for _ in range(6)] * stressed
+        row += [rng.uniform(-0.5, 0.5) for _ in stresses]
         rows.append(",".join(f"{value:.6g}" for value in row))
     rng.shuffle(rows)
     name = f"points{len(scene.files)}.csv"
@@ -114,6 +129,8 @@ REGIONS = {
     "cylinder": (cylinder, (3,), 2),
     "union": (union, (1, 2, 3), 1),
     "difference": (difference, (2, 3), 1),
+    "intersection": (intersection, (1, 2, 3), 1),
+    "half-space": (half_space, (1, 2, 3), 1),
     "mesh": (mesh, (2, 3), 1),
     "points": (points, (1, 2, 3), 2),
 }

@@ -7,17 +7,25 @@
   prescribed motion (force times velocity), where there is no traction and only one motion.
 - Energy: kinetic and strain energy exceed those of the start and the external work by no more than
   the time integration explains: by a part of the energy that becomes smaller with the step. Not
-  with `volume: initial`, whose forces are those of the strain energy at small strains only.
+  with `volume: initial`, whose forces are those of the strain energy at small strains only. What
+  an accelerated wall or constraint makes of that is known and subtracted: particles take on its
+  acceleration A at their own velocity v, but the work is booked with the wall's velocity u, so that
+  m A (v - u) dt of energy comes from nothing. With `affine`, the energy of what particles carry of
+  the velocity's variation may become that of their velocity; with `mpm` nothing is claimed then,
+  as its gradients jump from cell to cell, and particles that carry the jumps make energy of them.
 - Angular momentum of scenes without any load or condition is constant, but for what moving
   particles between their positions and the grid's loses.
 """
 
+import contextlib
 import math
 
 import numpy as np
 
 from pgimp.errors import RunError
+from pgimp.kernels.transfer import HELD, RECORD
 from pgimp.scene.tables import prescribed
+from pgimp.solver import step as stepping
 
 #: Of mass times wave speed: forces on vertices that are too light to be accelerated are lost, about
 #: 1e-8 of a particle's (see tests/test_wall_balance.py).
@@ -30,6 +38,9 @@ CREATED, LEFT = 0.03, 0.6
 #: What hooke may add: its energy is that of the stress, right at small strains only, and bodies
 #: here meet at a fifth of the wave speed.
 RATE = 0.15
+#: Mean square of the distance of a particle's vertices, weighted, in cells: about, by shape.
+SPREAD = {"fuzzy-constant": 0.5, "fuzzy-nearest": 0.4}
+USUAL_SPREAD = 0.25
 #: Of mass times speed times size.
 ANGULAR = 0.02
 
@@ -50,6 +61,35 @@ def patch_forces(sim):
         size = np.linalg.norm(n, axis=1).sum()
         total += np.array(load.traction) * size - load.pressure * n.sum(axis=0)
     return total[:D]
+
+
+@contextlib.contextmanager
+def vertex_momenta(found):
+    """Append what vertices have before their momentum update to a list, in each step."""
+    usual = stepping.update_momentum
+
+    def update(frame, window, G, *others):
+        found.append(G.reshape(-1, RECORD)[:, :4].copy())
+        usual(frame, window, G, *others)
+
+    stepping.update_momentum = update
+    try:
+        yield
+    finally:
+        stepping.update_momentum = usual
+
+
+def accelerated(sim, before):
+    """Energy that particles gain from vertices held at a rate, above the work that is booked."""
+    G = sim.grid.G.reshape(-1, RECORD)
+    active = np.repeat(sim.grid.active != 0, sim.grid.window.stride[0] // RECORD)
+    held = active & (before[:, 0] > 0.0) & (G[:, 0] > 0.0)
+    m, flags = G[held, 0], G[held, HELD].astype(int)
+    gained = 0.0
+    for d in range(3):
+        own, V, A = before[held, 1 + d] / m, G[held, 1 + d], G[held, 5 + d]
+        gained += sim.dt * (m * A * (own - V))[flags >> d & 1 == 1].sum()
+    return gained
 
 
 class Books:
@@ -75,8 +115,20 @@ class Books:
         self._scale = self.mass * max(speeds)
         self._momentum = [(0.0, 0, "")]
         self._work = [(0.0, 0, "")]
-        self._worked = 0.0
         self._lines = [self._line]
+        conditions = [*self.case.boundaries.values(), *self.case.constraints.values()]
+        self._accelerates = any(each.varies for each in conditions)
+        self._explained, self._carried = [0.0], [self._carry()]
+
+    def _carry(self):
+        """Kinetic energy of the velocity's variation about the particles."""
+        sim, D = self.sim, self.D
+        if not self.case.method.affine:
+            return 0.0
+        rows, p = sim.live(), sim.particles
+        spread = SPREAD.get(self.case.method.shape, USUAL_SPREAD)
+        L = p.L[rows].reshape(-1, D, D) * np.array(sim.scene.frame.cell)
+        return 0.5 * spread * float((p.m[rows, None, None] * L**2).sum())
 
     def run(self):
         """Take all steps, or those before one that fails, and close the books."""
@@ -97,7 +149,12 @@ class Books:
         impulse = last["mass"] * gravity + patch_forces(sim)
         before = dict(zip(sim.particles.id[rows].tolist(), sim.particles.x[rows], strict=True))
         mass = dict(zip(sim.particles.id[rows].tolist(), sim.particles.m[rows], strict=True))
-        sim.advance()
+        sums = []
+        with vertex_momenta(sums) if self._accelerates else contextlib.nullcontext():
+            sim.advance()
+        gained = accelerated(sim, sums[0]) if sums else 0.0
+        self._explained.append(self._explained[-1] + gained)
+        self._carried.append(self._carry())
         line = self._line = sim.diagnostics()
         self._lines.append(line)
         forces = [f"reaction.{face}" for face in self.case.boundaries]
@@ -150,13 +207,15 @@ class Books:
             self.wrong.append(("books: momentum", f"{part:.3g} of mass times wave speed; {text}"))
         off, _, text = max(self._work)
         if not off <= WORK * self._scale**2 / self.mass:
-            held = ", gravity and a constraint" * bool(self.case.gravity and self.case.constraints)
-            self.wrong.append((f"books: work{held}", text))
+            self.wrong.append(("books: work", text))
         energy = total("kinetic-energy") + total("strain-energy")
         work = every["external-work"]
         largest = energy.max() + np.abs(work).max()
         if largest > 0.0:
-            self.created = float(max(0.0, (energy - energy[0] - work).max()) / largest)
+            gained = energy - energy[0] - work - np.array(self._explained)
+            carried = np.array(self._carried)
+            least = min(gained.max(), (gained + carried - carried[0]).max())
+            self.created = float(max(0.0, least) / largest)
         case = self.case
         held = case.boundaries or case.constraints or case.tractions or case.gravity
         if not held and self.D > 1 and len(self._lines) > 1:
@@ -192,7 +251,8 @@ def check(load):
     books.run()
     models = {case.materials[body.material].model for body in case.bodies.values()}
     allowed = CREATED + RATE * ("hooke" in models)
-    if books.created > allowed and case.method.tracked:
+    jumps = case.method.affine and case.method.shape == "mpm"
+    if books.created > allowed and case.method.tracked and not jumps:
         step = case.time.step
         fixed = isinstance(step, float | int)
         key = "time.step" if fixed else "time.step.courant"
@@ -207,7 +267,5 @@ def check(load):
 
 def _suspect(case):
     """What in a case may make energy, so that each cause is a class of failures of its own."""
-    tables = [entry for kind in (case.boundaries, case.constraints) for entry in kind.values()
-              if entry.varies]  # fmt: skip
-    found = ["affine"] * case.method.affine + ["accelerated motion"] * bool(tables)
-    return "".join(f", {each}" for each in found or ["mpm"] * (case.method.shape == "mpm"))
+    found = ["affine"] * case.method.affine + ["mpm"] * (case.method.shape == "mpm")
+    return "".join(f", {each}" for each in found)

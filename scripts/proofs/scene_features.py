@@ -16,6 +16,7 @@ import random
 from typing import NamedTuple
 
 from scene_bodies import add_bodies, number, vector
+from scene_output import checkpoints, frames, grid_frames, history, probes, small_files
 
 SHAPES = ("gimp", "gimp", "mpm", "finite-gimp", "fuzzy-constant", "fuzzy-nearest")
 MATERIALS = {
@@ -25,8 +26,6 @@ MATERIALS = {
     "heavy": {"model": "neo-hookean", "young": 80.0, "poisson": 0.0, "density": 3.0},
 }
 WALLS = ("fixed", "slip", "separating", "moving")
-FIELDS = ("velocity", "stress", "displacement", "deformation", "pressure", "von-mises", "strain",
-          "mass", "density")  # fmt: skip
 
 
 class Chance(random.Random):
@@ -206,55 +205,14 @@ def constraint(rng, scene):
     if rng.random() < 0.85:
         ends[d] = 0.5 * (low[d] + high[d])
     velocity = components(rng, scene, 0.1 * scene.speed)
-    entry = {"body": body, "region": {"box": {"min": low, "max": high}}, "velocity": velocity}
+    region = {"box": {"min": low, "max": high}}
+    if rng.random() < 0.3:
+        middle = [0.5 * (a + b) for a, b in zip(*scene.corners[body], strict=True)]
+        normal = [1.0, *vector(rng, scene.dimension - 1, 1.0)]
+        region = {"half-space": {"point": middle, "normal": normal}}
+    entry = {"body": body, "region": region, "velocity": velocity}
     grips = scene.case.setdefault("constraints", {})
     grips[f"grip{len(grips)}"] = entry
-
-
-def frames(rng, scene):
-    """Frames now and then, with any fields but the rank, which differs from run to run."""
-    end = scene.end
-    every = rng.choice((None, {"steps": rng.randint(3, 30)}, number(rng, 0.1 * end, 0.6 * end)))
-    scene.case["output"] |= {"every": every, "fields": rng.sample(FIELDS, rng.randint(0, 6))}
-    if rng.random() < 0.4:
-        at = sorted({number(rng, 0.0, 0.99 * end) for _ in range(rng.randint(1, 3))})
-        scene.case["output"]["at"] = at
-
-
-def grid_frames(rng, scene):
-    """Frames of the grid."""
-    names = rng.sample(("mass", "momentum", "velocity", "force"), rng.randint(1, 4))
-    scene.case["output"]["grid"] = names
-
-
-def small_files(rng, scene):
-    """Fewer digits in frames, or compressed ones."""
-    scene.case["output"]["precision"] = rng.choice(("float32", "float64"))
-    scene.case["output"]["compression"] = rng.choice(("gzip", "none"))
-
-
-def history(rng, scene):
-    """Lines by steps or by time."""
-    every = number(rng, 0.05 * scene.end, 0.5 * scene.end)
-    scene.case["history"] = {"every": rng.choice(({"steps": rng.randint(1, 20)}, every))}
-
-
-def probes(rng, scene):
-    """Places in the domain, and particles of bodies."""
-    found = scene.case["probes"] = {}
-    for name, (low, high) in scene.corners.items():
-        at = [number(rng, 0.6 * a + 0.4 * b, 0.4 * a + 0.6 * b)
-              for a, b in zip(low, high, strict=True)]  # fmt: skip
-        entry = {"place": at} if rng.random() < 0.4 else {"body": name, "at": at}
-        if rng.random() < 0.7:
-            entry["every"] = {"steps": rng.randint(1, 9)}
-        found[f"at-{name}"] = entry
-
-
-def checkpoints(rng, scene):
-    """Some, of which a few are kept."""
-    every = {"steps": rng.randint(3, max(4, scene.steps // 4))}
-    scene.case["checkpoint"] = {"every": every, "keep": rng.randint(2, 4)}
 
 
 class Feature(NamedTuple):
