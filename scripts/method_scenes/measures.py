@@ -1,0 +1,141 @@
+"""What is measured of each method; a number is None where the run fails."""
+
+from math import pi
+from time import process_time
+
+import numpy as np
+from scenes import bounce, cantilever, column, large, spin, wave
+
+from pgimp.errors import RunError
+
+COURANTS = (0.3, 0.1, 0.03)
+COLUMN_CELLS = (1.0, 0.5, 0.25)
+
+
+def _projected(sim, shape, component, times):
+    """Times and motion along a mode, at about `times` instants until the end."""
+    p = sim.particles
+    found = []
+    every = sim.clock.end / times
+    try:
+        while not sim.finished:
+            sim.advance()
+            if sim.finished or sim.time >= len(found) * every:
+                rows = sim.live()
+                found.append((sim.time, np.sum(p.m[rows] * shape[p.id[rows]] * p.v[rows, component])))
+    except RunError:
+        return None
+    return np.array(found).T
+
+
+def _rate(time, motion):
+    """Angular frequency from the first and the last zero; None without two."""
+    k = np.flatnonzero(motion[:-1] * motion[1:] < 0.0)
+    if len(k) < 2:
+        return None
+    zeros = time[k] + (time[k + 1] - time[k]) * motion[k] / (motion[k] - motion[k + 1])
+    return pi * (len(k) - 1) / (zeros[-1] - zeros[0])
+
+
+def _lost(sim, first, periods):
+    """Part of the energy that is lost in a period."""
+    kept = max(0.0, 1.0 - sim.diagnostics()["dissipated-energy"] / first)
+    return 1.0 - kept ** (1.0 / periods)
+
+
+def bending(method, D):
+    """Frequency of a swinging beam over the exact one, less 1; in 2D energy lost in a period."""
+    result = {}
+    for courant in COURANTS if D == 2 else COURANTS[:1]:
+        sim, shape, exact = cantilever(method, D, courant)
+        first = sim.diagnostics()["kinetic-energy"]
+        series = _projected(sim, shape, 1, 500)
+        found = None if series is None else _rate(*series)
+        if courant == COURANTS[0]:
+            result["frequency"] = None if found is None else found / exact - 1.0
+        lost = None if series is None else _lost(sim, first, sim.time * exact / (2.0 * pi))
+        result[f"swing {courant}"] = lost
+    return result
+
+
+def waves(method):
+    """Speed of waves of ten cells over the exact one, less 1; energy lost in a period."""
+    result = {}
+    for courant in COURANTS:
+        sim, shape, exact = wave(method, courant)
+        first = sim.diagnostics()["kinetic-energy"]
+        series = _projected(sim, shape, 0, 240)
+        if courant == COURANTS[-1]:  # without what the length of the step adds
+            result["speed"] = None if series is None else _rate(*series) / exact - 1.0
+        lost = None if series is None else _lost(sim, first, sim.time * exact / (2.0 * pi))
+        result[f"wave {courant}"] = lost
+    return result
+
+
+def bounced(method, D):
+    """Part of the energy that a block has lost when it is back where it came from."""
+    sim = bounce(method, D)
+    first = sim.diagnostics()
+    try:
+        while not sim.finished:
+            for _ in range(10):
+                sim.advance()
+            line = sim.diagnostics()
+            if line["body.body.momentum-y"] > 0.0 and (
+                line["body.body.centre-y"] >= first["body.body.centre-y"]
+            ):
+                return {"bounce": line["dissipated-energy"] / first["kinetic-energy"]}
+    except RunError:
+        pass
+    return {"bounce": None}
+
+
+def turned(method, D):
+    """Part of the spin that a block has lost after a turn."""
+    names = ["angular-momentum-z"] if D == 2 else [f"angular-momentum-{c}" for c in "xyz"]
+    result = {}
+    for courant in COURANTS if D == 2 else COURANTS[:1]:
+        sim = spin(method, D, courant)
+        first = np.array([sim.diagnostics()[name] for name in names])
+        result[f"spin {courant}"] = None
+        if _finished(sim):
+            last = np.array([sim.diagnostics()[name] for name in names])
+            result[f"spin {courant}"] = float(1.0 - last @ first / (first @ first))
+    return result
+
+
+def _finished(sim):
+    """Run to the end; whether it came there."""
+    try:
+        while not sim.finished:
+            sim.advance()
+    except RunError:
+        return False
+    return True
+
+
+def compressed(method):
+    """Mean difference of a column's stress from the exact one over the weight, by cell."""
+    result = {}
+    for cell in COLUMN_CELLS:
+        sim, exact = column(method, cell)
+        result[f"column {cell}"] = None
+        if not _finished(sim):
+            continue
+        p, rows = sim.particles, sim.live()
+        difference = np.abs(p.sigma[rows, 1] - exact[p.id[rows]])
+        result[f"column {cell}"] = float(difference.mean() / np.abs(exact).max())
+    return result
+
+
+def costs(methods, D, rounds=4, steps=12):
+    """CPU seconds of a step of a large block by method: the least of rounds taken by turns."""
+    sims = {method: large(method, D) for method in methods}
+    least = dict.fromkeys(methods, np.inf)
+    for _ in range(rounds):
+        for method, sim in sims.items():
+            began = process_time()
+            for _ in range(steps):
+                sim.advance()
+            least[method] = min(least[method], (process_time() - began) / steps)
+    return least
