@@ -75,7 +75,7 @@ def cantilever(method, D, courant=0.3, length=6 * HEIGHT, amplitude=0.2):
     rate, nodes, deflection, rotation = slowest(length, HEIGHT)
     low = 4.0 if D == 2 else 4.0 + OFF
     body = box([0.0, low, low][:D], [length, low + HEIGHT, low + HEIGHT][:D])
-    sim = simulation(method, [length + 4, 13, 13][:D], body, 2.6 * pi / rate, courant)
+    sim = simulation(method, [length + 4, 13, 13][:D], body, 3.6 * pi / rate, courant)
     p, rows = sim.particles, sim.live()
     x, y = p.x[rows, 0], p.x[rows, 1] - (low + 0.5 * HEIGHT)
     shape, turn = np.interp(x, nodes, deflection), np.interp(x, nodes, rotation)

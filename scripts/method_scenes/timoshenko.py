@@ -28,9 +28,7 @@ def slowest(length, height, elements=160):
     K, mass = np.zeros((size, size)), np.zeros(size)
     turn = np.array([0.0, -1.0, 0.0, 1.0]) / h
     slide = np.array([-1.0 / h, -0.5, 1.0 / h, -0.5])
-    element = h * (
-        inertia * np.outer(turn, turn) + stiffness_shear * np.outer(slide, slide)
-    )
+    element = h * (inertia * np.outer(turn, turn) + stiffness_shear * np.outer(slide, slide))
     for k in range(elements):
         at = slice(2 * k, 2 * k + 4)
         K[at, at] += element
