@@ -122,9 +122,9 @@ HISTORY: dict[str, str] = {
         "lies there the wall bears [mass]"
     ),
     "error": (
-        "only with `exact`, as all that follows: error (47) of the stress, the sum of |exact - s| "
-        "times volume over the particles, relative to the initial volume times a stress that the "
-        "solution names: the column's weight, the stress behind the shock [1]"
+        "only with `exact`, as all that follows: error of the stress, the sum of |exact - s| times "
+        "volume over the particles, over the initial volume times a reference stress: the column's "
+        "weight, the stress behind the shock [1]"
     ),
     "error.displacement-l2": (
         "root of the mean square error of the displacement, by initial volume [length]"

@@ -29,9 +29,9 @@ stress is mass/(length time^2), energy is mass length^2/time^2. In 2D (plane str
 per unit thickness, in 1D per unit cross-section, so that volume is length^2 or length there.
 **Tension is positive** in stresses; pressure is positive in compression.
 
-A number is a number: `1e6`, `1.0e6` and `1000000` are the same, `"1.0"` and `true` are none. A
-name is a letter followed by letters, digits, `-` and `_`. Each key may be overridden on the command
-line: `--set time.end=3.0`, `--set bodies.bar.velocity.0=1.0` (entries of lists count from 0).
+`1e6`, `1.0e6` and `1000000` are the same number; `"1.0"` and `true` are not numbers. A name is a
+letter followed by letters, digits, `-` and `_`. Each key may be overridden on the command line:
+`--set time.end=3.0`, `--set bodies.bar.velocity.0=1.0` (entries of lists count from 0).
 """
 
 

@@ -109,7 +109,7 @@ class DynamicParameters(NamedTuple):
 
 
 class Compaction(BarSolution):
-    """Elastic column on a wall, under a body force that grows in time (42, 43)."""
+    """Elastic column on a wall, under a body force that grows in time."""
 
     dynamic: bool = Field(
         default=False,

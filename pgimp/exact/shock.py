@@ -42,7 +42,7 @@ class ShockParameters(NamedTuple):
 
 
 class Shock(BarSolution):
-    """Elastic bar thrown at a wall (46), until the reflected front has come back to the wall."""
+    """Elastic bar thrown at a wall, until the reflected front has come back to the wall."""
 
     @property
     def walls(self) -> Mapping[str, tuple[str, ...]]:

@@ -14,12 +14,11 @@ a held vertex does not carry the gradients of the components that are held there
 
 from math import isqrt
 
-from pgimp.kernels.batch import entry, extent, first_place, put_row
+from pgimp.kernels.batch import put_row
 from pgimp.kernels.gathered import held_weights
-from pgimp.kernels.grips import FIRM
-from pgimp.kernels.jit import kernel, specialise
-from pgimp.kernels.simd import bits, pack
-from pgimp.kernels.transfer import HELD
+from pgimp.kernels.jit import specialise
+from pgimp.kernels.simd import pack, where
+from pgimp.kernels.transfer import held_codes
 from pgimp.kernels.tuples import scaled
 
 
@@ -58,97 +57,53 @@ def _slopes(affine, frame, particles, p):
     return (slopes1, slopes2, slopes3)[D - 1]
 
 
-def keep_gradients(affine, shape, G, room, sums, begin, stride, particles, rows, L):
+def keep_gradients(affine, particles, rows, L, sums):
     """Let four particles keep the velocity gradients L that they carry, where they carry any.
 
-    Parameters
-    ----------
-    room, sums
-        The batch's supports, and what `gather` gave for it.
-    begin : int
-        Place of the layer's first plane in `G`.
+    `sums` is what `gather` gave for them.
     """
 
 
 @specialise(keep_gradients)
-def _keep_gradients(affine, shape, G, room, sums, begin, stride, particles, rows, L):
-    if hasattr(affine, "count"):  # ()
-        return lambda affine, shape, G, room, sums, begin, stride, particles, rows, L: None
+def _keep_gradients(affine, particles, rows, L, sums):
+    D = isqrt(len(L))
 
-    def keep(affine, shape, G, room, sums, begin, stride, particles, rows, L):
-        touching = bits(held_weights(sums) > FIRM)
-        if touching != 0:
-            held = (
-                _held(touching & 1, shape, G, room, 0, begin, stride, L),
-                _held(touching & 2, shape, G, room, 1, begin, stride, L),
-                _held(touching & 4, shape, G, room, 2, begin, stride, L),
-                _held(touching & 8, shape, G, room, 3, begin, stride, L),
-            )
-            put_row(particles.L, rows, 0, _free(held, L))
-        else:
-            put_row(particles.L, rows, 0, L)
+    def nothing(affine, particles, rows, L, sums):
+        pass
 
-    return keep
+    # Without a branch: what a wall needs must not slow down all others.
+    def keep1(affine, particles, rows, L, sums):
+        put_row(particles.L, rows, 0, scaled(_free(held_weights(sums), 0), L))
 
+    def keep2(affine, particles, rows, L, sums):
+        held = held_weights(sums)
+        kept = (*scaled(_free(held, 0), L[:2]), *scaled(_free(held, 1), L[2:]))
+        put_row(particles.L, rows, 0, kept)
 
-def _held(touching, shape, G, room, j, begin, stride, L):
-    """Components held at the vertices that particle `j` of a batch reaches: bit d is set."""
+    def keep3(affine, particles, rows, L, sums):
+        held = held_weights(sums)
+        kept = (
+            *scaled(_free(held, 0), L[:3]), *scaled(_free(held, 1), L[3:6]),
+            *scaled(_free(held, 2), L[6:]),
+        )  # fmt: skip
+        put_row(particles.L, rows, 0, kept)
 
-
-@specialise(_held)
-def _held_any(touching, shape, G, room, j, begin, stride, L):
-    like = (0,) * isqrt(len(L))
-
-    def held(touching, shape, G, room, j, begin, stride, L):
-        if touching == 0:
-            return 0
-        return _held_along(shape, G, room, j, 0, begin + first_place(room, j), stride, like)
-
-    return held
+    return nothing if hasattr(affine, "count") else (keep1, keep2, keep3)[D - 1]
 
 
-def _held_along(shape, G, room, j, d, place, stride, like):
-    """Likewise along as many directions from `d` on as `like` has, from the vertex at `place`."""
+def _free(held, d):
+    """1 for those of four particles whose component `d` no vertex in reach holds, else 0.
 
-
-@specialise(_held_along)
-def _held_line(shape, G, room, j, d, place, stride, like):
-    if len(like) == 0:
-        return lambda shape, G, room, j, d, place, stride, like: int(G[place + HELD])
-
-    def line(shape, G, room, j, d, place, stride, like):
-        held = 0
-        for i in range(extent(shape, room, d, j)):
-            if entry(room, d, 0, i, j) >= FIRM:
-                at = place + i * stride[0]
-                held |= _held_along(shape, G, room, j, d + 1, at, stride[1:], like[1:])
-        return held
-
-    return line
-
-
-def _free(held, L):
-    """Gradients of four particles, zero in the rows of the components that are held."""
+    The greatest of the codes in a particle's reach decides, see `also_held`: where it reaches
+    vertices of two walls it reaches those of their edge too, which hold several components.
+    """
 
 
 @specialise(_free)
-def _free_rows(held, L):
-    if len(L) == 1:
-        return lambda held, L: scaled(_unheld(held, 0), L)
-    if len(L) == 4:
-        return lambda held, L: (
-            *scaled(_unheld(held, 0), L[:2]), *scaled(_unheld(held, 1), L[2:]),
-        )  # fmt: skip
-    return lambda held, L: (
-        *scaled(_unheld(held, 0), L[:3]), *scaled(_unheld(held, 1), L[3:6]),
-        *scaled(_unheld(held, 2), L[6:]),
-    )  # fmt: skip
+def _free_component(held, d):
+    def free(held, d):
+        low, high = held_codes(d)
+        one = where(held > high, 1.0, where(held > low, 0.0, 1.0))
+        return where(held > held_codes(3)[0], 0.0, one)
 
-
-@kernel
-def _unheld(held, d):
-    """1 for those of four particles whose component `d` is free, 0 for the others."""
-    return pack(
-        1.0 - (held[0] >> d & 1), 1.0 - (held[1] >> d & 1),
-        1.0 - (held[2] >> d & 1), 1.0 - (held[3] >> d & 1),
-    )  # fmt: skip
+    return free

@@ -203,9 +203,7 @@ def grid_to_particles(
             v = relaxed(loads.relaxation, dt, v, u)
             u, v = gripped(grips, particles, rows, count, u, v, impulse, work, layer)
             x = plus_scaled(dt, u, take_row(particles.x, rows, 0, u))  # (26)
-            keep_gradients(
-                loads.affine, shape, G, room, sums, begin, window.stride, particles, rows, L
-            )
+            keep_gradients(loads.affine, particles, rows, L, sums)
             F = multiply(one_plus(dt, L), deformations(frame, particles, rows))
             J = determinant(F)
             m = materials_of(material_of, particles.body, rows)
@@ -239,15 +237,18 @@ def grid_to_particles(
                     continue
                 p = rows[j]
                 clamped += lane(vector(most), j) > LARGEST
-                fault = _unsound(frame, of_lane(x, j), of_lane(v, j), of_lane(u, j), lane(J, j), dt)
+                xj = of_lane(x, j)
+                layer_now = int(lane(now, j))
+                fault = _unsound(frame, xj, of_lane(v, j), of_lane(u, j), lane(J, j), dt)
                 if fault == 0:
-                    held += hold_inside(
-                        walls, frame, grips, particles, p, wall_impulse[layer],
-                        work[layer : layer + 1],
-                    )  # fmt: skip
-                xj = read(particles.x, p, 0, frame.origin)
-                layer_now = int(first_vertex(frame, 0, lane(vector(half[0]), j), xj[0]))
-                if fault == 0:
+                    fault = _outside(frame, exits, xj)
+                if fault == OUTSIDE and hold_inside(
+                    walls, frame, grips, particles, p, wall_impulse[layer],
+                    work[layer : layer + 1],
+                ):  # fmt: skip
+                    held += 1
+                    xj = read(particles.x, p, 0, frame.origin)
+                    layer_now = int(first_vertex(frame, 0, lane(vector(half[0]), j), xj[0]))
                     fault = _outside(frame, exits, xj)
                 if fault == _LEAVES:
                     particles.layer[p] = GONE

@@ -1,6 +1,6 @@
 """What `gather` gives of a batch of particles, turned from a vector each to one a component."""
 
-from pgimp.kernels.jit import kernel, specialise
+from pgimp.kernels.jit import specialise
 from pgimp.kernels.simd import lane, load, store
 from pgimp.kernels.simdrows import transpose
 
@@ -78,10 +78,13 @@ def _collected(room, i, like):
     return lambda room, i, like: _columns(room, i)[1:]
 
 
-@kernel
 def held_weights(room):
-    """By particle, the weighted sum of what vertices have in `HELD`: above 0 if one holds it."""
-    return _columns(room, 1)[0]
+    """Weighted sums of what the vertices in reach of a batch's particles have in `HELD`."""
+
+
+@specialise(held_weights)
+def _held_weights(room):
+    return lambda room: _columns(room, 1)[0]
 
 
 def gradients(room, i, like):

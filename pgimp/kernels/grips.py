@@ -14,10 +14,7 @@ from pgimp.kernels.batch import LANES, ROOM, entry, extent, first_place, four, s
 from pgimp.kernels.jit import kernel, specialise
 from pgimp.kernels.loads import given
 from pgimp.kernels.simd import bits, lane, pack, stack, where
-from pgimp.kernels.transfer import HELD, RECORD
-
-#: Least weight along a direction of a vertex that a held particle reaches; less is rounding.
-FIRM = 1e-9
+from pgimp.kernels.transfer import FIRM, HELD, RECORD, also_held
 
 
 class Grip(NamedTuple):
@@ -156,7 +153,7 @@ def hold_marked(window, G, active, marked, relaxation, dt, gravity, owned, impul
                         work[i] += mass * dt * gravity[d] * (v - G[r + 1 + d])
                         G[r + 1 + d] = v
                         G[r + 5 + d] = a
-                        G[r + HELD] = int(G[r + HELD]) | 1 << d
+                        G[r + HELD] = also_held(G[r + HELD], d)
                         impulse[i, k, d] += change
                         work[i] += change * last[d]
 

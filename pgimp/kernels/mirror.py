@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from pgimp.kernels.jit import kernel
 from pgimp.kernels.loads import given, relaxed_part
-from pgimp.kernels.transfer import HELD
+from pgimp.kernels.transfer import HELD, also_held
 
 
 class Mirror(NamedTuple):
@@ -120,7 +120,7 @@ def reflect(frame, window, G, active, mirror, relaxation, dt, gravity, owned, im
                         relaxation, twice, dt, 0.0, 0.0, v, a
                     )  # fmt: skip
                     work[i] -= twice * dt * gravity[axis] * v
-                G[r + HELD] = int(G[r + HELD]) | 1 << axis
+                G[r + HELD] = also_held(G[r + HELD], axis)
                 G[g + HELD] = G[r + HELD]
                 for d in range(3):
                     sign = -1.0 if d == axis else 1.0

@@ -4,7 +4,7 @@ from pgimp.boundaries.base import constrain
 from pgimp.kernels.grips import ruled
 from pgimp.kernels.jit import kernel, specialise
 from pgimp.kernels.loads import given
-from pgimp.kernels.transfer import HELD
+from pgimp.kernels.transfer import HELD, also_held
 
 
 @kernel
@@ -183,11 +183,11 @@ def _constrain_face(
                 faces, len(done), relaxation, frame, number, u, b, mass, dt, impulse[i]
             )  # fmt: skip
             last = ruled(marked, r, v)
-            held = 0
+            held = 0.0
             for d in range(3):
                 work[i] += given(relaxation, mass, dt, u[d], b[d], v[d], a[d]) * last[d]
                 if v[d] != u[d] or a[d] != b[d]:
-                    held |= 1 << d
+                    held = also_held(held, d)
             G[r + 1], G[r + 2], G[r + 3] = v
             G[r + HELD] = held
             G[r + 5], G[r + 6], G[r + 7] = a

@@ -1,23 +1,49 @@
 """Scatter and gather: what one particle gives to the vertices of its support, and takes back.
 
 A vertex's record is 8 float64: (m, mv) and (0, f) while particles are summed, (m, v) and (h, a)
-after the momentum update; bit d of h is set where a face or a constraint holds component d. Both
-transfers are written once for all dimensions, and factor the sums by direction: in 3D the innermost
-vertex costs P2G three vector multiply-adds, and G2P three. Vertices without weight at the support's
-end are left out; the innermost direction, along which records follow each other, is unrolled for
-each number of vertices, the others are loops.
+after the momentum update; h tells which components a face or a constraint holds, see `also_held`.
+Both transfers are written once for all dimensions, and factor the sums by direction: in 3D the
+innermost vertex costs P2G three vector multiply-adds, and G2P three. Vertices without weight at the
+support's end are left out; the innermost direction, along which records follow each other, is
+unrolled for each number of vertices, the others are loops.
 """
 
 from pgimp.kernels.batch import entries, entry, extent, extents
-from pgimp.kernels.jit import specialise
+from pgimp.kernels.jit import kernel, specialise
 from pgimp.kernels.simd import load, store, vector
 from pgimp.kernels.tuples import joined, plus_scaled, scaled
 
 #: Distance, in float64, of neighbours along the innermost direction: a record's size.
 RECORD = 8
 
-#: Where in a record the components are named that are held.
+#: Where in a record the code of the components is that are held.
 HELD = 4
+
+#: Codes of one component d are this to the power d, that of several this to the power 3: so far
+#: apart that of a weighted sum of them the greatest can be told.
+_APART = 1e12
+
+#: Least weight of a vertex that counts as being in a particle's reach; less is rounding.
+FIRM = 1e-9
+
+
+@kernel
+def also_held(code, d):
+    """Code of the components that are held, of which `code` is 0 for none yet, with component d."""
+    one = (1.0, _APART, _APART * _APART)[d]
+    return one if code == 0.0 or code == one else _APART * _APART * _APART
+
+
+@kernel
+def held_codes(d):
+    """Between what a weighted sum of codes lies whose greatest is that of component d; 3: several.
+
+    A weight below `FIRM` of the next code falls to this one, which then may be missed.
+    """
+    one = (1.0, _APART, _APART * _APART, _APART * _APART * _APART)[d]
+    return FIRM * one, FIRM * _APART * one
+
+
 
 
 def _sloped(w, A, e, C):

@@ -18,15 +18,16 @@ class Shape(Model):
     relaxation: NonNegative = Field(
         default=0.0,
         description="rate at which particles' velocities relax to the grid's: damps noise that "
-        "the grid cannot resolve, and a little of the motion that it can; 0: none [1/time]",
+        "the grid cannot resolve, and slightly also motion that it can; 0: none [1/time]",
     )
 
     affine: bool = Field(
         default=False,
-        description="whether particles give the grid their velocity together with its gradient, "
-        "v + L (x_v - x_p): linear fields then arrive as they are up to free surfaces, and spin "
-        "lasts. Particles that reach a vertex held by a face or a constraint go without the "
-        "gradient of the components held there, which would create energy",
+        description="whether particles give the grid the gradient of their velocity too, "
+        "v + L (x_v - x_p), so that velocities linear in space arrive exactly up to free surfaces: "
+        "spin lasts, waves and slow vibrations lose less; recommended for bodies that move. "
+        "Particles that reach a vertex held by a face or a constraint go without the gradient of "
+        "the components held there, which would create energy",
     )
 
     #: Vertices a direction in a support.
@@ -60,8 +61,9 @@ class PointShape(Shape):
 
     volume: Literal["tracked", "initial"] = Field(
         default="tracked",
-        description="volume in the internal force (16): tracked, det(F) times the initial one, "
-        "or the initial one throughout, as in the paper's MPM and GIMP runs",
+        description="volume from which internal forces are computed: tracked, the current one, "
+        "det(F) times the initial one; initial, as in the MPM and GIMP runs of Bardenhagen and "
+        "Kober (2004)",
     )
 
     @property

@@ -55,7 +55,7 @@ class FiniteGimpParameters(NamedTuple):
 
 
 class FiniteGimp(Shape):
-    """Contiguous-particle GIMP whose particles follow the deformation: the most accurate."""
+    """Boxes that follow the deformation: as gimp at small strains, and accurate at large ones."""
 
     shape: Literal["finite-gimp"] = Field(description="name of the shape")
 

@@ -94,13 +94,13 @@ class _Fuzzy(Shape):
 
     size: Literal["tracked", "fixed"] = Field(
         default="tracked",
-        description="whether the tents follow the deformation; tracked ones converge at second "
-        "order whatever the particles per cell",
+        description="whether the tents follow the deformation (tracked), which gives second-order "
+        "convergence for any number of particles per cell",
     )
     wall: Literal["ghost", "mirror"] = Field(
         default="mirror",
-        description="what becomes of the part of a particle beyond a face with a condition: "
-        "carried by ghost vertices and lost, or reflected",
+        description="what happens to the part of a particle beyond a face with a condition: "
+        "mirror reflects it; ghost gives it to vertices beyond the face, where it is lost",
     )
 
     vertices: ClassVar[int] = FixedFuzzyParameters.vertices()
@@ -121,7 +121,7 @@ class _Fuzzy(Shape):
 
 
 class FuzzyNearest(_Fuzzy):
-    """Tents that overlap their neighbours only."""
+    """Tents: the density falls linearly from the centre to zero at the neighbours' centres."""
 
     shape: Literal["fuzzy-nearest"] = Field(description="name of the shape")
 
@@ -133,7 +133,7 @@ class FuzzyNearest(_Fuzzy):
 
 
 class FuzzyConstant(_Fuzzy):
-    """Tents of one cell's half-width, whatever the particles per cell."""
+    """Tents that reach one cell for any number of particles per cell: locks least, slow waves."""
 
     shape: Literal["fuzzy-constant"] = Field(description="name of the shape")
 

@@ -41,7 +41,7 @@ class GimpParameters(NamedTuple):
 
 
 class Gimp(PointShape):
-    """Contiguous-particle GIMP whose particles keep their initial size: smooth; the default."""
+    """Boxes of constant size (contiguous-particle GIMP): smooth; for strains of some per cent."""
 
     shape: Literal["gimp"] = Field(description="name of the shape")
 

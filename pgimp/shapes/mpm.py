@@ -34,7 +34,7 @@ class MpmParameters(NamedTuple):
 
 
 class Mpm(PointShape):
-    """Material point method: the cheapest; noisy once particles cross cells."""
+    """Points, the original Material Point Method: cheapest; noisy once particles cross cells."""
 
     shape: Literal["mpm"] = Field(description="name of the shape")
 

@@ -2,7 +2,6 @@
 
 import argparse
 
-from block import methods
 from column import compaction
 from cost import error_and_cost
 from exact import shock, spinning_block, vortex
@@ -19,7 +18,6 @@ PICTURES = {
     "vortex": vortex,
     "spinning-block": spinning_block,
     "error-and-cost": error_and_cost,
-    "methods": methods,
 }
 
 parser = argparse.ArgumentParser(prog="scripts/pictures")

@@ -140,6 +140,11 @@ class Comm:
         self.spread("objects", [pickle.dumps(value)] * self.size)
         return [pickle.loads(each) for each in self.collect("objects")]
 
+    def alltoall(self, values):
+        """Send a value to each rank, and return what each of them sends."""
+        self.spread("objects", [pickle.dumps(value) for value in values])
+        return [pickle.loads(each) for each in self.collect("objects")]
+
     def gather(self, value, root=0):
         """Return the values of all ranks on one of them."""
         every = self.allgather(value)

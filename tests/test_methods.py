@@ -1,0 +1,56 @@
+"""scripts/methods: its reference beam, and that README.md's table is what it measures."""
+
+import re
+import sys
+from math import cos, cosh, sin, sinh, sqrt
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "scripts" / "method_scenes"))
+
+import measures  # noqa: E402
+import table  # noqa: E402
+import timoshenko  # noqa: E402
+
+
+def test_a_slender_beam_swings_as_eulers():
+    """1.8751 is the first root of cos k cosh k = -1; shear matters by (height/length)^2."""
+    k = 1.87510407
+    rate, nodes, deflection, rotation = timoshenko.slowest(400.0, 4.0)
+    assert rate == pytest.approx(k**2 / 400.0**2 * 4.0 / sqrt(12.0), rel=4e-4)
+    share = (sinh(k) - sin(k)) / (cosh(k) + cos(k))
+    for x, found in zip(k * nodes / 400.0, deflection, strict=True):
+        exact = 0.5 * (cosh(x) - cos(x) - share * (sinh(x) - sin(x)))
+        assert found == pytest.approx(exact, abs=1e-3)
+    np.testing.assert_allclose(rotation, np.gradient(deflection, nodes), atol=1e-4)
+
+
+def test_the_beams_reference_has_converged():
+    coarse, fine = (timoshenko.slowest(24.0, 4.0, n)[0] for n in (160, 320))
+    assert coarse == pytest.approx(fine, rel=2e-5)
+
+
+def printed(method):
+    """Cells of a method's line in README.md's first table, by title."""
+    text = (ROOT / "README.md").read_text(encoding="utf-8").partition(table.START)[2]
+    (titles, line) = (re.search(rf"^\| {name} \|.*$", text, re.M)[0] for name in ("method", method))
+    return dict(zip(titles.split(" | "), line.split(" | "), strict=True))
+
+
+@pytest.mark.parametrize("affine", [False, True])
+def test_readme_has_what_is_measured(affine):
+    """In 2D, to the digits printed; what rounds otherwise on another CPU is far smaller."""
+    cells = printed(f"gimp{', affine' * affine}, 2 a cell")
+    method = ("gimp", affine, 2)
+    bending = measures.bending(method, 2, measures.COURANTS[:1])
+    spin = measures.turned(method, 2, measures.COURANTS[:1])
+    for title, value, sign in (
+        ("bending", bending["frequency"], True),
+        ("swing", bending["swing 0.3"], False),
+        ("bounce", measures.bounced(method, 2)["bounce"], False),
+        ("spin", spin["spin 0.3"], False),
+    ):
+        assert cells[title].partition(",")[0] == table.number(value, sign), title
