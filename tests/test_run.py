@@ -102,7 +102,11 @@ def test_reading_a_run(done):
     for error, message, attempt in (
         (KeyError, "no particle 72", lambda: run.follow(PARTICLES)),
         (IndexError, "no frame 10: it has 10", lambda: run.frame(10)),
-        (KeyError, "no field 'pressure' in particles-000000.h5; there are", lambda: run.frame(0)["pressure"]),
+        (
+            KeyError,
+            "no field 'pressure' in particles-000000.h5; there are",
+            lambda: run.frame(0)["pressure"],
+        ),
         (UsageError, "no run directory", lambda: pgimp.open(done[0] / "frames")),
     ):
         with pytest.raises(error, match=message):
