@@ -17,7 +17,6 @@ from pgimp.case.load import load
 from pgimp.case.reader import read_case
 from pgimp.cli import main
 from pgimp.commands.init import packaged
-from pgimp.materials import registry
 from pgimp.parallel.comm import Serial
 from pgimp.scene.scene import Scene, count_particles
 from pgimp.study.plan import read_plan
@@ -25,13 +24,8 @@ from pgimp.study.plan import read_plan
 ROOT = Path(__file__).resolve().parents[1]
 CASES = ROOT / "cases"
 NAMES = [str(path.relative_to(CASES).with_suffix("")) for path in CASES.rglob("*.yaml")]
-ONLY_CASES = [name for name in NAMES if not name.startswith("studies/")]
-
-
-@pytest.fixture(autouse=True, scope="module")
-def fluid():
-    """The material of fluid/dam-break, which the command line is told of by --import."""
-    registry.import_file(str(CASES / "fluid.py"))
+#: The case of fluid/ has a material from outside the package, see tests/test_dam_break.py.
+ONLY_CASES = [name for name in NAMES if not name.startswith(("studies/", "fluid/"))]
 
 
 @pytest.fixture(autouse=True)

@@ -11,8 +11,8 @@ import pytest
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "scripts" / "method_scenes"))
 
-import measures  # noqa: E402
-import table  # noqa: E402
+import method_measures  # noqa: E402
+import method_table  # noqa: E402
 import timoshenko  # noqa: E402
 
 
@@ -35,7 +35,7 @@ def test_the_beams_reference_has_converged():
 
 def printed(method):
     """Cells of a method's line in README.md's first table, by title."""
-    text = (ROOT / "README.md").read_text(encoding="utf-8").partition(table.START)[2]
+    text = (ROOT / "README.md").read_text(encoding="utf-8").partition(method_table.START)[2]
     (titles, line) = (re.search(rf"^\| {name} \|.*$", text, re.M)[0] for name in ("method", method))
     return dict(zip(titles.split(" | "), line.split(" | "), strict=True))
 
@@ -45,12 +45,12 @@ def test_readme_has_what_is_measured(affine):
     """In 2D, to the digits printed; what rounds otherwise on another CPU is far smaller."""
     cells = printed(f"gimp{', affine' * affine}, 2 a cell")
     method = ("gimp", affine, 2)
-    bending = measures.bending(method, 2, measures.COURANTS[:1])
-    spin = measures.turned(method, 2, measures.COURANTS[:1])
+    bending = method_measures.bending(method, 2, method_measures.COURANTS[:1])
+    spin = method_measures.turned(method, 2, method_measures.COURANTS[:1])
     for title, value, sign in (
         ("bending", bending["frequency"], True),
         ("swing", bending["swing 0.3"], False),
-        ("bounce", measures.bounced(method, 2)["bounce"], False),
+        ("bounce", method_measures.bounced(method, 2)["bounce"], False),
         ("spin", spin["spin 0.3"], False),
     ):
-        assert cells[title].partition(",")[0] == table.number(value, sign), title
+        assert cells[title].partition(",")[0] == method_table.number(value, sign), title

@@ -5,9 +5,9 @@ import json
 from itertools import product
 from time import process_time
 
-from measures import COURANTS, bending, bounced, compressed, costs, turned, waves
-from scenes import SHAPES
-from table import ROOT, origin, put_into_readme, text, write_csv
+from method_bodies import SHAPES
+from method_measures import COURANTS, bending, bounced, compressed, costs, turned, waves
+from method_table import ROOT, origin, put_into_readme, text, write_csv
 
 OUT = ROOT / "methods.out"
 

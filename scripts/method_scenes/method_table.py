@@ -6,7 +6,7 @@ from datetime import date
 from importlib.metadata import version
 from pathlib import Path
 
-from measures import COLUMN_CELLS, COURANTS
+from method_measures import COLUMN_CELLS, COURANTS
 
 from pgimp.output.runinfo import cpu
 

@@ -5,7 +5,7 @@ from math import pi
 from time import process_time
 
 import numpy as np
-from scenes import bounce, cantilever, column, large, spin, wave
+from method_bodies import bounce, cantilever, column, large, spin, wave
 
 from pgimp.errors import RunError
 
