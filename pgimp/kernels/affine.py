@@ -95,7 +95,8 @@ def _free(held, d):
     """1 for those of four particles whose component `d` no vertex in reach holds, else 0.
 
     The greatest of the codes in a particle's reach decides, see `also_held`: where it reaches
-    vertices of two walls it reaches those of their edge too, which hold several components.
+    vertices of two walls it reaches those of their edge too, which hold several components (but for
+    an edge that a separating wall has let go of).
     """
 
 

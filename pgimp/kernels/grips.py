@@ -14,7 +14,7 @@ from pgimp.kernels.batch import LANES, ROOM, entry, extent, first_place, four, s
 from pgimp.kernels.jit import kernel, specialise
 from pgimp.kernels.loads import given
 from pgimp.kernels.simd import bits, lane, pack, stack, where
-from pgimp.kernels.transfer import FIRM, HELD, RECORD, also_held
+from pgimp.kernels.transfer import FIRM, HELD, RECORD, SEVERAL
 
 
 class Grip(NamedTuple):
@@ -153,7 +153,7 @@ def hold_marked(window, G, active, marked, relaxation, dt, gravity, owned, impul
                         work[i] += mass * dt * gravity[d] * (v - G[r + 1 + d])
                         G[r + 1 + d] = v
                         G[r + 5 + d] = a
-                        G[r + HELD] = also_held(G[r + HELD], d)
+                        G[r + HELD] = SEVERAL
                         impulse[i, k, d] += change
                         work[i] += change * last[d]
 

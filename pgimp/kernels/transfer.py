@@ -19,9 +19,12 @@ RECORD = 8
 #: Where in a record the code of the components is that are held.
 HELD = 4
 
-#: Codes of one component d are this to the power d, that of several this to the power 3: so far
-#: apart that of a weighted sum of them the greatest can be told.
+#: Codes of component d are this to the power d: so far apart that a weighted sum of them tells the
+#: greatest.
 _APART = 1e12
+
+#: Code of several components, and of whatever a constraint holds, which need not lie along a wall.
+SEVERAL = _APART**3
 
 #: Least weight of a vertex that counts as being in a particle's reach; less is rounding.
 FIRM = 1e-9
@@ -31,7 +34,7 @@ FIRM = 1e-9
 def also_held(code, d):
     """Code of the components that are held, of which `code` is 0 for none yet, with component d."""
     one = (1.0, _APART, _APART * _APART)[d]
-    return one if code == 0.0 or code == one else _APART * _APART * _APART
+    return one if code == 0.0 or code == one else SEVERAL
 
 
 @kernel
@@ -40,10 +43,8 @@ def held_codes(d):
 
     A weight below `FIRM` of the next code falls to this one, which then may be missed.
     """
-    one = (1.0, _APART, _APART * _APART, _APART * _APART * _APART)[d]
+    one = (1.0, _APART, _APART * _APART, SEVERAL)[d]
     return FIRM * one, FIRM * _APART * one
-
-
 
 
 def _sloped(w, A, e, C):

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from pgimp.case.places import located
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError, RunError
 from pgimp.kernels.cache import told
@@ -183,10 +184,11 @@ class Simulation:
         self.lightest = LIGHT * min(least for least, _ in masses)
         total = sum(mass for _, mass in masses)
         if total > 2.0 * scene.most_mass:  # only particles from a file can
-            raise CaseError(
-                f"bodies: the particles weigh {total:.6g}, and the whole domain, filled with the "
-                f"densest material, {scene.most_mass:.6g}: are the volumes of points right?"
-            )
+            with located(self.case):
+                raise CaseError(
+                    f"bodies: the particles weigh {total:.6g}, and the whole domain, filled with "
+                    f"the densest material, {scene.most_mass:.6g}; look at the volumes of points"
+                )
         self.population = Population(particles, count, scene.shape, scene.frame, slab, start)
         self.balance.watch(count)
         occupy(self)
