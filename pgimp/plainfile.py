@@ -6,7 +6,6 @@ elsewhere any file may be either.
 
 from __future__ import annotations
 
-import errno
 import os
 import stat
 import time
@@ -30,9 +29,9 @@ def require_plain(name: str | os.PathLike[str]) -> None:
 
 def _check(about: os.stat_result) -> None:
     if stat.S_ISDIR(about.st_mode):
-        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+        raise OSError("it is a folder")
     if not stat.S_ISREG(about.st_mode):
-        raise OSError("it is no plain file but a pipe or a device")
+        raise OSError("it is no regular file")
 
 
 def open_plain(name: str | os.PathLike[str]) -> BinaryIO:
@@ -43,13 +42,13 @@ def open_plain(name: str | os.PathLike[str]) -> BinaryIO:
     OSError
         As from `require_plain`, or if it cannot be read.
     """
-    stream = os.fdopen(os.open(name, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), "rb")
+    descriptor = os.open(name, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
     try:
-        _check(os.fstat(stream.fileno()))
+        _check(os.fstat(descriptor))
+        return os.fdopen(descriptor, "rb")
     except OSError:
-        stream.close()
+        os.close(descriptor)
         raise
-    return stream
 
 
 def read_plain(name: str | os.PathLike[str], most: int) -> bytes:

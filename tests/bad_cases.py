@@ -47,7 +47,7 @@ MISTAKES = [
     ("Two bodies", '"\\e[2J"', "2: title", "expected a line of text", "U+001B"),
     ("Two bodies", "x" * 1001, "2: title", "expected at most 1000 characters, got 1,001"),
     ("  left:", f"  {'l' * 101}:", f"17: bodies.{'l' * 57}...: a name starts with a letter"),
-    ("title:", '"a\\nb\\e[2J":', "2: a b [2J", "unknown key"),
+    ("title:", '"a\\nb\\e[2J":', "2: a b\\x1b[2J", "unknown key"),
     ("fields: [stress]", "mesh: []", "29: output.mesh", "unknown key", "fields, grid, precision"),
     ("fields: [stress]", "grid: [mas]", "29: output.grid.0", "unknown quantity of the grid 'mas'",
      "did you mean 'mass'?"),

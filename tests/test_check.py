@@ -217,6 +217,14 @@ def test_thin_bodies_probes_without_particles_and_idle_tractions():
     assert concerns(plate(pull, "boundaries: {x-max: fixed}")) == []
 
 
+def test_points_with_affine_are_doubted():
+    methods = ("gimp, affine: true", "mpm, affine: false", "mpm, affine: true")
+    cases = [PLATE.replace("shape: gimp", f"shape: {method}") for method in methods]
+    said = [concerns(read_case(case, "x")) for case in cases]
+    assert said[:2] == [[], []]
+    assert said[2][0].startswith("method.affine: with points (mpm) it can make energy from nothing")
+
+
 # rho g = 1000 x 2, E = 1e6; a beam of 8 by 1.
 @pytest.mark.parametrize(
     ("held", "words", "strain"),

@@ -7,7 +7,6 @@ the HDF5 library can crash on a file that is damaged.
 from __future__ import annotations
 
 import os
-import stat
 import weakref
 import zlib
 from pathlib import Path
@@ -18,6 +17,7 @@ from pgimp.errors import DamagedError
 from pgimp.output.checkpointheader import LAYOUT, Place, parse
 from pgimp.output.checkpointwriter import write
 from pgimp.output.checksums import Written, first_wrong, read_into
+from pgimp.plainfile import open_plain
 
 __all__ = ["LAYOUT", "CheckpointFile", "DamagedError", "write"]
 
@@ -62,18 +62,14 @@ class CheckpointFile:
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = Path(path)
         try:
-            # A named pipe without a writer would block.
-            self._descriptor = os.open(self.path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+            stream = open_plain(self.path)
         except OSError as error:
             raise DamagedError(_cannot_read(error)) from None
         except ValueError:
             raise DamagedError("its name is no name of a file") from None
-        weakref.finalize(self, os.close, self._descriptor)
-        about = os.fstat(self._descriptor)
-        if not stat.S_ISREG(about.st_mode):
-            kind = "a folder" if stat.S_ISDIR(about.st_mode) else "no regular file"
-            raise DamagedError(f"it is {kind}")
-        self.size = about.st_size
+        weakref.finalize(self, stream.close)
+        self._descriptor = stream.fileno()
+        self.size = os.fstat(self._descriptor).st_size
         header, room = parse(self._read, self.size)
         for start in range(room, header.begin, _BLOCK):
             if self._read(start, min(_BLOCK, header.begin - start)).strip(b"\0"):
@@ -184,4 +180,4 @@ def _shapes(places: dict[str, Place]) -> dict[str, tuple[np.dtype, tuple[int, ..
 
 
 def _cannot_read(error: OSError) -> str:
-    return f"it cannot be read: {os.strerror(error.errno or 0)}"
+    return f"it cannot be read: {os.strerror(error.errno)}" if error.errno else str(error)

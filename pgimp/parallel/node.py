@@ -1,9 +1,12 @@
 """Ranks of one node: what they share, and which of them goes first."""
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
+
+#: A call that compiles a kernel, and the seconds that this takes, roughly.
+Call = tuple[float, Callable[[], Any]]
 
 
 @contextmanager
@@ -27,6 +30,38 @@ def one_rank_first(comm: Any) -> Iterator[None]:
         if node.rank == 0:
             node.Barrier()
         node.Free()
+
+
+def shared_out(comm: Any, calls: Iterable[Call]) -> None:
+    """Make calls that compile kernels: the ranks of a node share them, then make all; collective.
+
+    What another rank has compiled is found in the cache. An error in a call passes through after
+    the others have been let go, who then meet it too.
+    """
+    calls = list(calls)
+    if comm.size > 1:
+        from mpi4py import MPI
+
+        node = comm.Split_type(MPI.COMM_TYPE_SHARED)
+        try:
+            for call in _part(calls, node.rank, node.size):
+                call()
+        finally:
+            node.Barrier()
+            node.Free()
+    for _, call in calls:
+        call()
+
+
+def _part(calls: list[Call], rank: int, ranks: int) -> list[Callable[[], Any]]:
+    """A rank's part of the calls: the longest first, each to who is to be done first."""
+    busy, mine = [0.0] * ranks, []
+    for seconds, call in sorted(calls, key=lambda one: -one[0]):
+        first = busy.index(min(busy))
+        busy[first] += seconds
+        if first == rank:
+            mine.append(call)
+    return mine
 
 
 def cores() -> set[int]:

@@ -107,7 +107,7 @@ def doubts(case: Any, body: BodyFacts, duration: float) -> Iterator[str]:
 
 
 def case_doubts(case: Any, found: Findings) -> Iterator[str]:
-    """Yield what the particles show: thin bodies, probes without any, tractions at walls.
+    """Yield what the whole shows: thin bodies, idle probes and tractions, an unhappy method.
 
     Parameters
     ----------
@@ -116,6 +116,11 @@ def case_doubts(case: Any, found: Findings) -> Iterator[str]:
     found : Findings
         See `pgimp.scene.facts.examine`.
     """
+    if case.method.affine and case.method.shape == "mpm":
+        yield (
+            "method.affine: with points (mpm) it can make energy from nothing, the more "
+            "the smaller the step; take it with boxes (shape: gimp)"
+        )
     for body in found.bodies:
         cells = [size / cell for size, cell in zip(body.sizes, case.grid.cell, strict=True)]
         thin = [f"{n:.2g} along {AXES[d]}" for d, n in enumerate(cells) if n < _THIN]

@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from pgimp.case.messages import shorten
 from pgimp.errors import CaseError
 from pgimp.scene.meshfile import RawMesh
-from pgimp.scene.text import shown
 
 Ints = NDArray[np.int64]
 
@@ -62,7 +62,7 @@ def facets_of(mesh: RawMesh, dimensions: int) -> Facets:
         if cells.size == 0 or base == "vertex":
             continue
         if base not in _DIMENSION or cells.ndim != 2:
-            raise CaseError(f"has cells of the type {shown(kind)}, which are not supported")
+            raise CaseError(f"has cells of the type {shorten(kind)}, which are not supported")
         if base == "polygon":
             base = {3: "triangle", 4: "quad"}.get(cells.shape[1], base)
         wrong = ((cells < 0) | (cells >= len(points))).any(axis=1)

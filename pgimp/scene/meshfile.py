@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import stat
 import subprocess
 import sys
 from pathlib import Path
@@ -12,8 +11,9 @@ from typing import IO, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from pgimp.case.messages import shorten
 from pgimp.errors import CaseError
-from pgimp.scene.text import shown
+from pgimp.plainfile import open_plain
 
 #: Memory [bytes] and time [s] that reading may take: constants, and for each byte of the file.
 _MEMORY, _TIME = (1_500_000_000, 40), (60, 4e-6)
@@ -37,10 +37,8 @@ def check_file(name: str, what: str) -> int:
         If it is not there, no regular file, empty, or must not be read.
     """
     try:
-        about = os.stat(name)
-        if stat.S_ISREG(about.st_mode):
-            with open(name, "rb"):
-                pass
+        with open_plain(name) as stream:
+            size = os.fstat(stream.fileno()).st_size
     except OSError as error:
         raise CaseError(
             f"cannot read {what} {name}: {error.strerror or error}; a relative name starts from "
@@ -48,12 +46,9 @@ def check_file(name: str, what: str) -> int:
         ) from None
     except ValueError as error:
         raise CaseError(f"cannot read {what} {name!r}: {error}") from None
-    if not stat.S_ISREG(about.st_mode):
-        kind = "a folder" if stat.S_ISDIR(about.st_mode) else "no regular file"
-        raise CaseError(f"cannot read {what} {name}: it is {kind}")
-    if about.st_size == 0:
+    if size == 0:
         raise CaseError(f"cannot read {what} {name}: it is empty")
-    return about.st_size
+    return size
 
 
 def read_mesh(name: str) -> RawMesh:
@@ -115,8 +110,8 @@ def _cause(name: str, status: int, said: str) -> str:
         return f"its reader was ended by signal {-status}: too much time or memory, or a crash"
     if "Could not deduce file format" in said or not Path(name).suffix:
         return (
-            f"meshio knows no format '{shown(Path(name).suffix)}'; use .stl, .obj, .ply, .msh, "
+            f"meshio knows no format '{shorten(Path(name).suffix)}'; use .stl, .obj, .ply, .msh, "
             ".vtu, .vtk or another that meshio reads"
         )
-    line = shown(said.splitlines()[-1], 300) if said else "it is damaged"
+    line = shorten(said.splitlines()[-1], 300) if said else "it is damaged"
     return f"{line}; export it anew, or convert it (meshio convert FILE other.vtu)"

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from pgimp.case.messages import shorten
 from pgimp.errors import CaseError
-from pgimp.scene.text import shown
 
 #: Links that lead to one another before this counts as a circle.
 _MOST_LINKS = 16
@@ -56,13 +56,14 @@ def find(h5py: Any, file: Any, key: str) -> Any:
             if kind == h5py.h5l.TYPE_EXTERNAL:
                 other = b"the file " + group.id.links.get_val(name)[0]
             raise CaseError(
-                f"'{key}' is a link into {shown(other.decode(errors='replace'), 200)}; copy the "
+                f"'{key}' is a link into {shorten(other.decode(errors='replace'), 200)}; copy the "
                 "data into this one"
             )
     if isinstance(group, h5py.Dataset):
         if group.external:
+            other_file = shorten(str(group.external[0][0]), 200)
             raise CaseError(
-                f"the data of '{key}' are in another file, {shown(group.external[0][0], 200)}; "
+                f"the data of '{key}' are in another file, {other_file}; "
                 "copy them into this one (h5repack)"
             )
         if group.is_virtual:

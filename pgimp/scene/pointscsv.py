@@ -9,9 +9,9 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from pgimp.case.messages import shorten
 from pgimp.errors import CaseError
 from pgimp.scene.pointsblock import STRESS, Block
-from pgimp.scene.text import shown
 
 Reals = NDArray[np.float64]
 
@@ -77,13 +77,12 @@ def _misnamed(head: list[str], D: int) -> str:
         key
         for group, keys in groups.items()
         for key in keys
-        if key not in head
-        and (group in ("position", "volume") or any(key in head for key in keys))
+        if key not in head and (group in ("position", "volume") or any(key in head for key in keys))
     ]
     strange = [key for key in dict.fromkeys(head) if key not in known]
     beyond = [key for key in strange if key in spatial]
-    unknown = [f"'{shown(key, 40)}'" for key in strange if key not in spatial]
-    twice = [f"'{shown(key, 40)}'" for key, number in Counter(head).items() if number > 1]
+    unknown = [f"'{shorten(key, 40)}'" for key in strange if key not in spatial]
+    twice = [f"'{shorten(key, 40)}'" for key, number in Counter(head).items() if number > 1]
     texts = []
     if missing:
         texts.append(f"missing {', '.join(missing)}")
@@ -138,5 +137,5 @@ def _numbers(kept: list[tuple[int, str]], columns: int) -> Reals:
             try:
                 float(word)
             except ValueError:
-                raise CaseError(f"line {number}: '{shown(word, 40)}' is no number") from None
+                raise CaseError(f"line {number}: '{shorten(word, 40)}' is no number") from None
     raise CaseError(f"line {kept[0][0]} and those after it are no numbers")

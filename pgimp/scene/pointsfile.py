@@ -12,12 +12,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
+from pgimp.case.messages import shorten
 from pgimp.errors import CaseError
 from pgimp.scene.meshfile import check_file
 from pgimp.scene.pointsblock import Block
 from pgimp.scene.pointscsv import read_csv
 from pgimp.scene.pointshdf5 import read_hdf5
-from pgimp.scene.text import shown
 
 
 def blocks(name: str, dimensions: int, most: int | None = None) -> Iterator[Block]:
@@ -46,14 +46,14 @@ def blocks(name: str, dimensions: int, most: int | None = None) -> Iterator[Bloc
     else:
         raise CaseError(
             f"cannot read the particles {name}: its name must end in .h5, .hdf5 or .csv, not "
-            f"'{shown(ending)}'"
+            f"'{shorten(ending)}'"
         )
     try:
         yield from found
     except CaseError as error:
         raise CaseError(f"cannot use the particles {name}: {error}") from None
     except (OSError, RuntimeError, UnicodeDecodeError, KeyError, ValueError, MemoryError) as error:
-        text = shown(error, 200) or type(error).__name__
+        text = shorten(str(error), 200) or type(error).__name__
         raise CaseError(
             f"cannot read the particles {name}: {text}; it is damaged or no file of its kind: "
             "write it anew"

@@ -14,7 +14,7 @@ from pgimp.kernels.order import layers_of
 from pgimp.kernels.sums import fastest_rate
 from pgimp.parallel.halo import Halo
 from pgimp.parallel.migrate import Migration
-from pgimp.parallel.node import one_rank_first, shares_cores
+from pgimp.parallel.node import shares_cores
 from pgimp.parallel.slabs import Slab
 from pgimp.scene import nearness
 from pgimp.scene.geometry import do_without, release, share
@@ -135,8 +135,7 @@ class Simulation:
         self.clock = clock_of(case)
         (share if source is None else do_without)(case, comm)
         require(scene, comm, None if source is None else source.count)
-        with one_rank_first(comm):
-            warm_up(scene, self.identity)
+        warm_up(scene, self.identity, comm)
         self._tell_of_kernels()
 
         if source is not None:

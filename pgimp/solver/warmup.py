@@ -1,5 +1,9 @@
 """Calls of every kernel of a scene on no particles, so that they are compiled and cached."""
 
+from collections.abc import Iterator
+from functools import partial
+from typing import Any
+
 import numpy as np
 
 from pgimp.kernels.errors import ERRORS, initial_velocities, layer_errors
@@ -11,14 +15,20 @@ from pgimp.kernels.movers import pack_rows, sort_out, sort_rows, unpack_rows
 from pgimp.kernels.order import layers_of, locate, merge, reach_of
 from pgimp.kernels.p2g import complete, particles_to_grid
 from pgimp.kernels.sums import SUMS, exact_masses, fastest_rate, layer_sums
+from pgimp.parallel.node import Call, shared_out
 from pgimp.parallel.slabs import Slab
 from pgimp.scene.scene import Scene
 from pgimp.solver.grid import Grid
 from pgimp.solver.particles import Particles
 
 
-def warm_up(scene: Scene, identity: tuple[float, ...]) -> None:
-    """Call each kernel once with the types that the scene's steps will use."""
+def warm_up(scene: Scene, identity: tuple[float, ...], comm: Any) -> None:
+    """Call each kernel once with the types that the scene's steps will use; collective."""
+    shared_out(comm, _calls(scene, identity))
+
+
+def _calls(scene: Scene, identity: tuple[float, ...]) -> Iterator[Call]:
+    """The calls, with the seconds that each took to compile, in 3D on one machine."""
     frame, shape, vertices = scene.frame, scene.shape, scene.vertices
     p = Particles.empty(1, scene.dimension, **scene.loads.columns)
     loads, grips = scene.loads.at(0.0), scene.loads.grips(0.0, 0.0)
@@ -27,54 +37,59 @@ def warm_up(scene: Scene, identity: tuple[float, ...]) -> None:
     reach = np.array([[2**62] * 2, [-(2**62)] * 2])
     grid = Grid(frame, vertices, Slab(0, 1, None, None))
     grid.cover(np.full((2, 2), vertices))
-    locate(shape, frame, p, rows, frame.vertices)
-    reach_of(shape, frame, p, rows, reach)
-    layers_of(shape, frame, identity, np.empty(0), np.empty(0, np.int64))
     wire = np.empty(0, np.int64)
-    sort_out(p.layer, rows, rows, 0, 1, rows.copy(), rows.copy())
-    pack_rows(*p.columns(), rows, wire, 0, 0)
-    unpack_rows(*p.columns(), rows, wire, 0, 0)
-    sort_rows(p.layer, p.cell, p.id, rows, rows.copy())
-    merge(p, rows, start, rows, 0, rows, rows.copy(), start.copy())
-    particles_to_grid(
+    faces, relaxation = scene.face_parameters(0.0, 0.0), scene.loads.relaxation
+    gravity = scene.gravity(0.0)
+    marked = (grips, grid.marks) if grips else ()
+    unmarked = np.zeros(0, np.uint8)
+    material_of = scene.material_of
+    work, impulse = np.zeros((1, len(faces))), np.zeros((1, len(faces), 3))
+    yield 10.4, lambda: grid_to_particles(
+        shape, scene.materials, frame, grid.window, p, loads, grips, rows, start,
+        np.zeros(0, np.int64), material_of, grid.G, 1.0, True, False, grid.bounds, 0,
+        scene.walls(0.0), reach, rows.copy(), np.zeros((1, 2), np.int64),
+        np.zeros((1, len(grips), 3)), impulse, np.zeros(1),
+    )  # fmt: skip
+    yield 6.3, lambda: particles_to_grid(
         shape, frame, grid.window, p, loads, rows, start,
         np.zeros((0, 3), np.int64), grid.scratch, grid.G, grid.active, grid.aside, grid.below,
     )  # fmt: skip
-    complete(grid.G, grid.window.stride[0], 0, 1, grid.aside, 0, False, np.empty(0))
-    faces, relaxation = scene.face_parameters(0.0, 0.0), scene.loads.relaxation
-    marked = (grips, grid.marks) if grips else ()
-    update_momentum(
-        frame, grid.window, grid.G, grid.active, 1.0, scene.gravity(0.0), 0.0, faces, marked,
-        relaxation, 1, np.zeros((1, len(faces), 3)), np.zeros((1, len(faces))), np.zeros(1),
+    yield 2.8, lambda: update_momentum(
+        frame, grid.window, grid.G, grid.active, 1.0, gravity, 0.0, faces, marked,
+        relaxation, 1, impulse, work, np.zeros(1),
     )  # fmt: skip
-    for mirror in scene.mirrors:
-        none, impulse = np.zeros(0, np.uint8), np.zeros((1, len(faces), 3))
-        given = (frame, grid.window, grid.G, none, mirror, relaxation, 1.0)
-        fold(*given, scene.gravity(0.0), 1, impulse)
-        reflect(*given, scene.gravity(0.0), 1, impulse, np.zeros(1))
-    grid_to_particles(
-        shape, scene.materials, frame, grid.window, p, loads, grips, rows, start,
-        np.zeros(0, np.int64), scene.material_of, grid.G, 1.0, True, False, grid.bounds, 0,
-        scene.walls(0.0), reach, rows.copy(), np.zeros((1, 2), np.int64),
-        np.zeros((1, len(grips), 3)), np.zeros((1, len(faces), 3)), np.zeros(1),
-    )  # fmt: skip
-    if marked:
-        mark(shape, frame, grid.window, p, rows, start, grid.marks)
-        hold_marked(
-            grid.window, grid.G, np.zeros(0, np.uint8), marked, relaxation, 1.0,
-            scene.gravity(0.0), 1, np.zeros((1, len(grips), 3)), np.zeros(1),
-        )  # fmt: skip
-    material_of = scene.material_of
-    layer_sums(
+    yield 1.4, lambda: locate(shape, frame, p, rows, frame.vertices)
+    yield 1.4, lambda: layer_sums(
         frame, identity, scene.materials, p, rows, start, material_of,
         np.zeros((1, len(material_of), SUMS)),
     )  # fmt: skip
-    exact_masses(p, rows, 1.0, np.zeros((len(material_of), 2), np.int64))
-    fastest_rate(frame, identity, scene.materials, p, rows, material_of)
+    yield 1.0, lambda: fastest_rate(frame, identity, scene.materials, p, rows, material_of)
+    yield (
+        0.7,
+        lambda: complete(grid.G, grid.window.stride[0], 0, 1, grid.aside, 0, False, np.empty(0)),
+    )
+    yield 0.7, lambda: merge(p, rows, start, rows, 0, rows, rows.copy(), start.copy())
+    yield 0.5, lambda: pack_rows(*p.columns(), rows, wire, 0, 0)
+    yield 0.4, lambda: unpack_rows(*p.columns(), rows, wire, 0, 0)
+    yield 0.4, lambda: reach_of(shape, frame, p, rows, reach)
+    yield 0.4, lambda: exact_masses(p, rows, 1.0, np.zeros((len(material_of), 2), np.int64))
+    yield 0.3, lambda: sort_rows(p.layer, p.cell, p.id, rows, rows.copy())
+    yield 0.3, lambda: sort_out(p.layer, rows, rows, 0, 1, rows.copy(), rows.copy())
+    yield 0.2, lambda: layers_of(shape, frame, identity, np.empty(0), np.empty(0, np.int64))
+    for mirror in scene.mirrors:
+        given = (frame, grid.window, grid.G, unmarked, mirror, relaxation, 1.0, gravity, 1, impulse)
+        yield 1.0, partial(fold, *given)
+        yield 1.0, partial(reflect, *given, np.zeros(1))
+    if marked:
+        yield 1.0, lambda: mark(shape, frame, grid.window, p, rows, start, grid.marks)
+        yield 1.0, lambda: hold_marked(
+            grid.window, grid.G, unmarked, marked, relaxation, 1.0, gravity, 1,
+            np.zeros((1, len(grips), 3)), np.zeros(1),
+        )  # fmt: skip
     if scene.exact:
-        layer_errors(
+        yield 2.0, lambda: layer_errors(
             scene.exact, 0.0, scene.follows, frame, identity, p, rows, start,
             np.zeros((1, ERRORS)), np.zeros((1, ERRORS)),
         )  # fmt: skip
     if scene.moves:
-        initial_velocities(scene.exact, frame, p.x[:0], p.v[:0])
+        yield 1.0, lambda: initial_velocities(scene.exact, frame, p.x[:0], p.v[:0])
