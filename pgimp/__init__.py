@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from pgimp.errors import CaseError, PgimpError, RunError, UsageError
     from pgimp.materials.outside import takes_vectors
     from pgimp.materials.registry import register_material
+    from pgimp.mpi.comm import world
     from pgimp.output.reader import open
-    from pgimp.parallel.comm import world
     from pgimp.solver.driver import Simulation
 
 __all__ = [
@@ -47,7 +47,7 @@ _HOMES = {
     "register_material": "pgimp.materials.registry",
     "run": "pgimp.commands.run",
     "takes_vectors": "pgimp.materials.outside",
-    "world": "pgimp.parallel.comm",
+    "world": "pgimp.mpi.comm",
 }
 
 

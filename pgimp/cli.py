@@ -16,7 +16,7 @@ from typing import Any, NoReturn
 
 from pgimp.commands import COMMANDS
 from pgimp.errors import PgimpError, RunError, UsageError
-from pgimp.parallel.comm import (
+from pgimp.mpi.comm import (
     SharedUsageError,
     abort_on_error,
     describe,

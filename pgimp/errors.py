@@ -1,5 +1,16 @@
 """Exceptions whose messages are for people; the command line turns each into an exit status."""
 
+import errno
+import os
+
+_ADVICE = {
+    errno.ENOSPC: "Make room there, or choose another place with -o.",
+    errno.EDQUOT: "Make room in your quota, or choose another place with -o.",
+    errno.EROFS: "Choose another place with -o.",
+    errno.EACCES: "Choose another place with -o, or change the permissions.",
+    errno.EPERM: "Choose another place with -o, or change the permissions.",
+}
+
 
 class PgimpError(Exception):
     """Base of the errors that pgimp raises on purpose: what is wrong, where, what to do."""
@@ -28,3 +39,11 @@ class DamagedError(Exception):
 
     It is no end yet, for there may be another one; so it has no exit status.
     """
+
+
+def explain(error: OSError) -> str:
+    """Word the cause of a failed file operation for people, with what to do about it."""
+    if error.errno is None:
+        return " ".join(str(error).split())
+    cause = os.strerror(error.errno)
+    return f"{cause}. {_ADVICE[error.errno]}" if error.errno in _ADVICE else cause

@@ -18,8 +18,8 @@ from pathlib import Path
 import numpy as np
 
 from pgimp import run
+from pgimp.mpi.comm import abort_on_error, world
 from pgimp.parallel import handover
-from pgimp.parallel.comm import abort_on_error, world
 from pgimp.solver import balance
 from pgimp.solver.balance import Balance
 from pgimp.solver.simulation import Simulation

@@ -9,9 +9,9 @@ import sys
 from pathlib import Path
 
 from pgimp.case.load import load
+from pgimp.mpi.comm import world
 from pgimp.output.checkpoints import Checkpoints
 from pgimp.output.frames import Frames
-from pgimp.parallel.comm import world
 from pgimp.solver import simulation
 
 comm, case, folder = world(), load(sys.argv[1]), Path(sys.argv[2])

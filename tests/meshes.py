@@ -4,7 +4,7 @@ import numpy as np
 from scenes import scene
 
 from pgimp.case.schema import Case
-from pgimp.parallel.comm import Serial
+from pgimp.mpi.comm import Serial
 from pgimp.scene.geometry import share
 from pgimp.scene.scene import Scene, count_particles
 

@@ -9,7 +9,7 @@ import json
 import numpy as np
 
 from pgimp.case.schema import Case
-from pgimp.parallel.comm import Serial
+from pgimp.mpi.comm import Serial
 from pgimp.solver.simulation import Simulation
 
 SOFT = {"model": "neo-hookean", "young": 100.0, "poisson": 0.3, "density": 1.0}

@@ -134,8 +134,8 @@ def test_layers_go_to_any_rank_with_all_they_have(data, seed, piece):
 SHARING = """
 import os, subprocess, sys
 import pgimp
-from pgimp.parallel.comm import world
-from pgimp.parallel.node import cores
+from pgimp.mpi.comm import world
+from pgimp.mpi.node import cores
 from pgimp.solver.simulation import Simulation
 
 if sys.argv[1] == "one":

@@ -13,7 +13,7 @@ from pgimp.case.load import load
 from pgimp.case.reader import dump_case, read_case
 from pgimp.cli import main
 from pgimp.errors import CaseError
-from pgimp.parallel.comm import Serial
+from pgimp.mpi.comm import Serial
 from pgimp.scene.geometry import share
 from pgimp.scene.scene import Scene, count_particles
 

@@ -18,8 +18,8 @@ from pgimp.case.reader import read_case
 from pgimp.case.schema import Case
 from pgimp.cli import main
 from pgimp.errors import CaseError
+from pgimp.mpi.comm import Serial
 from pgimp.output import fields as written
-from pgimp.parallel.comm import Serial
 from pgimp.solver.diagnostics import column_names
 from pgimp.solver.simulation import Simulation
 

@@ -6,9 +6,9 @@ from pgimp.case.reader import read_case
 from pgimp.commands import check
 from pgimp.commands.init import packaged
 from pgimp.errors import CaseError
+from pgimp.mpi.comm import Serial
 from pgimp.output import forecast
 from pgimp.output.schedule import Schedule
-from pgimp.parallel.comm import Serial
 from pgimp.scene.doubts import case_doubts, doubts, idle_step, strains
 from pgimp.scene.facts import examine
 from pgimp.scene.scene import Scene, count_particles

@@ -12,10 +12,10 @@ from scenes import box, scene, write_case
 import pgimp
 from pgimp.commands import compare
 from pgimp.errors import RunError, UsageError
+from pgimp.mpi.comm import Serial
 from pgimp.output.frames import Frames
 from pgimp.output.history import History
 from pgimp.output.rundir import RunDirectory
-from pgimp.parallel.comm import Serial
 
 COUNT = 31
 

@@ -14,7 +14,7 @@ from test_regions import entries
 from pgimp.case.schema import Case
 from pgimp.cli import main
 from pgimp.errors import CaseError
-from pgimp.parallel.comm import Serial
+from pgimp.mpi.comm import Serial
 from pgimp.scene import filling
 from pgimp.scene.filling import SLIVER, Filling
 from pgimp.scene.measure import TangledError, measure

@@ -13,7 +13,7 @@ from scenes import box, finish, scene, start
 import pgimp
 from pgimp.case.schema import Case
 from pgimp.errors import RunError
-from pgimp.parallel.comm import Serial
+from pgimp.mpi.comm import Serial
 
 AXES = "xyz"
 

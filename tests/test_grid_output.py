@@ -12,9 +12,9 @@ from test_ranks import go_back
 
 import pgimp
 from pgimp.errors import RunError
+from pgimp.mpi.comm import Serial
 from pgimp.output.recorder import Recorder
 from pgimp.output.rundir import RunDirectory
-from pgimp.parallel.comm import Serial
 from pgimp.solver import gridstate
 from pgimp.solver.agreement import PENDING
 

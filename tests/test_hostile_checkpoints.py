@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from checkpoint_source import write_on
 
+from pgimp.mpi.comm import Serial
 from pgimp.output.checkpointfile import CheckpointFile, DamagedError
-from pgimp.parallel.comm import Serial
 
 COUNT = 12
 DELETE = object()

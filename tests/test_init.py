@@ -17,7 +17,7 @@ from pgimp.case.load import load
 from pgimp.case.reader import read_case
 from pgimp.cli import main
 from pgimp.commands.init import packaged
-from pgimp.parallel.comm import Serial
+from pgimp.mpi.comm import Serial
 from pgimp.scene.scene import Scene, count_particles
 from pgimp.study.plan import read_plan
 

@@ -8,7 +8,7 @@ import pytest
 
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
-from pgimp.parallel.comm import Serial
+from pgimp.mpi.comm import Serial
 from pgimp.scene import filling, measure
 from pgimp.scene import lattice as lattice_module
 from pgimp.scene.census import census

@@ -6,7 +6,7 @@ import pytest
 
 from pgimp.cli import COMMANDS, main
 from pgimp.errors import UsageError
-from pgimp.parallel.comm import Serial, abort_on_error, launcher
+from pgimp.mpi.comm import Serial, abort_on_error, launcher
 
 TRACEBACK_HINT = "(set PGIMP_TRACEBACK=1 for the traceback)"
 
@@ -71,7 +71,7 @@ print(comm.rank, comm.size, comm.bcast('a'),
 def test_without_launcher_mpi_is_not_even_imported(python):
     script = """
 import sys
-from pgimp.parallel.comm import Serial, world
+from pgimp.mpi.comm import Serial, world
 assert type(world()) is Serial
 assert "mpi4py.MPI" not in sys.modules
 import h5py  # with MPI, it would initialise it
@@ -85,7 +85,7 @@ print("fine")
 
 def test_world_under_mpirun(mpirun):
     script = """
-from pgimp.parallel.comm import world
+from pgimp.mpi.comm import world
 comm = world()
 answers = comm.gather((comm.size, comm.allreduce(comm.rank)))
 if comm.rank == 0:
@@ -105,7 +105,7 @@ def case(tmp_path):
 WRONG_LAUNCHER = """
 import sys
 from pgimp.errors import PgimpError
-from pgimp.parallel.comm import world
+from pgimp.mpi.comm import world
 try:
     world()
 except PgimpError as error:
@@ -146,7 +146,7 @@ def test_launcher_without_an_mpi_library(python):
 FAILING = """
 import sys
 from pgimp.errors import CaseError, RunError
-from pgimp.parallel.comm import abort_on_error, world
+from pgimp.mpi.comm import abort_on_error, world
 comm = world()
 with abort_on_error(comm):
     {statement}
@@ -185,7 +185,7 @@ def test_ranks_fail_together_with_one_message(mpirun, statement, status, message
 
 def test_a_case_error_of_one_rank_ends_all(mpirun):
     script = FAILING.format(statement="if comm.rank == 1: raise CaseError('only here')")
-    script = f"import pgimp.parallel.comm as c; c._AGREEMENT_SECONDS = 1.0\n{script}"
+    script = f"import pgimp.mpi.comm as c; c._AGREEMENT_SECONDS = 1.0\n{script}"
     done = mpirun(3, ["-c", script], timeout=30)
     assert done.returncode == 2
     assert done.stderr.strip() == "pgimp: rank 1: only here"

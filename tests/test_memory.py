@@ -15,8 +15,8 @@ from scenes import box, scene, write_case
 from pgimp.case.schema import Case
 from pgimp.cli import main
 from pgimp.errors import CaseError
-from pgimp.parallel.comm import Serial
-from pgimp.parallel.limits import Limit, limits
+from pgimp.mpi.comm import Serial
+from pgimp.mpi.limits import Limit, limits
 from pgimp.scene import extent
 from pgimp.scene.scene import Scene, count_particles
 from pgimp.solver import memory
@@ -136,7 +136,7 @@ def test_under_mpirun_every_rank_refuses(tmp_path, mpirun):
 
 def test_the_limits_of_a_process_are_found():
     most = 40 * GB
-    program = "from pgimp.parallel.limits import limits; print(limits()[-1].free)"
+    program = "from pgimp.mpi.limits import limits; print(limits()[-1].free)"
     run = subprocess.run(
         [sys.executable, "-c", program],
         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (most, most)),

@@ -19,7 +19,7 @@ from pgimp.model.measure import costs_of, take_turns
 from pgimp.model.predict import EFFICIENT, pays_off, predict
 from pgimp.model.report import ladder, lines, scaling
 from pgimp.model.sample import Sample, resized, samples_of
-from pgimp.parallel.comm import Serial
+from pgimp.mpi.comm import Serial
 from pgimp.parallel.slabs import cut
 from pgimp.scene.extent import extents
 from pgimp.scene.scene import Scene, count_particles

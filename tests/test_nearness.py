@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pgimp.case.schema import Case
-from pgimp.parallel.comm import Serial
+from pgimp.mpi.comm import Serial
 from pgimp.scene import nearness
 from pgimp.scene.scene import Scene, count_particles
 from pgimp.solver.simulation import Simulation

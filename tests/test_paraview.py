@@ -12,9 +12,9 @@ from particle_source import make_case, make_sim
 from PIL import Image
 
 from pgimp.case.fields import ALWAYS, FIELDS
+from pgimp.mpi.comm import Serial
 from pgimp.output.frames import Frames
 from pgimp.output.reader import Frame
-from pgimp.parallel.comm import Serial
 from pgimp.plot.units import kind_of_field, unit
 
 READERS = ("XDMF Reader", "Xdmf3 Reader S", "Xdmf3 Reader T")

@@ -7,7 +7,7 @@ from pgimp.errors import CaseError
 from pgimp.model import pilot as pilots
 from pgimp.model.costs import Costs
 from pgimp.model.pilot import coarse, pilot
-from pgimp.parallel.comm import Serial
+from pgimp.mpi.comm import Serial
 from pgimp.solver.simulation import Simulation
 
 #: 50 us a step and 0.2 us a particle, as on a laptop: what the machine measures must not matter.

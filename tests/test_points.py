@@ -14,7 +14,7 @@ import pgimp
 from pgimp.case.schema import Case
 from pgimp.cli import main
 from pgimp.errors import CaseError
-from pgimp.parallel.comm import Serial
+from pgimp.mpi.comm import Serial
 from pgimp.scene import cloudmeetings
 from pgimp.scene.census import census
 from pgimp.scene.geometry import share

@@ -4,11 +4,11 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from pgimp.mpi.comm import Serial
 from pgimp.output import progress
 from pgimp.output.log import Log, timing_table
 from pgimp.output.progress import Progress, duration
 from pgimp.output.schedule import Schedule
-from pgimp.parallel.comm import Serial
 
 
 def fixed_steps(schedule, step, number):

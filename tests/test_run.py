@@ -115,7 +115,7 @@ def test_reading_a_run(done):
 
 def test_frames_hold_the_state_of_the_simulation(done):
     """The same case, driven step by step from Python, has the same particles."""
-    from pgimp.parallel.comm import Serial
+    from pgimp.mpi.comm import Serial
     from pgimp.solver.simulation import Simulation
 
     run = pgimp.open(done[0])

@@ -12,8 +12,8 @@ import pytest
 from particle_source import fill_up, small_disk
 
 from pgimp.errors import RunError, UsageError
+from pgimp.mpi.comm import Serial
 from pgimp.output.rundir import RunDirectory
-from pgimp.parallel.comm import Serial
 
 START = {"state": "running", "began": "now", "steps": 0}
 
@@ -140,7 +140,7 @@ def test_one_run_at_a_time(tmp_path):
     holder = RunDirectory(tmp_path / "out", Serial())
     code = (
         "import sys, pathlib; from pgimp.output.rundir import RunDirectory\n"
-        "from pgimp.parallel.comm import Serial\n"
+        "from pgimp.mpi.comm import Serial\n"
         "RunDirectory(pathlib.Path(sys.argv[1]), Serial(), True)"
     )
     command = [sys.executable, "-c", code, str(tmp_path / "out")]

@@ -9,7 +9,7 @@ from pgimp.case.schema import Case
 from pgimp.errors import RunError
 from pgimp.model.measure import take_turns
 from pgimp.model.sample import Sample, resized, samples_of
-from pgimp.parallel.comm import Serial
+from pgimp.mpi.comm import Serial
 from pgimp.solver.simulation import Simulation
 
 
@@ -35,7 +35,7 @@ import sys
 import numpy as np
 from pgimp import load
 from pgimp.model.sample import Scattered
-from pgimp.parallel.comm import world
+from pgimp.mpi.comm import world
 
 sim = Scattered(load(sys.argv[1]), world())
 for step in range(20):

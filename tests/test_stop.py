@@ -11,10 +11,10 @@ from types import SimpleNamespace
 import pytest
 
 from pgimp import signals
+from pgimp.mpi.comm import Serial
 from pgimp.output import stop as module
 from pgimp.output.running import _wish
 from pgimp.output.stop import Held, Stop, clock, slurm_seconds_left, wall_time
-from pgimp.parallel.comm import Serial
 from pgimp.solver.agreement import CHECKPOINT, NOTHING
 
 

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scenes import box, field, finish, scene, start
 
 from pgimp.case.schema import Case
-from pgimp.parallel.comm import Serial
+from pgimp.mpi.comm import Serial
 from pgimp.scene.scene import Scene, count_particles
 
 #: Shapes whose patches cancel the stress at the surface exactly.

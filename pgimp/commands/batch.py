@@ -11,14 +11,13 @@ from pathlib import Path
 
 from pgimp.batch.script import Job, write
 from pgimp.case.load import load
-from pgimp.errors import UsageError
+from pgimp.errors import UsageError, explain
 from pgimp.materials.registry import imported
+from pgimp.mpi.comm import Serial
 from pgimp.output import files
-from pgimp.output.collective import explain
 from pgimp.output.ownfiles import RUN
 from pgimp.output.runinfo import installed
 from pgimp.output.stop import wall_time
-from pgimp.parallel.comm import Serial
 from pgimp.plainfile import read_plain
 from pgimp.scene.geometry import share
 from pgimp.scene.scene import Scene, count_particles

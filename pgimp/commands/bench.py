@@ -20,7 +20,7 @@ from pgimp.model.block import GRAVITY, SPEED, YOUNG, Block, block_case
 from pgimp.model.costs import Network
 from pgimp.model.predict import MOST_RANKS
 from pgimp.model.standard import MOST_PARTICLES, model_block
-from pgimp.parallel.comm import say, world
+from pgimp.mpi.comm import say, world
 from pgimp.solver.simulation import RESORT, Simulation
 
 #: Phases of the table, and the simulation's phases that each sums.

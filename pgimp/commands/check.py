@@ -22,10 +22,10 @@ from pgimp.model.pilot import Pilot, pilot
 from pgimp.model.predict import Step
 from pgimp.model.report import between_nodes, ladder, lines, on_node, remark, scaling, verdict
 from pgimp.model.sample import samples_of
+from pgimp.mpi.comm import Serial, say
+from pgimp.mpi.limits import limits
 from pgimp.output import forecast
 from pgimp.output.progress import duration
-from pgimp.parallel.comm import Serial, say
-from pgimp.parallel.limits import limits
 from pgimp.scene import nearness
 from pgimp.scene.doubts import case_doubts, doubts, idle_step, strains
 from pgimp.scene.extent import extents

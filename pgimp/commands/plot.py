@@ -9,9 +9,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from pgimp.errors import UsageError
+from pgimp.errors import UsageError, explain
 from pgimp.output import files
-from pgimp.output.collective import explain
 from pgimp.plot.runs import AXES, Shown, open_runs, shots
 from pgimp.plot.tables import Table
 

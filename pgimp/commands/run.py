@@ -7,14 +7,14 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from pgimp.errors import UsageError
-from pgimp.output.collective import explain, on_root
+from pgimp.errors import UsageError, explain
+from pgimp.mpi.collective import on_root
+from pgimp.mpi.comm import abort_on_error, world
 from pgimp.output.log import Log
 from pgimp.output.progress import duration
 from pgimp.output.rundir import RunDirectory
 from pgimp.output.runinfo import describe_start, installed
 from pgimp.output.stop import Stop, wall_time
-from pgimp.parallel.comm import abort_on_error, world
 
 if TYPE_CHECKING:
     from pgimp.case.load import Source
@@ -114,7 +114,7 @@ def run(
     case : Case, str, Path or mapping
         A case, the name of its file, or what would be in the file as a dictionary.
     comm : communicator, optional
-        Of all ranks; by default all that the launcher started. `pgimp.parallel.comm.Serial()` is
+        Of all ranks; by default all that the launcher started. `pgimp.mpi.comm.Serial()` is
         this rank alone, so that ranks may run cases of their own.
     output : str or Path, optional
         The run directory; by default the name of the case's file with ``.out``, in the working

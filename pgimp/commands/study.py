@@ -13,14 +13,13 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from pgimp.errors import UsageError
+from pgimp.errors import UsageError, explain
+from pgimp.mpi.comm import launcher
 from pgimp.output import files
-from pgimp.output.collective import explain
 from pgimp.output.log import Log
 from pgimp.output.ownfiles import RUN
 from pgimp.output.progress import duration, terminal_columns
 from pgimp.output.stop import Held
-from pgimp.parallel.comm import launcher
 from pgimp.study.measures import number
 from pgimp.study.plan import Plan, read_plan
 from pgimp.study.runs import DONE, Outcome, command, perform

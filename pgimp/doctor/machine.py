@@ -12,8 +12,8 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from pgimp.doctor.finding import Finding
+from pgimp.mpi.node import cores
 from pgimp.output.runinfo import cpu
-from pgimp.parallel.node import cores
 
 #: What Open MPI and its kin keep in shared memory for each rank, at the least.
 _SHARED_BYTES_PER_RANK = 16 << 20

@@ -14,7 +14,7 @@ from pgimp.case.schema import Case
 from pgimp.errors import CaseError, RunError
 from pgimp.kernels.sums import fastest_rate
 from pgimp.model.costs import Costs
-from pgimp.parallel.comm import Serial
+from pgimp.mpi.comm import Serial
 from pgimp.scene.regions import Points
 from pgimp.solver.simulation import Simulation
 

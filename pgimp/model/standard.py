@@ -21,7 +21,7 @@ from pgimp.model.report import (
 )
 from pgimp.model.sample import Sample
 from pgimp.model.verify import compare
-from pgimp.parallel.comm import Serial
+from pgimp.mpi.comm import Serial
 from pgimp.solver.memory import estimate
 from pgimp.solver.simulation import Simulation
 

@@ -10,7 +10,7 @@ from pgimp.model.layout import layout_now
 from pgimp.model.measure import busy_of, costs_of, messages_of, take_turns
 from pgimp.model.predict import predict
 from pgimp.model.sample import Sample
-from pgimp.parallel.comm import Serial
+from pgimp.mpi.comm import Serial
 from pgimp.solver.simulation import Simulation
 
 

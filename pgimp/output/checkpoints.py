@@ -17,13 +17,12 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from pgimp.case.output import WallTime
 from pgimp.case.writer import dump_case
-from pgimp.errors import DamagedError, RunError
+from pgimp.errors import DamagedError, RunError, explain
+from pgimp.mpi.collective import all_or_none, on_root
 from pgimp.output import checkpointwriter, runinfo
 from pgimp.output.checkpointfile import CheckpointFile
-from pgimp.output.collective import explain, on_root
 from pgimp.output.probes import Record
 from pgimp.output.schedule import Schedule
-from pgimp.parallel.together import all_or_none
 from pgimp.solver.state import capture
 
 CHECKPOINT = re.compile(r"step-(\d{9,})\.h5")

@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from pgimp.errors import DamagedError, RunError
+from pgimp.errors import DamagedError, RunError, explain
+from pgimp.mpi.collective import agree, on_root
 from pgimp.output.checkpointheader import KINDS, encode, parse
 from pgimp.output.checksums import Written
-from pgimp.output.collective import agree, explain, on_root
 from pgimp.output.datasets import Dataset, Layout, bytes_of, lay_out
 from pgimp.output.files import publish, temporary
 from pgimp.output.framefile import FrameFile, blocks

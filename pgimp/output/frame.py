@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pgimp.errors import PgimpError, RunError
-from pgimp.output.collective import explain
+from pgimp.errors import PgimpError, RunError, explain
 from pgimp.output.hdf5 import load_h5py, open_file
 from pgimp.output.ownfiles import FRAME
 from pgimp.output.tables import absent, data_frame

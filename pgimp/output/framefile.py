@@ -28,8 +28,8 @@ from typing import Any
 
 import numpy as np
 
+from pgimp.errors import explain
 from pgimp.output.checksums import Written, first_wrong, word_sum
-from pgimp.output.collective import explain
 from pgimp.output.datasets import bytes_of, put
 
 Array = np.ndarray

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pgimp.case.fields import GRID
-from pgimp.output.collective import on_root
+from pgimp.mpi.collective import on_root
 from pgimp.output.datasets import Dataset, lay_out
 from pgimp.output.files import temporary
 from pgimp.output.framefile import FrameFile

@@ -7,8 +7,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from pgimp.mpi.comm import quiet_mpi
 from pgimp.output.image import Image
-from pgimp.parallel.comm import quiet_mpi
 
 
 def load_h5py() -> ModuleType:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from pgimp.output.collective import on_root
+from pgimp.mpi.collective import on_root
 from pgimp.output.linereader import read
 from pgimp.output.lines import LineFile
 

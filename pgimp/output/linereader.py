@@ -9,8 +9,7 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
-from pgimp.errors import RunError, UsageError
-from pgimp.output.collective import explain
+from pgimp.errors import RunError, UsageError, explain
 from pgimp.plainfile import open_plain
 
 # Bytes of a line; one of a hundred columns has 2,000.

@@ -8,8 +8,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from pgimp.errors import RunError
-from pgimp.output.collective import explain, on_root
+from pgimp.errors import RunError, explain
+from pgimp.mpi.collective import on_root
 from pgimp.output.files import sync_folder
 from pgimp.output.linereader import numbered
 from pgimp.plainfile import open_plain

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from pgimp.case import fields as case_fields
+from pgimp.mpi.collective import on_root
 from pgimp.output import chunks
 from pgimp.output.chunks import Chunks, chunk_rows
-from pgimp.output.collective import on_root
 from pgimp.output.datasets import Dataset, Layout, lay_out
 from pgimp.output.fields import EVERY, Source
 from pgimp.output.files import temporary

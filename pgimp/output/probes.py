@@ -9,8 +9,8 @@ from typing import Annotated, Any, NamedTuple
 from pydantic import BaseModel, ConfigDict, Field
 
 from pgimp.case.output import PlaceProbe
-from pgimp.errors import RunError, UsageError
-from pgimp.output.collective import explain, on_root
+from pgimp.errors import RunError, UsageError, explain
+from pgimp.mpi.collective import on_root
 from pgimp.output.files import sync_folder
 from pgimp.output.lines import LineFile
 from pgimp.output.probefiles import PROBES, probe_file

@@ -9,8 +9,8 @@ from contextlib import suppress
 from time import perf_counter
 from typing import Any
 
+from pgimp.mpi.comm import launcher
 from pgimp.output.log import Log
-from pgimp.parallel.comm import launcher
 from pgimp.terminal import unescaped
 
 # Looking at the clock after every step would be felt in tiny scenes: about this often is enough.

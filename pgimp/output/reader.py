@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pgimp.errors import RunError, UsageError
+from pgimp.errors import RunError, UsageError, explain
 from pgimp.output import history, runinfo
-from pgimp.output.collective import explain
 from pgimp.output.frame import Array, Frame
 from pgimp.output.linereader import so_far
 from pgimp.output.ownfiles import FRAME, RUN

@@ -8,8 +8,8 @@ from time import perf_counter
 from typing import Any
 
 from pgimp.errors import RunError
+from pgimp.mpi.collective import on_root
 from pgimp.output.checkpoints import About, Checkpoints
-from pgimp.output.collective import on_root
 from pgimp.output.frames import Frames
 from pgimp.output.gridframes import GridFrames
 from pgimp.output.history import History

@@ -11,9 +11,9 @@ from pgimp.case.document import LARGEST_FILE
 from pgimp.case.reader import read_case
 from pgimp.case.schema import Case
 from pgimp.case.writer import flow
-from pgimp.errors import CaseError, DamagedError, RunError, UsageError
+from pgimp.errors import CaseError, DamagedError, RunError, UsageError, explain
+from pgimp.mpi.collective import on_root
 from pgimp.output.checkpoints import About, intact, made_by, present
-from pgimp.output.collective import explain, on_root
 from pgimp.output.linereader import require_whole
 from pgimp.output.log import Log
 from pgimp.output.probefiles import probe_file

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from pgimp.errors import RunError
-from pgimp.output.collective import agree
+from pgimp.mpi.collective import agree
 from pgimp.output.framefile import blocks
 
 Array = np.ndarray

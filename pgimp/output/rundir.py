@@ -12,9 +12,9 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from pgimp.errors import RunError, UsageError
+from pgimp.errors import RunError, UsageError, explain
+from pgimp.mpi.collective import on_root
 from pgimp.output import runinfo
-from pgimp.output.collective import explain, on_root
 from pgimp.output.files import write
 from pgimp.output.linereader import so_far
 from pgimp.output.ownfiles import (

@@ -7,6 +7,7 @@ from time import perf_counter
 
 from pgimp.case.schema import Case
 from pgimp.errors import RunError
+from pgimp.mpi.comm import describe
 from pgimp.output import failure
 from pgimp.output.checkpoints import About
 from pgimp.output.log import Log, timing_table
@@ -14,7 +15,6 @@ from pgimp.output.progress import Progress, duration, terminal_columns
 from pgimp.output.recorder import Recorder
 from pgimp.output.rundir import RunDirectory
 from pgimp.output.stop import Stop
-from pgimp.parallel.comm import describe
 from pgimp.solver.agreement import CHECKPOINT, NOTHING, PENDING, STOP
 from pgimp.solver.clock import EndlessError
 from pgimp.solver.simulation import Simulation

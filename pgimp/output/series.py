@@ -13,8 +13,8 @@ from abc import ABC, abstractmethod
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from pgimp.errors import RunError
-from pgimp.output.collective import explain, on_root
+from pgimp.errors import RunError, explain
+from pgimp.mpi.collective import on_root
 from pgimp.output.files import sync_folder
 from pgimp.output.unfinished import Unfinished
 from pgimp.output.xdmf import Collection

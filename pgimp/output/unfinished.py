@@ -7,8 +7,8 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from pgimp.errors import RunError
-from pgimp.output.collective import agree, explain, on_root
+from pgimp.errors import RunError, explain
+from pgimp.mpi.collective import agree, on_root
 from pgimp.output.framefile import FrameFile
 
 

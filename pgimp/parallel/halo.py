@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 
 from pgimp.kernels.p2g import complete
+from pgimp.mpi.switches import switched_on
 from pgimp.parallel.slabs import Slab
-from pgimp.parallel.switches import switched_on
 from pgimp.solver.grid import Grid, aligned
 
 _UP, _DOWN = 1, 2

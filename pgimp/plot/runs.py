@@ -10,8 +10,7 @@ from typing import Any
 
 from pgimp.case.document import LARGEST_FILE
 from pgimp.case.reader import read_document
-from pgimp.errors import RunError, UsageError
-from pgimp.output.collective import explain
+from pgimp.errors import RunError, UsageError, explain
 from pgimp.output.reader import Frame, Run
 from pgimp.plainfile import read_plain
 from pgimp.plot.units import labelled, unit

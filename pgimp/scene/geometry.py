@@ -13,9 +13,9 @@ from pgimp.case.messages import dotted
 from pgimp.case.places import located
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
-from pgimp.output.collective import on_root
-from pgimp.parallel.limits import limits
-from pgimp.parallel.node import one_rank_first
+from pgimp.mpi.collective import on_root
+from pgimp.mpi.limits import limits
+from pgimp.mpi.node import one_rank_first
 from pgimp.scene.meshtree import nothing, plant
 from pgimp.scene.regions import Mesh, Points
 from pgimp.scene.regions.base import Region

@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
+from pgimp.mpi.switches import switched_on
 from pgimp.parallel.slabs import common, cut, imbalance_of, slab_of
-from pgimp.parallel.switches import switched_on
 
 #: Environment variable that turns it off.
 SWITCH = "PGIMP_BALANCE"

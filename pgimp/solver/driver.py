@@ -12,9 +12,9 @@ from pgimp.case.load import Source, load
 from pgimp.case.overrides import Overrides
 from pgimp.case.schema import Case
 from pgimp.errors import RunError
+from pgimp.mpi.comm import world
 from pgimp.output import fields
 from pgimp.output.tables import Fields
-from pgimp.parallel.comm import world
 from pgimp.solver import simulation
 
 if TYPE_CHECKING:

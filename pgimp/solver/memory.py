@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 
 from pgimp.errors import CaseError
 from pgimp.kernels.sums import SUMS
+from pgimp.mpi.limits import Limit, limits
 from pgimp.output.fields import ALWAYS, OPTIONAL
-from pgimp.parallel.limits import Limit, limits
 from pgimp.scene.extent import Extent, extents, points
 from pgimp.scene.filling import _SLAB
 from pgimp.scene.scene import Scene

@@ -12,9 +12,9 @@ from pgimp.kernels.cache import told
 from pgimp.kernels.jit import FOLDER
 from pgimp.kernels.order import layers_of
 from pgimp.kernels.sums import fastest_rate
+from pgimp.mpi.node import shares_cores
 from pgimp.parallel.halo import Halo
 from pgimp.parallel.migrate import Migration
-from pgimp.parallel.node import shares_cores
 from pgimp.parallel.slabs import Slab
 from pgimp.scene import nearness
 from pgimp.scene.geometry import do_without, release, share
@@ -52,7 +52,7 @@ class Simulation:
     case : Case
         What to simulate.
     comm : communicator
-        mpi4py's, or `pgimp.parallel.comm.Serial`.
+        mpi4py's, or `pgimp.mpi.comm.Serial`.
     source : CheckpointFile, optional
         The state to go on from; without it the case begins.
 

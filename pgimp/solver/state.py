@@ -13,7 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pgimp.errors import DamagedError, UsageError
 from pgimp.kernels.order import cell_numbers, locate
 from pgimp.kernels.sums import SUMS
-from pgimp.parallel.together import all_or_none
+from pgimp.mpi.collective import all_or_none
 from pgimp.solver.particles import Particles
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from pgimp.kernels.movers import pack_rows, sort_out, sort_rows, unpack_rows
 from pgimp.kernels.order import layers_of, locate, merge, reach_of
 from pgimp.kernels.p2g import complete, particles_to_grid
 from pgimp.kernels.sums import SUMS, exact_masses, fastest_rate, layer_sums
-from pgimp.parallel.node import Call, shared_out
+from pgimp.mpi.node import Call, shared_out
 from pgimp.parallel.slabs import Slab
 from pgimp.scene.scene import Scene
 from pgimp.solver.grid import Grid

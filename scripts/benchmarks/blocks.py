@@ -9,7 +9,7 @@ import numpy as np
 from clock import clock
 
 from pgimp.case.schema import Case
-from pgimp.parallel.comm import Serial
+from pgimp.mpi.comm import Serial
 from pgimp.solver.simulation import Simulation
 
 YOUNG, POISSON, DENSITY, GRAVITY, SPEED = 1.0e6, 0.3, 1000.0, -9.81, 0.1

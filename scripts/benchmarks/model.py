@@ -51,7 +51,7 @@ def verify(name: str, seconds: float, cpu_time: bool) -> None:
     from pgimp.model.costs import Network
     from pgimp.model.sample import Sample, samples_of
     from pgimp.model.verify import compare
-    from pgimp.parallel.comm import Serial, world
+    from pgimp.mpi.comm import Serial, world
     from pgimp.solver.simulation import Simulation
 
     kind, what = CASES[name]

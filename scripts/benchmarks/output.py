@@ -17,9 +17,9 @@ from time import perf_counter
 from workers import environment, launch
 
 import pgimp
+from pgimp.mpi.comm import world
 from pgimp.output.checkpoints import Checkpoints
 from pgimp.output.frames import Frames
-from pgimp.parallel.comm import world
 from pgimp.solver.simulation import Simulation
 
 CASE = Path(__file__).resolve().parents[2] / "cases" / "block3d.yaml"

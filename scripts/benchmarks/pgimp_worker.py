@@ -5,7 +5,7 @@ from statistics import median
 from blocks import Timed, block, create, errors
 from workers import peak_memory, serve
 
-from pgimp.parallel.comm import world
+from pgimp.mpi.comm import world
 
 
 def main():

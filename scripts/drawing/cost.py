@@ -15,7 +15,7 @@ from matplotlib.ticker import NullLocator
 
 import pgimp
 from pgimp.errors import RunError
-from pgimp.parallel.comm import Serial
+from pgimp.mpi.comm import Serial
 from pgimp.solver.simulation import Simulation
 
 TIME = 0.5

@@ -9,7 +9,7 @@ import numpy as np
 
 from pgimp.case.schema import Case
 from pgimp.errors import RunError
-from pgimp.parallel.comm import Serial
+from pgimp.mpi.comm import Serial
 from pgimp.solver.clock import FixedClock
 from pgimp.solver.simulation import Simulation
 

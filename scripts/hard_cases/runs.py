@@ -9,7 +9,7 @@ import numpy as np
 
 import pgimp
 from pgimp.errors import RunError
-from pgimp.parallel.comm import Serial
+from pgimp.mpi.comm import Serial
 from pgimp.solver.simulation import Simulation
 
 ROOT = Path(__file__).resolve().parents[2]

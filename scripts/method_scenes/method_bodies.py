@@ -12,7 +12,7 @@ import numpy as np
 from timoshenko import slowest
 
 import pgimp
-from pgimp.parallel.comm import Serial
+from pgimp.mpi.comm import Serial
 from pgimp.solver.simulation import Simulation
 
 SHAPES = ("mpm", "gimp", "finite-gimp", "fuzzy-nearest", "fuzzy-constant")

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pgimp.cli
-from pgimp.parallel.comm import quiet_mpi
+from pgimp.mpi.comm import quiet_mpi
 
 HERE = Path(__file__).parent
 

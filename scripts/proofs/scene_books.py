@@ -243,7 +243,7 @@ def check(load):
     Books
         With all that is wrong.
     """
-    from pgimp.parallel.comm import Serial
+    from pgimp.mpi.comm import Serial
     from pgimp.solver.simulation import Simulation
 
     case = load({})

@@ -14,7 +14,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from pgimp.parallel.comm import quiet_mpi
+from pgimp.mpi.comm import quiet_mpi
 
 #: Seconds that a rank waits for another: the first one may have to compile.
 PATIENCE = 300.0

@@ -68,7 +68,7 @@ def perform(run):
     """Do a run; returns a record for each of its instants, those not reached with the reason."""
     import pgimp
     from pgimp.errors import RunError
-    from pgimp.parallel.comm import Serial
+    from pgimp.mpi.comm import Serial
     from pgimp.solver.simulation import Simulation
 
     sim = Simulation(pgimp.load(ROOT / "cases/compaction.yaml", run.words), Serial())

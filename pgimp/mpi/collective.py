@@ -2,22 +2,12 @@
 
 from __future__ import annotations
 
-import errno
-import os
 from collections.abc import Callable
 from typing import Any, TypeVar
 
 from pgimp.errors import PgimpError, RunError
 
 T = TypeVar("T")
-
-_ADVICE = {
-    errno.ENOSPC: "Make room there, or choose another place with -o.",
-    errno.EDQUOT: "Make room in your quota, or choose another place with -o.",
-    errno.EROFS: "Choose another place with -o.",
-    errno.EACCES: "Choose another place with -o, or change the permissions.",
-    errno.EPERM: "Choose another place with -o, or change the permissions.",
-}
 
 
 def on_root(comm: Any, action: Callable[[], T]) -> T:
@@ -76,9 +66,34 @@ def agree(comm: Any, what: str, cause: str | None) -> None:
             raise RunError(f"cannot {what}: {first}{where}")
 
 
-def explain(error: OSError) -> str:
-    """Word the cause of a failed file operation for people, with what to do about it."""
-    if error.errno is None:
-        return " ".join(str(error).split())
-    cause = os.strerror(error.errno)
-    return f"{cause}. {_ADVICE[error.errno]}" if error.errno in _ADVICE else cause
+def all_or_none(comm: Any, action: Callable[[], T], *kinds: type[Exception]) -> T:
+    """Do something on every rank, and let it fail on all if it fails on one.
+
+    Parameters
+    ----------
+    comm : communicator
+        Of all ranks; the call is collective.
+    action : callable
+        What each rank does; not collective itself.
+    *kinds : types of Exception
+        The failures that are expected.
+
+    Returns
+    -------
+    object
+        What `action` returned on this rank.
+
+    Raises
+    ------
+    Exception
+        On every rank, what the lowest failing rank raised, if it is one of `kinds`.
+    """
+    result = failure = None
+    try:
+        result = action()
+    except kinds as raised:
+        failure = raised
+    for first in comm.allgather(failure):
+        if first is not None:
+            raise first
+    return result  # type: ignore[return-value]

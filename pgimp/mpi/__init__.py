@@ -1,0 +1,1 @@
+"""MPI: the communicator, or what stands in for it, and work that all ranks agree on."""
