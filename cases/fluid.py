@@ -11,7 +11,7 @@ from typing import Literal, NamedTuple
 from pydantic import Field
 
 import pgimp
-from pgimp.kernels.algebra import isotropic, symmetric
+from pgimp.jit.algebra import isotropic, symmetric
 from pgimp.materials import Material, NonNegative, Positive
 
 

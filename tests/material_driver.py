@@ -3,8 +3,8 @@
 import numpy as np
 from reference import tensor
 
-from pgimp.kernels.algebra import determinant
-from pgimp.kernels.jit import kernel
+from pgimp.jit.algebra import determinant
+from pgimp.jit.kernel import kernel
 from pgimp.materials import MATERIALS
 from pgimp.materials.base import evaluate
 

@@ -18,7 +18,7 @@ from kernel_driver import (
     sums_of,
 )
 
-from pgimp.kernels.jit import kernel
+from pgimp.jit.kernel import kernel
 from pgimp.kernels.order import cell_numbers, locate, reach_of, vertices_of
 from pgimp.kernels.place import half_widths
 from pgimp.solver.particles import Particles

@@ -300,7 +300,7 @@ def test_numba_that_does_not_work(monkeypatch):
 def test_kernels_of_different_cpus(tmp_path, monkeypatch):
     """Compiled twice into one folder, as by two nodes: for this CPU, and for a plain one."""
     (tmp_path / "add.py").write_text(
-        "from pgimp.kernels.jit import kernel\n@kernel\ndef add(x): return x + 1\nadd(1)\n"
+        "from pgimp.jit.kernel import kernel\n@kernel\ndef add(x): return x + 1\nadd(1)\n"
     )
     monkeypatch.setenv("PGIMP_CACHE_DIR", str(tmp_path / "cache"))
 

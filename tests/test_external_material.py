@@ -13,7 +13,7 @@ from scenes import SOFT, box, scene, write_case
 
 import pgimp
 from pgimp.errors import CaseError, UsageError
-from pgimp.kernels import outside
+from pgimp.jit import outside
 from pgimp.kernels.sums import fastest_rate
 from pgimp.materials import MATERIALS, NeoHookean, registry
 from pgimp.materials.outside import parameters_of

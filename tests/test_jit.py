@@ -18,10 +18,10 @@ from scenes import box, scene, write_case
 
 import pgimp
 from pgimp.errors import UsageError
-from pgimp.kernels import cache, sealed
-from pgimp.kernels.cache import KernelCache, Store, announced, told
-from pgimp.kernels.folder import COMPILED, Folder, cache_folder, wanted_folder
-from pgimp.kernels.jit import FOLDER, kernel
+from pgimp.jit import cache, sealed
+from pgimp.jit.cache import KernelCache, Store, announced, told
+from pgimp.jit.folder import COMPILED, Folder, cache_folder, wanted_folder
+from pgimp.jit.kernel import FOLDER, kernel
 
 PACKAGE = Path(pgimp.__file__).parent
 SEED = 20041
@@ -29,8 +29,8 @@ COMPILING = "compiling for this kind of scene, once, about half a minute"
 
 RUN = """
 import numpy as np
-from pgimp.kernels.cache import announced, told
-from pgimp.kernels.jit import FOLDER
+from pgimp.jit.cache import announced, told
+from pgimp.jit.kernel import FOLDER
 from pgimp.kernels.order import locate
 from pgimp.shapes.mpm import MpmParameters
 from pgimp.solver.particles import Frame, Particles
@@ -157,7 +157,7 @@ def test_a_full_disk_does_not_stop_a_kernel(tmp_path, monkeypatch):
 WRITE = """
 import sys
 from pathlib import Path
-from pgimp.kernels.cache import Store, told
+from pgimp.jit.cache import Store, told
 store, first = Store(Path(sys.argv[1])), int(sys.argv[2])
 print("begins", flush=True)
 for turn in range(int(sys.argv[3])):

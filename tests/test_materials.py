@@ -19,8 +19,8 @@ from material_driver import (
 )
 from reference import matrix, tensor, voigt
 
-from pgimp.kernels import algebra
-from pgimp.kernels.jit import kernel
+from pgimp.jit import algebra
+from pgimp.jit.kernel import kernel
 
 dimensions = pytest.mark.parametrize("D", [1, 2, 3])
 

@@ -13,7 +13,7 @@ import pytest
 from conftest import run
 
 from pgimp.case.reader import read_case
-from pgimp.kernels import algebra
+from pgimp.jit import algebra
 from pgimp.study.plan import read_plan
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -146,7 +146,7 @@ def test_material_of_ones_own_is_printed_as_it_is():
 
 
 def test_all_operations_on_tensors_are_listed():
-    """Each function of `pgimp.kernels.algebra` with its arguments, and no other."""
+    """Each function of `pgimp.jit.algebra` with its arguments, and no other."""
     table = TEXT.partition("| operation | result |\n|---|---|\n")[2].partition("\n\n")[0]
     listed = re.findall(r"^\| `(.*?)`", table, re.MULTILINE)
     there = [

@@ -9,11 +9,11 @@ from hypothesis import strategies as st
 from kernel_driver import KINDS, SEED, VARIANTS, entry, follows, initial_half, make_frame
 from quadrature import CHI, chi_of, integrals
 
+from pgimp.jit.kernel import kernel
+from pgimp.jit.simd import stack
 from pgimp.kernels import batch
 from pgimp.kernels.batch import ROOM
-from pgimp.kernels.jit import kernel
 from pgimp.kernels.place import first_vertex, half_widths
-from pgimp.kernels.simd import stack
 from pgimp.shapes import SHAPES
 from pgimp.shapes.base import weights
 from pgimp.solver.particles import Particles, Window

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from pgimp.kernels.jit import kernel
+from pgimp.jit.kernel import kernel
 from pgimp.shapes.stretch import LARGEST, stretched
 
 angles = st.floats(-np.pi, np.pi)

@@ -9,10 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from material_driver import COMPONENTS, YOUNG, deformations, material, response, row
 
-from pgimp.kernels.algebra import determinant
+from pgimp.jit.algebra import determinant
+from pgimp.jit.kernel import kernel
+from pgimp.jit.simd import bits, lane, number, pack, stack, store, vector, where
 from pgimp.kernels.batch import put_row, take, take_row
-from pgimp.kernels.jit import kernel
-from pgimp.kernels.simd import bits, lane, number, pack, stack, store, vector, where
 from pgimp.materials.base import evaluate, evaluate_four
 
 ROWS = st.permutations(range(9)).map(lambda p: tuple(p[:4]))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pgimp.kernels.jit import kernel
+from pgimp.jit.kernel import kernel
 from pgimp.kernels.place import first_vertex
 from pgimp.parallel.slabs import Slab
 from pgimp.shapes.gimp import GimpParameters

@@ -4,7 +4,7 @@ from abc import abstractmethod
 from typing import ClassVar, NamedTuple
 
 from pgimp.case.base import Model
-from pgimp.kernels.jit import specialise
+from pgimp.jit.kernel import specialise
 
 
 class Boundary(Model):

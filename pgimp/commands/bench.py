@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from pgimp.kernels.cache import announced
+from pgimp.jit.cache import announced
 from pgimp.model.block import GRAVITY, SPEED, YOUNG, Block, block_case
 from pgimp.model.costs import Network
 from pgimp.model.predict import MOST_RANKS

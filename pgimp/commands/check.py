@@ -14,7 +14,7 @@ import numpy as np
 
 from pgimp.case.load import load
 from pgimp.case.schema import Case
-from pgimp.kernels.cache import announced
+from pgimp.jit.cache import announced
 from pgimp.model.costs import Costs, Network
 from pgimp.model.layout import layout_now, layout_of
 from pgimp.model.measure import costs_of, take_turns

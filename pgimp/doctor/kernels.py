@@ -10,12 +10,12 @@ from pathlib import Path
 from pgimp.doctor.finding import Finding
 from pgimp.doctor.probe import ask
 from pgimp.errors import UsageError
-from pgimp.kernels import sealed
-from pgimp.kernels.folder import wanted_folder
+from pgimp.jit import sealed
+from pgimp.jit.folder import wanted_folder
 
 PROBE = """
 import json
-from pgimp.kernels import folder, jit
+from pgimp.jit import folder, kernel as jit
 import llvmlite.binding, numba
 assert numba.njit(lambda x: x + 1)(1) == 2
 print(json.dumps({

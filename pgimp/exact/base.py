@@ -8,7 +8,7 @@ from pgimp.boundaries import BOUNDARIES
 from pgimp.case.base import Model
 from pgimp.case.dispatch import name_of
 from pgimp.case.problems import Problem
-from pgimp.kernels.jit import specialise
+from pgimp.jit.kernel import specialise
 
 
 class Solution(Model):

@@ -17,7 +17,7 @@ from pydantic import Field
 
 from pgimp.case.problems import Problem
 from pgimp.exact.bar import Bar, BarSolution, bar_of
-from pgimp.kernels.jit import kernel
+from pgimp.jit.kernel import kernel
 from pgimp.scene.tables import VectorTable
 
 

@@ -18,7 +18,7 @@ from pydantic import Field
 from pgimp.case.base import Number, Positive
 from pgimp.case.problems import Problem
 from pgimp.exact.base import Solution, no_gravity
-from pgimp.kernels.jit import kernel
+from pgimp.jit.kernel import kernel
 from pgimp.materials.base import lame
 from pgimp.scene.regions import Ball, Difference
 

@@ -27,8 +27,8 @@ from pgimp.case.base import Number, Positive, Vector
 from pgimp.case.dispatch import Either
 from pgimp.case.problems import Problem
 from pgimp.exact.base import Solution, no_gravity
-from pgimp.kernels.algebra import rotate
-from pgimp.kernels.jit import kernel, specialise
+from pgimp.jit.algebra import rotate
+from pgimp.jit.kernel import kernel, specialise
 from pgimp.materials.base import lame
 from pgimp.scene.regions import Box
 

@@ -14,12 +14,12 @@ a held vertex does not carry the gradients of the components that are held there
 
 from math import isqrt
 
+from pgimp.jit.kernel import specialise
+from pgimp.jit.simd import pack, where
+from pgimp.jit.tuples import scaled
 from pgimp.kernels.batch import put_row
 from pgimp.kernels.gathered import held_weights
-from pgimp.kernels.jit import specialise
-from pgimp.kernels.simd import pack, where
 from pgimp.kernels.transfer import held_codes
-from pgimp.kernels.tuples import scaled
 
 
 def slopes(affine, frame, particles, p):

@@ -6,11 +6,11 @@ to the four lies in a room on the stack. A batch that the end of a layer cuts sh
 last particle: each particle's numbers are the same in whatever batch and place it is.
 """
 
-from pgimp.kernels.jit import specialise
+from pgimp.jit.kernel import specialise
+from pgimp.jit.simd import lane, number, pack, store, vector
+from pgimp.jit.simdrows import load_row, store_row, transpose
+from pgimp.jit.tuples import scaled
 from pgimp.kernels.place import first_vertex
-from pgimp.kernels.simd import lane, number, pack, store, vector
-from pgimp.kernels.simdrows import load_row, store_row, transpose
-from pgimp.kernels.tuples import scaled
 from pgimp.shapes.base import size, weights
 
 #: Particles in a batch.

@@ -1,7 +1,7 @@
 """What one particle carries to the grid: mass, momentum, stress."""
 
-from pgimp.kernels.jit import specialise
-from pgimp.kernels.simd import pack
+from pgimp.jit.kernel import specialise
+from pgimp.jit.simd import pack
 from pgimp.kernels.viscosity import viscous_pressure
 
 

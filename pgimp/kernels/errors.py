@@ -3,10 +3,10 @@
 from math import sqrt
 
 from pgimp.exact.base import state
-from pgimp.kernels.algebra import contract, symmetric
+from pgimp.jit.algebra import contract, symmetric
+from pgimp.jit.kernel import kernel
+from pgimp.jit.tuples import plus_scaled, read, write
 from pgimp.kernels.g2p import squared
-from pgimp.kernels.jit import kernel
-from pgimp.kernels.tuples import plus_scaled, read, write
 
 #: Columns of `layer_errors`.
 DISPLACEMENT, VELOCITY, STRESS, VOLUME, STRESS_VOLUME, ERRORS = 0, 1, 2, 3, 4, 5

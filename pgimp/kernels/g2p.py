@@ -2,8 +2,12 @@
 
 from math import isfinite, sqrt
 
+from pgimp.jit.algebra import determinant, multiply, one_plus, symmetric
+from pgimp.jit.kernel import kernel, specialise
+from pgimp.jit.lanes import of_lane
+from pgimp.jit.simd import bits, lane, stack, vector
+from pgimp.jit.tuples import plus_scaled, read
 from pgimp.kernels.affine import keep_gradients
-from pgimp.kernels.algebra import determinant, multiply, one_plus, symmetric
 from pgimp.kernels.batch import (
     LANES,
     ROOM,
@@ -25,13 +29,9 @@ from pgimp.kernels.gathered import (
     repeat_sums,
 )
 from pgimp.kernels.grips import gripped
-from pgimp.kernels.jit import kernel, specialise
-from pgimp.kernels.lanes import of_lane
 from pgimp.kernels.loads import force_power, layer_power, relaxed
 from pgimp.kernels.place import first_vertex
-from pgimp.kernels.simd import bits, lane, stack, vector
 from pgimp.kernels.transfer import gather
-from pgimp.kernels.tuples import plus_scaled, read
 from pgimp.kernels.viscosity import stiffened, thicken
 from pgimp.kernels.walls import hold_inside
 from pgimp.materials.base import evaluate_four

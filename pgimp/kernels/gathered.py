@@ -1,8 +1,8 @@
 """What `gather` gives of a batch of particles, turned from a vector each to one a component."""
 
-from pgimp.kernels.jit import specialise
-from pgimp.kernels.simd import lane, load, store
-from pgimp.kernels.simdrows import transpose
+from pgimp.jit.kernel import specialise
+from pgimp.jit.simd import lane, load, store
+from pgimp.jit.simdrows import transpose
 
 #: Room for what `gather` gives of a batch: at most five vectors of four particles each.
 SUMS = 80

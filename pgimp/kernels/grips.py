@@ -10,10 +10,10 @@ vertex to vertex as it moves. What one rank marks in the planes it shares with a
 
 from typing import NamedTuple
 
+from pgimp.jit.kernel import kernel, specialise
+from pgimp.jit.simd import bits, lane, pack, stack, where
 from pgimp.kernels.batch import LANES, ROOM, entry, extent, first_place, four, supports, take
-from pgimp.kernels.jit import kernel, specialise
 from pgimp.kernels.loads import given
-from pgimp.kernels.simd import bits, lane, pack, stack, where
 from pgimp.kernels.transfer import FIRM, HELD, RECORD, SEVERAL
 
 

@@ -1,11 +1,11 @@
 """Particles to the planes of one layer: the inner part of (16, 18, 21, 22)."""
 
+from pgimp.jit.kernel import specialise
+from pgimp.jit.simd import stack
 from pgimp.kernels.affine import slopes
 from pgimp.kernels.batch import LANES, ROOM, first_place, four, supports
 from pgimp.kernels.charges import charges
-from pgimp.kernels.jit import specialise
 from pgimp.kernels.loads import scatter_loads, weight
-from pgimp.kernels.simd import stack
 from pgimp.kernels.transfer import scatter
 
 

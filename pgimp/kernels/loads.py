@@ -6,10 +6,10 @@ Each is `()` in a scene without it; the types decide what is compiled, so that i
 from typing import Any, NamedTuple
 
 from pgimp.exact.base import body_force
-from pgimp.kernels.jit import specialise
-from pgimp.kernels.simd import pack
+from pgimp.jit.kernel import specialise
+from pgimp.jit.simd import pack
+from pgimp.jit.tuples import plus_scaled, read, scaled
 from pgimp.kernels.tractions import scatter_tractions, traction_power
-from pgimp.kernels.tuples import plus_scaled, read, scaled
 
 
 class Loads(NamedTuple):

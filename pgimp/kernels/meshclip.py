@@ -7,7 +7,7 @@ sign of its upward direction. What lies above a roof cancels against what lies a
 
 import numpy as np
 
-from pgimp.kernels.jit import kernel
+from pgimp.jit.kernel import kernel
 
 #: Corners of a triangle after cuts by six planes, some of them doubled where they lie on one.
 _CORNERS = 16

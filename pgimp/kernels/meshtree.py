@@ -10,7 +10,7 @@ triangles at an edge always agree: no line slips through between them, or meets 
 
 import numpy as np
 
-from pgimp.kernels.jit import exact, kernel
+from pgimp.jit.kernel import exact, kernel
 
 LEAF = 4
 _DEEP = 64

@@ -13,7 +13,7 @@ particles take on of the grid's velocity (`relaxed`) it likewise gives -2 (p' + 
 
 from typing import NamedTuple
 
-from pgimp.kernels.jit import kernel
+from pgimp.jit.kernel import kernel
 from pgimp.kernels.loads import given, relaxed_part
 from pgimp.kernels.transfer import HELD, also_held
 

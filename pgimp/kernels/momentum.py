@@ -1,8 +1,8 @@
 """Momentum update (14) of the vertices, boundary conditions, and what the faces do."""
 
 from pgimp.boundaries.base import constrain
+from pgimp.jit.kernel import kernel, specialise
 from pgimp.kernels.grips import ruled
-from pgimp.kernels.jit import kernel, specialise
 from pgimp.kernels.loads import given
 from pgimp.kernels.transfer import HELD, also_held
 

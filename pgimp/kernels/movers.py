@@ -4,8 +4,8 @@ A particle's record holds all its columns, one after the other, as they are bit 
 the room of int64.
 """
 
+from pgimp.jit.kernel import kernel
 from pgimp.kernels.g2p import GONE
-from pgimp.kernels.jit import kernel
 
 
 @kernel

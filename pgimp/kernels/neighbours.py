@@ -7,7 +7,7 @@ cells, found by halving. Every particle is computed for itself, the others in th
 
 import numpy as np
 
-from pgimp.kernels.jit import kernel
+from pgimp.jit.kernel import kernel
 
 #: Candidates that are looked at for a particle; of more, every second, third, ... one.
 MOST = 4096

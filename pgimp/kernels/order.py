@@ -4,8 +4,8 @@ from math import prod
 
 import numpy as np
 
-from pgimp.kernels.jit import kernel, specialise
-from pgimp.kernels.memory import copy
+from pgimp.jit.kernel import kernel, specialise
+from pgimp.jit.memory import copy
 from pgimp.kernels.place import first_vertex, half_widths
 from pgimp.shapes.base import size, weights
 

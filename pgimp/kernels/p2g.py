@@ -8,9 +8,9 @@ In time the layers may follow each other otherwise: what neighbours wait for com
 a layer then has to add later is put aside.
 """
 
-from pgimp.kernels.jit import kernel
+from pgimp.jit.kernel import kernel
+from pgimp.jit.simd import load, pack, store
 from pgimp.kernels.layer import sum_layer
-from pgimp.kernels.simd import load, pack, store
 
 
 @kernel

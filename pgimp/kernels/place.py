@@ -2,9 +2,9 @@
 
 from math import floor
 
-import pgimp.kernels.simdmath  # noqa: F401  so that they work on vectors of four particles, too
-from pgimp.kernels.jit import exact, specialise
-from pgimp.kernels.tuples import read
+import pgimp.jit.simdmath  # noqa: F401  so that they work on vectors of four particles, too
+from pgimp.jit.kernel import exact, specialise
+from pgimp.jit.tuples import read
 from pgimp.shapes.base import size
 
 

@@ -2,10 +2,10 @@
 
 from math import sqrt
 
-from pgimp.kernels.algebra import determinant, symmetric
+from pgimp.jit.algebra import determinant, symmetric
+from pgimp.jit.kernel import kernel
+from pgimp.jit.tuples import read
 from pgimp.kernels.g2p import squared
-from pgimp.kernels.jit import kernel
-from pgimp.kernels.tuples import read
 from pgimp.materials.base import evaluate
 
 #: Columns of `layer_sums`.

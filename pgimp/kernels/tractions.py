@@ -16,10 +16,10 @@ between they have the right second moments. Points (mpm) carry the force where t
 from math import sqrt
 from typing import NamedTuple
 
+from pgimp.jit.kernel import kernel, specialise
+from pgimp.jit.simd import lane, pack, stack
 from pgimp.kernels.batch import ROOM, keep_support
-from pgimp.kernels.jit import kernel, specialise
 from pgimp.kernels.place import deformation, first_vertex, half_widths
-from pgimp.kernels.simd import lane, pack, stack
 from pgimp.kernels.transfer import gather, scatter
 
 

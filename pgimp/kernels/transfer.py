@@ -8,10 +8,10 @@ support's end are left out; the innermost direction, along which records follow 
 unrolled for each number of vertices, the others are loops.
 """
 
+from pgimp.jit.kernel import kernel, specialise
+from pgimp.jit.simd import load, store, vector
+from pgimp.jit.tuples import joined, plus_scaled, scaled
 from pgimp.kernels.batch import entries, entry, extent, extents
-from pgimp.kernels.jit import kernel, specialise
-from pgimp.kernels.simd import load, store, vector
-from pgimp.kernels.tuples import joined, plus_scaled, scaled
 
 #: Distance, in float64, of neighbours along the innermost direction: a record's size.
 RECORD = 8

@@ -10,9 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pgimp.jit.kernel import specialise
+from pgimp.jit.simd import where
 from pgimp.kernels.batch import put_row, take
-from pgimp.kernels.jit import specialise
-from pgimp.kernels.simd import where
 from pgimp.materials.base import evaluate_four
 
 

@@ -9,7 +9,7 @@ the wall, as in an inelastic impact. What it loses by that is the wall's impulse
 
 from math import isfinite
 
-from pgimp.kernels.jit import kernel, specialise
+from pgimp.jit.kernel import kernel, specialise
 
 #: Columns of `walls`: the face's number or -1, where particles are put, the wall's velocity.
 FACE, PLACE, VELOCITY, WALL = 0, 1, 2, 3

@@ -2,7 +2,7 @@
 
 A material is the entry of the case (a `Material`) whose ``parameters()`` gives a NamedTuple with
 a ``density`` and three kernels as static methods. `F`, `J` = det F and the velocity gradient `L`
-are those at the end of the step, tensors are tuples as in `pgimp.kernels.algebra`:
+are those at the end of the step, tensors are tuples as in `pgimp.jit.algebra`:
 
 - ``stress(material, F, J, sigma, L, dt)``: Cauchy stress, `sigma` the one before the step;
 - ``energy(material, F, J, sigma)``: strain energy per initial volume;

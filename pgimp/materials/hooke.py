@@ -11,7 +11,7 @@ from typing import ClassVar, Literal, NamedTuple
 
 from pydantic import Field
 
-from pgimp.kernels.algebra import (
+from pgimp.jit.algebra import (
     add,
     contract,
     inverse,

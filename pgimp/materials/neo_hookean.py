@@ -5,7 +5,7 @@ from typing import Literal, NamedTuple
 
 from pydantic import Field
 
-from pgimp.kernels.algebra import isotropic, largest_stretch_squared, left_cauchy_green
+from pgimp.jit.algebra import isotropic, largest_stretch_squared, left_cauchy_green
 from pgimp.materials.base import Material, Poisson, Young, lame
 
 

@@ -4,7 +4,7 @@ The kernels write what a material returns into columns of fixed width, so a stre
 too many would end up in the next particle. Its functions are therefore compiled on their own, with
 numbers of the types that the kernels use, and what they return is compared with what is wanted,
 before any kernel is compiled. What fits is remembered beside the kernels that are kept for the
-material (see `pgimp.kernels.outside`), so that only the first start takes the second or two.
+material (see `pgimp.jit.outside`), so that only the first start takes the second or two.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ import numba
 from numba.core import errors, types
 
 from pgimp.errors import UsageError
-from pgimp.kernels.cache import Store
-from pgimp.kernels.jit import FOLDER
-from pgimp.kernels.outside import is_outside, part_of, tag
-from pgimp.kernels.simd import vec4
+from pgimp.jit.cache import Store
+from pgimp.jit.kernel import FOLDER
+from pgimp.jit.outside import is_outside, part_of, tag
+from pgimp.jit.simd import vec4
 from pgimp.materials.base import Material, _compiled
 
 _ARGUMENTS = {
@@ -29,7 +29,7 @@ _ARGUMENTS = {
     "energy": ("material", "F", "J", "sigma"),
     "speed": ("material", "F", "J"),
 }
-#: Components of a symmetric tensor, as `pgimp.kernels.algebra` has them, and how many there are.
+#: Components of a symmetric tensor, as `pgimp.jit.algebra` has them, and how many there are.
 _COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz")
 _COUNTS = (3, 4, 6)
 _COLOUR = re.compile("\x1b\\[[0-9;]*m")

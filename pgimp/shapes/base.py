@@ -5,7 +5,7 @@ from typing import ClassVar, Literal
 from pydantic import Field
 
 from pgimp.case.base import Count, Model, NonNegative
-from pgimp.kernels.jit import exact, specialise
+from pgimp.jit.kernel import exact, specialise
 
 
 class Shape(Model):

@@ -14,7 +14,7 @@ from typing import ClassVar, Literal, NamedTuple
 
 from pydantic import Field
 
-from pgimp.kernels.jit import specialise
+from pgimp.jit.kernel import specialise
 from pgimp.shapes.base import Shape
 from pgimp.shapes.stretch import stretched
 

@@ -2,7 +2,7 @@
 
 from math import sqrt
 
-from pgimp.kernels.jit import exact
+from pgimp.jit.kernel import exact
 
 #: Largest half-width in cells: a particle then reaches four vertices a direction.
 LARGEST = 1.0

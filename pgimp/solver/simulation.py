@@ -8,8 +8,8 @@ import numpy as np
 from pgimp.case.places import located
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError, RunError
-from pgimp.kernels.cache import told
-from pgimp.kernels.jit import FOLDER
+from pgimp.jit.cache import told
+from pgimp.jit.kernel import FOLDER
 from pgimp.kernels.order import layers_of
 from pgimp.kernels.sums import fastest_rate
 from pgimp.mpi.node import shares_cores

@@ -19,7 +19,7 @@ from typing import Any
 
 from pgimp.case.document import LARGEST_FILE
 from pgimp.errors import PgimpError
-from pgimp.kernels.outside import unchanged
+from pgimp.jit.outside import unchanged
 from pgimp.materials.registry import imported
 from pgimp.output import history, runinfo
 from pgimp.output.ownfiles import RUN

@@ -4,10 +4,10 @@ This is the only module that imports Numba first, because two settings must stan
 
 - ``NUMBA_LOOP_VECTORIZE=0``: in a loop that LLVM vectorises, contraction to fused multiply-adds
   differs between the vector body and the scalar remainder, so that a particle's bits would depend
-  on its place in the array. Kernels use explicit vectors instead (`pgimp.kernels.simd`).
+  on its place in the array. Kernels use explicit vectors instead (`pgimp.jit.simd`).
 - ``NUMBA_DISABLE_INTEL_SVML=1``: the vector maths library rounds differently from libm.
 
-Compiled kernels are kept on disk, see `pgimp.kernels.folder` and `pgimp.kernels.cache`.
+Compiled kernels are kept on disk, see `pgimp.jit.folder` and `pgimp.jit.cache`.
 """
 
 import os
@@ -15,7 +15,7 @@ import sys
 from collections.abc import Callable
 from typing import Any, cast
 
-from pgimp.kernels.folder import SETTINGS, cache_folder
+from pgimp.jit.folder import SETTINGS, cache_folder
 
 #: Where compiled kernels are kept.
 FOLDER = cache_folder()
@@ -27,7 +27,7 @@ if "numba" in sys.modules:  # imported by the user's program before: set what it
 import numba  # noqa: E402
 from numba.extending import overload  # noqa: E402
 
-from pgimp.kernels.cache import KernelCache  # noqa: E402
+from pgimp.jit.cache import KernelCache  # noqa: E402
 
 #: Options of every kernel and of everything it inlines. Contraction only: full fastmath would let
 #: LLVM reorder sums and delete the checks for NaN.

@@ -4,7 +4,7 @@ LLVM does not vectorise a transfer by itself, because it cannot prove that grid 
 not alias. A vertex's record is two such vectors, (m, mv) and (-, f), so that the transfers become
 vector multiply-adds; what precedes and follows them is done for four particles at once. Operations:
 `pack`, `vector`, `lane`, `load`, `store`, arithmetic between vectors and with numbers, comparisons,
-which give a mask for `where` and `bits`; functions are in `pgimp.kernels.simdmath`. In kernels
+which give a mask for `where` and `bits`; functions are in `pgimp.jit.simdmath`. In kernels
 products and sums may contract to fused multiply-adds, as those of numbers do.
 """
 

@@ -1,6 +1,6 @@
 """Tuples of numbers or vectors in kernels: arithmetic on them, rows of arrays to and from them."""
 
-from pgimp.kernels.jit import specialise
+from pgimp.jit.kernel import specialise
 
 
 def scaled(a, V):

@@ -5,7 +5,7 @@ tensor (stress, left Cauchy-Green) is (xx, yy, zz) in 1D, with xy in 2D (plane s
 and xz in 3D: each a prefix of the next, so the zz of plane strain is always there.
 """
 
-from pgimp.kernels.jit import specialise
+from pgimp.jit.kernel import specialise
 
 
 def determinant(A):

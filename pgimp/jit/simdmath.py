@@ -11,8 +11,8 @@ from llvmlite import ir
 from numba.core import cgutils, types
 from numba.extending import intrinsic, overload
 
-from pgimp.kernels.jit import INLINE_OPTIONS
-from pgimp.kernels.simd import DOUBLES, splat, vec4, where
+from pgimp.jit.kernel import INLINE_OPTIONS
+from pgimp.jit.simd import DOUBLES, splat, vec4, where
 
 _INTEGERS = ir.VectorType(ir.IntType(64), 4)
 

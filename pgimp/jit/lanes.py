@@ -4,8 +4,8 @@ from typing import Any
 
 from numba.core import types
 
-from pgimp.kernels.jit import specialise
-from pgimp.kernels.simd import lane, vec4, vector, where, with_lane
+from pgimp.jit.kernel import specialise
+from pgimp.jit.simd import lane, vec4, vector, where, with_lane
 
 
 def _is_tuple(kind):

@@ -2,7 +2,7 @@
 
 Numba's own keeps an index of all types that a function was compiled for, which two processes that
 compile at once overwrite for each other, and loads whatever it finds. Here each kernel has a file
-of its own, named after its key and read only if its checksum holds (see `pgimp.kernels.sealed`).
+of its own, named after its key and read only if its checksum holds (see `pgimp.jit.sealed`).
 A file that does not fit in any way is compiled anew and replaced.
 """
 
@@ -22,8 +22,8 @@ from numba.core.caching import NullCache
 from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
 
-from pgimp.kernels import sealed
-from pgimp.kernels.outside import part_of
+from pgimp.jit import sealed
+from pgimp.jit.outside import part_of
 
 _damaged: dict[str, str] = {}
 _failures: dict[str, str] = {}

@@ -3,7 +3,7 @@
 The name stands for the sources that Numba compiles and for the settings under which it does:
 neither is part of Numba's own key, and editing a function does not invalidate the cached kernels
 that call it. Kernels for a user's own materials are in folders within it, see
-`pgimp.kernels.outside`.
+`pgimp.jit.outside`.
 """
 
 import atexit
@@ -17,13 +17,13 @@ from pathlib import Path
 from typing import NamedTuple
 
 from pgimp.errors import UsageError
-from pgimp.kernels.sealed import unsafe
+from pgimp.jit.sealed import unsafe
 
-#: Variables of the environment that must stand before Numba is imported, see `pgimp.kernels.jit`.
+#: Variables of the environment that must stand before Numba is imported, see `pgimp.jit.kernel`.
 SETTINGS = {"NUMBA_LOOP_VECTORIZE": "0", "NUMBA_DISABLE_INTEL_SVML": "1"}
 
 #: Where all that Numba compiles is written, within the package; a test holds everyone to it.
-COMPILED = ("kernels", "shapes", "materials", "boundaries", "exact", "solver/particles.py")
+COMPILED = ("jit", "kernels", "shapes", "materials", "boundaries", "exact", "solver/particles.py")
 
 
 class Folder(NamedTuple):
