@@ -15,10 +15,10 @@ from checkpoint_source import ABOUT, HERE, check_content, content, write_on
 from particle_source import fill_up, small_disk
 
 from pgimp.errors import RunError
+from pgimp.files import framefile
+from pgimp.files.framefile import FrameFile
 from pgimp.mpi.comm import Serial, world
-from pgimp.output import framefile
 from pgimp.output.checkpointfile import CheckpointFile, DamagedError, write
-from pgimp.output.framefile import FrameFile
 
 
 @pytest.fixture

@@ -10,8 +10,9 @@ from checkpoint_source import HERE, check_content, write_on
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from pgimp.files import framefile
 from pgimp.mpi.comm import Serial, world
-from pgimp.output import checkpointwriter, framefile
+from pgimp.output import checkpointwriter
 from pgimp.output.checkpointfile import CheckpointFile, DamagedError
 
 COUNTS = (0, 1, 2, 777)

@@ -10,8 +10,8 @@ from particle_source import fill_up, make_case, make_sim, small_disk, write_fram
 from test_output import COUNTS, GONE, digests
 
 from pgimp.errors import RunError
+from pgimp.files import chunks, framefile
 from pgimp.mpi.comm import Serial, world
-from pgimp.output import chunks, framefile
 from pgimp.output.frames import Frames
 from pgimp.output.reader import Frame
 

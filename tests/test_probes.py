@@ -12,8 +12,8 @@ from test_ranks import go_back
 
 import pgimp
 from pgimp.errors import RunError, UsageError
+from pgimp.files.lines import LineFile
 from pgimp.mpi.comm import Serial
-from pgimp.output.lines import LineFile
 from pgimp.solver.probes import nearest
 
 CASES = Path(__file__).parents[1] / "cases"

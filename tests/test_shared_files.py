@@ -17,12 +17,12 @@ from particle_source import make_case, make_sim
 from rank_threads import together
 
 from pgimp.errors import RunError
-from pgimp.output import chunks, framefile
+from pgimp.files import chunks, framefile
+from pgimp.files.rows import _Exchange
 from pgimp.output.checkpointfile import write
 from pgimp.output.frames import Frames
 from pgimp.output.gridframes import GridFrames
 from pgimp.output.reader import Frame
-from pgimp.output.rows import _Exchange
 from pgimp.solver import gridstate
 
 KINDS = ("checkpoint", "frame", "float32", "gzip", "grid")

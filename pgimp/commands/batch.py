@@ -12,13 +12,13 @@ from pathlib import Path
 from pgimp.batch.script import Job, write
 from pgimp.case.load import load
 from pgimp.errors import UsageError, explain
+from pgimp.files import atomic
+from pgimp.files.plain import read_plain
 from pgimp.materials.registry import imported
 from pgimp.mpi.comm import Serial
-from pgimp.output import files
 from pgimp.output.ownfiles import RUN
 from pgimp.output.runinfo import installed
 from pgimp.output.stop import wall_time
-from pgimp.plainfile import read_plain
 from pgimp.scene.geometry import share
 from pgimp.scene.scene import Scene, count_particles
 
@@ -187,7 +187,7 @@ def _save(path: Path, text: str, overwrite: bool) -> None:
     try:
         if path.exists() and not overwrite and read_plain(path, _LARGEST) != text.encode():
             raise UsageError(f"there is a {path}; add --overwrite or name another with --script")
-        files.write(path, text)
+        atomic.write(path, text)
         path.chmod(0o755 & ~_umask())
     except OSError as error:
         raise UsageError(f"cannot write the script {path}: {explain(error)}") from error

@@ -12,7 +12,7 @@ from importlib.resources import files as installed
 from pathlib import Path
 
 from pgimp.errors import UsageError
-from pgimp.plainfile import read_plain
+from pgimp.files.plain import read_plain
 
 #: The schemas that editors read, beside the case and beside the study.
 SCHEMA, STUDY_SCHEMA = "pgimp-schema.json", "pgimp-study-schema.json"

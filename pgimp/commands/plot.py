@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from pgimp.errors import UsageError, explain
-from pgimp.output import files
+from pgimp.files import atomic
 from pgimp.plot.runs import AXES, Shown, open_runs, shots
 from pgimp.plot.tables import Table
 
@@ -267,6 +267,6 @@ def _rendered(figure: Any, kind: str) -> bytes:
 
 def _write(path: Path, content: str | bytes) -> None:
     try:
-        files.write(path, content)
+        atomic.write(path, content)
     except OSError as error:
         raise UsageError(f"cannot write {path}: {explain(error)}") from error

@@ -199,9 +199,9 @@ def _run(
 ) -> bool:
     """Run a case in a directory; tell whether it reached its end."""
     from pgimp.case.reader import dump_case
+    from pgimp.files.hdf5 import load_h5py
     from pgimp.jit.cache import announced
     from pgimp.jit.outside import digests
-    from pgimp.output.hdf5 import load_h5py
     from pgimp.output.resume import Resumed
     from pgimp.output.resume import resume as take_up
     from pgimp.output.running import advance

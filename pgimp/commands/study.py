@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import Any
 
 from pgimp.errors import UsageError, explain
+from pgimp.files import atomic
 from pgimp.mpi.comm import launcher
-from pgimp.output import files
 from pgimp.output.log import Log
 from pgimp.output.ownfiles import RUN
 from pgimp.output.progress import duration, terminal_columns
@@ -187,13 +187,13 @@ def _write(plan: Plan, folder: Path, outcomes: list[Outcome]) -> None:
 
     compare(plan, outcomes)
     try:
-        files.write(folder / COPY, plan.text)
-        files.write(folder / TABLE, as_csv(plan, outcomes))
-        files.write(folder / PAGE, as_markdown(plan, outcomes))
+        atomic.write(folder / COPY, plan.text)
+        atomic.write(folder / TABLE, as_csv(plan, outcomes))
+        atomic.write(folder / PAGE, as_markdown(plan, outcomes))
         drawn = picture(plan, outcomes)
         if drawn is None:
             (folder / PICTURE).unlink(missing_ok=True)
         else:
-            files.write(folder / PICTURE, drawn)
+            atomic.write(folder / PICTURE, drawn)
     except OSError as error:
         raise UsageError(f"cannot write to {folder}: {explain(error)}") from error

@@ -11,7 +11,7 @@ from pgimp.doctor.probe import PREAMBLE, Answer, ask, names
 
 PROBE = f"""{PREAMBLE}
 import h5py, numpy
-from pgimp.output.hdf5 import open_file
+from pgimp.files.hdf5 import open_file
 with open_file(sys.argv[1], "w") as file:
     file["x"] = numpy.arange(10.0)
 lock = ""

@@ -15,13 +15,13 @@ from typing import Any
 import numpy as np
 
 from pgimp.errors import DamagedError, RunError, explain
+from pgimp.files.atomic import publish, temporary
+from pgimp.files.checksums import Written
+from pgimp.files.datasets import Dataset, Layout, bytes_of, lay_out
+from pgimp.files.framefile import FrameFile, blocks
+from pgimp.files.unfinished import removed_on_error, told
 from pgimp.mpi.collective import agree, on_root
 from pgimp.output.checkpointheader import KINDS, encode, parse
-from pgimp.output.checksums import Written
-from pgimp.output.datasets import Dataset, Layout, bytes_of, lay_out
-from pgimp.output.files import publish, temporary
-from pgimp.output.framefile import FrameFile, blocks
-from pgimp.output.unfinished import removed_on_error, told
 
 Array = np.ndarray
 

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from pgimp.errors import RunError, explain
+from pgimp.files.atomic import write as write_file
 from pgimp.kernels.g2p import OUTSIDE
 from pgimp.kernels.order import vertices_of
 from pgimp.kernels.sums import fastest_rate
 from pgimp.mpi.collective import on_root
 from pgimp.output.fields import ALWAYS, BY_RANKS, FAILURE, FIELDS, OPTIONAL, Source
-from pgimp.output.files import write as write_file
 from pgimp.output.ownfiles import FAILURE as FOLDER
 from pgimp.output.particlefile import ParticleFile
 from pgimp.output.xdmf import Collection, particles

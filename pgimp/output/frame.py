@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pgimp.errors import PgimpError, RunError, explain
-from pgimp.output.hdf5 import load_h5py, open_file
+from pgimp.files.hdf5 import load_h5py, open_file
+from pgimp.files.plain import require_plain
 from pgimp.output.ownfiles import FRAME
 from pgimp.output.tables import absent, data_frame
-from pgimp.plainfile import require_plain
 from pgimp.terminal import escape
 
 if TYPE_CHECKING:

@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pgimp.case.fields import GRID
+from pgimp.files.atomic import temporary
+from pgimp.files.datasets import Dataset, lay_out
+from pgimp.files.framefile import FrameFile
+from pgimp.files.unfinished import Unfinished, removed_on_error, told
 from pgimp.mpi.collective import on_root
-from pgimp.output.datasets import Dataset, lay_out
-from pgimp.output.files import temporary
-from pgimp.output.framefile import FrameFile
 from pgimp.output.gridreader import GridFrame
 from pgimp.output.ownfiles import GRID_FRAME
 from pgimp.output.particlefile import FORMAT_VERSION
 from pgimp.output.series import Entry, Series
-from pgimp.output.unfinished import Unfinished, removed_on_error, told
 from pgimp.output.xdmf import Collection, mesh
 
 if TYPE_CHECKING:

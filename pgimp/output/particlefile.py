@@ -11,15 +11,15 @@ from typing import Any
 import numpy as np
 
 from pgimp.case import fields as case_fields
+from pgimp.files import chunks
+from pgimp.files.atomic import temporary
+from pgimp.files.chunks import Chunks, chunk_rows
+from pgimp.files.datasets import Dataset, Layout, lay_out
+from pgimp.files.framefile import FrameFile
+from pgimp.files.rows import Rows
+from pgimp.files.unfinished import Unfinished, removed_on_error, told
 from pgimp.mpi.collective import on_root
-from pgimp.output import chunks
-from pgimp.output.chunks import Chunks, chunk_rows
-from pgimp.output.datasets import Dataset, Layout, lay_out
 from pgimp.output.fields import EVERY, Source
-from pgimp.output.files import temporary
-from pgimp.output.framefile import FrameFile
-from pgimp.output.rows import Rows
-from pgimp.output.unfinished import Unfinished, removed_on_error, told
 
 Array = np.ndarray
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from pgimp.errors import CaseError
-from pgimp.plainfile import read_plain
+from pgimp.files.plain import read_plain
 
 PROBES = "probes"
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,99}")

@@ -10,9 +10,9 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from pgimp.case.output import PlaceProbe
 from pgimp.errors import RunError, UsageError, explain
+from pgimp.files.atomic import sync_folder
+from pgimp.files.lines import LineFile
 from pgimp.mpi.collective import on_root
-from pgimp.output.files import sync_folder
-from pgimp.output.lines import LineFile
 from pgimp.output.probefiles import PROBES, probe_file
 from pgimp.output.schedule import Schedule
 from pgimp.solver.probes import Place, Point, nearest, sample

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pgimp.errors import RunError, UsageError, explain
+from pgimp.files.linereader import so_far
+from pgimp.files.plain import read_plain
 from pgimp.output import history, runinfo
 from pgimp.output.frame import Array, Frame
-from pgimp.output.linereader import so_far
 from pgimp.output.ownfiles import FRAME, RUN
 from pgimp.output.probefiles import probe_files
 from pgimp.output.tables import Fields, Table, Tables
-from pgimp.plainfile import read_plain
 from pgimp.terminal import escape
 
 if TYPE_CHECKING:

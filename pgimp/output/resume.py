@@ -12,14 +12,14 @@ from pgimp.case.reader import read_case
 from pgimp.case.schema import Case
 from pgimp.case.writer import flow
 from pgimp.errors import CaseError, DamagedError, RunError, UsageError, explain
+from pgimp.files.linereader import require_whole
+from pgimp.files.plain import read_plain
 from pgimp.mpi.collective import on_root
 from pgimp.output.checkpoints import About, intact, made_by, present
-from pgimp.output.linereader import require_whole
 from pgimp.output.log import Log
 from pgimp.output.probefiles import probe_file
 from pgimp.output.probes import require_known
 from pgimp.output.rundir import STARTING, RunDirectory
-from pgimp.plainfile import read_plain
 from pgimp.solver.clock import clock_of
 from pgimp.solver.simulation import Simulation
 from pgimp.solver.state import State

@@ -13,10 +13,10 @@ from pathlib import Path
 from typing import Any
 
 from pgimp.errors import RunError, UsageError, explain
+from pgimp.files.atomic import write
+from pgimp.files.linereader import so_far
 from pgimp.mpi.collective import on_root
 from pgimp.output import runinfo
-from pgimp.output.files import write
-from pgimp.output.linereader import so_far
 from pgimp.output.ownfiles import (
     FAILED,
     FAILURE,

@@ -16,9 +16,9 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-from pgimp.output import files
-from pgimp.output.hdf5 import load_h5py
-from pgimp.plainfile import read_plain
+from pgimp.files import atomic
+from pgimp.files.hdf5 import load_h5py
+from pgimp.files.plain import read_plain
 
 PROGRAM = "pgimp"
 FORMAT_VERSION = 1
@@ -174,7 +174,7 @@ def write(path: Path, start: dict[str, Any]) -> None:
         If it cannot be written.
     """
     content = {"program": PROGRAM, "format": FORMAT_VERSION, "starts": [start]}
-    files.write(path, json.dumps(content, indent=2) + "\n")
+    atomic.write(path, json.dumps(content, indent=2) + "\n")
 
 
 def append(path: Path, start: dict[str, Any]) -> None:
@@ -200,7 +200,7 @@ def append(path: Path, start: dict[str, Any]) -> None:
     if last["state"] == "running":
         last |= {"state": "failed", "message": "ended without a word: killed, or its machine was"}
     content["starts"].append(start)
-    files.write(path, json.dumps(content, indent=2) + "\n")
+    atomic.write(path, json.dumps(content, indent=2) + "\n")
 
 
 def update(path: Path, **changes: Any) -> None:
@@ -222,4 +222,4 @@ def update(path: Path, **changes: Any) -> None:
     if content is None:
         raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(path))
     content["starts"][-1].update(changes)
-    files.write(path, json.dumps(content, indent=2) + "\n")
+    atomic.write(path, json.dumps(content, indent=2) + "\n")

@@ -14,9 +14,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from pgimp.errors import RunError, explain
+from pgimp.files.atomic import sync_folder
+from pgimp.files.unfinished import Unfinished
 from pgimp.mpi.collective import on_root
-from pgimp.output.files import sync_folder
-from pgimp.output.unfinished import Unfinished
 from pgimp.output.xdmf import Collection
 
 

@@ -151,7 +151,7 @@ def tables(name: str, first: Array, second: Array, tolerance: Tolerance) -> Iter
     name : str
         The file's, for people.
     first, second : ndarray
-        As `pgimp.output.lines.read` gives them.
+        As `pgimp.files.lines.read` gives them.
     tolerance : Tolerance
         What may differ by how much.
 

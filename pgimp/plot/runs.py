@@ -11,8 +11,8 @@ from typing import Any
 from pgimp.case.document import LARGEST_FILE
 from pgimp.case.reader import read_document
 from pgimp.errors import RunError, UsageError, explain
+from pgimp.files.plain import read_plain
 from pgimp.output.reader import Frame, Run
-from pgimp.plainfile import read_plain
 from pgimp.plot.units import labelled, unit
 
 AXES = "xyz"

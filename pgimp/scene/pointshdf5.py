@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pgimp.errors import CaseError
-from pgimp.scene.plainhdf5 import find
+from pgimp.files.plainhdf5 import find
 from pgimp.scene.pointsblock import BLOCK, STRESS, Block
 
 Reals = NDArray[np.float64]
@@ -41,7 +41,7 @@ def _kinds(D: int) -> dict[str, _Kind]:
 
 def read_hdf5(name: str, D: int, most: int | None) -> Iterator[Block]:
     """Yield the particles of a file; see `pgimp.scene.pointsfile.blocks`."""
-    from pgimp.output.hdf5 import load_h5py, open_file
+    from pgimp.files.hdf5 import load_h5py, open_file
 
     h5py = load_h5py()
     with open_file(Path(name), "r") as file:

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from pgimp.files.framefile import blocks
 from pgimp.kernels.transfer import RECORD
-from pgimp.output.framefile import blocks
 from pgimp.solver.step import sum_particles
 
 if TYPE_CHECKING:

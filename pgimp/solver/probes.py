@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pgimp.files.framefile import blocks
 from pgimp.output.fields import OPTIONAL, Source
-from pgimp.output.framefile import blocks
 from pgimp.solver.population import Population
 
 if TYPE_CHECKING:

@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any
 
 from pgimp.errors import RunError, explain
+from pgimp.files.atomic import sync_folder
+from pgimp.files.linereader import numbered
+from pgimp.files.plain import open_plain
 from pgimp.mpi.collective import on_root
-from pgimp.output.files import sync_folder
-from pgimp.output.linereader import numbered
-from pgimp.plainfile import open_plain
 
 
 class LineFile:

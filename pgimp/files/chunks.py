@@ -15,9 +15,9 @@ from typing import Any
 
 import numpy as np
 
-from pgimp.output.datasets import Dataset, make, reserve
-from pgimp.output.hdf5 import load_h5py, open_file
-from pgimp.output.image import Image
+from pgimp.files.datasets import Dataset, make, reserve
+from pgimp.files.hdf5 import load_h5py, open_file
+from pgimp.files.image import Image
 
 Array = np.ndarray
 

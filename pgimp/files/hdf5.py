@@ -7,8 +7,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from pgimp.files.image import Image
 from pgimp.mpi.comm import quiet_mpi
-from pgimp.output.image import Image
 
 
 def load_h5py() -> ModuleType:

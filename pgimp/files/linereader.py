@@ -10,7 +10,7 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from pgimp.errors import RunError, UsageError, explain
-from pgimp.plainfile import open_plain
+from pgimp.files.plain import open_plain
 
 # Bytes of a line; one of a hundred columns has 2,000.
 _LONGEST = 1 << 20

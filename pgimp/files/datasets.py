@@ -13,8 +13,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pgimp.output.hdf5 import load_h5py, open_file
-from pgimp.output.image import Image
+from pgimp.files.hdf5 import load_h5py, open_file
+from pgimp.files.image import Image
 
 Array = np.ndarray
 

@@ -1,6 +1,6 @@
 """One file, written by all ranks at once.
 
-The HDF5 library says where in the file everything goes, see `pgimp.output.datasets`, and the space
+The HDF5 library says where in the file everything goes, see `pgimp.files.datasets`, and the space
 is reserved. What the ranks then write goes straight to those places. So an error is one of this
 rank's own, at once, while MPI's collective calls lose data on a full disk without an error, and
 wait for ever for a rank that could not open the file.
@@ -29,8 +29,8 @@ from typing import Any
 import numpy as np
 
 from pgimp.errors import explain
-from pgimp.output.checksums import Written, first_wrong, word_sum
-from pgimp.output.datasets import bytes_of, put
+from pgimp.files.checksums import Written, first_wrong, word_sum
+from pgimp.files.datasets import bytes_of, put
 
 Array = np.ndarray
 

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from pgimp.errors import RunError, explain
+from pgimp.files.framefile import FrameFile
 from pgimp.mpi.collective import agree, on_root
-from pgimp.output.framefile import FrameFile
 
 
 class Unfinished:

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from pgimp.errors import RunError
+from pgimp.files.framefile import blocks
 from pgimp.mpi.collective import agree
-from pgimp.output.framefile import blocks
 
 Array = np.ndarray
 
