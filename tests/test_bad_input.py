@@ -74,7 +74,7 @@ def test_a_token_of_megabytes_takes_no_longer_than_its_length(begin):
 
 
 def test_more_values_than_anyone_writes_are_refused(monkeypatch):
-    monkeypatch.setattr("pgimp.case.document.MOST_VALUES", 1000)
+    monkeypatch.setattr("pgimp.schema.document.MOST_VALUES", 1000)
     assert read_case(GOOD).title == "Two bodies"
     with pytest.raises(CaseError, match=r"case:1:\d+: more than 1,000 keys and values"):
         read_case("a: [" + "1, " * 1000 + "1]")

@@ -16,7 +16,7 @@ from pgimp.case.reader import dump_case, read_case
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.materials import MATERIALS
-from pgimp.scene.tables import Table
+from pgimp.schema.tables import Table
 
 SMALL = """
 format: 1

@@ -11,7 +11,7 @@ from scenes import box, field, finish, scene, start, write_case
 import pgimp
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
-from pgimp.scene.tables import Table
+from pgimp.schema.tables import Table
 
 RAMP = [[0.0, 0.0], [0.3, 0.6], [0.5, -0.2]]
 

@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 from schema_checker import Checker
 from test_study import put
 
-from pgimp.case.document import parse
 from pgimp.case.jsonschema import study_schema
 from pgimp.case.reader import dump_case, read_case
 from pgimp.errors import CaseError, UsageError
 from pgimp.plot.style import STYLE
+from pgimp.schema.document import parse
 from pgimp.study.measures import Unmeasured, measure, orders, pareto
 from pgimp.study.plan import read_plan
 from pgimp.study.plot import _guides

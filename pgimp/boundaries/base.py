@@ -3,8 +3,8 @@
 from abc import abstractmethod
 from typing import ClassVar, NamedTuple
 
-from pgimp.case.base import Model
 from pgimp.jit.kernel import specialise
+from pgimp.schema.base import Model
 
 
 class Boundary(Model):

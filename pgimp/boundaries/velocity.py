@@ -5,7 +5,7 @@ from typing import ClassVar, NamedTuple
 from pydantic import Field
 
 from pgimp.boundaries.base import Boundary
-from pgimp.scene.tables import Component, Table, prescribed
+from pgimp.schema.tables import Component, Table, prescribed
 
 
 class VelocityParameters(NamedTuple):

@@ -8,11 +8,12 @@ from typing import Any
 
 from pydantic import RootModel
 
-from pgimp.case.check_domain import AXES, WHOLE, Problems, check_grid, faces, length
-from pgimp.case.dispatch import name_of
-from pgimp.case.messages import unknown
-from pgimp.case.problems import Problem
+from pgimp.case.check_domain import check_grid
 from pgimp.scene.regions import REGIONS
+from pgimp.schema.dispatch import name_of
+from pgimp.schema.messages import unknown
+from pgimp.schema.problems import Problem
+from pgimp.schema.sizes import AXES, WHOLE, Problems, faces, length
 
 MOST_PARTS = 5000
 """Of a region; with so many that overlap, some hundred thousand particles take a minute."""

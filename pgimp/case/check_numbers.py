@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from pgimp.case.dispatch import plain
-from pgimp.case.problems import Problem
+from pgimp.schema.dispatch import plain
+from pgimp.schema.problems import Problem
 
 #: In any units nature has none near these, and a product of two fits a float64.
 SMALLEST, LARGEST = 1e-150, 1e150

@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 
 from pgimp.case.check_bodies import check_regions
-from pgimp.case.check_domain import AXES, WHOLE, Problems, check_grid, length
-from pgimp.case.messages import unknown
+from pgimp.case.check_domain import check_grid
 from pgimp.case.output import PlaceProbe
-from pgimp.case.problems import Problem
+from pgimp.schema.messages import unknown
+from pgimp.schema.problems import Problem
+from pgimp.schema.sizes import AXES, WHOLE, Problems, length
 
 
 def check_probes(

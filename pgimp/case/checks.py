@@ -20,7 +20,6 @@ from pgimp.case.check_bodies import (
     check_velocities,
 )
 from pgimp.case.check_domain import (
-    Problems,
     check_boundaries,
     check_escape,
     check_gravity,
@@ -31,7 +30,8 @@ from pgimp.case.check_domain import (
 )
 from pgimp.case.check_numbers import check_numbers
 from pgimp.case.check_probes import check_probes
-from pgimp.case.problems import Problem
+from pgimp.schema.problems import Problem
+from pgimp.schema.sizes import Problems
 
 _NAMED = ("materials", "bodies", "boundaries", "escape", "tractions", "constraints", "probes")
 """Parts of a case that are made of named entries."""

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from pgimp.case.dispatch import COMMENT, ByKey
 from pgimp.case.schema import Case
 from pgimp.scene.regions import REGION
+from pgimp.schema.dispatch import COMMENT, ByKey
 
 Schema = dict[str, Any]
 

@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from os import PathLike, fspath
 from typing import Any
 
-from pgimp.case.document import Document, read
-from pgimp.case.overrides import Overrides, apply, as_data
 from pgimp.case.reader import read_case, validate
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError, UsageError
+from pgimp.schema.document import Document, read
+from pgimp.schema.overrides import Overrides, apply, as_data
 
 Source = Case | str | PathLike[str] | Mapping[str, Any]
 """A case, the name of its file, or what would be in the file as a dictionary."""

@@ -7,11 +7,11 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, Field
 
-from pgimp.case.base import Count, Interval, Model, Name, NonNegative, Positive, Steps, Vector
-from pgimp.case.dispatch import ByWord, Either
 from pgimp.case.fields import FIELDS, GRID
-from pgimp.case.messages import unknown
-from pgimp.case.problems import Problem, problem, raise_problems
+from pgimp.schema.base import Count, Interval, Model, Name, NonNegative, Positive, Steps, Vector
+from pgimp.schema.dispatch import ByWord, Either
+from pgimp.schema.messages import unknown
+from pgimp.schema.problems import Problem, problem, raise_problems
 
 
 def _field(value: str) -> str:

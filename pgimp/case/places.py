@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from pgimp.case.document import Document
 from pgimp.errors import CaseError
+from pgimp.schema.document import Document
 
 if TYPE_CHECKING:
     from pgimp.case.schema import Case

@@ -6,15 +6,15 @@ from typing import TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from pgimp.case.document import Document, decode, few, parse, top_level
-from pgimp.case.messages import dotted, explain
-from pgimp.case.overrides import Overrides, apply
-from pgimp.case.paths import starting_from
 from pgimp.case.places import remember
-from pgimp.case.problems import Problem
 from pgimp.case.schema import Case
 from pgimp.case.writer import dump_case
 from pgimp.errors import CaseError
+from pgimp.schema.document import Document, decode, few, parse, top_level
+from pgimp.schema.messages import dotted, explain
+from pgimp.schema.overrides import Overrides, apply
+from pgimp.schema.paths import starting_from
+from pgimp.schema.problems import Problem
 
 __all__ = ["decode", "dump_case", "read_case"]
 

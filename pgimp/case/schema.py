@@ -19,7 +19,13 @@ from pydantic import (
     model_validator,
 )
 
-from pgimp.case.base import (
+from pgimp.case.checks import check, sound_parts
+from pgimp.case.output import Checkpoint, History, Output, ProbeEntry
+from pgimp.scene.constraints import ConstraintEntry
+from pgimp.scene.motion import RigidMotion, zero_vector
+from pgimp.scene.regions import RegionEntry
+from pgimp.scene.tractions import TractionEntry
+from pgimp.schema.base import (
     Count,
     Label,
     Model,
@@ -28,17 +34,11 @@ from pgimp.case.base import (
     Positive,
     Vector,
 )
-from pgimp.case.check_domain import faces, whole
-from pgimp.case.checks import check, sound_parts
-from pgimp.case.dispatch import ByField, ByName, ByWord, Either
-from pgimp.case.messages import explain
-from pgimp.case.output import Checkpoint, History, Output, ProbeEntry
-from pgimp.case.problems import problem, raise_problems
-from pgimp.scene.constraints import ConstraintEntry
-from pgimp.scene.motion import RigidMotion, zero_vector
-from pgimp.scene.regions import RegionEntry
-from pgimp.scene.tables import VaryingVector
-from pgimp.scene.tractions import TractionEntry
+from pgimp.schema.dispatch import ByField, ByName, ByWord, Either
+from pgimp.schema.messages import explain
+from pgimp.schema.problems import problem, raise_problems
+from pgimp.schema.sizes import faces, whole
+from pgimp.schema.tables import VaryingVector
 
 
 def _format(value: int) -> int:

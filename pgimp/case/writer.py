@@ -6,8 +6,8 @@ import json
 import re
 from typing import Any
 
-from pgimp.case.document import scalar
 from pgimp.case.schema import Case
+from pgimp.schema.document import scalar
 
 WIDTH = 100
 """Characters a line; what does not fit is broken into one line a key."""

@@ -18,9 +18,9 @@ from pgimp.output.stop import Stop, wall_time
 
 if TYPE_CHECKING:
     from pgimp.case.load import Source
-    from pgimp.case.overrides import Overrides
     from pgimp.case.schema import Case
     from pgimp.output.reader import Run
+    from pgimp.schema.overrides import Overrides
 
 #: Exit status of a run that stopped before its end on request, with a checkpoint.
 STOPPED = 75
@@ -171,7 +171,7 @@ def _read(name: str, comm: Any) -> bytes:
     """Let rank 0 read the case file for all."""
 
     def content() -> bytes:
-        from pgimp.case.document import read
+        from pgimp.schema.document import read
 
         try:
             return read(name)

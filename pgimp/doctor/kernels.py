@@ -15,15 +15,15 @@ from pgimp.jit.folder import wanted_folder
 
 PROBE = """
 import json
-from pgimp.jit import folder, kernel as jit
+from pgimp.jit import folder, kernel
 import llvmlite.binding, numba
 assert numba.njit(lambda x: x + 1)(1) == 2
 print(json.dumps({
     "version": numba.__version__,
     "cpu": llvmlite.binding.get_host_cpu_name(),
-    "folder": str(jit.FOLDER.path),
+    "folder": str(kernel.FOLDER.path),
     "wanted": str(folder.wanted_folder()),
-    "why_not": jit.FOLDER.why_not,
+    "why_not": kernel.FOLDER.why_not,
     "compiles": not numba.config.DISABLE_JIT,
 }))
 """

@@ -5,10 +5,10 @@ from collections.abc import Iterator, Mapping
 from math import sqrt
 from typing import Any, ClassVar, NamedTuple
 
-from pgimp.case.check_domain import WHOLE
-from pgimp.case.problems import Problem
 from pgimp.exact.base import Solution
 from pgimp.scene.regions import Box
+from pgimp.schema.problems import Problem
+from pgimp.schema.sizes import WHOLE
 
 #: Conditions that hold the end of a bar; one that lets go does as long as the bar pushes.
 HOLDS = ("fixed", "slip")

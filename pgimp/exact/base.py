@@ -5,10 +5,10 @@ from collections.abc import Iterator, Mapping
 from typing import Any, ClassVar, NamedTuple
 
 from pgimp.boundaries import BOUNDARIES
-from pgimp.case.base import Model
-from pgimp.case.dispatch import name_of
-from pgimp.case.problems import Problem
 from pgimp.jit.kernel import specialise
+from pgimp.schema.base import Model
+from pgimp.schema.dispatch import name_of
+from pgimp.schema.problems import Problem
 
 
 class Solution(Model):

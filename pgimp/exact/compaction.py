@@ -15,10 +15,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from pydantic import Field
 
-from pgimp.case.problems import Problem
 from pgimp.exact.bar import Bar, BarSolution, bar_of
 from pgimp.jit.kernel import kernel
-from pgimp.scene.tables import VectorTable
+from pgimp.schema.problems import Problem
+from pgimp.schema.tables import VectorTable
 
 
 @kernel

@@ -15,12 +15,12 @@ from typing import Any, ClassVar, NamedTuple
 
 from pydantic import Field
 
-from pgimp.case.base import Number, Positive
-from pgimp.case.problems import Problem
 from pgimp.exact.base import Solution, no_gravity
 from pgimp.jit.kernel import kernel
 from pgimp.materials.base import lame
 from pgimp.scene.regions import Ball, Difference
+from pgimp.schema.base import Number, Positive
+from pgimp.schema.problems import Problem
 
 
 @kernel

@@ -9,9 +9,9 @@ from collections.abc import Iterator, Mapping
 from math import sqrt
 from typing import Any, NamedTuple
 
-from pgimp.case.problems import Problem
 from pgimp.exact.bar import HOLDS, Bar, BarSolution, bar_of
 from pgimp.exact.base import no_gravity
+from pgimp.schema.problems import Problem
 
 
 class ShockParameters(NamedTuple):

@@ -23,14 +23,14 @@ from typing import Annotated, Any, ClassVar, NamedTuple
 
 from pydantic import Field
 
-from pgimp.case.base import Number, Positive, Vector
-from pgimp.case.dispatch import Either
-from pgimp.case.problems import Problem
 from pgimp.exact.base import Solution, no_gravity
 from pgimp.jit.algebra import rotate
 from pgimp.jit.kernel import kernel, specialise
 from pgimp.materials.base import lame
 from pgimp.scene.regions import Box
+from pgimp.schema.base import Number, Positive, Vector
+from pgimp.schema.dispatch import Either
+from pgimp.schema.problems import Problem
 
 Triple = tuple[float, float, float]
 

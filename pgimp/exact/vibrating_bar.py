@@ -9,10 +9,10 @@ from typing import Any, Literal, NamedTuple
 
 from pydantic import Field
 
-from pgimp.case.base import Count, Number
-from pgimp.case.problems import Problem
 from pgimp.exact.bar import HOLDS, Bar, BarSolution, bar_of
 from pgimp.exact.base import no_gravity
+from pgimp.schema.base import Count, Number
+from pgimp.schema.problems import Problem
 
 
 class VibratingBarParameters(NamedTuple):

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from pgimp.case.messages import shorten
 from pgimp.errors import CaseError
+from pgimp.schema.messages import shorten
 
 #: Links that lead to one another before this counts as a circle.
 _MOST_LINKS = 16

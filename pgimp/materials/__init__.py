@@ -13,13 +13,13 @@ one), with + - * /, abs, max, min, and math's sqrt, log and floor. With anything
 for one particle after the other. `pgimp.register_material` takes in others.
 """
 
-from pgimp.case.base import NonNegative, Number, Positive
 from pgimp.materials.base import Material, Poisson, Young, lame
 from pgimp.materials.choose import choose
 from pgimp.materials.hooke import Hooke
 from pgimp.materials.linear_1d import Linear1d
 from pgimp.materials.neo_hookean import NeoHookean
 from pgimp.materials.registry import Registry
+from pgimp.schema.base import NonNegative, Number, Positive
 
 __all__ = [
     "MATERIALS",

@@ -8,10 +8,10 @@ from numba.core import errors, types
 from numba.extending import overload
 from pydantic import Field
 
-from pgimp.case.base import Model, NonNegative, Number, Positive
 from pgimp.jit.kernel import INLINE_OPTIONS
 from pgimp.jit.lanes import has_vectors, of_lane, vectors, where_all, with_lanes
 from pgimp.jit.simd import bits, pack
+from pgimp.schema.base import Model, NonNegative, Number, Positive
 
 Poisson = Annotated[
     Number, Field(gt=-1.0, lt=0.5, description="Poisson's ratio, above -1 and below 0.5 [1]")

@@ -45,7 +45,7 @@ def probes_ever(directory: Path, run: dict[str, Any] | None) -> set[str]:
 
 
 def _of_case(directory: Path) -> Iterator[str]:
-    from pgimp.case.document import LARGEST_FILE, parse
+    from pgimp.schema.document import LARGEST_FILE, parse
 
     data = None
     with suppress(OSError, UnicodeDecodeError, CaseError):

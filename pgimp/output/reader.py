@@ -86,8 +86,8 @@ class Run:
     @cached_property
     def case(self) -> Case:
         """The case as resolved, with every default."""
-        from pgimp.case.document import LARGEST_FILE
         from pgimp.case.reader import read_case
+        from pgimp.schema.document import LARGEST_FILE
 
         path = self.path / "case.yaml"
         try:

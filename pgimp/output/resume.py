@@ -7,7 +7,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from pgimp.case.document import LARGEST_FILE
 from pgimp.case.reader import read_case
 from pgimp.case.schema import Case
 from pgimp.case.writer import flow
@@ -20,6 +19,7 @@ from pgimp.output.log import Log
 from pgimp.output.probefiles import probe_file
 from pgimp.output.probes import require_known
 from pgimp.output.rundir import STARTING, RunDirectory
+from pgimp.schema.document import LARGEST_FILE
 from pgimp.solver.clock import clock_of
 from pgimp.solver.simulation import Simulation
 from pgimp.solver.state import State

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pgimp.case.messages import nearest
 from pgimp.errors import UsageError
 from pgimp.output.fields import EVERY
+from pgimp.schema.messages import nearest
 from pgimp.terminal import escape
 
 if TYPE_CHECKING:

@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pgimp.case.messages import unknown
 from pgimp.errors import UsageError
 from pgimp.plot.runs import AXES
+from pgimp.schema.messages import unknown
 
 Array = np.ndarray
 

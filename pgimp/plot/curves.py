@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from pgimp.case.messages import unknown
 from pgimp.errors import UsageError
 from pgimp.plot.runs import AXES, Shown
 from pgimp.plot.series import Series, open_series
 from pgimp.plot.style import COLOURS, DASHES, log_ticks, plain
 from pgimp.plot.tables import Table
 from pgimp.plot.units import kind_of_column
+from pgimp.schema.messages import unknown
 
 Array = np.ndarray
 

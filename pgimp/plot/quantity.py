@@ -7,11 +7,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pgimp.case.messages import shorten, unknown
 from pgimp.errors import UsageError
 from pgimp.output import fields
 from pgimp.output.reader import Frame
 from pgimp.plot.units import kind_of_field
+from pgimp.schema.messages import shorten, unknown
 
 Array = np.ndarray
 

@@ -8,12 +8,12 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from pgimp.case.document import LARGEST_FILE
 from pgimp.case.reader import read_document
 from pgimp.errors import RunError, UsageError, explain
 from pgimp.files.plain import read_plain
 from pgimp.output.reader import Frame, Run
 from pgimp.plot.units import labelled, unit
+from pgimp.schema.document import LARGEST_FILE
 
 AXES = "xyz"
 _MOST_PANELS = 12

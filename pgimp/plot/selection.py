@@ -7,11 +7,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pgimp.case.messages import unknown
 from pgimp.errors import UsageError
 from pgimp.output.reader import Frame
 from pgimp.plot.quantity import Quantity
 from pgimp.plot.runs import AXES
+from pgimp.schema.messages import unknown
 
 Array = np.ndarray
 

@@ -7,9 +7,9 @@ from functools import reduce
 
 import numpy as np
 
-from pgimp.case.messages import unknown
 from pgimp.errors import UsageError
 from pgimp.plot.runs import Shown
+from pgimp.schema.messages import unknown
 
 Array = np.ndarray
 

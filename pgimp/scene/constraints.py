@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 from pydantic import Field
 
-from pgimp.case.base import Model, Name
 from pgimp.scene.regions import RegionEntry
-from pgimp.scene.tables import Component, Table, prescribed
+from pgimp.schema.base import Model, Name
+from pgimp.schema.tables import Component, Table, prescribed
 
 if TYPE_CHECKING:
     from pgimp.kernels.grips import Grip

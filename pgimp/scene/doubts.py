@@ -10,7 +10,7 @@ import numpy as np
 
 from pgimp.scene.facts import BodyFacts, Findings
 from pgimp.scene.supports import held_at, own_weight
-from pgimp.scene.tables import Table, VectorTable
+from pgimp.schema.tables import Table, VectorTable
 
 #: A strain by loads above this is no elastic solid's.
 _MOST_STRAIN = 0.5

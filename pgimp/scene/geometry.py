@@ -9,7 +9,6 @@ import numpy as np
 
 from pgimp.case.check_bodies import check_bounds
 from pgimp.case.check_probes import check_near
-from pgimp.case.messages import dotted
 from pgimp.case.places import located
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
@@ -20,6 +19,7 @@ from pgimp.scene.meshtree import nothing, plant
 from pgimp.scene.regions import Mesh, Points
 from pgimp.scene.regions.base import Region
 from pgimp.scene.scene import LEAST, MOST
+from pgimp.schema.messages import dotted
 from pgimp.solver.particles import Particles
 
 #: A body that is so many times as large as the grid was perhaps meant in another unit, by so much.

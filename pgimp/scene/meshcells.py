@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pgimp.case.messages import shorten
 from pgimp.errors import CaseError
 from pgimp.scene.meshfile import RawMesh
+from pgimp.schema.messages import shorten
 
 Ints = NDArray[np.int64]
 

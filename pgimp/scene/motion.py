@@ -6,8 +6,8 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
-from pgimp.case.base import Model, Number, Vector
-from pgimp.case.dispatch import Either
+from pgimp.schema.base import Model, Number, Vector
+from pgimp.schema.dispatch import Either
 
 
 def _zeros(schema: dict[str, Any]) -> None:

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pgimp.scene.supports import held_at
-from pgimp.scene.tables import Table, VectorTable
+from pgimp.schema.tables import Table, VectorTable
 
 AXES = "xyz"
 

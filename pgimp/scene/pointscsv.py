@@ -9,9 +9,9 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from pgimp.case.messages import shorten
 from pgimp.errors import CaseError
 from pgimp.scene.pointsblock import STRESS, Block
+from pgimp.schema.messages import shorten
 
 Reals = NDArray[np.float64]
 

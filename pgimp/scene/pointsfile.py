@@ -12,12 +12,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from pgimp.case.messages import shorten
 from pgimp.errors import CaseError
 from pgimp.scene.meshfile import check_file
 from pgimp.scene.pointsblock import Block
 from pgimp.scene.pointscsv import read_csv
 from pgimp.scene.pointshdf5 import read_hdf5
+from pgimp.schema.messages import shorten
 
 
 def blocks(name: str, dimensions: int, most: int | None = None) -> Iterator[Block]:

@@ -20,7 +20,7 @@ from pgimp.scene.faces import AXES, Face, walls
 from pgimp.scene.lattice import Lattice, Made
 from pgimp.scene.loads import SceneLoads
 from pgimp.scene.pointscloud import Cloud
-from pgimp.scene.tables import VectorTable
+from pgimp.schema.tables import VectorTable
 from pgimp.solver.particles import Frame, Particles
 
 #: Masses outside of this would leave the range of float64 in sums and products.

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pgimp.scene.facts import BodyFacts
-from pgimp.scene.tables import VectorTable
+from pgimp.schema.tables import VectorTable
 
 AXES = "xyz"
 

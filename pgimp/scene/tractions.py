@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 from pydantic import Field, model_validator
 
-from pgimp.case.base import Model, Name, Number
-from pgimp.case.dispatch import Either
-from pgimp.case.problems import Problem, raise_problems
-from pgimp.scene.tables import Table, VaryingVector, VectorTable
+from pgimp.schema.base import Model, Name, Number
+from pgimp.schema.dispatch import Either
+from pgimp.schema.problems import Problem, raise_problems
+from pgimp.schema.tables import Table, VaryingVector, VectorTable
 
 if TYPE_CHECKING:
     from pgimp.kernels.tractions import Traction

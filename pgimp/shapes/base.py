@@ -4,8 +4,8 @@ from typing import ClassVar, Literal
 
 from pydantic import Field
 
-from pgimp.case.base import Count, Model, NonNegative
 from pgimp.jit.kernel import exact, specialise
+from pgimp.schema.base import Count, Model, NonNegative
 
 
 class Shape(Model):

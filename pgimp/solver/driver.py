@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pgimp.case.load import Source, load
-from pgimp.case.overrides import Overrides
 from pgimp.case.schema import Case
 from pgimp.errors import RunError
 from pgimp.mpi.comm import world
 from pgimp.output import fields
 from pgimp.output.tables import Fields
+from pgimp.schema.overrides import Overrides
 from pgimp.solver import simulation
 
 if TYPE_CHECKING:

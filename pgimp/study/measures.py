@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from pgimp.case.messages import unknown
+from pgimp.schema.messages import unknown
 from pgimp.study.schema import Measure
 
 SAME_TIME = 1e-9

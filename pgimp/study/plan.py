@@ -10,14 +10,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pgimp.case.document import MOST_MESSAGES, Document, read
-from pgimp.case.messages import dotted, unknown
-from pgimp.case.overrides import change
 from pgimp.case.reader import read_document, validate
 from pgimp.case.schema import Case
 from pgimp.case.writer import dump_case
 from pgimp.errors import CaseError, UsageError
 from pgimp.scene.scene import Scene
+from pgimp.schema.document import MOST_MESSAGES, Document, read
+from pgimp.schema.messages import dotted, unknown
+from pgimp.schema.overrides import change
 from pgimp.solver.diagnostics import column_names
 from pgimp.study.measures import SAME_TIME
 from pgimp.study.schema import CASE, Measure, Study, measure_of, missing_file

@@ -17,13 +17,13 @@ from math import inf
 from pathlib import Path
 from typing import Any
 
-from pgimp.case.document import LARGEST_FILE
 from pgimp.errors import PgimpError
 from pgimp.files.plain import read_plain
 from pgimp.jit.outside import unchanged
 from pgimp.materials.registry import imported
 from pgimp.output import history, runinfo
 from pgimp.output.ownfiles import RUN
+from pgimp.schema.document import LARGEST_FILE
 from pgimp.study.measures import Unmeasured, costs, measure
 from pgimp.study.plan import Planned
 from pgimp.study.schema import Study, measure_of

@@ -7,10 +7,10 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, Field, StringConstraints, model_validator
 
-from pgimp.case.base import Count, Label, Model, NonNegative, Number, Positive, one_line
-from pgimp.case.dispatch import Either
-from pgimp.case.messages import describe, got, unknown
-from pgimp.case.problems import Problem, problem, raise_problems
+from pgimp.schema.base import Count, Label, Model, NonNegative, Number, Positive, one_line
+from pgimp.schema.dispatch import Either
+from pgimp.schema.messages import describe, got, unknown
+from pgimp.schema.problems import Problem, problem, raise_problems
 
 CASE = "case"
 """The one swept key that is none of the case: it names the case's file."""

@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping
 from itertools import product
 from typing import Any, NamedTuple
 
-from pgimp.case.messages import shorten
 from pgimp.case.writer import flow
+from pgimp.schema.messages import shorten
 from pgimp.study.schema import CASE, Study, is_named
 
 LONGEST_NAME = 100

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from harmful import EXECUTE, TRACE, enlarge, hostile
 
-from pgimp.case.document import parse
+from pgimp.schema.document import parse
 
 ROOT = Path(__file__).resolve().parents[2]
 FILES = sorted([*ROOT.glob("cases/*.yaml"), *ROOT.glob("cases/hard/*.yaml")])

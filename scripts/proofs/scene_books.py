@@ -24,7 +24,7 @@ import numpy as np
 
 from pgimp.errors import RunError
 from pgimp.kernels.transfer import HELD, RECORD
-from pgimp.scene.tables import prescribed
+from pgimp.schema.tables import prescribed
 from pgimp.solver import step as stepping
 
 #: Of mass times wave speed: forces on vertices that are too light to be accelerated are lost, about

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 from pydantic import Field
 
-from pgimp.case.base import Model, Positive, Vector
 from pgimp.scene.regions.base import (
     Bounds,
     Lengths,
@@ -16,6 +15,7 @@ from pgimp.scene.regions.base import (
     Round,
     across,
 )
+from pgimp.schema.base import Model, Positive, Vector
 
 
 class Ball(Model, Region):

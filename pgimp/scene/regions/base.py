@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel
 
-from pgimp.case.dispatch import ByKey
+from pgimp.schema.dispatch import ByKey
 
 Points = NDArray[np.float64]
 Mask = NDArray[np.bool_]

@@ -5,8 +5,6 @@ from __future__ import annotations
 import numpy as np
 from pydantic import Field, model_validator
 
-from pgimp.case.base import Model, Vector
-from pgimp.case.problems import Problem, raise_problems
 from pgimp.scene.regions.base import (
     Bounds,
     Flat,
@@ -17,6 +15,8 @@ from pgimp.scene.regions.base import (
     Region,
     across,
 )
+from pgimp.schema.base import Model, Vector
+from pgimp.schema.problems import Problem, raise_problems
 
 
 class Box(Model, Region):

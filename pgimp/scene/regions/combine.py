@@ -10,9 +10,9 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import ConfigDict, Field, RootModel, model_validator
 
-from pgimp.case.base import tuples
 from pgimp.scene.regions.base import Bounds, Lengths, Mask, Plane, Points, Region, RegionEntry
 from pgimp.scene.regions.extremes import extremes
+from pgimp.schema.base import tuples
 
 
 def _joined(bounds: Iterable[Bounds]) -> Bounds:

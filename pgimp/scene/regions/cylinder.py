@@ -8,8 +8,6 @@ from typing import ClassVar
 import numpy as np
 from pydantic import Field, model_validator
 
-from pgimp.case.base import Model, Positive, Vector
-from pgimp.case.problems import Problem, raise_problems
 from pgimp.scene.regions.base import (
     Bounds,
     Flat,
@@ -22,6 +20,8 @@ from pgimp.scene.regions.base import (
     across,
     roots,
 )
+from pgimp.schema.base import Model, Positive, Vector
+from pgimp.schema.problems import Problem, raise_problems
 
 
 class Cylinder(Model, Region):

@@ -19,11 +19,11 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from pgimp.case.base import Model, Number, Positive, Vector
-from pgimp.case.dispatch import Either
-from pgimp.case.paths import FileName
 from pgimp.errors import CaseError
 from pgimp.scene.regions.base import Bounds, Lengths, Mask, Plane, Points, Region
+from pgimp.schema.base import Model, Number, Positive, Vector
+from pgimp.schema.dispatch import Either
+from pgimp.schema.paths import FileName
 
 if TYPE_CHECKING:
     from pgimp.scene.meshtree import Surface

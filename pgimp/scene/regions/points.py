@@ -14,13 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from pgimp.case.base import Model
-from pgimp.case.paths import FileName
 from pgimp.errors import CaseError
 from pgimp.scene.pointsblock import Block
 from pgimp.scene.pointsfile import blocks
 from pgimp.scene.regions.base import Bounds, Lengths, Mask, Plane, Region
 from pgimp.scene.regions.base import Points as Positions
+from pgimp.schema.base import Model
+from pgimp.schema.paths import FileName
 
 
 class Summary(NamedTuple):

@@ -11,7 +11,7 @@ from typing import Any
 from pydantic import BaseModel
 from pydantic_core import ErrorDetails, ValidationError
 
-from pgimp.case.problems import ABSENT, KIND, MOST_PROBLEMS, Problem
+from pgimp.schema.problems import ABSENT, KIND, MOST_PROBLEMS, Problem
 
 _NUMBER_LIKE = re.compile(r"[-+]?(\d[\d_]*(\.\d*)?|\.\d+)([eEdD][-+]?\d+)?")
 # What PyYAML, of YAML 1.1, takes for a number with an exponent.

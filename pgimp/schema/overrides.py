@@ -8,10 +8,10 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from pgimp.case.dispatch import given
-from pgimp.case.document import DEEPEST, Document, Path, parse
-from pgimp.case.messages import describe, dotted, shorten
 from pgimp.errors import CaseError
+from pgimp.schema.dispatch import given
+from pgimp.schema.document import DEEPEST, Document, Path, parse
+from pgimp.schema.messages import describe, dotted, shorten
 
 Overrides = Sequence[str] | Mapping[str, Any]
 """``["time.end=3.0"]``, as on the command line, or ``{"time.end": 3.0}``."""

@@ -10,7 +10,7 @@ from typing import Annotated
 
 from pydantic import AfterValidator, StringConstraints
 
-from pgimp.case.base import one_line
+from pgimp.schema.base import one_line
 
 _FOLDER: ContextVar[str] = ContextVar("folder", default="")
 

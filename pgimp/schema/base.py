@@ -17,9 +17,9 @@ from pydantic import (
     model_validator,
 )
 
-from pgimp.case.dispatch import Either
-from pgimp.case.messages import explain
-from pgimp.case.problems import problem, raise_problems
+from pgimp.schema.dispatch import Either
+from pgimp.schema.messages import explain
+from pgimp.schema.problems import problem, raise_problems
 
 LARGEST_COUNT = 2**53
 """Largest whole number that a float64 counts up to without gaps."""

@@ -14,9 +14,9 @@ from typing import Annotated, TypeVar
 
 from pydantic import Field, model_validator
 
-from pgimp.case.base import Model, Number, Vector
-from pgimp.case.dispatch import Either
-from pgimp.case.problems import Problem, raise_problems
+from pgimp.schema.base import Model, Number, Vector
+from pgimp.schema.dispatch import Either
+from pgimp.schema.problems import Problem, raise_problems
 
 V = TypeVar("V")
 

@@ -15,8 +15,8 @@ from typing import Annotated, Any
 from pydantic import BaseModel, GetJsonSchemaHandler, TypeAdapter, ValidationError
 from pydantic_core import CoreSchema, core_schema
 
-from pgimp.case.messages import explain, got, unknown
-from pgimp.case.problems import Problem, problem, raise_problems
+from pgimp.schema.messages import explain, got, unknown
+from pgimp.schema.problems import Problem, problem, raise_problems
 
 COMMENT = "defined under "
 """What a JSON schema's comment starts with that stands for a reference to a definition."""

@@ -1,0 +1,1 @@
+"""The language of case files: YAML with line numbers, typed entries, messages for people."""
