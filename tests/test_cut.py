@@ -14,11 +14,11 @@ from test_regions import entries
 from pgimp.case.schema import Case
 from pgimp.cli import main
 from pgimp.errors import CaseError
+from pgimp.geometry.measure import TangledError, measure
+from pgimp.geometry.regions import RegionEntry
 from pgimp.mpi.comm import Serial
 from pgimp.scene import filling
 from pgimp.scene.filling import SLIVER, Filling
-from pgimp.scene.measure import TangledError, measure
-from pgimp.scene.regions import RegionEntry
 from pgimp.scene.scene import Scene, count_particles
 
 ENTRY = TypeAdapter(RegionEntry)

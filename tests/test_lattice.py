@@ -8,8 +8,9 @@ import pytest
 
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
+from pgimp.geometry import measure
 from pgimp.mpi.comm import Serial
-from pgimp.scene import filling, measure
+from pgimp.scene import filling
 from pgimp.scene import lattice as lattice_module
 from pgimp.scene.census import census
 from pgimp.scene.lattice import Lattice

@@ -14,7 +14,7 @@ from scenes import write_case
 from pgimp.case.schema import Case
 from pgimp.cli import main
 from pgimp.errors import CaseError
-from pgimp.scene import meshclosed
+from pgimp.geometry.mesh import closed as meshclosed
 
 ROOT = Path(__file__).resolve().parents[1]
 BALL = ball(3, 1.3, (0.1, 0.05, -0.2))

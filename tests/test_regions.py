@@ -8,7 +8,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from pydantic import TypeAdapter
 
-from pgimp.scene.regions import RegionEntry
+from pgimp.geometry.regions import RegionEntry
 
 ENTRY = TypeAdapter(RegionEntry)
 

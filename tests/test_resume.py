@@ -18,10 +18,10 @@ import pgimp
 from pgimp.case.load import load
 from pgimp.case.schema import Case
 from pgimp.errors import RunError, UsageError
+from pgimp.geometry.regions import REGIONS
 from pgimp.mpi.comm import Serial
 from pgimp.output.checkpointfile import CheckpointFile
 from pgimp.output.checkpoints import number_of, present
-from pgimp.scene.regions import REGIONS
 
 EVERY = "checkpoint={every: {steps: 40}, keep: 3}"
 

@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import RootModel
 
 from pgimp.case.check_domain import check_grid
-from pgimp.scene.regions import REGIONS
+from pgimp.geometry.regions import REGIONS
 from pgimp.schema.dispatch import name_of
 from pgimp.schema.messages import unknown
 from pgimp.schema.problems import Problem

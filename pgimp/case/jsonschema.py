@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from pgimp.case.schema import Case
-from pgimp.scene.regions import REGION
+from pgimp.geometry.regions import REGION
 from pgimp.schema.dispatch import COMMENT, ByKey
 
 Schema = dict[str, Any]

@@ -21,9 +21,9 @@ from pydantic import (
 
 from pgimp.case.checks import check, sound_parts
 from pgimp.case.output import Checkpoint, History, Output, ProbeEntry
+from pgimp.geometry.regions import RegionEntry
 from pgimp.scene.constraints import ConstraintEntry
 from pgimp.scene.motion import RigidMotion, zero_vector
-from pgimp.scene.regions import RegionEntry
 from pgimp.scene.tractions import TractionEntry
 from pgimp.schema.base import (
     Count,

@@ -6,7 +6,7 @@ from math import sqrt
 from typing import Any, ClassVar, NamedTuple
 
 from pgimp.exact.base import Solution
-from pgimp.scene.regions import Box
+from pgimp.geometry.regions import Box
 from pgimp.schema.problems import Problem
 from pgimp.schema.sizes import WHOLE
 

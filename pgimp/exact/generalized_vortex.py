@@ -16,9 +16,9 @@ from typing import Any, ClassVar, NamedTuple
 from pydantic import Field
 
 from pgimp.exact.base import Solution, no_gravity
+from pgimp.geometry.regions import Ball, Difference
 from pgimp.jit.kernel import kernel
 from pgimp.materials.base import lame
-from pgimp.scene.regions import Ball, Difference
 from pgimp.schema.base import Number, Positive
 from pgimp.schema.problems import Problem
 

@@ -24,10 +24,10 @@ from typing import Annotated, Any, ClassVar, NamedTuple
 from pydantic import Field
 
 from pgimp.exact.base import Solution, no_gravity
+from pgimp.geometry.regions import Box
 from pgimp.jit.algebra import rotate
 from pgimp.jit.kernel import kernel, specialise
 from pgimp.materials.base import lame
-from pgimp.scene.regions import Box
 from pgimp.schema.base import Number, Positive, Vector
 from pgimp.schema.dispatch import Either
 from pgimp.schema.problems import Problem

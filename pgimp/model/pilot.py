@@ -12,10 +12,10 @@ from typing import NamedTuple
 
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError, RunError
+from pgimp.geometry.regions import Points
 from pgimp.kernels.sums import fastest_rate
 from pgimp.model.costs import Costs
 from pgimp.mpi.comm import Serial
-from pgimp.scene.regions import Points
 from pgimp.solver.simulation import Simulation
 
 #: Seconds that a pilot run may take, about; it ends after twice as many.

@@ -14,9 +14,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from pgimp.geometry.regions.base import Bounds
 from pgimp.scene.filling import Filling
 from pgimp.scene.pointscloud import Cloud
-from pgimp.scene.regions.base import Bounds
 
 Reals = NDArray[np.float64]
 Ints = NDArray[np.int64]

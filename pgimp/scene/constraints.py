@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from pydantic import Field
 
-from pgimp.scene.regions import RegionEntry
+from pgimp.geometry.regions import RegionEntry
 from pgimp.schema.base import Model, Name
 from pgimp.schema.tables import Component, Table, prescribed
 

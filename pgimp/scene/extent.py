@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pgimp.case.schema import Case
-from pgimp.scene.regions import Points
-from pgimp.scene.regions.base import Region
+from pgimp.geometry.regions import Points
+from pgimp.geometry.regions.base import Region
 
 #: Bricks that are looked at, times the parts of the regions: a fraction of a second.
 _LOOKS = 400_000

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from pgimp.case.output import PlaceProbe
+from pgimp.geometry.regions import Points
 from pgimp.kernels.sums import fastest_rate
 from pgimp.scene.lattice import Lattice, Made
-from pgimp.scene.regions import Points
 from pgimp.scene.scene import Scene
 from pgimp.solver.particles import Particles
 

@@ -20,8 +20,8 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from pgimp.scene.measure import measure
-from pgimp.scene.regions.base import Region
+from pgimp.geometry.measure import measure
+from pgimp.geometry.regions.base import Region
 from pgimp.scene.survey import Places, Ranges, Reals, Survey
 
 #: Points that are looked at one by one at a time, and boxes at a time in slabs of planes.

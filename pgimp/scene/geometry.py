@@ -12,12 +12,12 @@ from pgimp.case.check_probes import check_near
 from pgimp.case.places import located
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
+from pgimp.geometry.mesh.tree import nothing, plant
+from pgimp.geometry.regions import Mesh, Points
+from pgimp.geometry.regions.base import Region
 from pgimp.mpi.collective import on_root
 from pgimp.mpi.limits import limits
 from pgimp.mpi.node import one_rank_first
-from pgimp.scene.meshtree import nothing, plant
-from pgimp.scene.regions import Mesh, Points
-from pgimp.scene.regions.base import Region
 from pgimp.scene.scene import LEAST, MOST
 from pgimp.schema.messages import dotted
 from pgimp.solver.particles import Particles

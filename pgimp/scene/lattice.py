@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
+from pgimp.geometry.measure import TangledError
+from pgimp.geometry.regions import Points
 from pgimp.scene.cloudmeetings import overlaps
 from pgimp.scene.filling import SLIVER, Filling
-from pgimp.scene.measure import TangledError
 from pgimp.scene.pointscloud import Cloud
-from pgimp.scene.regions import Points
 from pgimp.scene.survey import Ranges, Survey
 
 #: Particles that are made at a time.

@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from pgimp.scene.pointsblock import Block
-from pgimp.scene.regions.points import Points
+from pgimp.geometry.points.block import Block
+from pgimp.geometry.regions.points import Points
 from pgimp.scene.survey import Ranges
 
 Reals = NDArray[np.float64]

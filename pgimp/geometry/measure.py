@@ -6,7 +6,7 @@ is exact to rounding. Other pieces are integrated direction by direction: along 
 direction in which the surface is met most squarely by the exact length of the part inside; over the
 others by Gauss's rule between the places at which the surface leaves through the piece's edges, so
 that the integrand is smooth. Flat cuts at any angle are exact as well, also where several meet
-within a box: there the box is cut too, see `pgimp.scene.flatcuts`.
+within a box: there the box is cut too, see `pgimp.geometry.flatcuts`.
 
 Every box is computed for itself, in a fixed order of operations: neither the other boxes of a call
 nor their number changes a bit.
@@ -15,8 +15,8 @@ nor their number changes a bit.
 import numpy as np
 from numpy.typing import NDArray
 
-from pgimp.scene.flatcuts import corners
-from pgimp.scene.regions.base import Points, Region
+from pgimp.geometry.flatcuts import corners
+from pgimp.geometry.regions.base import Points, Region
 
 Reals = NDArray[np.float64]
 Rows = NDArray[np.int64]

@@ -1,4 +1,4 @@
-"""Reads a mesh file in a process of its own, ``pgimp.scene.meshchild FILE BYTES SECONDS``.
+"""Reads a mesh file in a process of its own, ``pgimp.geometry.mesh.child FILE BYTES SECONDS``.
 
 Readers of dozens of formats meet files that nobody has checked: they print, exit, allocate what a
 damaged header asks for, or loop. Here they have limits of memory and time, and what goes wrong ends

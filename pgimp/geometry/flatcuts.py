@@ -10,7 +10,7 @@ from itertools import combinations, product
 import numpy as np
 from numpy.typing import NDArray
 
-from pgimp.scene.regions.base import Points, Region
+from pgimp.geometry.regions.base import Points, Region
 
 Reals = NDArray[np.float64]
 Rows = NDArray[np.int64]

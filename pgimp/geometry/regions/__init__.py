@@ -6,14 +6,14 @@ points lie inside, and a box around it.
 
 from pydantic import BaseModel
 
-from pgimp.scene.regions.ball import Ball
-from pgimp.scene.regions.base import REGION, Region, RegionEntry
-from pgimp.scene.regions.box import Box
-from pgimp.scene.regions.combine import Difference, Intersection, Union
-from pgimp.scene.regions.cylinder import Cylinder
-from pgimp.scene.regions.half_space import HalfSpace
-from pgimp.scene.regions.mesh import Mesh
-from pgimp.scene.regions.points import Points
+from pgimp.geometry.regions.ball import Ball
+from pgimp.geometry.regions.base import REGION, Region, RegionEntry
+from pgimp.geometry.regions.box import Box
+from pgimp.geometry.regions.combine import Difference, Intersection, Union
+from pgimp.geometry.regions.cylinder import Cylinder
+from pgimp.geometry.regions.half_space import HalfSpace
+from pgimp.geometry.regions.mesh import Mesh
+from pgimp.geometry.regions.points import Points
 
 REGIONS: dict[str, type[BaseModel]] = {
     "box": Box,

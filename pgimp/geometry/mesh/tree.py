@@ -30,7 +30,7 @@ class Surface(NamedTuple):
     component : (n,) int64
         Connected part that each belongs to.
     low, high : (2 * leaves, 3) float64
-        Boxes of the tree's nodes, see `pgimp.kernels.meshtree`.
+        Boxes of the tree's nodes, see `pgimp.geometry.mesh.treekernels`.
     dimensions : int
         Of the case.
     facets : int
@@ -80,7 +80,7 @@ class Surface(NamedTuple):
 
         Those of the component `own` of each are left out, of none where it is negative.
         """
-        from pgimp.kernels.meshtree import inside
+        from pgimp.geometry.mesh.treekernels import inside
 
         out = np.empty(len(points), np.int64)
         inside(
@@ -95,7 +95,7 @@ class Surface(NamedTuple):
 
     def distance(self, points: Reals) -> Reals:
         """Distance to the surface, exact; negative inside."""
-        from pgimp.kernels.meshtree import distances
+        from pgimp.geometry.mesh.treekernels import distances
 
         out = np.empty(len(points))
         distances(self.triangles, self.low, self.high, self.leaves, self._lift(points), out)
@@ -109,7 +109,7 @@ class Surface(NamedTuple):
 
     def meet(self, points: Reals, axis: int) -> tuple[Reals, Ints]:
         """As `crossings` in the surface's directions, and for each whether it leads out (1)."""
-        from pgimp.kernels.meshtree import lines
+        from pgimp.geometry.mesh.treekernels import lines
 
         room = 8
         while True:
@@ -148,7 +148,7 @@ class Surface(NamedTuple):
         CaseError
             If the surface overlaps itself, with the place.
         """
-        from pgimp.kernels.meshclip import SUMS, clip_plane, settle_plane
+        from pgimp.geometry.mesh.clip import SUMS, clip_plane, settle_plane
 
         cut = [e[begin : end + 1] for e, (begin, end) in zip(edges, ranges, strict=True)]
         ex, ey, ez = (cut[0], np.array([0.0, 1.0]), cut[1]) if self.dimensions == 2 else cut
@@ -194,7 +194,7 @@ class Surface(NamedTuple):
 
 def plant(triangles: Reals, component: Ints, dimensions: int) -> Surface:
     """Order triangles along a space-filling curve, and build a tree of boxes over them."""
-    from pgimp.kernels.meshtree import LEAF
+    from pgimp.geometry.mesh.treekernels import LEAF
 
     component = np.resize(component, len(triangles))
     middle = triangles.mean(axis=1)

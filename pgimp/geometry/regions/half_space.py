@@ -11,7 +11,7 @@ import math
 import numpy as np
 from pydantic import Field, model_validator
 
-from pgimp.scene.regions.base import (
+from pgimp.geometry.regions.base import (
     Bounds,
     Flat,
     Lengths,

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from pgimp.errors import CaseError
-from pgimp.scene.pointsblock import Block
-from pgimp.scene.pointsfile import blocks
-from pgimp.scene.regions.base import Bounds, Lengths, Mask, Plane, Region
-from pgimp.scene.regions.base import Points as Positions
+from pgimp.geometry.points.block import Block
+from pgimp.geometry.points.file import blocks
+from pgimp.geometry.regions.base import Bounds, Lengths, Mask, Plane, Region
+from pgimp.geometry.regions.base import Points as Positions
 from pgimp.schema.base import Model
 from pgimp.schema.paths import FileName
 

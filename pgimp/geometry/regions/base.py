@@ -106,7 +106,7 @@ class Region(ABC):
         places : (n,) int64
             Those that do, ascending.
         volume, moment : (n,) and (n, D) float64
-            See `pgimp.scene.measure.measure`.
+            See `pgimp.geometry.measure.measure`.
         """
         return None
 
@@ -202,7 +202,7 @@ def roots(a: Lengths | float, b: Lengths, c: Lengths) -> Lengths:
 
 
 def _registry() -> Mapping[str, type[BaseModel]]:
-    return import_module("pgimp.scene.regions").REGIONS
+    return import_module("pgimp.geometry.regions").REGIONS
 
 
 REGION = ByKey(_registry, "region")

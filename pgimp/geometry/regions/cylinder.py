@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 from pydantic import Field, model_validator
 
-from pgimp.scene.regions.base import (
+from pgimp.geometry.regions.base import (
     Bounds,
     Flat,
     Lengths,

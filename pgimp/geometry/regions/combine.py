@@ -10,8 +10,8 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import ConfigDict, Field, RootModel, model_validator
 
-from pgimp.scene.regions.base import Bounds, Lengths, Mask, Plane, Points, Region, RegionEntry
-from pgimp.scene.regions.extremes import extremes
+from pgimp.geometry.regions.base import Bounds, Lengths, Mask, Plane, Points, Region, RegionEntry
+from pgimp.geometry.regions.extremes import extremes
 from pgimp.schema.base import tuples
 
 

@@ -20,13 +20,13 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from pgimp.errors import CaseError
-from pgimp.scene.regions.base import Bounds, Lengths, Mask, Plane, Points, Region
+from pgimp.geometry.regions.base import Bounds, Lengths, Mask, Plane, Points, Region
 from pgimp.schema.base import Model, Number, Positive, Vector
 from pgimp.schema.dispatch import Either
 from pgimp.schema.paths import FileName
 
 if TYPE_CHECKING:
-    from pgimp.scene.meshtree import Surface
+    from pgimp.geometry.mesh.tree import Surface
 
 
 class Mesh(Model, Region):
@@ -63,9 +63,9 @@ class Mesh(Model, Region):
         CaseError
             If it cannot be read, or encloses nothing.
         """
-        from pgimp.scene.meshcells import facets_of
-        from pgimp.scene.meshclosed import enclose
-        from pgimp.scene.meshfile import read_mesh
+        from pgimp.geometry.mesh.cells import facets_of
+        from pgimp.geometry.mesh.closed import enclose
+        from pgimp.geometry.mesh.file import read_mesh
 
         mesh = read_mesh(self.file)
         try:

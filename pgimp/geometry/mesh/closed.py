@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pgimp.errors import CaseError
-from pgimp.scene.meshcells import Facets, unique_rows
-from pgimp.scene.meshtree import Surface, plant
+from pgimp.geometry.mesh.cells import Facets, unique_rows
+from pgimp.geometry.mesh.tree import Surface, plant
 
 Reals = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -173,7 +173,7 @@ def _orient(
     points: Reals, facets: Ints, pairs: Ints, turned: NDArray[np.bool_], cells: Ints
 ) -> tuple[Ints, Ints]:
     """First facet of each one's component, and whether it is to be turned to agree with it."""
-    from pgimp.kernels.meshtree import unite
+    from pgimp.geometry.mesh.treekernels import unite
 
     root, parity = np.arange(len(facets)), np.zeros(len(facets), np.int64)
     wrong = unite(np.ascontiguousarray(pairs), np.ascontiguousarray(turned), root, parity)

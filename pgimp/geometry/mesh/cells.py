@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pgimp.errors import CaseError
-from pgimp.scene.meshfile import RawMesh
+from pgimp.geometry.mesh.file import RawMesh
 from pgimp.schema.messages import shorten
 
 Ints = NDArray[np.int64]

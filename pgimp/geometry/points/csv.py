@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pgimp.errors import CaseError
-from pgimp.scene.pointsblock import STRESS, Block
+from pgimp.geometry.points.block import STRESS, Block
 from pgimp.schema.messages import shorten
 
 Reals = NDArray[np.float64]
@@ -34,7 +34,7 @@ def _groups(D: int) -> dict[str, list[str]]:
 
 
 def read_csv(name: str, D: int) -> Iterator[Block]:
-    """Yield the particles of a file; see `pgimp.scene.pointsfile.blocks`."""
+    """Yield the particles of a file; see `pgimp.geometry.points.file.blocks`."""
     groups = _groups(D)
     head: list[str] | None = None
     first = 0

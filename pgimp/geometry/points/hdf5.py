@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from pgimp.errors import CaseError
 from pgimp.files.plainhdf5 import find
-from pgimp.scene.pointsblock import BLOCK, STRESS, Block
+from pgimp.geometry.points.block import BLOCK, STRESS, Block
 
 Reals = NDArray[np.float64]
 
@@ -40,7 +40,7 @@ def _kinds(D: int) -> dict[str, _Kind]:
 
 
 def read_hdf5(name: str, D: int, most: int | None) -> Iterator[Block]:
-    """Yield the particles of a file; see `pgimp.scene.pointsfile.blocks`."""
+    """Yield the particles of a file; see `pgimp.geometry.points.file.blocks`."""
     from pgimp.files.hdf5 import load_h5py, open_file
 
     h5py = load_h5py()

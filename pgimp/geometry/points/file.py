@@ -13,10 +13,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from pgimp.errors import CaseError
-from pgimp.scene.meshfile import check_file
-from pgimp.scene.pointsblock import Block
-from pgimp.scene.pointscsv import read_csv
-from pgimp.scene.pointshdf5 import read_hdf5
+from pgimp.geometry.mesh.file import check_file
+from pgimp.geometry.points.block import Block
+from pgimp.geometry.points.csv import read_csv
+from pgimp.geometry.points.hdf5 import read_hdf5
 from pgimp.schema.messages import shorten
 
 

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from pgimp.scene.regions.base import Bounds, Region, Round
+    from pgimp.geometry.regions.base import Bounds, Region, Round
 
 Reals = NDArray[np.float64]
 

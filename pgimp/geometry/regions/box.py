@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from pydantic import Field, model_validator
 
-from pgimp.scene.regions.base import (
+from pgimp.geometry.regions.base import (
     Bounds,
     Flat,
     Lengths,

@@ -63,10 +63,11 @@ def read_mesh(name: str) -> RawMesh:
     memory = _MEMORY[0] + _MEMORY[1] * size
     seconds = round(_TIME[0] + _TIME[1] * size)
     env = {k: v for k, v in os.environ.items() if not k.startswith(_LAUNCHERS)}
-    root = str(Path(__file__).resolve().parents[2])
+    root = str(Path(__file__).resolve().parents[3])
     env["PYTHONPATH"] = os.pathsep.join(filter(None, (root, env.get("PYTHONPATH"))))
     env |= {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "HDF5_USE_FILE_LOCKING": "FALSE"}
-    words = [sys.executable, "-P", "-m", "pgimp.scene.meshchild", name, str(memory), str(seconds)]
+    child_module = "pgimp.geometry.mesh.child"
+    words = [sys.executable, "-P", "-m", child_module, name, str(memory), str(seconds)]
     with subprocess.Popen(
         words, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=env
     ) as child:

@@ -1,0 +1,1 @@
+"""Closed surfaces from mesh files: reading, checking, distance, cuts."""

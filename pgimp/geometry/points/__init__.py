@@ -1,0 +1,1 @@
+"""Particles from CSV and HDF5 files."""
