@@ -12,7 +12,7 @@ from pydantic import Field
 
 import pgimp
 from pgimp.jit.algebra import isotropic, symmetric
-from pgimp.materials import Material, NonNegative, Positive
+from pgimp.physics.materials import Material, NonNegative, Positive
 
 
 class FluidParameters(NamedTuple):

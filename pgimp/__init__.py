@@ -16,10 +16,10 @@ if TYPE_CHECKING:
     from pgimp.case.load import load
     from pgimp.commands.run import run
     from pgimp.errors import CaseError, PgimpError, RunError, UsageError
-    from pgimp.materials.outside import takes_vectors
-    from pgimp.materials.registry import register_material
     from pgimp.mpi.comm import world
     from pgimp.output.reader import open
+    from pgimp.physics.materials.outside import takes_vectors
+    from pgimp.physics.materials.registry import register_material
     from pgimp.solver.driver import Simulation
 
 __all__ = [
@@ -44,9 +44,9 @@ _HOMES = {
     "UsageError": "pgimp.errors",
     "load": "pgimp.case.load",
     "open": "pgimp.output.reader",
-    "register_material": "pgimp.materials.registry",
+    "register_material": "pgimp.physics.materials.registry",
     "run": "pgimp.commands.run",
-    "takes_vectors": "pgimp.materials.outside",
+    "takes_vectors": "pgimp.physics.materials.outside",
     "world": "pgimp.mpi.comm",
 }
 

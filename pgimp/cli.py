@@ -183,7 +183,7 @@ def _execute(name: str, parser: Parser, words: list[str]) -> int:
 def _import(arguments: argparse.Namespace) -> None:
     """Import what the command line names; without that, no material is imported yet."""
     if names := getattr(arguments, "imports", None):
-        from pgimp.materials.registry import import_file
+        from pgimp.physics.materials.registry import import_file
 
         for name in names:
             import_file(name)

@@ -18,10 +18,9 @@ from pathlib import Path
 import numpy as np
 
 from pgimp import run
+from pgimp.decomposition import balance, handover
+from pgimp.decomposition.balance import Balance
 from pgimp.mpi.comm import abort_on_error, world
-from pgimp.parallel import handover
-from pgimp.solver import balance
-from pgimp.solver.balance import Balance
 from pgimp.solver.simulation import Simulation
 
 how, folder, cases = sys.argv[1], Path(sys.argv[2]), sys.argv[3:]

@@ -2,7 +2,7 @@
 
 from hypothesis import strategies as st
 
-from pgimp.case.fields import FIELDS
+from pgimp.physics.fields import FIELDS
 
 NUMBER = st.floats(-1e150, 1e150)
 NAME = st.from_regex("[A-Za-z][A-Za-z0-9_-]{0,12}", fullmatch=True) | st.sampled_from(

@@ -7,8 +7,8 @@ from reference import tensor
 from scenes import scene
 
 from pgimp.case.schema import Case
-from pgimp.exact.base import body_force, state
 from pgimp.jit.kernel import kernel
+from pgimp.physics.exact.base import body_force, state
 
 YOUNG, DENSITY, WALL, LENGTH = 400.0, 2.0, -1.0, 5.0
 BAR = {"model": "linear-1d", "young": YOUNG, "density": DENSITY}

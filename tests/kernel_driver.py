@@ -6,21 +6,21 @@ from typing import Any
 import numpy as np
 from rank_threads import Comm
 
+from pgimp.decomposition.grid import Grid
+from pgimp.decomposition.halo import Halo
+from pgimp.decomposition.population import Population
+from pgimp.decomposition.slabs import Slab, slab_of
 from pgimp.kernels.g2p import grid_to_particles
 from pgimp.kernels.loads import Loads
 from pgimp.kernels.mirror import Mirror, fold, reflect
 from pgimp.kernels.momentum import update_momentum
 from pgimp.kernels.p2g import particles_to_grid
+from pgimp.kernels.particles import Frame, Particles
 from pgimp.kernels.sums import SUMS, fastest_rate, layer_sums
 from pgimp.kernels.walls import WALL
-from pgimp.materials.hooke import HookeParameters
-from pgimp.materials.neo_hookean import NeoHookeanParameters
-from pgimp.parallel.halo import Halo
-from pgimp.parallel.slabs import Slab, slab_of
-from pgimp.shapes import SHAPES
-from pgimp.solver.grid import Grid
-from pgimp.solver.particles import Frame, Particles
-from pgimp.solver.population import Population
+from pgimp.physics.materials.hooke import HookeParameters
+from pgimp.physics.materials.neo_hookean import NeoHookeanParameters
+from pgimp.physics.shapes import SHAPES
 
 #: Two bodies of different models: with one tuple in all tests the kernels are compiled once.
 MATERIALS = (NeoHookeanParameters(3.0, 2.0, 1.5), HookeParameters(1.0, 4.0, 0.8))
@@ -218,7 +218,7 @@ class Rank:
 
 
 def split(shape: Any, frame: Frame, particles: Particles, cuts: list[int], reach: np.ndarray):
-    """Ranks that share the particles; `cuts` as from `pgimp.parallel.slabs.cut`."""
+    """Ranks that share the particles; `cuts` as from `pgimp.decomposition.slabs.cut`."""
     whole = Rank(shape, frame, copy_of(particles))
     boxes: dict = {}
     ranks = []

@@ -5,8 +5,8 @@ from reference import tensor
 
 from pgimp.jit.algebra import determinant
 from pgimp.jit.kernel import kernel
-from pgimp.materials import MATERIALS
-from pgimp.materials.base import evaluate
+from pgimp.physics.materials import MATERIALS
+from pgimp.physics.materials.base import evaluate
 
 SEED = 20040
 

@@ -14,8 +14,8 @@ from pathlib import Path
 
 from pgimp.case.reader import read_case
 from pgimp.commands.run import run
+from pgimp.decomposition import halo, migrate
 from pgimp.mpi.comm import world
-from pgimp.parallel import halo, migrate
 from pgimp.solver.simulation import RESORT, Simulation
 
 #: Steps between two turns of all particles, steps to warm up, and steps until the end.

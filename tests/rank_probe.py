@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from pgimp.parallel import halo
+from pgimp.decomposition import halo
 from pgimp.solver.simulation import Simulation
 
 

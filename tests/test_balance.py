@@ -17,11 +17,11 @@ from scenes import write_case
 from test_constraints import loaded
 from test_ranks import digests, go_back
 
-from pgimp.parallel import handover
-from pgimp.parallel.slabs import Slab, cut, imbalance_of, slab_of
-from pgimp.shapes.mpm import MpmParameters
-from pgimp.solver.particles import Frame, Particles
-from pgimp.solver.population import Population
+from pgimp.decomposition import handover
+from pgimp.decomposition.population import Population
+from pgimp.decomposition.slabs import Slab, cut, imbalance_of, slab_of
+from pgimp.kernels.particles import Frame, Particles
+from pgimp.physics.shapes.mpm import MpmParameters
 
 # -- where to cut
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from pgimp.decomposition import balance as balance_module
+from pgimp.decomposition.balance import Balance
+from pgimp.decomposition.slabs import cut, imbalance_of
 from pgimp.errors import UsageError
-from pgimp.parallel.slabs import cut, imbalance_of
-from pgimp.solver import balance as balance_module
-from pgimp.solver.balance import Balance
 
 
 class Machine:

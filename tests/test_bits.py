@@ -20,8 +20,8 @@ from kernel_driver import (
 
 from pgimp.jit.kernel import kernel
 from pgimp.kernels.order import cell_numbers, locate, reach_of, vertices_of
+from pgimp.kernels.particles import Particles
 from pgimp.kernels.place import half_widths
-from pgimp.solver.particles import Particles
 
 ORIGIN, CELL = (-1.1, 0.3, 2.0), (0.7, 1.3, 0.9)
 DT, GRAVITY = 0.002, (1.5, -9.0, 4.0)

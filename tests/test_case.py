@@ -15,7 +15,7 @@ from pgimp.case.jsonschema import json_schema
 from pgimp.case.reader import dump_case, read_case
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
-from pgimp.materials import MATERIALS
+from pgimp.physics.materials import MATERIALS
 from pgimp.schema.tables import Table
 
 SMALL = """

@@ -10,14 +10,14 @@ from case_strategies import cases
 from hypothesis import given, settings
 from schema_checker import Checker
 
-from pgimp.case.fields import ALWAYS, FIELDS, HISTORY
 from pgimp.case.jsonschema import json_schema
 from pgimp.case.reader import read_case
 from pgimp.case.schema import Case
 from pgimp.cli import main
 from pgimp.errors import CaseError
 from pgimp.mpi.comm import Serial
-from pgimp.output import fields as written
+from pgimp.physics import values as written
+from pgimp.physics.fields import ALWAYS, FIELDS, HISTORY
 from pgimp.schema.document import parse
 from pgimp.schema.overrides import apply
 from pgimp.solver.diagnostics import column_names

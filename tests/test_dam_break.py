@@ -7,7 +7,7 @@ import pytest
 
 import pgimp
 from pgimp.cli import main
-from pgimp.materials import registry
+from pgimp.physics.materials import registry
 
 CASES = Path(__file__).resolve().parents[1] / "cases"
 CASE, FLUID = CASES / "fluid/dam-break.yaml", CASES / "fluid.py"

@@ -8,10 +8,10 @@ from exact_cases import BAR, CASES, LENGTH, SPEED, Exact, bar, block, ramp, ring
 from scenes import field, finish, scene, start, write_case
 
 import pgimp
-from pgimp.case.fields import HISTORY
 from pgimp.case.reader import dump_case, read_case
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
+from pgimp.physics.fields import HISTORY
 
 NAMES = [
     f"error.{name}-{norm}"

@@ -14,10 +14,10 @@ from scenes import SOFT, box, scene, write_case
 import pgimp
 from pgimp.errors import CaseError, UsageError
 from pgimp.jit import outside
+from pgimp.kernels.particles import Frame, Particles
 from pgimp.kernels.sums import fastest_rate
-from pgimp.materials import MATERIALS, NeoHookean, registry
-from pgimp.materials.outside import parameters_of
-from pgimp.solver.particles import Frame, Particles
+from pgimp.physics.materials import MATERIALS, NeoHookean, registry
+from pgimp.physics.materials.outside import parameters_of
 
 ROOT = Path(__file__).resolve().parents[1]
 CASES = ROOT / "cases"
@@ -26,7 +26,7 @@ README = (ROOT / "README.md").read_text(encoding="utf-8")
 LAW = """
 from typing import Literal, NamedTuple
 import pgimp
-from pgimp.materials import Material
+from pgimp.physics.materials import Material
 from {helper} import faster
 
 FACTOR = {factor}
@@ -67,9 +67,9 @@ ASK = """
 import sys
 import numpy as np
 from pgimp.kernels.sums import fastest_rate
-from pgimp.materials import MATERIALS
-from pgimp.materials.outside import parameters_of
-from pgimp.solver.particles import Frame, Particles
+from pgimp.physics.materials import MATERIALS
+from pgimp.physics.materials.outside import parameters_of
+from pgimp.kernels.particles import Frame, Particles
 
 def ask():
     law = parameters_of(MATERIALS["law"](model="law", density=1.0), 1)
@@ -79,7 +79,9 @@ def ask():
     rate = fastest_rate(frame, (1.0,), (law,), p, rows, zero)
     print(rate, sum(fastest_rate.stats.cache_hits.values()))
 """
-IMPORTED = f"{ASK}\nfrom pgimp.materials.registry import import_file\nimport_file('law.py')\nask()"
+IMPORTED = (
+    f"{ASK}\nfrom pgimp.physics.materials.registry import import_file\nimport_file('law.py')\nask()"
+)
 
 
 def write_law(folder, factor=2.0, times=1.0, speed="faster(FACTOR)", stress="sigma", helper="aid"):
@@ -193,7 +195,7 @@ def test_an_installed_package_brings_materials(rubber, tmp_path, python):
 @pytest.fixture
 def registered(monkeypatch):
     """Register what is written in a file's text; forgotten after the test."""
-    monkeypatch.setattr("pgimp.materials.MATERIALS", registry.Registry(dict(MATERIALS)))
+    monkeypatch.setattr("pgimp.physics.materials.MATERIALS", registry.Registry(dict(MATERIALS)))
 
     def register(text, **names):
         space = {"__name__": "elsewhere", **names}
@@ -235,7 +237,7 @@ def test_whether_a_material_takes_vectors(registered):
         "(J if F[0] > 1.0 else 2.0 * J, 0.0, 0.0)": False,
         "(exp(J), 0.0, 0.0)": False,
     }.items():
-        from pgimp.materials import choose
+        from pgimp.physics.materials import choose
 
         space = registered(law(stress), choose=choose)
         assert pgimp.takes_vectors(space["Law"](model="law", density=1.0), 1) is expected, stress
@@ -261,7 +263,7 @@ def test_what_a_material_lacks_is_said(registered):
     for old, new, message in [
         ('model: Literal["law"]', "", 'add a field\nmodel: Literal\\["my-material"\\]'),
         ("Law(Material)", "Law", "no class derived from Material"),
-        ('"law"', '"hooke"', "there is a material 'hooke' already, pgimp.materials.hooke.Hooke"),
+        ('"law"', '"hooke"', "there is a material 'hooke' already, .*materials.hooke.Hooke"),
         ("parameters(self)", "other(self)", r"needs a method parameters\(self\)"),
     ]:
         with pytest.raises(UsageError, match=message):
@@ -342,7 +344,7 @@ def test_a_wrong_stress_stops_a_run_before_anything_is_written(tmp_path, python,
     assert not (tmp_path / "out").exists()
     write_law(tmp_path)
     program = (
-        "from pgimp.materials import outside, registry\n"
+        "from pgimp.physics.materials import outside, registry\n"
         "registry.import_file('law.py')\n"
         "import law, numba\n"
         "for D in (1, 2): outside.parameters_of(law.Law(model='law', density=1.0), D)\n"

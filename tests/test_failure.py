@@ -14,7 +14,7 @@ import pgimp
 from pgimp.errors import RunError
 from pgimp.kernels.g2p import INVERTED, NOT_FINITE
 from pgimp.output import failure
-from pgimp.output.fields import EVERY
+from pgimp.physics.values import EVERY
 
 #: Two squares far apart: on three ranks the first and the last one have a particle at fault each.
 BODIES = {

@@ -32,8 +32,8 @@ import numpy as np
 from pgimp.jit.cache import announced, told
 from pgimp.jit.kernel import FOLDER
 from pgimp.kernels.order import locate
-from pgimp.shapes.mpm import MpmParameters
-from pgimp.solver.particles import Frame, Particles
+from pgimp.physics.shapes.mpm import MpmParameters
+from pgimp.kernels.particles import Frame, Particles
 
 p = Particles.empty(1, 1, False)
 p.x[0, 0] = 2.5

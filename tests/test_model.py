@@ -12,6 +12,7 @@ from scenes import box, scene, write_case
 
 from pgimp.case.schema import Case
 from pgimp.cli import main
+from pgimp.decomposition.slabs import cut
 from pgimp.model.block import Block, block_case, block_layout
 from pgimp.model.costs import Costs, Messages, Network
 from pgimp.model.layout import Layout, layout_now, layout_of
@@ -20,7 +21,6 @@ from pgimp.model.predict import EFFICIENT, pays_off, predict
 from pgimp.model.report import ladder, lines, scaling
 from pgimp.model.sample import Sample, resized, samples_of
 from pgimp.mpi.comm import Serial
-from pgimp.parallel.slabs import cut
 from pgimp.scene.extent import extents
 from pgimp.scene.scene import Scene, count_particles
 from pgimp.solver.memory import estimate

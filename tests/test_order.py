@@ -9,11 +9,11 @@ from hypothesis import strategies as st
 from kernel_driver import entry, initial_half, make_frame
 from rank_threads import Comm, together
 
-from pgimp.parallel.migrate import Migration, pack, unpack
-from pgimp.parallel.slabs import Slab, cut, slab_of
-from pgimp.shapes import SHAPES
-from pgimp.solver.particles import Particles
-from pgimp.solver.population import Population
+from pgimp.decomposition.migrate import Migration, pack, unpack
+from pgimp.decomposition.population import Population
+from pgimp.decomposition.slabs import Slab, cut, slab_of
+from pgimp.kernels.particles import Particles
+from pgimp.physics.shapes import SHAPES
 
 CELL, CELLS = (0.3, 0.7), (9, 3)
 

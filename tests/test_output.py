@@ -13,16 +13,16 @@ import numpy as np
 import pytest
 from particle_source import Lines, expected, make_case, make_sim, write_frames
 
-from pgimp.case import fields as case_fields
 from pgimp.errors import RunError
 from pgimp.files import framefile
 from pgimp.files.rows import Rows
 from pgimp.mpi.comm import Serial, world
 from pgimp.output import particlefile
-from pgimp.output.fields import ALWAYS, BY_RANKS, FIELDS, OPTIONAL, Source
 from pgimp.output.frames import Frames
 from pgimp.output.history import History, read
 from pgimp.output.reader import Frame
+from pgimp.physics import fields as case_fields
+from pgimp.physics.values import ALWAYS, BY_RANKS, FIELDS, OPTIONAL, Source
 
 
 def digests(directory):

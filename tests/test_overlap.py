@@ -9,9 +9,9 @@ from overlap_probe import LAST, WARM
 from scenes import box, scene, write_case
 from test_constraints import loaded
 
+from pgimp.decomposition.halo import Halo
+from pgimp.decomposition.slabs import Slab
 from pgimp.errors import UsageError
-from pgimp.parallel.halo import Halo
-from pgimp.parallel.slabs import Slab
 
 PROBE = Path(__file__).with_name("overlap_probe.py")
 FACES = {"x-min": "fixed", "x-max": "fixed", "y-min": "slip", "y-max": "slip"}

@@ -11,10 +11,10 @@ import pytest
 from particle_source import make_case, make_sim
 from PIL import Image
 
-from pgimp.case.fields import ALWAYS, FIELDS
 from pgimp.mpi.comm import Serial
 from pgimp.output.frames import Frames
 from pgimp.output.reader import Frame
+from pgimp.physics.fields import ALWAYS, FIELDS
 from pgimp.plot.units import kind_of_field, unit
 
 READERS = ("XDMF Reader", "Xdmf3 Reader S", "Xdmf3 Reader T")

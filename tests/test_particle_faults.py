@@ -5,8 +5,8 @@ import pytest
 from kernel_driver import SEED, Rank, entry, make_frame, random_particles, random_positions
 
 from pgimp.kernels.g2p import GONE, INVERTED, NOT_FINITE, OUTSIDE, TOO_FAST
-from pgimp.shapes import SHAPES
-from pgimp.solver.particles import Particles
+from pgimp.kernels.particles import Particles
+from pgimp.physics.shapes import SHAPES
 
 ORIGIN, CELL, CELLS = (-1.1, 0.3, 2.0), (0.7, 1.3, 0.9), (5, 4, 3)
 DT = 0.002

@@ -4,10 +4,10 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pgimp.parallel.slabs import Slab
-from pgimp.shapes.mpm import MpmParameters
-from pgimp.solver.particles import Frame, Particles
-from pgimp.solver.population import Population
+from pgimp.decomposition.population import Population
+from pgimp.decomposition.slabs import Slab
+from pgimp.kernels.particles import Frame, Particles
+from pgimp.physics.shapes.mpm import MpmParameters
 
 FRAME = Frame((0.0,), (1.0,), (1.0,), (9,), 1)
 SHAPE = MpmParameters((0.0,))

@@ -76,7 +76,7 @@ from pathlib import Path
 sys.path.insert(0, sys.argv[1])
 import scene_features, scene_runs
 scene_runs.prepare()
-from pgimp.parallel import handover
+from pgimp.decomposition import handover
 
 unpack = handover.unpack
 def flipped(records, particles, rows):

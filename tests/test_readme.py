@@ -184,7 +184,7 @@ def test_material_works_as_printed(folder):
     assert tested.returncode == 0, tested.stdout
     assert "5 passed" in tested.stdout
     water = "materials.jelly={model: fluid, bulk: 1.0e3, shear_viscosity: 1.0, density: 1.0e3}"
-    ruff = ["-m", "ruff", "check", "pgimp/materials", "tests/test_fluid.py"]
+    ruff = ["-m", "ruff", "check", "pgimp/physics/materials", "tests/test_fluid.py"]
     style = run([sys.executable, *ruff], cwd=source)
     assert style.returncode == 0, style.stdout
     words = [sys.executable, "-m", "pgimp", "cases/disks.yaml", "-o", "water.out"]

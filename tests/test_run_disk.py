@@ -16,7 +16,7 @@ from test_run import CASE
 import pgimp
 from pgimp.output.checkpointfile import CheckpointFile
 from pgimp.output.checkpoints import present
-from pgimp.output.fields import BY_RANKS, OPTIONAL
+from pgimp.physics.values import BY_RANKS, OPTIONAL
 
 ALL = [name for name in OPTIONAL if name not in BY_RANKS]
 #: What fills the disk, and the file that the message must name.

@@ -13,10 +13,10 @@ from pgimp.jit.kernel import kernel
 from pgimp.jit.simd import stack
 from pgimp.kernels import batch
 from pgimp.kernels.batch import ROOM
+from pgimp.kernels.particles import Particles, Window
 from pgimp.kernels.place import first_vertex, half_widths
-from pgimp.shapes import SHAPES
-from pgimp.shapes.base import weights
-from pgimp.solver.particles import Particles, Window
+from pgimp.physics.shapes import SHAPES
+from pgimp.physics.shapes.base import weights
 
 ORIGIN, CELL, CELLS = (-1.1, 0.3, 2.0), (0.7, 1.3, 0.25), (5, 4, 3)
 

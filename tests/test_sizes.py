@@ -1,4 +1,4 @@
-"""Half-widths that follow the deformation (`pgimp.shapes.stretch`), and what clamps them."""
+"""Half-widths that follow the deformation (`physics.shapes.stretch`), and what clamps them."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from pgimp.jit.kernel import kernel
-from pgimp.shapes.stretch import LARGEST, stretched
+from pgimp.physics.shapes.stretch import LARGEST, stretched
 
 angles = st.floats(-np.pi, np.pi)
 sizes = st.floats(0.01, 0.99)
@@ -122,7 +122,7 @@ def uneven(F, points=200):
 
 @pytest.mark.parametrize("kind", ["simple shear", "pure shear", "turn"])
 def test_boxes_that_cannot_tilt_are_a_partition_of_unity_to_first_order(kind):
-    """As `pgimp.shapes.finite_gimp` says: what overlaps and gapes grows with the square."""
+    """As `pgimp.physics.shapes.finite_gimp` says: what overlaps and gapes grows with the square."""
 
     def deformed(g):
         if kind == "turn":

@@ -19,8 +19,8 @@ from kernel_driver import (
 )
 from rank_threads import together
 
-from pgimp.boundaries import BOUNDARIES
 from pgimp.kernels.mirror import Mirror
+from pgimp.physics.boundaries import BOUNDARIES
 
 ORIGIN, CELL = (-1.1, 0.3, 2.0), (0.7, 1.3, 0.9)
 DT, GRAVITY = 0.002, (1.5, -9.0, 4.0)

@@ -18,8 +18,8 @@ from kernel_driver import (
 )
 from reference import Reference
 
-from pgimp.boundaries import BOUNDARIES
-from pgimp.solver.particles import Particles
+from pgimp.kernels.particles import Particles
+from pgimp.physics.boundaries import BOUNDARIES
 
 ORIGIN, CELL, CELLS = (-1.1, 0.3, 2.0), (0.7, 1.3, 0.9), (5, 4, 3)
 PER_CELL = (2, 1, 3)

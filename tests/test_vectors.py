@@ -13,7 +13,7 @@ from pgimp.jit.algebra import determinant
 from pgimp.jit.kernel import kernel
 from pgimp.jit.simd import bits, lane, number, pack, stack, store, vector, where
 from pgimp.kernels.batch import put_row, take, take_row
-from pgimp.materials.base import evaluate, evaluate_four
+from pgimp.physics.materials.base import evaluate, evaluate_four
 
 ROWS = st.permutations(range(9)).map(lambda p: tuple(p[:4]))
 NUMBERS = st.floats(-1e6, 1e6)

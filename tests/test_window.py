@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
+from pgimp.decomposition.grid import LATE, MARGIN, Grid
+from pgimp.decomposition.slabs import Slab
 from pgimp.jit.kernel import kernel
+from pgimp.kernels.particles import Frame
 from pgimp.kernels.place import first_vertex
-from pgimp.parallel.slabs import Slab
-from pgimp.shapes.gimp import GimpParameters
-from pgimp.shapes.mpm import MpmParameters
-from pgimp.solver.grid import LATE, MARGIN, Grid
-from pgimp.solver.particles import Frame
+from pgimp.physics.shapes.gimp import GimpParameters
+from pgimp.physics.shapes.mpm import MpmParameters
 
 
 @kernel

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, Field
 
-from pgimp.case.fields import FIELDS, GRID
+from pgimp.physics.fields import FIELDS, GRID
 from pgimp.schema.base import Count, Interval, Model, Name, NonNegative, Positive, Steps, Vector
 from pgimp.schema.dispatch import ByWord, Either
 from pgimp.schema.messages import unknown

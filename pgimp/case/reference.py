@@ -6,9 +6,9 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple
 
-from pgimp.case.fields import ALWAYS, FAILURE, FIELDS, GRID, HISTORY, PLACE, POINT, Field
 from pgimp.case.jsonschema import Schema, json_schema, study_schema
 from pgimp.case.writer import flow
+from pgimp.physics.fields import ALWAYS, FAILURE, FIELDS, GRID, HISTORY, PLACE, POINT, Field
 from pgimp.schema.base import LARGEST_COUNT
 
 _UNIT = re.compile(

@@ -22,9 +22,9 @@ from pydantic import (
 from pgimp.case.checks import check, sound_parts
 from pgimp.case.output import Checkpoint, History, Output, ProbeEntry
 from pgimp.geometry.regions import RegionEntry
-from pgimp.scene.constraints import ConstraintEntry
-from pgimp.scene.motion import RigidMotion, zero_vector
-from pgimp.scene.tractions import TractionEntry
+from pgimp.physics.loads.constraints import ConstraintEntry
+from pgimp.physics.loads.motion import RigidMotion, zero_vector
+from pgimp.physics.loads.tractions import TractionEntry
 from pgimp.schema.base import (
     Count,
     Label,
@@ -54,11 +54,11 @@ def _dimensions(value: int) -> int:
 
 
 def _shapes() -> Mapping[str, type[BaseModel]]:
-    return import_module("pgimp.shapes").SHAPES
+    return import_module("pgimp.physics.shapes").SHAPES
 
 
 def _materials() -> Mapping[str, type[BaseModel]]:
-    return import_module("pgimp.materials").MATERIALS
+    return import_module("pgimp.physics.materials").MATERIALS
 
 
 #: What a model that is not known may be.
@@ -66,11 +66,11 @@ _OUTSIDE = "; one from outside the package must be registered: --import FILE.py"
 
 
 def _boundaries() -> Mapping[str, type[BaseModel]]:
-    return import_module("pgimp.boundaries").BOUNDARIES
+    return import_module("pgimp.physics.boundaries").BOUNDARIES
 
 
 def _solutions() -> Mapping[str, type[BaseModel]]:
-    return import_module("pgimp.exact").EXACT
+    return import_module("pgimp.physics.exact").EXACT
 
 
 class Grid(Model):

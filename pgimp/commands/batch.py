@@ -14,11 +14,11 @@ from pgimp.case.load import load
 from pgimp.errors import UsageError, explain
 from pgimp.files import atomic
 from pgimp.files.plain import read_plain
-from pgimp.materials.registry import imported
 from pgimp.mpi.comm import Serial
 from pgimp.output.ownfiles import RUN
 from pgimp.output.runinfo import installed
 from pgimp.output.stop import wall_time
+from pgimp.physics.materials.registry import imported
 from pgimp.scene.geometry import share
 from pgimp.scene.scene import Scene, count_particles
 

@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 
 from pgimp.errors import UsageError
-from pgimp.output.fields import BY_RANKS, FIELDS
 from pgimp.output.gridreader import grid_differences, grid_frames
 from pgimp.output.pairs import Pair
 from pgimp.output.probefiles import PROBES
 from pgimp.output.reader import Frame, Run
 from pgimp.output.tolerance import Tolerance, moments, tables, worst_of
+from pgimp.physics.values import BY_RANKS, FIELDS
 
 Array = np.ndarray
 

@@ -23,7 +23,7 @@ from pgimp.jit.sealed import unsafe
 SETTINGS = {"NUMBA_LOOP_VECTORIZE": "0", "NUMBA_DISABLE_INTEL_SVML": "1"}
 
 #: Where all that Numba compiles is written, within the package; a test holds everyone to it.
-COMPILED = ("jit", "geometry/mesh", "kernels", "shapes", "materials", "boundaries", "exact", "solver")
+COMPILED = ("jit", "geometry", "physics", "kernels")
 
 
 class Folder(NamedTuple):

@@ -11,7 +11,7 @@ from pgimp.jit.simd import lane, number, pack, store, vector
 from pgimp.jit.simdrows import load_row, store_row, transpose
 from pgimp.jit.tuples import scaled
 from pgimp.kernels.place import first_vertex
-from pgimp.shapes.base import size, weights
+from pgimp.physics.shapes.base import size, weights
 
 #: Particles in a batch.
 LANES = 4

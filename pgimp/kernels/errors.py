@@ -2,11 +2,11 @@
 
 from math import sqrt
 
-from pgimp.exact.base import state
 from pgimp.jit.algebra import contract, symmetric
 from pgimp.jit.kernel import kernel
 from pgimp.jit.tuples import plus_scaled, read, write
 from pgimp.kernels.g2p import squared
+from pgimp.physics.exact.base import state
 
 #: Columns of `layer_errors`.
 DISPLACEMENT, VELOCITY, STRESS, VOLUME, STRESS_VOLUME, ERRORS = 0, 1, 2, 3, 4, 5
@@ -19,7 +19,7 @@ def layer_errors(solution, t, follows, frame, like, particles, order, start, sum
     Parameters
     ----------
     solution : NamedTuple
-        The exact solution, see `pgimp.exact`.
+        The exact solution, see `pgimp.physics.exact`.
     follows : bool
         Whether the particles' size follows the deformation, so that (47) takes the current one.
     like : tuple of D*D float

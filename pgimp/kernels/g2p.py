@@ -34,9 +34,9 @@ from pgimp.kernels.place import first_vertex
 from pgimp.kernels.transfer import gather
 from pgimp.kernels.viscosity import stiffened, thicken
 from pgimp.kernels.walls import hold_inside
-from pgimp.materials.base import evaluate_four
-from pgimp.shapes.base import size
-from pgimp.shapes.stretch import LARGEST
+from pgimp.physics.materials.base import evaluate_four
+from pgimp.physics.shapes.base import size
+from pgimp.physics.shapes.stretch import LARGEST
 
 #: What is wrong with a particle at fault.
 NOT_FINITE, INVERTED, TOO_FAST, OUTSIDE = 1, 2, 3, 4

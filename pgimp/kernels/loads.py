@@ -5,11 +5,11 @@ Each is `()` in a scene without it; the types decide what is compiled, so that i
 
 from typing import Any, NamedTuple
 
-from pgimp.exact.base import body_force
 from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import pack
 from pgimp.jit.tuples import plus_scaled, read, scaled
 from pgimp.kernels.tractions import scatter_tractions, traction_power
+from pgimp.physics.exact.base import body_force
 
 
 class Loads(NamedTuple):
@@ -22,7 +22,7 @@ class Loads(NamedTuple):
     tractions : tuple of Traction
         See `pgimp.kernels.tractions`.
     force : BodyForce or ()
-        See `pgimp.exact.base`.
+        See `pgimp.physics.exact.base`.
     relaxation : float or ()
         Rate at which particles take on the grid's velocity, see `relaxed`.
     affine : float or ()

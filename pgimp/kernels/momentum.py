@@ -1,10 +1,10 @@
 """Momentum update (14) of the vertices, boundary conditions, and what the faces do."""
 
-from pgimp.boundaries.base import constrain
 from pgimp.jit.kernel import kernel, specialise
 from pgimp.kernels.grips import ruled
 from pgimp.kernels.loads import given
 from pgimp.kernels.transfer import HELD, also_held
+from pgimp.physics.boundaries.base import constrain
 
 
 @kernel
@@ -22,7 +22,7 @@ def update_momentum(
         A vertex that is not heavier gets a = 0, and keeps v = p/m: a particle that passes it sees
         its gradient in full, however small its weight.
     faces : tuple
-        Parameters of the boundary conditions, see `pgimp.boundaries`.
+        Parameters of the boundary conditions, see `pgimp.physics.boundaries`.
     marked : tuple
         The constraints and the vertices that they hold, see `ruled`; they are applied after this.
     relaxation : float or ()

@@ -7,7 +7,7 @@ import numpy as np
 from pgimp.jit.kernel import kernel, specialise
 from pgimp.jit.memory import copy
 from pgimp.kernels.place import first_vertex, half_widths
-from pgimp.shapes.base import size, weights
+from pgimp.physics.shapes.base import size, weights
 
 #: Cells a block has along a direction, as a power of two.
 BLOCK = 2

@@ -22,8 +22,8 @@ def particles_to_grid(
     Parameters
     ----------
     shape, frame, window, particles
-        See `pgimp.shapes`, `Frame`, `Window` (its first plane is that of the rank's first layer),
-        `Particles`.
+        See `pgimp.physics.shapes`, `Frame`, `Window` (its first plane is that of the rank's first
+        layer), `Particles`.
     loads : Loads
         See `pgimp.kernels.loads`.
     order : (n,) int32

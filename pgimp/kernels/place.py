@@ -5,7 +5,7 @@ from math import floor
 import pgimp.jit.simdmath  # noqa: F401  so that they work on vectors of four particles, too
 from pgimp.jit.kernel import exact, specialise
 from pgimp.jit.tuples import read
-from pgimp.shapes.base import size
+from pgimp.physics.shapes.base import size
 
 
 def first_vertex(frame, d, half, x):

@@ -6,7 +6,7 @@ from pgimp.jit.algebra import determinant, symmetric
 from pgimp.jit.kernel import kernel
 from pgimp.jit.tuples import read
 from pgimp.kernels.g2p import squared
-from pgimp.materials.base import evaluate
+from pgimp.physics.materials.base import evaluate
 
 #: Columns of `layer_sums`.
 MASS, MOMENTUM, ANGULAR, MOMENT, KINETIC, STRAIN, SUMS = 0, 1, 4, 7, 10, 11, 12

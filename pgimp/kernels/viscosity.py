@@ -13,7 +13,7 @@ import numpy as np
 from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import where
 from pgimp.kernels.batch import put_row, take
-from pgimp.materials.base import evaluate_four
+from pgimp.physics.materials.base import evaluate_four
 
 
 class Viscosity(NamedTuple):

@@ -11,11 +11,11 @@ import numpy as np
 
 from pgimp.case.schema import Case
 from pgimp.kernels.order import locate
+from pgimp.kernels.particles import Particles
 from pgimp.model.layout import Layout, layout_of
 from pgimp.scene.extent import Extent, extents
 from pgimp.scene.lattice import Lattice
 from pgimp.scene.scene import Scene
-from pgimp.solver.particles import Particles
 from pgimp.solver.simulation import Simulation
 
 YOUNG, POISSON, DENSITY, GRAVITY, SPEED = 1.0e6, 0.3, 1000.0, -9.81, 0.1

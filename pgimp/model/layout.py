@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from pgimp.decomposition.slabs import cut, most_slabs
 from pgimp.kernels.order import layers_of
-from pgimp.parallel.slabs import cut, most_slabs
 from pgimp.scene.extent import Extent
 from pgimp.scene.scene import Scene
 from pgimp.solver.memory import window

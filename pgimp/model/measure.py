@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
+from pgimp.decomposition.migrate import pack, unpack
 from pgimp.model.costs import Costs, Messages, Network
 from pgimp.model.layout import layout_now
 from pgimp.model.predict import predict
 from pgimp.model.sample import Sample
-from pgimp.parallel.migrate import pack, unpack
 from pgimp.solver.simulation import Simulation
 
 _SMALL, _LARGE = 2**13, 2**18

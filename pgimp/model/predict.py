@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pgimp.decomposition.halo import PIECE, PIECES
 from pgimp.model.costs import Costs, Network
 from pgimp.model.layout import Layout
-from pgimp.parallel.halo import PIECE, PIECES
 
 #: Efficiency down to which more ranks pay off.
 EFFICIENT = 0.7

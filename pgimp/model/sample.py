@@ -13,8 +13,8 @@ import numpy as np
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError, RunError
 from pgimp.kernels.order import locate
+from pgimp.kernels.particles import Particles
 from pgimp.scene.lattice import Lattice
-from pgimp.solver.particles import Particles
 from pgimp.solver.simulation import RESORT, Simulation
 
 #: Seconds and steps of a block that is timed as one.

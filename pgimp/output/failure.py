@@ -15,10 +15,10 @@ from pgimp.kernels.g2p import OUTSIDE
 from pgimp.kernels.order import vertices_of
 from pgimp.kernels.sums import fastest_rate
 from pgimp.mpi.collective import on_root
-from pgimp.output.fields import ALWAYS, BY_RANKS, FAILURE, FIELDS, OPTIONAL, Source
 from pgimp.output.ownfiles import FAILURE as FOLDER
 from pgimp.output.particlefile import ParticleFile
 from pgimp.output.xdmf import Collection, particles
+from pgimp.physics.values import ALWAYS, BY_RANKS, FAILURE, FIELDS, OPTIONAL, Source
 from pgimp.solver.faults import Failure, explanation
 
 if TYPE_CHECKING:

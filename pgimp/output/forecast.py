@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from math import floor
 from typing import Any
 
-from pgimp.output.fields import ALWAYS, OPTIONAL
+from pgimp.physics.values import ALWAYS, OPTIONAL
 
 #: Relative to the interval: rounding, by which the end is a multiple of it.
 _ROUNDING = 1e-9

@@ -5,12 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from pgimp.output.fields import ALWAYS, FIELDS
 from pgimp.output.ownfiles import FRAME
 from pgimp.output.particlefile import ParticleFile
 from pgimp.output.reader import Frame
 from pgimp.output.series import Entry, Series
 from pgimp.output.xdmf import Collection, particles
+from pgimp.physics.values import ALWAYS, FIELDS
 
 
 class Frames(Series):

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pgimp.case.fields import GRID
 from pgimp.files.atomic import temporary
 from pgimp.files.datasets import Dataset, lay_out
 from pgimp.files.framefile import FrameFile
@@ -19,6 +18,7 @@ from pgimp.output.ownfiles import GRID_FRAME
 from pgimp.output.particlefile import FORMAT_VERSION
 from pgimp.output.series import Entry, Series
 from pgimp.output.xdmf import Collection, mesh
+from pgimp.physics.fields import GRID
 
 if TYPE_CHECKING:
     from pgimp.solver.gridstate import ActiveGrid

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
-from pgimp.case.fields import GRID
 from pgimp.output.frame import Reading
 from pgimp.output.ownfiles import GRID_FRAME
 from pgimp.output.tolerance import Tolerance, moments, worst_of
+from pgimp.physics.fields import GRID
 
 Array = np.ndarray
 

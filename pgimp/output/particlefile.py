@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from pgimp.case import fields as case_fields
 from pgimp.files import chunks
 from pgimp.files.atomic import temporary
 from pgimp.files.chunks import Chunks, chunk_rows
@@ -19,7 +18,8 @@ from pgimp.files.framefile import FrameFile
 from pgimp.files.rows import Rows
 from pgimp.files.unfinished import Unfinished, removed_on_error, told
 from pgimp.mpi.collective import on_root
-from pgimp.output.fields import EVERY, Source
+from pgimp.physics import fields as case_fields
+from pgimp.physics.values import EVERY, Source
 
 Array = np.ndarray
 

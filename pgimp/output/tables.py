@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pgimp.errors import UsageError
-from pgimp.output.fields import EVERY
+from pgimp.physics.values import EVERY
 from pgimp.schema.messages import nearest
 from pgimp.terminal import escape
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
 from pgimp.files.atomic import write
-from pgimp.output.fields import EVERY
+from pgimp.physics.values import EVERY
 
 Kind = tuple[str, int, str]
 """Of a field: its attribute type, number of columns (0 for a scalar) and type in the file."""

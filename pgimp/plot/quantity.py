@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from pgimp.errors import UsageError
-from pgimp.output import fields
 from pgimp.output.reader import Frame
+from pgimp.physics import values as fields
 from pgimp.plot.units import kind_of_field
 from pgimp.schema.messages import shorten, unknown
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from pgimp.case import fields
+from pgimp.physics import fields
 
 _BASE = ("length", "mass", "time")
 # Those of consistent sets of length, mass and time that have a name of their own.

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
+from pgimp.kernels.particles import Frame
 from pgimp.kernels.walls import WALL
-from pgimp.solver.particles import Frame
 
 AXES = "xyz"
 

@@ -9,10 +9,10 @@ import numpy as np
 
 from pgimp.case.output import PlaceProbe
 from pgimp.geometry.regions import Points
+from pgimp.kernels.particles import Particles
 from pgimp.kernels.sums import fastest_rate
 from pgimp.scene.lattice import Lattice, Made
 from pgimp.scene.scene import Scene
-from pgimp.solver.particles import Particles
 
 _Reals = np.ndarray[Any, np.dtype[np.float64]]
 

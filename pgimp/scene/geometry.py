@@ -15,12 +15,12 @@ from pgimp.errors import CaseError
 from pgimp.geometry.mesh.tree import nothing, plant
 from pgimp.geometry.regions import Mesh, Points
 from pgimp.geometry.regions.base import Region
+from pgimp.kernels.particles import Particles
 from pgimp.mpi.collective import on_root
 from pgimp.mpi.limits import limits
 from pgimp.mpi.node import one_rank_first
 from pgimp.scene.scene import LEAST, MOST
 from pgimp.schema.messages import dotted
-from pgimp.solver.particles import Particles
 
 #: A body that is so many times as large as the grid was perhaps meant in another unit, by so much.
 _FAR_TOO_LARGE, _MILLI = 50.0, 0.001

@@ -6,12 +6,12 @@ import numpy as np
 
 from pgimp.case.places import located
 from pgimp.case.schema import Case
+from pgimp.decomposition.population import Population
 from pgimp.errors import CaseError
 from pgimp.kernels.loads import Loads
+from pgimp.kernels.particles import Particles
 from pgimp.kernels.viscosity import Viscosity
 from pgimp.scene.filling import SLIVER
-from pgimp.solver.particles import Particles
-from pgimp.solver.population import Population
 
 
 def parts_of(low: float, high: float, edges: np.ndarray) -> np.ndarray:
@@ -89,7 +89,7 @@ class SceneLoads:
         return self._grips_at(start, end) if self._grips_vary else self._grips
 
     def _at(self, t: float) -> Loads:
-        from pgimp.exact.base import BodyForce
+        from pgimp.physics.exact.base import BodyForce
 
         tractions = tuple(
             entry.parameters(i, *self._patch, t) for i, entry in enumerate(self.tractions)

@@ -13,7 +13,8 @@ from pgimp.errors import CaseError
 from pgimp.kernels.errors import initial_velocities
 from pgimp.kernels.mirror import Mirror
 from pgimp.kernels.order import cell_numbers
-from pgimp.materials.outside import parameters_of
+from pgimp.kernels.particles import Frame, Particles
+from pgimp.physics.materials.outside import parameters_of
 from pgimp.scene.census import census
 from pgimp.scene.cloudgradients import velocity_gradients
 from pgimp.scene.faces import AXES, Face, walls
@@ -21,7 +22,6 @@ from pgimp.scene.lattice import Lattice, Made
 from pgimp.scene.loads import SceneLoads
 from pgimp.scene.pointscloud import Cloud
 from pgimp.schema.tables import VectorTable
-from pgimp.solver.particles import Frame, Particles
 
 #: Masses outside of this would leave the range of float64 in sums and products.
 LEAST, MOST = 1e-200, 1e200

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pgimp.decomposition.balance import Balance
+from pgimp.decomposition.grid import LATE, Grid
+from pgimp.decomposition.halo import Halo
+from pgimp.decomposition.handover import hand_over
+from pgimp.decomposition.migrate import Migration
+from pgimp.decomposition.slabs import cut, slab_of
 from pgimp.kernels.order import layers_of
-from pgimp.parallel.halo import Halo
-from pgimp.parallel.handover import hand_over
-from pgimp.parallel.migrate import Migration
-from pgimp.parallel.slabs import cut, slab_of
-from pgimp.solver.balance import Balance
-from pgimp.solver.grid import LATE, Grid
 from pgimp.solver.state import ACCUMULATORS, no_sums
 
 if TYPE_CHECKING:
@@ -92,7 +92,7 @@ def move_boundaries(sim: "Simulation", cuts: list[int]) -> None:
     Parameters
     ----------
     cuts : list of int
-        As from `pgimp.parallel.slabs.cut`, the same on every rank.
+        As from `pgimp.decomposition.slabs.cut`, the same on every rank.
     """
     own, window = sim.owned_planes, sim.grid.base
     sums = [getattr(sim, name)[:own] for name in ACCUMULATORS]

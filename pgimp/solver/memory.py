@@ -8,15 +8,15 @@ bodies spread or many particles move to another rank at once, is not foreseen.
 from math import prod
 from typing import Any, NamedTuple
 
+from pgimp.decomposition.grid import LATE, MARGIN
 from pgimp.errors import CaseError
+from pgimp.kernels.particles import Particles
 from pgimp.kernels.sums import SUMS
 from pgimp.mpi.limits import Limit, limits
-from pgimp.output.fields import ALWAYS, OPTIONAL
+from pgimp.physics.values import ALWAYS, OPTIONAL
 from pgimp.scene.extent import Extent, extents, points
 from pgimp.scene.filling import _SLAB
 from pgimp.scene.scene import Scene
-from pgimp.solver.grid import LATE, MARGIN
-from pgimp.solver.particles import Particles
 
 #: What a process takes besides after its start: kernels, HDF5, buffers of MPI.
 BASE = 100_000_000

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pgimp.decomposition.population import Population
 from pgimp.files.framefile import blocks
-from pgimp.output.fields import OPTIONAL, Source
-from pgimp.solver.population import Population
+from pgimp.physics.values import OPTIONAL, Source
 
 if TYPE_CHECKING:
     from pgimp.solver.simulation import Simulation

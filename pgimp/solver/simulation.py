@@ -7,29 +7,29 @@ import numpy as np
 
 from pgimp.case.places import located
 from pgimp.case.schema import Case
+from pgimp.decomposition.balance import Balance
+from pgimp.decomposition.grid import Grid
+from pgimp.decomposition.halo import Halo
+from pgimp.decomposition.migrate import Migration
+from pgimp.decomposition.population import Population
+from pgimp.decomposition.slabs import Slab
 from pgimp.errors import CaseError, RunError
 from pgimp.jit.cache import told
 from pgimp.jit.kernel import FOLDER
 from pgimp.kernels.order import layers_of
+from pgimp.kernels.particles import Particles
 from pgimp.kernels.sums import fastest_rate
 from pgimp.mpi.node import shares_cores
-from pgimp.parallel.halo import Halo
-from pgimp.parallel.migrate import Migration
-from pgimp.parallel.slabs import Slab
 from pgimp.scene import nearness
 from pgimp.scene.geometry import do_without, release, share
 from pgimp.scene.lattice import Lattice
 from pgimp.scene.scene import Scene, count_particles
 from pgimp.solver.agreement import FAULT, NOTHING, PENDING, Agreement
-from pgimp.solver.balance import Balance
 from pgimp.solver.clock import clock_of
 from pgimp.solver.decomposition import occupy, owned, rebalance, share_out
 from pgimp.solver.diagnostics import Diagnostics
 from pgimp.solver.faults import ROOM, Failure, collect
-from pgimp.solver.grid import Grid
 from pgimp.solver.memory import require
-from pgimp.solver.particles import Particles
-from pgimp.solver.population import Population
 from pgimp.solver.stability import check_first_step
 from pgimp.solver.state import restore
 from pgimp.solver.step import PHASES, step

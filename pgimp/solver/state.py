@@ -12,9 +12,9 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from pgimp.errors import DamagedError, UsageError
 from pgimp.kernels.order import cell_numbers, locate
+from pgimp.kernels.particles import Particles
 from pgimp.kernels.sums import SUMS
 from pgimp.mpi.collective import all_or_none
-from pgimp.solver.particles import Particles
 
 if TYPE_CHECKING:
     from pgimp.scene.scene import Scene

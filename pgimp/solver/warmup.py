@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from pgimp.decomposition.grid import Grid
+from pgimp.decomposition.slabs import Slab
 from pgimp.kernels.errors import ERRORS, initial_velocities, layer_errors
 from pgimp.kernels.g2p import grid_to_particles
 from pgimp.kernels.grips import hold_marked, mark
@@ -14,12 +16,10 @@ from pgimp.kernels.momentum import update_momentum
 from pgimp.kernels.movers import pack_rows, sort_out, sort_rows, unpack_rows
 from pgimp.kernels.order import layers_of, locate, merge, reach_of
 from pgimp.kernels.p2g import complete, particles_to_grid
+from pgimp.kernels.particles import Particles
 from pgimp.kernels.sums import SUMS, exact_masses, fastest_rate, layer_sums
 from pgimp.mpi.node import Call, shared_out
-from pgimp.parallel.slabs import Slab
 from pgimp.scene.scene import Scene
-from pgimp.solver.grid import Grid
-from pgimp.solver.particles import Particles
 
 
 def warm_up(scene: Scene, identity: tuple[float, ...], comm: Any) -> None:

@@ -20,9 +20,9 @@ from typing import Any
 from pgimp.errors import PgimpError
 from pgimp.files.plain import read_plain
 from pgimp.jit.outside import unchanged
-from pgimp.materials.registry import imported
 from pgimp.output import history, runinfo
 from pgimp.output.ownfiles import RUN
+from pgimp.physics.materials.registry import imported
 from pgimp.schema.document import LARGEST_FILE
 from pgimp.study.measures import Unmeasured, costs, measure
 from pgimp.study.plan import Planned

@@ -20,7 +20,7 @@ import numpy as np
 from report import ROOT
 from workers import environment
 
-from pgimp.parallel.slabs import cut
+from pgimp.decomposition.slabs import cut
 
 TESTS = ROOT / "tests"
 sys.path.insert(0, str(TESTS))

@@ -8,7 +8,7 @@ from blocks import MATERIALS, PHASES, Timed, block, create, errors
 from picture import plt, save
 from report import count, error, number, origin, spread, write
 
-from pgimp.shapes import SHAPES
+from pgimp.physics.shapes import SHAPES
 from pgimp.solver.simulation import RESORT
 
 SIZES = {1: (65_536,), 2: (224, 224), 3: (24, 24, 24)}

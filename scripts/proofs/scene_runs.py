@@ -39,10 +39,10 @@ def prepare():
     """Let runs be as they are on large machines: messages in pieces, boundaries that move."""
     thread_ranks.prepare()
     from pgimp.commands import run
+    from pgimp.decomposition import halo, handover, migrate
+    from pgimp.decomposition.balance import Balance
     from pgimp.output import running
-    from pgimp.parallel import halo, handover, migrate
     from pgimp.solver.agreement import STOP
-    from pgimp.solver.balance import Balance
 
     run.abort_on_error = lambda comm: contextlib.nullcontext()
     handover._PIECE, halo.PIECE, migrate.ROOM = 200, 5, 2

@@ -1,0 +1,1 @@
+"""The domain in slabs: halos, migration of particles, and moving the cuts."""

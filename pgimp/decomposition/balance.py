@@ -1,0 +1,300 @@
+"""Load balance: when slab boundaries move, and where to.
+
+All ranks measure, rank 0 decides. The cost of a layer is counted in particles: those that it has,
+what its plane of vertices costs besides, and a factor where a rank's time per particle has differed
+from the others' for a while, be it for the material there or for the machine. Boundaries move when
+what that saves until the next change is like to be more than what moving has cost so far. Bits do
+not depend on the boundaries, so neither on these times.
+"""
+
+from collections import deque
+from typing import Any
+
+import numpy as np
+
+from pgimp.decomposition.slabs import common, cut, imbalance_of, slab_of
+from pgimp.mpi.switches import switched_on
+
+#: Environment variable that turns it off.
+SWITCH = "PGIMP_BALANCE"
+_MEANING = "keeps slab boundaries where they are", "lets them follow the load"
+
+#: Imbalance, as a part of the mean cost of a rank, that is not worth a thought.
+_SMALL = 0.03
+#: Parts of the mean cost by which a move must lower the dearest rank's.
+_LEAST_GAIN = 0.02
+#: So many steps at most does a state last that has lasted for as long.
+_LONGEST = 1000
+#: Intervals in which a rank must have differed before it is taken for slower or faster.
+_EVIDENCE, _MOST_EVIDENCE = 4, 64
+#: The last so many are remembered, of so many seconds: disturbances last for tenths of one.
+_REMEMBERED, _SECONDS = 8, 1.0
+#: A move costs so many steps of the particles that move and of some more, until it is measured;
+#: and the most that one may cost.
+_PRICE, _BESIDES, _DEAREST = 2.0, 8000.0, 200.0
+
+
+class Balance:
+    """What a rank knows of the load.
+
+    Parameters
+    ----------
+    cuts : list of int
+        The decomposition, see `pgimp.decomposition.slabs.cut`.
+    total : int
+        Particles of all ranks.
+    vertices : int
+        Vertices a direction in a particle's support.
+    ends : int
+        See `cut`.
+    interval : int
+        Steps between two reports.
+
+    Attributes
+    ----------
+    on : bool
+        Whether boundaries may move.
+    asks : bool
+        Whether this rank wants a decision.
+    pause : int
+        Steps until a rank may ask again because of particles that it had at the last decision.
+    price : float
+        Steps of the particles that move which a move costs, see `_PRICE`; learned on rank 0.
+    total : int
+        Particles of all ranks at the last report.
+    imbalance : float or None
+        Busiest rank's time in the kernels over the mean, less one, in the last report.
+    moves : list of (float, float)
+        Imbalance by cost before and after each move; on rank 0.
+    """
+
+    def __init__(
+        self, cuts: list[int], total: int, vertices: int, ends: int, interval: int
+    ) -> None:
+        self.cuts, self.total = cuts, total
+        self.on = len(cuts) > 2 and switched_on(SWITCH, *_MEANING)
+        self.asks = False
+        self.pause = 0
+        self.imbalance: float | None = None
+        self.moves: list[tuple[float, float]] = []
+        self._vertices, self._ends, self._interval = vertices, ends, interval
+        self._steps = np.zeros((interval, 2))
+        self._taken = 0
+        self._before = (0.0, 0.0)
+        self._clear, self._known = 2**62, 0
+        self._had: int | None = None
+        self._changed, self._seconds = -1, 0.0
+        self.price = _PRICE
+        self._cold = True
+        # What follows is of use on rank 0 only.
+        self._density = np.ones(cuts[-1])
+        self._expected = np.ones(len(cuts) - 1)
+        self._plane = 0.0
+        self._moved = 0.0
+        self._patience = self._wait = 0
+        self._forget()
+        self._evidence = _EVIDENCE
+        self._doubted: float | None = None
+
+    def _forget(self) -> None:
+        """Begin anew to watch how ranks differ."""
+        self._factors: deque[np.ndarray] = deque(maxlen=_REMEMBERED)
+        self._watched = self._next = 0.0
+        self._imbalances: deque[float] = deque(maxlen=_MOST_EVIDENCE)
+        self._refused = 0.0
+
+    def note(self, worked: dict[str, float], count: int, step: int) -> None:
+        """Take notice of a step.
+
+        Parameters
+        ----------
+        worked : dict of str to float
+            Seconds of work in each phase so far, see `Simulation.worked`.
+        count, step : int
+            This rank's particles; steps done.
+        """
+        spent = worked["P2G"] + worked["G2P"] + worked["order"], worked["momentum"]
+        place = self._taken % self._interval
+        self._steps[place] = spent[0] - self._before[0], spent[1] - self._before[1]
+        self._before = spent
+        self._taken += 1
+        self.pause -= 1
+        if self._changed < 0:
+            self._changed = step - 1
+        more, excess = count - self._known, count - (self._had or 0)
+        clear = more > self._clear or (excess > self._clear and self.pause < 0)
+        if clear and self.on and self._may_pay(excess, step):
+            self.asks = True
+
+    def report(self, comm: Any, count: int, planes: int, step: int) -> None:
+        """Let all know of all since the last report; collective.
+
+        Parameters
+        ----------
+        count, planes : int
+            This rank's particles, and its planes that took part in the last step.
+        step : int
+            Steps done.
+        """
+        taken = self._steps[: min(self._taken, self._interval)]
+        # An interruption makes some steps long, but hardly half of them.
+        particle, plane = np.median(taken, axis=0) if len(taken) else (0.0, 0.0)
+        mine = np.array([particle, plane, count, planes, self._seconds])
+        every = np.empty((comm.size, len(mine)))
+        comm.Allgather(mine, every)
+        self._taken, self._seconds = 0, 0.0
+        every = every[: len(self.cuts) - 1]
+        self.total = int(every[:, 2].sum())
+        self.watch(count)
+        busy = every[:, 0] + every[:, 1]
+        self.imbalance = float(busy.max() / busy.mean()) - 1.0 if busy.any() else None
+        if comm.rank == 0 and self.on and self.imbalance is not None and self.total:
+            self._learn(every, busy, step)
+
+    def watch(self, count: int) -> None:
+        """Ask again when there are clearly more particles, than now or than after the last move.
+
+        Parameters
+        ----------
+        count : int
+            This rank's particles.
+        """
+        self._had = count if self._had is None else self._had
+        self._clear = int(_SMALL * self.total / (len(self.cuts) - 1))
+        self._known = count
+        self.asks = False
+
+    def _may_pay(self, excess: float, step: int) -> bool:
+        """Whether to move boundaries may pay where a rank has so many particles too many."""
+        return excess > 0.0 and excess * self._lasts(step) > self.price * (excess + _BESIDES)
+
+    def _lasts(self, step: int) -> int:
+        """For how many steps a move would help: what came about in so many lasts as many."""
+        return min(step - self._changed, _LONGEST)
+
+    def _learn(self, every: np.ndarray, busy: np.ndarray, step: int) -> None:
+        """Find out on rank 0 what particles and planes cost, and how ranks differ."""
+        counts, planes = every[:, 2], every[:, 3]
+        particle = max(every[:, 0].sum() / counts.sum(), 1e-12)
+        self._plane = every[:, 1].sum() / max(planes.sum(), 1.0) / particle
+        if self._moved and every[:, 4].any():
+            price = float(every[:, 4].max() / particle / self._moved)
+            # An interrupted move took long: a step towards it, and a larger one back.
+            price = min(max(price, 0.5 * self.price), 1.5 * self.price)
+            self.price = min(price, _DEAREST)
+            self._moved = 0.0
+        work = counts + self._plane * planes
+        self._watched += self._interval * float(busy.max())
+        if self._watched >= self._next:
+            factors = busy / particle / np.maximum(work, 1.0)
+            self._factors.append(np.where(work > 0.0, factors, 1.0))
+            self._next = self._watched + _SECONDS / _REMEMBERED
+        self._imbalances.append(float(self.imbalance or 0.0))
+        if self._doubted is not None and len(self._imbalances) >= _EVIDENCE - 1:
+            helped = np.median(self._imbalances) < self._doubted - _LEAST_GAIN
+            self._evidence = _EVIDENCE if helped else min(2 * self._evidence, _MOST_EVIDENCE)
+            self._doubted = None
+        costs = work * self._expected * self._differences()
+        imbalance = float(costs.max() / costs.mean()) - 1.0
+        self._wait -= 1
+        clear = imbalance > max(_SMALL, self._refused + _LEAST_GAIN)
+        again = imbalance > _SMALL and self._wait <= 0
+        self.asks = (clear or again) and self._may_pay(float(np.ptp(costs)), step)
+
+    def _differences(self) -> np.ndarray:
+        """By how much each rank takes longer than expected, beyond what changes all the time."""
+        if len(self._imbalances) < self._evidence or self._watched < _SECONDS:
+            return np.ones(len(self.cuts) - 1)
+        seen = np.array(self._factors)
+        deviation = np.median(seen, axis=0) / self._expected - 1.0
+        clear = np.maximum(np.abs(deviation) - np.ptp(seen, axis=0), 0.0)
+        return np.clip(1.0 + np.sign(deviation) * clear, 0.25, 4.0)
+
+    def decide(self, counts: np.ndarray, step: int) -> list[int] | None:
+        """Where boundaries should be; on rank 0.
+
+        Parameters
+        ----------
+        counts : (layers,) int or float
+            Particles of each layer.
+        step : int
+            Steps done.
+
+        Returns
+        -------
+        list of int or None
+            As from `cut`; None where they should stay.
+        """
+        self.pause = _LONGEST
+        if not self.on or not counts.any():
+            return None
+        planes = np.convolve(counts > 0, np.ones(self._vertices))[: len(counts)] > 0.5
+        work = counts + self._plane * planes
+        differences = self._differences()
+        density = self._density * np.repeat(differences, np.diff(self.cuts))
+        new, gain, price = self._offer(counts, work * density, step)
+        if gain <= price:
+            self._refused = imbalance_of(work * density, self.cuts)
+            self._patience = min(2 * self._patience + 1, 32)
+            self._wait = self._patience
+            # What grows evenly with time has a gain that grows with its square.
+            since = step - self._changed
+            growth = (price / gain) ** 0.5 if gain else 1.5
+            self.pause = max(since // 8, int(since * min(growth - 1.0, 1.0)))
+            return None
+        # Was it for what had been known before?
+        if (differences != 1.0).any():
+            _, plain, price = self._offer(counts, work * self._density, step)
+            if plain <= price:
+                self._doubted = float(np.median(self._imbalances))
+        self._density = density
+        costs = work * density
+        self.moves.append((imbalance_of(costs, self.cuts), imbalance_of(costs, new)))
+        mean = costs.sum() / max(work.sum(), 1e-300)
+        edges = new[:-1]
+        below = np.maximum(np.add.reduceat(work, edges), 1e-300)
+        self._expected = np.add.reduceat(costs, edges) / below / mean
+        self._expected[np.add.reduceat(work, edges) == 0.0] = 1.0
+        self._moved += self._moving(counts, new) + _BESIDES
+        self._patience = self._wait = self.pause = 0
+        self._forget()
+        return new
+
+    def told(self) -> str:
+        """Say on rank 0 in a line what was done; empty if nothing moved."""
+        if not self.moves:
+            return ""
+        before, after = (f"{100.0 * x:.0f} %" for x in np.mean(self.moves, axis=0))
+        times = f"{len(self.moves)} times" if len(self.moves) > 1 else "once"
+        return f"slab boundaries moved {times}: imbalance {before} before a move, {after} after it"
+
+    def _offer(
+        self, counts: np.ndarray, costs: np.ndarray, step: int
+    ) -> tuple[list[int], float, float]:
+        """The best boundaries, what they save, and what moving costs, in particle-steps."""
+        ranks = len(self.cuts) - 1
+        new = cut(costs, ranks, self._vertices - 1, self._ends)
+        now, then = (np.add.reduceat(costs, cuts[:-1]).max() for cuts in (self.cuts, new))
+        if now - then < _LEAST_GAIN * costs.sum() / ranks:
+            return new, 0.0, 0.0
+        price = self.price * (self._moving(counts, new) + _BESIDES)
+        return new, float(now - then) * self._lasts(step), price
+
+    def _moving(self, counts: np.ndarray, new: list[int]) -> float:
+        """Particles that the rank with most of them must send and receive."""
+        total = np.concatenate([[0.0], np.cumsum(counts)])
+        most = 0.0
+        for rank in range(len(new) - 1):
+            a, b = slab_of(self.cuts, rank), slab_of(new, rank)
+            first, end = common(a, b)
+            had, gets = (total[s.first + s.layers] - total[s.first] for s in (a, b))
+            most = max(most, had + gets - 2.0 * (total[end] - total[first]))
+        return most
+
+    def moved(self, seconds: float, step: int) -> None:
+        """Take notice on every rank of a move that took it so long."""
+        self._changed, self._had, self._taken = step, None, 0
+        if self._cold:  # a first one says little of others
+            self._cold, self._moved = False, 0.0
+        else:
+            self._seconds += seconds

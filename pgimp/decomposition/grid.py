@@ -1,0 +1,142 @@
+"""A rank's part of the grid: storage for its planes, only as wide as where particles are."""
+
+import numpy as np
+
+from pgimp.decomposition.slabs import Slab
+from pgimp.kernels.particles import FloatArray, Frame, Window
+
+#: Cells by which the window reaches beyond the particles, so that it seldom has to grow.
+MARGIN = 2
+
+#: Further cells where ranks learn of each other's particles a step late: in a step a particle
+#: moves by a cell at most, and its support may grow by another.
+LATE = 2
+
+
+def aligned(size: int) -> FloatArray:
+    """Zeros at an address that vector loads accept; untouched pages cost no memory."""
+    raw = np.zeros(size + 8)
+    offset = (-raw.ctypes.data // 8) % 8
+    return raw[offset : offset + size]
+
+
+class Grid:
+    """Planes of vertices `first` to ``first + planes - 1``, cut to a window in y and z.
+
+    The window in y and z is the same on all ranks, so that a message's size is known to both
+    sides.
+
+    Parameters
+    ----------
+    frame : Frame
+        Where the grid lies.
+    vertices : int
+        Vertices a direction in a particle's support.
+    slab : Slab
+        The rank's layers; it stores ``vertices - 1`` planes more, those that ranks share.
+    late : int
+        Cells by which a particle may be farther out than where all ranks know it to be.
+
+    Attributes
+    ----------
+    below : int
+        Planes shared with the rank below; 0 where there is none.
+    window : Window
+        What is stored.
+    G : (planes * plane,) float64
+        Records of the vertices, see `pgimp.kernels.transfer`; only active planes are defined.
+    active : (planes,) uint8
+        Which planes take part in this step.
+    scratch, aside : float64
+        See `particles_to_grid`.
+    partial : float64
+        The part of `aside` for planes that are shared with the rank below.
+    marks : (planes * plane / 8,) int64
+        See `pgimp.kernels.grips`; made when first asked for.
+    base : (2, 2) int64
+        First vertices (least, greatest; y, z) that a support in the window may have.
+    known : (2, 2) int64
+        Those that need not be reported: `late` cells less, but for the ends of the grid.
+    """
+
+    def __init__(self, frame: Frame, vertices: int, slab: Slab, late: int = 0) -> None:
+        self.frame = frame
+        self.late = late
+        self.vertices = vertices
+        self.slab = slab
+        self.planes = slab.layers + vertices - 1 if slab.layers else 0
+        self.below = vertices - 1 if slab.below is not None else 0
+        self.active = np.zeros(self.planes, np.uint8)
+        self.base = np.zeros((2, 2), np.int64)
+        self.known = np.zeros((2, 2), np.int64)
+
+    def cover(self, reach: np.ndarray) -> None:
+        """Store what the supports with first vertices within `reach` need, and a margin."""
+        margin = MARGIN + self.late
+        self.store(reach + np.array([[-margin], [margin]]))
+
+    def extend(self, reach: np.ndarray) -> None:
+        """Widen the window, by a margin, on the sides where `reach` goes beyond what is known."""
+        base, margin = self.base.copy(), MARGIN + self.late
+        base[0] = np.where(reach[0] < self.known[0], reach[0] - margin, base[0])
+        base[1] = np.where(reach[1] > self.known[1], reach[1] + margin, base[1])
+        self.store(base)
+
+    def covers(self, reach: np.ndarray) -> bool:
+        """Whether supports with first vertices within `reach` lie in the window, also `late`."""
+        (low, high), (least, greatest) = reach.tolist(), self.known.tolist()
+        return (  # in Python: NumPy would take a fifth of the step of a tiny scene
+            low[0] >= least[0]
+            and low[1] >= least[1]
+            and high[0] <= greatest[0]
+            and high[1] <= greatest[1]
+        )
+
+    def store(self, base: np.ndarray) -> None:
+        """Make room for the supports with first vertices within `base`, cut to the grid."""
+        lower, extent = [self.slab.first, 0, 0], [self.planes, 1, 1]
+        self.base, self.known = np.zeros_like(base), np.zeros_like(base)
+        for d in range(1, len(self.frame.cells)):
+            last = self.frame.vertices[d] - self.vertices
+            low, high = max(0, int(base[0, d - 1])), min(last, int(base[1, d - 1]))
+            self.base[:, d - 1] = low, high
+            self.known[0, d - 1] = min(low + self.late, last) if low else 0
+            self.known[1, d - 1] = max(high - self.late, 0) if high < last else last
+            lower[d], extent[d] = low, high - low + self.vertices
+        self.window = Window.over((lower[0], lower[1], lower[2]), (extent[0], extent[1], extent[2]))
+        plane = self.window.stride[0]
+        self.G = aligned(self.planes * plane)
+        self.scratch = aligned(self.vertices * plane)
+        half = self.below * (self.below + 1) // 2 * plane
+        above = self.vertices - 1 if self.slab.above is not None else 0
+        self.aside = aligned(half + above * (above + 1) // 2 * plane)
+        self.partial = self.aside[:half]
+        self.bounds = self._bounds()
+        self._marks = np.zeros(0, np.int64)
+
+    @property
+    def marks(self) -> np.ndarray:
+        """Which constraints hold each vertex, bit by bit."""
+        if len(self._marks) != len(self.G) // 8:
+            self._marks = np.zeros(len(self.G) // 8, np.int64)
+        return self._marks
+
+    def _bounds(self) -> tuple[tuple[float, float], ...]:
+        """Coordinates within which a particle is sure to be in the domain and where it is known.
+
+        Sure means that rounding cannot matter: inside by a billionth of a cell and by many times
+        the rounding of coordinates of this size and of cell numbers of this size.
+        """
+        bounds = []
+        for d, cells in enumerate(self.frame.cells):
+            low, high = 0.0, float(cells)
+            if d > 0:
+                # A support has its first vertex between floor(xi - 1) and floor(xi).
+                low = max(low, float(self.known[0, d - 1] - self.frame.ghost) + 1.0)
+                high = min(high, float(self.known[1, d - 1] - self.frame.ghost) + 1.0)
+            origin, cell = self.frame.origin[d], self.frame.cell[d]
+            least, most = origin + low * cell, origin + high * cell
+            eps = np.finfo(float).eps
+            margin = (1e-9 + 8.0 * eps * cells) * cell + 8.0 * eps * max(abs(least), abs(most))
+            bounds.append((float(least + margin), float(most - margin)))
+        return tuple(bounds)

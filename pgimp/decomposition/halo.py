@@ -1,0 +1,219 @@
+"""The halo exchange: neighbours end with the same bits in the planes they share.
+
+A slab boundary cuts the sums of ``shared = s - 1`` planes. The rank below sends up its running
+sums of them, one prefix a plane; the rank above sends down what its first layers add, each layer
+by itself, s(s-1)/2 partial planes. Then both add prefix and partials in layer order.
+
+Only a slab's first and last layers give to these messages. They are summed first, and the inner
+layers while the messages are on their way, as far as that is more work than calling kernels more
+often. An MPI library may move a long message only while it is called; therefore the inner layers
+are summed in pieces, between which it is.
+"""
+
+import weakref
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from pgimp.decomposition.grid import Grid, aligned
+from pgimp.decomposition.slabs import Slab
+from pgimp.kernels.p2g import complete
+from pgimp.mpi.switches import switched_on
+
+_UP, _DOWN = 1, 2
+_MARKS = 4
+
+#: Environment variable that turns overlap off: "0" sums all layers first, with the same bits.
+SWITCH = "PGIMP_OVERLAP"
+_MEANING = "lets ranks wait for each other's messages", "lets them work meanwhile"
+
+#: Least number of particles in a piece of the inner layers, and the most pieces there are.
+PIECE, PIECES = 2000, 4
+
+
+def _free(requests: list[Any]) -> None:
+    for request in requests:
+        request.Free()
+    requests.clear()
+
+
+class Halo:
+    """Exchange between a rank and its two neighbours, by persistent requests.
+
+    Requests belong to a grid's arrays and are made anew when these are others, as when the window
+    changes. A halo is cheap to make; make another when slabs change, and `close` the old one
+    then. What is not closed is at the process's end, before MPI is.
+
+    In a step, call `proceed` after each of the `parts` of the layers, then `finish`.
+
+    Parameters
+    ----------
+    comm : communicator
+        Of all ranks.
+    slab : Slab
+        This rank's.
+    shared : int
+        Planes shared at a slab boundary, s - 1.
+
+    Attributes
+    ----------
+    overlap : bool
+        Whether inner layers may be summed while messages are on their way.
+    piece : int
+        Least number of particles in a piece of them.
+    messages, bytes : int
+        Sent so far by this rank.
+    """
+
+    def __init__(self, comm: Any, slab: Slab, shared: int) -> None:
+        self.comm, self.slab, self.shared = comm, slab, shared
+        self.overlap, self.piece = switched_on(SWITCH, *_MEANING), PIECE
+        self._alone = not slab.neighbours
+        self.messages = self.bytes = 0
+        layers = slab.layers
+        self._first = shared if slab.below is not None else 0
+        self._last = layers - (shared if slab.above is not None else 0)
+        self._parts: list[tuple[np.ndarray, ...]] = [(np.array([[0, layers, 0]]),)]
+        if not self._alone and self._last > self._first:
+            edges = np.array([[self._last, layers, 1], [0, self._first, 0]])
+            inside = self._last - self._first
+            for pieces in range(1, min(PIECES, inside) + 1):
+                cuts = [self._first + inside * i // pieces for i in range(pieces + 1)]
+                inner = [np.array([[a, b, 0]]) for a, b in pairwise(cuts)]
+                self._parts.append((edges, *inner))
+        every = np.arange(layers)
+        begin, end = int(slab.below is not None), layers - (slab.above is not None)
+        self._halves: list[tuple[np.ndarray, ...]] = [(every,)]
+        if not self._alone and end > begin:
+            outer = np.concatenate([every[:begin], every[end:]])
+            self._halves.append((outer, every[begin:end]))
+        self._kept = False
+        self._grid: Any = None
+        self._marks: Any = None
+        self._received = aligned(0)
+        self._sizes = [0, 0]  # bytes sent in a step, without marks and with them
+        self._others: list[tuple[np.ndarray, np.ndarray]] = []
+        self._requests: list[Any] = []
+        self._mark_requests: list[Any] = []
+        self._every: list[Any] = []
+        self._started: list[Any] = []
+        self.close = weakref.finalize(self, _free, self._every)
+
+    def parts(self, start: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Parts of the rank's layers, each some runs for `particles_to_grid`, in turn.
+
+        Parameters
+        ----------
+        start : (layers + 1,) int64
+            Where each layer begins in the order of the particles.
+        """
+        parts = self._parts[0]
+        if self.overlap and len(self._parts) > 1:
+            inner = int(start[self._last] - start[self._first])
+            parts = self._parts[min(inner // self.piece, len(self._parts) - 1)]
+        self._kept = len(parts) > 1 and self.slab.above is not None
+        return parts
+
+    def halves(self, start: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Layers from which particles may leave the slab, then the others; all, if these are few.
+
+        To advance them apart lets ranks be out of step by what the others take, but costs a call.
+
+        Parameters
+        ----------
+        start : (layers + 1,) int64
+            As in `parts`.
+        """
+        ends, *others = self._halves[-1]
+        if not self.overlap or not others:
+            return self._halves[0]
+        inner = start[-1] - sum(start[i + 1] - start[i] for i in ends)
+        return self._halves[-1 if inner >= PIECES * self.piece else 0]
+
+    def proceed(self, grid: Grid, marked: bool = False) -> None:
+        """Send what neighbours wait for, at the first call in a step; then see to the messages.
+
+        Parameters
+        ----------
+        marked : bool
+            Whether the exchange includes ``grid.marks``, which must be complete.
+        """
+        if self._alone:
+            return
+        if self._started:
+            for request in self._started:
+                request.Test()
+            return
+        if self._grid is not grid.G:
+            self._connect(grid)
+        if marked and self._marks is not grid.marks:
+            self._connect_marks(grid)
+        if self.slab.above is not None:
+            top, plane = self.slab.layers, grid.window.stride[0]
+            for i in range(top, top + self.shared):
+                if not grid.active[i]:
+                    grid.active[i] = 1
+                    grid.G[i * plane : (i + 1) * plane] = 0.0
+        if self.slab.below is not None:
+            grid.active[: self.shared] = 1
+        self._started += self._requests
+        if marked:
+            self._started += self._mark_requests
+        for request in self._started:
+            request.Start()
+        self.messages += len(self._started) // 2
+        self.bytes += self._sizes[marked]
+
+    def finish(self, grid: Grid) -> None:
+        """Complete the sums of the shared planes, and unite the marks there."""
+        if not self._started:
+            return
+        for request in self._started:
+            request.Wait()
+        complete(
+            grid.G, grid.window.stride[0], self.shared, self.slab.layers, grid.aside, grid.below,
+            self._kept, self._received,
+        )  # fmt: skip
+        if len(self._started) > len(self._requests):
+            for planes, others in self._others:
+                planes |= others
+        self._started.clear()
+
+    def _connect(self, grid: Grid) -> None:
+        """Make the requests for the arrays of `grid`."""
+        _free(self._every)
+        self._mark_requests.clear()
+        self._sizes = [0, 0]
+        self._grid, self._marks = grid.G, None
+        plane = grid.window.stride[0]
+        below, above = self.slab.below, self.slab.above
+        requests = []
+        if above is not None:
+            self._received = aligned(self.shared * (self.shared + 1) // 2 * plane)
+            prefix = grid.G[self.slab.layers * plane :][: self.shared * plane]
+            requests.append(self.comm.Recv_init(self._received, above, _DOWN))
+            requests.append(self.comm.Send_init(prefix, above, _UP))
+            self._sizes[0] += prefix.nbytes
+        if below is not None:
+            prefix = grid.G[: self.shared * plane]
+            requests.append(self.comm.Recv_init(prefix, below, _UP))
+            requests.append(self.comm.Send_init(grid.partial, below, _DOWN))
+            self._sizes[0] += grid.partial.nbytes
+        self._requests = requests
+        self._every += requests
+
+    def _connect_marks(self, grid: Grid) -> None:
+        """Make the requests for what constraints mark in the shared planes."""
+        marks, self._marks = grid.marks, grid.marks
+        plane = grid.window.stride[0] // 8
+        self._others, self._sizes[1] = [], self._sizes[0]
+        for neighbour, first in ((self.slab.below, 0), (self.slab.above, self.slab.layers)):
+            if neighbour is not None:
+                planes = marks[first * plane : (first + self.shared) * plane]
+                others = np.empty_like(planes)
+                self._others.append((planes, others))
+                self._mark_requests.append(self.comm.Recv_init(others, neighbour, _MARKS))
+                self._mark_requests.append(self.comm.Send_init(planes, neighbour, _MARKS))
+                self._sizes[1] += planes.nbytes
+        self._every += self._mark_requests

@@ -1,0 +1,128 @@
+"""Layers change hands: particles, and sums by plane, go from their old ranks to their new ones."""
+
+from collections.abc import Sequence
+from math import prod
+from typing import Any
+
+import numpy as np
+
+from pgimp.decomposition.migrate import pack, unpack
+from pgimp.decomposition.population import Population
+from pgimp.decomposition.slabs import Slab, common, slab_of
+
+_TAG = 5
+
+#: Numbers in a message: there need not be room for a second copy of what moves.
+_PIECE = 2**19
+
+_NONE = np.empty(0, np.int32)
+
+
+def hand_over(
+    comm: Any,
+    old: list[int],
+    new: list[int],
+    extra: int,
+    population: Population,
+    sums: Sequence[np.ndarray],
+) -> list[np.ndarray]:
+    """Go over from a decomposition to another between two steps; collective.
+
+    Particles keep their layers and cells, and with these the canonical order, so that no bit of
+    what follows can change. What leaves makes room for what comes: no rank has more than its old
+    share and its new one.
+
+    Parameters
+    ----------
+    comm : communicator
+        Of all ranks.
+    old, new : list of int
+        Results of `cut`, the same on every rank.
+    extra : int
+        Planes above those of the grid's last layer, which belong to the last rank with layers.
+    population : Population
+        This rank's particles; changed.
+    sums : sequence of arrays (planes, ...) float64
+        By plane that this rank owns in the old decomposition.
+
+    Returns
+    -------
+    list of arrays (planes, ...) float64
+        By plane that it owns in the new one.
+    """
+    rank, before, after = comm.rank, slab_of(old, comm.rank), slab_of(new, comm.rank)
+    had, gets = _planes(old, extra, rank), _planes(new, extra, rank)
+    start, order, layers = population.start, population.order, before.layers
+    columns = population.particles.width
+    each = max(1, _PIECE // columns)
+    shapes = [part.shape[1:] for part in sums]
+
+    # A plane's particles and sums, in one record.
+    counts = np.zeros((had.layers, 1))
+    counts[:layers, 0] = np.diff(start)
+    flat = [part.reshape(had.layers, prod(shape)) for part, shape in zip(sums, shapes, strict=True)]
+    planes = np.concatenate([counts, *flat], axis=1)
+    new_planes = np.empty((gets.layers, planes.shape[1]))
+
+    def places(slab: Slab, a: Slab, b: Slab) -> slice:
+        first, end = common(a, b)
+        return slice(first - slab.first, end - slab.first)
+
+    def rows_of(owner: Slab) -> np.ndarray:
+        place = places(before, before, owner)
+        return order[start[place.start] : start[place.stop]] if place.stop > place.start else _NONE
+
+    new_planes[places(gets, had, gets)] = planes[places(had, had, gets)]
+    rows = {rank: [rows_of(after)]}
+    # To the ranks at one distance after those at another: so nobody waits in a circle, and there
+    # is never more than one message on its way out and one on its way in.
+    for distance in _distances(old, new, extra):
+        to, source = rank + distance, rank - distance
+        going = planes[places(had, had, _planes(new, extra, to))]
+        coming = new_planes[places(gets, gets, _planes(old, extra, source))]
+        leaving = rows_of(_planes(new, 0, to))
+        request = comm.Isend(np.ascontiguousarray(going), to, _TAG) if len(going) else None
+        if len(coming):
+            comm.Recv(coming, source, _TAG)
+        if request:
+            request.Wait()
+        number = int(coming[:, 0].sum())
+        rows[source] = []
+        for done in range(0, max(len(leaving), number), each):
+            request, piece = None, leaving[done : done + each]
+            if len(piece):
+                message = pack(population.particles, piece)
+                request = comm.Isend(message, to, _TAG)
+                population.vacate(piece)
+            if done < number:
+                records = np.empty((min(each, number - done), columns), np.int64)
+                comm.Recv(records, source, _TAG)
+                rows[source].append(population.admit(len(records)))
+                unpack(records, population.particles, rows[source][-1])
+            if request:
+                request.Wait()
+
+    order = np.concatenate([part for source in sorted(rows) for part in rows[source]])
+    start = np.concatenate([[0], np.cumsum(new_planes[: after.layers, 0])]).astype(np.int64)
+    population.take_layers(after, order, start)
+    edges = np.cumsum([1, *map(prod, shapes)])
+    parts = np.split(new_planes, edges[:-1], axis=1)[1:]
+    return [part.reshape(len(part), *shape) for part, shape in zip(parts, shapes, strict=True)]
+
+
+def _planes(cuts: list[int], extra: int, rank: int) -> Slab:
+    """Planes that a rank owns; none for numbers that are no rank's."""
+    if not 0 <= rank < len(cuts) - 1:
+        return Slab(cuts[-1] + extra, 0, None, None)
+    return slab_of([*cuts[:-1], cuts[-1] + extra], rank)
+
+
+def _distances(old: list[int], new: list[int], extra: int) -> list[int]:
+    """How far planes go, from rank to rank, if any do; the same on every rank."""
+    found = set()
+    for rank in range(len(old) - 1):
+        first, end = old[rank], old[rank + 1] + extra * (rank == len(old) - 2)
+        lowest = int(np.searchsorted(new[1:-1], first, side="right"))
+        highest = int(np.searchsorted(new[1:-1], end - 1, side="right"))
+        found |= set(range(lowest - rank, highest - rank + 1))
+    return sorted(found - {0})

@@ -1,0 +1,191 @@
+"""Migration: particles whose layer has become a neighbour's move there, with all they carry.
+
+Each step one message goes to each neighbour: how many particles move, and their records, as far as
+there is room in the receiver's buffer. What is left then follows in a second message, and for the
+next time both sides make the same larger room.
+"""
+
+import weakref
+from typing import Any
+
+import numpy as np
+
+from pgimp.decomposition.population import Population, with_room
+from pgimp.decomposition.slabs import Slab
+from pgimp.kernels.movers import pack_rows, sort_out, unpack_rows
+from pgimp.kernels.particles import Columns, Particles
+
+_TAG, _REST = 3, 6
+
+#: Records for which there is room in a message at first.
+ROOM = 32
+
+
+def pack(particles: Particles, rows: np.ndarray) -> np.ndarray:
+    """All that the particles in `rows` carry, (n, width) int64, bit by bit."""
+    wire = np.empty((len(rows), particles.width), np.int64)
+    pack_rows(*particles.columns(), rows, wire.reshape(-1), 0, particles.width)
+    return wire
+
+
+def unpack(records: np.ndarray, particles: Particles, rows: np.ndarray) -> None:
+    """Set `rows` of the particles from records made by `pack`."""
+    unpack_rows(*particles.columns(), rows, records.reshape(-1), 0, particles.width)
+
+
+def _wire(records: int, columns: int) -> np.ndarray:
+    """A message's buffer: the number of particles, and room for so many records."""
+    return np.zeros(1 + records * columns, np.int64)
+
+
+def _grown(number: int) -> int:
+    """Room for the next time, after so many particles had too little of it."""
+    return number + number // 2
+
+
+class _Link:
+    """The messages between a rank and one of its neighbours."""
+
+    def __init__(self, comm: Any, neighbour: int, columns: int) -> None:
+        self.comm, self.neighbour, self.columns = comm, neighbour, columns
+        self.to_send, self.to_receive = ROOM, ROOM  # records in the first message
+        self.outgoing, self.incoming = _wire(ROOM, columns), _wire(ROOM, columns)
+        self.receipt = comm.Recv_init(self.incoming, neighbour, _TAG)
+        self.requests: list[Any] = []
+
+    def send(self, columns: Columns, rows: np.ndarray) -> int:
+        """Begin to exchange; send `rows` of the particles. The number of messages sent."""
+        self.receipt.Start()
+        number, room = len(rows), self.to_send
+        if number > room:
+            self.to_send = _grown(number)
+            self.outgoing = _wire(self.to_send, self.columns)
+        self.outgoing[0] = number
+        if number:
+            pack_rows(*columns, rows, self.outgoing, 1, self.columns)
+        end = 1 + number * self.columns
+        full = 1 + room * self.columns
+        requests = self.requests
+        requests.append(self.comm.Isend(self.outgoing[: min(end, full)], self.neighbour, _TAG))
+        if end > full:
+            requests.append(self.comm.Isend(self.outgoing[full:end], self.neighbour, _REST))
+        return len(requests)
+
+    def wait(self) -> int:
+        """Wait for the neighbour's particles; their number."""
+        self.receipt.Wait()
+        number = int(self.incoming[0])
+        if number > self.to_receive:
+            self.to_receive = _grown(number)
+            first, self.incoming = self.incoming, _wire(self.to_receive, self.columns)
+            self.incoming[: len(first)] = first
+            rest = self.incoming[len(first) : 1 + number * self.columns]
+            self.comm.Recv(rest, self.neighbour, _REST)
+            self.receipt.Free()
+            self.receipt = self.comm.Recv_init(self.incoming, self.neighbour, _TAG)
+        return number
+
+    def end(self) -> None:
+        """Wait until all is sent."""
+        for request in self.requests:
+            request.Wait()
+        self.requests.clear()
+
+
+def _close(links: list[_Link]) -> None:
+    for link in links:
+        link.receipt.Free()
+    links.clear()
+
+
+class Migration:
+    """Particles that come and go between a rank and its two neighbours.
+
+    Receives are persistent and buffers are kept. To be made anew, on all ranks in the same step,
+    when slabs change; `close` the old one then. What is not closed is at the process's end, before
+    MPI is.
+
+    Parameters
+    ----------
+    comm : communicator
+        Of all ranks.
+    slab : Slab
+        This rank's.
+    particles : Particles
+        This rank's; of them only the columns matter.
+
+    Attributes
+    ----------
+    messages, bytes : int
+        Sent so far by this rank.
+    """
+
+    def __init__(self, comm: Any, slab: Slab, particles: Particles) -> None:
+        self.messages = self.bytes = 0
+        self._slab = slab
+        columns = particles.width
+        below, above = (
+            None if neighbour is None else _Link(comm, neighbour, columns)
+            for neighbour in (slab.below, slab.above)
+        )
+        self._below, self._above = below, above
+        self._links = [link for link in (below, above) if link is not None]
+        self._arrivals, self._leaving = np.empty(0, np.int32), np.empty(0, np.int32)
+        self._stay = 0
+        self._sent = False
+        self.close = weakref.finalize(self, _close, self._links)
+
+    def proceed(self, population: Population, places: np.ndarray) -> None:
+        """Take particles that have changed their layer; not collective beyond the neighbours.
+
+        At the first call in a step those that have left the slab are sent away; among what comes
+        with later calls there must be none.
+
+        Parameters
+        ----------
+        population : Population
+            This rank's; it gives up the rows of those that leave.
+        places : (k,) int32
+            Places of the particles in its order.
+        """
+        down = up = 0
+        found = len(places)
+        if found:
+            self._arrivals = with_room(self._arrivals, self._stay + found, self._stay)
+            self._leaving = with_room(self._leaving, found)
+            stay, down, up = sort_out(
+                population.particles.layer, population.order, places, population.first,
+                population.layers, self._arrivals[self._stay :], self._leaving,
+            )  # fmt: skip
+            self._stay += stay
+        if self._sent:
+            return
+        self._sent = True
+        leaving = self._leaving[:down], self._leaving[len(self._leaving) - up :]
+        for link, rows in zip((self._below, self._above), leaving, strict=True):
+            if link is not None:
+                self.messages += link.send(population.columns, rows)
+                self.bytes += 8 * (1 + len(rows) * link.columns)
+                if len(rows):
+                    population.release(rows)
+
+    def receive(self, population: Population) -> np.ndarray:
+        """Take in the particles that come, after `proceed`; not collective beyond the neighbours.
+
+        Returns
+        -------
+        (n,) int32
+            Rows of the particles that are new in a layer of this rank, until the next call.
+        """
+        count, self._stay, self._sent = self._stay, 0, False
+        for link in self._links:
+            number = link.wait()
+            if number:
+                self._arrivals = with_room(self._arrivals, count + number, count)
+                rows = self._arrivals[count : count + number]
+                population.admit(number, rows)
+                unpack_rows(*population.columns, rows, link.incoming, 1, link.columns)
+                count += number
+        for link in self._links:
+            link.end()
+        return self._arrivals[:count]

@@ -1,0 +1,208 @@
+"""A rank's particles in their canonical order, as they come, go and change layers."""
+
+from math import prod
+
+import numpy as np
+
+from pgimp.kernels.movers import sort_rows
+from pgimp.kernels.order import locate, merge, reach_of
+from pgimp.kernels.particles import Columns, Frame, IntArray, Particles
+
+
+def with_room(array: np.ndarray, size: int, used: int = 0) -> np.ndarray:
+    """Return the array, or a longer one with the same `used` first numbers if it is too short."""
+    if len(array) >= size:
+        return array
+    longer = np.empty(size + size // 8 + 16, array.dtype)
+    longer[:used] = array[:used]
+    return longer
+
+
+class Population:
+    """Particles of the layers `first` to ``first + layers - 1``.
+
+    The rows of `particles` stay where they are between two re-sorts; `order` lists the living
+    ones in canonical order (layer now, cell at the last re-sort, id). A particle that changes its
+    layer only moves in that list; the row of one that leaves is a hole until the next re-sort.
+
+    Parameters
+    ----------
+    particles, count
+        The rows, of which the first `count` are alive.
+    slab : Slab
+        The layers.
+    start : (layers + 1,) int64, optional
+        Where each layer begins, of rows that are in canonical order by the cells they have;
+        without it they are sorted by where they are.
+
+    Attributes
+    ----------
+    particles : Particles
+        Structure of arrays.
+    order : (count,) int32
+        Rows in canonical order.
+    start : (layers + 1,) int64
+        Where each layer begins in `order`.
+    """
+
+    def __init__(
+        self, particles: Particles, count: int, shape, frame: Frame, slab, start=None
+    ) -> None:
+        self.particles = particles
+        self.shape = shape
+        self.frame = frame
+        self.first, self.layers = slab.first, slab.layers
+        self.order = np.arange(count, dtype=np.int32)
+        self._spare = np.empty_like(self.order)
+        self.start = np.zeros(self.layers + 1, np.int64)
+        self._spare_start = np.zeros_like(self.start)
+        self._used = count
+        # Rows: of no use to anyone, and given up in this step; with room for more.
+        self._holes, self._holes_count = np.empty(0, np.int32), 0
+        self._left, self._left_count = np.empty(0, np.int32), 0
+        self._places = np.empty(0, np.int32)
+        self._room = np.empty(0)
+        self._columns: tuple[Particles, Columns] | None = None
+        if start is None:
+            self.sort()
+        else:
+            self.start[:] = start
+
+    @property
+    def movers(self) -> np.ndarray:
+        """Room for as many rows as there are particles, between two changes of the order."""
+        return self._spare
+
+    @property
+    def columns(self) -> Columns:
+        """`Particles.columns`, kept until there are other arrays."""
+        if self._columns is None or self._columns[0] is not self.particles:
+            self._columns = (self.particles, self.particles.columns())
+        return self._columns[1]
+
+    def sort(self) -> None:
+        """Sort the rows themselves by (layer, cell, id), closing the holes."""
+        p, rows = self.particles, self.order
+        locate(self.shape, self.frame, p, rows, self.frame.vertices)
+        rows = rows[self._sorting(p.cell[rows], p.id[rows])]
+        for array in p:
+            if array.size:
+                self._permute(array, rows)
+        self.order[:] = np.arange(len(rows))
+        edges = np.arange(self.first, self.first + self.layers + 1)
+        self.start[:] = np.searchsorted(p.layer[: len(rows)], edges)
+        self._used, self._holes_count, self._left_count = len(rows), 0, 0
+
+    def _permute(self, array: np.ndarray, rows: np.ndarray) -> None:
+        """Put the given rows of an array first, in their order.
+
+        The room for that is kept: fresh memory would cost more time than the rest.
+        """
+        size = len(rows) * prod(array.shape[1:])
+        if len(self._room) < size:
+            self._room = np.empty(max(array.size for array in self.particles))
+        taken = self._room.view(array.dtype)[:size].reshape(len(rows), *array.shape[1:])
+        np.take(array, rows, axis=0, out=taken, mode="clip")
+        array[: len(rows)] = taken
+
+    @staticmethod
+    def _sorting(cell: IntArray, number: IntArray) -> IntArray:
+        """Permutation that sorts by (cell, number); both arrays are overwritten."""
+        if not len(cell):
+            return np.arange(0)
+        cell -= cell.min()
+        numbers = int(number.max()) + 1
+        if (int(cell.max()) + 1) * numbers >= 2**63:
+            return np.lexsort((number, cell))
+        # Both in one key: several times faster than sorting by two.
+        cell *= numbers
+        cell += number
+        return np.argsort(cell)
+
+    def reach(self) -> np.ndarray:
+        """First vertices of the supports, (least, greatest; y, z)."""
+        reach = np.array([[2**62] * 2, [-(2**62)] * 2])
+        reach_of(self.shape, self.frame, self.particles, self.order, reach)
+        return reach
+
+    def release(self, rows: np.ndarray) -> None:
+        """Give up the rows of particles that have left, to another rank or for good.
+
+        They stay as they are until `restore_order`, which finds places by the keys of the old
+        order's rows.
+        """
+        count = self._left_count + len(rows)
+        self._left = with_room(self._left, count, self._left_count)
+        self._left[self._left_count : count] = rows
+        self._left_count = count
+
+    def vacate(self, rows: np.ndarray) -> None:
+        """Give up rows between two steps: newcomers may have them at once.
+
+        They stay in the old order until `take_layers`.
+        """
+        count = self._holes_count + len(rows)
+        self._holes = with_room(self._holes, count, self._holes_count)
+        self._holes[self._holes_count : count] = rows
+        self._holes_count = count
+
+    def take_layers(self, slab, order: np.ndarray, start: IntArray) -> None:
+        """Go on with the layers of `slab`, whose rows in canonical order are `order`."""
+        self.first, self.layers = slab.first, slab.layers
+        self.order, self._spare = order, np.empty_like(order)
+        self.start, self._spare_start = start, np.empty_like(start)
+
+    def admit(self, count: int, rows: np.ndarray | None = None) -> np.ndarray:
+        """Rows for `count` newcomers: holes first, then new ones; in `rows` if that is given."""
+        if self._used + count - self._holes_count > self.particles.capacity:
+            self._grow(max(count, self.particles.capacity // 8))
+        rows = np.empty(count, np.int32) if rows is None else rows
+        reused = min(count, self._holes_count)
+        self._holes_count -= reused
+        rows[:reused] = self._holes[self._holes_count : self._holes_count + reused]
+        rows[reused:] = np.arange(self._used, self._used + count - reused)
+        self._used += count - reused
+        return rows
+
+    def _grow(self, rows: int) -> None:
+        arrays: list[np.ndarray] = list(self.particles)
+        self._columns = None
+        del self.particles  # so that no more than one array is there twice
+        for i, array in enumerate(arrays):
+            arrays[i] = np.zeros((len(array) + rows, *array.shape[1:]), array.dtype)
+            arrays[i][: len(array)] = array
+        self.particles = Particles._make(arrays)
+
+    def restore_order(self, left: np.ndarray, arrivals: np.ndarray) -> None:
+        """Restore the canonical order.
+
+        Parameters
+        ----------
+        left : (k,) int32
+            Places in `order` of the particles that have left their layer, ascending.
+        arrivals : (l,) int32
+            Rows of the particles that have come into a layer; sorted here.
+        """
+        p = self.particles
+        self._places = with_room(self._places, max(len(left), len(arrivals)))
+        sort_rows(p.layer, p.cell, p.id, arrivals, self._places)
+        places = self._places[: len(left)]
+        places[:] = left  # which may lie where the new order will
+        count = len(self.order) - len(left) + len(arrivals)
+        self._spare = with_room(self._spare, count)
+        merge(
+            p, self.order, self.start, places, self.first, arrivals,
+            self._spare, self._spare_start,
+        )  # fmt: skip
+        # Also what is spare has room for all particles, see `movers`.
+        old, self.order = self._whole(self.order), self._spare[:count]
+        self._spare = with_room(old, count)
+        self.start, self._spare_start = self._spare_start, self.start
+        if self._left_count:
+            self.vacate(self._left[: self._left_count])
+            self._left_count = 0
+
+    @staticmethod
+    def _whole(order: np.ndarray) -> np.ndarray:
+        """The array of which `order` is the beginning."""
+        return order if order.base is None else order.base

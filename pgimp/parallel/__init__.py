@@ -1,1 +1,0 @@
-"""What a run on several ranks needs: the communicator, slabs, halos, migration."""

@@ -1,0 +1,1 @@
+"""Materials, shapes, boundary conditions, loads and exact solutions, one file each."""

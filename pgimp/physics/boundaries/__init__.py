@@ -1,0 +1,21 @@
+"""Conditions on faces of the domain, one file each.
+
+A condition is the entry of the case (a `Boundary`) whose ``parameters(axis, side, ...)`` gives a
+NamedTuple with one kernel as a static method: ``constrain(face, v, a) -> (v, a)``, called for each
+vertex on the face and beyond it after the momentum update, with the vertex's new velocity and its
+acceleration, tuples of three. Faces that the case does not name are open: nothing is done.
+"""
+
+from pgimp.physics.boundaries.base import Boundary
+from pgimp.physics.boundaries.fixed import Fixed
+from pgimp.physics.boundaries.separating import Separating
+from pgimp.physics.boundaries.slip import Slip
+from pgimp.physics.boundaries.velocity import Velocity
+
+#: The conditions by their name in the case, ``boundaries: {FACE: NAME}``.
+BOUNDARIES: dict[str, type[Boundary]] = {
+    "fixed": Fixed,
+    "slip": Slip,
+    "separating": Separating,
+    "velocity": Velocity,
+}

@@ -1,0 +1,110 @@
+"""What the entries of all exact solutions have in common, and the kernels' view of a solution."""
+
+from abc import abstractmethod
+from collections.abc import Iterator, Mapping
+from typing import Any, ClassVar, NamedTuple
+
+from pgimp.jit.kernel import specialise
+from pgimp.physics.boundaries import BOUNDARIES
+from pgimp.schema.base import Model
+from pgimp.schema.dispatch import name_of
+from pgimp.schema.problems import Problem
+
+
+class Solution(Model):
+    """Base of the entries ``exact``: the solution of one body of one material model."""
+
+    #: Whether the motion needs a body force of its own: a manufactured solution.
+    forced: ClassVar[bool] = False
+    #: Whether the solution gives the particles their initial velocity.
+    moves: ClassVar[bool] = False
+    #: The material model that it is a solution for.
+    model: ClassVar[str]
+
+    @property
+    def walls(self) -> Mapping[str, tuple[str, ...]]:
+        """The faces that need a condition, and which may be named; all others must be open."""
+        return {}
+
+    def misfits(self, case: Any) -> Iterator[Problem]:
+        """Yield what in a case, sound otherwise, the solution does not fit; paths from its top."""
+        if case.dimensions not in self.DIMENSIONS:
+            allowed = " and ".join(f"{d}D" for d in self.DIMENSIONS)
+            yield Problem(
+                ("exact",), f"the solution exists in {allowed} only, but the case has "
+                f"{case.dimensions}D"
+            )  # fmt: skip
+            return
+        if len(case.bodies) != 1:
+            text = f"the exact solution is that of one body, but the case has {len(case.bodies)}"
+            yield Problem(("bodies",), text)
+            return
+        ((name, body),) = case.bodies.items()
+        found = case.materials[body.material].model
+        if found != self.model:
+            path = ("materials", body.material, "model")
+            yield Problem(path, f"the exact solution needs {self.model}, got {found}")
+            return
+        yield from self._wrong_walls(case.boundaries)
+        if self.moves and any(body.velocity if isinstance(body.velocity, tuple) else (True,)):
+            text = "the exact solution gives the initial velocity; leave this out"
+            yield Problem(("bodies", name, "velocity"), text)
+        for key in ("tractions", "constraints"):
+            if getattr(case, key, None):
+                yield Problem((key,), "the exact solution has none; leave this out")
+        yield from self.mismatches(case, name, body)
+
+    def _wrong_walls(self, boundaries: Any) -> Iterator[Problem]:
+        for face, allowed in self.walls.items():
+            path, names = ("boundaries", face), " or ".join(allowed)
+            if face not in boundaries:
+                yield Problem(path, f"missing; the exact solution has a wall there: {names}", True)
+            elif (found := name_of(boundaries[face], BOUNDARIES)) not in allowed:
+                yield Problem(path, f"the exact solution needs {names}, got {found}")
+        for face in boundaries:
+            if face not in self.walls:
+                yield Problem(
+                    ("boundaries", face), "the exact solution has nothing there; leave this out"
+                )
+
+    @abstractmethod
+    def mismatches(self, case: Any, name: str, body: Any) -> Iterator[Problem]:
+        """As `misfits`, for what is particular to the solution; `name` is that of the body."""
+
+    @abstractmethod
+    def parameters(self, case: Any) -> Any:
+        """Parameters of the kernels, from a case that fits."""
+
+
+def no_gravity(case: Any) -> Iterator[Problem]:
+    """Yield a problem where the case has gravity."""
+    if case.gravity is not None:
+        yield Problem(("gravity",), "the exact solution has none; leave this out")
+
+
+class BodyForce(NamedTuple):
+    """Body force of a manufactured solution at a time."""
+
+    solution: Any
+    time: float
+
+
+def state(solution, X, x, t):
+    """Exact displacement, velocity and Cauchy stress of the particle from `X`, now at `x`.
+
+    Positions and vectors are tuples of D numbers; the stress is one as ``particles.sigma``.
+    """
+
+
+@specialise(state)
+def _state(solution, X, x, t):
+    return solution.instance_class.state
+
+
+def body_force(solution, X, t):
+    """Body force per mass on the particle from `X`, a tuple of D numbers."""
+
+
+@specialise(body_force)
+def _body_force(solution, X, t):
+    return solution.instance_class.force

@@ -1,0 +1,43 @@
+"""Materials, one file each.
+
+A material is the entry of the case (a `Material`) whose ``parameters()`` gives a NamedTuple with
+a ``density`` and three kernels as static methods. `F`, `J` = det F and the velocity gradient `L`
+are those at the end of the step, tensors are tuples as in `pgimp.jit.algebra`:
+
+- ``stress(material, F, J, sigma, L, dt)``: Cauchy stress, `sigma` the one before the step;
+- ``energy(material, F, J, sigma)``: strain energy per initial volume;
+- ``speed(material, F, J)``: speed of the fastest wave through the deformed material.
+
+They are asked for four particles at once, where they can: without branches (`choose` stands for
+one), with + - * /, abs, max, min, and math's sqrt, log and floor. With anything else they are asked
+for one particle after the other. `pgimp.register_material` takes in others.
+"""
+
+from pgimp.physics.materials.base import Material, Poisson, Young, lame
+from pgimp.physics.materials.choose import choose
+from pgimp.physics.materials.hooke import Hooke
+from pgimp.physics.materials.linear_1d import Linear1d
+from pgimp.physics.materials.neo_hookean import NeoHookean
+from pgimp.physics.materials.registry import Registry
+from pgimp.schema.base import NonNegative, Number, Positive
+
+__all__ = [
+    "MATERIALS",
+    "Material",
+    "NonNegative",
+    "Number",
+    "Poisson",
+    "Positive",
+    "Young",
+    "choose",
+    "lame",
+]
+
+#: The materials by their name in the case, ``materials: {NAME: {model: ...}}``.
+MATERIALS = Registry(
+    {
+        "linear-1d": Linear1d,
+        "neo-hookean": NeoHookean,
+        "hooke": Hooke,
+    }
+)

@@ -1,0 +1,25 @@
+"""Shapes: the particle characteristic function chi_p that decides the method, one file each.
+
+A shape is the entry of the case (a `Shape`) whose ``parameters(cell)`` gives a NamedTuple with two
+kernels as static methods, in units of cells:
+
+- ``size(shape, cell, F)``: half-widths of chi_p by direction for a deformation gradient, at most 1,
+  and 1 if they had to be clamped to that, else 0;
+- ``weights(shape, half, f)``: the weights S_vp (19) of the ``vertices`` vertices of the support
+  along one direction and their gradients (20) times the cell size; `f` is the particle's
+  coordinate less that of the first vertex, floor(xi - half), so it lies in [half, half + 1).
+"""
+
+from pgimp.physics.shapes.finite_gimp import FiniteGimp
+from pgimp.physics.shapes.fuzzy import FuzzyConstant, FuzzyNearest
+from pgimp.physics.shapes.gimp import Gimp
+from pgimp.physics.shapes.mpm import Mpm
+
+#: The shapes by their name in the case, ``method: {shape: NAME}``.
+SHAPES = {
+    "mpm": Mpm,
+    "gimp": Gimp,
+    "finite-gimp": FiniteGimp,
+    "fuzzy-nearest": FuzzyNearest,
+    "fuzzy-constant": FuzzyConstant,
+}

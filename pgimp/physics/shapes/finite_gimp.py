@@ -1,0 +1,71 @@
+"""Contiguous-particle GIMP whose particles' boxes follow the deformation (36-39).
+
+In one dimension this is the paper's Finite GIMP: half-width l_p F. In two and three dimensions a
+deformed box is approximated by the box, along the grid's directions, with the same second moments:
+exact under stretches along the grid, and a cube keeps its size under rotation by any angle. Under
+shear it has the parallelepiped's spread along each direction but not its tilt: neighbours overlap
+here and leave gaps there, on a part of the volume that grows with the square of the shear (a simple
+shear g makes boxes wider by g^2/2), so that the particles are a partition of unity to first order.
+The same holds for boxes of a lattice that has turned, which stay along the grid.
+"""
+
+from typing import ClassVar, Literal, NamedTuple
+
+from pydantic import Field
+
+from pgimp.physics.shapes.base import Shape
+from pgimp.physics.shapes.stretch import stretched
+
+
+class FiniteGimpParameters(NamedTuple):
+    """Initial half-widths of the particles' boxes by direction, in cells; at most 1/2."""
+
+    half: tuple[float, ...]
+
+    @staticmethod
+    def vertices():
+        """Vertices a direction in a support."""
+        return 4
+
+    @staticmethod
+    def size(shape, cell, F):
+        """Follows the deformation."""
+        return stretched(shape.half, cell, F)
+
+    @staticmethod
+    def weights(shape, half, f):
+        """Mean of the tent over the box, for f in [l, 1 + l), exact for half-widths up to a cell.
+
+        As `gimp`'s, but that a box of more than half a cell may reach a fourth vertex: with
+        a_j = max(f + l - j, 0) the outer weights are (t^2 - u^2)/(4 l), (a_1^2 - 2 a_2^2)/(4 l) and
+        a_2^2/(4 l).
+        """
+        t = 1.0 + half - f
+        u = max(1.0 - half - f, 0.0)
+        a1 = max(f + half - 1.0, 0.0)
+        a2 = max(f + half - 2.0, 0.0)
+        q = 0.25 / half
+        w0 = (t * t - u * u) * q
+        w2 = (a1 * a1 - 2.0 * (a2 * a2)) * q
+        w3 = a2 * a2 * q
+        g0 = -2.0 * (t - u) * q
+        g2 = 2.0 * (a1 - 2.0 * a2) * q
+        g3 = 2.0 * a2 * q
+        return (w0, 1.0 - w0 - w2 - w3, w2, w3), (g0, -g0 - g2 - g3, g2, g3)
+
+
+class FiniteGimp(Shape):
+    """Boxes that follow the deformation: as gimp at small strains, and accurate at large ones."""
+
+    shape: Literal["finite-gimp"] = Field(description="name of the shape")
+
+    vertices: ClassVar[int] = FiniteGimpParameters.vertices()
+
+    @property
+    def follows(self) -> bool:
+        """See `Shape.follows`."""
+        return True
+
+    def parameters(self, cell: tuple[float, ...]) -> FiniteGimpParameters:
+        """Parameters of the kernels."""
+        return FiniteGimpParameters(tuple(0.5 / n for n in self.particles_per_cell))
