@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from pgimp.case.load import load
     from pgimp.commands.run import run
     from pgimp.errors import CaseError, PgimpError, RunError, UsageError
+    from pgimp.io.results.reader import open
     from pgimp.mpi.comm import world
-    from pgimp.output.reader import open
     from pgimp.physics.materials.outside import takes_vectors
     from pgimp.physics.materials.registry import register_material
     from pgimp.solver.driver import Simulation
@@ -43,7 +43,7 @@ _HOMES = {
     "Simulation": "pgimp.solver.driver",
     "UsageError": "pgimp.errors",
     "load": "pgimp.case.load",
-    "open": "pgimp.output.reader",
+    "open": "pgimp.io.results.reader",
     "register_material": "pgimp.physics.materials.registry",
     "run": "pgimp.commands.run",
     "takes_vectors": "pgimp.physics.materials.outside",

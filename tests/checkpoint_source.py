@@ -5,7 +5,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from pgimp.output.checkpointfile import CheckpointFile, write
+from pgimp.io.checkpoints.checkpointfile import CheckpointFile, write
 
 ABOUT = {"time": 0.1 + 0.2, "zero": -0.0, "step": 7, "title": 'Fülle "\\ud83d"\n', "none": [None]}
 HERE = {"PYTHONPATH": str(Path(__file__).parents[1])}

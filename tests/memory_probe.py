@@ -10,8 +10,8 @@ from pathlib import Path
 
 from pgimp.case.load import load
 from pgimp.mpi.comm import world
-from pgimp.output.checkpoints import Checkpoints
-from pgimp.output.frames import Frames
+from pgimp.running.checkpoints import Checkpoints
+from pgimp.running.frames import Frames
 from pgimp.solver import simulation
 
 comm, case, folder = world(), load(sys.argv[1]), Path(sys.argv[2])

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from pgimp.mpi.comm import Serial
-from pgimp.output.frames import Frames
 from pgimp.physics.values import BY_RANKS, OPTIONAL
+from pgimp.running.frames import Frames
 
 LATERAL = {1: 3, 2: 4, 3: 6}
 SAME = tuple(name for name in OPTIONAL if name not in BY_RANKS)

@@ -7,8 +7,8 @@ from pgimp.commands import check
 from pgimp.commands.init import packaged
 from pgimp.errors import CaseError
 from pgimp.mpi.comm import Serial
-from pgimp.output import forecast
-from pgimp.output.schedule import Schedule
+from pgimp.running import forecast
+from pgimp.running.schedule import Schedule
 from pgimp.scene.doubts import case_doubts, doubts, idle_step, strains
 from pgimp.scene.facts import examine
 from pgimp.scene.scene import Scene, count_particles

@@ -17,8 +17,8 @@ from particle_source import fill_up, small_disk
 from pgimp.errors import RunError
 from pgimp.files import framefile
 from pgimp.files.framefile import FrameFile
+from pgimp.io.checkpoints.checkpointfile import CheckpointFile, DamagedError, write
 from pgimp.mpi.comm import Serial, world
-from pgimp.output.checkpointfile import CheckpointFile, DamagedError, write
 
 
 @pytest.fixture

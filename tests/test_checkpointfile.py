@@ -11,9 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pgimp.files import framefile
+from pgimp.io.checkpoints import checkpointwriter
+from pgimp.io.checkpoints.checkpointfile import CheckpointFile, DamagedError
 from pgimp.mpi.comm import Serial, world
-from pgimp.output import checkpointwriter
-from pgimp.output.checkpointfile import CheckpointFile, DamagedError
 
 COUNTS = (0, 1, 2, 777)
 

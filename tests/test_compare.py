@@ -12,10 +12,10 @@ from scenes import box, scene, write_case
 import pgimp
 from pgimp.commands import compare
 from pgimp.errors import RunError, UsageError
+from pgimp.io.results.history import History
+from pgimp.io.rundir.rundir import RunDirectory
 from pgimp.mpi.comm import Serial
-from pgimp.output.frames import Frames
-from pgimp.output.history import History
-from pgimp.output.rundir import RunDirectory
+from pgimp.running.frames import Frames
 
 COUNT = 31
 

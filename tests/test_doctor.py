@@ -12,7 +12,7 @@ import pytest
 from conftest import LAUNCHER_VARIABLES
 
 from pgimp.cli import main
-from pgimp.doctor import hdf5, kernels, machine, mpi, probe
+from pgimp.tools.doctor import hdf5, kernels, machine, mpi, probe
 
 OPEN_MPI = {"version": "4.1", "library": "Open MPI v4.1.4", "files": [], "chooses": True}
 

@@ -13,8 +13,8 @@ from test_paraview import READERS, probe
 import pgimp
 from pgimp.errors import RunError
 from pgimp.kernels.g2p import INVERTED, NOT_FINITE
-from pgimp.output import failure
 from pgimp.physics.values import EVERY
+from pgimp.running import failure
 
 #: Two squares far apart: on three ranks the first and the last one have a particle at fault each.
 BODIES = {

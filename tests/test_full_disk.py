@@ -9,10 +9,10 @@ import pytest
 from particle_source import Lines, fill_up, make_case, make_sim, small_disk, write_frames
 
 from pgimp.errors import RunError
+from pgimp.io.results.history import History
+from pgimp.io.results.reader import Frame
 from pgimp.mpi.comm import Serial, world
-from pgimp.output.frames import Frames
-from pgimp.output.history import History
-from pgimp.output.reader import Frame
+from pgimp.running.frames import Frames
 
 
 @pytest.fixture

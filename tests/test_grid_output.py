@@ -12,9 +12,9 @@ from test_ranks import go_back
 
 import pgimp
 from pgimp.errors import RunError
+from pgimp.io.rundir.rundir import RunDirectory
 from pgimp.mpi.comm import Serial
-from pgimp.output.recorder import Recorder
-from pgimp.output.rundir import RunDirectory
+from pgimp.running.recorder import Recorder
 from pgimp.solver import gridstate
 from pgimp.solver.agreement import PENDING
 

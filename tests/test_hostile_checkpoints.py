@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from checkpoint_source import write_on
 
+from pgimp.io.checkpoints.checkpointfile import CheckpointFile, DamagedError
 from pgimp.mpi.comm import Serial
-from pgimp.output.checkpointfile import CheckpointFile, DamagedError
 
 COUNT = 12
 DELETE = object()

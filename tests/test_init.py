@@ -19,7 +19,7 @@ from pgimp.cli import main
 from pgimp.commands.init import packaged
 from pgimp.mpi.comm import Serial
 from pgimp.scene.scene import Scene, count_particles
-from pgimp.study.plan import read_plan
+from pgimp.tools.study.plan import read_plan
 
 ROOT = Path(__file__).resolve().parents[1]
 CASES = ROOT / "cases"

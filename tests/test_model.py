@@ -13,18 +13,18 @@ from scenes import box, scene, write_case
 from pgimp.case.schema import Case
 from pgimp.cli import main
 from pgimp.decomposition.slabs import cut
-from pgimp.model.block import Block, block_case, block_layout
-from pgimp.model.costs import Costs, Messages, Network
-from pgimp.model.layout import Layout, layout_now, layout_of
-from pgimp.model.measure import costs_of, take_turns
-from pgimp.model.predict import EFFICIENT, pays_off, predict
-from pgimp.model.report import ladder, lines, scaling
-from pgimp.model.sample import Sample, resized, samples_of
 from pgimp.mpi.comm import Serial
 from pgimp.scene.extent import extents
 from pgimp.scene.scene import Scene, count_particles
 from pgimp.solver.memory import estimate
 from pgimp.solver.simulation import Simulation
+from pgimp.tools.model.block import Block, block_case, block_layout
+from pgimp.tools.model.costs import Costs, Messages, Network
+from pgimp.tools.model.layout import Layout, layout_now, layout_of
+from pgimp.tools.model.measure import costs_of, take_turns
+from pgimp.tools.model.predict import EFFICIENT, pays_off, predict
+from pgimp.tools.model.report import ladder, lines, scaling
+from pgimp.tools.model.sample import Sample, resized, samples_of
 
 US = 1e-6
 FREE = Messages(0.0, 1e30, 0.0, 0.0)

@@ -16,13 +16,13 @@ from particle_source import Lines, expected, make_case, make_sim, write_frames
 from pgimp.errors import RunError
 from pgimp.files import framefile
 from pgimp.files.rows import Rows
+from pgimp.io.frames import particlefile
+from pgimp.io.results.history import History, read
+from pgimp.io.results.reader import Frame
 from pgimp.mpi.comm import Serial, world
-from pgimp.output import particlefile
-from pgimp.output.frames import Frames
-from pgimp.output.history import History, read
-from pgimp.output.reader import Frame
 from pgimp.physics import fields as case_fields
 from pgimp.physics.values import ALWAYS, BY_RANKS, FIELDS, OPTIONAL, Source
+from pgimp.running.frames import Frames
 
 
 def digests(directory):

@@ -11,9 +11,9 @@ from test_output import COUNTS, GONE, digests
 
 from pgimp.errors import RunError
 from pgimp.files import chunks, framefile
+from pgimp.io.results.reader import Frame
 from pgimp.mpi.comm import Serial, world
-from pgimp.output.frames import Frames
-from pgimp.output.reader import Frame
+from pgimp.running.frames import Frames
 
 FORMS = {
     "single": {"precision": "float32"},

@@ -11,11 +11,11 @@ import pytest
 from particle_source import make_case, make_sim
 from PIL import Image
 
+from pgimp.io.results.reader import Frame
 from pgimp.mpi.comm import Serial
-from pgimp.output.frames import Frames
-from pgimp.output.reader import Frame
 from pgimp.physics.fields import ALWAYS, FIELDS
-from pgimp.plot.units import kind_of_field, unit
+from pgimp.running.frames import Frames
+from pgimp.tools.plot.units import kind_of_field, unit
 
 READERS = ("XDMF Reader", "Xdmf3 Reader S", "Xdmf3 Reader T")
 COUNT, GONE = 23, ((), (), range(9, 14))

@@ -4,11 +4,11 @@ import pytest
 
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
-from pgimp.model import pilot as pilots
-from pgimp.model.costs import Costs
-from pgimp.model.pilot import coarse, pilot
 from pgimp.mpi.comm import Serial
 from pgimp.solver.simulation import Simulation
+from pgimp.tools.model import pilot as pilots
+from pgimp.tools.model.costs import Costs
+from pgimp.tools.model.pilot import coarse, pilot
 
 #: 50 us a step and 0.2 us a particle, as on a laptop: what the machine measures must not matter.
 COSTS = Costs(50e-6, ((100, 0.2e-6), (10_000, 0.2e-6)), 0.0)

@@ -17,14 +17,14 @@ from conftest import run as run_program
 from scenes import box, scene, write_case
 
 from pgimp import cli
-from pgimp.output.reader import Frame
-from pgimp.plot import picture, visible
-from pgimp.plot.camera import camera
-from pgimp.plot.quantity import quantity
-from pgimp.plot.runs import open_runs, shots
-from pgimp.plot.selection import Selection
-from pgimp.plot.style import log_ticks
-from pgimp.plot.units import kind_of_column, kind_of_field, unit
+from pgimp.io.results.reader import Frame
+from pgimp.tools.plot import picture, visible
+from pgimp.tools.plot.camera import camera
+from pgimp.tools.plot.quantity import quantity
+from pgimp.tools.plot.runs import open_runs, shots
+from pgimp.tools.plot.selection import Selection
+from pgimp.tools.plot.style import log_ticks
+from pgimp.tools.plot.units import kind_of_column, kind_of_field, unit
 
 FIELDS = ["velocity", "stress", "pressure", "von-mises"]
 
@@ -216,7 +216,7 @@ def drawn_texts(figure):
 
 def test_single_lines_and_columns_without_a_value(runs, tmp_path):
     """A single line is a point, which a curve alone would not show."""
-    from pgimp.plot.curves import curves
+    from pgimp.tools.plot.curves import curves
 
     nothing = ["nan"] * 3
     invented(runs, tmp_path, "a", **{"mass": [1, 2, 3], "body.low.centre-x": nothing})
@@ -356,7 +356,7 @@ def drawn_frame(runs, name, field, view=None, limits=None, place=None):
     from matplotlib import colormaps, rc_context
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-    from pgimp.plot.style import STYLE
+    from pgimp.tools.plot.style import STYLE
 
     (shot,) = shots(open_runs([str(runs / name)]), [-1], [])
     dimension = shot.shown.dimension
@@ -424,7 +424,7 @@ def test_many_particles_are_thinned_to_those_in_front(runs, monkeypatch):
     size = visible.extent(frame, everything, eye, 3)
     monkeypatch.setattr(visible, "FEW", 0)
     monkeypatch.setattr(visible, "SPOTS", 20)
-    monkeypatch.setattr("pgimp.plot.selection._BLOCK_ROWS", 37)
+    monkeypatch.setattr("pgimp.tools.plot.selection._BLOCK_ROWS", 37)
     seen = visible.visible(frame, everything, what, eye, size)
     place = eye.project(frame["position"])
     spots = [tuple(spot) for spot in np.floor((place[:, :2] - size.low) / seen.spot).astype(int)]

@@ -5,10 +5,10 @@ from types import SimpleNamespace
 import numpy as np
 
 from pgimp.mpi.comm import Serial
-from pgimp.output import progress
-from pgimp.output.log import Log, timing_table
-from pgimp.output.progress import Progress, duration
-from pgimp.output.schedule import Schedule
+from pgimp.running import progress
+from pgimp.running.log import Log, timing_table
+from pgimp.running.progress import Progress, duration
+from pgimp.running.schedule import Schedule
 
 
 def fixed_steps(schedule, step, number):

@@ -17,7 +17,7 @@ from scenes import box, scene, write_case
 
 import pgimp
 from pgimp.errors import CaseError, RunError, UsageError
-from pgimp.output.reader import Run
+from pgimp.io.results.reader import Run
 
 CASES = Path(__file__).resolve().parents[1] / "cases"
 

@@ -14,7 +14,7 @@ from conftest import run
 
 from pgimp.case.reader import read_case
 from pgimp.jit import algebra
-from pgimp.study.plan import read_plan
+from pgimp.tools.study.plan import read_plan
 
 ROOT = Path(__file__).resolve().parents[1]
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")

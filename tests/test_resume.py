@@ -19,9 +19,9 @@ from pgimp.case.load import load
 from pgimp.case.schema import Case
 from pgimp.errors import RunError, UsageError
 from pgimp.geometry.regions import REGIONS
+from pgimp.io.checkpoints.checkpointfile import CheckpointFile
 from pgimp.mpi.comm import Serial
-from pgimp.output.checkpointfile import CheckpointFile
-from pgimp.output.checkpoints import number_of, present
+from pgimp.running.checkpoints import number_of, present
 
 EVERY = "checkpoint={every: {steps: 40}, keep: 3}"
 
@@ -325,7 +325,7 @@ def test_a_bundle_of_a_failure_goes_when_the_run_goes_on(run):
 
 
 def test_what_a_checkpoint_takes_is_measured_and_kept(run, monkeypatch):
-    from pgimp.output import checkpoints
+    from pgimp.running import checkpoints
 
     monkeypatch.setattr(checkpoints, "_SLOW", 1e-3)
     resumed = run()
@@ -348,7 +348,7 @@ def test_a_run_that_is_done_stays_as_it_is(folder, whole, capsys):
 
 
 def test_another_version_or_processor_is_a_warning(run, whole, capsys, monkeypatch):
-    from pgimp.output import runinfo
+    from pgimp.io.rundir import runinfo
 
     monkeypatch.setattr(runinfo, "cpu", lambda: "another processor")
     resumed = run(quiet=False)

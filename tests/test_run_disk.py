@@ -14,9 +14,9 @@ from particle_source import small_disk
 from test_run import CASE
 
 import pgimp
-from pgimp.output.checkpointfile import CheckpointFile
-from pgimp.output.checkpoints import present
+from pgimp.io.checkpoints.checkpointfile import CheckpointFile
 from pgimp.physics.values import BY_RANKS, OPTIONAL
+from pgimp.running.checkpoints import present
 
 ALL = [name for name in OPTIONAL if name not in BY_RANKS]
 #: What fills the disk, and the file that the message must name.
@@ -94,7 +94,7 @@ def test_a_full_disk_ends_the_run_and_room_lets_it_go_on(
 #: pgimp by a user without rights, once all is read that only root may read.
 AS_NOBODY = """\
 import os, sys
-import numba, h5py, pgimp.commands.run, pgimp.output.running, pgimp.output.resume
+import numba, h5py, pgimp.commands.run, pgimp.running.running, pgimp.running.resume
 os.setgroups([]), os.setgid(65534), os.setuid(65534)
 from pgimp.cli import main
 sys.exit(main(sys.argv[1:]))

@@ -12,8 +12,8 @@ import pytest
 from particle_source import fill_up, small_disk
 
 from pgimp.errors import RunError, UsageError
+from pgimp.io.rundir.rundir import RunDirectory
 from pgimp.mpi.comm import Serial
-from pgimp.output.rundir import RunDirectory
 
 START = {"state": "running", "began": "now", "steps": 0}
 
@@ -139,7 +139,7 @@ def test_a_failure_is_noted_once(tmp_path):
 def test_one_run_at_a_time(tmp_path):
     holder = RunDirectory(tmp_path / "out", Serial())
     code = (
-        "import sys, pathlib; from pgimp.output.rundir import RunDirectory\n"
+        "import sys, pathlib; from pgimp.io.rundir.rundir import RunDirectory\n"
         "from pgimp.mpi.comm import Serial\n"
         "RunDirectory(pathlib.Path(sys.argv[1]), Serial(), True)"
     )

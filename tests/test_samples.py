@@ -7,10 +7,10 @@ from test_model import flying
 
 from pgimp.case.schema import Case
 from pgimp.errors import RunError
-from pgimp.model.measure import take_turns
-from pgimp.model.sample import Sample, resized, samples_of
 from pgimp.mpi.comm import Serial
 from pgimp.solver.simulation import Simulation
+from pgimp.tools.model.measure import take_turns
+from pgimp.tools.model.sample import Sample, resized, samples_of
 
 
 def test_a_resized_case_is_the_same_case():
@@ -34,7 +34,7 @@ SCATTER = """
 import sys
 import numpy as np
 from pgimp import load
-from pgimp.model.sample import Scattered
+from pgimp.tools.model.sample import Scattered
 from pgimp.mpi.comm import world
 
 sim = Scattered(load(sys.argv[1]), world())

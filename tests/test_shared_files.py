@@ -19,10 +19,10 @@ from rank_threads import together
 from pgimp.errors import RunError
 from pgimp.files import chunks, framefile
 from pgimp.files.rows import _Exchange
-from pgimp.output.checkpointfile import write
-from pgimp.output.frames import Frames
-from pgimp.output.gridframes import GridFrames
-from pgimp.output.reader import Frame
+from pgimp.io.checkpoints.checkpointfile import write
+from pgimp.io.results.reader import Frame
+from pgimp.running.frames import Frames
+from pgimp.running.gridframes import GridFrames
 from pgimp.solver import gridstate
 
 KINDS = ("checkpoint", "frame", "float32", "gzip", "grid")

@@ -12,9 +12,9 @@ import pytest
 
 from pgimp import signals
 from pgimp.mpi.comm import Serial
-from pgimp.output import stop as module
-from pgimp.output.running import _wish
-from pgimp.output.stop import Held, Stop, clock, slurm_seconds_left, wall_time
+from pgimp.running import stop as module
+from pgimp.running.running import _wish
+from pgimp.running.stop import Held, Stop, clock, slurm_seconds_left, wall_time
 from pgimp.solver.agreement import CHECKPOINT, NOTHING
 
 

@@ -15,9 +15,9 @@ from conftest import clean_env
 from matplotlib.image import imread
 
 from pgimp.cli import main
-from pgimp.study import runs
-from pgimp.study.plan import read_plan
-from pgimp.study.runs import perform
+from pgimp.tools.study import runs
+from pgimp.tools.study.plan import read_plan
+from pgimp.tools.study.runs import perform
 
 GRAVITY, END, START = -2.0, 1.0, 8.0
 FALLING = f"""

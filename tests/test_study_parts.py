@@ -15,14 +15,14 @@ from test_study import put
 from pgimp.case.jsonschema import study_schema
 from pgimp.case.reader import dump_case, read_case
 from pgimp.errors import CaseError, UsageError
-from pgimp.plot.style import STYLE
 from pgimp.schema.document import parse
-from pgimp.study.measures import Unmeasured, measure, orders, pareto
-from pgimp.study.plan import read_plan
-from pgimp.study.plot import _guides
-from pgimp.study.runs import last_words
-from pgimp.study.schema import Measure, Study
-from pgimp.study.sweep import variants
+from pgimp.tools.plot.style import STYLE
+from pgimp.tools.study.measures import Unmeasured, measure, orders, pareto
+from pgimp.tools.study.plan import read_plan
+from pgimp.tools.study.plot import _guides
+from pgimp.tools.study.runs import last_words
+from pgimp.tools.study.schema import Measure, Study
+from pgimp.tools.study.sweep import variants
 
 HEAD = "format: 1\ncase: cases/falling.yaml\nerror: kinetic-energy\n"
 SWEEP = "sweep:\n  - {time.step: [0.1, 0.05]}\n"

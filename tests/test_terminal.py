@@ -16,7 +16,7 @@ from test_run import CASE
 import pgimp
 from pgimp import terminal
 from pgimp.cli import main
-from pgimp.output.log import Log
+from pgimp.running.log import Log
 
 PROBE = Path(__file__).with_name("stream_probe.py")
 STUDY = """
@@ -223,7 +223,7 @@ def test_frames_that_lead_to_other_files_are_refused(folder, capsys, kind, grid)
     """Behind the link is a pipe, which the HDF5 library would wait for."""
     import h5py
 
-    from pgimp.output.gridreader import GridFrame
+    from pgimp.io.results.gridreader import GridFrame
 
     os.mkfifo("pipe.h5")
     name = "position" if grid else "volume"

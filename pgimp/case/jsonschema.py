@@ -28,7 +28,7 @@ def json_schema() -> Schema:
 
 def study_schema() -> Schema:
     """Return the JSON schema (draft 2020-12) that editors check a study file with."""
-    from pgimp.study.schema import Study
+    from pgimp.tools.study.schema import Study
 
     definitions: Schema = {}
     schema = _collect(Study.model_json_schema(), definitions)

@@ -16,12 +16,12 @@ from typing import Any
 import numpy as np
 
 from pgimp.jit.cache import announced
-from pgimp.model.block import GRAVITY, SPEED, YOUNG, Block, block_case
-from pgimp.model.costs import Network
-from pgimp.model.predict import MOST_RANKS
-from pgimp.model.standard import MOST_PARTICLES, model_block
 from pgimp.mpi.comm import say, world
 from pgimp.solver.simulation import RESORT, Simulation
+from pgimp.tools.model.block import GRAVITY, SPEED, YOUNG, Block, block_case
+from pgimp.tools.model.costs import Network
+from pgimp.tools.model.predict import MOST_RANKS
+from pgimp.tools.model.standard import MOST_PARTICLES, model_block
 
 #: Phases of the table, and the simulation's phases that each sums.
 _TABLE = {

@@ -2,7 +2,7 @@
 
 All is set up as by a run, particles a block at a time. Simulated are a few steps of the same case
 with coarser or finer cells, to measure what the parts of a step cost on this machine, and a pilot
-run on coarse cells, from which the number of steps is predicted; the rest is `pgimp.model`.
+run on coarse cells, from which the number of steps is predicted; the rest is `pgimp.tools.model`.
 """
 
 import argparse
@@ -15,17 +15,10 @@ import numpy as np
 from pgimp.case.load import load
 from pgimp.case.schema import Case
 from pgimp.jit.cache import announced
-from pgimp.model.costs import Costs, Network
-from pgimp.model.layout import layout_now, layout_of
-from pgimp.model.measure import costs_of, take_turns
-from pgimp.model.pilot import Pilot, pilot
-from pgimp.model.predict import Step
-from pgimp.model.report import between_nodes, ladder, lines, on_node, remark, scaling, verdict
-from pgimp.model.sample import samples_of
 from pgimp.mpi.comm import Serial, say
 from pgimp.mpi.limits import limits
-from pgimp.output import forecast
-from pgimp.output.progress import duration
+from pgimp.running import forecast
+from pgimp.running.progress import duration
 from pgimp.scene import nearness
 from pgimp.scene.doubts import case_doubts, doubts, idle_step, strains
 from pgimp.scene.extent import extents
@@ -35,6 +28,13 @@ from pgimp.scene.lattice import Lattice
 from pgimp.scene.scene import Scene, count_particles
 from pgimp.solver.memory import Estimate, MemoryShortError, estimate, require, size_text
 from pgimp.solver.stability import doubt, require_end, require_stable
+from pgimp.tools.model.costs import Costs, Network
+from pgimp.tools.model.layout import layout_now, layout_of
+from pgimp.tools.model.measure import costs_of, take_turns
+from pgimp.tools.model.pilot import Pilot, pilot
+from pgimp.tools.model.predict import Step
+from pgimp.tools.model.report import between_nodes, ladder, lines, on_node, remark, scaling, verdict
+from pgimp.tools.model.sample import samples_of
 
 #: Particles of the samples that are timed; the last are more than caches hold.
 _SMALLEST, _SMALL, _LARGE = 200, 5_000, 150_000

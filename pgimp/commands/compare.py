@@ -10,11 +10,11 @@ from pathlib import Path
 import numpy as np
 
 from pgimp.errors import UsageError
-from pgimp.output.gridreader import grid_differences, grid_frames
-from pgimp.output.pairs import Pair
-from pgimp.output.probefiles import PROBES
-from pgimp.output.reader import Frame, Run
-from pgimp.output.tolerance import Tolerance, moments, tables, worst_of
+from pgimp.io.results.gridreader import grid_differences, grid_frames
+from pgimp.io.results.pairs import Pair
+from pgimp.io.results.reader import Frame, Run
+from pgimp.io.results.tolerance import Tolerance, moments, tables, worst_of
+from pgimp.io.rundir.probefiles import PROBES
 from pgimp.physics.values import BY_RANKS, FIELDS
 
 Array = np.ndarray

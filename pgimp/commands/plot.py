@@ -11,8 +11,8 @@ from typing import Any
 
 from pgimp.errors import UsageError, explain
 from pgimp.files import atomic
-from pgimp.plot.runs import AXES, Shown, open_runs, shots
-from pgimp.plot.tables import Table
+from pgimp.tools.plot.runs import AXES, Shown, open_runs, shots
+from pgimp.tools.plot.tables import Table
 
 _FORMATS = ("png", "pdf", "svg")
 _BEGINNINGS = {"png": rb"\x89PNG\r\n", "pdf": rb"%PDF-", "svg": rb"(<\?xml|<svg|\s)"}
@@ -105,7 +105,7 @@ def execute(args: argparse.Namespace) -> int:
     import matplotlib
 
     matplotlib.use("Agg")
-    from pgimp.plot.style import STYLE
+    from pgimp.tools.plot.style import STYLE
 
     style: Any = STYLE | {"svg.hashsalt": "pgimp"}
     _check(args)
@@ -118,7 +118,7 @@ def execute(args: argparse.Namespace) -> int:
         if _wants_frame(args):
             figure, table, remarks, name = _frame(args, runs)
         else:
-            from pgimp.plot.curves import curves
+            from pgimp.tools.plot.curves import curves
 
             probes = _listed(args.probe)
             figure, table, remarks = curves(
@@ -158,11 +158,11 @@ def _check(args: argparse.Namespace) -> None:
 
 
 def _frame(args: argparse.Namespace, runs: Sequence[Shown]) -> tuple[Any, Table, list[str], str]:
-    from pgimp.plot.along import along
-    from pgimp.plot.camera import camera
-    from pgimp.plot.picture import picture
-    from pgimp.plot.quantity import quantity
-    from pgimp.plot.selection import Selection, parse_place
+    from pgimp.tools.plot.along import along
+    from pgimp.tools.plot.camera import camera
+    from pgimp.tools.plot.picture import picture
+    from pgimp.tools.plot.quantity import quantity
+    from pgimp.tools.plot.selection import Selection, parse_place
 
     times = _numbers(args.time, "--time", float)
     numbers = _numbers(args.frame, "--frame", int) or ([] if times else [-1])

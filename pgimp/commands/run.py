@@ -8,18 +8,18 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from pgimp.errors import UsageError, explain
+from pgimp.io.rundir.rundir import RunDirectory
+from pgimp.io.rundir.runinfo import describe_start, installed
 from pgimp.mpi.collective import on_root
 from pgimp.mpi.comm import abort_on_error, world
-from pgimp.output.log import Log
-from pgimp.output.progress import duration
-from pgimp.output.rundir import RunDirectory
-from pgimp.output.runinfo import describe_start, installed
-from pgimp.output.stop import Stop, wall_time
+from pgimp.running.log import Log
+from pgimp.running.progress import duration
+from pgimp.running.stop import Stop, wall_time
 
 if TYPE_CHECKING:
     from pgimp.case.load import Source
     from pgimp.case.schema import Case
-    from pgimp.output.reader import Run
+    from pgimp.io.results.reader import Run
     from pgimp.schema.overrides import Overrides
 
 #: Exit status of a run that stopped before its end on request, with a checkpoint.
@@ -146,7 +146,7 @@ def run(
         the files are closed; ``resume=True`` goes on from there.
     """
     from pgimp.case.load import load
-    from pgimp.output import reader
+    from pgimp.io.results import reader
 
     comm = world() if comm is None else comm
     with abort_on_error(comm):
@@ -202,9 +202,9 @@ def _run(
     from pgimp.files.hdf5 import load_h5py
     from pgimp.jit.cache import announced
     from pgimp.jit.outside import digests
-    from pgimp.output.resume import Resumed
-    from pgimp.output.resume import resume as take_up
-    from pgimp.output.running import advance
+    from pgimp.running.resume import Resumed
+    from pgimp.running.resume import resume as take_up
+    from pgimp.running.running import advance
 
     directory = RunDirectory(output, comm, overwrite, resume, tuple(case.probes))
     try:

@@ -15,16 +15,16 @@ from typing import Any
 
 from pgimp.errors import UsageError, explain
 from pgimp.files import atomic
+from pgimp.io.rundir.ownfiles import RUN
 from pgimp.mpi.comm import launcher
-from pgimp.output.log import Log
-from pgimp.output.ownfiles import RUN
-from pgimp.output.progress import duration, terminal_columns
-from pgimp.output.stop import Held
-from pgimp.study.measures import number
-from pgimp.study.plan import Plan, read_plan
-from pgimp.study.runs import DONE, Outcome, command, perform
-from pgimp.study.tables import as_csv, as_markdown, compare
+from pgimp.running.log import Log
+from pgimp.running.progress import duration, terminal_columns
+from pgimp.running.stop import Held
 from pgimp.terminal import unescaped
+from pgimp.tools.study.measures import number
+from pgimp.tools.study.plan import Plan, read_plan
+from pgimp.tools.study.runs import DONE, Outcome, command, perform
+from pgimp.tools.study.tables import as_csv, as_markdown, compare
 
 TABLE, PAGE, PICTURE, COPY = "study.csv", "study.md", "study.png", "study.yaml"
 _LOCK = ".lock"
@@ -183,7 +183,7 @@ def _bar(log: Log, total: int) -> Iterator[Any]:
 
 def _write(plan: Plan, folder: Path, outcomes: list[Outcome]) -> None:
     """Write tables and plot, each whole or not at all."""
-    from pgimp.study.plot import picture
+    from pgimp.tools.study.plot import picture
 
     compare(plan, outcomes)
     try:

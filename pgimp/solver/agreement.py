@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 #: What a rank may wish for after a step; the greatest wish of all ranks is granted on all.
-#: PENDING: the rank still waits for the disk, see `pgimp.output.frames`.
+#: PENDING: the rank still waits for the disk, see `pgimp.running.frames`.
 NOTHING, PENDING, CHECKPOINT, STOP, FAULT = range(5)
 
 

@@ -11,8 +11,8 @@ import numpy as np
 from pgimp.case.load import Source, load
 from pgimp.case.schema import Case
 from pgimp.errors import RunError
+from pgimp.io.results.tables import Fields
 from pgimp.mpi.comm import world
-from pgimp.output.tables import Fields
 from pgimp.physics import values as fields
 from pgimp.schema.overrides import Overrides
 from pgimp.solver import simulation

@@ -18,8 +18,8 @@ from workers import environment, launch
 
 import pgimp
 from pgimp.mpi.comm import world
-from pgimp.output.checkpoints import Checkpoints
-from pgimp.output.frames import Frames
+from pgimp.running.checkpoints import Checkpoints
+from pgimp.running.frames import Frames
 from pgimp.solver.simulation import Simulation
 
 CASE = Path(__file__).resolve().parents[2] / "cases" / "block3d.yaml"

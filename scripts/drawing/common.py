@@ -12,8 +12,8 @@ from matplotlib.collections import PolyCollection
 from PIL import Image
 
 import pgimp
-from pgimp.plot import style
-from pgimp.plot.camera import camera
+from pgimp.tools.plot import style
+from pgimp.tools.plot.camera import camera
 
 ROOT = Path(__file__).resolve().parents[2]
 RUNS = ROOT / "pictures.out"

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from method_measures import COLUMN_CELLS, COURANTS
 
-from pgimp.output.runinfo import cpu
+from pgimp.io.rundir.runinfo import cpu
 
 ROOT = Path(__file__).resolve().parents[2]
 START, END = "<!-- written by scripts/methods -->\n", "<!-- end -->"

@@ -14,8 +14,8 @@ from pathlib import Path
 import numpy as np
 
 import pgimp
-from pgimp.output.checkpointfile import CheckpointFile
-from pgimp.output.checkpoints import present
+from pgimp.io.checkpoints.checkpointfile import CheckpointFile
+from pgimp.running.checkpoints import present
 
 #: Two soft blocks collide in a box; some seconds, with frames and checkpoints all the time.
 CASE = """\

@@ -18,10 +18,10 @@ from jobs import SHORT, differences, scratch
 
 import pgimp
 from pgimp import cli
+from pgimp.io.checkpoints.checkpointfile import CheckpointFile
+from pgimp.io.checkpoints.checkpointwriter import write
 from pgimp.mpi.comm import Serial
-from pgimp.output.checkpointfile import CheckpointFile
-from pgimp.output.checkpoints import present
-from pgimp.output.checkpointwriter import write
+from pgimp.running.checkpoints import present
 
 #: Seconds and megabytes that one attempt may take; without damage it takes a tenth of it.
 _SECONDS, _MEGABYTES = 60.0, 1500

@@ -9,7 +9,7 @@ from collections import Counter
 
 from jobs import CASE, SHORT, Job, differences, scratch, unreadable, whole
 
-from pgimp.output.checkpoints import present
+from pgimp.running.checkpoints import present
 
 #: Signal and addressee, and whether the run can stop in its own time.
 KINDS = [

@@ -41,7 +41,7 @@ def prepare():
     from pgimp.commands import run
     from pgimp.decomposition import halo, handover, migrate
     from pgimp.decomposition.balance import Balance
-    from pgimp.output import running
+    from pgimp.running import running
     from pgimp.solver.agreement import STOP
 
     run.abort_on_error = lambda comm: contextlib.nullcontext()

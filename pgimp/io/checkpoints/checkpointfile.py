@@ -1,0 +1,183 @@
+"""A checkpoint on the disk, read without trust.
+
+It is an HDF5 file after a user block with pgimp's own header. Reading goes by that header alone:
+the HDF5 library can crash on a file that is damaged.
+"""
+
+from __future__ import annotations
+
+import os
+import weakref
+import zlib
+from pathlib import Path
+
+import numpy as np
+
+from pgimp.errors import DamagedError
+from pgimp.files.checksums import Written, first_wrong, read_into
+from pgimp.files.plain import open_plain
+from pgimp.io.checkpoints.checkpointheader import LAYOUT, Place, parse
+from pgimp.io.checkpoints.checkpointwriter import write
+
+__all__ = ["LAYOUT", "CheckpointFile", "DamagedError", "write"]
+
+Array = np.ndarray
+
+# What is looked at at once.
+_BLOCK = 4 << 20
+
+
+class CheckpointFile:
+    """A checkpoint that is open for reading, with its header checked; `verify` checks the rest.
+
+    Every rank opens it for itself, without MPI. It is closed when nobody has it any more.
+
+    Parameters
+    ----------
+    path : path-like
+        The file.
+
+    Attributes
+    ----------
+    path : Path
+        As given.
+    size : int
+        Bytes of the file.
+    about : dict
+        As it was given to `write`, but that tuples are lists.
+    count : int
+        Number of rows.
+    rows : dict of str to (dtype, tuple)
+        Type and shape of a row of each dataset of rows.
+    whole : dict of str to (dtype, tuple)
+        Type and shape of the other datasets.
+
+    Raises
+    ------
+    DamagedError
+        If it cannot be read, is no checkpoint, or is not as it was written; says why in a line,
+        without the name of the file.
+    """
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = Path(path)
+        try:
+            stream = open_plain(self.path)
+        except OSError as error:
+            raise DamagedError(_cannot_read(error)) from None
+        except ValueError:
+            raise DamagedError("its name is no name of a file") from None
+        weakref.finalize(self, stream.close)
+        self._descriptor = stream.fileno()
+        self.size = os.fstat(self._descriptor).st_size
+        header, room = parse(self._read, self.size)
+        for start in range(room, header.begin, _BLOCK):
+            if self._read(start, min(_BLOCK, header.begin - start)).strip(b"\0"):
+                raise DamagedError("something was written between its header and its data")
+        self.about = header.about
+        self.count = header.count
+        self.rows = _shapes(header.rows)
+        self.whole = _shapes(header.whole)
+        self._header = header
+
+    def verify(self, part: int, parts: int) -> None:
+        """Compare the checksums of a part of the file, so that ranks can share the work.
+
+        Parameters
+        ----------
+        part, parts : int
+            Which one of how many parts of about equal size, from 0.
+
+        Raises
+        ------
+        DamagedError
+            If something in this part is not as it was written.
+        """
+        begin = self._header.begin
+        mine = [
+            Written(start, size, checksum)
+            for start, size, checksum in self._header.pieces
+            if (start - begin + size // 2) * parts // (self.size - begin) == part
+        ]
+        try:
+            wrong = first_wrong(self._descriptor, mine, zlib.crc32)
+        except OSError as error:
+            raise DamagedError(_cannot_read(error)) from None
+        if wrong:
+            end = wrong.start + wrong.size
+            raise DamagedError(f"bytes {wrong.start} to {end} do not have their checksum")
+
+    def read(self, name: str, first: int, last: int) -> Array:
+        """Read rows of a dataset.
+
+        Parameters
+        ----------
+        name : str
+            One of `rows`.
+        first, last : int
+            From row `first` up to but not including row `last`.
+
+        Returns
+        -------
+        ndarray, shape (last - first, ...)
+            The rows, in the machine's byte order.
+
+        Raises
+        ------
+        DamagedError
+            If the file has no such rows, or cannot be read.
+        """
+        if name not in self.rows or not 0 <= first <= last <= self.count:
+            raise DamagedError(f"it has no rows {first} to {last} of {name}")
+        place = self._header.rows[name]
+        array = np.empty((last - first, *place.shape), place.dtype)
+        self._fill(array, place.offset + place.extent(first))
+        return array.astype(array.dtype.newbyteorder("="), copy=False)
+
+    def read_whole(self, name: str) -> Array:
+        """Read one of `whole`.
+
+        Returns
+        -------
+        ndarray
+            In the machine's byte order.
+
+        Raises
+        ------
+        DamagedError
+            If the file does not have it, or cannot be read.
+        """
+        if name not in self.whole:
+            raise DamagedError(f"it has no {name}")
+        place = self._header.whole[name]
+        array = np.empty(place.shape, place.dtype)
+        self._fill(array, place.offset)
+        return array.astype(array.dtype.newbyteorder("="), copy=False)
+
+    def _read(self, start: int, length: int) -> bytes:
+        data = memoryview(bytearray(length))
+        return bytes(data[: self._read_into(data, start)])
+
+    def _fill(self, array: Array, start: int) -> None:
+        if array.size:
+            view = array.reshape(-1).view(np.uint8).data
+            if self._read_into(view, start) < len(view):
+                raise DamagedError("it ends before its data")
+
+    def _read_into(self, view: memoryview, start: int) -> int:
+        """See `checksums.read_into`."""
+        try:
+            return read_into(self._descriptor, view, start)
+        except OSError as error:
+            raise DamagedError(_cannot_read(error)) from None
+
+
+def _shapes(places: dict[str, Place]) -> dict[str, tuple[np.dtype, tuple[int, ...]]]:
+    return {
+        name: (np.dtype(place.dtype).newbyteorder("="), tuple(place.shape))
+        for name, place in places.items()
+    }
+
+
+def _cannot_read(error: OSError) -> str:
+    return f"it cannot be read: {os.strerror(error.errno)}" if error.errno else str(error)

@@ -1,0 +1,218 @@
+"""Writing a checkpoint: reserve the space, write data and header, sync, and only then the name.
+
+Every rank makes checksums of what it writes, while it does. They are in the header, and are
+compared before the file gets its name and when the checkpoint is read.
+"""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Mapping
+from itertools import accumulate, chain
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pgimp.errors import DamagedError, RunError, explain
+from pgimp.files.atomic import publish, temporary
+from pgimp.files.checksums import Written
+from pgimp.files.datasets import Dataset, Layout, bytes_of, lay_out
+from pgimp.files.framefile import FrameFile, blocks
+from pgimp.files.unfinished import removed_on_error, told
+from pgimp.io.checkpoints.checkpointheader import KINDS, encode, parse
+from pgimp.mpi.collective import agree, on_root
+
+Array = np.ndarray
+
+# A piece with a checksum of its own: what is read at once, more in files of many of them.
+_PIECE = 4 << 20
+_PIECES = 4096
+# More characters than the header needs for a number that is not known yet, and for a piece.
+_NUMBER, _PIECE_TEXT = 20, 48
+
+
+def write(
+    path: Path,
+    comm: Any,
+    about: dict[str, Any],
+    rows: Mapping[str, Array],
+    whole: Mapping[str, Array],
+    order: Array | None = None,
+) -> int:
+    """Write a checkpoint; collective.
+
+    Parameters
+    ----------
+    path : Path
+        The file; replaced if there.
+    comm : communicator
+        Of all ranks.
+    about : dict
+        Anything that JSON can say; of use on rank 0.
+    rows : mapping of str to ndarray, shape (n, ...)
+        This rank's block of each dataset of rows; the ranks' blocks lie one after the other. The
+        same names, types and shapes of a row on every rank; n may be 0.
+    whole : mapping of str to ndarray
+        Further datasets, small ones; of use on rank 0.
+    order : ndarray of int, optional
+        Which of the rows are written, in which order; all as they are without it.
+
+    Returns
+    -------
+    int
+        Bytes of the file; of use on rank 0.
+
+    Raises
+    ------
+    RunError
+        On every rank, if it could not be written whole; then there is no file of this name but an
+        older one, as it was.
+    """
+    what = f"write the checkpoint {path}"
+    part = temporary(path)
+    lengths = {len(array) for array in rows.values()} if order is None else {len(order)}
+    shapes = {name: (_little(array).str, array.shape[1:]) for name, array in rows.items()}
+    told_of = comm.allgather((list(lengths or {0}), shapes))
+    if any(len(some) > 1 or others != shapes for some, others in told_of):
+        raise RunError(f"cannot {what}: the arrays of its ranks do not fit each other")
+    shapes = told_of[0][1]  # in the same order on every rank
+    bounds = [0, *accumulate(some[0] for some, _ in told_of)]
+    first, count = bounds[comm.rank], told_of[comm.rank][0][0]
+    plan = _Plan(part, about, shapes, bounds)
+    file = None
+    with removed_on_error(part, comm):
+        try:
+            offsets = on_root(comm, lambda: plan.create(whole, what))
+            file = FrameFile(part, comm, plan.most)
+            for name, (dtype, tail) in shapes.items():
+                array = rows[name]
+                place = offsets[name] + first * Dataset(name, dtype, tail).row_bytes
+                room = None
+                for begin, end in blocks(count):
+                    block = array[begin:end]
+                    if order is not None:
+                        # Always the same memory: new pages would cost as much as the rest.
+                        room = np.empty_like(block) if room is None else room[: end - begin]
+                        # Without "clip" NumPy would not take the memory it is given.
+                        block = array.take(order[begin:end], 0, room, "clip")
+                    file.write(place, np.asarray(block, dtype, order="C"))
+                    place += block.nbytes
+            agree(comm, what, file.error)
+            written = comm.gather(file.written)
+            on_root(comm, lambda: plan.head(file, written, what))
+            file.settle()
+            file.close()
+            agree(comm, what, file.error)
+            file.verify()
+            agree(comm, what, file.error)
+            on_root(comm, lambda: plan.publish(path, what))
+        finally:
+            if file is not None:
+                file.abandon()
+    return plan.size
+
+
+def _little(array: Array) -> np.dtype:
+    return array.dtype.newbyteorder("<")
+
+
+class _Plan:
+    """What rank 0 does: makes the file and, when all have written to it, header and name.
+
+    Attributes
+    ----------
+    most : int
+        Longest piece of the rows.
+    size : int
+        Bytes of the file, when it is made.
+    """
+
+    def __init__(
+        self,
+        part: Path,
+        about: dict[str, Any],
+        shapes: dict[str, tuple[str, tuple[int, ...]]],
+        bounds: list[int],
+    ) -> None:
+        self.part = part
+        self.ranks = len(bounds) - 1
+        self.datasets = [Dataset(name, dtype, tail) for name, (dtype, tail) in shapes.items()]
+        self.count = bounds[-1]
+        self.size = 0
+        self.row_bytes = sum(dataset.row_bytes for dataset in self.datasets)
+        self.most = max(_PIECE, self.count * self.row_bytes // _PIECES)
+        self._layout, self._whole = Layout({}, {}, 0), dict[str, Array]()
+        places = {d.name: {"dtype": d.dtype, "shape": d.tail, "offset": 0} for d in self.datasets}
+        self.content: dict[str, Any] = {
+            "size": 0,
+            "count": self.count,
+            "about": about,
+            "rows": places,
+        }
+
+    def create(self, whole: Mapping[str, Array], what: str) -> dict[str, int]:
+        """Make the file, with nothing in it yet; return where each dataset begins."""
+        arrays = {name: np.asarray(a, _little(a), order="C") for name, a in whole.items()}
+        self._whole = arrays
+        places = {
+            name: {"dtype": array.dtype.str, "shape": array.shape, "offset": 0}
+            for name, array in arrays.items()
+        }
+        self.content |= {"whole": places, "pieces": []}
+        places = self.content["rows"] | places
+        # Two neighbours are together longer than the longest piece, but at the end of a block.
+        pieces = 2 * (self.count * self.row_bytes // self.most + len(places) + 1)
+        pieces += self.ranks * len(self.datasets)
+        try:
+            for place in places.values():
+                if place["dtype"] not in KINDS:
+                    raise ValueError(f"no checkpoint holds numbers of type {place['dtype']}")
+            room = len(encode(self.content)) + _NUMBER * (len(places) + 2) + _PIECE_TEXT * pieces
+            self.begin = max(512, 1 << (room - 1).bit_length())
+            layout = lay_out(self.datasets, self.count, whole=arrays, user_block=self.begin)
+            layout.create(self.part)
+        except OSError as error:
+            raise RunError(f"cannot {what}: {explain(error)}") from error
+        except (ValueError, TypeError, RuntimeError) as error:
+            raise RunError(f"cannot {what}: {error}") from error
+        for name, place in places.items():
+            place["offset"] = layout.offsets[name]
+        self._layout, self.size = layout, layout.size
+        return layout.offsets
+
+    def head(self, file: FrameFile, written: list[list[Written]], what: str) -> None:
+        """Write all but the rows: the header has the checksums of what the ranks wrote."""
+        offsets, says = self._layout.offsets, self._layout.parts
+        whole = [
+            Written(offsets[name], array.nbytes, zlib.crc32(bytes_of(array)))
+            for name, array in self._whole.items()
+            if array.size
+        ]
+        pieces: list[list[int]] = []
+        end = self.begin
+        for piece in [*sorted(chain(*written, whole)), Written(self.size, 0, 0)]:
+            if piece.start > end:  # what HDF5 says about the datasets
+                between = bytearray(piece.start - end)
+                for place, data in says.items():
+                    if end <= place < piece.start:
+                        between[place - end : place - end + len(data)] = data
+                pieces.append([end, len(between), zlib.crc32(between)])
+            if piece.size:
+                pieces.append(list(piece))
+            end = piece.start + piece.size
+        try:
+            header = encode(self.content | {"size": self.size, "pieces": pieces})
+            parse(lambda start, length: header[start : start + length], self.size)
+        except DamagedError as error:
+            raise RunError(f"cannot {what}: {error}") from error
+        file.write(0, header)
+        for place, data in says.items():
+            file.write(place, data)
+        for name, array in self._whole.items():
+            file.write(offsets[name], array)
+
+    def publish(self, path: Path, what: str) -> None:
+        """Name the file, once all of it is on the disk."""
+        with told(what):
+            publish(self.part, path)

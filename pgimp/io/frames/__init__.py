@@ -1,0 +1,1 @@
+"""Frames of particles and their XDMF."""

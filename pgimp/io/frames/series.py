@@ -1,0 +1,187 @@
+"""A series of files in the folder of frames, with the XDMF file that lists them.
+
+The run does not wait for the disk: a file is written to the kernel's memory, brought to the disk
+while the next steps go on, and only then gets its name. So what has a name is whole, also after a
+crash of the machine; the last one appears as soon as the disk has it, before a checkpoint at the
+latest, and is lost if the run dies before that.
+"""
+
+from __future__ import annotations
+
+import re
+from abc import ABC, abstractmethod
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from pgimp.errors import RunError, explain
+from pgimp.files.atomic import sync_folder
+from pgimp.files.unfinished import Unfinished
+from pgimp.io.frames.xdmf import Collection
+from pgimp.mpi.collective import on_root
+
+
+class Entry(NamedTuple):
+    """A file as the XDMF file lists it: its time, its step, and its text there."""
+
+    time: float
+    step: int
+    text: str
+
+
+class Series(ABC):
+    """Files of a run, one at a time, and the XDMF file that lists them.
+
+    Parameters
+    ----------
+    comm : communicator
+        Of all ranks.
+    collection : Collection
+        The XDMF file.
+    pattern : re.Pattern
+        Of the names of the files; its group is the number.
+
+    Attributes
+    ----------
+    written : int
+        Number of files that have their names, or would have, had all been asked for.
+    latest, step : float, int
+        Simulated time of the last of these, and step of the last file that was begun; the step
+        is -1 before the first.
+    size : int
+        Bytes of the files that this process wrote, on rank 0.
+    """
+
+    def __init__(self, comm: Any, collection: Collection, pattern: re.Pattern[str]) -> None:
+        self.folder = collection.path.parent / "frames"
+        self.comm = comm
+        self.written = self.size = 0
+        self.latest = 0.0
+        self.step = -1
+        self._collection, self._pattern = collection, pattern
+        self._pending: tuple[Unfinished, Entry] | None = None
+        self._synced = 0
+
+    @abstractmethod
+    def _listed(self, path: Path) -> Entry:
+        """Read from a file how it is listed; a RunError says what is wrong with it."""
+
+    def _wait_for(self, file: Unfinished, entry: Entry) -> None:
+        """Let a file get its name at the next `finish`."""
+        self._pending = file, entry
+        self.step = entry.step
+
+    @property
+    def waiting(self) -> bool:
+        """Whether the last file has no name yet; the same on every rank."""
+        return self._pending is not None
+
+    @property
+    def ready(self) -> bool:
+        """Whether this rank would not have to wait for the disk to finish the last file."""
+        return self._pending is None or self._pending[0].ready
+
+    def finish(self, last: bool = False) -> None:
+        """Give the last file its name when it is on the disk, unless it has it; collective.
+
+        Parameters
+        ----------
+        last : bool
+            Whether it is the last one of the run.
+
+        Raises
+        ------
+        RunError
+            On every rank, if it could not be written whole; there is then no file of its name.
+        """
+        if self._pending is None:
+            return
+        file, entry = self._pending
+        self._pending = None
+
+        def show() -> None:
+            self.size += file.path.stat().st_size
+            self._collection.add(entry.text)
+            self._collection.write(durable=last)
+
+        file.end(show)
+        self.written += 1
+        self.latest = entry.time
+
+    def sync(self, last: bool = False) -> None:
+        """See to it that all files so far outlast a crash of the machine; collective.
+
+        Parameters
+        ----------
+        last : bool
+            Whether there will be no other.
+
+        Raises
+        ------
+        RunError
+            On every rank, if that is not possible.
+        """
+        self.finish(last)
+        if self._synced == self.written:
+            return
+
+        def names() -> None:
+            try:
+                sync_folder(self.folder)
+            except OSError as error:
+                raise RunError(f"cannot write to {self.folder}: {explain(error)}") from error
+
+        on_root(self.comm, names)
+        self._synced = self.written
+
+    def resume(self, number: int) -> list[str]:
+        """Go on after the first `number` files; later ones are deleted; collective.
+
+        Parameters
+        ----------
+        number : int
+            How many there were when the state was kept from which the run goes on.
+
+        Returns
+        -------
+        list of str
+            What is wrong with files that should be there; those are not listed any more.
+
+        Raises
+        ------
+        RunError
+            On every rank, if the folder cannot be read or written.
+        """
+        self.written = number
+        notes, self.latest, self.step = on_root(self.comm, lambda: self._list_again(number))
+        return notes
+
+    def _missing(self, number: int, there: int) -> list[str]:
+        """Say how many of the files before a number are missing."""
+        if there >= number:
+            return []
+        return [f"{number - there} of the {number} earlier frames are missing"]
+
+    def _list_again(self, number: int) -> tuple[list[str], float, int]:
+        time, step = 0.0, -1
+        try:
+            paths = {}
+            for path in self.folder.iterdir():
+                # Anything else of such a name, as a pipe, could not be read without waiting.
+                if path.is_file() and (match := self._pattern.fullmatch(path.name)):
+                    paths[int(match[1])] = path
+            before = sorted(i for i in paths if i < number)
+            notes = self._missing(number, len(before))
+            for path in (paths[i] for i in before):
+                try:
+                    time, step, text = self._listed(path)
+                except RunError as error:
+                    notes.append(f"{error}; {self._collection.path.name} goes on without it")
+                    continue
+                self._collection.add(text)
+            self._collection.write()
+            for i in paths:
+                if i >= number:
+                    paths[i].unlink()
+        except OSError as error:
+            raise RunError(f"cannot go on in {self.folder}: {explain(error)}") from error
+        return notes, time, step

@@ -1,0 +1,1 @@
+"""A run read again: frames, history, tables, comparison."""

@@ -1,0 +1,206 @@
+"""Reading a run directory, during the run and after it, without MPI."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pgimp.errors import RunError, UsageError, explain
+from pgimp.files.linereader import so_far
+from pgimp.files.plain import read_plain
+from pgimp.io.results import history
+from pgimp.io.results.frame import Array, Frame
+from pgimp.io.results.tables import Fields, Table, Tables
+from pgimp.io.rundir import runinfo
+from pgimp.io.rundir.ownfiles import FRAME, RUN
+from pgimp.io.rundir.probefiles import probe_files
+from pgimp.terminal import escape
+
+if TYPE_CHECKING:
+    from pgimp.case.schema import Case
+
+__all__ = ["Frame", "Run", "open"]
+
+
+def open(directory: str | Path) -> Run:
+    """Open a run directory, also of a run that goes on or died.
+
+    Parameters
+    ----------
+    directory : str or Path
+        The run directory.
+
+    Returns
+    -------
+    Run
+        Its results; what the run adds later appears as well.
+
+    Raises
+    ------
+    UsageError
+        If the directory holds no run.
+    """
+    return Run(Path(directory))
+
+
+class Run:
+    """A run directory.
+
+    Parameters
+    ----------
+    path : Path
+        The directory.
+
+    Raises
+    ------
+    UsageError
+        If it holds no run.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._known: dict[Path, tuple[tuple[int, int], Frame]] = {}
+        if runinfo.read(path / RUN) is None:
+            raise UsageError(f"{path} is no run directory of pgimp: it has no {RUN}.")
+
+    @property
+    def info(self) -> dict[str, Any]:
+        """What run.json says of the last start: versions, hosts, state, steps and so on.
+
+        While the run goes on, steps and time are those of the last line of history.csv.
+        """
+        content = runinfo.read(self.path / RUN)
+        if content is None:
+            raise UsageError(f"{self.path} is no run directory any more: its {RUN} has gone.")
+        last = content["starts"][-1]
+        return last | so_far(self.path) if last["state"] == "running" else last
+
+    @property
+    def state(self) -> str:
+        """One of running, done, stopped and failed, as run.json says."""
+        return self.info["state"]
+
+    @cached_property
+    def case(self) -> Case:
+        """The case as resolved, with every default."""
+        from pgimp.case.reader import read_case
+        from pgimp.schema.document import LARGEST_FILE
+
+        path = self.path / "case.yaml"
+        try:
+            return read_case(read_plain(path, LARGEST_FILE), str(path), [])
+        except OSError as error:
+            raise RunError(f"cannot read {path}: {explain(error)}") from error
+
+    @property
+    def frames(self) -> list[Frame]:
+        """All frames so far, in order of time."""
+        folder = self.path / "frames"
+        found = [path for path in folder.glob("particles-*.h5") if FRAME.fullmatch(path.name)]
+        return sorted(map(self._frame, found), key=lambda frame: frame.number)
+
+    def _frame(self, path: Path) -> Frame:
+        """Return the frame of a file, which another run may have replaced since the last time."""
+        try:
+            about = path.stat()
+        except OSError as error:
+            raise RunError(f"cannot read {path}: {explain(error)}") from error
+        stamp = about.st_ino, about.st_mtime_ns
+        if path not in self._known or self._known[path][0] != stamp:
+            self._known[path] = stamp, Frame(path)
+        return self._known[path][1]
+
+    def __repr__(self) -> str:
+        """Say how far the run is."""
+        info = self.info
+        steps = f"{info['steps']} steps{' so far' * (info['state'] == 'running')}"
+        return escape(f"<Run {self.path}: {info['state']}, {steps}, {len(self)} frames>")
+
+    def __len__(self) -> int:
+        """Return the number of frames so far."""
+        return len(self.frames)
+
+    def __iter__(self) -> Iterator[Frame]:
+        """Go through the frames."""
+        return iter(self.frames)
+
+    def frame(self, index: int) -> Frame:
+        """Return a frame.
+
+        Parameters
+        ----------
+        index : int
+            Its place; -1 is the last.
+
+        Returns
+        -------
+        Frame
+            The frame.
+
+        Raises
+        ------
+        IndexError
+            If there is no such frame (yet).
+        """
+        frames = self.frames
+        try:
+            return frames[index]
+        except IndexError:
+            raise IndexError(f"{self.path} has no frame {index}: it has {len(frames)}") from None
+
+    @property
+    def times(self) -> Array:
+        """Simulated times of the frames; ndarray of shape (frames,)."""
+        return np.array([frame.time for frame in self.frames])
+
+    @property
+    def history(self) -> Table:
+        """history.csv so far, as a structured array: ``run.history["time"]``."""
+        return history.read(self.path / "history.csv").view(Table)
+
+    @property
+    def probes(self) -> Tables:
+        """Each ``probes/NAME.csv`` so far, as `history`: ``run.probes["tip"]["position-x"]``."""
+        files = sorted(probe_files(self.path))
+        return Tables({path.stem: history.read(path).view(Table) for path in files})
+
+    def follow(self, number: int) -> Fields:
+        """Follow a particle through the frames, to the last one before it left the domain.
+
+        Parameters
+        ----------
+        number : int
+            Its id.
+
+        Returns
+        -------
+        Fields
+            By name arrays of shape (frames,) or (frames, k): ``time``, ``step`` and each field that
+            all frames have; of a particle that was removed only for the frames that have it.
+
+        Raises
+        ------
+        KeyError
+            If there is no such particle.
+        IndexError
+            If there is no frame yet.
+        """
+        frames = [self.frame(0), *self.frames[1:]]
+        names = [name for name in frames[0].fields if all(name in frame for frame in frames)]
+        values: dict[str, list[Any]] = {name: [] for name in ["time", "step", *names]}
+        for frame in frames:
+            ids = frame["id"]
+            row = int(np.searchsorted(ids, number))
+            if row == len(ids) or ids[row] != number:
+                if values["time"]:
+                    break
+                raise KeyError(f"{self.path} has no particle {number} in frame {frame.number}")
+            values["time"].append(frame.time)
+            values["step"].append(frame.step)
+            for name in names:
+                values[name].append(frame.rows(name, row, row + 1)[0])
+        return Fields({name: np.array(column) for name, column in values.items()})

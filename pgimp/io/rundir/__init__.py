@@ -1,0 +1,1 @@
+"""The run directory: which files are pgimp's, run.json, probes' files."""

@@ -1,0 +1,100 @@
+"""Which files in a run directory are a run's own, and whether anything else is in their way."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Collection, Iterator
+from pathlib import Path
+
+from pgimp.errors import UsageError
+from pgimp.io.rundir import runinfo
+from pgimp.io.rundir.probefiles import PROBES, probe_file, probes_ever
+
+RUN = "run.json"
+TOP = ("case.yaml", "input.yaml", "particles.xdmf", "grid.xdmf", "history.csv", "log.txt", RUN)
+FRAME = re.compile(r"particles-(\d{6,})\.h5")
+GRID_FRAME = re.compile(r"grid-(\d{6,})\.h5")
+FOLDERS = ("frames", "checkpoints")
+FAILURE = "failure"
+#: A file that is there once the failure of a run is noted.
+FAILED = ".failed"
+#: What is half written.
+PART = re.compile(
+    r"\.(case\.yaml|input\.yaml|run\.json|report\.txt|particles\.(xdmf|h5)|"
+    r"grid\.xdmf|(particles|grid|step)-\d+\.h5)\.part"
+)
+# Of each folder, what a run writes there.
+_DATA = {
+    "checkpoints": re.compile(r"step-\d{9,}\.h5(\.damaged)?"),
+    "frames": re.compile(f"{FRAME.pattern}|{GRID_FRAME.pattern}"),
+    FAILURE: re.compile(r"particles\.h5|particles\.xdmf|report\.txt"),
+}
+
+
+def own_files(directory: Path) -> Iterator[Path]:
+    """Yield the files of a run but run.json: without it the rest is taken for no run.
+
+    Raises
+    ------
+    OSError
+        If a folder cannot be read.
+    """
+    for name, data in {**_DATA, "": PART}.items():
+        folder = directory / name
+        for entry in folder.iterdir() if folder.is_dir() else ():
+            if data.fullmatch(entry.name) or PART.fullmatch(entry.name):
+                yield entry
+    for name in sorted(probes_so_far(directory)):
+        yield probe_file(directory, name)
+    for name in (FAILED, *TOP):
+        if name != RUN:
+            yield directory / name
+
+
+def probes_so_far(directory: Path) -> set[str]:
+    """Return the names of all probes that the run in a directory has or had."""
+    return probes_ever(directory, runinfo.read(directory / RUN))
+
+
+def require_room(directory: Path, resume: bool, probes: Collection[str]) -> None:
+    """See to it that nothing is in the way of a run that is none of pgimp's; nothing is changed.
+
+    Parameters
+    ----------
+    directory : Path
+        The run directory.
+    resume : bool
+        Whether the run that is there is to go on, so that its files stay.
+    probes : collection of str
+        Names of the probes that the run is to have.
+
+    Raises
+    ------
+    UsageError
+        With what is in the way, and what to do.
+    OSError
+        If a folder cannot be read.
+    """
+    ever = probes_so_far(directory)
+    for name in (*FOLDERS, *([PROBES] if probes or ever else [])):
+        path = directory / name
+        if os.path.lexists(path) and not path.is_dir():
+            raise _obstacle(path, "it is no folder, but a run needs a folder of this name")
+    files = [directory / name for name in TOP] + [probe_file(directory, name) for name in probes]
+    for path in (*files, *(() if resume else own_files(directory))):
+        if path.exists() and not path.is_file():
+            what = "a folder" if path.is_dir() else "no plain file"
+            raise _obstacle(path, f"it is {what}, but a run has a file of this name")
+    # Without run.json only the checkpoints may know what probes there were.
+    if runinfo.read(directory / RUN) is not None:
+        for name in sorted({*probes} - ever):
+            if os.path.lexists(path := probe_file(directory, name)):
+                raise _obstacle(path, "a run would replace it, and no earlier start has written it")
+
+
+def _obstacle(path: Path, why: str) -> UsageError:
+    return UsageError(
+        f"{path} is in the way and none of pgimp's: {why}.\n"
+        "Nothing has been changed; move it away, or choose another directory with -o."
+    )

@@ -1,0 +1,298 @@
+"""The run directory: one run at a time, and nothing lost that is not to be replaced."""
+
+from __future__ import annotations
+
+import errno
+import fcntl
+import os
+import socket
+import time
+from collections.abc import Collection
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from pgimp.errors import RunError, UsageError, explain
+from pgimp.files.atomic import write
+from pgimp.files.linereader import so_far
+from pgimp.io.rundir import runinfo
+from pgimp.io.rundir.ownfiles import (
+    FAILED,
+    FAILURE,
+    FOLDERS,
+    PART,
+    RUN,
+    TOP,
+    own_files,
+    probes_so_far,
+    require_room,
+)
+from pgimp.io.rundir.probefiles import PROBES
+from pgimp.mpi.collective import on_root
+from pgimp.terminal import escape
+
+#: State of a run whose directory is not yet cleared of the one before.
+STARTING = "starting"
+# A name that can be no directory, whatever the disk is like.
+_NO_PLACE = (errno.ENOTDIR, errno.ENAMETOOLONG, errno.ELOOP)
+_LOCK = ".lock"
+# Of ranks that fail together the lowest speaks on the terminal; so it does here.
+_HEAD_START_SECONDS = 0.01
+_LONGEST_HEAD_START_SECONDS = 0.2
+
+
+class RunDirectory:
+    """The directory of a run, locked until `release`.
+
+    Parameters
+    ----------
+    path : Path
+        Created with its parents if it is not there.
+    comm : communicator
+        Of all ranks; creation is collective.
+    overwrite : bool
+        Whether a run that is there may be replaced.
+    resume : bool
+        Whether a run that is there is to go on.
+    probes : collection of str
+        Names of the case's probes.
+
+    Attributes
+    ----------
+    before : dict or None
+        The last start of the run that is there, as run.json has it, with the step of the last
+        checkpoint of all starts. Its state is "lost" if only the checkpoints are left to tell.
+
+    Raises
+    ------
+    UsageError
+        On every rank, if the directory must not be used: it holds a run, or files of the same names
+        that are no run's or are in the way, or is locked by another run.
+    RunError
+        On every rank, if it cannot be used: a full disk, no permission.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        comm: Any,
+        overwrite: bool = False,
+        resume: bool = False,
+        probes: Collection[str] = (),
+    ) -> None:
+        self.path = path
+        self.comm = comm
+        self._probes = probes
+        self._lock = -1
+        self._created = False
+        self.before = on_root(comm, lambda: self._claim(overwrite, resume))
+
+    def _claim(self, overwrite: bool, resume: bool) -> dict[str, Any] | None:
+        try:
+            str(self.path).encode()
+        except UnicodeEncodeError:
+            raise UsageError(
+                f"the name of the run directory, {str(self.path)!a}, is no text; choose another "
+                "with -o"
+            ) from None
+        try:
+            if self.path.exists() and not self.path.is_dir():
+                raise UsageError(f"{self.path} is a file; name a directory with -o.")
+            self._created = not self.path.exists()
+            self.path.mkdir(parents=True, exist_ok=True)
+            self._take_lock()
+            before = self._examine(overwrite, resume)
+            require_room(self.path, resume, self._probes)
+            return before
+        except OSError as error:
+            self.release()
+            raise self._refusal("use", error) from error
+        except UsageError:
+            self.release()
+            raise
+
+    def _take_lock(self) -> None:
+        """Lock the directory; a run that died leaves a file behind, but no lock."""
+        name = self.path / _LOCK
+        while self._lock < 0:
+            descriptor = os.open(name, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
+            try:
+                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                holder = os.read(descriptor, 200).decode(errors="replace").strip()
+                os.close(descriptor)
+                raise UsageError(
+                    f"a run is writing to {self.path}: {holder or 'of unknown process'}.\n"
+                    "Wait for it, stop it, or choose another directory with -o."
+                ) from None
+            except OSError:
+                # No locks on this file system: one run at a time is then the user's concern.
+                pass
+            with suppress(FileNotFoundError):
+                if os.path.samestat(os.fstat(descriptor), name.stat()):
+                    self._lock = descriptor
+                    break
+            os.close(descriptor)  # the run that held it has just removed the file
+        os.ftruncate(self._lock, 0)
+        line = f"process {os.getpid()} on {socket.gethostname()}, since {runinfo.now()}\n"
+        os.write(self._lock, line.encode())
+
+    def _examine(self, overwrite: bool, resume: bool) -> dict[str, Any] | None:
+        """Return the last start of the run that is there; raise unless what is there may be."""
+        there = [name for name in (*TOP, *FOLDERS, PROBES) if os.path.lexists(self.path / name)]
+        run = runinfo.read(self.path / RUN)
+        if run is None and resume and any((self.path / "checkpoints").glob("step-*.h5")):
+            return {"state": "lost", "checkpoint": 0}
+        if run is None and there:
+            raise UsageError(
+                f"{self.path} has a {there[0]}, but no run of pgimp: a run there would replace it."
+                "\nChoose another directory with -o."
+            )
+        if run is None:
+            return None
+        last = run["starts"][-1]
+        if not (overwrite or resume):
+            state, steps = last["state"], last["steps"]
+            if state == "running":
+                state, steps = "running or killed", so_far(self.path).get("steps", 0)
+            raise UsageError(
+                f"{self.path} holds a run ({state}, begun {last['began']}, {steps} steps).\n"
+                "Add --resume to go on with it, --overwrite to replace it, or choose another "
+                "directory with -o."
+            )
+        made = [start.get("checkpoint") for start in run["starts"]]
+        made = [step for step in made if step is not None]
+        return last | {"checkpoint": made[-1] if made else None}
+
+    def prepare(self, texts: dict[str, bytes], start: dict[str, Any], resume: bool = False) -> None:
+        """Write the files that a run starts with; collective.
+
+        An older run is deleted, or, to go on with it, cleared of what was half written.
+
+        Parameters
+        ----------
+        texts : dict of str to bytes
+            Files and their content.
+        start : dict
+            What run.json says of this start.
+        resume : bool
+            Whether to go on with the run that is there.
+
+        Raises
+        ------
+        UsageError, RunError
+            On every rank, if that is not possible; with the first, nothing is changed.
+        """
+        on_root(self.comm, lambda: self._prepare(texts, start, resume))
+
+    def _prepare(self, texts: dict[str, bytes], start: dict[str, Any], resume: bool) -> None:
+        try:
+            require_room(self.path, resume, self._probes)
+            start = start | {PROBES: sorted(self._probes)}
+            # Of probes that are dropped, nothing but run.json knows.
+            both = {PROBES: sorted({*self._probes, *probes_so_far(self.path)})}
+            for name in FOLDERS:
+                (self.path / name).mkdir(exist_ok=True)
+            own = list(own_files(self.path))
+            if resume:
+                runinfo.append(self.path / RUN, start | both)
+            else:
+                # From here to the end of this the directory holds parts of two runs.
+                runinfo.write(self.path / RUN, start | both | {"state": STARTING})
+            for path in own:
+                past = path.name == FAILED or path.parent.name == FAILURE
+                if not resume or past or PART.fullmatch(path.name):
+                    path.unlink(missing_ok=True)
+            for name, text in texts.items():
+                write(self.path / name, text)
+            if not resume:
+                runinfo.write(self.path / RUN, start)
+        except OSError as error:
+            raise self._refusal("write to", error) from error
+
+    def _refusal(self, action: str, error: OSError) -> RunError | UsageError:
+        message = f"cannot {action} the run directory {self.path}: {explain(error)}"
+        return UsageError(message) if error.errno in _NO_PLACE else RunError(message)
+
+    def record_failure(self, state: str, step: int, when: float, message: str) -> None:
+        """Note in run.json and log.txt why the run ended early.
+
+        Any rank that fails calls it on its own; the first of them writes.
+
+        Parameters
+        ----------
+        state : str
+            "failed" or "stopped".
+        step, when : int, float
+            How far the run came: its step and its simulated time.
+        message : str
+            What happened.
+        """
+        time.sleep(min(self.comm.rank * _HEAD_START_SECONDS, _LONGEST_HEAD_START_SECONDS))
+        # On a disk that is full or gone the message on the terminal must do.
+        with suppress(OSError):
+            os.close(os.open(self.path / FAILED, os.O_CREAT | os.O_EXCL | os.O_WRONLY))
+            self._update(state=state, steps=step, time=when, message=message)
+            with open(self.path / "log.txt", "a", encoding="utf-8") as stream:
+                stream.write(f"{state} at step {step}, t = {when!r}: {escape(message)}\n")
+
+    def finish(
+        self, state: str, step: int, when: float, seconds: float, message: str | None = None
+    ) -> None:
+        """Note in run.json that the run ended in good order; collective.
+
+        Parameters
+        ----------
+        state : str
+            "done" or "stopped".
+        step, when : int, float
+            Its last step and simulated time.
+        seconds : float
+            Wall time of its steps, without set-up and output.
+        message : str, optional
+            Why it stopped.
+
+        Raises
+        ------
+        RunError
+            On every rank, if it cannot be written, or the directory has gone.
+        """
+
+        def action() -> None:
+            try:
+                self._update(state=state, steps=step, time=when, seconds=seconds, message=message)
+            except OSError as error:
+                raise self._refusal("write to", error) from error
+
+        on_root(self.comm, action)
+
+    def note_checkpoint(self, step: int) -> None:
+        """Note in run.json that there is a checkpoint; collective.
+
+        Raises
+        ------
+        RunError
+            On every rank, if it cannot be written, or the directory has gone.
+        """
+
+        def action() -> None:
+            try:
+                runinfo.update(self.path / RUN, checkpoint=step)
+            except OSError as error:
+                raise self._refusal("write to", error) from error
+
+        on_root(self.comm, action)
+
+    def _update(self, **changes: Any) -> None:
+        runinfo.update(self.path / RUN, ended=runinfo.now(), **changes)
+
+    def release(self) -> None:
+        """Let other runs have the directory; one that this run made and left empty goes."""
+        if self._lock >= 0:
+            with suppress(OSError):
+                (self.path / _LOCK).unlink()
+            os.close(self._lock)
+            self._lock = -1
+        if self._created:
+            with suppress(OSError):
+                self.path.rmdir()

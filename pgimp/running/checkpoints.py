@@ -1,0 +1,244 @@
+"""The checkpoints of a run: when they fall due, how many stay, and which one is intact."""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from functools import partial
+from pathlib import Path
+from time import monotonic
+from types import MappingProxyType
+from typing import Any, Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from pgimp.case.output import WallTime
+from pgimp.case.writer import dump_case
+from pgimp.errors import DamagedError, RunError, explain
+from pgimp.io.checkpoints import checkpointwriter
+from pgimp.io.checkpoints.checkpointfile import CheckpointFile
+from pgimp.io.rundir import runinfo
+from pgimp.mpi.collective import all_or_none, on_root
+from pgimp.running.probes import Record
+from pgimp.running.schedule import Schedule
+from pgimp.solver.state import capture
+
+CHECKPOINT = re.compile(r"step-(\d{9,})\.h5")
+DAMAGED = ".damaged"
+# Until one has been written: a disk that takes this many bytes a second is a slow one.
+_SLOW = 100e6
+
+
+class About(BaseModel):
+    """What a checkpoint says of itself and of the output, apart from the simulation's state."""
+
+    model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
+
+    program: Literal["pgimp"]
+    case: str
+    frames: int = Field(ge=0, le=2**53)
+    history: int = Field(ge=-1, le=2**53)
+    lines: int | None = Field(default=None, ge=0, le=2**53)
+    probes: dict[str, Record] = {}
+    written: str
+    made_by: dict[str, str | None]
+    seconds: float | None = Field(ge=0.0, allow_inf_nan=False)
+    state: dict[str, Any]
+
+    @classmethod
+    def of(cls, file: CheckpointFile) -> Self:
+        """Return what a checkpoint says.
+
+        Raises
+        ------
+        DamagedError
+            If it says something else.
+        """
+        try:
+            return cls.model_validate(file.about)
+        except ValidationError as error:
+            first = error.errors()[0]
+            where = ".".join(map(str, first["loc"]))
+            raise DamagedError(f"its {where} is not what it must be: {first['msg']}") from None
+
+
+class Checkpoints:
+    """Writes the checkpoints of a run and deletes older ones.
+
+    Parameters
+    ----------
+    directory : Path
+        The run directory; the same on every rank.
+    case : Case
+        Says how often and how many.
+    sim : Simulation
+        The run, at its begin or as resumed.
+
+    Attributes
+    ----------
+    latest : int
+        Step of the last one written; -1 before the first.
+    seconds : float
+        What one takes at most, as far as known: until one has been written, an estimate, or what
+        it took before the run was resumed.
+    size : int
+        Bytes of those that this process wrote, on rank 0.
+    """
+
+    def __init__(self, directory: Path, case: Any, sim: Any) -> None:
+        self.folder = directory / "checkpoints"
+        self.latest, self.size = -1, 0
+        every = case.checkpoint.every
+        wall = isinstance(every, WallTime)
+        self._keep = int(case.checkpoint.keep)
+        self._case = dump_case(case)
+        self._made_by = made_by()
+        self._schedule = Schedule(None if wall else every)
+        self._schedule.skip(sim.time, sim.step, sim.dt)
+        self._pause = every.wall if wall else math.inf
+        self._next = monotonic() + self._pause
+        row = sum(array[0].nbytes for array in sim.particles)
+        self.seconds = sim.count * row / _SLOW
+        self._measured = False
+        self._stands_for: tuple[int, int, Mapping[str, Record]] = (-1, -1, {})
+
+    def resume(self, comm: Any, step: int, about: About) -> None:
+        """Go on after the checkpoint of a step; collective.
+
+        Later ones, which were found damaged, are renamed, or they would count as those to keep.
+        """
+        self.latest, self._stands_for = step, (about.frames, about.history, about.probes)
+        if about.seconds is not None:
+            self.seconds, self._measured = about.seconds, True
+        on_root(comm, self._set_aside)
+
+    def _set_aside(self) -> None:
+        for path in present(self.folder):
+            if number_of(path) > self.latest:
+                with suppress(OSError):
+                    path.rename(path.with_name(path.name + DAMAGED))
+
+    def due(self, sim: Any) -> bool:
+        """Tell whether one falls due by step or simulated time; to be asked after each step."""
+        return self._schedule.due(sim.time, sim.step, sim.dt)
+
+    @property
+    def overdue(self) -> bool:
+        """Whether one falls due by the clock at the wall, which is to be asked on one rank."""
+        return monotonic() >= self._next
+
+    def write(
+        self,
+        sim: Any,
+        frames: int,
+        line: int,
+        probes: Mapping[str, Record] = MappingProxyType({}),
+        lines: int | None = None,
+    ) -> bool:
+        """Write a checkpoint, unless there is one of this step and this output; collective.
+
+        Parameters
+        ----------
+        sim : Simulation
+            The run, between two steps.
+        frames, line : int
+            Number of frames, and step of the last line of the history, which are safe on disk.
+        probes : mapping of str to Record
+            Likewise of the probes.
+        lines : int, optional
+            Number of lines of the history.
+
+        Returns
+        -------
+        bool
+            Whether one was written.
+
+        Raises
+        ------
+        RunError
+            On every rank, if it could not be written whole; those before it stay.
+        """
+        stands_for = (frames, line, probes)
+        if sim.step == self.latest and stands_for == self._stands_for:
+            return False
+        began = monotonic()
+        path = self.folder / f"step-{sim.step:09d}.h5"
+        state, rows, whole = capture(sim)
+        about = {
+            "program": "pgimp",
+            "case": self._case,
+            "frames": frames,
+            "history": line,
+            "lines": lines,
+            "probes": {name: record.model_dump() for name, record in probes.items()},
+            "written": runinfo.now(),
+            "made_by": self._made_by,
+            "seconds": self.seconds if self._measured else None,
+            "state": state,
+        }
+        self.size += checkpointwriter.write(path, sim.comm, about, rows.columns, whole, rows.order)
+        self.latest, self._stands_for = sim.step, stands_for
+        on_root(sim.comm, self._delete_older)
+        now = monotonic()
+        self.seconds = max(self.seconds if self._measured else 0.0, now - began)
+        self._measured = True
+        self._next = now + self._pause
+        return True
+
+    def _delete_older(self) -> None:
+        paths = [path for path in present(self.folder) if number_of(path) <= self.latest]
+        for path in paths[self._keep :]:
+            with suppress(OSError):
+                path.unlink()
+
+
+def made_by() -> dict[str, str | None]:
+    """Return what the bits of a run depend on: versions, commit, type of CPU."""
+    versions = runinfo.versions()
+    names = (runinfo.PROGRAM, "numpy", "numba", "llvmlite")
+    found = {name: versions[name] for name in names}
+    return found | {"commit": runinfo.commit(), "cpu": runinfo.cpu()}
+
+
+def present(folder: Path) -> list[Path]:
+    """List the checkpoints of a folder, intact or not, the newest first."""
+    try:
+        if not os.path.lexists(folder):
+            return []
+        names = [name for name in os.listdir(folder) if CHECKPOINT.fullmatch(name)]
+    except OSError as error:
+        raise RunError(f"cannot read {folder}: {explain(error)}") from error
+    return sorted((folder / name for name in names), key=number_of, reverse=True)
+
+
+def number_of(path: Path) -> int:
+    """Return the step of a checkpoint from its name."""
+    return int(path.stem.removeprefix("step-"))
+
+
+def intact(paths: list[Path], comm: Any) -> Iterator[tuple[Path, CheckpointFile | DamagedError]]:
+    """Go through checkpoints, each with its content, or with what is wrong; collective.
+
+    Parameters
+    ----------
+    paths : list of Path
+        The files, on every rank the same.
+    comm : communicator
+        Of all ranks, which check the checksums together.
+
+    Yields
+    ------
+    (Path, CheckpointFile or DamagedError)
+        The same on every rank.
+    """
+    for path in paths:
+        try:
+            file = all_or_none(comm, partial(CheckpointFile, path), DamagedError)
+            all_or_none(comm, partial(file.verify, comm.rank, comm.size), DamagedError)
+        except DamagedError as error:
+            yield path, error
+        else:
+            yield path, file

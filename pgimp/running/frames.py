@@ -1,0 +1,65 @@
+"""The frames of a run: what each particle is and where, at the times that the case asks for."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from pgimp.io.frames.particlefile import ParticleFile
+from pgimp.io.frames.series import Entry, Series
+from pgimp.io.frames.xdmf import Collection, particles
+from pgimp.io.results.reader import Frame
+from pgimp.io.rundir.ownfiles import FRAME
+from pgimp.physics.values import ALWAYS, FIELDS
+
+
+class Frames(Series):
+    """Writes the frames of a run and the XDMF file that lists them.
+
+    Parameters
+    ----------
+    directory : Path
+        The run directory; the same on every rank.
+    case : Case
+        Gives the title, the units and the optional fields.
+    sim : Simulation
+        The run.
+    """
+
+    def __init__(self, directory: Path, case: Any, sim: Any) -> None:
+        super().__init__(sim.comm, Collection(directory / "particles.xdmf"), FRAME)
+        self.fields = [*ALWAYS, *(name for name in FIELDS if name in case.output.fields)]
+        compressed = case.output.compression != "none"
+        self._file = ParticleFile(case, sim.scene, self.fields, case.output.precision, compressed)
+
+    def write(self, sim: Any) -> None:
+        """Write the present state as the next frame, and finish the one before; collective.
+
+        Parameters
+        ----------
+        sim : Simulation
+            The run; it may go on at once.
+
+        Raises
+        ------
+        RunError
+            On every rank, if there is no room for the frame, or if the one before could not be
+            written whole; then there is no file of its name, and the frames before it are as they
+            were.
+        """
+        self.finish()
+        path = self.folder / f"particles-{self.written:06d}.h5"
+        storage = sim.live()
+        rows = self._file.rows(
+            self.comm, sim.particles.id[storage], storage, sim.count, not sim.scene.exits
+        )
+        time, step = float(sim.time), int(sim.step)
+        what = f"write the frame {path} at step {step}"
+        file = self._file.write(path, sim.particles, rows, (time, step), what)
+        text = particles(path, time, rows.count, self._file.types)
+        self._wait_for(file, Entry(time, step, text))
+
+    def _listed(self, path: Path) -> Entry:
+        frame = Frame(path)
+        types = {name: frame.types[name] for name in FIELDS if name in frame}
+        return Entry(frame.time, frame.step, particles(path, frame.time, len(frame), types))

@@ -1,0 +1,162 @@
+"""The frames of the grid: the cells where there are particles, and what their vertices have."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pgimp.files.atomic import temporary
+from pgimp.files.datasets import Dataset, lay_out
+from pgimp.files.framefile import FrameFile
+from pgimp.files.unfinished import Unfinished, removed_on_error, told
+from pgimp.io.frames.particlefile import FORMAT_VERSION
+from pgimp.io.frames.series import Entry, Series
+from pgimp.io.frames.xdmf import Collection, mesh
+from pgimp.io.results.gridreader import GridFrame
+from pgimp.io.rundir.ownfiles import GRID_FRAME
+from pgimp.mpi.collective import on_root
+from pgimp.physics.fields import GRID
+
+if TYPE_CHECKING:
+    from pgimp.solver.gridstate import ActiveGrid
+
+Array = np.ndarray
+
+
+class GridFrames(Series):
+    """Writes the frames of the grid, if the case wants any, and the XDMF file that lists them.
+
+    They have the numbers of the particles' frames. Each rank writes its own vertices and cells,
+    which follow each other in the file.
+
+    Parameters
+    ----------
+    directory : Path
+        The run directory; the same on every rank.
+    case : Case
+        Gives the title, the units and the quantities.
+    sim : Simulation
+        The run.
+    """
+
+    def __init__(self, directory: Path, case: Any, sim: Any) -> None:
+        super().__init__(sim.comm, Collection(directory / "grid.xdmf"), GRID_FRAME)
+        self.fields = [name for name in GRID if name in case.output.grid]
+        self._type = np.dtype(case.output.precision).newbyteorder("<").str
+        self._dimension = case.dimensions
+        self._attributes = {
+            "format": FORMAT_VERSION,
+            "title": str(case.title),
+            "units": str(case.units),
+            "dimensions": case.dimensions,
+        }
+
+    def write(self, sim: Any, number: int) -> None:
+        """Write the grid as the next frame, and finish the one before; collective.
+
+        Parameters
+        ----------
+        sim : Simulation
+            The run; it may go on at once.
+        number : int
+            That of the frame of the particles.
+
+        Raises
+        ------
+        RunError
+            On every rank, if there is no room for it, or if the one before could not be written
+            whole.
+        """
+        if not self.fields:
+            return
+        from pgimp.solver.gridstate import active_grid
+
+        self.finish()
+        path = self.folder / f"grid-{number:06d}.h5"
+        part, what = temporary(path), f"write the frame {path} at step {sim.step}"
+        state = active_grid(sim)
+        time, step = float(sim.time), int(sim.step)
+        attributes = self._attributes | {"time": time, "step": np.int64(step)}
+
+        says: dict[int, bytes] = {}
+
+        def create() -> dict[str, int]:
+            shape = (state.total[1], 2**self._dimension)
+            cells = {"connectivity": np.broadcast_to(np.int64(0), shape)}
+            layout = lay_out(self._datasets, state.total[0], attributes, cells)
+            with told(what):
+                layout.create(part)
+            says.update(layout.parts)
+            return layout.offsets
+
+        with removed_on_error(part, self.comm):
+            offsets = on_root(self.comm, create)
+            file = FrameFile(part, self.comm)
+            for place, data in says.items():
+                file.write(place, data)
+            for dataset in self._datasets:
+                values = self._rounded(dataset.name, self._values(dataset.name, state), file)
+                place = offsets[dataset.name] + state.first[0] * dataset.row_bytes
+                file.write(place, np.ascontiguousarray(values))
+            place = offsets["connectivity"] + state.first[1] * 8 * 2**self._dimension
+            file.write(place, state.cells)
+            unfinished = Unfinished(part, path, file, self.comm, what)
+        self._wait_for(unfinished, self._entry(path, time, step, state.total, self._types))
+
+    @property
+    def _types(self) -> dict[str, str]:
+        return dict.fromkeys(["position", *self.fields], self._type)
+
+    @property
+    def _datasets(self) -> list[Dataset]:
+        meaning = {"position": "position of the vertex [length]"}
+        meaning |= {name: GRID[name].meaning for name in self.fields}
+        return [
+            Dataset(name, dtype, (3,) if name != "mass" else (), {"meaning": meaning[name]})
+            for name, dtype in self._types.items()
+        ]
+
+    @staticmethod
+    def _values(name: str, state: ActiveGrid) -> Array:
+        if name == "velocity":
+            # A corner without mass stands still.
+            mass = np.where(state.mass > 0.0, state.mass, 1.0)
+            return state.momentum / mass[:, None]
+        return getattr(state, name)
+
+    def _rounded(self, name: str, values: Array, file: FrameFile) -> Array:
+        try:
+            with np.errstate(over="raise", under="ignore"):
+                return np.asarray(values, self._type)
+        except FloatingPointError:
+            file.error = file.error or (
+                f"the {name} of a vertex is beyond the range of float32; go on with --resume "
+                "--set output.precision=float64"
+            )
+            return np.zeros(values.shape, self._type)
+
+    def _entry(
+        self, path: Path, time: float, step: int, counts: tuple[int, int], types: Mapping[str, str]
+    ) -> Entry:
+        kinds = {
+            name: ("Scalar", 0, dtype) if name == "mass" else ("Vector", 3, dtype)
+            for name, dtype in types.items()
+        }
+        return Entry(time, step, mesh(path, time, counts, self._dimension, kinds))
+
+    def resume(self, number: int) -> list[str]:
+        """See `Series.resume`; nothing is done if there have never been frames of the grid."""
+        there = on_root(self.comm, self._collection.path.exists)
+        return super().resume(number) if self.fields or there else []
+
+    def _missing(self, number: int, there: int) -> list[str]:
+        """They may have been asked for only later."""
+        return []
+
+    def _listed(self, path: Path) -> Entry:
+        frame = GridFrame(path)
+        counts = frame.vertices, frame.cells
+        return self._entry(path, frame.time, frame.step, counts, frame.types)

@@ -1,0 +1,230 @@
+"""The files of the probes, ``probes/NAME.csv``, and what a checkpoint keeps of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Annotated, Any, NamedTuple
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from pgimp.case.output import PlaceProbe
+from pgimp.errors import RunError, UsageError, explain
+from pgimp.files.atomic import sync_folder
+from pgimp.files.lines import LineFile
+from pgimp.io.rundir.probefiles import PROBES, probe_file
+from pgimp.mpi.collective import on_root
+from pgimp.running.schedule import Schedule
+from pgimp.solver.probes import Place, Point, nearest, sample
+
+_Place = Annotated[list[float], Field(min_length=1, max_length=3)]
+
+
+class Record(BaseModel):
+    """What a checkpoint keeps of a probe.
+
+    Attributes
+    ----------
+    body : str or None
+        As the case has it; None for a place.
+    at : list of float
+        As the case has it.
+    number, origin : int, list of float
+        Id and initial position of the particle that is followed; -1 and `at` for a place.
+    line : int
+        Step of the last line that is safe on disk.
+    lines : int or None
+        Number of lines up to there; None if nobody knows.
+    """
+
+    model_config = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)
+
+    body: str | None
+    at: _Place
+    number: int = Field(ge=-1, le=2**53)
+    origin: _Place
+    line: int = Field(ge=-1, le=2**53)
+    lines: int | None = Field(default=None, ge=0, le=2**53)
+
+
+def _what(entry: Any) -> tuple[str | None, list[float]]:
+    """Body and place of a probe as the case has it."""
+    if isinstance(entry, PlaceProbe):
+        return None, list(entry.place)
+    return entry.body, list(entry.at)
+
+
+def require_known(case: Any, records: Mapping[str, Record]) -> None:
+    """See to it that the probes of a case can go on from what a checkpoint keeps of them.
+
+    Raises
+    ------
+    UsageError
+        If one follows a particle that is not known any more, or was another one before.
+    """
+    for name, entry in case.probes.items():
+        body, at = _what(entry)
+        record = records.get(name)
+        if record is None and body is not None:
+            raise UsageError(
+                f"probes.{name}: the run began without it, and which particle was closest to the "
+                "place at the start is not known any more; leave it out, or begin anew with "
+                "--overwrite"
+            )
+        if record is not None and (record.body, record.at) != (body, at):
+            raise UsageError(
+                f"probes.{name}: the run began with another probe of this name; take another name "
+                "for the new one"
+            )
+
+
+class _Probe(NamedTuple):
+    """A probe of the case, what it sees, and its file."""
+
+    entry: Any
+    eye: Point | Place
+    file: LineFile
+
+    def record(self) -> Record:
+        """What a checkpoint is to keep."""
+        body, at = _what(self.entry)
+        number, origin = -1, at
+        if isinstance(self.eye, Point):
+            number, origin = self.eye.number, list(self.eye.origin)
+        return Record(
+            body=body,
+            at=at,
+            number=number,
+            origin=origin,
+            line=self.file.step,
+            lines=self.file.count,
+        )
+
+
+class Probes:
+    """Writes the lines of all probes of a run.
+
+    Parameters
+    ----------
+    directory : Path
+        The run directory.
+    case : Case
+        Has the probes.
+    sim : Simulation
+        The run.
+    """
+
+    def __init__(self, directory: Path, case: Any, sim: Any) -> None:
+        self._directory = directory
+        self._case, self._sim = case, sim
+        self._probes: dict[str, _Probe] = {}
+        self._schedules: list[tuple[Schedule, list[str]]] = []
+        times: dict[Any, list[str]] = {}
+        for name, entry in case.probes.items():
+            times.setdefault(entry.every or case.history.every, []).append(name)
+        for every, names in times.items():
+            self._schedules.append((Schedule(every), names))
+
+    def begin(self) -> None:
+        """Find the particles that are followed, and write the lines of the start; collective.
+
+        Raises
+        ------
+        RunError
+            On every rank, if that is not possible; so for all that follows.
+        """
+        self._open({})
+        self.write()
+
+    def resume(self, records: Mapping[str, Record]) -> list[str]:
+        """Go on after the lines that a checkpoint stands for; collective.
+
+        Parameters
+        ----------
+        records : mapping of str to Record
+            Of the probes, as `require_known` wants them.
+
+        Returns
+        -------
+        list of str
+            What is missing of the earlier lines.
+        """
+        sim, notes = self._sim, []
+        self._open(records)
+        for name, probe in self._probes.items():
+            if name not in records:  # lines of a run that had this probe before stay
+                probe.file.resume(sim.comm, sim.step)
+                continue
+            line = records[name].line
+            probe.file.resume(sim.comm, line)
+            if probe.file.step != line:
+                notes.append(
+                    f"{probe.file.path} ends at step {probe.file.step}, but it had a line of step "
+                    f"{line}: lines are missing"
+                )
+        for schedule, _ in self._schedules:
+            schedule.skip(sim.time, sim.step, sim.dt)
+        return notes
+
+    def _open(self, records: Mapping[str, Record]) -> None:
+        for name, entry in self._case.probes.items():
+            body, at = _what(entry)
+            eye: Point | Place
+            if body is None:
+                eye = Place(at)
+            elif name in records:
+                eye = Point(records[name].number, records[name].origin)
+            else:
+                eye = nearest(self._sim, self._sim.scene.body_names.index(body), at)
+            self._probes[name] = _Probe(entry, eye, LineFile(probe_file(self._directory, name)))
+        if self._probes:
+            on_root(self._sim.comm, self._make_folder)
+
+    def _make_folder(self) -> None:
+        folder = self._directory / PROBES
+        try:
+            folder.mkdir(exist_ok=True)
+            sync_folder(self._directory)
+        except OSError as error:
+            raise RunError(f"cannot make {folder}: {explain(error)}") from error
+
+    def due(self) -> list[str]:
+        """Names of the probes of which a line falls due; to be asked once after each step."""
+        sim = self._sim
+        return [
+            name
+            for schedule, names in self._schedules
+            if schedule.due(sim.time, sim.step, sim.dt)
+            for name in names
+        ]
+
+    def write(self, names: Iterable[str] | None = None) -> None:
+        """Write lines of some probes, or of all, unless this step has one already; collective."""
+        sim = self._sim
+        wanted = [self._probes[name] for name in (self._probes if names is None else names)]
+        wanted = [probe for probe in wanted if probe.file.step != sim.step]
+        if not wanted:
+            return
+        lines = sample(sim, [probe.eye for probe in wanted])
+        for probe in wanted:
+            probe.file.step = sim.step
+
+        def append() -> None:
+            for probe, line in zip(wanted, lines, strict=True):
+                probe.file.append(line)
+
+        on_root(sim.comm, append)
+
+    def sync(self) -> None:
+        """See to it that the lines so far outlast a crash of the machine; on rank 0."""
+        for probe in self._probes.values():
+            probe.file.sync()
+
+    def records(self) -> dict[str, Record]:
+        """What a checkpoint is to keep, by name."""
+        return {name: probe.record() for name, probe in self._probes.items()}
+
+    def close(self) -> None:
+        """Close the files."""
+        for probe in self._probes.values():
+            probe.file.close()

@@ -1,0 +1,208 @@
+"""All that a run writes while it goes on: frames, history and checkpoints, each in its time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from time import perf_counter
+from typing import Any
+
+from pgimp.errors import RunError
+from pgimp.io.results.history import History
+from pgimp.io.rundir.rundir import RunDirectory
+from pgimp.mpi.collective import on_root
+from pgimp.running.checkpoints import About, Checkpoints
+from pgimp.running.frames import Frames
+from pgimp.running.gridframes import GridFrames
+from pgimp.running.probes import Probes
+from pgimp.running.schedule import Schedule
+from pgimp.solver.agreement import CHECKPOINT, NOTHING
+
+
+class Recorder:
+    """The output of a run.
+
+    Parameters
+    ----------
+    directory : RunDirectory
+        Prepared for the run.
+    case : Case
+        Says when what is written.
+    sim : Simulation
+        The run, at its begin or as resumed.
+
+    Attributes
+    ----------
+    frames : Frames
+    grid : GridFrames
+    history : History
+    probes : Probes
+    checkpoints : Checkpoints
+    seconds : dict of str to float
+        What this rank has spent on each; the grid's frames count as frames, probes as
+        history.
+    """
+
+    def __init__(self, directory: RunDirectory, case: Any, sim: Any) -> None:
+        self._sim = sim
+        self._directory = directory
+        self.frames = Frames(directory.path, case, sim)
+        self.grid = GridFrames(directory.path, case, sim)
+        self.history = History(directory.path / "history.csv")
+        self.probes = Probes(directory.path, case, sim)
+        self.checkpoints = Checkpoints(directory.path, case, sim)
+        self._frame_times = Schedule(case.output.every, case.output.at)
+        self._line_times = Schedule(case.history.every)
+        self.seconds = {"frames": 0.0, "history": 0.0, "checkpoints": 0.0}
+
+    def begin(self) -> None:
+        """Write the state at the start; collective.
+
+        Raises
+        ------
+        RunError
+            On every rank, if that is not possible; so for all that follows.
+        """
+        with self._timed("history"):
+            self.probes.begin()
+        self._record(frame=True, line=True)
+
+    def resume(self, about: About) -> list[str]:
+        """Take up the output where it was when a checkpoint was written; collective.
+
+        Parameters
+        ----------
+        about : About
+            What the checkpoint says.
+
+        Returns
+        -------
+        list of str
+            What is missing of the earlier output.
+        """
+        sim = self._sim
+        self.checkpoints.resume(sim.comm, sim.step, about)
+        notes = self.frames.resume(about.frames) + self.grid.resume(about.frames)
+        self.history.resume(sim.comm, about.history)
+        if self.history.step != about.history:
+            notes.append(
+                f"{self.history.path} ends at step {self.history.step}, but it had a line of step "
+                f"{about.history}: lines are missing"
+            )
+        notes += self.probes.resume(about.probes)
+        for schedule in (self._frame_times, self._line_times):
+            schedule.skip(sim.time, sim.step, sim.dt)
+        return notes
+
+    def step(self) -> None:
+        """Write what falls due after a step, or is granted; collective.
+
+        Nothing is written before all ranks have agreed that the step went well.
+
+        Raises
+        ------
+        RunError
+            On every rank, if it did not.
+        """
+        sim = self._sim
+        finish = (self.frames.waiting or self.grid.waiting) and sim.granted == NOTHING
+        frame = self._frame_times.due(sim.time, sim.step, sim.dt)
+        line = self._line_times.due(sim.time, sim.step, sim.dt)
+        probes = self.probes.due()
+        checkpoint = self.checkpoints.due(sim) or sim.granted == CHECKPOINT
+        if not (finish or frame or line or probes or checkpoint):
+            return
+        sim.agree()
+        if finish:
+            with self._timed("frames"), self._salvaging():
+                self.frames.finish()
+                self.grid.finish()
+        if probes:
+            self._look(probes)
+        if frame or line:
+            self._record(frame, line)
+        # The one of the end comes after the frame of the end.
+        if (checkpoint or sim.granted == CHECKPOINT) and not sim.finished:
+            self.checkpoint()
+
+    def end(self) -> None:
+        """Write the state at the end, as far as it is not there yet; collective."""
+        self._look(None)
+        self._record(frame=self.frames.step != self._sim.step, line=True)
+        self.checkpoint()
+
+    def checkpoint(self) -> None:
+        """Write a checkpoint, unless this step has one; collective."""
+        # It stands for the frames and lines before it, and must not survive them.
+        with self._timed("frames"):
+            self.frames.sync(last=self._sim.finished)
+            self.grid.sync(last=self._sim.finished)
+        with self._timed("checkpoints"):
+            on_root(self._sim.comm, self._sync)
+            safe = self.frames.written, self.history.step, self.probes.records()
+            if self.checkpoints.write(self._sim, *safe, self.history.count):
+                self._directory.note_checkpoint(self._sim.step)
+
+    def _sync(self) -> None:
+        self.history.sync()
+        self.probes.sync()
+
+    def salvage(self) -> None:
+        """Finish the last frame of a run that has failed on all ranks; collective."""
+        for series in (self.frames, self.grid):
+            with suppress(RunError):
+                series.finish()
+
+    def _look(self, probes: list[str] | None) -> None:
+        with self._timed("history"), self._salvaging():
+            self.probes.write(probes)
+
+    def _record(self, frame: bool, line: bool) -> None:
+        if line:
+            with self._timed("history"), self._salvaging():
+                self.history.write(self._sim)
+        if frame:
+            with self._timed("frames"), self._salvaging():
+                self.frames.write(self._sim)
+                self.grid.write(self._sim, self.frames.written)
+
+    @contextmanager
+    def _salvaging(self) -> Iterator[None]:
+        try:
+            yield
+        except RunError:
+            self.salvage()
+            raise
+
+    @contextmanager
+    def _timed(self, what: str) -> Iterator[None]:
+        began = perf_counter()
+        yield
+        self.seconds[what] += perf_counter() - began
+
+    def kept(self) -> str:
+        """Say in a sentence what the run directory holds so far."""
+        folder = self.checkpoints.folder.parent
+        frames = self.frames.written
+        if not frames:
+            return f"{folder} holds no frame"
+        number = "1 frame" if frames == 1 else f"{frames} frames"
+        text = f"{folder} holds {number}, to t = {self.frames.latest:.6g}, and history.csv"
+        if self.checkpoints.latest < 0:
+            return f"{text}, but no checkpoint"
+        return f"{text}; the checkpoint of step {self.checkpoints.latest} is intact: --resume"
+
+    @property
+    def size(self) -> int:
+        """Bytes of the frames and checkpoints that this process wrote, on rank 0."""
+        return self.frames.size + self.grid.size + self.checkpoints.size
+
+    @property
+    def ready(self) -> bool:
+        """Whether this rank would not have to wait for the disk to finish the last frames."""
+        return self.frames.ready and self.grid.ready
+
+    def close(self) -> None:
+        """Close the history and the probes' files."""
+        self.history.close()
+        self.probes.close()

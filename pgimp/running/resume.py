@@ -1,0 +1,209 @@
+"""Going on with a run: from which checkpoint, and whether the case is still the same."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from pgimp.case.reader import read_case
+from pgimp.case.schema import Case
+from pgimp.case.writer import flow
+from pgimp.errors import CaseError, DamagedError, RunError, UsageError, explain
+from pgimp.files.linereader import require_whole
+from pgimp.files.plain import read_plain
+from pgimp.io.rundir.probefiles import probe_file
+from pgimp.io.rundir.rundir import STARTING, RunDirectory
+from pgimp.mpi.collective import on_root
+from pgimp.running.checkpoints import About, intact, made_by, present
+from pgimp.running.log import Log
+from pgimp.running.probes import require_known
+from pgimp.schema.document import LARGEST_FILE
+from pgimp.solver.clock import clock_of
+from pgimp.solver.simulation import Simulation
+from pgimp.solver.state import State
+
+#: What may be another in a resumed run: it changes no particle, or only when the run ends.
+MAY_CHANGE = ("title", "time.end", "output", "history", "probes", "checkpoint")
+
+
+class Resumed(NamedTuple):
+    """A simulation in the state of a checkpoint, and what the checkpoint says of the output."""
+
+    sim: Simulation
+    about: About
+
+
+def resume(case: Case, comm: Any, directory: RunDirectory, log: Log) -> Resumed | str:
+    """Find the newest intact checkpoint of a run and go back to its state; collective.
+
+    Parameters
+    ----------
+    case : Case
+        The case as it is now.
+    comm : communicator
+        Of all ranks.
+    directory : RunDirectory
+        Claimed for this run.
+    log : Log
+        Told of what is found.
+
+    Returns
+    -------
+    Resumed or str
+        Without a checkpoint, or if there is nothing left to do, a word on it: "afresh", "done".
+
+    Raises
+    ------
+    UsageError, CaseError
+        On every rank, if the case is not that of the run.
+    RunError
+        On every rank, if no checkpoint is intact.
+    """
+    folder = directory.path / "checkpoints"
+    before = directory.before or {}
+    paths = on_root(comm, lambda: present(folder))
+    if before.get("state") == STARTING:
+        log.say(f"the run in {directory.path} was ended while it started: starting afresh")
+        return "afresh"
+    for path, file in intact(paths, comm):
+        try:
+            if isinstance(file, DamagedError):
+                raise file
+            about, state = About.of(file), State.of(file)
+            began_as = _compare(about.case, case, f"{path}", log)
+            require_known(case, about.probes)
+            on_root(comm, partial(_require_lines, directory.path, case, about))
+            clock = clock_of(began_as)
+            clock.restore(state.step, state.time)
+            if state.time > clock.end * (1.0 + 1e-12) or clock.time != state.time:
+                raise DamagedError("its time is not that of its step, or past the end of its case")
+            if _ended(case, state) and before.get("state") == "done":
+                return "done"
+            sim = Simulation(case, comm, file)
+        except DamagedError as error:
+            log.say(f"warning: {path} cannot be used: {error}; looking for an earlier one")
+            continue
+        for line in _made_otherwise(about):
+            log.say(f"warning: {line}")
+        log.say(f"resuming from {path}: step {state.step}, t = {state.time:.6g}")
+        return Resumed(sim, about)
+    if paths:
+        raise RunError(
+            f"none of the {len(paths)} checkpoints in {folder} can be used (the newest is "
+            f"{paths[0].name}); --overwrite begins anew"
+        )
+    if before:
+        text = on_root(comm, lambda: _case_of(directory.path))
+        if text is not None:
+            _compare(text, case, f"{directory.path / 'case.yaml'}", log)
+        if before["state"] == "done" or before["checkpoint"] is not None:
+            raise RunError(
+                f"the run in {directory.path} has written checkpoints (the last one of step "
+                f"{before['checkpoint']}), but they have gone; --overwrite begins anew"
+            )
+    log.say(f"no checkpoint in {directory.path} yet: starting afresh")
+    return "afresh"
+
+
+def _require_lines(directory: Path, case: Case, about: About) -> None:
+    """Refuse to go on with files of lines that have lost some."""
+    require_whole(directory / "history.csv", about.history, about.lines)
+    for name in case.probes:
+        if record := about.probes.get(name):
+            require_whole(probe_file(directory, name), record.line, record.lines)
+
+
+def _case_of(directory: Path) -> str | None:
+    try:
+        return read_plain(directory / "case.yaml", LARGEST_FILE).decode()
+    except FileNotFoundError:
+        return None
+    except (OSError, UnicodeDecodeError) as error:
+        cause = explain(error) if isinstance(error, OSError) else "it is no text"
+        raise RunError(f"cannot read {directory / 'case.yaml'}: {cause}") from error
+
+
+def _ended(case: Case, state: State) -> bool:
+    """Tell whether nothing is left to do; a checkpoint from after the end is no use."""
+    clock = clock_of(case)
+    if state.time > clock.end * (1.0 + 1e-12):
+        raise UsageError(
+            f"time.end: {clock.end:.6g} has passed, the run is at t = {state.time:.6g} already; "
+            "--overwrite begins anew"
+        )
+    clock.restore(state.step, state.time)
+    return clock.finished
+
+
+def _compare(text: str, case: Case, source: str, log: Log) -> Case:
+    """Refuse a case that is another one than that of a run, which is returned; tell of changes."""
+    try:
+        before = read_case(text, source)
+    except CaseError as error:
+        raise UsageError(
+            f"this version of pgimp does not read the case of the run:\n{error}"
+        ) from None
+    old, new = (each.model_dump(by_alias=True) for each in (before, case))
+    accepted = [(key, _taken(old, key), _taken(new, key)) for key in MAY_CHANGE]
+    refused = [f"{key} is {now}, was {then}" for key, then, now in _changes(old, new)]
+    if refused:
+        most = 20
+        lines = [f"  {line}" for line in refused[:most]]
+        if len(refused) > most:
+            lines.append(f"  and {len(refused) - most} more")
+        raise UsageError(
+            "a resumed run must be the same case; only title, time.end, output, history, "
+            "probes and checkpoint may change, but\n" + "\n".join(lines) + "\n"
+            "Undo these changes, or choose another directory with -o."
+        )
+    for key, then, now in accepted:
+        if then != now:
+            log.say(f"note: {key} is now {_short(now)}, was {_short(then)}")
+    ends = [(each.time.end, each.output.at) for each in (before, case)]
+    if not isinstance(case.time.step, float | int) and ends[0] != ends[1]:
+        log.say(
+            "note: under Courant control time.end and output.at shorten steps; the steps from here "
+            "on are not those of a run that had them from the start"
+        )
+    return before
+
+
+def _taken(case: dict[str, Any], key: str) -> Any:
+    """Take the value of a key out of a case."""
+    *path, name = key.split(".")
+    for part in path:
+        case = case[part]
+    return case.pop(name)
+
+
+def _changes(old: Any, new: Any, key: str = "") -> Iterator[tuple[str, str, str]]:
+    """Yield the keys whose values differ, with both values in short."""
+    if isinstance(old, dict) and isinstance(new, dict):
+        for name in dict.fromkeys((*old, *new)):
+            below = f"{key}.{name}" if key else str(name)
+            if name in old and name in new:
+                yield from _changes(old[name], new[name], below)
+            elif name in new:
+                yield below, "absent", _short(new[name])
+            else:
+                yield below, _short(old[name]), "absent"
+    elif old != new:
+        yield key, _short(old), _short(new)
+
+
+def _short(value: Any) -> str:
+    text = flow(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+def _made_otherwise(about: About) -> Iterator[str]:
+    """Yield in words by what else the checkpoint was written, if that may change bits."""
+    for name, now in made_by().items():
+        then = about.made_by.get(name)
+        if then != now:
+            yield (
+                f"the checkpoint was written with {name} {then or '(unknown)'}, this is "
+                f"{now or '(unknown)'}: the last bits of the results may differ"
+            )

@@ -1,0 +1,189 @@
+"""Running a simulation to its end, or to where it is asked to stop, with all its output."""
+
+from __future__ import annotations
+
+import shlex
+from time import perf_counter
+
+from pgimp.case.schema import Case
+from pgimp.errors import RunError
+from pgimp.io.rundir.rundir import RunDirectory
+from pgimp.mpi.comm import describe
+from pgimp.running import failure
+from pgimp.running.checkpoints import About
+from pgimp.running.log import Log, timing_table
+from pgimp.running.progress import Progress, duration, terminal_columns
+from pgimp.running.recorder import Recorder
+from pgimp.running.stop import Stop
+from pgimp.solver.agreement import CHECKPOINT, NOTHING, PENDING, STOP
+from pgimp.solver.clock import EndlessError
+from pgimp.solver.simulation import Simulation
+
+#: Part of the mass past a wall that is worth a note.
+_NEGLIGIBLE = 1e-6
+
+
+def advance(
+    case: Case, sim: Simulation, about: About | None, directory: RunDirectory, log: Log, stop: Stop
+) -> bool:
+    """Take all steps, with frames, history lines and checkpoints where they fall due; collective.
+
+    Parameters
+    ----------
+    case : Case
+        What is simulated.
+    sim : Simulation
+        At its begin, or as resumed.
+    about : About or None
+        What the checkpoint that it was resumed from says.
+    directory : RunDirectory
+        Prepared for the run.
+    log : Log
+        Told how it goes.
+    stop : Stop
+        Tells when to stop before the end, with a checkpoint.
+
+    Returns
+    -------
+    bool
+        Whether the end was reached.
+
+    Raises
+    ------
+    RunError
+        If the run fails, on the ranks that find it.
+    """
+    recorder = Recorder(directory, case, sim)
+    progress = Progress(log, sim, case.time.end, terminal_columns() if log.speaks else 0)
+    began, first = perf_counter(), sim.step
+    try:
+        if about is None:
+            recorder.begin()
+        else:
+            for note in recorder.resume(about):
+                log.say(f"note: {note}")
+        # What came before the first step, set-up included, has been held until here.
+        stopped = stop.agree(recorder.checkpoints.seconds if about is None else 0.0)
+        while not (stopped or sim.finished):
+            sim.wish = _wish(sim, recorder, stop, (perf_counter() - began) / (sim.step - first + 1))
+            sim.advance(agree=False)
+            recorder.step()
+            progress.step()
+            stopped = sim.granted == STOP
+        sim.agree()
+        if not sim.finished:
+            stop.agree(0.0)
+            recorder.checkpoint()
+            ended = False
+        else:
+            recorder.end()
+            ended = True
+    except BaseException as error:
+        if sim.failure or isinstance(error, EndlessError):
+            recorder.salvage()
+        state = "stopped" if isinstance(error, KeyboardInterrupt) else "failed"
+        directory.record_failure(state, sim.step, sim.time, describe(error))
+        if isinstance(error, RunError):
+            told = f"{error}\n  {recorder.kept()}"
+            bundle = failure.write(directory.path, sim, str(error), recorder.history.path)
+            if bundle:
+                told += f"\n  {bundle} shows the particles: report.txt, particles.xdmf for ParaView"
+            raise RunError(told) from error
+        raise
+    finally:
+        progress.close()
+        recorder.close()
+    total = perf_counter() - began
+    if ended:
+        _say_done(sim, first, recorder, directory, log, total)
+    else:
+        log.say(
+            f"stopped {stop} at step {sim.step}, t = {sim.time:.6g}, with a checkpoint; the same "
+            "command with --resume goes on"
+        )
+    seconds = recorder.seconds
+    table = timing_table(sim.comm, dict(sim.timings) | seconds, total)
+    log.note(f"\n{table}")
+    if told := sim.balance.told():
+        log.note(told)
+    directory.finish(
+        "done" if ended else "stopped",
+        sim.step,
+        sim.time,
+        total - sum(seconds.values()),
+        None if ended else f"stopped {stop}",
+    )
+    return ended
+
+
+def _wish(sim: Simulation, recorder: Recorder, stop: Stop, step: float) -> int:
+    """What this rank asks for after the next step; `step` is how long one takes.
+
+    It may be granted a step later, see `Simulation.advance`; until that is known, a checkpoint must
+    not be asked for again.
+    """
+    if stop.requested(recorder.checkpoints.seconds + 3.0 * step):
+        return STOP
+    known = sim.agreed or sim.wish != CHECKPOINT
+    if sim.comm.rank == 0 and recorder.checkpoints.overdue and known:
+        return CHECKPOINT
+    return NOTHING if recorder.ready else PENDING
+
+
+def amount(size: float) -> str:
+    """Word a number of bytes for people, in three digits."""
+    for unit in ("B", "kB", "MB", "GB"):
+        if size < 999.5:
+            return f"{size:.3g} {unit}"
+        size /= 1000.0
+    return f"{size:.3g} TB"
+
+
+def _say_done(
+    sim: Simulation, first: int, recorder: Recorder, directory: RunDirectory, log: Log, total: float
+) -> None:
+    """Say what was done since the step `first`, in `total` seconds."""
+    output = sum(recorder.seconds.values())
+    steps = sim.step - first
+    rate = sim.comm.allreduce(sim.particle_steps) / max(total, 1e-9)
+    since = f" since step {first}" if first else ""
+    log.say(
+        f"done: t = {sim.time:.6g} after {steps} steps{since} in {duration(total)}, "
+        f"{rate:.3g} particle-steps/s; output took {100.0 * output / max(total, 1e-9):.0f} % "
+        f"({amount(recorder.size)} at {amount(recorder.size / max(output, 1e-9))}/s)"
+    )
+    frames = recorder.frames.written
+    collection = shlex.quote(str(directory.path / "particles.xdmf"))
+    log.say(
+        f"{frames} frame{'s' if frames > 1 else ''} and history.csv in {directory.path}; "
+        f"look at them with: paraview {collection}"
+    )
+    left = sim.count - sim.present() if sim.scene.exits else 0
+    if left:
+        faces = [face for face, way in sim.case.escape.items() if way == "remove"]
+        log.say(
+            f"note: {left} of {sim.count} particles left through {' or '.join(faces)}; the columns "
+            "escaped of history.csv tell what they took along"
+        )
+    clamped = sim.comm.allreduce(sim.clamped)
+    if clamped:
+        share = 100.0 * clamped / (sim.count * sim.step)
+        log.say(
+            f"note: in {clamped} particle-steps ({share:.2g} %) a particle was stretched to a "
+            "half-width of more than one cell; its reach is held at one cell, so that neighbours "
+            "may lose contact: use fewer or larger cells along the stretch"
+        )
+    held = sim.comm.allreduce(sim.held)
+    if held:
+        share = 100.0 * held / (sim.count * sim.step)
+        log.say(
+            f"note: in {held} particle-steps ({share:.2g} %) a wall held in a particle whose "
+            "centre had passed it; its velocity into the wall is lost, as a force of the wall"
+        )
+    part, when, face = sim.diagnostic_sums.beyond
+    if part > _NEGLIGIBLE:
+        log.say(
+            f"note: particles carried up to {100.0 * part:.2g} % of the mass past {face} (t = "
+            f"{when:.6g}); what lies there the wall bears, so the rest is light by as much: a size "
+            "that follows the deformation (finite-gimp), or wall: mirror, avoids that"
+        )

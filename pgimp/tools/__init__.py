@@ -1,0 +1,1 @@
+"""Around runs: studies, figures, batch scripts, the doctor, the performance model."""

@@ -1,0 +1,152 @@
+"""A pilot run: the case itself on a coarse grid, from which the number of steps is predicted.
+
+Under Courant control a step follows the fastest wave, which speeds up in a body that is compressed
+and with the particles' velocity. The number of steps is the integral of max_p(c_p + |v_p|) over
+time, over the cell and the Courant number; that integral hardly depends on the cells.
+"""
+
+from __future__ import annotations
+
+from time import perf_counter
+from typing import NamedTuple
+
+from pgimp.case.schema import Case
+from pgimp.errors import CaseError, RunError
+from pgimp.geometry.regions import Points
+from pgimp.kernels.sums import fastest_rate
+from pgimp.mpi.comm import Serial
+from pgimp.solver.simulation import Simulation
+from pgimp.tools.model.costs import Costs
+
+#: Seconds that a pilot run may take, about; it ends after twice as many.
+_SECONDS = 2.0
+#: Cells that remain across a body, if it has so many.
+_FEWEST_CELLS = 6.0
+#: Steps of a fixed length between two looks at the fastest wave.
+_LOOK = 10
+#: What the cells are made longer by, besides: a constraint may hold no particle with others.
+_TRIES = (1.0, 0.9, 1.15, 0.8, 1.3, 0.65)
+#: Particles of a pilot run at most. Those of files do not become fewer with larger cells.
+_MOST_PARTICLES = 200_000
+
+
+class Pilot(NamedTuple):
+    """What a pilot run found.
+
+    Attributes
+    ----------
+    steps : float
+        Steps of the case itself, predicted.
+    particles : int
+        Of the pilot run.
+    factor : float
+        Its cells over those of the case.
+    done : float
+        Part of the time that it simulated; the rest is taken to go on as at its end.
+    failure : str
+        First line of why it failed, if it did.
+    courant : float
+        Greatest Courant number of the case's own steps.
+    """
+
+    steps: float
+    particles: int
+    factor: float
+    done: float
+    failure: str
+    courant: float
+
+
+def pilot(case: Case, count: int, steps: float, costs: Costs, fewest: float) -> Pilot | None:
+    """Run a case on a coarse grid, or as it is where that takes little time; nothing is written.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+    count : int
+        Its particles.
+    steps : float
+        Its steps, if the wave speed stays as it is.
+    costs : Costs
+        Of a step on this machine.
+    fewest : float
+        Cells across the thinnest body.
+
+    Returns
+    -------
+    Pilot or None
+        None where no pilot run can be made.
+    """
+    regions = [part for body in case.bodies.values() for part in body.region.simple()]
+    fixed = sum(part.summary.number for part in regions if isinstance(part, Points))
+    if fixed > _MOST_PARTICLES:
+        return None
+    most = max(1.0, fewest / _FEWEST_CELLS)
+    factor = 1.0
+    while factor < most and _seconds(case, count, steps, costs, factor) > _SECONDS:
+        factor = min(1.1 * factor, most)
+    # Rather too few cells across a body than too many particles.
+    factor = max(factor, ((count - fixed) / _MOST_PARTICLES) ** (1.0 / case.dimensions))
+    for tried in _TRIES if factor > 1.0 else (1.0,):
+        try:
+            sim = Simulation(coarse(case, max(1.0, factor * tried)), Serial())
+        except (ValueError, CaseError, RunError):
+            continue
+        return _run(sim, case)
+    return None
+
+
+def _seconds(case: Case, count: int, steps: float, costs: Costs, factor: float) -> float:
+    """What a pilot run with cells `factor` times as long takes."""
+    particles = count / factor**case.dimensions
+    return steps / factor * (costs.fixed + particles * float(costs.particle(particles)))
+
+
+def coarse(case: Case, factor: float) -> Case:
+    """The same case with cells `factor` times as long, as far as the domain is whole cells.
+
+    Raises
+    ------
+    ValueError, CaseError
+        If that is no case.
+    """
+    grid, time = case.grid, case.time
+    cells = [max(1, round(n / factor)) for n in grid.cells]
+    data = case.model_dump(by_alias=True, exclude={"history", "checkpoint", "probes"})
+    data["output"] = {"fields": case.output.fields, "at": case.output.at}
+    data["grid"]["cell"] = [size / n for size, n in zip(grid.size, cells, strict=True)]
+    if time.steps is not None:
+        longer = min(n / m for n, m in zip(grid.cells, cells, strict=True))
+        data["time"]["step"] = time.end / max(1, round(time.steps / longer))
+    return Case.model_validate(data)
+
+
+def _run(sim: Simulation, case: Case) -> Pilot:
+    begin, failure = perf_counter(), ""
+    longer = max(1.0 / cell for cell in case.grid.cell) / max(sim.scene.frame.inverse)
+    way = most = rate = 0.0
+    try:
+        while not sim.finished and perf_counter() - begin < 2.0 * _SECONDS:
+            rate = _rate(sim) * longer
+            sim.advance()
+            way += sim.dt * rate
+            most = max(most, sim.dt * rate / longer)
+    except RunError as error:
+        failure = str(error).splitlines()[0]
+    end = case.time.end
+    way += (end - sim.time) * rate
+    step = case.time.step
+    steps = float(case.time.steps or 0) if isinstance(step, float | int) else way / step.courant
+    done = sim.time / end
+    return Pilot(steps, sim.count, longer, min(done, 1.0), failure, most)
+
+
+def _rate(sim: Simulation) -> float:
+    """Largest (c_p + |v_p|)/L; of fixed steps, which do not keep it, now and then."""
+    if not sim.clock.controlled and sim.step % _LOOK == 0:
+        sim.rate = fastest_rate(
+            sim.scene.frame, sim.identity, sim.scene.materials, sim.particles,
+            sim.population.order, sim.scene.material_of,
+        )  # fmt: skip
+    return sim.rate

@@ -1,0 +1,160 @@
+"""A field along an axis: the mean over the particles across, or each particle near a line."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from pgimp.errors import UsageError
+from pgimp.tools.plot.quantity import Quantity
+from pgimp.tools.plot.runs import AXES, Shot
+from pgimp.tools.plot.selection import Selection, empty
+from pgimp.tools.plot.style import COLOURS, DASHES, MARKERS, log_ticks, plain
+from pgimp.tools.plot.tables import Table
+
+Array = np.ndarray
+
+MOST_POINTS = 20_000
+"""Of more particles near a line, or in 1D, only every second, third, ... is drawn."""
+
+_MOST_BINS = 1 << 22
+_MARKED = 400
+
+
+def along(
+    shots: Sequence[Shot],
+    quantities: Sequence[Quantity],
+    selection: Selection,
+    axis: int,
+    logarithmic: bool,
+) -> tuple[Any, Table, list[str]]:
+    """Draw a field along an axis, several frames in one diagram.
+
+    Parameters
+    ----------
+    shots : sequence of Shot
+        The frames.
+    quantities : sequence of Quantity
+        What is drawn of each.
+    selection : Selection
+        Which particles; with a place those that reach the line there, each a point. Otherwise, in
+        2D and 3D, the mean by volume over the particles across, in strips as wide as particles
+        are at first.
+    axis : int
+        The axis.
+    logarithmic : bool
+        Whether the vertical axis is logarithmic.
+
+    Returns
+    -------
+    figure : matplotlib.figure.Figure
+        The figure.
+    table : Table
+        What it shows.
+    remarks : list of str
+        What it does not.
+
+    Raises
+    ------
+    UsageError
+        If there is no such particle.
+    """
+    from matplotlib.figure import Figure
+
+    means = shots[0].shown.dimension > 1 and not selection.place
+    name, value = AXES[axis], quantities[0].text
+    value = f"position.{name}" if value == name else value
+    table = Table(["run", "frame", "time", *([] if means else ["id"]), name, value])
+    if means:
+        table.columns.append("particles")
+    figure = Figure(figsize=(6.4, 4.2))
+    axes = figure.subplots()
+    remarks = []
+    for number, (shot, quantity) in enumerate(zip(shots, quantities, strict=True)):
+        same = [shot.shown.name, shot.frame.number, shot.frame.time]
+        if means:
+            place, values, counts = _means(shot, quantity, selection, axis)
+            table.add(same, [place, values, counts])
+        else:
+            ids, place, values, total = _points(shot, quantity, selection, axis)
+            table.add(same, [ids, place, values])
+            if len(place) < total:
+                remarks.append(f"{shot.frame.path}: {len(place):,} of {total:,} particles drawn")
+        axes.plot(
+            place,
+            values,
+            color=COLOURS[number % len(COLOURS)],
+            ls=DASHES[number % len(DASHES)] if len(shots) > 1 else "-",
+            marker=MARKERS[number % len(MARKERS)] if len(place) <= _MARKED else None,
+            ms=3,
+            lw=1.1,
+            label=_legend(shot, shots),
+        )
+    shown = shots[0].shown
+    axes.set(
+        xlabel=shown.label(name, "length"),
+        ylabel=shown.label(_described(quantities[0], selection, means), quantities[0].kind),
+        title=_title(shots),
+    )
+    axes.title.set_fontsize(10)
+    if logarithmic:
+        axes.set_yscale("log", nonpositive="mask")
+        log_ticks(axes.yaxis)
+    if len(shots) > 1:
+        axes.legend(fontsize=9)
+    return figure, table, remarks
+
+
+def _means(shot: Shot, quantity: Quantity, selection: Selection, axis: int) -> tuple[Any, ...]:
+    """Return places, means and numbers of particles of the strips that have any."""
+    case = shot.shown.case
+    grid, each = case["grid"], case["method"]["particles_per_cell"]
+    origin, length = float(grid["origin"][axis]), float(grid["size"][axis])
+    width = float(grid["cell"][axis]) / float(each[axis])
+    strips = int(np.ceil(length / width)) + 1
+    if strips > _MOST_BINS:
+        raise UsageError(f"{strips:,} strips of particles along {AXES[axis]} are too many to draw")
+    sums = np.zeros((4, strips))
+    for block in selection.blocks(shot.frame, quantity):
+        place = block.position[:, axis]
+        strip = np.clip(np.floor((place - origin) / width), 0, strips - 1).astype(np.int64)
+        weights = (np.ones_like(place), block.volume, block.volume * place)
+        for row, weight in zip(sums, (*weights, block.volume * block.value), strict=True):
+            row += np.bincount(strip, weight, strips)
+    counts, volume, place, value = sums[:, sums[0] > 0]
+    if not len(counts):
+        raise empty(shot.frame, selection.place)
+    return place / volume, value / volume, counts.astype(np.int64)
+
+
+def _points(shot: Shot, quantity: Quantity, selection: Selection, axis: int) -> tuple[Any, ...]:
+    """Return numbers, places and values of particles in order along the axis, and how many."""
+    blocks = list(selection.blocks(shot.frame, quantity))
+    ids = np.concatenate([block.id for block in blocks])
+    place = np.concatenate([block.position[:, axis] for block in blocks])
+    values = np.concatenate([block.value for block in blocks])
+    if not len(ids):
+        raise empty(shot.frame, selection.place)
+    order = np.lexsort((ids, place))[:: -(-len(ids) // MOST_POINTS)]
+    return ids[order], place[order], values[order], len(ids)
+
+
+def _described(quantity: Quantity, selection: Selection, means: bool) -> str:
+    if means:
+        return f"{quantity.label}, mean across"
+    at = ", ".join(f"{AXES[axis]} = {place:g}" for axis, place in sorted(selection.place.items()))
+    return f"{quantity.label} at {at}" if at else quantity.label
+
+
+def _legend(shot: Shot, shots: Sequence[Shot]) -> str:
+    names = {one.shown.name for one in shots}
+    times = {one.frame.time for one in shots}
+    parts = [plain(shot.shown.name)] if len(names) > 1 else []
+    return ", ".join([*parts, *([shot.title] if len(times) > 1 or not parts else [])])
+
+
+def _title(shots: Sequence[Shot]) -> str:
+    times = {shot.frame.time for shot in shots}
+    return shots[0].title if len(times) == 1 else ""
