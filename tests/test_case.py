@@ -11,12 +11,12 @@ from case_strategies import cases, rows
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pgimp.case.jsonschema import json_schema
 from pgimp.case.reader import dump_case, read_case
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.physics.materials import MATERIALS
 from pgimp.schema.tables import Table
+from pgimp.tools.reference.jsonschema import json_schema
 
 SMALL = """
 format: 1

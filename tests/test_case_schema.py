@@ -10,7 +10,6 @@ from case_strategies import cases
 from hypothesis import given, settings
 from schema_checker import Checker
 
-from pgimp.case.jsonschema import json_schema
 from pgimp.case.reader import read_case
 from pgimp.case.schema import Case
 from pgimp.cli import main
@@ -22,6 +21,7 @@ from pgimp.schema.document import parse
 from pgimp.schema.overrides import apply
 from pgimp.solver.diagnostics import column_names
 from pgimp.solver.simulation import Simulation
+from pgimp.tools.reference.jsonschema import json_schema
 
 PAGE = Path(__file__).parents[1] / "cases" / "reference.md"
 

@@ -12,13 +12,13 @@ import pytest
 from conftest import run
 from schema_checker import Checker
 
-from pgimp.case.jsonschema import json_schema, study_schema
 from pgimp.case.load import load
 from pgimp.case.reader import read_case
 from pgimp.cli import main
 from pgimp.commands.init import packaged
 from pgimp.mpi.comm import Serial
 from pgimp.scene.scene import Scene, count_particles
+from pgimp.tools.reference.jsonschema import json_schema, study_schema
 from pgimp.tools.study.plan import read_plan
 
 ROOT = Path(__file__).resolve().parents[1]

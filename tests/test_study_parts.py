@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 from schema_checker import Checker
 from test_study import put
 
-from pgimp.case.jsonschema import study_schema
 from pgimp.case.reader import dump_case, read_case
 from pgimp.errors import CaseError, UsageError
 from pgimp.schema.document import parse
 from pgimp.tools.plot.style import STYLE
+from pgimp.tools.reference.jsonschema import study_schema
 from pgimp.tools.study.measures import Unmeasured, measure, orders, pareto
 from pgimp.tools.study.plan import read_plan
 from pgimp.tools.study.plot import _guides

@@ -7,7 +7,6 @@ and time; stress is mass/(length time^2). Tension is positive.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from importlib import import_module
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
@@ -54,11 +53,15 @@ def _dimensions(value: int) -> int:
 
 
 def _shapes() -> Mapping[str, type[BaseModel]]:
-    return import_module("pgimp.physics.shapes").SHAPES
+    from pgimp.physics.shapes import SHAPES
+
+    return SHAPES
 
 
 def _materials() -> Mapping[str, type[BaseModel]]:
-    return import_module("pgimp.physics.materials").MATERIALS
+    from pgimp.physics.materials import MATERIALS
+
+    return MATERIALS
 
 
 #: What a model that is not known may be.
@@ -66,11 +69,15 @@ _OUTSIDE = "; one from outside the package must be registered: --import FILE.py"
 
 
 def _boundaries() -> Mapping[str, type[BaseModel]]:
-    return import_module("pgimp.physics.boundaries").BOUNDARIES
+    from pgimp.physics.boundaries import BOUNDARIES
+
+    return BOUNDARIES
 
 
 def _solutions() -> Mapping[str, type[BaseModel]]:
-    return import_module("pgimp.physics.exact").EXACT
+    from pgimp.physics.exact import EXACT
+
+    return EXACT
 
 
 class Grid(Model):

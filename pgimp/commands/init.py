@@ -197,7 +197,7 @@ def _write_beside(path: Path, text: str, otherwise: str) -> None:
 
 
 def _write_schema(path: Path) -> None:
-    from pgimp.case.jsonschema import json_schema, study_schema
+    from pgimp.tools.reference.jsonschema import json_schema, study_schema
 
     study = path.name == STUDY_SCHEMA
     text = json.dumps(study_schema() if study else json_schema(), indent=2, ensure_ascii=False)

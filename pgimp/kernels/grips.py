@@ -8,21 +8,11 @@ vertex to vertex as it moves. What one rank marks in the planes it shares with a
 ``or``, so that no order can matter.
 """
 
-from typing import NamedTuple
-
 from pgimp.jit.kernel import kernel, specialise
 from pgimp.jit.simd import bits, lane, pack, stack, where
 from pgimp.kernels.batch import LANES, ROOM, entry, extent, first_place, four, supports, take
 from pgimp.kernels.loads import given
 from pgimp.kernels.transfer import FIRM, HELD, RECORD, SEVERAL
-
-
-class Grip(NamedTuple):
-    """A constraint during one step: components held, velocity at its end, change over it by dt."""
-
-    held: tuple[bool, bool, bool]
-    velocity: tuple[float, float, float]
-    rate: tuple[float, float, float]
 
 
 def any_held(particles, rows):

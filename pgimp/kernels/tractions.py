@@ -14,48 +14,12 @@ between they have the right second moments. Points (mpm) carry the force where t
 """
 
 from math import sqrt
-from typing import NamedTuple
 
 from pgimp.jit.kernel import kernel, specialise
 from pgimp.jit.simd import lane, pack, stack
 from pgimp.kernels.batch import ROOM, keep_support
 from pgimp.kernels.place import deformation, first_vertex, half_widths
 from pgimp.kernels.transfer import gather, scatter
-
-
-class Traction(NamedTuple):
-    """One traction during one step.
-
-    Attributes
-    ----------
-    axis, side : int
-        The box's face: its normal in the initial state is `side` times the unit vector `axis`.
-    column : int
-        Column of ``particles.patch`` with the patches' areas.
-    reach : float
-        Distance of a patch's centre from its particle's along the axis, in the initial state.
-    half : tuple of float
-        Half-widths of a patch by direction in the initial state: along the axis that of a box,
-        across it those of chi_p; zeros for points.
-    tents : bool
-        Whether chi_p, and so the patch across the axis, is a tent and not a box.
-    follows : bool
-        Whether patches follow the deformation gradient, as the particles of the shape do.
-    traction : tuple of 3 float
-        Force per current area.
-    pressure : float
-        Force per current area against the current normal.
-    """
-
-    axis: int
-    side: int
-    column: int
-    reach: float
-    half: tuple[float, ...]
-    tents: bool
-    follows: bool
-    traction: tuple[float, float, float]
-    pressure: float
 
 
 def columns(F):

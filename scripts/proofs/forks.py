@@ -49,8 +49,9 @@ def prepare():
     quiet_mpi()
     for name in ("run", "check", "study"):
         importlib.import_module(f"pgimp.commands.{name}")
-    for name in ("running", "resume", "frames", "checkpoints", "hdf5"):
-        importlib.import_module(f"pgimp.output.{name}")
+    for name in ("running", "resume", "frames", "checkpoints"):
+        importlib.import_module(f"pgimp.running.{name}")
+    importlib.import_module("pgimp.files.hdf5")
     importlib.import_module("h5py")
     shorten()
 

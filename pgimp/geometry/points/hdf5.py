@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pgimp.errors import CaseError
-from pgimp.files.plainhdf5 import find
 from pgimp.geometry.points.block import BLOCK, STRESS, Block
+from pgimp.geometry.points.plainhdf5 import find
 
 Reals = NDArray[np.float64]
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
-from importlib import import_module
 from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -202,7 +201,9 @@ def roots(a: Lengths | float, b: Lengths, c: Lengths) -> Lengths:
 
 
 def _registry() -> Mapping[str, type[BaseModel]]:
-    return import_module("pgimp.geometry.regions").REGIONS
+    from pgimp.geometry.regions import REGIONS
+
+    return REGIONS
 
 
 REGION = ByKey(_registry, "region")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import NamedTuple
 
 from pydantic import Field
 
@@ -10,8 +10,13 @@ from pgimp.geometry.regions import RegionEntry
 from pgimp.schema.base import Model, Name
 from pgimp.schema.tables import Component, Table, prescribed
 
-if TYPE_CHECKING:
-    from pgimp.kernels.grips import Grip
+
+class Grip(NamedTuple):
+    """A constraint during one step: components held, velocity at its end, change over it by dt."""
+
+    held: tuple[bool, bool, bool]
+    velocity: tuple[float, float, float]
+    rate: tuple[float, float, float]
 
 
 class ConstraintEntry(Model):
@@ -33,8 +38,6 @@ class ConstraintEntry(Model):
 
     def parameters(self, start: float, end: float) -> Grip:
         """Parameters of the kernels for a step from `start` to `end`."""
-        from pgimp.kernels.grips import Grip
-
         return Grip(*prescribed(self.velocity, start, end))
 
     def displacement(self, t: float) -> tuple[float | None, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -12,12 +12,43 @@ from pgimp.schema.dispatch import Either
 from pgimp.schema.problems import Problem, raise_problems
 from pgimp.schema.tables import Table, VaryingVector, VectorTable
 
-if TYPE_CHECKING:
-    from pgimp.kernels.tractions import Traction
-
-
 #: Less of a column's area is rounding, or below zero where a sliver has been merged into the next.
 _LEAST = 1e-9
+
+
+class Traction(NamedTuple):
+    """One traction during one step.
+
+    Attributes
+    ----------
+    axis, side : int
+        The box's face: its normal in the initial state is `side` times the unit vector `axis`.
+    column : int
+        Column of ``particles.patch`` with the patches' areas.
+    reach : float
+        Distance of a patch's centre from its particle's along the axis, in the initial state.
+    half : tuple of float
+        Half-widths of a patch by direction in the initial state: along the axis that of a box,
+        across it those of chi_p; zeros for points.
+    tents : bool
+        Whether chi_p, and so the patch across the axis, is a tent and not a box.
+    follows : bool
+        Whether patches follow the deformation gradient, as the particles of the shape do.
+    traction : tuple of 3 float
+        Force per current area.
+    pressure : float
+        Force per current area against the current normal.
+    """
+
+    axis: int
+    side: int
+    column: int
+    reach: float
+    half: tuple[float, ...]
+    tents: bool
+    follows: bool
+    traction: tuple[float, float, float]
+    pressure: float
 
 
 class TractionEntry(Model):
@@ -81,8 +112,6 @@ class TractionEntry(Model):
         t : float
             The time.
         """
-        from pgimp.kernels.tractions import Traction
-
         q, b = self.pressure, self.traction
         pressure = 0.0 if q is None else q.value(t) if isinstance(q, Table) else float(q)
         vector = () if b is None else b.value(t) if isinstance(b, VectorTable) else b

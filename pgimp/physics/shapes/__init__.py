@@ -10,13 +10,14 @@ kernels as static methods, in units of cells:
   coordinate less that of the first vertex, floor(xi - half), so it lies in [half, half + 1).
 """
 
+from pgimp.physics.shapes.base import Shape
 from pgimp.physics.shapes.finite_gimp import FiniteGimp
 from pgimp.physics.shapes.fuzzy import FuzzyConstant, FuzzyNearest
 from pgimp.physics.shapes.gimp import Gimp
 from pgimp.physics.shapes.mpm import Mpm
 
 #: The shapes by their name in the case, ``method: {shape: NAME}``.
-SHAPES = {
+SHAPES: dict[str, type[Shape]] = {
     "mpm": Mpm,
     "gimp": Gimp,
     "finite-gimp": FiniteGimp,

@@ -6,10 +6,10 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple
 
-from pgimp.case.jsonschema import Schema, json_schema, study_schema
 from pgimp.case.writer import flow
 from pgimp.physics.fields import ALWAYS, FAILURE, FIELDS, GRID, HISTORY, PLACE, POINT, Field
 from pgimp.schema.base import LARGEST_COUNT
+from pgimp.tools.reference.jsonschema import Schema, json_schema, study_schema
 
 _UNIT = re.compile(
     r"\s*\[((?:length|mass|time|stress|force|energy|volume|dimensions|[\d\s/^()])+)\]"

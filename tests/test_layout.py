@@ -1,0 +1,60 @@
+"""The floors of the package: what a folder may import."""
+
+import ast
+from pathlib import Path
+
+import pgimp
+
+#: From the ground up; those of a floor know nothing of each other.
+FLOORS = (
+    ("errors", "signals", "terminal"),
+    ("mpi", "jit"),
+    ("files",),
+    ("schema",),
+    ("geometry",),
+    ("physics",),
+    ("kernels",),
+    ("case",),
+    ("decomposition",),
+    ("scene",),
+    ("io",),
+    ("solver",),
+    ("running",),
+    ("tools",),
+    ("commands",),
+    ("cli",),
+    ("__init__", "__main__"),
+)
+FLOOR = {name: floor for floor, names in enumerate(FLOORS) for name in names}
+ROOT = Path(pgimp.__file__).parent
+MODULES = sorted(path.relative_to(ROOT) for path in ROOT.rglob("*.py"))
+
+
+def imported(path):
+    """Names of pgimp's modules that a file imports, anywhere in it, for types alone too."""
+    for node in ast.walk(ast.parse((ROOT / path).read_text())):
+        if isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path}: a relative import"
+            whole = [f"{node.module}.{alias.name}" for alias in node.names]
+        elif isinstance(node, ast.Import):
+            whole = [alias.name for alias in node.names]
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+            whole = [node.value] if node.value.startswith("pgimp.") else []
+        else:
+            continue
+        yield from (name for name in whole if name.startswith("pgimp."))
+
+
+def test_every_folder_has_a_floor():
+    assert {path.parts[0].removesuffix(".py") for path in MODULES} - {"cases"} == set(FLOOR)
+
+
+def test_no_import_runs_up():
+    up = []
+    for path in MODULES:
+        own = path.parts[0].removesuffix(".py")
+        for name in imported(path):
+            other = name.split(".")[1]
+            if own in FLOOR and own not in (other, "__init__") and other in FLOOR:
+                up += [f"{path} imports {name}"] * (FLOOR[other] >= FLOOR[own])
+    assert not up, "\n".join(up)
