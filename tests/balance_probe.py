@@ -69,7 +69,7 @@ advance = Simulation.advance
 
 def watch(sim, agree=True):
     advance(sim, agree)
-    now = sim.comm.gather((sim.local_count, np.diff(sim.population.start)))
+    now = sim.comm.gather((sim.rank.count, np.diff(sim.population.start)))
     if now is not None:
         watched.setdefault("ranks", []).append([part[0] for part in now])
         watched.setdefault("layers", []).append(np.concatenate([part[1] for part in now]).tolist())

@@ -75,8 +75,8 @@ def memory(case):
             most = max(most, tracemalloc.get_traced_memory()[1] - before)
     sim.agree()
     after.append(used())
-    messages = sim.halo.messages + sim.migration.messages
-    moved = sim.migration.bytes - 8 * sim.migration.messages
+    messages = sim.rank.halo.messages + sim.rank.migration.messages
+    moved = sim.rank.migration.bytes - 8 * sim.rank.migration.messages
     found = {"most": most, "after": after, "messages": messages, "moved": moved}
     for line in comm.gather(found) or []:
         print(json.dumps(line))

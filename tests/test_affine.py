@@ -18,11 +18,11 @@ def affine(dimension, body, shape="gimp", **parts):
 
 def vertices(sim):
     """Mass (n,), momentum (n, D) and position (n, D) of the vertices that have mass, after P2G."""
-    grid, population, scene_ = sim.grid, sim.population, sim.scene
+    grid, population, scene_ = sim.rank.grid, sim.population, sim.scene
     grid.active.fill(0)
     particles_to_grid(
         scene_.shape, scene_.frame, grid.window, population.particles, scene_.loads.at(0.0),
-        population.order, population.start, *sim.halo.parts(population.start), grid.scratch,
+        population.order, population.start, *sim.rank.halo.parts(population.start), grid.scratch,
         grid.G, grid.active, grid.aside, grid.below,
     )  # fmt: skip
     planes = grid.G.reshape(*grid.window.extent, 8).copy()

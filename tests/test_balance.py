@@ -149,8 +149,9 @@ for step in range(60):
     sim.advance()
 if sys.argv[1] == "one":
     other.kill()
-worked, took = ([times[key] for key in ("P2G", "G2P")] for times in (sim.worked, sim.timings))
-mine = len(cores()), sim.worked is sim.timings, sum(worked), sum(took)
+rank = sim.rank
+worked, took = ([times[key] for key in ("P2G", "G2P")] for times in (rank.worked, rank.timings))
+mine = len(cores()), rank.worked is rank.timings, sum(worked), sum(took)
 for line in world().gather(mine) or []:
     print(*line)
 """

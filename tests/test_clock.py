@@ -9,19 +9,20 @@ from hypothesis import strategies as st
 from scenes import box, finish, scene, start
 
 from pgimp.errors import RunError
-from pgimp.solver.clock import CourantClock, FixedClock
+from pgimp.solver.clock import START, CourantClock, FixedClock
 
 
 def ticks(clock, rate=lambda time: 1.0):
     """Steps of a clock: (time before, dt, time after, rate)."""
     steps = []
-    while not clock.finished:
-        before, speed = clock.time, rate(clock.time)
-        dt, after = clock.next(speed)
-        clock.advance(after)
-        assert clock.time == pytest.approx(after, rel=1e-15)
-        steps.append((before, dt, clock.time, speed))
-        assert clock.step == len(steps)
+    done = START
+    while not clock.finished(done):
+        before, speed = clock.told(done), rate(clock.told(done))
+        done = clock.next(done, speed)
+        assert (done.number, done.start) == (len(steps) + 1, before)
+        assert clock.told(done) == pytest.approx(done.end, rel=1e-15)
+        steps.append((before, done.dt, clock.told(done), speed))
+        assert clock.after(done.number, clock.told(done), done.dt).end == done.end
     return steps
 
 
@@ -119,4 +120,4 @@ def test_a_fixed_run_ends_where_the_case_says():
 @pytest.mark.parametrize("rate", [1e17, inf, nan])
 def test_a_run_that_would_never_end_is_stopped(rate):
     with pytest.raises(RunError, match="blown up"):
-        CourantClock(0.3, 1.0, ()).next(rate)
+        CourantClock(0.3, 1.0, ()).next(START, rate)

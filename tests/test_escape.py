@@ -75,12 +75,12 @@ def test_the_ledger_is_the_sum_of_what_left(dimension):
         there = sum(present[name] + gone[name] for name in ("kinetic-energy", "strain-energy"))
         assert line["dissipated-energy"] == pytest.approx(energy - there, abs=1e-13 * energy)
     assert 0 < sim.present() < 0.6 * sim.count and (dimension == 1 or corner)
-    assert sim.present() == sim.local_count and sim.escaped.shape[1:] == (1, 12)
+    assert sim.present() == sim.rank.count and sim.rank.ledger.escaped.shape[1:] == (1, 12)
 
 
 def test_who_lets_nothing_go_pays_nothing():
     sim = leaving(2, {"x-max": "stop"})
-    assert sim.escaped.size == 0 and sim.scene.exits == 0
+    assert sim.rank.ledger.escaped.size == 0 and sim.scene.exits == 0
     assert not [name for name in sim.diagnostics() if name.startswith("escaped")]
 
 
@@ -97,7 +97,7 @@ def test_other_faces_still_stop_the_run(ways, face):
     sim = leaving(2, ways)
     with pytest.raises(RunError, match=f"left the domain through {face}"):
         finish(sim)
-    rows = sim.faults[: sim.failed, 0]
+    rows = sim.rank.faults[: sim.rank.failed, 0]
     axis = AXES.index(face[0])
     assert (sim.particles.x[rows, axis] > 9.0).all() and set(rows) <= set(sim.live())
     assert (sim.particles.x[rows, 1 - axis] > 9.0).any()
@@ -119,7 +119,7 @@ def test_who_leaves_with_a_fault_is_at_fault(field, value, text):
     number = int(sim.particles.id[sim.particles.x[:, 0].argmax()])
     with pytest.raises(RunError, match=f"particle {number} of body 'body' .*{text}"):
         sim.advance()
-    assert sim.particles.x[sim.faults[0, 0], 0] > 9.0
+    assert sim.particles.x[sim.rank.faults[0, 0], 0] > 9.0
 
 
 @pytest.fixture(scope="module")

@@ -40,7 +40,7 @@ def squeezed(**more):
 def run():
     """The whole run: its steps, and those that its first step lets expect."""
     sim = Simulation(squeezed(), Serial())
-    expected = sim.case.time.end / sim.clock.next(sim.rate)[0]
+    expected = sim.case.time.end / sim.clock.next(sim.done, sim.rate).dt
     while not sim.finished:
         sim.advance()
     return sim, expected

@@ -138,7 +138,8 @@ def write_file(kind: str, shares: list[int], seed: int, folder: Path, comm: Comm
             mass=rng.random(count),
             force=rng.random((count, 3)),
         )
-        sim = SimpleNamespace(comm=comm, time=0.5, step=3, grid=grid)
+        rank = SimpleNamespace(grid=grid)
+        sim = SimpleNamespace(comm=comm, time=0.5, step=3, rank=rank)
         case = make_case(grid=["mass", "force"])
         case.dimensions = 3
         files = GridFrames(folder, case, sim)
@@ -171,7 +172,7 @@ def small(monkeypatch) -> None:
     monkeypatch.setattr(chunks, "ROWS", 400)
     monkeypatch.setattr(framefile, "_ROWS", 700)
     monkeypatch.setattr(_Exchange, "_move", move)
-    monkeypatch.setattr(gridstate, "active_grid", lambda sim: sim.grid)
+    monkeypatch.setattr(gridstate, "active_grid", lambda rank, time: rank.grid)
 
 
 @contextmanager

@@ -73,7 +73,7 @@ def test_mass_is_the_same_bits_wherever_particles_are():
     }
     sim = start(scene(2, bodies, cells=[20, 16], cell=0.5, end=0.5, step=0.005))
     rng = np.random.default_rng(SEED)
-    m = sim.particles.m[sim.live()] * rng.uniform(1e-9, 1.0, sim.local_count)
+    m = sim.particles.m[sim.live()] * rng.uniform(1e-9, 1.0, sim.rank.count)
     sim.particles.m[sim.live()] = m
     body = sim.particles.body[sim.live()]
     expected = {"mass": fsum(m)}

@@ -145,11 +145,12 @@ def test_uniform_stress_balances_matching_tractions_at_every_vertex(dimension, s
             p.x[rows] += shift * np.array([1.0, 0.7])[:dimension]
             p.sigma[rows] = sigma
             sim.population.sort()
-            sim.reach[:] = sim.population.reach()
-            sim.grid.cover(sim.reach)
-            sim.reach[:] = sim.grid.base
+            sim.rank.reach[:] = sim.population.reach()
+            sim.rank.grid.cover(sim.rank.reach)
+            sim.rank.reach[:] = sim.rank.grid.base
             sim.advance()
-            G = sim.grid.G.reshape(sim.grid.planes, -1, 8)[sim.grid.active.astype(bool)]
+            grid = sim.rank.grid
+            G = grid.G.reshape(grid.planes, -1, 8)[grid.active.astype(bool)]
             m, a = G[..., 0], G[..., 5 : 5 + dimension]
             # Coordinates round by 1e-16; a patch grazing a vertex by s has a mass of s^2/2 there.
             assert (np.abs(a) * np.sqrt(m)[..., None]).max() < 1e-12

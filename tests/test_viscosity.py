@@ -96,13 +96,13 @@ def test_it_enters_the_internal_force_of_the_next_step_only(dimension):
     for s in (sim, bare):
         s.advance()
     # Vertices hold (m, v, -, a) after the step; the forces are m a.
-    vertices, (low, extent) = reference.shape[0], sim.grid.window[:2]
+    vertices, (low, extent) = reference.shape[0], sim.rank.grid.window[:2]
     assert low[0] == 0
-    G = sim.grid.G.reshape(sim.grid.planes, -1, 8)[:vertices]
+    G = sim.rank.grid.G.reshape(sim.rank.grid.planes, -1, 8)[:vertices]
     m = reference.m.reshape(vertices, -1)
     f = reference.f.reshape(vertices, -1, dimension)
     columns = np.arange(low[1], low[1] + extent[1]) if dimension == 2 else np.arange(1)
-    active = sim.grid.active[:vertices].astype(bool)
+    active = sim.rank.grid.active[:vertices].astype(bool)
     heavy = m[:, columns] > 1e-6
     a = np.where(heavy[..., None], f[:, columns], 0) / np.where(heavy, m[:, columns], 1)[..., None]
     found = np.where(active[:, None, None], G[..., 5 : 5 + dimension], 0) * heavy[..., None]

@@ -122,7 +122,7 @@ def measure(comm: Any, cells: int, repeats: int, lattice: bool) -> dict[str, Any
     walls: list[float] = []
     phases: dict[str, list[float]] = {name: [] for name in _TABLE}
     for block in range(repeats + 1):
-        before = dict(sim.timings)
+        before = dict(sim.rank.timings)
         comm.Barrier()
         begin = perf_counter()
         for _ in range(RESORT):
@@ -134,7 +134,7 @@ def measure(comm: Any, cells: int, repeats: int, lattice: bool) -> dict[str, Any
             continue  # first touch of memory
         walls.append(wall)
         for name, parts in _TABLE.items():
-            spent = sum(sim.timings[part] - before[part] for part in parts)
+            spent = sum(sim.rank.timings[part] - before[part] for part in parts)
             phases[name].append(max(comm.allgather(spent)))
     work = sim.count * RESORT
     return {

@@ -166,7 +166,8 @@ class Checkpoints:
             return False
         began = monotonic()
         path = self.folder / f"step-{sim.step:09d}.h5"
-        state, rows, whole = capture(sim)
+        records = sim.diagnostic_sums
+        state, rows, whole = capture(sim.rank, sim.now, sim.rate, sim.count, records)
         about = {
             "program": "pgimp",
             "case": self._case,

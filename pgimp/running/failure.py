@@ -77,7 +77,7 @@ def write(directory: Path, sim: Simulation, text: str, history: Path) -> Path | 
 
 def _write(folder: Path, sim: Simulation, failure: Failure, text: str, history: Path) -> None:
     comm, scene, what = sim.comm, sim.scene, "write what went wrong"
-    rows, kinds = sim.faults[: sim.failed].T
+    rows, kinds = sim.rank.faults[: sim.rank.failed].T
     found = _Found(rows, kinds, _places(sim, rows)[0])
     chosen, radius = _around(sim, found)
     # The same on any number of ranks.
@@ -202,7 +202,9 @@ def _courant(sim: Simulation, found: _Found) -> float:
     scene, p, order = sim.scene, sim.particles, sim.population.order
     sound = np.isfinite(p.v[order]).all(axis=1) & np.isfinite(p.F[order]).all(axis=1)
     order = order[sound & ~np.isin(order, found.rows)]
-    rate = fastest_rate(scene.frame, sim.identity, scene.materials, p, order, scene.material_of)
+    rate = fastest_rate(
+        scene.frame, scene.identity, scene.materials, p, order, scene.material_of
+    )  # fmt: skip
     assert sim.failure is not None
     return max(sim.comm.allgather(rate)) * sim.failure.dt
 
@@ -217,7 +219,7 @@ def _state(sim: Simulation, found: _Found, i: int) -> str:
         f"stress {' '.join('xx yy zz xy yz xz'.split()[: len(p.sigma[row])])}": p.sigma[row],
         "volume, at first": [p.V[row], p.V0[row]],
     }
-    what = explanation(sim, row, int(found.kinds[i]))
+    what = explanation(sim.rank, row, int(found.kinds[i]))
     lines = [f"  particle {p.id[row]} of body '{sim.scene.body_names[p.body[row]]}' {what}"]
     lines += [f"    {name}: {' '.join(f'{v:.9g}' for v in of)}" for name, of in values.items()]
     return "\n".join(lines)

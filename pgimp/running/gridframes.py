@@ -77,8 +77,8 @@ class GridFrames(Series):
         self.finish()
         path = self.folder / f"grid-{number:06d}.h5"
         part, what = temporary(path), f"write the frame {path} at step {sim.step}"
-        state = active_grid(sim)
         time, step = float(sim.time), int(sim.step)
+        state = active_grid(sim.rank, time)
         attributes = self._attributes | {"time": time, "step": np.int64(step)}
 
         says: dict[int, bytes] = {}

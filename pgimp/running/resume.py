@@ -76,8 +76,8 @@ def resume(case: Case, comm: Any, directory: RunDirectory, log: Log) -> Resumed 
             require_known(case, about.probes)
             on_root(comm, partial(_require_lines, directory.path, case, about))
             clock = clock_of(began_as)
-            clock.restore(state.step, state.time)
-            if state.time > clock.end * (1.0 + 1e-12) or clock.time != state.time:
+            told = clock.told(clock.after(state.step, state.time, state.dt))
+            if state.time > clock.end * (1.0 + 1e-12) or told != state.time:
                 raise DamagedError("its time is not that of its step, or past the end of its case")
             if _ended(case, state) and before.get("state") == "done":
                 return "done"
@@ -133,8 +133,7 @@ def _ended(case: Case, state: State) -> bool:
             f"time.end: {clock.end:.6g} has passed, the run is at t = {state.time:.6g} already; "
             "--overwrite begins anew"
         )
-    clock.restore(state.step, state.time)
-    return clock.finished
+    return clock.finished(clock.after(state.step, state.time, state.dt))
 
 
 def _compare(text: str, case: Case, source: str, log: Log) -> Case:

@@ -102,7 +102,7 @@ def advance(
             "command with --resume goes on"
         )
     seconds = recorder.seconds
-    table = timing_table(sim.comm, dict(sim.timings) | seconds, total)
+    table = timing_table(sim.comm, dict(sim.rank.timings) | seconds, total)
     log.note(f"\n{table}")
     if told := sim.balance.told():
         log.note(told)
@@ -145,7 +145,7 @@ def _say_done(
     """Say what was done since the step `first`, in `total` seconds."""
     output = sum(recorder.seconds.values())
     steps = sim.step - first
-    rate = sim.comm.allreduce(sim.particle_steps) / max(total, 1e-9)
+    rate = sim.comm.allreduce(sim.rank.particle_steps) / max(total, 1e-9)
     since = f" since step {first}" if first else ""
     log.say(
         f"done: t = {sim.time:.6g} after {steps} steps{since} in {duration(total)}, "
@@ -165,7 +165,7 @@ def _say_done(
             f"note: {left} of {sim.count} particles left through {' or '.join(faces)}; the columns "
             "escaped of history.csv tell what they took along"
         )
-    clamped = sim.comm.allreduce(sim.clamped)
+    clamped = sim.comm.allreduce(sim.rank.clamped)
     if clamped:
         share = 100.0 * clamped / (sim.count * sim.step)
         log.say(
@@ -173,7 +173,7 @@ def _say_done(
             "half-width of more than one cell; its reach is held at one cell, so that neighbours "
             "may lose contact: use fewer or larger cells along the stretch"
         )
-    held = sim.comm.allreduce(sim.held)
+    held = sim.comm.allreduce(sim.rank.held)
     if held:
         share = 100.0 * held / (sim.count * sim.step)
         log.say(

@@ -48,6 +48,8 @@ class Scene:
         Mass that the domain can hold at most.
     exact : NamedTuple or ()
         Parameters of the exact solution, if the case names one; `moves` if it gives the velocities.
+    identity : tuple of float
+        The deformation gradient of what is not deformed.
     """
 
     def __init__(self, case: Case) -> None:
@@ -100,7 +102,11 @@ class Scene:
         self.moves = bool(case.exact) and case.exact.moves
         force = self.exact if case.exact and case.exact.forced else ()
         self.loads = SceneLoads(case, used, force)
-        self.varies = any(face.condition.varies for face in self.faces)
+        varies = any(face.condition.varies for face in self.faces)
+        self._faces = None if varies else self._face_parameters(0.0, 0.0)
+        self._walls = None if varies else walls(self.faces, self.frame, 0.0)
+        D = self.dimension
+        self.identity = tuple(float(i == j) for i in range(D) for j in range(D))
 
     def _weigh(self, materials: list[str]) -> float:
         """Mass of a domain full of the densest material; refuse masses that no float64 can sum."""
@@ -138,11 +144,14 @@ class Scene:
 
     def face_parameters(self, start: float, end: float) -> tuple:
         """Parameters of all faces' kernels for a step."""
+        return self._face_parameters(start, end) if self._faces is None else self._faces
+
+    def _face_parameters(self, start: float, end: float) -> tuple:
         return tuple(face.parameters(start, end) for face in self.faces)
 
     def walls(self, end: float) -> np.ndarray:
         """Where faces hold particles in during a step to `end`; see `pgimp.kernels.walls`."""
-        return walls(self.faces, self.frame, end)
+        return walls(self.faces, self.frame, end) if self._walls is None else self._walls
 
     def _velocity_gradients(self, body: int, positions: np.ndarray) -> np.ndarray:
         """Gradient of the initial velocity, (n, D*D), by differences over half a cell."""

@@ -2,10 +2,24 @@
 
 from bisect import bisect_right
 from math import ceil
+from typing import NamedTuple
 
 from pgimp.case.schema import Case
 from pgimp.errors import RunError
 from pgimp.solver.stability import MOST_STEPS
+
+
+class Step(NamedTuple):
+    """A step: its number, from 1, its beginning, length and end; number 0 is the start of a run."""
+
+    number: int
+    start: float
+    dt: float
+    end: float
+
+
+#: What has been done before the first step.
+START = Step(0, 0.0, 0.0, 0.0)
 
 
 class EndlessError(RunError):
@@ -27,30 +41,27 @@ class FixedClock:
         self._dt = step
         self._steps = round(end / step)
         self.end = end
-        self.step = 0
-        self.time = 0.0
 
-    @property
-    def finished(self) -> bool:
+    def finished(self, done: Step) -> bool:
         """Whether the end is reached."""
-        return self.step >= self._steps
+        return done.number >= self._steps
 
-    def next(self, rate: float) -> tuple[float, float]:
-        """Length of the next step and the time at its end."""
-        return self._dt, (self.step + 1) * self._dt
+    def next(self, done: Step, rate: float) -> Step:
+        """Return the step after `done`."""
+        n = done.number
+        return Step(n + 1, n * self._dt, self._dt, (n + 1) * self._dt)
 
-    def advance(self, time: float) -> None:
-        """Note that the step to `time` is done."""
-        self.restore(self.step + 1, time)
+    def after(self, number: int, time: float, dt: float) -> Step:
+        """Return what was done last in a run that goes on after `number` steps."""
+        return Step(number, (number - 1) * self._dt, dt, number * self._dt)
 
-    def restore(self, step: int, time: float) -> None:
-        """Go on after `step` steps.
+    def told(self, done: Step) -> float:
+        """Return the time at the end of a step, as it is told.
 
-        Only what is told of the end is rounded to the case's: for the loads all steps are alike,
-        so that a run that is prolonged has the bits of a longer one.
+        Only there the end is rounded to the case's: for the loads all steps are alike, so that a
+        run that is prolonged has the bits of a longer one.
         """
-        self.step = step
-        self.time = self.end if step == self._steps else step * self._dt
+        return self.end if done.number == self._steps else done.end
 
 
 class CourantClock:
@@ -72,27 +83,25 @@ class CourantClock:
         self._courant = courant
         self._stops = sorted({t for t in stops if 0.0 < t < end} | {end})
         self.end = end
-        self.step = 0
-        self.time = 0.0
 
-    @property
-    def finished(self) -> bool:
+    def finished(self, done: Step) -> bool:
         """Whether the end is reached."""
-        return self.time >= self.end
+        return done.end >= self.end
 
-    def next(self, rate: float) -> tuple[float, float]:
-        """Length of the next step and the time at its end; `rate` is (c + |v|)/L.
+    def next(self, done: Step, rate: float) -> Step:
+        """Return the step after `done`; `rate` is (c + |v|)/L.
 
         Raises
         ------
         EndlessError
             If the steps have become so short that the run would never end.
         """
-        stop = self._stops[bisect_right(self._stops, self.time)]
-        left = stop - self.time
+        start = done.end
+        stop = self._stops[bisect_right(self._stops, start)]
+        left = stop - start
         if not left * rate < self._courant * MOST_STEPS:
             raise EndlessError(
-                f"after step {self.step}, at time {self.time:.6g}, waves or particles have become "
+                f"after step {done.number}, at time {start:.6g}, waves or particles have become "
                 f"so fast, {rate:.3g} cells in a unit of time, that the end would take more than "
                 f"{MOST_STEPS:.0e} steps: the solution has blown up\n"
                 "  try: a smaller time.step: {courant: ...}, slower loading, finer cells"
@@ -100,20 +109,19 @@ class CourantClock:
         # Rounding must not leave a sliver of a step before a stop.
         count = max(1, ceil(left * rate / self._courant * (1.0 - 1e-12)))
         dt = left / count
-        return dt, stop if count == 1 else self.time + dt
+        return Step(done.number + 1, start, dt, stop if count == 1 else start + dt)
 
-    def advance(self, time: float) -> None:
-        """Note that the step to `time` is done."""
-        self.time = time
-        self.step += 1
+    def after(self, number: int, time: float, dt: float) -> Step:
+        """Return what was done last in a run that goes on after `number` steps, at `time`."""
+        return Step(number, time - dt, dt, time)
 
-    def restore(self, step: int, time: float) -> None:
-        """Go on after `step` steps, at `time`."""
-        self.step, self.time = step, time
+    def told(self, done: Step) -> float:
+        """Return the time at the end of a step, as it is told."""
+        return done.end
 
 
 def clock_of(case: Case) -> FixedClock | CourantClock:
-    """Clock of a case, at its begin."""
+    """Clock of a case."""
     time = case.time
     if isinstance(time.step, float | int):
         return FixedClock(float(time.step), float(time.end))

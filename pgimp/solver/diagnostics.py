@@ -1,7 +1,7 @@
 """The columns of history.csv: sums over the particles, work and reactions, in layer order."""
 
 from math import frexp, ldexp
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -27,9 +27,8 @@ from pgimp.kernels.sums import (
     exact_masses,
     layer_sums,
 )
-
-if TYPE_CHECKING:
-    from pgimp.solver.simulation import Simulation
+from pgimp.solver.clock import START, Step
+from pgimp.solver.rank import Rank
 
 AXES = "xyz"
 
@@ -38,15 +37,6 @@ def _mass(sums: np.ndarray, unit: float) -> float:
     """Mass in rows of `exact_masses`, rounded once."""
     high, low = (sum(map(int, column)) for column in sums.T)
     return ldexp(float((high << LOW) + low), -LOW) / unit
-
-
-class _Start(NamedTuple):
-    """What a line takes from a simulation besides its sums, before there is one."""
-
-    scene: Any
-    time: float = 0.0
-    step: int = 0
-    dt: float = 0.0
 
 
 def column_names(scene: Any) -> list[str]:
@@ -61,7 +51,7 @@ def column_names(scene: Any) -> list[str]:
     impulse = np.zeros((len(scene.faces) + len(scene.loads.constraints), 3))
     lines = Diagnostics()
     line = lines._columns(
-        _Start(scene), np.zeros((names, SUMS)), 0.0, np.zeros(SUMS), 0.0, impulse,
+        scene, START, np.zeros((names, SUMS)), 0.0, np.zeros(SUMS), 0.0, impulse,
         np.zeros(len(scene.faces)),
     )  # fmt: skip
     if scene.exact:
@@ -78,7 +68,7 @@ class Diagnostics:
         self.first_energy: float | None = None
         self.last: tuple[float, np.ndarray, np.ndarray] | None = None
 
-    def line(self, sim: "Simulation") -> dict[str, float] | None:
+    def line(self, rank: Rank, done: Step) -> dict[str, float] | None:
         """One line of the history on rank 0, None elsewhere; collective.
 
         The reaction of a face, or of a constraint, is the mean force that it exerted on the
@@ -86,20 +76,20 @@ class Diagnostics:
         balance: initial energy plus external work less kinetic and strain energy, also that of
         particles that were removed.
         """
-        scene, population = sim.scene, sim.population
-        sums = np.zeros((sim.slab.layers, len(scene.body_names), SUMS))
+        scene, population = rank.scene, rank.population
+        sums = np.zeros((rank.slab.layers, len(scene.body_names), SUMS))
         layer_sums(
-            scene.frame, sim.identity, scene.materials, population.particles,
+            scene.frame, scene.identity, scene.materials, population.particles,
             population.order, population.start, scene.material_of, sums,
         )  # fmt: skip
         masses = np.zeros((len(scene.body_names), 2), np.int64)
         unit = 2.0 ** (HIGH - 2 - frexp(scene.most_mass)[1])  # see `Simulation.settle`
         exact_masses(population.particles, population.order, unit, masses)
-        own = sim.owned_planes
-        impulse = np.concatenate([sim.impulse[:own], sim.grip_impulse[:own]], axis=1)
-        faces = (impulse, sim.beyond[:own])
-        parts = sim.comm.gather(
-            (sums, sim.work[:own], faces, self._own_errors(sim), sim.escaped[:own], masses)
+        own = rank.booked()
+        impulse = np.concatenate([own.impulse, own.grip_impulse], axis=1)
+        errors = self._own_errors(rank, done.end)
+        parts = rank.comm.gather(
+            (sums, own.work, (impulse, own.beyond), errors, own.escaped, masses)
         )
         if parts is None:
             return None
@@ -112,22 +102,22 @@ class Diagnostics:
         masses = np.stack([part[5] for part in parts])  # by rank and body
         bodies[:, MASS] = [_mass(masses[:, body], unit) for body in range(len(bodies))]
         mass = _mass(masses.reshape(-1, 2), unit)
-        line = self._columns(sim, bodies, mass, escaped, work, impulse, beyond)
+        line = self._columns(scene, done, bodies, mass, escaped, work, impulse, beyond)
         if scene.exact:
             added = np.add.reduce(np.concatenate([part[3][0] for part in parts]), axis=0)
             most = np.concatenate([part[3][1] for part in parts]).max(axis=0)
-            line |= self._errors(added, most, scene.exact.scale(sim.time))
+            line |= self._errors(added, most, scene.exact.scale(done.end))
         return line
 
     @staticmethod
-    def _own_errors(sim: "Simulation") -> tuple[np.ndarray, ...]:
+    def _own_errors(rank: Rank, time: float) -> tuple[np.ndarray, ...]:
         """Sums and maxima of the errors by layer, of this rank's particles; () without any."""
-        scene, population = sim.scene, sim.population
+        scene, population = rank.scene, rank.population
         if not scene.exact:
             return ()
-        sums, most = np.zeros((2, sim.slab.layers, ERRORS))
+        sums, most = np.zeros((2, rank.slab.layers, ERRORS))
         layer_errors(
-            scene.exact, sim.time, scene.follows, scene.frame, sim.identity, population.particles,
+            scene.exact, time, scene.follows, scene.frame, scene.identity, population.particles,
             population.order, population.start, sums, most,
         )  # fmt: skip
         return sums, most
@@ -148,7 +138,8 @@ class Diagnostics:
 
     def _columns(
         self,
-        sim: Any,
+        scene: Any,
+        done: Step,
         bodies: np.ndarray,
         mass: float,
         escaped: np.ndarray,
@@ -156,14 +147,13 @@ class Diagnostics:
         impulse: np.ndarray,
         beyond: np.ndarray,
     ) -> dict[str, float]:
-        scene = sim.scene
         axes = AXES[: scene.dimension]
         total = np.add.reduce(bodies, axis=0)
         total[MASS] = mass
         kinetic, strain = float(total[KINETIC]), float(total[STRAIN])
         if self.first_energy is None:
             self.first_energy = kinetic + strain
-        line = {"time": sim.time, "step": sim.step, "dt": sim.dt}
+        line = {"time": done.end, "step": done.number, "dt": done.dt}
         line |= self._totals("", total, scene.dimension)
         left = float(escaped[KINETIC] + escaped[STRAIN]) if scene.exits else 0.0
         line["dissipated-energy"] = self.first_energy + work - kinetic - strain - left
@@ -179,21 +169,21 @@ class Diagnostics:
                 line[f"body.{name}.momentum-{axis}"] = float(sums[MOMENTUM + i])
             line[f"body.{name}.kinetic-energy"] = float(sums[KINETIC])
             line[f"body.{name}.strain-energy"] = float(sums[STRAIN])
-        force = self._reactions(sim.time, impulse)
+        force = self._reactions(done.end, impulse)
         names = [f"reaction.{face.name}" for face in scene.faces]
         names += [f"constraint.{name}" for name in scene.case.constraints]
         for name, row in zip(names, force, strict=True):
             for i, axis in enumerate(axes):
                 line[f"{name}-{axis}"] = float(row[i])
         for name, entry in scene.case.constraints.items():
-            for axis, way in zip(axes, entry.displacement(sim.time), strict=True):
+            for axis, way in zip(axes, entry.displacement(done.end), strict=True):
                 if way is not None:
                     line[f"displacement.{name}-{axis}"] = way
         for face, mass in zip(scene.faces, beyond, strict=True):
             line[f"beyond.{face.name}"] = float(mass)
             if total[MASS]:
                 part = float(mass / total[MASS])
-                self.beyond = max(self.beyond, (part, sim.time, face.name))
+                self.beyond = max(self.beyond, (part, done.end, face.name))
         return line
 
     @staticmethod

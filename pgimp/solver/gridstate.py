@@ -5,16 +5,14 @@ from the last step belongs to where they were. So a frame of the grid belongs to
 the same time, also at the start, and after a resume.
 """
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from pgimp.files.framefile import blocks
 from pgimp.kernels.transfer import RECORD
+from pgimp.solver.rank import Rank
 from pgimp.solver.step import sum_particles
-
-if TYPE_CHECKING:
-    from pgimp.solver.simulation import Simulation
 
 _UP, _DOWN = 5, 6
 _BLOCK = 1 << 16
@@ -53,17 +51,17 @@ class ActiveGrid(NamedTuple):
     total: tuple[int, int]
 
 
-def active_grid(sim: "Simulation") -> ActiveGrid:
+def active_grid(rank: Rank, time: float) -> ActiveGrid:
     """Sum the particles as they are into the grid, and take out where there are any; collective."""
-    sum_particles(sim, sim.scene.loads.at(sim.time), marked=False)
-    sim.halo.finish(sim.grid)
-    comm, scene, grid, slab = sim.comm, sim.scene, sim.grid, sim.slab
-    own, D = sim.owned_planes, scene.dimension
+    comm, scene, grid, slab = rank.comm, rank.scene, rank.grid, rank.slab
+    sum_particles(rank, scene.loads.at(time), marked=False)
+    rank.halo.finish(grid)
+    own, D = rank.owned, scene.dimension
     extent = grid.window.extent
     records = grid.G.reshape(*extent, RECORD)[:own]
     records[grid.active[:own] == 0] = 0.0
 
-    cells, below = _cells(sim)
+    cells, below = _cells(rank)
     vertices = records[..., 0] > 0.0
     shown = np.concatenate([below[None], cells])
     for a, b, c in _CORNERS[D - 1]:
@@ -91,14 +89,14 @@ def active_grid(sim: "Simulation") -> ActiveGrid:
         position,
         mass,
         found[:, 1:4].copy(),
-        found[:, 5:8] + mass[:, None] * np.array(scene.gravity(sim.time)),
+        found[:, 5:8] + mass[:, None] * np.array(scene.gravity(time)),
         np.stack(corners, axis=1),
         (int(first[0]), int(first[1])),
         (int(total[0]), int(total[1])),
     )
 
 
-def _cells(sim: "Simulation") -> tuple[np.ndarray, np.ndarray]:
+def _cells(rank: Rank) -> tuple[np.ndarray, np.ndarray]:
     """Which cells hold centres of particles, by their lowest vertex; collective.
 
     Returns
@@ -108,13 +106,13 @@ def _cells(sim: "Simulation") -> tuple[np.ndarray, np.ndarray]:
     below : (y, z) bool
         Those of the last plane of the rank below.
     """
-    grid, slab, own = sim.grid, sim.slab, sim.owned_planes
-    p, order, frame, window = sim.particles, sim.population.order, sim.scene.frame, sim.grid.window
+    grid, slab, own, window = rank.grid, rank.slab, rank.owned, rank.grid.window
+    p, order, frame = rank.particles, rank.population.order, rank.scene.frame
     marks = np.zeros((grid.planes, *window.extent[1:]), bool)
     for begin, end in blocks(len(order), _BLOCK):
         x = p.x[order[begin:end]]
         place = [np.zeros(len(x), np.int64)] * 3
-        for d in range(sim.scene.dimension):
+        for d in range(rank.scene.dimension):
             cell = np.floor((x[:, d] - frame.origin[d]) * frame.inverse[d])
             place[d] = cell.astype(np.int64) + (frame.ghost - window.lower[d])
         marks[tuple(place)] = True
@@ -122,10 +120,10 @@ def _cells(sim: "Simulation") -> tuple[np.ndarray, np.ndarray]:
     # layers do not reach beyond, so that the plane before is complete.
     sent = None
     if slab.above is not None:
-        sent = sim.comm.isend(marks[own - 1 : own + 1], slab.above, _UP)
+        sent = rank.comm.isend(marks[own - 1 : own + 1], slab.above, _UP)
     below = np.zeros(window.extent[1:], bool)
     if slab.below is not None:
-        below, shared = sim.comm.recv(source=slab.below, tag=_UP)
+        below, shared = rank.comm.recv(source=slab.below, tag=_UP)
         marks[0] |= shared
     if sent is not None:
         sent.wait()

@@ -8,9 +8,6 @@ import numpy as np
 from pgimp.case.places import located
 from pgimp.case.schema import Case
 from pgimp.decomposition.balance import Balance
-from pgimp.decomposition.grid import Grid
-from pgimp.decomposition.halo import Halo
-from pgimp.decomposition.migrate import Migration
 from pgimp.decomposition.population import Population
 from pgimp.decomposition.slabs import Slab
 from pgimp.errors import CaseError, RunError
@@ -19,20 +16,20 @@ from pgimp.jit.kernel import FOLDER
 from pgimp.kernels.order import layers_of
 from pgimp.kernels.particles import Particles
 from pgimp.kernels.sums import fastest_rate
-from pgimp.mpi.node import shares_cores
 from pgimp.scene import nearness
 from pgimp.scene.geometry import do_without, release, share
 from pgimp.scene.lattice import Lattice
 from pgimp.scene.scene import Scene, count_particles
 from pgimp.solver.agreement import FAULT, NOTHING, PENDING, Agreement
-from pgimp.solver.clock import clock_of
-from pgimp.solver.decomposition import occupy, owned, rebalance, share_out
+from pgimp.solver.clock import START, Step, clock_of
+from pgimp.solver.decomposition import owned, rebalance, share_out
 from pgimp.solver.diagnostics import Diagnostics
-from pgimp.solver.faults import ROOM, Failure, collect
+from pgimp.solver.faults import Failure, collect
 from pgimp.solver.memory import require
-from pgimp.solver.stability import check_first_step
-from pgimp.solver.state import restore
-from pgimp.solver.step import PHASES, step
+from pgimp.solver.rank import Rank
+from pgimp.solver.stability import check_first_step, require_end
+from pgimp.solver.state import outline, read_books, read_particles
+from pgimp.solver.step import step
 from pgimp.solver.warmup import warm_up
 from pgimp.solver.window import open_window, shrink_window
 
@@ -58,39 +55,31 @@ class Simulation:
 
     Attributes
     ----------
-    time, step, dt : float, int, float
-        Simulated time, steps done, length of the last step (0 before the first).
-    finished : bool
-        Whether the end of the case is reached.
-    count : int
-        Particles of all ranks at the start, which is one more than the greatest id; see `present`.
-    local_count : int
-        Particles of this rank.
-    particles : Particles
-        This rank's; rows of living particles are given by `live`.
-    notes, warnings : list of str
-        What the user should know, the same on every rank.
-    timings : dict of str to float
-        Seconds spent in each phase by this rank.
-    worked : dict of str to float
-        Those in which it had a core, where ranks must share cores; else the same.
+    scene, clock : Scene, FixedClock or CourantClock
+        What does not change.
+    rank : Rank
+        What this rank holds.
     balance : Balance
         What is known of the load of the ranks.
-    particle_steps, clamped, held : int
-        Particle-steps of this rank in this process; those, since the start, with a half-width
-        held at one cell, and those in which a wall held a particle in.
+    done : Step
+        The last step of which all ranks have said that it went well.
+    doing : Step or None
+        The step after it, if this rank has done it and does not know of the others.
+    time, step, dt : float, int, float
+        Simulated time, steps done, length of the last step (0 before the first), with `doing`.
+    count : int
+        Particles of all ranks at the start, which is one more than the greatest id; see `present`.
+    notes, warnings : list of str
+        What the user should know, the same on every rank.
     wish : int
         What this rank asks for, `NOTHING` to `FAULT`; it goes with the reduction of every step.
     granted : int
         The greatest wish of all ranks that has become known since the last step began, the same
         on all; `PENDING` if none has.
-    faults, failed : (n, 2) int64, int
-        Rows and faults of this rank's particles at fault in the last step, and their number, which
-        may be greater.
-    fault_room : (2, room, 2) int64
-        Where the kernels write them.
     agreement : Agreement
         What all ranks say of the last step, or will have said.
+    rate : float
+        Largest (c_p + |v_p|)/L of all ranks.
     failure : Failure or None
         The step that failed; `time`, `step` and `dt` are then those of the step before.
 
@@ -102,56 +91,29 @@ class Simulation:
         The same on every rank, if the checkpoint does not hold a state of this case.
     """
 
-    slab: Slab
+    rank: Rank
     balance: Balance
-    grid: Grid
-    halo: Halo
-    migration: Migration
-    owned_planes: int
-    reach: np.ndarray
-    work: np.ndarray
-    impulse: np.ndarray
-    beyond: np.ndarray
-    grip_impulse: np.ndarray
-    escaped: np.ndarray
 
     def __init__(self, case: Case, comm: Any, source: Any = None) -> None:
         self.case, self.comm = case, comm
         self.scene = scene = Scene(case)
+        self.clock = clock_of(case)
+        self.done = START
+        self.doing: Step | None = None
         self.notes: list[str] = []
         self.warnings: list[str] = []
-        self.timings = dict.fromkeys((*PHASES, "sort", "balance"), 0.0)
-        self.worked = dict.fromkeys(PHASES, 0.0) if shares_cores(comm) else self.timings
-        self.dt = 0.0
-        self.particle_steps = self.clamped = self.held = 0
-        self.fault_room = np.zeros((2, ROOM, 2), np.int64)
-        self.faults, self.failed = self.fault_room[0, :0], 0
         self.failure: Failure | None = None
         self.wish = self.granted = NOTHING
         self.agreement = Agreement(comm)
-        self._before = (0, 0.0, 0.0)  # step, time and dt before the last step
-        D = scene.dimension
-        self.identity = tuple(float(i == j) for i in range(D) for j in range(D))
-        self.clock = clock_of(case)
+        self.diagnostic_sums = Diagnostics()
         (share if source is None else do_without)(case, comm)
         require(scene, comm, None if source is None else source.count)
-        warm_up(scene, self.identity, comm)
+        warm_up(scene, comm)
         self._tell_of_kernels()
-
-        if source is not None:
-            restore(self, source)
-            return
-        lattice, counts, notes = count_particles(scene, comm)
-        self.notes += notes
-        self.count = int(counts.sum())
-        require(scene, comm, self.count)
-        layer = np.empty(len(lattice.coordinates[0]), np.int64)
-        layers_of(scene.shape, scene.frame, self.identity, lattice.coordinates[0], layer)
-        self.decompose(np.bincount(layer, counts.sum(axis=0), scene.frame.vertices[0]))
-        self.settle(*self._create(lattice, counts, layer))
-        self.warnings += nearness.doubts(case)
-        release(case)
-        self.warnings += check_first_step(self)
+        if source is None:
+            self._begin()
+        else:
+            self._resume(source)
 
     def _tell_of_kernels(self) -> None:
         """Take up, once each, what ranks have to say of the cache on their nodes."""
@@ -159,28 +121,59 @@ class Simulation:
         self.notes += dict.fromkeys(line for lines, _ in said for line in lines)
         self.warnings += dict.fromkeys(warning for _, warning in said if warning)
 
+    def _begin(self) -> None:
+        """Make the particles of the case, and look at its first step; collective."""
+        scene, comm = self.scene, self.comm
+        lattice, counts, notes = count_particles(scene, comm)
+        self.notes += notes
+        self.count = int(counts.sum())
+        require(scene, comm, self.count)
+        layer = np.empty(len(lattice.coordinates[0]), np.int64)
+        layers_of(scene.shape, scene.frame, scene.identity, lattice.coordinates[0], layer)
+        slab = self.decompose(np.bincount(layer, counts.sum(axis=0), scene.frame.vertices[0]))
+        self.settle(slab, *self._create(slab, lattice, counts, layer))
+        self.warnings += nearness.doubts(self.case)
+        release(self.case)
+        require_end(scene, self.rate)
+        dt = self.clock.next(self.done, self.rate).dt
+        self.warnings += check_first_step(scene, dt, self.rate)
+
+    def _resume(self, source: Any) -> None:
+        """Take over the state of a checkpoint; collective."""
+        scene, comm = self.scene, self.comm
+        state, layers = outline(scene, source, comm)
+        self.count = state.count
+        slab = self.decompose(layers)
+        self.settle(slab, *read_particles(scene, slab, source, state, layers, comm))
+        read_books(self.rank, source, state, self.diagnostic_sums)
+        self.done = self.clock.after(state.step, state.time, state.dt)
+        self.rate = state.rate
+
+    def decompose(self, counts: np.ndarray) -> Slab:
+        """Give each rank its layers, so that no rank has more particles than need be."""
+        slab, self.balance, notes = share_out(self.scene, self.comm, counts, RESORT)
+        self.notes += notes
+        return slab
+
     def _create(
-        self, lattice: Lattice, counts: np.ndarray, layer: np.ndarray
+        self, slab: Slab, lattice: Lattice, counts: np.ndarray, layer: np.ndarray
     ) -> tuple[Particles, int]:
-        """Particles of this rank's layers, and their number; `layer` holds that of each plane."""
-        own = np.searchsorted(layer, (self.slab.first, self.slab.first + self.slab.layers))
+        """Particles of a slab's layers, and their number; `layer` holds that of each plane."""
+        own = np.searchsorted(layer, (slab.first, slab.first + slab.layers))
         begin, end = int(own[0]), int(own[1])
-        particles = self.scene.populate(lattice, counts, (begin, end), owned(self))
+        particles = self.scene.populate(lattice, counts, (begin, end), owned(self.scene, slab))
         return particles, int(np.count_nonzero(particles.m))
 
-    def decompose(self, layer_counts: np.ndarray) -> None:
-        """Give each rank its layers, so that no rank has more particles than need be."""
-        share_out(self, layer_counts, RESORT)
-
-    def settle(self, particles: Particles, count: int, start: np.ndarray | None = None) -> None:
-        """Put this rank's particles in order, and make grid and accumulators for them.
+    def settle(
+        self, slab: Slab, particles: Particles, count: int, start: np.ndarray | None = None
+    ) -> None:
+        """Put this rank's particles in order, and make what it needs besides; collective.
 
         With `start`, the beginnings of the layers, they are in order and have all they carry.
         """
-        scene, comm, slab = self.scene, self.comm, self.slab
+        scene, comm = self.scene, self.comm
         mine = particles.m[:count]
         masses = comm.allgather((float(mine.min(initial=np.inf)), float(mine.sum())))
-        self.lightest = LIGHT * min(least for least, _ in masses)
         total = sum(mass for _, mass in masses)
         if total > 2.0 * scene.most_mass:  # only particles from a file can
             with located(self.case):
@@ -188,34 +181,43 @@ class Simulation:
                     f"bodies: the particles weigh {total:.6g}, and the whole domain, filled with "
                     f"the densest material, {scene.most_mass:.6g}; look at the volumes of points"
                 )
-        self.population = Population(particles, count, scene.shape, scene.frame, slab, start)
+        self.rank = rank = Rank(scene, comm, slab, particles, count, start)
+        rank.lightest = LIGHT * min(least for least, _ in masses)
         self.balance.watch(count)
-        occupy(self)
-        open_window(self)
+        open_window(rank, self.agreement)
         if start is None:
-            scene.loads.settle(self.population, comm)
-        self.faces, self.walls = scene.face_parameters(0.0, 0.0), scene.walls(0.0)
-        self.diagnostic_sums = Diagnostics()
+            scene.loads.settle(rank.population, comm)
         fastest = fastest_rate(
-            scene.frame, self.identity, scene.materials, self.particles, self.population.order,
+            scene.frame, scene.identity, scene.materials, rank.particles, rank.population.order,
             scene.material_of,
         )  # fmt: skip
         self.rate = max(comm.allgather(fastest))
 
     @property
+    def now(self) -> Step:
+        """The last step done, whatever the other ranks say; its end is the time as it is told."""
+        step = self.doing or self.done
+        return step._replace(end=self.clock.told(step))
+
+    @property
     def time(self) -> float:
         """Simulated time."""
-        return self.clock.time
+        return self.clock.told(self.doing or self.done)
 
     @property
     def step(self) -> int:
         """Steps done."""
-        return self.clock.step
+        return (self.doing or self.done).number
+
+    @property
+    def dt(self) -> float:
+        """Length of the last step."""
+        return (self.doing or self.done).dt
 
     @property
     def finished(self) -> bool:
         """Whether the end of the case is reached."""
-        return self.clock.finished
+        return self.clock.finished(self.doing or self.done)
 
     @property
     def agreed(self) -> bool:
@@ -223,27 +225,27 @@ class Simulation:
         return not self.agreement.open
 
     @property
-    def particles(self) -> Particles:
-        """The particles of this rank, with holes; see `live`."""
-        return self.population.particles
+    def population(self) -> Population:
+        """The particles of this rank, and their order."""
+        return self.rank.population
 
     @property
-    def local_count(self) -> int:
-        """Number of this rank's particles."""
-        return len(self.population.order)
+    def particles(self) -> Particles:
+        """The particles of this rank, with holes; see `live`."""
+        return self.rank.population.particles
 
     @property
     def known_count(self) -> int:
         """Particles of all ranks, where there are several as of the last re-sort."""
-        return self.balance.total if self.comm.size > 1 else self.local_count
+        return self.balance.total if self.comm.size > 1 else self.rank.count
 
     def present(self) -> int:
         """Particles of all ranks now; collective."""
-        return int(self.comm.allreduce(self.local_count))
+        return int(self.comm.allreduce(self.rank.count))
 
     def live(self) -> np.ndarray:
         """Rows of this rank's particles in canonical order, (n,) int64."""
-        return self.population.order.astype(np.int64)
+        return self.rank.live()
 
     def advance(self, agree: bool = True) -> None:
         """Do one step; collective.
@@ -257,31 +259,34 @@ class Simulation:
         Raises
         ------
         RunError
-            On every rank, if particles of any are at fault; that step is then done but for the
-            clock, and there will be no other.
+            On every rank, if particles of any are at fault; that step then does not count, and
+            there will be no other.
         """
         if self.failure:
             raise RunError(self.failure.text)
         self.granted = PENDING
-        before = self.step, self.time, self.dt
-        self.dt, end, self.failed, rate = step(self)
-        self._before = before
-        self.clock.advance(end)
+        rank, agreement, balance = self.rank, self.agreement, self.balance
+        doing, rate = step(rank, self.time, self._next, self.clock.controlled)
+        self.doing, number = doing, doing.number
         if self.comm.size > 1:
-            self.balance.note(self.worked, self.local_count, self.step)
-        wish = FAULT if self.failed else self.wish
-        asked = self.agreement.asks
-        self.agreement.begin(rate, wish, self.balance.asks, self.reach)
-        sort = self.step % RESORT == 0
+            balance.note(rank.worked, rank.count, number)
+        asked = agreement.asks
+        agreement.begin(rate, FAULT if rank.failed else self.wish, balance.asks, rank.reach)
+        sort = number % RESORT == 0
         if agree or asked or sort or self.comm.size == 1:
             self.agree()
-        if not self.grid.covers(self.agreement.reach):
-            self.grid.extend(self.agreement.reach)
+        if not rank.grid.covers(agreement.reach):
+            rank.grid.extend(agreement.reach)
         if asked:
-            rebalance(self)
-            self.agreement.asks = False
+            rebalance(rank, balance, number)
+            agreement.asks = False
         if sort:
             self._sort()
+
+    def _next(self) -> Step:
+        """Learn how the step before went, of which the greatest speed is that of the next."""
+        self.agree()
+        return self.clock.next(self.done, self.rate)
 
     def agree(self) -> None:
         """Learn what all ranks say of the last step, if that is not known; collective.
@@ -292,27 +297,26 @@ class Simulation:
             On every rank, as from `advance`.
         """
         agreement = self.agreement
-        if not agreement.end():
+        if not agreement.end() or self.doing is None:
             return
         known = self.granted if self.granted != PENDING else NOTHING
         self.rate, self.granted = agreement.rate, max(known, agreement.wish)
+        last, self.doing = self.now, None
         if agreement.wish == FAULT:
-            dt, end = self.dt, self.time
-            step, time, self.dt = self._before
-            self.clock.restore(step, time)
-            self.failure = collect(self, end, dt)
+            self.failure = collect(self.rank, last)
             raise RunError(self.failure.text)
+        self.done = last
 
     def _sort(self) -> None:
         """Sort the rows anew, report the load, and shrink a window that has become far too wide."""
-        begin = perf_counter()
-        self.population.sort()
-        self.timings["sort"] += perf_counter() - begin
+        begin, rank = perf_counter(), self.rank
+        rank.population.sort()
+        rank.timings["sort"] += perf_counter() - begin
         if self.comm.size > 1:
-            planes = int(self.grid.active.sum())
-            self.balance.report(self.comm, self.local_count, planes, self.step)
-        shrink_window(self)
+            planes = int(rank.grid.active.sum())
+            self.balance.report(self.comm, rank.count, planes, self.step)
+        shrink_window(rank, self.agreement)
 
     def diagnostics(self) -> dict[str, float] | None:
         """The columns of history.csv, in order, on rank 0; None elsewhere; collective."""
-        return self.diagnostic_sums.line(self)
+        return self.diagnostic_sums.line(self.rank, self.now)

@@ -13,8 +13,17 @@ _MOST_ENERGY = 1e280
 REFUSED = 1.0
 
 
-def check_first_step(sim: Any) -> list[str]:
+def check_first_step(scene: Any, dt: float, rate: float) -> list[str]:
     """Compare the first step of a simulation with the stability limit.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    dt : float
+        The step.
+    rate : float
+        Largest (c_p + |v_p|)/L, 1/time.
 
     Returns
     -------
@@ -24,12 +33,11 @@ def check_first_step(sim: Any) -> list[str]:
     Raises
     ------
     CaseError
-        As from `require_end` and `require_stable`.
+        As from `require_stable`.
     """
-    require_end(sim.scene, sim.rate)
-    dt, stable = sim.clock.next(sim.rate)[0], sim.case.method.stable
-    require_stable(dt, sim.rate, stable)
-    warning = doubt(dt, sim.rate, stable)
+    stable = scene.case.method.stable
+    require_stable(dt, rate, stable)
+    warning = doubt(dt, rate, stable)
     return [warning] if warning else []
 
 

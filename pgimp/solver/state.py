@@ -5,33 +5,22 @@ be had again from the case, or only saves time (the window, the holes between ro
 """
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from pgimp.decomposition.slabs import Slab
 from pgimp.errors import DamagedError, UsageError
 from pgimp.kernels.order import cell_numbers, locate
 from pgimp.kernels.particles import Particles
-from pgimp.kernels.sums import SUMS
 from pgimp.mpi.collective import all_or_none
-
-if TYPE_CHECKING:
-    from pgimp.scene.scene import Scene
-    from pgimp.solver.simulation import Simulation
-
-#: Sums by plane that a simulation keeps from step to step.
-ACCUMULATORS = ("work", "impulse", "beyond", "grip_impulse", "escaped")
+from pgimp.scene.scene import Scene
+from pgimp.solver.clock import Step
+from pgimp.solver.diagnostics import Diagnostics
+from pgimp.solver.rank import Rank
 
 _MODEL = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)
-
-
-def no_sums(scene: "Scene", planes: int) -> tuple[np.ndarray, ...]:
-    """The `ACCUMULATORS` before the first step: zeros, (planes, ...)."""
-    faces, constraints = len(scene.faces), len(scene.loads.constraints)
-    leavers = (len(scene.body_names), SUMS) if scene.exits else (0, 0)
-    shapes = ((), (faces, 3), (faces,), (constraints, 3), leavers)
-    return tuple(np.zeros((planes, *shape)) for shape in shapes)
 
 
 class State(BaseModel):
@@ -75,7 +64,7 @@ class Ordered(Mapping[str, np.ndarray]):
 
     Parameters
     ----------
-    sim : Simulation
+    rank : Rank
         Whose particles; columns that the scene does not use are left out.
 
     Attributes
@@ -86,11 +75,11 @@ class Ordered(Mapping[str, np.ndarray]):
         Where in them the particles are.
     """
 
-    def __init__(self, sim: "Simulation") -> None:
-        self.order = sim.live()
+    def __init__(self, rank: Rank) -> None:
+        self.order = rank.live()
         self.columns = {
             name: array
-            for name, array in sim.particles._asdict().items()
+            for name, array in rank.particles._asdict().items()
             if array.size or not array.shape[1:]
         }
 
@@ -107,8 +96,23 @@ class Ordered(Mapping[str, np.ndarray]):
         return len(self.columns)
 
 
-def capture(sim: "Simulation") -> tuple[dict[str, Any], Ordered, dict[str, np.ndarray]]:
+def capture(
+    rank: Rank, done: Step, rate: float, count: int, records: Diagnostics
+) -> tuple[dict[str, Any], Ordered, dict[str, np.ndarray]]:
     """Take the state out of a simulation between two steps; collective.
+
+    Parameters
+    ----------
+    rank : Rank
+        What the rank holds.
+    done : Step
+        The last step.
+    rate : float
+        Largest (c_p + |v_p|)/L of all ranks.
+    count : int
+        Particles of all ranks at the start.
+    records : Diagnostics
+        What the history keeps from line to line.
 
     Returns
     -------
@@ -119,19 +123,17 @@ def capture(sim: "Simulation") -> tuple[dict[str, Any], Ordered, dict[str, np.nd
     whole : dict of str to ndarray
         Particles of each layer, and sums by plane; empty but on rank 0.
     """
-    own = sim.owned_planes
-    sums = [getattr(sim, name)[:own] for name in ACCUMULATORS]
-    parts = sim.comm.gather((np.diff(sim.population.start), (sim.clamped, sim.held), sums))
+    own = rank.booked()
+    parts = rank.comm.gather((np.diff(rank.population.start), (rank.clamped, rank.held), own))
     if parts is None:
-        return {}, Ordered(sim), {}
-    records = sim.diagnostic_sums
+        return {}, Ordered(rank), {}
     state = State(
-        step=sim.step,
-        time=sim.time,
-        dt=sim.dt,
-        rate=sim.rate,
-        count=sim.count,
-        lightest=sim.lightest,
+        step=done.number,
+        time=done.end,
+        dt=done.dt,
+        rate=rate,
+        count=count,
+        lightest=rank.lightest,
         clamped=sum(part[1][0] for part in parts),
         held=sum(part[1][1] for part in parts),
         first_energy=records.first_energy,
@@ -141,88 +143,128 @@ def capture(sim: "Simulation") -> tuple[dict[str, Any], Ordered, dict[str, np.nd
         beyond_face=records.beyond[2],
     )
     whole = {"layers": np.concatenate([part[0] for part in parts]).astype(np.int64)}
-    for i, name in enumerate(ACCUMULATORS):
+    for i, name in enumerate(own._fields):
         whole[name] = np.concatenate([part[2][i] for part in parts])
     if records.last:
         whole["last-impulse"], whole["last-force"] = records.last[1:]
     whole = {name: array for name, array in whole.items() if array.size}
-    return state.model_dump(), Ordered(sim), whole
+    return state.model_dump(), Ordered(rank), whole
 
 
-def restore(sim: "Simulation", source: Any) -> None:
-    """Put the state of a checkpoint into a simulation whose scene is made; collective.
+def outline(scene: Scene, source: Any, comm: Any) -> tuple[State, np.ndarray]:
+    """State and number of particles by layer, in agreement with each other and the scene.
 
-    Everything is checked before it is used: a file with the right checksums may still hold what
-    no run has written.
+    Everything in a checkpoint is checked before it is used: a file with the right checksums may
+    still hold what no run has written. Collective.
 
     Parameters
     ----------
-    sim : Simulation
-        Of the same case, but for what a resume may change.
+    scene : Scene
+        That of the same case, but for what a resume may change.
     source : CheckpointFile
         The checkpoint.
+    comm : communicator
+        Of all ranks.
 
     Raises
     ------
     DamagedError
         On every rank, if it does not hold a state of this scene.
-    UsageError
-        On every rank, if frames are to have what it does not hold.
     """
-    comm, scene = sim.comm, sim.scene
-    state, layers = all_or_none(comm, lambda: _outline(sim, source), DamagedError)
-    sim.count = state.count
-    if comm.rank == 0:
-        sim.clamped, sim.held = state.clamped, state.held
-    sim.decompose(layers)
-    first, end = sim.slab.first, sim.slab.first + sim.slab.layers
-    edges = np.concatenate([[0], np.cumsum(layers)])
-    particles = all_or_none(
-        comm, lambda: _particles(sim, source, edges[first : end + 1]), DamagedError, UsageError
-    )
-    sim.settle(particles, int(edges[end] - edges[first]), edges[first : end + 1] - edges[first])
 
-    own = sim.owned_planes
+    def read() -> tuple[State, np.ndarray]:
+        state = State.of(source)
+        layers = _whole(source, "layers", (scene.frame.vertices[0],))
+        if (layers < 0).any() or (layers > source.count).any() or layers.sum() != source.count:
+            raise DamagedError("its particles by layer do not add up")
+        if source.count > state.count:
+            raise DamagedError("it has more particles than the case began with")
+        return state, layers
+
+    return all_or_none(comm, read, DamagedError)
+
+
+def read_particles(
+    scene: Scene, slab: Slab, source: Any, state: State, layers: np.ndarray, comm: Any
+) -> tuple[Particles, int, np.ndarray]:
+    """Read the particles of a slab; collective.
+
+    Parameters
+    ----------
+    scene, source, comm
+        As in `outline`.
+    slab : Slab
+        This rank's.
+    state, layers
+        As from `outline`.
+
+    Returns
+    -------
+    Particles
+        In canonical order.
+    int
+        Their number.
+    (layers + 1,) int64
+        Where each layer begins.
+
+    Raises
+    ------
+    DamagedError
+        On every rank, if particles of any cannot be of this scene.
+    UsageError
+        On every rank, if frames are to have what the checkpoint does not hold.
+    """
+    edges = np.concatenate([[0], np.cumsum(layers)])[slab.first : slab.first + slab.layers + 1]
+    first, start = int(edges[0]), edges - edges[0]
+    n = int(start[-1])
+
+    def read() -> Particles:
+        particles = _read_rows(scene, source, first, n)
+        if fault := _inconsistent(scene, slab, particles, start, n, state.count):
+            raise DamagedError(fault)
+        return particles
+
+    return all_or_none(comm, read, DamagedError, UsageError), n, start
+
+
+def read_books(rank: Rank, source: Any, state: State, records: Diagnostics) -> None:
+    """Put the sums by plane, and what the history keeps, into place; collective.
+
+    Raises
+    ------
+    DamagedError
+        On every rank, if they are not of this scene.
+    """
+    scene, own = rank.scene, rank.booked()
     planes = scene.frame.vertices[0] + scene.vertices - 1
+    first = rank.slab.first
 
-    def sums() -> dict[str, np.ndarray]:
+    def read() -> dict[str, np.ndarray]:
         found = {}
-        for name in ACCUMULATORS:
-            mine = getattr(sim, name)
+        for name, mine in own._asdict().items():
             if mine.shape[1:] and 0 in mine.shape[1:]:
                 continue
-            found[name] = _whole(source, name, (planes, *mine.shape[1:]))[first : first + own]
+            whole = _whole(source, name, (planes, *mine.shape[1:]))
+            found[name] = whole[first : first + len(mine)]
         if state.last_line is not None:
             shape = (len(scene.faces) + len(scene.loads.constraints), 3)
             for name in ("last-impulse", "last-force") if shape[0] else ():
                 found[name] = _whole(source, name, shape)
         return found
 
-    found = all_or_none(comm, sums, DamagedError)
-    for name in ACCUMULATORS:
+    found = all_or_none(rank.comm, read, DamagedError)
+    for name, mine in own._asdict().items():
         if name in found:
-            getattr(sim, name)[:own] = found[name]
-    records = sim.diagnostic_sums
+            mine[:] = found[name]
+    if rank.comm.rank == 0:
+        rank.clamped, rank.held = state.clamped, state.held
+    rank.lightest = state.lightest
     records.first_energy = state.first_energy
     records.beyond = (state.beyond, state.beyond_time, state.beyond_face)
     if state.last_line is not None:
         none = np.zeros((0, 3))
         last = (found.get("last-impulse", none), found.get("last-force", none))
         records.last = (state.last_line, *last)
-    sim.clock.restore(state.step, state.time)
-    sim.dt, sim.rate, sim.lightest = state.dt, state.rate, state.lightest
-
-
-def _outline(sim: "Simulation", source: Any) -> tuple[State, np.ndarray]:
-    """State and number of particles by layer, in agreement with each other and the scene."""
-    state = State.of(source)
-    frame = sim.scene.frame
-    layers = _whole(source, "layers", (frame.vertices[0],))
-    if (layers < 0).any() or (layers > source.count).any() or layers.sum() != source.count:
-        raise DamagedError("its particles by layer do not add up")
-    if source.count > state.count:
-        raise DamagedError("it has more particles than the case began with")
-    return state, layers
 
 
 def _whole(source: Any, name: str, shape: tuple[int, ...]) -> np.ndarray:
@@ -235,10 +277,8 @@ def _whole(source: Any, name: str, shape: tuple[int, ...]) -> np.ndarray:
     return array
 
 
-def _particles(sim: "Simulation", source: Any, edges: np.ndarray) -> Particles:
-    """Read this rank's particles; `edges` are the rows at which its layers begin, and the end."""
-    scene, first = sim.scene, int(edges[0])
-    n = int(edges[-1]) - first
+def _read_rows(scene: Scene, source: Any, first: int, n: int) -> Particles:
+    """Read `n` rows of a checkpoint, with the columns that the scene wants."""
     columns = scene.loads.columns
     expected = Particles.empty(0, scene.dimension, scene.origins, **columns)._asdict()
     particles = Particles.empty(max(n, 1), scene.dimension, scene.origins, **columns)
@@ -257,19 +297,19 @@ def _particles(sim: "Simulation", source: Any, edges: np.ndarray) -> Particles:
         if not np.isfinite(array).all():
             raise DamagedError(f"the {name} of its particles has values that are no finite numbers")
         getattr(particles, name)[:n] = array
-    if fault := _inconsistent(sim, particles, edges - first, n):
-        raise DamagedError(fault)
     return particles
 
 
-def _inconsistent(sim: "Simulation", p: Particles, start: np.ndarray, n: int) -> str:
+def _inconsistent(
+    scene: Scene, slab: Slab, p: Particles, start: np.ndarray, n: int, count: int
+) -> str:
     """Say what in particles cannot be of this scene; the step relies on all of it."""
-    scene, frame = sim.scene, sim.scene.frame
+    frame = scene.frame
     x = (p.x[:n] - frame.origin) * frame.inverse
     ranges = (
         ("x", x, 0.0, np.array(frame.cells, float)),
         ("body", p.body[:n], 0, len(scene.body_names) - 1),
-        ("id", p.id[:n], 0, sim.count - 1),
+        ("id", p.id[:n], 0, count - 1),
         ("cell", p.cell[:n], 0, cell_numbers(frame.vertices) - 1),
         ("grip", p.grip[:n], 0, len(scene.loads.constraints)),
         ("patch", p.patch[:n], 0.0, np.inf),
@@ -282,7 +322,7 @@ def _inconsistent(sim: "Simulation", p: Particles, start: np.ndarray, n: int) ->
             return f"the {name} of a particle is not above zero"
     layer = p._replace(layer=np.empty_like(p.layer), cell=np.empty_like(p.cell))
     locate(scene.shape, frame, layer, np.arange(n, dtype=np.int32), frame.vertices)
-    place = sim.slab.first + np.repeat(np.arange(len(start) - 1), np.diff(start))
+    place = slab.first + np.repeat(np.arange(len(start) - 1), np.diff(start))
     if (p.layer[:n] != place).any() or (layer.layer[:n] != place).any():
         return "a particle is not in its layer"
     same = place[1:] == place[:-1]

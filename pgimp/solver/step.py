@@ -2,126 +2,126 @@
 
 from collections.abc import Callable
 from time import perf_counter, thread_time
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pgimp.kernels.g2p import grid_to_particles
 from pgimp.kernels.grips import hold_marked, mark
+from pgimp.kernels.loads import Loads
 from pgimp.kernels.mirror import fold, reflect
 from pgimp.kernels.momentum import update_momentum
 from pgimp.kernels.p2g import particles_to_grid
-from pgimp.solver.escapes import let_go
-from pgimp.solver.faults import listed
-
-if TYPE_CHECKING:
-    from pgimp.kernels.loads import Loads
-    from pgimp.solver.simulation import Simulation
-
-#: Phases of a step, as `Simulation.timings` names them.
-PHASES = ("P2G", "exchange", "momentum", "G2P", "migrate", "order")
+from pgimp.solver.clock import Step
+from pgimp.solver.rank import Rank
 
 
-def step(sim: "Simulation") -> tuple[float, float, int, float]:
+def step(
+    rank: Rank, start: float, begin: Callable[[], Step], controlled: bool
+) -> tuple[Step, float]:
     """Advance a rank's particles by one step; collective.
+
+    Parameters
+    ----------
+    rank : Rank
+        What the rank holds. Of particles at fault it has the number, and a list.
+    start : float
+        Time at the beginning of the step.
+    begin : callable
+        What waits for all ranks to say how the step before went, and gives this one.
+    controlled : bool
+        Whether the greatest speed is wanted.
 
     Returns
     -------
-    dt, end : float
-        Length of the step and the time at its end.
-    failed : int
-        Number of the rank's particles at fault; they are listed in `sim.faults`.
-    rate : float
-        Largest (c_p + |v_p|)/L of the rank, if the step is controlled.
+    Step
+        The step.
+    float
+        Largest (c_p + |v_p|)/L of the rank, if it is wanted.
 
     Raises
     ------
     RunError
-        On every rank, if particles of any were at fault in the step before, or if steps have
-        become so short that the run would never end. The particles are as they were.
+        On every rank, as from `begin`. The particles are as they were.
     """
-    scene, grid, population, migration = sim.scene, sim.grid, sim.population, sim.migration
+    scene, grid, population, migration = rank.scene, rank.grid, rank.population, rank.migration
     shape, frame, particles, window = scene.shape, scene.frame, population.particles, grid.window
-    order, start, movers = population.order, population.start, population.movers
-    loads, relaxation = scene.loads.at(sim.time), scene.loads.relaxation
-    lap = _stopwatch(sim.timings, sim.worked)
+    order, layers_start, movers = population.order, population.start, population.movers
+    loads, relaxation, ledger = scene.loads.at(start), scene.loads.relaxation, rank.ledger
+    lap = _stopwatch(rank.timings, rank.worked)
 
-    sum_particles(sim, loads, bool(scene.loads.constraints))
+    sum_particles(rank, loads, bool(scene.loads.constraints))
     lap("P2G")
 
-    sim.halo.finish(grid)
-    sim.agree()  # on the step before: the greatest speed, and whether all went well
-    dt, end = sim.clock.next(sim.rate)
+    rank.halo.finish(grid)
+    t = begin()
     lap("exchange")
 
-    grips, gravity = scene.loads.grips(sim.time, end), scene.gravity(sim.time)
+    grips, gravity = scene.loads.grips(t.start, t.end), scene.gravity(t.start)
     marked = (grips, grid.marks) if grips else ()
+    faces, walls = scene.face_parameters(t.start, t.end), scene.walls(t.end)
     for mirror in scene.mirrors:
         fold(
-            frame, window, grid.G, grid.active, mirror, relaxation, dt, gravity,
-            sim.owned_planes, sim.impulse,
+            frame, window, grid.G, grid.active, mirror, relaxation, t.dt, gravity,
+            rank.owned, ledger.impulse,
         )  # fmt: skip
-    faces, walls = sim.faces, sim.walls
-    if scene.varies:
-        faces, walls = scene.face_parameters(sim.time, end), scene.walls(end)
     update_momentum(  # (14, 17) and the boundary conditions
-        frame, window, grid.G, grid.active, dt, gravity, sim.lightest, faces, marked, relaxation,
-        sim.owned_planes, sim.impulse, sim.beyond, sim.work,
+        frame, window, grid.G, grid.active, t.dt, gravity, rank.lightest, faces, marked,
+        relaxation, rank.owned, ledger.impulse, ledger.beyond, ledger.work,
     )  # fmt: skip
     if marked:
         hold_marked(
-            window, grid.G, grid.active, marked, relaxation, dt, gravity,
-            sim.owned_planes, sim.grip_impulse, sim.work,
+            window, grid.G, grid.active, marked, relaxation, t.dt, gravity,
+            rank.owned, ledger.grip_impulse, ledger.work,
         )  # fmt: skip
     for mirror in reversed(scene.mirrors):
         reflect(
-            frame, window, grid.G, grid.active, mirror, relaxation, dt, gravity,
-            sim.owned_planes, sim.impulse, sim.work,
+            frame, window, grid.G, grid.active, mirror, relaxation, t.dt, gravity,
+            rank.owned, ledger.impulse, ledger.work,
         )  # fmt: skip
     lap("momentum")
 
     rate, failed, leavers, found = 0.0, [], 0, 0
-    for half, layers in enumerate(sim.halo.halves(start)):  # first what neighbours wait for
+    for half, layers in enumerate(rank.halo.halves(layers_start)):  # first what neighbours wait for
         wrong, left, moved, fastest, clamped, held = grid_to_particles(  # (26, 27, 29, 30)
-            shape, scene.materials, frame, window, particles, loads, grips, order, start, layers,
-            scene.material_of, grid.G, dt, scene.tracked, sim.clock.controlled, grid.bounds,
-            scene.exits, walls, sim.reach, movers[found:], sim.fault_room[half],
-            sim.grip_impulse, sim.impulse, sim.work,
+            shape, scene.materials, frame, window, particles, loads, grips, order, layers_start,
+            layers, scene.material_of, grid.G, t.dt, scene.tracked, controlled, grid.bounds,
+            scene.exits, walls, rank.reach, movers[found:], rank.fault_room[half],
+            ledger.grip_impulse, ledger.impulse, ledger.work,
         )  # fmt: skip
         failed.append(wrong)
         rate, leavers = max(rate, fastest), leavers + left
-        sim.clamped += clamped
-        sim.held += held
+        rank.clamped += clamped
+        rank.held += held
         lap("G2P")
-        if moved or sim.slab.neighbours:
+        if moved or rank.slab.neighbours:
             migration.proceed(population, movers[found : found + moved])
             found += moved
             lap("migrate")
-    sim.particle_steps += len(order)
+    rank.particle_steps += len(order)
     if sum(failed):
-        sim.faults = listed(sim, failed)
+        rank.list_faults(failed)
 
     movers = movers[:found]
     if len(failed) > 1:
         movers.sort()
     if leavers:
-        let_go(sim, movers)
+        rank.remove_leavers(movers)
     coming = movers
-    if found or sim.slab.neighbours:
+    if found or rank.slab.neighbours:
         coming = migration.receive(population)
     lap("migrate")
 
     if found or len(coming):
         population.restore_order(movers, coming)
     lap("order")
-    return dt, end, sum(failed), rate
+    return t, rate
 
 
-def sum_particles(sim: "Simulation", loads: "Loads", marked: bool) -> None:
+def sum_particles(rank: Rank, loads: Loads, marked: bool) -> None:
     """Sum a rank's particles into its planes; `Halo.finish` adds what neighbours have."""
-    scene, grid, population = sim.scene, sim.grid, sim.population
+    scene, grid, population = rank.scene, rank.grid, rank.population
     start = population.start
-    if sim.failed:  # what others do not know yet; such particles may be anywhere
+    if rank.failed:  # what others do not know yet; such particles may be anywhere
         start = np.zeros_like(start)
     if marked:
         mark(
@@ -129,13 +129,13 @@ def sum_particles(sim: "Simulation", loads: "Loads", marked: bool) -> None:
             grid.marks,
         )  # fmt: skip
     grid.active.fill(0)
-    for part in sim.halo.parts(start):  # first what neighbours wait for
+    for part in rank.halo.parts(start):  # first what neighbours wait for
         particles_to_grid(  # (16, 17, 18, 21, 22)
             scene.shape, scene.frame, grid.window, population.particles, loads,
             population.order, start, part, grid.scratch, grid.G, grid.active, grid.aside,
             grid.below,
         )  # fmt: skip
-        sim.halo.proceed(grid, marked)
+        rank.halo.proceed(grid, marked)
 
 
 def _stopwatch(timings: dict[str, float], worked: dict[str, float]) -> Callable[[str], None]:

@@ -22,14 +22,15 @@ from pgimp.mpi.node import Call, shared_out
 from pgimp.scene.scene import Scene
 
 
-def warm_up(scene: Scene, identity: tuple[float, ...], comm: Any) -> None:
+def warm_up(scene: Scene, comm: Any) -> None:
     """Call each kernel once with the types that the scene's steps will use; collective."""
-    shared_out(comm, _calls(scene, identity))
+    shared_out(comm, _calls(scene))
 
 
-def _calls(scene: Scene, identity: tuple[float, ...]) -> Iterator[Call]:
+def _calls(scene: Scene) -> Iterator[Call]:
     """The calls, with the seconds that each took to compile, in 3D on one machine."""
     frame, shape, vertices = scene.frame, scene.shape, scene.vertices
+    identity = scene.identity
     p = Particles.empty(1, scene.dimension, **scene.loads.columns)
     loads, grips = scene.loads.at(0.0), scene.loads.grips(0.0, 0.0)
     rows = np.empty(0, np.int32)

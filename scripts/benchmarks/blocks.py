@@ -120,7 +120,7 @@ def shake(sim):
     if half == 0.0:
         places = 0.25 + 0.5 * places
     p.x[rows] = origin + (corner + places) * cell
-    sim.settle(p, len(rows))
+    sim.settle(sim.rank.slab, p, len(rows))
 
 
 def create(case, comm=None, random=False):
@@ -165,7 +165,7 @@ class Timed:
 
     def _advance(self):
         sim = self.sim
-        before = dict(sim.timings)
+        before = dict(sim.rank.timings)
         sim.comm.Barrier()
         began = clock()
         for _ in range(self.steps):
@@ -176,7 +176,7 @@ class Timed:
         sim.comm.Barrier()
         self.seconds.append(clock() - began)
         spent = {
-            name: sum(sim.timings[part] - before[part] for part in parts if part in before)
+            name: sum(sim.rank.timings[part] - before[part] for part in parts if part in before)
             for name, parts in PHASES.items()
         }
         every = sim.comm.allgather(spent)

@@ -109,7 +109,7 @@ def count_here(quick, ranks):
                 for _ in range(COUNTED):
                     sim.advance(agree=False)
                 sim.agree()
-                every = some.gather([*((sent() - before) / COUNTED), sim.local_count])
+                every = some.gather([*((sent() - before) / COUNTED), sim.rank.count])
                 if world.rank == 0:
                     messages, volume, reductions, _, particles = zip(*every, strict=True)
                     mean = sum(particles) / size

@@ -74,7 +74,7 @@ def torn_at(run):
 
 def pull_error(run):
     """Part of the wanted stretch that is missing when the bar tears."""
-    return max(0.0, 1.0 - (torn_at(run) - 1.0) / 2.0), {"clamped": run.sim.clamped}
+    return max(0.0, 1.0 - (torn_at(run) - 1.0) / 2.0), {"clamped": run.sim.rank.clamped}
 
 
 @cache

@@ -81,8 +81,8 @@ def vertex_momenta(found):
 
 def accelerated(sim, before):
     """Energy that particles gain from vertices held at a rate, above the work that is booked."""
-    G = sim.grid.G.reshape(-1, RECORD)
-    active = np.repeat(sim.grid.active != 0, sim.grid.window.stride[0] // RECORD)
+    G = sim.rank.grid.G.reshape(-1, RECORD)
+    active = np.repeat(sim.rank.grid.active != 0, sim.rank.grid.window.stride[0] // RECORD)
     held = active & (before[:, 0] > 0.0) & (G[:, 0] > 0.0)
     m, flags = G[held, 0], G[held, HELD].astype(int)
     gained = 0.0

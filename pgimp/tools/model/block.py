@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from pgimp.case.schema import Case
+from pgimp.decomposition.slabs import Slab
 from pgimp.kernels.order import locate
 from pgimp.kernels.particles import Particles
 from pgimp.scene.extent import Extent, extents
@@ -24,16 +25,16 @@ YOUNG, POISSON, DENSITY, GRAVITY, SPEED = 1.0e6, 0.3, 1000.0, -9.81, 0.1
 class Block(Simulation):
     """The block, its particles moved to random positions within their cells."""
 
-    def decompose(self, layer_counts: np.ndarray) -> None:
-        """See `Simulation`; `layer_counts` are those on the lattice."""
-        super().decompose(_spread(layer_counts, self.scene.shape.half[0]))
+    def decompose(self, counts: np.ndarray) -> Slab:
+        """See `Simulation`; `counts` are those on the lattice."""
+        return super().decompose(_spread(counts, self.scene.shape.half[0]))
 
     def _create(
-        self, lattice: Lattice, counts: np.ndarray, layer: np.ndarray
+        self, slab: Slab, lattice: Lattice, counts: np.ndarray, layer: np.ndarray
     ) -> tuple[Particles, int]:
         # A random position may lie in a layer next to its lattice plane's: look two cells further.
         reach = 2 * lattice.per_cell[0]
-        own = np.searchsorted(layer, (self.slab.first, self.slab.first + self.slab.layers))
+        own = np.searchsorted(layer, (slab.first, slab.first + slab.layers))
         begin, end = max(0, int(own[0]) - reach), min(lattice.planes, int(own[1]) + reach)
         p = self.scene.populate(lattice, counts, (begin, end))
         count = int(counts[:, begin:end].sum())
@@ -42,8 +43,8 @@ class Block(Simulation):
         p.x[:count] = corner + _uniform(p.id[:count]) * cell
         rows = np.arange(count, dtype=np.int32)
         locate(self.scene.shape, self.scene.frame, p, rows, self.scene.frame.vertices)
-        here = self.slab.first <= p.layer[:count]
-        here &= p.layer[:count] < self.slab.first + self.slab.layers
+        here = slab.first <= p.layer[:count]
+        here &= p.layer[:count] < slab.first + slab.layers
         arrays: list[np.ndarray] = list(p)
         del p
         for i in range(len(arrays)):  # so that no more than one array is there twice

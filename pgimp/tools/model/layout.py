@@ -90,7 +90,7 @@ def layout_now(sim: Any) -> Layout:
     """Layout of a simulation as it is; collective."""
     scene, rows = sim.scene, sim.live()
     speed = float(np.abs(sim.particles.v[rows, 0]).sum())
-    mine = (sim.slab.first, np.diff(sim.population.start), speed)
+    mine = (sim.rank.slab.first, np.diff(sim.population.start), speed)
     counts = np.zeros(scene.frame.vertices[0], np.int64)
     way = 0.0
     for first, some, speeds in sim.comm.allgather(mine):
@@ -98,7 +98,7 @@ def layout_now(sim: Any) -> Layout:
         way += speeds * sim.dt
     return Layout(
         counts,
-        int(np.prod(sim.grid.window.extent[1:], dtype=np.int64)),
+        int(np.prod(sim.rank.grid.window.extent[1:], dtype=np.int64)),
         scene.vertices,
         2 * scene.vertices if scene.mirrors else 0,
         min(1.0, way * scene.frame.inverse[0] / max(int(counts.sum()), 1)),

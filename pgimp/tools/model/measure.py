@@ -46,10 +46,10 @@ def take_turns(
 
 def costs_of(samples: Sequence[Sample]) -> Costs:
     """Costs from samples of different sizes, two at least, ascending, on one rank."""
-    counts = [float(sample.sim.local_count) for sample in samples]
-    planes = [float(sample.sim.grid.active.sum()) for sample in samples]
+    counts = [float(sample.sim.rank.count) for sample in samples]
+    planes = [float(sample.sim.rank.grid.active.sum()) for sample in samples]
     vertices = [
-        n * float(np.prod(sample.sim.grid.window.extent[1:]))
+        n * float(np.prod(sample.sim.rank.grid.window.extent[1:]))
         for n, sample in zip(planes, samples, strict=True)
     ]
     grid = [sample.seconds("momentum") for sample in samples]

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from pgimp.case.schema import Case
+from pgimp.decomposition.slabs import Slab
 from pgimp.errors import CaseError, RunError
 from pgimp.kernels.order import locate
 from pgimp.kernels.particles import Particles
@@ -40,7 +41,7 @@ class Scattered(Simulation):
 
     def __init__(self, case: Case, comm: Any) -> None:
         super().__init__(case, comm)
-        dt, _ = self.clock.next(self.rate)
+        dt = self.clock.next(self.done, self.rate).dt
         v, cell = self.particles.v, self.scene.frame.cell[0]
         rows = self.live()
         way = dt / cell * float(np.abs(v[rows, 0]).sum())
@@ -49,16 +50,14 @@ class Scattered(Simulation):
             v[rows, 0] += _DRIFT * cell / dt
 
     def _create(
-        self, lattice: Lattice, counts: np.ndarray, layer: np.ndarray
+        self, slab: Slab, lattice: Lattice, counts: np.ndarray, layer: np.ndarray
     ) -> tuple[Particles, int]:
-        slab = self.slab
         end = slab.first + slab.layers
         if slab.layers == 0:
-            return super()._create(lattice, counts, layer)
+            return super()._create(slab, lattice, counts, layer)
         # Those of the neighbours' next layers may come to lie here.
-        self.slab = slab._replace(first=slab.first - 1, layers=slab.layers + 2)
-        p, count = super()._create(lattice, counts, layer)
-        self.slab = slab
+        wider = slab._replace(first=slab.first - 1, layers=slab.layers + 2)
+        p, count = super()._create(wider, lattice, counts, layer)
         scene, D = self.scene, self.scene.dimension
         cell = np.array(scene.frame.cell)
         # Neighbours lie alike, as in a body that moves and deforms.
@@ -143,7 +142,7 @@ class Sample:
         if self.sim.finished or (self._left < self._steps and not self._whole):
             self._begin()
         sim = self.sim
-        before = dict(sim.timings)
+        before = dict(sim.rank.timings)
         self._comm.Barrier()
         begin = perf_counter()
         steps = self._advance(self._steps)
@@ -151,7 +150,7 @@ class Sample:
             self._steps = max(_FEWEST, self._steps // 2)  # it may fail before so many, every time
             return
         spent = perf_counter() - begin
-        block = {name: sim.timings[name] - before[name] for name in before}
+        block = {name: sim.rank.timings[name] - before[name] for name in before}
         block["step"] = spent - block.pop("sort")
         block = {name: seconds / steps for name, seconds in block.items()}
         begin = perf_counter()

@@ -1,0 +1,52 @@
+"""What a simulation books by plane from step to step: sums that the history shows."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+
+class Ledger(NamedTuple):
+    """Sums by plane; those of the planes that a rank owns count.
+
+    Attributes
+    ----------
+    work : (planes,) float64
+        Work of loads, faces and constraints on the material.
+    impulse : (planes, faces, 3) float64
+        Impulse of each face with a condition.
+    beyond : (planes, faces) float64
+        Mass beyond each face in the last step.
+    grip_impulse : (planes, constraints, 3) float64
+        Impulse of each constraint.
+    escaped : (planes, bodies, SUMS) float64
+        What particles that left took with them, as `layer_sums` has it; (planes, 0, 0) where
+        nothing may leave.
+    """
+
+    work: np.ndarray
+    impulse: np.ndarray
+    beyond: np.ndarray
+    grip_impulse: np.ndarray
+    escaped: np.ndarray
+
+    @classmethod
+    def empty(
+        cls, planes: int, faces: int, constraints: int, leavers: tuple[int, int] = (0, 0)
+    ) -> Ledger:
+        """Return that of `planes` planes before the first step.
+
+        Parameters
+        ----------
+        planes, faces, constraints : int
+            How many there are.
+        leavers : (int, int)
+            Bodies and `SUMS`, where particles may leave.
+        """
+        shapes = ((), (faces, 3), (faces,), (constraints, 3), leavers)
+        return cls(*(np.zeros((planes, *shape)) for shape in shapes))
+
+    def first(self, planes: int) -> Ledger:
+        """Return the first planes of it, such as those that a rank owns; no copies."""
+        return Ledger(*(part[:planes] for part in self))

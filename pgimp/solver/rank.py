@@ -1,0 +1,178 @@
+"""What one rank holds of a simulation: its slab's particles, grid, messages and books."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from pgimp.decomposition.grid import LATE, Grid
+from pgimp.decomposition.halo import Halo
+from pgimp.decomposition.handover import hand_over
+from pgimp.decomposition.migrate import Migration
+from pgimp.decomposition.population import Population
+from pgimp.decomposition.slabs import Slab, slab_of
+from pgimp.kernels.g2p import GONE
+from pgimp.kernels.ledger import Ledger
+from pgimp.kernels.particles import Particles
+from pgimp.kernels.sums import SUMS, layer_sums
+from pgimp.mpi.node import shares_cores
+from pgimp.scene.scene import Scene
+
+#: Phases of a step, as `Rank.timings` names them.
+PHASES = ("P2G", "exchange", "momentum", "G2P", "migrate", "order")
+
+#: So many particles at fault are listed on each rank; the others are only counted.
+ROOM = 1024
+
+
+class Rank:
+    """One rank's part of a simulation; it goes over to other slabs with `move`.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    comm : communicator
+        Of all ranks.
+    slab : Slab
+        The rank's layers.
+    particles : Particles
+        Theirs.
+    count : int
+        Number of particles.
+    start : (layers + 1,) int64, optional
+        Where each layer begins, of particles that are in canonical order.
+
+    Attributes
+    ----------
+    population : Population
+        The particles in their order.
+    grid, halo, migration : Grid, Halo, Migration
+        The slab's planes, and the messages to the neighbours.
+    owned : int
+        Planes that are this rank's; those above belong to the next.
+    ledger : Ledger
+        What is booked by plane.
+    lightest : float
+        Mass below which a vertex is not accelerated.
+    reach : (2, 2) int64
+        First vertices that particles have been found to need, see `Agreement`.
+    timings : dict of str to float
+        Seconds spent in each phase.
+    worked : dict of str to float
+        Those in which it had a core, where ranks must share cores; else the same.
+    particle_steps, clamped, held : int
+        Particle-steps in this process; those, since the start, with a half-width held at one cell,
+        and those in which a wall held a particle in.
+    faults, failed : (n, 2) int64, int
+        Rows and faults of particles at fault in the last step, and their number, which may be
+        greater.
+    fault_room : (2, room, 2) int64
+        Where the kernels write them.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        comm: Any,
+        slab: Slab,
+        particles: Particles,
+        count: int,
+        start: np.ndarray | None = None,
+    ) -> None:
+        self.scene, self.comm = scene, comm
+        self.lightest = 0.0
+        self.population = Population(particles, count, scene.shape, scene.frame, slab, start)
+        self.timings = dict.fromkeys((*PHASES, "sort", "balance"), 0.0)
+        self.worked = dict.fromkeys(PHASES, 0.0) if shares_cores(comm) else self.timings
+        self.particle_steps = self.clamped = self.held = 0
+        self.fault_room = np.zeros((2, ROOM, 2), np.int64)
+        self.faults, self.failed = self.fault_room[0, :0], 0
+        self.reach = np.zeros((2, 2), np.int64)
+        self._occupy(slab)
+
+    def _occupy(self, slab: Slab) -> None:
+        """Make grid, messages and books for a slab; the window is still to be set."""
+        scene, comm = self.scene, self.comm
+        self.slab = slab
+        self.grid = Grid(scene.frame, scene.vertices, slab, LATE if comm.size > 1 else 0)
+        self.halo = Halo(comm, slab, scene.vertices - 1)
+        self.migration = Migration(comm, slab, self.particles)
+        self.owned = slab.layers if slab.above is not None else self.grid.planes
+        leavers = (len(scene.body_names), SUMS) if scene.exits else (0, 0)
+        constraints = len(scene.loads.constraints)
+        self.ledger = Ledger.empty(self.grid.planes, len(scene.faces), constraints, leavers)
+
+    @property
+    def particles(self) -> Particles:
+        """The particles, with holes; see `live`."""
+        return self.population.particles
+
+    @property
+    def count(self) -> int:
+        """Number of the rank's particles."""
+        return len(self.population.order)
+
+    def live(self) -> np.ndarray:
+        """Rows of the particles in canonical order, (n,) int64."""
+        return self.population.order.astype(np.int64)
+
+    def booked(self) -> Ledger:
+        """Return the books of the planes that the rank owns."""
+        return self.ledger.first(self.owned)
+
+    def move(self, old: list[int], new: list[int]) -> None:
+        """Go over to another decomposition between two steps; collective.
+
+        No bit of what follows depends on it.
+
+        Parameters
+        ----------
+        old, new : list of int
+            As from `pgimp.decomposition.slabs.cut`, the same on every rank.
+        """
+        window, extra = self.grid.base, self.scene.vertices - 1
+        sums = hand_over(self.comm, old, new, extra, self.population, self.booked())
+        self._occupy(slab_of(new, self.comm.rank))
+        self.grid.store(window)
+        for booked, values in zip(self.booked(), sums, strict=True):
+            booked[:] = values
+
+    def remove_leavers(self, left: np.ndarray) -> None:
+        """Book the particles that have left the domain, and give up their rows.
+
+        What they take with them is added to the sums of the layer in which they were, in canonical
+        order, so that the books have the same bits on any number of ranks.
+
+        Parameters
+        ----------
+        left : (k,) int32
+            Places in the order of the particles that left or changed their layer, ascending.
+        """
+        scene, population = self.scene, self.population
+        rows = population.order[left]
+        gone = self.particles.layer[rows] == GONE
+        leaving = rows[gone]
+        layer_sums(
+            scene.frame, scene.identity, scene.materials, self.particles, leaving,
+            np.searchsorted(left[gone], population.start), scene.material_of,
+            self.ledger.escaped[: self.slab.layers],
+        )  # fmt: skip
+        population.release(leaving)
+
+    def list_faults(self, numbers: list[int]) -> None:
+        """List the particles at fault in this step in canonical order, at most `ROOM`.
+
+        Parameters
+        ----------
+        numbers : list of int
+            How many have been found by each call; the first ones are in `fault_room`.
+        """
+        found = np.concatenate(
+            [room[:n] for room, n in zip(self.fault_room, numbers, strict=False)]
+        )
+        place = np.empty(self.particles.capacity, np.int64)
+        place[self.population.order] = np.arange(self.count)
+        self.failed = sum(numbers)
+        self.faults = found[np.argsort(place[found[:, 0]])][:ROOM]
