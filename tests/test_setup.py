@@ -189,6 +189,15 @@ def test_what_the_tests_need_comes_on_top(ready):
     assert "in place" in ready.run("scripts/setup", "--test").stdout
 
 
+def test_an_mpicc_without_headers_is_completed(ready):
+    """As Debian's openmpi-bin has it, without libopenmpi-dev."""
+    ready.add("apt-get", APT_GET)
+    ready.add("id", "#!/usr/bin/env bash\necho 0")
+    ready.add("mpicc", '#!/usr/bin/env bash\n[[ "$*" != *-E* ]]')
+    assert ready.run("scripts/setup", "--test").returncode == 0
+    assert "install --no-install-recommends libopenmpi-dev\n" in ready.called
+
+
 @pytest.fixture
 def cluster(machine):
     """A machine of a user who is not root, with an MPI from a module, and a sudo that asks."""
