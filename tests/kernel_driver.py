@@ -10,7 +10,9 @@ from pgimp.decomposition.grid import Grid
 from pgimp.decomposition.halo import Halo
 from pgimp.decomposition.population import Population
 from pgimp.decomposition.slabs import Slab, slab_of
+from pgimp.kernels.concepts import Forcing, Report, Setting
 from pgimp.kernels.g2p import grid_to_particles
+from pgimp.kernels.ledger import Ledger
 from pgimp.kernels.loads import Loads
 from pgimp.kernels.mirror import Mirror, fold, reflect
 from pgimp.kernels.momentum import update_momentum
@@ -134,6 +136,8 @@ class Rank:
     ) -> None:
         self.frame, self.vertices = frame, shape.vertices
         self.shape = shape.parameters(frame.cell)
+        identity = IDENTITIES[len(frame.cell) - 1]
+        self.setting = Setting(self.shape, frame, identity, MATERIALS, MATERIAL_OF)
         self.slab = slab or Slab(0, frame.vertices[0], None, None)
         self.population = Population(particles, particles.capacity, self.shape, frame, self.slab)
         self.grid = Grid(frame, self.vertices, self.slab)
@@ -153,10 +157,8 @@ class Rank:
         grid.active.fill(0)
         for part in self.halo.parts(population.start):
             particles_to_grid(
-                self.shape, self.frame, grid.window, population.particles, Loads(),
-                population.order, population.start, part, grid.scratch, grid.G, grid.active,
-                grid.aside, grid.below,
-            )  # fmt: skip
+                self.setting, grid.field, population.particles, Loads(), population.ordered, part
+            )
             assert not grid.scratch.any()
             self.halo.proceed(grid)
         self.halo.finish(grid)
@@ -170,19 +172,24 @@ class Rank:
         mirrors: Sequence[Mirror] = (),
     ) -> None:
         """Momentum update; sets `impulse` (planes, faces, 3) and `work` (planes,)."""
-        grid = self.grid
-        owned = self.slab.layers if self.slab.above is not None else grid.planes
-        self.impulse, self.work = np.zeros((grid.planes, len(faces), 3)), np.zeros(grid.planes)
-        self.beyond = np.full((grid.planes, len(faces)), np.nan)
+        field = self.grid.field
+        ledger = Ledger.empty(self.grid.planes, len(faces), 0)
+        ledger.beyond[:] = np.nan
+        self.impulse, self.work, self.beyond = ledger.impulse, ledger.work, ledger.beyond
         b = (*gravity, 0.0, 0.0, 0.0)[:3]
-        place = self.frame, grid.window, grid.G, grid.active
+        forcing = self.forcing(dt)._replace(gravity=b, lightest=lightest, faces=faces)
         for mirror in mirrors:
-            fold(*place, mirror, (), dt, b, owned, self.impulse)
-        update_momentum(
-            *place, dt, b, lightest, faces, (), (), owned, self.impulse, self.beyond, self.work
-        )
+            fold(self.frame, field, mirror, forcing, ledger)
+        update_momentum(self.frame, field, forcing, ledger)
         for mirror in reversed(mirrors):
-            reflect(*place, mirror, (), dt, b, owned, self.impulse, self.work)
+            reflect(self.frame, field, mirror, forcing, ledger)
+
+    @staticmethod
+    def forcing(dt: float) -> Forcing:
+        """What acts in a step without loads, faces and constraints."""
+        return Forcing(
+            dt, (0.0, 0.0, 0.0), 0.0, Loads(), (), (), (), np.full((6, WALL), -1.0), True
+        )
 
     def grid_to_particles(self, dt: float, tracked: bool = True) -> tuple:
         """First fault and its row, then as the kernel from the movers on.
@@ -193,11 +200,10 @@ class Rank:
         self.reach = grid.base.copy()
         room = np.zeros((self.room, 2), np.int64)
         self.failed, self.leavers, *rest = grid_to_particles(
-            self.shape, MATERIALS, self.frame, grid.window, population.particles, Loads(), (),
-            population.order, population.start, np.arange(len(population.start) - 1), MATERIAL_OF,
-            grid.G, dt, tracked, True, grid.bounds, self.exits,
-            np.full((6, WALL), -1.0), self.reach, population.movers, room,
-            np.zeros((grid.planes, 0, 3)), np.zeros((grid.planes, 0, 3)), np.zeros(grid.planes),
+            self.setting._replace(tracked=tracked, exits=self.exits), grid.field,
+            population.particles, population.ordered, np.arange(len(population.start) - 1),
+            self.forcing(dt), Report(self.reach, population.movers, room),
+            Ledger.empty(grid.planes, 0, 0),
         )  # fmt: skip
         self.faults = room[: self.failed]
         row, fault = self.faults[0] if self.failed else (-1, 0)
@@ -235,17 +241,13 @@ def sums_of(rank, D, bodies, material_of):
     """Result of `layer_sums`, (layers, bodies, columns)."""
     sums = np.zeros((rank.slab.layers, bodies, SUMS))
     population = rank.population
-    layer_sums(
-        rank.frame, IDENTITIES[D - 1], MATERIALS, population.particles,
-        population.order, population.start, material_of, sums,
-    )  # fmt: skip
+    setting = rank.setting._replace(material_of=material_of)
+    layer_sums(setting, population.particles, population.ordered, sums)
     return sums
 
 
 def rate_of(rank, D, material_of):
     """Result of `fastest_rate`."""
     population = rank.population
-    return fastest_rate(
-        rank.frame, IDENTITIES[D - 1], MATERIALS, population.particles,
-        population.order, material_of,
-    )  # fmt: skip
+    setting = rank.setting._replace(material_of=material_of)
+    return fastest_rate(setting, population.particles, population.order)

@@ -21,9 +21,8 @@ def vertices(sim):
     grid, population, scene_ = sim.rank.grid, sim.population, sim.scene
     grid.active.fill(0)
     particles_to_grid(
-        scene_.shape, scene_.frame, grid.window, population.particles, scene_.loads.at(0.0),
-        population.order, population.start, *sim.rank.halo.parts(population.start), grid.scratch,
-        grid.G, grid.active, grid.aside, grid.below,
+        scene_.setting, grid.field, population.particles, scene_.loads.at(0.0), population.ordered,
+        *sim.rank.halo.parts(population.start),
     )  # fmt: skip
     planes = grid.G.reshape(*grid.window.extent, 8).copy()
     planes[grid.active == 0] = 0.0

@@ -14,6 +14,7 @@ from scenes import SOFT, box, scene, write_case
 import pgimp
 from pgimp.errors import CaseError, UsageError
 from pgimp.jit import outside
+from pgimp.kernels.concepts import Setting
 from pgimp.kernels.particles import Frame, Particles
 from pgimp.kernels.sums import fastest_rate
 from pgimp.physics.materials import MATERIALS, NeoHookean, registry
@@ -66,6 +67,7 @@ def faster(c):
 ASK = """
 import sys
 import numpy as np
+from pgimp.kernels.concepts import Setting
 from pgimp.kernels.sums import fastest_rate
 from pgimp.physics.materials import MATERIALS
 from pgimp.physics.materials.outside import parameters_of
@@ -76,7 +78,7 @@ def ask():
     frame = Frame((0.0,), (1.0,), (1.0,), (4,), 1)
     p = Particles.empty(1, 1)
     rows, zero = np.zeros(1, np.int32), np.zeros(1, np.int64)
-    rate = fastest_rate(frame, (1.0,), (law,), p, rows, zero)
+    rate = fastest_rate(Setting((), frame, (1.0,), (law,), zero), p, rows)
     print(rate, sum(fastest_rate.stats.cache_hits.values()))
 """
 IMPORTED = (
@@ -216,7 +218,8 @@ def ask(entry, dimensions=1):
     frame = Frame((0.0,) * D, (1.0,) * D, (1.0,) * D, (4,) * D, 1)
     one = tuple(np.eye(D).ravel())
     rows, zero = np.zeros(1, np.int32), np.zeros(1, np.int64)
-    return fastest_rate(frame, one, (parameters,), Particles.empty(1, D), rows, zero)
+    setting = Setting((), frame, one, (parameters,), zero)
+    return fastest_rate(setting, Particles.empty(1, D), rows)
 
 
 def test_two_classes_of_one_name_are_two_materials(registered):

@@ -3,6 +3,7 @@
 import numpy as np
 
 from pgimp.decomposition.slabs import Slab
+from pgimp.kernels.concepts import Field
 from pgimp.kernels.particles import FloatArray, Frame, Window
 
 #: Cells by which the window reaches beyond the particles, so that it seldom has to grow.
@@ -41,8 +42,12 @@ class Grid:
     ----------
     below : int
         Planes shared with the rank below; 0 where there is none.
+    owned : int
+        Planes that are this rank's; those above belong to the next.
     window : Window
         What is stored.
+    field : Field
+        What kernels get of all this.
     G : (planes * plane,) float64
         Records of the vertices, see `pgimp.kernels.transfer`; only active planes are defined.
     active : (planes,) uint8
@@ -66,6 +71,7 @@ class Grid:
         self.slab = slab
         self.planes = slab.layers + vertices - 1 if slab.layers else 0
         self.below = vertices - 1 if slab.below is not None else 0
+        self.owned = slab.layers if slab.above is not None else self.planes
         self.active = np.zeros(self.planes, np.uint8)
         self.base = np.zeros((2, 2), np.int64)
         self.known = np.zeros((2, 2), np.int64)
@@ -112,6 +118,10 @@ class Grid:
         self.aside = aligned(half + above * (above + 1) // 2 * plane)
         self.partial = self.aside[:half]
         self.bounds = self._bounds()
+        self.field = Field(
+            self.window, self.G, self.active, self.scratch, self.aside, self.below, self.owned,
+            self.bounds,
+        )  # fmt: skip
         self._marks = np.zeros(0, np.int64)
 
     @property

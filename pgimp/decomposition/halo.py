@@ -171,10 +171,7 @@ class Halo:
             return
         for request in self._started:
             request.Wait()
-        complete(
-            grid.G, grid.window.stride[0], self.shared, self.slab.layers, grid.aside, grid.below,
-            self._kept, self._received,
-        )  # fmt: skip
+        complete(grid.field, self.shared, self.slab.layers, self._kept, self._received)
         if len(self._started) > len(self._requests):
             for planes, others in self._others:
                 planes |= others

@@ -4,6 +4,7 @@ from math import prod
 
 import numpy as np
 
+from pgimp.kernels.concepts import Order
 from pgimp.kernels.movers import sort_rows
 from pgimp.kernels.order import locate, merge, reach_of
 from pgimp.kernels.particles import Columns, Frame, IntArray, Particles
@@ -79,6 +80,11 @@ class Population:
         if self._columns is None or self._columns[0] is not self.particles:
             self._columns = (self.particles, self.particles.columns())
         return self._columns[1]
+
+    @property
+    def ordered(self) -> Order:
+        """Rows and beginnings of the layers, as kernels take them."""
+        return Order(self.order, self.start)
 
     def sort(self) -> None:
         """Sort the rows themselves by (layer, cell, id), closing the holes."""

@@ -13,7 +13,7 @@ DISPLACEMENT, VELOCITY, STRESS, VOLUME, STRESS_VOLUME, ERRORS = 0, 1, 2, 3, 4, 5
 
 
 @kernel
-def layer_errors(solution, t, follows, frame, like, particles, order, start, sums, most):
+def layer_errors(solution, t, follows, setting, particles, order, sums, most):
     """Add up errors in displacement, velocity and stress, layer by layer in canonical order.
 
     Parameters
@@ -22,18 +22,19 @@ def layer_errors(solution, t, follows, frame, like, particles, order, start, sum
         The exact solution, see `pgimp.physics.exact`.
     follows : bool
         Whether the particles' size follows the deformation, so that (47) takes the current one.
-    like : tuple of D*D float
-        Tells the compiler the number of components of the stress.
+    setting, particles, order
+        See `Setting`, `Particles`, `Order`.
     sums : (layers, 5) float64
         Zero on entry: initial volume times the squared errors, initial volume, and the error in
         stress times volume (47).
     most : (layers, 5) float64
         Zero on entry: greatest errors, in the first three columns.
     """
+    frame, like, start = setting.frame, setting.identity, order.start
     for layer in range(len(start) - 1):
         row, top = sums[layer], most[layer]
         for k in range(start[layer], start[layer + 1]):
-            p = order[k]
+            p = order.rows[k]
             X = read(particles.origin, p, 0, frame.origin)
             x = read(particles.x, p, 0, frame.origin)
             u, v, sigma = state(solution, X, x, t)

@@ -111,49 +111,24 @@ def _outside(frame, exits, x):
 
 
 @kernel
-def grid_to_particles(
-    shape, materials, frame, window, particles, loads, grips, order, start, layers, material_of, G,
-    dt, tracked, controlled, bounds, exits, walls, reach, movers, faults, impulse, wall_impulse,
-    work,
-):  # fmt: skip
+def grid_to_particles(setting, field, particles, order, layers, forcing, report, ledger):
     """Advance particles of a rank by one step, and notice what happened to them.
 
-    A particle at fault is left as it was computed, in its layer; the others go on.
+    A particle at fault is left as it was computed, in its layer; the others go on. One that has
+    left through faces that let it go gets the layer `GONE`.
 
     Parameters
     ----------
-    shape, materials, frame, window, particles, loads, order, start, G
-        As in `particles_to_grid`; `G` holds velocities and accelerations.
-    grips : tuple of Grip
-        See `pgimp.kernels.grips`.
+    setting, field, particles, order, forcing
+        See `Setting`, `Field`, `Particles`, `Order`, `Forcing`; the field holds velocities and
+        accelerations.
     layers : (k,) int64
         The layers to advance, ascending, counted from the rank's first one.
-    material_of : (bodies,) int64
-        Material of each body.
-    tracked : bool
-        Whether V follows det(F) V0.
-    controlled : bool
-        Whether the next step depends on the particles' speeds.
-    bounds : tuple of D pairs
-        Coordinates within which a particle is sure to stay in the domain and in the window.
-    exits : int
-        Bit 2 d + s is set for a face, of direction d at the low (s = 0) or high end (1), through
-        which particles may leave; one that has left through such faces alone gets the layer `GONE`.
-    walls : (6, 3) float64
-        The faces that hold particles in, see `pgimp.kernels.walls`.
-    reach : (2, 2) int64
-        Grown to the first vertices (least, greatest; y, z) of particles, at least of those beyond
-        `bounds`.
-    movers : (n,) int32
-        Filled with the places, in `order`, of the particles that changed their layer or left.
-    faults : (room, 2) int64
-        Filled with row and fault of the particles at fault, of the first ones if there are more.
-    impulse : (planes, grips, 3) float64
-        Grows by the momentum that the grips give to particles, layer by layer.
-    wall_impulse : (planes, faces, 3) float64
-        Likewise by what walls give to those that they hold in.
-    work : (planes,) float64
-        Grows by the work of loads, grips and walls on particles, layer by layer.
+    report : Report
+        Filled with what happened.
+    ledger : Ledger
+        Grows, layer by layer, by the work of loads, constraints and walls on particles, and by the
+        momentum that constraints (`grip_impulse`) and walls (`impulse`) give to them.
 
     Returns
     -------
@@ -166,6 +141,12 @@ def grid_to_particles(
     held : int
         Number of particles that walls held in.
     """
+    shape, frame, window, G = setting.shape, setting.frame, field.window, field.G
+    materials, material_of, exits = setting.materials, setting.material_of, setting.exits
+    loads, grips, dt, controlled = forcing.loads, forcing.grips, forcing.dt, forcing.controlled
+    reach, movers, faults, bounds = report.reach, report.movers, report.faults, field.bounds
+    impulse, wall_impulse, work = ledger.grip_impulse, ledger.impulse, ledger.work
+    tracked, walls, start = setting.tracked, forcing.walls, order.start
     failed = 0
     leavers = 0
     found = 0
@@ -181,12 +162,10 @@ def grid_to_particles(
     for layer in layers:
         number = layer + window.lower[0]
         begin = layer * window.stride[0]
-        power = layer_power(
-            loads, shape, frame, window, particles, order, start[layer], start[layer + 1], number,
-            begin, G,
-        )  # fmt: skip
+        span = (start[layer], start[layer + 1])
+        power = layer_power(loads, setting, field, particles, order.rows, span, number)
         for k in range(start[layer], start[layer + 1], LANES):
-            rows = four(order, k, start[layer + 1])
+            rows = four(order.rows, k, start[layer + 1])
             count = min(LANES, start[layer + 1] - k)
             supports(shape, frame, window, particles, rows, number, room, ())
             for j in range(count):

@@ -51,27 +51,28 @@ def _mark_along(shape, mask, bit, place, room, j, d, stride, like):
 
 
 @kernel
-def mark(shape, frame, window, particles, order, start, mask):
+def mark(setting, window, particles, order, mask):
     """Mark the vertices that the constraints' particles hold.
 
     Parameters
     ----------
-    shape, frame, window, particles, order, start
-        As in `particles_to_grid`.
+    setting, window, particles, order
+        See `Setting`, `Window`, `Particles`, `Order`.
     mask : (planes * plane / 8,) int64
         Set here: bit k of a vertex says that constraint k holds it.
     """
+    shape, frame, rows_of_all, start = setting.shape, setting.frame, order.rows, order.start
     mask[:] = 0
     room = stack(ROOM)
     for layer in range(len(start) - 1):
         number = layer + window.lower[0]
         for k in range(start[layer], start[layer + 1], LANES):
-            rows = four(order, k, start[layer + 1])
+            rows = four(rows_of_all, k, start[layer + 1])
             if not any_held(particles, rows):
                 continue
             supports(shape, frame, window, particles, rows, number, room, ())
             for j in range(min(LANES, start[layer + 1] - k)):
-                grip = particles.grip[order[k + j], 0]
+                grip = particles.grip[rows_of_all[k + j], 0]
                 if grip > 0:
                     place = first_place(room, j) + layer * window.stride[0]
                     bit = 1 << (grip - 1)
@@ -106,22 +107,21 @@ def _ruled(marked, r, v):
 
 
 @kernel
-def hold_marked(window, G, active, marked, relaxation, dt, gravity, owned, impulse, work):
+def hold_marked(field, forcing, ledger):
     """Set velocity and acceleration of the marked vertices, after the momentum update.
 
     Parameters
     ----------
-    window, G, active, relaxation, dt, gravity, owned
+    field, forcing
         As in `update_momentum`, which has counted gravity's work with the velocity before.
-    marked : (grips, mask)
-        See `ruled`.
-    impulse : (planes, grips, 3) float64
-        Grows by the momentum that each constraint gives to the vertices.
-    work : (planes,) float64
-        Grows by that momentum times the velocity that the last constraint leaves.
+    ledger : Ledger
+        `grip_impulse` grows by the momentum that each constraint gives to the vertices, `work` by
+        that momentum times the velocity that the last constraint leaves.
     """
+    G, active, owned, plane = field.G, field.active, field.owned, field.window.stride[0]
+    marked, relaxation = forcing.marked, forcing.loads.relaxation
+    dt, gravity, work, impulse = forcing.dt, forcing.gravity, ledger.work, ledger.grip_impulse
     grips, mask = marked
-    plane = window.stride[0]
     for i in range(len(active)):
         if active[i] == 0:
             continue

@@ -9,15 +9,17 @@ from pgimp.kernels.loads import scatter_loads, weight
 from pgimp.kernels.transfer import scatter
 
 
-def sum_layer(shape, frame, window, particles, loads, order, begin, end, number, scratch):
+def sum_layer(setting, field, particles, loads, rows, span, number):
     """Sum the particles of one layer, in canonical order, into its own planes.
 
     Parameters
     ----------
-    shape, frame, window, particles, loads, order, scratch
+    setting, field, particles, loads
         As in `particles_to_grid`.
-    begin, end : int
-        Where the layer's particles begin and end in `order`; there is at least one.
+    rows : (n,) int32
+        Rows of the rank's particles in canonical order.
+    span : (int, int)
+        Where the layer's particles begin and end in `rows`; there is at least one.
     number : int
         The layer's number.
 
@@ -29,18 +31,20 @@ def sum_layer(shape, frame, window, particles, loads, order, begin, end, number,
 
 
 @specialise(sum_layer)  # inlined: a call costs as much as a particle
-def _sum_layer(shape, frame, window, particles, loads, order, begin, end, number, scratch):
-    def sum_layer(shape, frame, window, particles, loads, order, begin, end, number, scratch):
+def _sum_layer(setting, field, particles, loads, rows, span, number):
+    def sum_layer(setting, field, particles, loads, rows, span, number):
+        shape, frame, window, scratch = setting.shape, setting.frame, field.window, field.scratch
+        begin, end = span
         plane = window.stride[0]
         vertices = len(scratch) // plane
         low = plane
         high = 0
         room = stack(ROOM)
         for k in range(begin, end, LANES):
-            rows = four(order, k, end)
-            supports(shape, frame, window, particles, rows, number, room, loads.affine)
+            batch = four(rows, k, end)
+            supports(shape, frame, window, particles, batch, number, room, loads.affine)
             for j in range(min(LANES, end - k)):
-                p = order[k + j]
+                p = rows[k + j]
                 place = first_place(room, j)
                 A, S = charges(frame, loads.viscosity, particles, p)
                 B = weight(loads.force, frame, particles, p)
@@ -48,9 +52,7 @@ def _sum_layer(shape, frame, window, particles, loads, order, begin, end, number
                 scatter(shape, scratch, room, j, place, window.stride, A, B, S, C)
                 low = min(low, place)
                 high = max(high, place)
-        scatter_loads(
-            loads, shape, frame, window, particles, order, begin, end, number, scratch
-        )
+        scatter_loads(loads, setting, field, particles, rows, span, number)
         # Behind the last particle's first vertex lies the rest of its support within the plane.
         high += 8
         for d in range(1, len(frame.origin)):

@@ -127,40 +127,29 @@ def _given(rate, m, dt, v, a, V, A):
     return gained
 
 
-def scatter_loads(loads, shape, frame, window, particles, order, begin, end, layer, scratch):
+def scatter_loads(loads, setting, field, particles, rows, span, layer):
     """Add to a layer's own planes what its particles carry besides stress and body force."""
 
 
 @specialise(scatter_loads)
-def _scatter_loads(loads, shape, frame, window, particles, order, begin, end, layer, scratch):
+def _scatter_loads(loads, setting, field, particles, rows, span, layer):
     if len(loads.types[1]) == 0:
-        return lambda loads, shape, frame, window, particles, order, begin, end, layer, scratch: (
-            None
-        )
-    return lambda loads, shape, frame, window, particles, order, begin, end, layer, scratch: (
-        scatter_tractions(
-            loads.tractions, shape, frame, window, particles, order, begin, end, layer, scratch
-        )
+        return lambda loads, setting, field, particles, rows, span, layer: None
+    return lambda loads, setting, field, particles, rows, span, layer: scatter_tractions(
+        loads.tractions, setting, field, particles, rows, span, layer
     )
 
 
-def layer_power(loads, shape, frame, window, particles, order, begin, end, layer, start, G):
-    """Power of the loads on a layer's particles, but for that of the body force.
-
-    `start` is the place of the layer's first plane in `G`.
-    """
+def layer_power(loads, setting, field, particles, rows, span, layer):
+    """Power of the loads on a layer's particles, but for that of the body force."""
 
 
 @specialise(layer_power)
-def _layer_power(loads, shape, frame, window, particles, order, begin, end, layer, start, G):
+def _layer_power(loads, setting, field, particles, rows, span, layer):
     if len(loads.types[1]) == 0:
-        return lambda loads, shape, frame, window, particles, order, begin, end, layer, start, G: (
-            0.0
-        )
-    return lambda loads, shape, frame, window, particles, order, begin, end, layer, start, G: (
-        traction_power(
-            loads.tractions, shape, frame, window, particles, order, begin, end, layer, start, G
-        )
+        return lambda loads, setting, field, particles, rows, span, layer: 0.0
+    return lambda loads, setting, field, particles, rows, span, layer: traction_power(
+        loads.tractions, setting, field, particles, rows, span, layer
     )
 
 

@@ -38,7 +38,7 @@ class Mirror(NamedTuple):
 
 
 @kernel
-def fold(frame, window, G, active, mirror, relaxation, dt, gravity, owned, impulse):
+def fold(frame, field, mirror, forcing, ledger):
     """Add the sums beyond a face to those of the mirror images.
 
     A vertex beyond it is left with the face's number, less than zero, in place of its mass, which
@@ -46,11 +46,14 @@ def fold(frame, window, G, active, mirror, relaxation, dt, gravity, owned, impul
 
     Parameters
     ----------
-    frame, window, G, active, relaxation, dt, gravity, owned, impulse
+    frame, field, forcing, ledger
         As in `update_momentum`.
     mirror : Mirror
         The face.
     """
+    window, G, active, owned = field.window, field.G, field.active, field.owned
+    dt, gravity, impulse = forcing.dt, forcing.gravity, ledger.impulse
+    relaxation = forcing.loads.relaxation
     axis = mirror.axis
     i0, i1 = _beyond(frame, window, mirror, 0)
     j0, j1 = _beyond(frame, window, mirror, 1)
@@ -89,19 +92,22 @@ def fold(frame, window, G, active, mirror, relaxation, dt, gravity, owned, impul
 
 
 @kernel
-def reflect(frame, window, G, active, mirror, relaxation, dt, gravity, owned, impulse, work):
+def reflect(frame, field, mirror, forcing, ledger):
     """Set velocity and acceleration beyond a face from the mirror images.
 
     Of several faces the last one that has folded reflects first.
 
     Parameters
     ----------
-    frame, window, G, active, relaxation, dt, gravity, owned, impulse, work
+    frame, field, forcing, ledger
         As in `update_momentum`, which has counted the work of gravity on what was folded as if it
         moved with the images; its normal part moves against them.
     mirror : Mirror
         The face.
     """
+    window, G, active, owned = field.window, field.G, field.active, field.owned
+    dt, gravity, impulse, work = forcing.dt, forcing.gravity, ledger.impulse, ledger.work
+    relaxation = forcing.loads.relaxation
     axis = mirror.axis
     i0, i1 = _beyond(frame, window, mirror, 0)
     j0, j1 = _beyond(frame, window, mirror, 1)

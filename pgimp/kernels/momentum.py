@@ -8,38 +8,23 @@ from pgimp.physics.boundaries.base import constrain
 
 
 @kernel
-def update_momentum(
-    frame, window, G, active, dt, gravity, lightest, faces, marked, relaxation, owned, impulse,
-    beyond, work,
-):  # fmt: skip
+def update_momentum(frame, field, forcing, ledger):
     """Turn the sums of a rank's active planes into velocities and accelerations.
 
     Parameters
     ----------
-    gravity : tuple of 3 float
-        Body force per mass b, taken at the step's beginning.
-    lightest : float
-        A vertex that is not heavier gets a = 0, and keeps v = p/m: a particle that passes it sees
-        its gradient in full, however small its weight.
-    faces : tuple
-        Parameters of the boundary conditions, see `pgimp.physics.boundaries`.
-    marked : tuple
-        The constraints and the vertices that they hold, see `ruled`; they are applied after this.
-    relaxation : float or ()
-        See `Loads`.
-    owned : int
-        Number of planes, from the first, whose sums this rank accounts for.
-    impulse : (planes, faces, 3) float64
-        Grows by the momentum that each face gives to the material.
-    beyond : (planes, faces) float64
-        Set to the mass on the vertices beyond each face: what particles carry past it.
-    work : (planes,) float64
-        Grows by the work of gravity and of moving faces: force times displacement, so that a
-        constant gravity's work is the weight times the way of the centre of mass. Kinetic energy
-        differs from that by an amount of order dt, also in free fall.
+    frame, field, forcing
+        See `Frame`, `Field`, `Forcing`; constraints are applied after this.
+    ledger : Ledger
+        `impulse` grows by the momentum that each face gives to the material, and `work` by that of
+        gravity and of moving faces: force times displacement, so that a constant gravity's work is
+        the weight times the way of the centre of mass. Kinetic energy differs from that by an
+        amount of order dt, also in free fall. `beyond` is set to the mass on the vertices beyond
+        each face: what particles carry past it.
     """
-    plane = window.stride[0]
-    beyond[:] = 0.0
+    G, active, owned, plane = field.G, field.active, field.owned, field.window.stride[0]
+    dt, gravity, lightest, work = forcing.dt, forcing.gravity, forcing.lightest, ledger.work
+    ledger.beyond[:] = 0.0
     heavy = gravity[0] != 0.0 or gravity[1] != 0.0 or gravity[2] != 0.0
     for i in range(len(active)):
         if active[i] == 0:
@@ -57,9 +42,7 @@ def update_momentum(
                 for d in range(3):
                     G[r + 5 + d] = 0.0
                     G[r + 1 + d] *= inverse
-        constrain_plane(
-            (), faces, marked, relaxation, frame, window, G, i, dt, i < owned, impulse, beyond, work
-        )
+        constrain_plane((), forcing.faces, frame, field, forcing, i, ledger)
         if heavy and i < owned:
             power = 0.0
             for r in range(i * plane, (i + 1) * plane, 8):
@@ -68,31 +51,18 @@ def update_momentum(
             work[i] += dt * power
 
 
-def constrain_plane(
-    done, faces, marked, relaxation, frame, window, G, i, dt, owned, impulse, beyond, work
-):  # fmt: skip
+def constrain_plane(done, faces, frame, field, forcing, i, ledger):
     """Apply the conditions of `faces` to the vertices of plane `i` that are on none of `done`."""
 
 
 @specialise(constrain_plane)
-def _constrain_plane(
-    done, faces, marked, relaxation, frame, window, G, i, dt, owned, impulse, beyond, work
-):  # fmt: skip
-    def constrain_none(
-        done, faces, marked, relaxation, frame, window, G, i, dt, owned, impulse, beyond, work
-    ):  # fmt: skip
+def _constrain_plane(done, faces, frame, field, forcing, i, ledger):
+    def constrain_none(done, faces, frame, field, forcing, i, ledger):
         pass
 
-    def constrain_all(
-        done, faces, marked, relaxation, frame, window, G, i, dt, owned, impulse, beyond, work
-    ):  # fmt: skip
-        _constrain_face(
-            done, faces, marked, relaxation, frame, window, G, i, dt, owned, impulse, beyond, work
-        )
-        constrain_plane(
-            (*done, faces[0]), faces[1:], marked, relaxation, frame, window, G, i, dt, owned,
-            impulse, beyond, work,
-        )  # fmt: skip
+    def constrain_all(done, faces, frame, field, forcing, i, ledger):
+        _constrain_face(done, faces, frame, field, forcing, i, ledger)
+        constrain_plane((*done, faces[0]), faces[1:], frame, field, forcing, i, ledger)
 
     return constrain_all if len(faces) else constrain_none
 
@@ -143,14 +113,14 @@ def _hold(faces, n, relaxation, frame, number, v, a, mass, dt, impulse):
 
 
 @kernel
-def _constrain_face(
-    done, faces, marked, relaxation, frame, window, G, i, dt, owned, impulse, beyond, work
-):  # fmt: skip
+def _constrain_face(done, faces, frame, field, forcing, i, ledger):
     """Treat the vertices of plane `i` on or beyond the first of `faces` but none of `done`.
 
     Where faces meet, a vertex is treated by all of them at once, because the work of each is its
     force times the velocity that the last of them leaves, or a constraint after them.
     """
+    window, G, owned, dt = field.window, field.G, i < field.owned, forcing.dt
+    relaxation, work = forcing.loads.relaxation, ledger.work
     face = faces[0]
     wall = frame.ghost if face.side < 0 else frame.ghost + frame.cells[face.axis]
     j0, j1 = 0, window.extent[1]
@@ -175,14 +145,14 @@ def _constrain_face(
             if not m > 0.0 or beyond_any(done, frame, number):
                 continue
             if number[face.axis] != wall:
-                beyond[i, len(done)] += m
+                ledger.beyond[i, len(done)] += m
             mass = m if owned else 0.0
             u = (G[r + 1], G[r + 2], G[r + 3])
             b = (G[r + 5], G[r + 6], G[r + 7])
             v, a = hold(
-                faces, len(done), relaxation, frame, number, u, b, mass, dt, impulse[i]
+                faces, len(done), relaxation, frame, number, u, b, mass, dt, ledger.impulse[i]
             )  # fmt: skip
-            last = ruled(marked, r, v)
+            last = ruled(forcing.marked, r, v)
             held = 0.0
             for d in range(3):
                 work[i] += given(relaxation, mass, dt, u[d], b[d], v[d], a[d]) * last[d]

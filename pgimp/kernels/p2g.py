@@ -14,40 +14,20 @@ from pgimp.kernels.layer import sum_layer
 
 
 @kernel
-def particles_to_grid(
-    shape, frame, window, particles, loads, order, start, runs, scratch, G, active, aside, below
-):
+def particles_to_grid(setting, field, particles, loads, order, runs):
     """Sum the particles of some layers of a rank into its planes.
 
     Parameters
     ----------
-    shape, frame, window, particles
-        See `pgimp.physics.shapes`, `Frame`, `Window` (its first plane is that of the rank's first
-        layer), `Particles`.
-    loads : Loads
-        See `pgimp.kernels.loads`.
-    order : (n,) int32
-        Rows of the particles in canonical order.
-    start : (layers + 1,) int64
-        Where each of the rank's layers begins in `order`.
+    setting, field, particles, loads, order
+        See `Setting`, `Field`, `Particles`, `Loads`, `Order`.
     runs : (k, 3) int64
         Runs of layers to sum, one after the other: the first layer, that behind the last one, and
         whether their sums for planes that are not shared with the rank above are put aside; only
         the rank's last layers, as many as it shares planes, may say so.
-    scratch : (vertices * plane,) float64
-        A layer's own planes; zero on entry and on return.
-    G : (planes * plane,) float64
-        The window's planes. Only active ones are defined on return.
-    active : (planes,) uint8
-        1 for the planes that layers of this rank add to; zero before the first layer of a step.
-    aside : float64
-        What has to be added later, see `complete`: the sums of the first `shared` layers for the
-        planes that the rank below shares, layer by layer, each from its own plane up, in
-        (shared * (shared + 1) / 2 * plane,); then likewise those of the last `shared` layers for
-        planes that the rank above does not share. Each part is missing where there is no such rank.
-    below : int
-        Number of planes shared with the rank below; 0 where there is none.
     """
+    start, window, scratch, below = order.start, field.window, field.scratch, field.below
+    G, active, aside = field.G, field.active, field.aside
     plane = window.stride[0]
     vertices = len(scratch) // plane
     shared = vertices - 1
@@ -58,8 +38,8 @@ def particles_to_grid(
             low, high = 0, 0
             if start[layer] < start[layer + 1]:
                 low, high = sum_layer(
-                    shape, frame, window, particles, loads, order, start[layer], start[layer + 1],
-                    layer + window.lower[0], scratch,
+                    setting, field, particles, loads, order.rows,
+                    (start[layer], start[layer + 1]), layer + window.lower[0],
                 )  # fmt: skip
             for i in range(vertices):
                 target = layer + i
@@ -104,22 +84,23 @@ def _set_aside(scratch, source, aside, target, low, high, plane):
 
 
 @kernel
-def complete(G, plane, shared, layers, aside, below, kept, received):
+def complete(field, shared, layers, kept, received):
     """Add what was put aside, and what the rank above has, to the planes where it belongs.
 
     Both sides of a slab boundary do this after the exchange, and then hold the same bits.
 
     Parameters
     ----------
-    G, aside, below
-        As in `particles_to_grid`; the planes shared with the rank below hold that one's sums.
-    plane, shared, layers : int
-        Size of a plane, number of planes shared at a slab boundary, number of the rank's layers.
+    field : Field
+        The planes shared with the rank below hold that one's sums.
+    shared, layers : int
+        Number of planes shared at a slab boundary, number of the rank's layers.
     kept : bool
         Whether the last layers have put something aside in this step.
     received : float64
         What the rank above has put aside for the planes shared with it; empty where there is none.
     """
+    G, aside, below, plane = field.G, field.aside, field.below, field.window.stride[0]
     if below > 0:
         _add(G, 0, aside, 0, shared, plane)
     if kept:

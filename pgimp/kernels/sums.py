@@ -13,20 +13,20 @@ MASS, MOMENTUM, ANGULAR, MOMENT, KINETIC, STRAIN, SUMS = 0, 1, 4, 7, 10, 11, 12
 
 
 @kernel
-def layer_sums(frame, like, materials, particles, order, start, material_of, sums):
+def layer_sums(setting, particles, order, sums):
     """Add up mass, momentum, angular momentum, first moment, kinetic and strain energy.
 
     Parameters
     ----------
-    like : tuple of D*D float
-        Tells the compiler the length of F.
+    setting, particles, order
+        See `Setting`, `Particles`, `Order`.
     sums : (layers, bodies, 12) float64
         Zero on entry; columns as named in this module.
     """
-    D = len(frame.origin)
+    like, start, D = setting.identity, order.start, len(setting.frame.origin)
     for layer in range(len(start) - 1):
         for k in range(start[layer], start[layer + 1]):
-            p = order[k]
+            p = order.rows[k]
             body = particles.body[p]
             row = sums[layer, body]
             m = particles.m[p]
@@ -51,7 +51,7 @@ def layer_sums(frame, like, materials, particles, order, start, material_of, sum
             sigma = read(particles.sigma, p, 0, symmetric(like))
             J = determinant(F)
             row[11] += particles.V0[p] * evaluate(
-                "energy", materials, material_of[body], (F, J, sigma)
+                "energy", setting.materials, setting.material_of[body], (F, J, sigma)
             )
 
 
@@ -60,7 +60,7 @@ HIGH, LOW = 60, 62
 
 
 @kernel
-def exact_masses(particles, order, unit, masses):
+def exact_masses(particles, rows, unit, masses):
     """Add up the masses of a rank's particles without rounding, so that no order matters.
 
     Parameters
@@ -71,7 +71,7 @@ def exact_masses(particles, order, unit, masses):
         Zero on entry; then mass is ``(high + low / 2**62) / unit``. What a particle has below
         2^-62 / unit is left out: nothing, unless it is 2^69 times lighter than the greatest sum.
     """
-    for p in order:
+    for p in rows:
         scaled = particles.m[p] * unit
         high = int(scaled)
         row = masses[particles.body[p]]
@@ -81,14 +81,15 @@ def exact_masses(particles, order, unit, masses):
 
 
 @kernel
-def fastest_rate(frame, like, materials, particles, order, material_of):
-    """Largest (c_p + |v_p|)/L over the particles, 1/time; times dt the Courant number."""
+def fastest_rate(setting, particles, rows):
+    """Largest (c_p + |v_p|)/L over the particles in `rows`, 1/time; times dt the Courant number."""
+    frame, materials, material_of = setting.frame, setting.materials, setting.material_of
     inverse = 0.0
     for d in range(len(frame.inverse)):
         inverse = max(inverse, frame.inverse[d])
     rate = 0.0
-    for p in order:
-        F = read(particles.F, p, 0, like)
+    for p in rows:
+        F = read(particles.F, p, 0, setting.identity)
         c = evaluate("speed", materials, material_of[particles.body[p]], (F, determinant(F)))
         rate = max(rate, (c + sqrt(squared(read(particles.v, p, 0, frame.origin)))) * inverse)
     return rate

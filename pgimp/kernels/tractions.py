@@ -156,18 +156,26 @@ def _nothing_of(like):
 
 
 @kernel
-def scatter_tractions(
-    tractions, shape, frame, window, particles, order, begin, end, layer, scratch
-):
+def scatter_tractions(tractions, setting, field, particles, rows, span, layer):
     """Add the forces on the patches of a layer's particles, in canonical order, to its own planes.
 
     A loop of its own: in that over all particles it would take registers from what each needs.
+
+    Parameters
+    ----------
+    tractions : tuple of Traction
+        The tractions.
+    setting, field, particles
+        As in `particles_to_grid`.
+    rows, span, layer
+        As in `sum_layer`, with the layer's number.
     """
+    shape, frame, window, scratch = setting.shape, setting.frame, field.window, field.scratch
     room = stack(ROOM)
     zero = pack(0.0, 0.0, 0.0, 0.0)
     nothing = _nothing(frame.origin)
-    for k in range(begin, end):
-        p = order[k]
+    for k in range(span[0], span[1]):
+        p = rows[k]
         for t in range(len(tractions)):
             area = particles.patch[p, tractions[t].column]
             if area == 0.0:
@@ -180,15 +188,17 @@ def scatter_tractions(
 
 
 @kernel
-def traction_power(tractions, shape, frame, window, particles, order, begin, end, layer, start, G):
+def traction_power(tractions, setting, field, particles, rows, span, layer):
     """Power of the tractions on a layer: the patches' forces times the vertices' velocities.
 
-    `start` is the place of the layer's first plane in `G`.
+    The arguments are those of `scatter_tractions`.
     """
+    shape, frame, window, G = setting.shape, setting.frame, field.window, field.G
+    start = (layer - window.lower[0]) * window.stride[0]
     room = stack(ROOM)
     power = 0.0
-    for k in range(begin, end):
-        p = order[k]
+    for k in range(span[0], span[1]):
+        p = rows[k]
         for t in range(len(tractions)):
             area = particles.patch[p, tractions[t].column]
             if area == 0.0:

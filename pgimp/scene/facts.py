@@ -158,12 +158,9 @@ class _Speeds:
 
 def _wave_speed(scene: Scene, body: int) -> float:
     """Wave speed of a body at rest."""
-    D = scene.dimension
-    point = Particles.empty(1, D, False)
+    point = Particles.empty(1, scene.dimension, False)
     point.body[0] = body
-    identity = tuple(float(i == j) for i in range(D) for j in range(D))
-    rows = np.zeros(1, np.int32)
-    rate = fastest_rate(scene.frame, identity, scene.materials, point, rows, scene.material_of)
+    rate = fastest_rate(scene.setting, point, np.zeros(1, np.int32))
     return rate / max(scene.frame.inverse)
 
 

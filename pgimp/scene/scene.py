@@ -10,6 +10,7 @@ import numpy as np
 from pgimp.case.places import located
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
+from pgimp.kernels.concepts import Setting
 from pgimp.kernels.errors import initial_velocities
 from pgimp.kernels.mirror import Mirror
 from pgimp.kernels.order import cell_numbers
@@ -48,8 +49,8 @@ class Scene:
         Mass that the domain can hold at most.
     exact : NamedTuple or ()
         Parameters of the exact solution, if the case names one; `moves` if it gives the velocities.
-    identity : tuple of float
-        The deformation gradient of what is not deformed.
+    setting : Setting
+        What kernels know of it.
     """
 
     def __init__(self, case: Case) -> None:
@@ -107,6 +108,10 @@ class Scene:
         self._walls = None if varies else walls(self.faces, self.frame, 0.0)
         D = self.dimension
         self.identity = tuple(float(i == j) for i in range(D) for j in range(D))
+        self.setting = Setting(
+            self.shape, self.frame, self.identity, self.materials, self.material_of, self.tracked,
+            self.exits,
+        )  # fmt: skip
 
     def _weigh(self, materials: list[str]) -> float:
         """Mass of a domain full of the densest material; refuse masses that no float64 can sum."""

@@ -78,10 +78,7 @@ class Diagnostics:
         """
         scene, population = rank.scene, rank.population
         sums = np.zeros((rank.slab.layers, len(scene.body_names), SUMS))
-        layer_sums(
-            scene.frame, scene.identity, scene.materials, population.particles,
-            population.order, population.start, scene.material_of, sums,
-        )  # fmt: skip
+        layer_sums(scene.setting, population.particles, population.ordered, sums)
         masses = np.zeros((len(scene.body_names), 2), np.int64)
         unit = 2.0 ** (HIGH - 2 - frexp(scene.most_mass)[1])  # see `Simulation.settle`
         exact_masses(population.particles, population.order, unit, masses)
@@ -117,8 +114,8 @@ class Diagnostics:
             return ()
         sums, most = np.zeros((2, rank.slab.layers, ERRORS))
         layer_errors(
-            scene.exact, time, scene.follows, scene.frame, scene.identity, population.particles,
-            population.order, population.start, sums, most,
+            scene.exact, time, scene.follows, scene.setting, population.particles,
+            population.ordered, sums, most,
         )  # fmt: skip
         return sums, most
 

@@ -56,7 +56,7 @@ def active_grid(rank: Rank, time: float) -> ActiveGrid:
     comm, scene, grid, slab = rank.comm, rank.scene, rank.grid, rank.slab
     sum_particles(rank, scene.loads.at(time), marked=False)
     rank.halo.finish(grid)
-    own, D = rank.owned, scene.dimension
+    own, D = grid.owned, scene.dimension
     extent = grid.window.extent
     records = grid.G.reshape(*extent, RECORD)[:own]
     records[grid.active[:own] == 0] = 0.0
@@ -106,7 +106,7 @@ def _cells(rank: Rank) -> tuple[np.ndarray, np.ndarray]:
     below : (y, z) bool
         Those of the last plane of the rank below.
     """
-    grid, slab, own, window = rank.grid, rank.slab, rank.owned, rank.grid.window
+    grid, slab, own, window = rank.grid, rank.slab, rank.grid.owned, rank.grid.window
     p, order, frame = rank.particles, rank.population.order, rank.scene.frame
     marks = np.zeros((grid.planes, *window.extent[1:]), bool)
     for begin, end in blocks(len(order), _BLOCK):

@@ -12,6 +12,7 @@ from pgimp.decomposition.handover import hand_over
 from pgimp.decomposition.migrate import Migration
 from pgimp.decomposition.population import Population
 from pgimp.decomposition.slabs import Slab, slab_of
+from pgimp.kernels.concepts import Order
 from pgimp.kernels.g2p import GONE
 from pgimp.kernels.ledger import Ledger
 from pgimp.kernels.particles import Particles
@@ -50,8 +51,6 @@ class Rank:
         The particles in their order.
     grid, halo, migration : Grid, Halo, Migration
         The slab's planes, and the messages to the neighbours.
-    owned : int
-        Planes that are this rank's; those above belong to the next.
     ledger : Ledger
         What is booked by plane.
     lightest : float
@@ -99,7 +98,6 @@ class Rank:
         self.grid = Grid(scene.frame, scene.vertices, slab, LATE if comm.size > 1 else 0)
         self.halo = Halo(comm, slab, scene.vertices - 1)
         self.migration = Migration(comm, slab, self.particles)
-        self.owned = slab.layers if slab.above is not None else self.grid.planes
         leavers = (len(scene.body_names), SUMS) if scene.exits else (0, 0)
         constraints = len(scene.loads.constraints)
         self.ledger = Ledger.empty(self.grid.planes, len(scene.faces), constraints, leavers)
@@ -120,7 +118,7 @@ class Rank:
 
     def booked(self) -> Ledger:
         """Return the books of the planes that the rank owns."""
-        return self.ledger.first(self.owned)
+        return self.ledger.first(self.grid.owned)
 
     def move(self, old: list[int], new: list[int]) -> None:
         """Go over to another decomposition between two steps; collective.
@@ -154,11 +152,9 @@ class Rank:
         rows = population.order[left]
         gone = self.particles.layer[rows] == GONE
         leaving = rows[gone]
-        layer_sums(
-            scene.frame, scene.identity, scene.materials, self.particles, leaving,
-            np.searchsorted(left[gone], population.start), scene.material_of,
-            self.ledger.escaped[: self.slab.layers],
-        )  # fmt: skip
+        order = Order(leaving, np.searchsorted(left[gone], population.start))
+        escaped = self.ledger.escaped[: self.slab.layers]
+        layer_sums(scene.setting, self.particles, order, escaped)
         population.release(leaving)
 
     def list_faults(self, numbers: list[int]) -> None:

@@ -187,10 +187,7 @@ class Simulation:
         open_window(rank, self.agreement)
         if start is None:
             scene.loads.settle(rank.population, comm)
-        fastest = fastest_rate(
-            scene.frame, scene.identity, scene.materials, rank.particles, rank.population.order,
-            scene.material_of,
-        )  # fmt: skip
+        fastest = fastest_rate(scene.setting, rank.particles, rank.population.order)
         self.rate = max(comm.allgather(fastest))
 
     @property

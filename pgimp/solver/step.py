@@ -5,6 +5,7 @@ from time import perf_counter, thread_time
 
 import numpy as np
 
+from pgimp.kernels.concepts import Forcing, Report
 from pgimp.kernels.g2p import grid_to_particles
 from pgimp.kernels.grips import hold_marked, mark
 from pgimp.kernels.loads import Loads
@@ -44,9 +45,8 @@ def step(
         On every rank, as from `begin`. The particles are as they were.
     """
     scene, grid, population, migration = rank.scene, rank.grid, rank.population, rank.migration
-    shape, frame, particles, window = scene.shape, scene.frame, population.particles, grid.window
-    order, layers_start, movers = population.order, population.start, population.movers
-    loads, relaxation, ledger = scene.loads.at(start), scene.loads.relaxation, rank.ledger
+    field, order, movers = grid.field, population.ordered, population.movers
+    loads, ledger = scene.loads.at(start), rank.ledger
     lap = _stopwatch(rank.timings, rank.worked)
 
     sum_particles(rank, loads, bool(scene.loads.constraints))
@@ -56,38 +56,27 @@ def step(
     t = begin()
     lap("exchange")
 
-    grips, gravity = scene.loads.grips(t.start, t.end), scene.gravity(t.start)
+    grips = scene.loads.grips(t.start, t.end)
     marked = (grips, grid.marks) if grips else ()
-    faces, walls = scene.face_parameters(t.start, t.end), scene.walls(t.end)
-    for mirror in scene.mirrors:
-        fold(
-            frame, window, grid.G, grid.active, mirror, relaxation, t.dt, gravity,
-            rank.owned, ledger.impulse,
-        )  # fmt: skip
-    update_momentum(  # (14, 17) and the boundary conditions
-        frame, window, grid.G, grid.active, t.dt, gravity, rank.lightest, faces, marked,
-        relaxation, rank.owned, ledger.impulse, ledger.beyond, ledger.work,
+    forcing = Forcing(
+        t.dt, scene.gravity(t.start), rank.lightest, loads, scene.face_parameters(t.start, t.end),
+        grips, marked, scene.walls(t.end), controlled,
     )  # fmt: skip
+    for mirror in scene.mirrors:
+        fold(scene.frame, field, mirror, forcing, ledger)
+    update_momentum(scene.frame, field, forcing, ledger)  # (14, 17) and the boundary conditions
     if marked:
-        hold_marked(
-            window, grid.G, grid.active, marked, relaxation, t.dt, gravity,
-            rank.owned, ledger.grip_impulse, ledger.work,
-        )  # fmt: skip
+        hold_marked(field, forcing, ledger)
     for mirror in reversed(scene.mirrors):
-        reflect(
-            frame, window, grid.G, grid.active, mirror, relaxation, t.dt, gravity,
-            rank.owned, ledger.impulse, ledger.work,
-        )  # fmt: skip
+        reflect(scene.frame, field, mirror, forcing, ledger)
     lap("momentum")
 
     rate, failed, leavers, found = 0.0, [], 0, 0
-    for half, layers in enumerate(rank.halo.halves(layers_start)):  # first what neighbours wait for
+    for half, layers in enumerate(rank.halo.halves(order.start)):  # first what neighbours wait for
+        report = Report(rank.reach, movers[found:], rank.fault_room[half])
         wrong, left, moved, fastest, clamped, held = grid_to_particles(  # (26, 27, 29, 30)
-            shape, scene.materials, frame, window, particles, loads, grips, order, layers_start,
-            layers, scene.material_of, grid.G, t.dt, scene.tracked, controlled, grid.bounds,
-            scene.exits, walls, rank.reach, movers[found:], rank.fault_room[half],
-            ledger.grip_impulse, ledger.impulse, ledger.work,
-        )  # fmt: skip
+            scene.setting, field, population.particles, order, layers, forcing, report, ledger
+        )
         failed.append(wrong)
         rate, leavers = max(rate, fastest), leavers + left
         rank.clamped += clamped
@@ -97,7 +86,7 @@ def step(
             migration.proceed(population, movers[found : found + moved])
             found += moved
             lap("migrate")
-    rank.particle_steps += len(order)
+    rank.particle_steps += len(order.rows)
     if sum(failed):
         rank.list_faults(failed)
 
@@ -119,22 +108,17 @@ def step(
 
 def sum_particles(rank: Rank, loads: Loads, marked: bool) -> None:
     """Sum a rank's particles into its planes; `Halo.finish` adds what neighbours have."""
-    scene, grid, population = rank.scene, rank.grid, rank.population
-    start = population.start
+    scene, grid, particles = rank.scene, rank.grid, rank.particles
+    order = rank.population.ordered
     if rank.failed:  # what others do not know yet; such particles may be anywhere
-        start = np.zeros_like(start)
+        order = order._replace(start=np.zeros_like(order.start))
     if marked:
-        mark(
-            scene.shape, scene.frame, grid.window, population.particles, population.order, start,
-            grid.marks,
-        )  # fmt: skip
+        mark(scene.setting, grid.window, particles, order, grid.marks)
     grid.active.fill(0)
-    for part in rank.halo.parts(start):  # first what neighbours wait for
+    for part in rank.halo.parts(order.start):  # first what neighbours wait for
         particles_to_grid(  # (16, 17, 18, 21, 22)
-            scene.shape, scene.frame, grid.window, population.particles, loads,
-            population.order, start, part, grid.scratch, grid.G, grid.active, grid.aside,
-            grid.below,
-        )  # fmt: skip
+            scene.setting, grid.field, particles, loads, order, part
+        )
         rank.halo.proceed(grid, marked)
 
 

@@ -8,9 +8,11 @@ import numpy as np
 
 from pgimp.decomposition.grid import Grid
 from pgimp.decomposition.slabs import Slab
+from pgimp.kernels.concepts import Forcing, Order, Report
 from pgimp.kernels.errors import ERRORS, initial_velocities, layer_errors
 from pgimp.kernels.g2p import grid_to_particles
 from pgimp.kernels.grips import hold_marked, mark
+from pgimp.kernels.ledger import Ledger
 from pgimp.kernels.mirror import fold, reflect
 from pgimp.kernels.momentum import update_momentum
 from pgimp.kernels.movers import pack_rows, sort_out, sort_rows, unpack_rows
@@ -29,68 +31,52 @@ def warm_up(scene: Scene, comm: Any) -> None:
 
 def _calls(scene: Scene) -> Iterator[Call]:
     """The calls, with the seconds that each took to compile, in 3D on one machine."""
-    frame, shape, vertices = scene.frame, scene.shape, scene.vertices
-    identity = scene.identity
+    setting, frame, shape, vertices = scene.setting, scene.frame, scene.shape, scene.vertices
     p = Particles.empty(1, scene.dimension, **scene.loads.columns)
     loads, grips = scene.loads.at(0.0), scene.loads.grips(0.0, 0.0)
     rows = np.empty(0, np.int32)
     start = np.zeros(2, np.int64)
+    order = Order(rows, start)
     reach = np.array([[2**62] * 2, [-(2**62)] * 2])
     grid = Grid(frame, vertices, Slab(0, 1, None, None))
     grid.cover(np.full((2, 2), vertices))
     wire = np.empty(0, np.int64)
-    faces, relaxation = scene.face_parameters(0.0, 0.0), scene.loads.relaxation
-    gravity = scene.gravity(0.0)
+    bodies, faces = len(scene.material_of), scene.face_parameters(0.0, 0.0)
     marked = (grips, grid.marks) if grips else ()
-    unmarked = np.zeros(0, np.uint8)
-    material_of = scene.material_of
-    work, impulse = np.zeros((1, len(faces))), np.zeros((1, len(faces), 3))
-    yield 10.4, lambda: grid_to_particles(
-        shape, scene.materials, frame, grid.window, p, loads, grips, rows, start,
-        np.zeros(0, np.int64), material_of, grid.G, 1.0, True, False, grid.bounds, 0,
-        scene.walls(0.0), reach, rows.copy(), np.zeros((1, 2), np.int64),
-        np.zeros((1, len(grips), 3)), impulse, np.zeros(1),
-    )  # fmt: skip
-    yield 6.3, lambda: particles_to_grid(
-        shape, frame, grid.window, p, loads, rows, start,
-        np.zeros((0, 3), np.int64), grid.scratch, grid.G, grid.active, grid.aside, grid.below,
-    )  # fmt: skip
-    yield 2.8, lambda: update_momentum(
-        frame, grid.window, grid.G, grid.active, 1.0, gravity, 0.0, faces, marked,
-        relaxation, 1, impulse, work, np.zeros(1),
-    )  # fmt: skip
-    yield 1.4, lambda: locate(shape, frame, p, rows, frame.vertices)
-    yield 1.4, lambda: layer_sums(
-        frame, identity, scene.materials, p, rows, start, material_of,
-        np.zeros((1, len(material_of), SUMS)),
-    )  # fmt: skip
-    yield 1.0, lambda: fastest_rate(frame, identity, scene.materials, p, rows, material_of)
-    yield (
-        0.7,
-        lambda: complete(grid.G, grid.window.stride[0], 0, 1, grid.aside, 0, False, np.empty(0)),
+    forcing = Forcing(
+        1.0, scene.gravity(0.0), 0.0, loads, faces, grips, marked, scene.walls(0.0), False
     )
+    report = Report(reach, rows.copy(), np.zeros((1, 2), np.int64))
+    ledger = Ledger.empty(grid.planes, len(faces), len(grips), (0, 0))
+    yield 10.4, lambda: grid_to_particles(
+        setting, grid.field, p, order, np.zeros(0, np.int64), forcing, report, ledger
+    )
+    yield 6.3, lambda: particles_to_grid(
+        setting, grid.field, p, loads, order, np.zeros((0, 3), np.int64)
+    )
+    yield 2.8, lambda: update_momentum(frame, grid.field, forcing, ledger)
+    yield 1.4, lambda: locate(shape, frame, p, rows, frame.vertices)
+    yield 1.4, lambda: layer_sums(setting, p, order, np.zeros((1, bodies, SUMS)))
+    yield 1.0, lambda: fastest_rate(setting, p, rows)
+    yield 0.7, lambda: complete(grid.field, 0, 1, False, np.empty(0))
     yield 0.7, lambda: merge(p, rows, start, rows, 0, rows, rows.copy(), start.copy())
     yield 0.5, lambda: pack_rows(*p.columns(), rows, wire, 0, 0)
     yield 0.4, lambda: unpack_rows(*p.columns(), rows, wire, 0, 0)
     yield 0.4, lambda: reach_of(shape, frame, p, rows, reach)
-    yield 0.4, lambda: exact_masses(p, rows, 1.0, np.zeros((len(material_of), 2), np.int64))
+    yield 0.4, lambda: exact_masses(p, rows, 1.0, np.zeros((bodies, 2), np.int64))
     yield 0.3, lambda: sort_rows(p.layer, p.cell, p.id, rows, rows.copy())
     yield 0.3, lambda: sort_out(p.layer, rows, rows, 0, 1, rows.copy(), rows.copy())
-    yield 0.2, lambda: layers_of(shape, frame, identity, np.empty(0), np.empty(0, np.int64))
+    yield 0.2, lambda: layers_of(shape, frame, scene.identity, np.empty(0), np.empty(0, np.int64))
     for mirror in scene.mirrors:
-        given = (frame, grid.window, grid.G, unmarked, mirror, relaxation, 1.0, gravity, 1, impulse)
-        yield 1.0, partial(fold, *given)
-        yield 1.0, partial(reflect, *given, np.zeros(1))
+        yield 1.0, partial(fold, frame, grid.field, mirror, forcing, ledger)
+        yield 1.0, partial(reflect, frame, grid.field, mirror, forcing, ledger)
     if marked:
-        yield 1.0, lambda: mark(shape, frame, grid.window, p, rows, start, grid.marks)
-        yield 1.0, lambda: hold_marked(
-            grid.window, grid.G, unmarked, marked, relaxation, 1.0, gravity, 1,
-            np.zeros((1, len(grips), 3)), np.zeros(1),
-        )  # fmt: skip
+        yield 1.0, lambda: mark(setting, grid.window, p, order, grid.marks)
+        yield 1.0, lambda: hold_marked(grid.field, forcing, ledger)
     if scene.exact:
         yield 2.0, lambda: layer_errors(
-            scene.exact, 0.0, scene.follows, frame, identity, p, rows, start,
-            np.zeros((1, ERRORS)), np.zeros((1, ERRORS)),
+            scene.exact, 0.0, scene.follows, setting, p, order, np.zeros((1, ERRORS)),
+            np.zeros((1, ERRORS)),
         )  # fmt: skip
     if scene.moves:
         yield 1.0, lambda: initial_velocities(scene.exact, frame, p.x[:0], p.v[:0])

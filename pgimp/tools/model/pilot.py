@@ -145,8 +145,5 @@ def _run(sim: Simulation, case: Case) -> Pilot:
 def _rate(sim: Simulation) -> float:
     """Largest (c_p + |v_p|)/L; of fixed steps, which do not keep it, now and then."""
     if not sim.clock.controlled and sim.step % _LOOK == 0:
-        sim.rate = fastest_rate(
-            sim.scene.frame, sim.scene.identity, sim.scene.materials, sim.particles,
-            sim.population.order, sim.scene.material_of,
-        )  # fmt: skip
+        sim.rate = fastest_rate(sim.scene.setting, sim.particles, sim.population.order)
     return sim.rate

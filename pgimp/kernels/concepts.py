@@ -1,0 +1,150 @@
+"""What the kernels of a step get: the scene as they see it, a field, an order, what acts, reports.
+
+All are NamedTuples, which the compiler takes apart; they cost nothing within kernels.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pgimp.kernels.particles import FloatArray, Frame, IntArray, Window
+
+
+class Setting(NamedTuple):
+    """What kernels know of a scene; it does not change during a run.
+
+    Attributes
+    ----------
+    shape : NamedTuple
+        Parameters of the shape, see `pgimp.physics.shapes`.
+    frame : Frame
+        Where the grid lies.
+    identity : tuple of D*D float
+        The deformation gradient of what is not deformed; it tells the compiler the length of F.
+    materials : tuple of NamedTuple
+        Parameters of the materials.
+    material_of : (bodies,) int64
+        Material of each body.
+    tracked : bool
+        Whether V follows det(F) V0.
+    exits : int
+        Bit 2 d + s is set for a face, of direction d at the low (s = 0) or high end (1), through
+        which particles may leave.
+    """
+
+    shape: Any
+    frame: Frame
+    identity: tuple[float, ...]
+    materials: tuple
+    material_of: IntArray
+    tracked: bool = True
+    exits: int = 0
+
+
+class Order(NamedTuple):
+    """Particles in canonical order.
+
+    Attributes
+    ----------
+    rows : (n,) int32
+        Their rows.
+    start : (layers + 1,) int64
+        Where each of the rank's layers begins in `rows`.
+    """
+
+    rows: NDArray[np.int32]
+    start: IntArray
+
+
+class Field(NamedTuple):
+    """A velocity field on a rank's planes of the grid.
+
+    Attributes
+    ----------
+    window : Window
+        What is stored; its first plane is that of the rank's first layer.
+    G : (planes * plane,) float64
+        Records of the vertices, see `pgimp.kernels.transfer`. Only those of active planes are
+        defined.
+    active : (planes,) uint8
+        1 for the planes that layers of this rank add to; zero before the first layer of a step.
+    scratch : (vertices * plane,) float64
+        A layer's own planes; zero between two layers.
+    aside : float64
+        What has to be added later, see `complete`: the sums of the first `shared` layers for the
+        planes that the rank below shares, layer by layer, each from its own plane up, in
+        (shared * (shared + 1) / 2 * plane,); then likewise those of the last `shared` layers for
+        planes that the rank above does not share. Each part is missing where there is no such rank.
+    below : int
+        Number of planes shared with the rank below; 0 where there is none.
+    owned : int
+        Number of planes, from the first, whose sums this rank accounts for.
+    bounds : tuple of D pairs of float
+        Coordinates within which a particle is sure to stay in the domain and in the window.
+    """
+
+    window: Window
+    G: FloatArray
+    active: NDArray[np.uint8]
+    scratch: FloatArray
+    aside: FloatArray
+    below: int
+    owned: int
+    bounds: tuple[tuple[float, float], ...]
+
+
+class Forcing(NamedTuple):
+    """What acts on the material during one step.
+
+    Attributes
+    ----------
+    dt : float
+        Length of the step.
+    gravity : tuple of 3 float
+        Body force per mass b, taken at the step's beginning.
+    lightest : float
+        A vertex that is not heavier gets a = 0, and keeps v = p/m: a particle that passes it sees
+        its gradient in full, however small its weight.
+    loads : Loads
+        See `pgimp.kernels.loads`.
+    faces : tuple
+        Parameters of the boundary conditions, see `pgimp.physics.boundaries`.
+    grips : tuple of Grip
+        The constraints, see `pgimp.kernels.grips`.
+    marked : (grips, mask) or ()
+        The constraints and the vertices that they hold, see `ruled`.
+    walls : (6, 3) float64
+        The faces that hold particles in, see `pgimp.kernels.walls`.
+    controlled : bool
+        Whether the next step depends on the particles' speeds.
+    """
+
+    dt: float
+    gravity: tuple[float, float, float]
+    lightest: float
+    loads: Any
+    faces: tuple
+    grips: tuple
+    marked: tuple
+    walls: FloatArray
+    controlled: bool
+
+
+class Report(NamedTuple):
+    """What happened to a rank's particles in a step.
+
+    Attributes
+    ----------
+    reach : (2, 2) int64
+        Grown to the first vertices (least, greatest; y, z) of particles, at least of those beyond
+        the field's bounds.
+    movers : (n,) int32
+        Filled with the places in the order of particles that changed their layer or left.
+    faults : (room, 2) int64
+        Filled with row and fault of particles at fault, of the first ones if there are more.
+    """
+
+    reach: IntArray
+    movers: NDArray[np.int32]
+    faults: IntArray
