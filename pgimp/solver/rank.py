@@ -12,6 +12,7 @@ from pgimp.decomposition.handover import hand_over
 from pgimp.decomposition.migrate import Migration
 from pgimp.decomposition.population import Population
 from pgimp.decomposition.slabs import Slab, slab_of
+from pgimp.jit.bound import Bound
 from pgimp.kernels.concepts import Order
 from pgimp.kernels.g2p import GONE
 from pgimp.kernels.ledger import Ledger
@@ -53,6 +54,8 @@ class Rank:
         The slab's planes, and the messages to the neighbours.
     ledger : Ledger
         What is booked by plane.
+    call : Bound
+        Calls the kernels of a step.
     lightest : float
         Mass below which a vertex is not accelerated.
     reach : (2, 2) int64
@@ -82,6 +85,7 @@ class Rank:
     ) -> None:
         self.scene, self.comm = scene, comm
         self.lightest = 0.0
+        self.call = Bound()
         self.population = Population(particles, count, scene.shape, scene.frame, slab, start)
         self.timings = dict.fromkeys((*PHASES, "sort", "balance"), 0.0)
         self.worked = dict.fromkeys(PHASES, 0.0) if shares_cores(comm) else self.timings

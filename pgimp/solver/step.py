@@ -46,7 +46,7 @@ def step(
     """
     scene, grid, population, migration = rank.scene, rank.grid, rank.population, rank.migration
     field, order, movers = grid.field, population.ordered, population.movers
-    loads, ledger = scene.loads.at(start), rank.ledger
+    loads, ledger, call = scene.loads.at(start), rank.ledger, rank.call
     lap = _stopwatch(rank.timings, rank.worked)
 
     sum_particles(rank, loads, bool(scene.loads.constraints))
@@ -63,20 +63,21 @@ def step(
         grips, marked, scene.walls(t.end), controlled,
     )  # fmt: skip
     for mirror in scene.mirrors:
-        fold(scene.frame, field, mirror, forcing, ledger)
-    update_momentum(scene.frame, field, forcing, ledger)  # (14, 17) and the boundary conditions
+        call(fold, scene.frame, field, mirror, forcing, ledger)
+    call(update_momentum, scene.frame, field, forcing, ledger)  # (14, 17), boundary conditions
     if marked:
-        hold_marked(field, forcing, ledger)
+        call(hold_marked, field, forcing, ledger)
     for mirror in reversed(scene.mirrors):
-        reflect(scene.frame, field, mirror, forcing, ledger)
+        call(reflect, scene.frame, field, mirror, forcing, ledger)
     lap("momentum")
 
     rate, failed, leavers, found = 0.0, [], 0, 0
     for half, layers in enumerate(rank.halo.halves(order.start)):  # first what neighbours wait for
         report = Report(rank.reach, movers[found:], rank.fault_room[half])
-        wrong, left, moved, fastest, clamped, held = grid_to_particles(  # (26, 27, 29, 30)
-            scene.setting, field, population.particles, order, layers, forcing, report, ledger
-        )
+        wrong, left, moved, fastest, clamped, held = call(  # (26, 27, 29, 30)
+            grid_to_particles, scene.setting, field, population.particles, order, layers, forcing,
+            report, ledger,
+        )  # fmt: skip
         failed.append(wrong)
         rate, leavers = max(rate, fastest), leavers + left
         rank.clamped += clamped
@@ -113,11 +114,11 @@ def sum_particles(rank: Rank, loads: Loads, marked: bool) -> None:
     if rank.failed:  # what others do not know yet; such particles may be anywhere
         order = order._replace(start=np.zeros_like(order.start))
     if marked:
-        mark(scene.setting, grid.window, particles, order, grid.marks)
+        rank.call(mark, scene.setting, grid.window, particles, order, grid.marks)
     grid.active.fill(0)
     for part in rank.halo.parts(order.start):  # first what neighbours wait for
-        particles_to_grid(  # (16, 17, 18, 21, 22)
-            scene.setting, grid.field, particles, loads, order, part
+        rank.call(  # (16, 17, 18, 21, 22)
+            particles_to_grid, scene.setting, grid.field, particles, loads, order, part
         )
         rank.halo.proceed(grid, marked)
 

@@ -68,9 +68,9 @@ def vertex_momenta(found):
     """Append what vertices have before their momentum update to a list, in each step."""
     usual = stepping.update_momentum
 
-    def update(frame, window, G, *others):
-        found.append(G.reshape(-1, RECORD)[:, :4].copy())
-        usual(frame, window, G, *others)
+    def update(frame, field, *others):
+        found.append(field.G.reshape(-1, RECORD)[:, :4].copy())
+        usual(frame, field, *others)
 
     stepping.update_momentum = update
     try:

@@ -41,9 +41,11 @@ def prepare():
     from pgimp.commands import run
     from pgimp.decomposition import halo, handover, migrate
     from pgimp.decomposition.balance import Balance
+    from pgimp.jit.bound import Bound
     from pgimp.running import running
     from pgimp.solver.agreement import STOP
 
+    Bound.__call__ = _checked
     run.abort_on_error = lambda comm: contextlib.nullcontext()
     handover._PIECE, halo.PIECE, migrate.ROOM = 200, 5, 2
     usual = running._wish
@@ -55,6 +57,17 @@ def prepare():
     running._wish = wish
     Balance.note, Balance.decide = _ask, _anywhere
     Balance.moved = lambda balance, seconds, step: None
+
+
+def _checked(bound, kernel, *args):
+    """Call a kernel only with the types of its first call; see `Bound`."""
+    from numba import typeof
+
+    types = tuple(typeof(arg) for arg in args)
+    known = bound._entries.setdefault(kernel, types)
+    if types != known:
+        raise TypeError(f"{kernel.__name__} is called with {types} after {known}")
+    return kernel(*args)
 
 
 def _ask(balance, worked, count, step):

@@ -1,0 +1,53 @@
+"""Kernels called by their entry points (`pgimp.jit.bound`)."""
+
+from typing import NamedTuple
+
+import numba
+import numpy as np
+import pytest
+import rank_scenes
+from scenes import start
+
+from pgimp.jit.bound import Bound
+from pgimp.jit.kernel import kernel
+
+
+class Pair(NamedTuple):
+    values: np.ndarray
+    factor: float
+
+
+@kernel
+def total(pair, number):
+    return pair.values.sum() * pair.factor + number
+
+
+def test_calls_give_what_the_kernel_gives():
+    call = Bound()
+    for n in range(1, 5):
+        pair = Pair(np.arange(float(n)), 2.0)
+        assert call(total, pair, n) == total(pair, n) == n * (n - 1) + n
+    with pytest.raises(TypeError, match="can't unbox array"):
+        call(total, Pair(np.arange(3, dtype=np.int32), 2.0), 1)  # what it does see
+
+
+def test_other_functions_are_called_as_they_are():
+    call = Bound()
+    assert [call(max, 1, 2), call(max, 0.5, 0.25)] == [2, 0.5]
+
+
+@pytest.mark.parametrize("name", ["line_mpm", "plane_gimp", "plane_leaves"])
+def test_a_run_calls_each_kernel_with_the_same_types(name, monkeypatch):
+    """Walls, constraints and gravity by tables, particles that leave, stops."""
+    seen = {}
+
+    def checked(bound, function, *args):
+        seen.setdefault(function, set()).add(tuple(numba.typeof(arg) for arg in args))
+        return function(*args)
+
+    monkeypatch.setattr(Bound, "__call__", checked)
+    sim = start(getattr(rank_scenes, name)())
+    while not sim.finished and sim.step < 300:
+        sim.advance()
+    assert len(seen) >= 3
+    assert all(len(types) == 1 for types in seen.values())
