@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import sys
 from pathlib import Path
 
@@ -28,3 +29,21 @@ def test_the_script_says_what_it_does():
     done = run([str(ROOT / "scripts" / "docs"), "--help"])
     assert done.returncode == 0
     assert "build/site" in done.stdout
+
+
+def test_a_page_of_measurements_follows_its_table(tmp_path):
+    """As when a script has measured again: the page is written as a whole, the others stay."""
+    for name in ("scripts/pages", "docs"):
+        shutil.copytree(ROOT / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
+    table = tmp_path / "scripts" / "pages" / "tables" / "courant.md"
+    old = table.read_text(encoding="utf-8")
+    table.write_text(old.replace("| 0.27 |", "| 0.99 |"), encoding="utf-8")
+    words = [sys.executable, str(tmp_path / "scripts" / "pages")]
+    assert run([*words, "--check"]).returncode == 1
+    assert run(words).returncode == 0
+    assert run([*words, "--check"]).returncode == 0
+    for page in (tmp_path / "docs").glob("*.md"):
+        before = (ROOT / "docs" / page.name).read_text(encoding="utf-8")
+        after = page.read_text(encoding="utf-8")
+        assert after == before.replace("| mpm | 0.27 |", "| mpm | 0.99 |"), page.name
+        assert (after != before) == (page.name == "hard-cases.md")
