@@ -43,7 +43,7 @@ def test_tables_have_speed_and_error(folder, part):
 def test_all_tables_are_put_together(folder):
     whole = (folder / "benchmark.md").read_text()
     assert all((folder / f"{part}.md").read_text() in whole for part in PARTS)
-    assert "| gimp | " in (folder / "readme.md").read_text()
+    assert "| gimp | " in (folder / "page.md").read_text()
     assert (folder / "kernels.png").stat().st_size > 1000
 
 

@@ -22,7 +22,7 @@ from pgimp.physics.materials.outside import parameters_of
 
 ROOT = Path(__file__).resolve().parents[1]
 CASES = ROOT / "cases"
-README = (ROOT / "README.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "materials.md").read_text(encoding="utf-8")
 
 LAW = """
 from typing import Literal, NamedTuple
@@ -369,8 +369,8 @@ def test_parameters_may_be_tuples_and_arrays(registered):
 
 @pytest.fixture(scope="module")
 def maxwell(tmp_path_factory):
-    """The material that README.md shows, as a file that is imported."""
-    (text,) = re.findall(r'^```python\n("""Maxwell.*?)^```$', README, re.MULTILINE | re.DOTALL)
+    """The material that docs/materials.md shows, as a file that is imported."""
+    (text,) = re.findall(r'^```python\n("""Maxwell.*?)^```$', PAGE, re.MULTILINE | re.DOTALL)
     path = tmp_path_factory.mktemp("maxwell") / "maxwell.py"
     path.write_text(text)
     registry.import_file(str(path))
@@ -378,7 +378,7 @@ def maxwell(tmp_path_factory):
     del MATERIALS["maxwell"]
 
 
-def test_an_initial_stress_relaxes_in_the_material_of_the_readme(maxwell, tmp_path):
+def test_an_initial_stress_relaxes_in_the_material_of_the_page(maxwell, tmp_path):
     """A bar at rest between two walls, from `points`: the deviator falls by 1/(1 + dt/T) a step."""
     x = np.arange(0.25, 8.0, 0.5)
     given = np.array([-3.0, 1.5, 6.0])
@@ -399,7 +399,7 @@ def test_an_initial_stress_relaxes_in_the_material_of_the_readme(maxwell, tmp_pa
 
 
 @pytest.mark.parametrize("D", [2, 3])
-def test_the_stress_of_the_readmes_material_turns_with_the_body(maxwell, D):
+def test_the_stress_of_the_pages_material_turns_with_the_body(maxwell, D):
     """In a step of pure rotation it is Q S Q^T, with the rotation by Cayley's formula."""
     parameters = parameters_of(MATERIALS["maxwell"](**maxwell | {"time": 1e12}), D)
     rng = np.random.default_rng(5)

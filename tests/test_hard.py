@@ -1,4 +1,4 @@
-"""The hard cases: every file runs and stays stable; what README.md's tables say, in short runs."""
+"""The hard cases: every file runs and stays stable; the tables of docs/hard-cases.md, in short."""
 
 import re
 import sys

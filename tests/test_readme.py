@@ -1,4 +1,4 @@
-"""README.md keeps its word: its commands, case and material work as printed."""
+"""README.md and docs/ keep their word: commands, cases and materials work as printed."""
 
 import ast
 import inspect
@@ -11,14 +11,40 @@ from pathlib import Path
 
 import pytest
 from conftest import run
+from ruamel.yaml import YAML
 
 from pgimp.case.reader import read_case
 from pgimp.jit import algebra
 from pgimp.tools.study.plan import read_plan
 
 ROOT = Path(__file__).resolve().parents[1]
-TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
-BLOCKS = re.findall(r"^```(\w+)\n(.*?)^```$", TEXT, re.MULTILINE | re.DOTALL)
+DOCS = ROOT / "docs"
+CONFIGURATION = ROOT / "scripts" / "pages" / "mkdocs.yml"
+
+
+def listed_pages(entry):
+    """File names of the pages of the site, in the order of its navigation."""
+    if isinstance(entry, str):
+        return [entry]
+    values = entry.values() if isinstance(entry, dict) else entry
+    return [name for value in values for name in listed_pages(value)]
+
+
+NAVIGATION = listed_pages(YAML(typ="safe").load(CONFIGURATION)["nav"])
+#: README.md and the pages, in the order in which they are read, and their commands run.
+PAGES = {"README.md": (ROOT / "README.md").read_text(encoding="utf-8")} | {
+    f"docs/{name}": (DOCS / name).read_text(encoding="utf-8")
+    for name in NAVIGATION
+    if not name.startswith("cases/")
+}
+#: Those, and what they link to.
+LINKED = PAGES | {
+    name: (ROOT / name).read_text(encoding="utf-8")
+    for name in ("cases/README.md", "cases/reference.md", "CHANGELOG.md")
+}
+TEXT = "\n".join(PAGES.values())
+FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+BLOCKS = FENCE.findall(TEXT)
 ACTIVATE = ". .venv/bin/activate"
 # Root may use mpirun, and more ranks than cores, also where the command does not say so.
 ENVIRONMENT = {
@@ -30,6 +56,9 @@ SHORT = "--set time.end=0.004 --set output.every=null --quiet"
 INSTEAD = {
     "pgimp study cases/studies/compaction.yaml": "pgimp study cases/studies/compaction.yaml --list",
     "scripts/test": f"{ROOT}/scripts/test --version",  # this test is one of those it would run
+    "scripts/test tests/test_bits.py -k order": f"{ROOT}/scripts/test --version",
+    "scripts/setup --test": f"{ROOT}/scripts/setup --help",
+    "scripts/docs": f"{ROOT}/scripts/docs --help",  # see tests/test_docs.py
     "sbatch block3d.sh": "bash -n block3d.sh",
     "pgimp bench": "pgimp bench --cells 4 --repeats 1",
     "pgimp schema '>' pgimp-schema.json": "pgimp schema",  # no shell here
@@ -57,11 +86,11 @@ def block_of(beginning):
 
 
 def commands():
-    """The commands of all shell blocks, in order, without comments."""
+    """The commands of all shell blocks, in order, without comments, each once."""
     lines = [
         shlex.join(shlex.split(line, comments=True)) for line in "".join(blocks("sh")).splitlines()
     ]
-    return [line for line in lines if line and line != ACTIVATE]
+    return list(dict.fromkeys(line for line in lines if line and line != ACTIVATE))
 
 
 def shortened(command):
@@ -75,7 +104,7 @@ def shortened(command):
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """A folder with the cases, in which the commands of README.md run."""
+    """A folder with the cases, in which the commands of the pages run."""
     folder = tmp_path_factory.mktemp("readme")
     (folder / "cases").symlink_to(ROOT / "cases")
     source = folder / "source"
@@ -86,11 +115,36 @@ def folder(tmp_path_factory):
     return folder
 
 
+def test_every_page_is_in_the_navigation():
+    there = {path.name for path in DOCS.glob("*.md")}
+    assert there | {"cases/README.md", "cases/reference.md"} == set(NAVIGATION)
+    assert len(NAVIGATION) == len(set(NAVIGATION))
+
+
+def test_readme_is_short_and_says_first_what_cannot_be_done():
+    lines = PAGES["README.md"].splitlines()
+    assert len(lines) <= 150
+    assert any("What it cannot do" in line for line in lines[:12])
+    assert max(map(len, FENCE.sub("", PAGES["README.md"]).splitlines())) < 140
+
+
+def test_commands_are_in_blocks_that_are_run():
+    """What stands in a block without a language, or `text`, is for a cluster, and only that."""
+    assert {language for language, _ in BLOCKS} <= {"sh", "yaml", "python", "diff", "text"}
+    assert [text.splitlines()[0].split("  ")[0] for text in blocks("text")] == [
+        "module load openmpi"
+    ]
+    for name, text in PAGES.items():
+        outside = FENCE.sub("", text)
+        assert "```" not in outside, name
+        assert not re.search(r"^    (mpirun|pgimp|scripts/|pip|python) ", outside, re.M), name
+
+
 def test_commands_run(folder, display):
     """Every command of the shell blocks, in order, in one folder."""
     listed = commands()
     assert listed[:2] == ["scripts/run cases/block3d.yaml", "scripts/test"]
-    assert len(listed) > 10
+    assert len(listed) > 30
     started = set()
     for command in listed:
         words = shlex.split(shortened(command))
@@ -107,9 +161,48 @@ def test_commands_run(folder, display):
 
 
 def test_first_case_is_printed_as_it_is():
-    printed = read_case(block_of("format: 1\ntitle"), "README.md", [])
+    printed = read_case(block_of("format: 1\ntitle"), "docs/case-file.md", [])
     there = (ROOT / "cases/block3d.yaml").read_text(encoding="utf-8")
     assert printed == read_case(there, "block3d.yaml", [])
+
+
+def test_short_case_of_the_readme_is_the_first_case():
+    """It is complete, and but for labels and output it says the same."""
+    short = read_case(block_of("format: 1\ndimensions"), "README.md", [])
+    there = (ROOT / "cases/block3d.yaml").read_text(encoding="utf-8")
+    whole = read_case(there, "block3d.yaml", [])
+    for name in type(whole).model_fields:
+        if name not in ("title", "units", "output", "history"):
+            assert getattr(short, name) == getattr(whole, name), name
+
+
+def rows(table, first):
+    """Cells of a table of Markdown by the first cell of the line and the title of the column."""
+    lines = table[table.index(first) :].partition("\n\n")[0].splitlines()
+    (titles, _, *rest) = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
+    return {row[0]: dict(zip(titles, row, strict=True)) for row in rest}
+
+
+def test_table_of_the_readme_is_that_of_the_methods():
+    """Some lines and columns of it, and the date."""
+    page = PAGES["docs/methods.md"]
+    short, whole = rows(PAGES["README.md"], "| method | cost"), rows(page, "| method | bending")
+    assert len(short) == 6
+    for name, row in short.items():
+        there = whole[f"{name}, 2 a cell"]
+        assert all(there[title] == cell for title, cell in row.items() if title != "method"), name
+    (origin,) = re.findall(r"^Measured on .*$", page, re.M)
+    assert origin in PAGES["README.md"]
+    peers = rows(PAGES["docs/performance.md"], "|  | pgimp | pgimp, lattice")
+    one, two = (peers[f"3D, {cores}"]["pgimp"].split()[0] for cores in ("1 core", "2 cores"))
+    said = " ".join(PAGES["README.md"].split())
+    assert f"advances {one} million" in said and f"two cores {two} million" in said
+
+
+def test_pages_of_measurements_are_what_their_texts_and_tables_give():
+    words = [sys.executable, str(ROOT / "scripts" / "pages"), "--check"]
+    done = run(words)
+    assert done.returncode == 0, done.stderr
 
 
 def test_the_study_is_one(tmp_path):
@@ -169,13 +262,14 @@ def apply(difference, path):
 
 
 def test_material_works_as_printed(folder):
-    """The file, the registration and the test of README.md, in a copy of the package."""
+    """The file, the registration and the test of the page, in a copy of the package."""
     package, tests = folder / "source" / "pgimp", folder / "source" / "tests"
-    (package / "materials" / "fluid.py").write_text(block_of('"""Slightly compressible'))
+    materials = package / "physics" / "materials"
+    (materials / "fluid.py").write_text(block_of('"""Slightly compressible'))
     differences = blocks("diff")
     assert len(differences) == 2
     for difference in differences:
-        apply(difference, package / "materials" / "__init__.py")
+        apply(difference, materials / "__init__.py")
     shutil.copytree(ROOT / "tests", tests, ignore=shutil.ignore_patterns("__pycache__"))
     (tests / "test_fluid.py").write_text(block_of('"""The fluid'))
     source = folder / "source"
@@ -192,19 +286,50 @@ def test_material_works_as_printed(folder):
     assert done.returncode == 0, done.stderr
 
 
-def test_links_and_pictures_exist():
-    targets = [name for name in re.findall(r"\]\(([^)#]+)\)", TEXT) if "://" not in name]
-    assert "cases/pictures/error-and-cost.png" in targets
-    for target in targets:
-        assert (ROOT / target).exists(), target
+def anchors(text):
+    """Anchors of the headings of a page, as code hosts and the site make them."""
+    titles = re.findall(r"^#+ (.+)$", FENCE.sub("", text), re.MULTILINE)
+    return {re.sub(r"[^\w -]", "", title.lower()).strip().replace(" ", "-") for title in titles}
+
+
+@pytest.mark.parametrize("name", LINKED)
+def test_links_lead_somewhere(name):
+    """To files that are there, and to headings that they have."""
+    folder = (ROOT / name).parent
+    for target, _, anchor in (
+        link.partition("#") for link in re.findall(r"\]\(([^)\s]+)\)", FENCE.sub("", LINKED[name]))
+    ):
+        if "://" in target:
+            continue
+        path = (folder / target).resolve() if target else ROOT / name
+        assert path.exists(), f"{name}: {target}"
+        if anchor:
+            assert anchor in anchors(path.read_text(encoding="utf-8")), f"{name}: #{anchor}"
+
+
+def test_pages_are_linked_from_the_readme():
+    for name in NAVIGATION:
+        if name not in ("index.md", "cases/README.md", "cases/reference.md"):
+            assert f"](docs/{name})" in PAGES["README.md"], name
+            assert f"]({name})" in PAGES["docs/index.md"], name
+
+
+def test_pictures_are_small_and_shown():
+    assert "(../cases/pictures/error-and-cost.png)" in PAGES["docs/convergence.md"]
     for picture in (ROOT / "cases" / "pictures").iterdir():
         assert picture.stat().st_size < 150_000, picture.name
+        assert any(picture.name in text for text in LINKED.values()), picture.name
 
 
 def test_options_and_commands_named_exist(python):
     """Each command in a table is in the help, and so is each option of a run."""
     text = python(["-m", "pgimp", "--help"]).stdout
-    for command in re.findall(r"^\| `pgimp (\w+)", TEXT, re.MULTILINE):
+    commands = re.findall(r"^\| `pgimp (\w+)", TEXT, re.MULTILINE)
+    assert len(commands) >= 9
+    for command in commands:
         assert f"  {command} " in text
-    for option in re.findall(r"`(-o|--[\w-]+)(?: [\w.=]+)?`", TEXT.partition("| command")[0]):
+    page = PAGES["docs/running.md"]
+    options = re.findall(r"`(-o|--[\w-]+)(?: [\w.=:]+)?`", page.partition("## Commands")[0])
+    assert len(options) >= 6
+    for option in options:
         assert option in text

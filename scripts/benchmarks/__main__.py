@@ -12,7 +12,7 @@ import sys
 from pathlib import Path
 from time import perf_counter
 
-import readme
+import page
 from clock import VARIABLE
 from report import ROOT, origin
 
@@ -42,14 +42,14 @@ def run(part, folder, quick):
 
 
 def main():
-    """Measure what is asked for, and write benchmark.md and readme.md."""
+    """Measure what is asked for, and write benchmark.md and page.md."""
     parser = argparse.ArgumentParser(prog="scripts/benchmark")
     parser.add_argument("parts", nargs="*", metavar="PART", help=", ".join(PARTS))
     parser.add_argument("-o", "--output", metavar="DIR", type=Path, default=ROOT / "benchmark.out")
     parser.add_argument("--quick", action="store_true", help="small blocks: no figures to keep")
     parser.add_argument("--prototype", metavar="KERNELS.PY", help="a script to compare with")
     parser.add_argument("--cpu-time", action="store_true", help="on a machine that is busy")
-    parser.add_argument("--readme", action="store_true", help="put the main tables into README.md")
+    parser.add_argument("--docs", action="store_true", help="also write docs/performance.md")
     options = parser.parse_args()
     unknown = sorted(set(options.parts) - set(PARTS))
     if unknown:
@@ -73,7 +73,7 @@ def main():
         for path in sorted(folder.glob(f"{part}*.md")):
             texts.append(path.read_text(encoding="utf-8"))
     (folder / "benchmark.md").write_text("\n".join(texts), encoding="utf-8")
-    readme.write(folder, options.readme and not options.quick)
+    page.write(folder, options.docs and not options.quick)
 
 
 if __name__ == "__main__":

@@ -3,6 +3,8 @@
 import json
 import os
 import platform
+import subprocess
+import sys
 from datetime import date
 from importlib.metadata import version
 from pathlib import Path
@@ -19,7 +21,8 @@ from pgimp.mpi.comm import Serial
 from pgimp.solver.simulation import Simulation
 
 TIME = 0.5
-START, END = "<!-- written by scripts/pictures error-and-cost -->\n", "<!-- end -->"
+#: What scripts/pages writes pages from.
+PAGES = ROOT / "scripts" / "pages"
 
 
 class Kind(NamedTuple):
@@ -110,7 +113,7 @@ def origin():
 
 
 def error_and_cost(redraw):
-    """Draw the error (47) over cell size, particle-steps and time, and write the README's table."""
+    """Draw the error (47) over cell size, particle-steps and time, and write its page."""
     store = RUNS / "error-and-cost.json"
     if not (redraw and store.exists()):
         for kind in KINDS:
@@ -159,7 +162,7 @@ def error_and_cost(redraw):
 
 
 def write_table(data):
-    """Put the points into README.md, between their marks."""
+    """Write docs/convergence.md with the points."""
     cells = sorted({point["cell"] for point in data["points"]}, reverse=True)
     table = {(point["kind"], point["cell"]): point for point in data["points"]}
     lines = ["| cell | " + " | ".join(f"{cell:g}" for cell in cells) + " |"]
@@ -167,17 +170,9 @@ def write_table(data):
     for kind in KINDS:
         entries = [_entry(table.get((kind.label, cell))) for cell in cells]
         lines.append(f"| {kind.label} | " + " | ".join(entries) + " |")
-    put_between(START, "\n".join([*lines, "", f"Measured on {data['origin']}.", ""]))
-
-
-def put_between(start, text):
-    """Replace what README.md has between a mark and the next end mark."""
-    page = (ROOT / "README.md").read_text(encoding="utf-8")
-    before, mark, rest = page.partition(start)
-    _, end, after = rest.partition(END)
-    if not (mark and end):
-        raise SystemExit(f"pictures: README.md lacks the marks {start.strip()} and {END}")
-    (ROOT / "README.md").write_text(before + mark + text + end + after, encoding="utf-8")
+    text = "\n".join([*lines, "", f"Measured on {data['origin']}.", ""])
+    (PAGES / "tables" / "error-and-cost.md").write_text(text, encoding="utf-8")
+    subprocess.run([sys.executable, str(PAGES)], check=True)
 
 
 def _entry(point):

@@ -17,13 +17,13 @@ def main():
     parser.add_argument("-o", "--output", type=Path, default=ROOT / "paper.out", metavar="DIR")
     parser.add_argument("--quick", action="store_true", help="fewer and coarser cells")
     parser.add_argument("--redraw", action="store_true", help="draw from the runs that are there")
-    parser.add_argument("--readme", action="store_true", help="also the picture of README.md")
+    parser.add_argument("--docs", action="store_true", help="also its picture in docs/")
     parser.add_argument("-j", "--jobs", type=int, default=2, help="runs at a time")
     arguments = parser.parse_args()
     if arguments.jobs < 1:
         parser.error("-j, --jobs: at least 1")
-    if arguments.readme and arguments.quick:
-        parser.error("--readme shows the whole reproduction: leave --quick out")
+    if arguments.docs and arguments.quick:
+        parser.error("--docs shows the whole reproduction: leave --quick out")
     folder = arguments.output
     store = folder / "runs.json"
     if arguments.redraw and not store.exists():
@@ -39,9 +39,9 @@ def main():
     profiles.draw(results, folder)
     convergence.draw(results, folder)
     tables.write(results, source, folder)
-    if arguments.readme:
+    if arguments.docs:
         plt.rcParams["savefig.dpi"] = 110
-        convergence.readme(results, source)
+        convergence.for_docs(results, source)
     print(f"paper: figures and tables in {folder}, {perf_counter() - began:.0f} s")
 
 

@@ -9,23 +9,16 @@ from time import perf_counter
 
 from jobs import jobs
 from runs import ROOT
-from table import (
-    CASES_MARK,
-    COURANT_MARK,
-    cases_table,
-    courant_table,
-    put_between,
-    write_csv,
-)
+from table import cases_table, courant_table, put_into_docs, write_csv
 
 OUT = ROOT / "hard.out"
 
 
 def main():
-    """Run what is asked for, and write hard.csv, hard.md and the tables of README.md."""
+    """Run what is asked for, and write hard.csv, hard.md and docs/hard-cases.md."""
     parser = argparse.ArgumentParser(prog="scripts/hard")
     parser.add_argument("words", nargs="*", metavar="WHAT", help="cases, courant, pictures")
-    parser.add_argument("--quick", action="store_true", help="minutes; writes no README")
+    parser.add_argument("--quick", action="store_true", help="minutes; writes no page")
     parser.add_argument("--redraw", action="store_true", help="tables from what is there")
     options = parser.parse_args()
     words = options.words or ["cases", "courant", "pictures"]
@@ -52,15 +45,15 @@ def main():
     texts = []
     if records:
         write_csv(records, OUT / "hard.csv")
-        texts.append((CASES_MARK, cases_table(records)))
+        texts.append(("hard-cases", cases_table(records)))
     if points:
         write_csv(points, OUT / "courant.csv")
-        texts.append((COURANT_MARK, courant_table(points)))
+        texts.append(("courant", courant_table(points)))
     (OUT / "hard.md").write_text("\n".join(text for _, text in texts), encoding="utf-8")
-    for mark, text in texts:
+    for _, text in texts:
         print(text)
-        if not options.quick:
-            put_between(mark, text)
+    if not options.quick:
+        put_into_docs(texts)
     if "pictures" in words and not options.quick:
         from pictures import draw
 

@@ -1,14 +1,15 @@
-"""The tables of README.md and hard.md, from the records of the runs."""
+"""The tables of docs/hard-cases.md and hard.md, from the records of the runs."""
 
 import csv
+import subprocess
+import sys
 from pathlib import Path
 
 from rows import METHODS
 from runs import ROOT
 
-END = "<!-- end -->"
-CASES_MARK = "<!-- written by scripts/hard cases -->\n"
-COURANT_MARK = "<!-- written by scripts/hard courant -->\n"
+#: What scripts/pages writes pages from.
+PAGES = ROOT / "scripts" / "pages"
 
 
 def entry(record):
@@ -51,14 +52,11 @@ def courant_table(points):
     return "\n".join([*lines, ""])
 
 
-def put_between(start, text):
-    """Replace what README.md has between a mark and the next end mark."""
-    path = ROOT / "README.md"
-    before, mark, rest = path.read_text(encoding="utf-8").partition(start)
-    _, end, after = rest.partition(END)
-    if not (mark and end):
-        raise SystemExit(f"hard: README.md lacks the marks {start.strip()} and {END}")
-    path.write_text(before + mark + text + end + after, encoding="utf-8")
+def put_into_docs(texts):
+    """Write docs/hard-cases.md with these tables, (name, text) each; others stay."""
+    for name, text in texts:
+        (PAGES / "tables" / f"{name}.md").write_text(text, encoding="utf-8")
+    subprocess.run([sys.executable, str(PAGES)], check=True)
 
 
 def write_csv(records, path: Path):

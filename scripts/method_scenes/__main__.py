@@ -1,4 +1,4 @@
-"""Measures every method on small bodies and writes the tables of README.md; see scripts/methods."""
+"""Measures every method on small bodies and writes docs/methods.md; see scripts/methods."""
 
 import argparse
 import json
@@ -7,7 +7,7 @@ from time import process_time
 
 from method_bodies import SHAPES
 from method_measures import COURANTS, bending, bounced, compressed, costs, turned, waves
-from method_table import ROOT, origin, put_into_readme, text, write_csv
+from method_table import ROOT, origin, put_into_docs, text, write_csv
 
 OUT = ROOT / "methods.out"
 
@@ -23,7 +23,7 @@ def measured(method):
 
 
 def main():
-    """Measure, and write methods.json, methods.csv, methods.md and the tables of README.md."""
+    """Measure, and write methods.json, methods.csv, methods.md and docs/methods.md."""
     parser = argparse.ArgumentParser(prog="scripts/methods")
     parser.add_argument("--redraw", action="store_true", help="tables from what is there")
     options = parser.parse_args()
@@ -45,7 +45,7 @@ def main():
     write_csv(kept["records"], OUT / "methods.csv")
     found = text(kept["records"], kept["origin"])
     (OUT / "methods.md").write_text(found, encoding="utf-8")
-    put_into_readme(found)
+    put_into_docs(found)
     print(found)
 
 

@@ -1,7 +1,9 @@
-"""The tables of README.md from what was measured."""
+"""The tables of docs/methods.md from what was measured."""
 
 import csv
 import os
+import subprocess
+import sys
 from datetime import date
 from importlib.metadata import version
 from pathlib import Path
@@ -11,7 +13,9 @@ from method_measures import COLUMN_CELLS, COURANTS
 from pgimp.io.rundir.runinfo import cpu
 
 ROOT = Path(__file__).resolve().parents[2]
-START, END = "<!-- written by scripts/methods -->\n", "<!-- end -->"
+#: What scripts/pages writes pages from, and the tables of this script among it.
+PAGES = ROOT / "scripts" / "pages"
+TABLES = PAGES / "tables" / "methods.md"
 
 
 def origin():
@@ -91,7 +95,7 @@ def table(columns, records):
 
 
 def text(records, machine):
-    """All that README.md has between the marks."""
+    """All tables of docs/methods.md."""
     return (
         f"{accuracy(records)}\nLost at Courant numbers of "
         f"{', '.join(map(str, COURANTS))}, in 2D:\n\n{losses(records)}\n"
@@ -99,14 +103,10 @@ def text(records, machine):
     )
 
 
-def put_into_readme(text):
-    """Replace what README.md has between the marks."""
-    path = ROOT / "README.md"
-    before, mark, rest = path.read_text(encoding="utf-8").partition(START)
-    _, end, after = rest.partition(END)
-    if not (mark and end):
-        raise SystemExit(f"methods: README.md lacks the marks {START.strip()} and {END}")
-    path.write_text(before + mark + text + end + after, encoding="utf-8")
+def put_into_docs(text):
+    """Write docs/methods.md with these tables."""
+    TABLES.write_text(text, encoding="utf-8")
+    subprocess.run([sys.executable, str(PAGES)], check=True)
 
 
 def write_csv(records, path):

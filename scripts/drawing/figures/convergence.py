@@ -82,8 +82,8 @@ def draw(results, folder):
     _write(figure, folder / "fig11.png")
 
 
-def readme(results, origin):
-    """Both parts of figure 10 beside each other, for README.md."""
+def for_docs(results, origin):
+    """Both parts of figure 10 beside each other, for docs/convergence.md."""
     figure, axes = plt.subplots(1, 2, figsize=(9.4, 4.9), sharey=True)
     ours(axes[0], results, PAPER)
     ours(axes[1], results, ("gimp-tracked", *FUZZY, GHOSTS[0]))

@@ -1,11 +1,14 @@
-"""The README's tables, made from the CSV files of what was measured."""
+"""The tables of docs/performance.md, made from the CSV files of what was measured."""
 
 import csv
+import subprocess
+import sys
 from textwrap import fill
 
 from report import ROOT, error, markdown, number
 
-START, END = "<!-- written by scripts/benchmark -->\n", "<!-- end -->"
+#: What scripts/pages writes pages from.
+PAGES = ROOT / "scripts" / "pages"
 
 
 def read(folder, name):
@@ -89,8 +92,8 @@ def _wrapped(text):
     return "\n\n".join(parts)
 
 
-def write(folder, into_readme):
-    """Write readme.md, and put it into README.md if asked to."""
+def write(folder, into_docs):
+    """Write page.md, and docs/performance.md with it if asked to."""
     texts = []
     if table := peers(folder):
         texts.append(
@@ -130,11 +133,7 @@ def write(folder, into_readme):
     if facts:
         texts.append("\n".join(f"- {fact}" for fact in facts))
     text = "\n\n".join(map(_wrapped, texts)) + "\n"
-    (folder / "readme.md").write_text(text, encoding="utf-8")
-    if into_readme:
-        path = ROOT / "README.md"
-        before, mark, rest = path.read_text(encoding="utf-8").partition(START)
-        _, end, after = rest.partition(END)
-        if not (mark and end):
-            raise SystemExit(f"benchmark: README.md lacks the marks {START.strip()} and {END}")
-        path.write_text(before + mark + text + end + after, encoding="utf-8")
+    (folder / "page.md").write_text(text, encoding="utf-8")
+    if into_docs:
+        (PAGES / "tables" / "benchmark.md").write_text(text, encoding="utf-8")
+        subprocess.run([sys.executable, str(PAGES)], check=True)
