@@ -421,19 +421,20 @@ def test_many_particles_are_thinned_to_those_in_front(runs, monkeypatch):
     eye = camera("corner", 3, None)
     everything = Selection()
     what = quantity("id", frame, 3)
-    size = visible.extent(frame, everything, eye, 3)
+    inside = visible.extent(frame, everything, eye)
     monkeypatch.setattr(visible, "FEW", 0)
     monkeypatch.setattr(visible, "SPOTS", 20)
     monkeypatch.setattr("pgimp.tools.plot.selection._BLOCK_ROWS", 37)
-    seen = visible.visible(frame, everything, what, eye, size)
+    seen, total = visible.visible(frame, everything, what, eye, inside)
     place = eye.project(frame["position"])
-    spots = [tuple(spot) for spot in np.floor((place[:, :2] - size.low) / seen.spot).astype(int)]
+    spot = (inside[1] - inside[0]).max() / 20
+    spots = [tuple(spot) for spot in np.floor((place[:, :2] - inside[0]) / spot).astype(int)]
     best = {}
     for number, spot in enumerate(spots):
         if spot not in best or place[number, 2] >= place[best[spot], 2]:
             best[spot] = number
-    assert sorted(seen.particles.id) == sorted(best.values())
-    assert len(best) < seen.total == len(frame)
+    assert sorted(seen.id) == sorted(best.values())
+    assert len(best) < total == len(frame)
     monkeypatch.setattr(visible, "SPOTS", 400)
     _, _, thinned, _ = drawn_frame(runs, "block.out", "id")
     monkeypatch.setattr(visible, "FEW", 10**9)
