@@ -18,6 +18,7 @@ def folder(tmp_path, monkeypatch):
     folder.mkdir()
     (folder / "blocks.yaml").write_text(CASE)
     monkeypatch.chdir(folder)
+    monkeypatch.setattr("pgimp.commands.batch.imported", [])  # other tests may have imported files
     return folder
 
 
