@@ -1,5 +1,6 @@
 """Batch scripts: what they say, and what they do with stand-ins for scheduler, launcher and run."""
 
+import os
 import signal
 import time
 
@@ -17,6 +18,7 @@ def folder(tmp_path, monkeypatch):
     folder.mkdir()
     (folder / "blocks.yaml").write_text(CASE)
     monkeypatch.chdir(folder)
+    monkeypatch.setattr("pgimp.commands.batch.imported", [])  # other tests may have imported files
     return folder
 
 
@@ -83,6 +85,15 @@ def test_pbs_directives(folder, nodes, select):
     for line in (f"#PBS -l {select}", "#PBS -l walltime=24:00:00", "#PBS -q long", "#PBS -j oe"):
         assert line in lines
     assert ("#PBS -l place=scatter" in lines) == bool(nodes)
+
+
+def test_scripts_are_not_written_over_pipes(folder, capsys):
+    """A pipe would be replaced, and so would a device."""
+    os.mkfifo(folder / "b.sh")
+    for more in ([], ["--overwrite"]):
+        assert main(["batch", "blocks.yaml", *ASKED, "--script=b.sh", *more]) == 2
+        assert "cannot write the script b.sh: it is no regular file" in capsys.readouterr().err
+    assert (folder / "b.sh").is_fifo()
 
 
 def test_wrong_command_lines(refused, folder):

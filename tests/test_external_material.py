@@ -438,6 +438,22 @@ def test_files_that_cannot_be_imported(tmp_path):
         registry.import_file("no_such_package.laws")
 
 
+def test_folders_are_not_imported(tmp_path, monkeypatch):
+    """Python would take one for an empty package; one with ``__init__.py`` is a package."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    monkeypatch.setattr(registry, "imported", [])
+    (tmp_path / "some_laws").mkdir()
+    for name in ("some_laws", "./some_laws/", str(tmp_path / "some_laws")):
+        with pytest.raises(UsageError, match=r"it is a folder; name .*some_laws/FILE\.py$"):
+            registry.import_file(name)
+    assert registry.imported == []
+    (tmp_path / "whole_laws").mkdir()
+    (tmp_path / "whole_laws" / "__init__.py").write_text("")
+    for name in ("whole_laws", "sys"):
+        registry.import_file(name)
+
+
 def test_the_digest_sees_what_functions_refer_to():
     """Another value, another helper, a longer table: another digest; the same again: the same."""
     digests = set()

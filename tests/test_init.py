@@ -4,6 +4,7 @@ import json
 import math
 import os
 import re
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -85,6 +86,26 @@ def test_mesh_comes_with_its_case(folder, capsys):
     planes = lattice.make((0, lattice.planes), counts, 0)
     volume = lattice.volume * sum(float(made.fractions.sum()) for made in planes)
     assert volume == pytest.approx(math.sqrt(3.0) / 2.0 * (13.0**2 - 8.0**2) * 6.5e-9, rel=1e-12)
+
+
+def test_material_comes_with_its_case(folder, capsys):
+    assert main(["init", "fluid/dam-break", "-o", "my dam.yaml"]) == 0
+    assert set(files(folder)) == {"my dam.yaml", "fluid.py", "pgimp-schema.json"}
+    assert files(folder)["fluid.py"] == (CASES / "fluid.py").read_bytes()
+    words = "'my dam.yaml' --import fluid.py"
+    assert f"mpirun -n 2 pgimp {words} " in capsys.readouterr().out
+    text = (folder / "my dam.yaml").read_text()
+    assert f"mpirun -n 2 pgimp {words}\n" in text and "/fluid.py" not in text
+    short = ["--set", "time.end=0.01", "--quiet"]
+    done = run([sys.executable, "-m", "pgimp", *shlex.split(words), *short], cwd=folder)
+    assert done.returncode == 0, done.stderr
+
+
+def test_a_file_of_that_name_is_left_alone(folder, capsys):
+    (folder / "fluid.py").write_text("mine")
+    assert main(["init", "fluid/dam-break"]) == 0
+    assert "fluid.py: there already, and left alone" in capsys.readouterr().out
+    assert (folder / "fluid.py").read_text() == "mine"
 
 
 def test_nothing_is_overwritten(folder, capsys):
@@ -191,7 +212,12 @@ def test_init_works_from_a_wheel(installed, folder):
     assert done.returncode == 0, done.stderr
     assert done.stdout.startswith(f"{installed}{os.sep}")
     assert {line.split()[0] for line in done.stdout.splitlines()[2:]} == set(NAMES)
-    done = run([sys.executable, "-c", script, "init", "block3d"], cwd=folder, env=env)
-    assert done.returncode == 0, done.stderr
-    there = (CASES / "block3d.yaml").read_text()
-    assert read_case((folder / "block3d.yaml").read_text()) == read_case(there)
+    for name in ("block3d", "geometry/nut", "fluid/dam-break"):
+        done = run([sys.executable, "-c", script, "init", name], cwd=folder, env=env)
+        assert done.returncode == 0, done.stderr
+    written, there = ((at / "block3d.yaml").read_text() for at in (folder, CASES))
+    assert read_case(written) == read_case(there)
+    assert {"nut.obj", "dam-break.yaml", "fluid.py"} <= set(files(folder))
+    words = "batch block3d.yaml --ranks 2 --wall-time 1:00:00 --script -".split()
+    done = run([sys.executable, "-c", script, *words], cwd=folder, env=env)
+    assert "#SBATCH --ntasks=2\n" in done.stdout, done.stderr

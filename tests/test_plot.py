@@ -3,6 +3,7 @@
 import csv
 import io
 import json
+import os
 import re
 import shutil
 import sys
@@ -20,7 +21,7 @@ from pgimp import cli
 from pgimp.io.results.reader import Frame
 from pgimp.tools.plot import picture, visible
 from pgimp.tools.plot.camera import camera
-from pgimp.tools.plot.quantity import quantity
+from pgimp.tools.plot.quantity import Quantity, quantity
 from pgimp.tools.plot.runs import open_runs, shots
 from pgimp.tools.plot.selection import Selection
 from pgimp.tools.plot.style import log_ticks
@@ -351,14 +352,14 @@ def test_a_bar_is_drawn_over_x(runs, plot, tmp_path):
     np.testing.assert_array_equal(numbers(drawn, "stress.xx"), expected)
 
 
-def drawn_frame(runs, name, field, view=None, limits=None, place=None):
-    """The picture of the last frame as pixels; pixels of points in the picture's plane; the map."""
+def drawn_frame(runs, name, field, view=None, limits=None, place=None, number=-1):
+    """The picture of a frame as pixels; pixels of points in the picture's plane; the map."""
     from matplotlib import colormaps, rc_context
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     from pgimp.tools.plot.style import STYLE
 
-    (shot,) = shots(open_runs([str(runs / name)]), [-1], [])
+    (shot,) = shots(open_runs([str(runs / name)]), [number], [])
     dimension = shot.shown.dimension
     what = quantity(field, shot.frame, dimension)
     eye = camera(view, dimension, None)
@@ -421,19 +422,20 @@ def test_many_particles_are_thinned_to_those_in_front(runs, monkeypatch):
     eye = camera("corner", 3, None)
     everything = Selection()
     what = quantity("id", frame, 3)
-    size = visible.extent(frame, everything, eye, 3)
+    inside = visible.extent(frame, everything, eye)
     monkeypatch.setattr(visible, "FEW", 0)
     monkeypatch.setattr(visible, "SPOTS", 20)
     monkeypatch.setattr("pgimp.tools.plot.selection._BLOCK_ROWS", 37)
-    seen = visible.visible(frame, everything, what, eye, size)
+    seen, total = visible.visible(frame, everything, what, eye, inside)
     place = eye.project(frame["position"])
-    spots = [tuple(spot) for spot in np.floor((place[:, :2] - size.low) / seen.spot).astype(int)]
+    spot = (inside[1] - inside[0]).max() / 20
+    spots = [tuple(spot) for spot in np.floor((place[:, :2] - inside[0]) / spot).astype(int)]
     best = {}
     for number, spot in enumerate(spots):
         if spot not in best or place[number, 2] >= place[best[spot], 2]:
             best[spot] = number
-    assert sorted(seen.particles.id) == sorted(best.values())
-    assert len(best) < seen.total == len(frame)
+    assert sorted(seen.id) == sorted(best.values())
+    assert len(best) < total == len(frame)
     monkeypatch.setattr(visible, "SPOTS", 400)
     _, _, thinned, _ = drawn_frame(runs, "block.out", "id")
     monkeypatch.setattr(visible, "FEW", 10**9)
@@ -449,6 +451,32 @@ def test_thinning_is_said(plot, monkeypatch, tmp_path):
     drawn = len(table(tmp_path / "a.csv")["id"])
     assert status == 0
     assert f"{drawn:,} of 192 particles drawn" in said
+
+
+def test_faces_of_boxes_are_told_apart(runs):
+    """In one colour, lightest above; the default view shows the faces at x-max, y-min and z-max."""
+    x = hdf5(runs, "block.out", 0)["position"]
+    low, high = x.min(axis=0), x.max(axis=0)
+    middle = 0.5 * (low + high)
+    points = np.tile(middle, (3, 1))
+    points[0, 0], points[1, 1], points[2, 2] = high[0], low[1], high[2]
+    at, colours, _, _ = drawn_frame(runs, "block.out", "body", number=0)
+    seen = at(camera(None, 3, None).project(points)[:, :2]).astype(int)
+    lightest = colours(np.zeros(1))[0]
+    assert np.abs(seen[2] - lightest).max() <= 2
+    lightness = seen.sum(axis=1) / lightest.sum()
+    assert 0.7 < lightness[0] < lightness[1] - 0.05 < lightness[2] - 0.1
+
+
+def test_values_that_are_no_numbers_are_grey(runs, monkeypatch):
+    """With many particles too."""
+    values = [np.arange(192.0), np.full(192, np.nan)]
+    for few in (10**9, 0):
+        monkeypatch.setattr(visible, "FEW", few)
+        for there, grey in zip(values, (False, True), strict=True):
+            monkeypatch.setattr(Quantity, "rows", lambda *_, there=there: there)
+            _, _, inside, _ = drawn_frame(runs, "block.out", "id", "y-min")
+            assert (inside == 200).all(axis=2).any() == grey
 
 
 def test_scale_of_colours_leaves_a_few_outliers_out():
@@ -539,6 +567,16 @@ def test_messages(plot, tmp_path, words, message):
     assert sorted(tmp_path.iterdir()) == before
     assert (tmp_path / "notes.png").read_text() == "my notes"
     assert (tmp_path / "plates.out" / "history.csv").read_bytes() == content
+
+
+@pytest.mark.parametrize("words", ["-o fig.png", "-o fig.csv", "--csv fig.csv"])
+def test_pipes_are_refused(plot, tmp_path, words):
+    """Opening one would wait for ever for who writes into it, renaming would replace it."""
+    pipe = tmp_path / words.split()[-1]
+    os.mkfifo(pipe)
+    status, _, said = plot("plates.out", *words.split())
+    assert (status, said) == (2, f"pgimp: cannot read {pipe.name}: it is no regular file\n")
+    assert pipe.is_fifo()
 
 
 def test_a_run_that_has_only_begun(runs, plot, tmp_path):

@@ -7,14 +7,18 @@ from pathlib import Path
 
 import pytest
 from conftest import run
+from scenes import box, scene
 
 import pgimp
 from pgimp.errors import CaseError
+from pgimp.mpi.comm import Serial
+from pgimp.solver.simulation import Simulation
 
 PROOFS = Path(__file__).resolve().parents[1] / "scripts" / "proofs"
 sys.path.insert(0, str(PROOFS))
 
 import proof_scenes  # noqa: E402
+import scene_books  # noqa: E402
 import scene_features  # noqa: E402
 import scene_shrink  # noqa: E402
 from scene_bodies import REGIONS  # noqa: E402
@@ -68,6 +72,33 @@ def test_random_scenes_are_the_same_on_any_ranks_and_their_books_balance():
         assert any(case.get(kind) and "gravity" in case for case in cases)
     said = prove("scenes", "--short", "--runs", "20", "--shrink", "60", timeout=1200)
     assert int(re.search(r"(\d+) done", said)[1]) >= 15 and "wrong: 0" in said
+
+
+def books_of_a_push(axis, kind):
+    """A block that stands on an accelerated wall, or whose half is held so, along an axis."""
+    velocity = [0.0, 0.0]
+    velocity[axis] = {"table": [[0.0, 0.0], [0.1, 2.0], [0.2, -2.0]]}
+    low, high = [2.0, 2.0], [5.0, 5.0]
+    low[axis], high[axis] = 0.0, 4.0
+    if kind == "boundaries":
+        parts = {kind: {f"{'xy'[axis]}-min": {"velocity": velocity}}}
+    else:
+        region = {"box": {"min": low, "max": [3.5, 3.5]}}
+        parts = {kind: {"grip": {"body": "body", "region": region, "velocity": velocity}}}
+    case = scene(2, box(low, high), end=0.2, **parts)
+    books = scene_books.Books(Simulation(pgimp.load(case), Serial()))
+    books.run()
+    assert not books.wrong
+    return books
+
+
+@pytest.mark.parametrize("kind", ["boundaries", "constraints"])
+@pytest.mark.filterwarnings("error")
+def test_books_know_what_accelerated_walls_make_along_each_axis(kind):
+    one, other = (books_of_a_push(axis, kind) for axis in (0, 1))
+    explained = [books._explained[-1] for books in (one, other)]
+    assert explained[0] == pytest.approx(explained[1], rel=1e-6)
+    assert abs(explained[0]) > 1e-4 * max(line["kinetic-energy"] for line in one._lines)
 
 
 FLIPPED = """

@@ -366,3 +366,12 @@ def test_wheel_has_every_module():
     packages = find_packages(str(ROOT), include=configuration["packages"]["find"]["include"])
     folders = {path.parent.relative_to(ROOT) for path in (ROOT / "pgimp").rglob("*.py")}
     assert {".".join(folder.parts) for folder in folders} == set(packages)
+
+
+def test_wheel_has_every_other_file():
+    configuration = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]
+    files = [path for path in (ROOT / "pgimp").rglob("*") if path.is_file()]
+    files += [path for path in (ROOT / "cases").rglob("*") if path.suffix in (".yaml", ".obj")]
+    for path in files:
+        if "__pycache__" not in path.parts and path.suffix != ".py":
+            assert any(path.match(one) for one in configuration["package-data"]["*"]), path

@@ -21,6 +21,7 @@ _STUDIES = "studies/"
 # Bytes of what is beside a case, far more than a mesh that comes with one.
 _LARGEST = 64 << 20
 _FILE = re.compile(r"^ *file: ([\w.-]+)", re.MULTILINE)
+_IMPORT = re.compile(r"--import cases/([\w.-]+\.py)")
 _LINE = "# yaml-language-server: $schema="
 _OTHER_WAY = re.compile(r"\n#? *\(or: scripts/run [^)]*\)|[ \t]*\(or: scripts/run [^)]*\)")
 
@@ -69,16 +70,17 @@ def execute(args: argparse.Namespace) -> int:
     path = Path(args.output or f"{stem}{'-study' if study else ''}.yaml")
     _write(path, _personal(name, cases[name], path))
     print(f"{path}: written, with comments; pgimp schema --markdown explains every key there is")
-    for file in _FILE.findall(cases[name]):
-        text = _folder().joinpath(name).parent.joinpath(file).read_text(encoding="utf-8")
-        _write_beside(path.with_name(file), text, "the case takes it as it is")
+    imports = [path.with_name(file) for file in _IMPORT.findall(cases[name])]
+    for source in _beside(name, cases[name]):
+        text = source.read_text(encoding="utf-8")
+        _write_beside(path.with_name(source.name), text, "the case takes it as it is")
     if study:
         case = _case_of(cases[name])
         beside = _case_path(case, path)
         _write_beside(beside, _personal(case, cases[case], beside), "the study takes it as it is")
         _write_schema(path.with_name(STUDY_SCHEMA))
     _write_schema(path.with_name(SCHEMA))
-    print("\n".join(_next(path, study)))
+    print("\n".join(_next(path, study, imports)))
     return 0
 
 
@@ -107,6 +109,12 @@ def packaged() -> dict[str, str]:
 
 def _folder() -> Path:
     return Path(str(installed("pgimp").joinpath("cases")))
+
+
+def _beside(name: str, text: str) -> list[Path]:
+    """Return the packaged files that a case needs: meshes, and Python files with its materials."""
+    meshes = [_folder().joinpath(name).with_name(file) for file in _FILE.findall(text)]
+    return meshes + [_folder() / file for file in _IMPORT.findall(text)]
 
 
 def _dimensions(text: str) -> int:
@@ -138,6 +146,9 @@ def _personal(name: str, text: str, path: Path) -> str:
     if name.startswith(_STUDIES):
         case, schema = _case_of(text), STUDY_SCHEMA
         text = text.replace(f"../{case}.yaml", _case_path(case, path).name)
+    for file in _IMPORT.findall(text):
+        text = text.replace(f"cases/{file}", shlex.quote(str(path.with_name(file))))
+        text = text.replace(f"../{file}", file)
     text = _OTHER_WAY.sub("", text).replace(f"cases/{name}.yaml", shlex.quote(str(path)))
     return f"{_LINE}{schema}\n{text}"
 
@@ -205,9 +216,9 @@ def _write_schema(path: Path) -> None:
     _write_beside(path, f"{text}\n", f"it is another version's; to renew it: {renew}")
 
 
-def _next(path: Path, study: bool) -> list[str]:
+def _next(path: Path, study: bool, imports: list[Path]) -> list[str]:
     """Return what to do with the files."""
-    file = shlex.quote(str(path))
+    file = " --import ".join(shlex.quote(str(one)) for one in (path, *imports))
     if study:
         commands = {f"pgimp study {file} --list": "its runs", f"pgimp study {file}": "runs them"}
     else:

@@ -11,6 +11,7 @@ from typing import Any
 
 from pgimp.errors import UsageError, explain
 from pgimp.files import atomic
+from pgimp.files.plain import open_plain
 from pgimp.tools.plot.runs import AXES, Shown, open_runs, shots
 from pgimp.tools.plot.tables import Table
 
@@ -242,7 +243,7 @@ def _output(name: str, formats: Sequence[str] = (*_FORMATS, "csv")) -> Path:
         if path.is_dir():
             raise UsageError(f"{name} is a directory")
         if path.exists():
-            with path.open("rb") as stream:
+            with open_plain(path) as stream:
                 beginning = stream.read(16)
             fits = (
                 Table.is_one(beginning)

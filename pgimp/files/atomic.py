@@ -6,6 +6,8 @@ import os
 from contextlib import suppress
 from pathlib import Path
 
+from pgimp.files.plain import require_plain
+
 TEMPORARY = ".part"
 
 
@@ -29,8 +31,11 @@ def write(path: Path, content: str | bytes, durable: bool = True) -> None:
     Raises
     ------
     OSError
-        If it cannot be written; an older version then stays as it is.
+        If it cannot be written; an older version then stays as it is, and so does what is no file:
+        a pipe or a device would not be written to but replaced.
     """
+    with suppress(FileNotFoundError):
+        require_plain(path)
     part = temporary(path)
     try:
         part.write_bytes(content.encode() if isinstance(content, str) else content)

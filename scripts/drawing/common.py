@@ -8,12 +8,14 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.collections import PolyCollection
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
 from PIL import Image
 
 import pgimp
 from pgimp.tools.plot import style
 from pgimp.tools.plot.camera import camera
+from pgimp.tools.plot.visible import draw
 
 ROOT = Path(__file__).resolve().parents[2]
 RUNS = ROOT / "pictures.out"
@@ -43,19 +45,8 @@ def frame_at(results, time):
 def boxes(axis, position, radius, values, limits, colours=style.MAP, dimension=2):
     """Draw particles as boxes of their size, in 3D from a corner, coloured between two limits."""
     eye = camera(None, dimension, None)
-    place = eye.project(position)
-    back_to_front = np.argsort(place[:, 2], kind="stable")
-    corners = place[:, None, :2] + radius[:, None, None] * eye.outline(dimension)
-    shown = PolyCollection(
-        corners[back_to_front],
-        array=values[back_to_front],
-        cmap=colours,
-        clim=limits,
-        lw=0.5,  # without, hairlines show between neighbours
-        edgecolors="face",
-        snap=False,
-    )
-    axis.add_collection(shown)
+    shown = ScalarMappable(Normalize(*limits), colours)
+    draw(axis, eye, position, radius, shown.to_rgba(values))
     axis.grid(False)
     return shown
 

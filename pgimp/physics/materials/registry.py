@@ -121,6 +121,11 @@ def register_material(entry: M) -> M:
     return MATERIALS.add(entry)
 
 
+_FOLDER = (
+    "--import {name}: it is a folder; name the Python file in it that registers the material: "
+    "--import {name}/FILE.py"
+)
+
 #: What `import_file` has imported, as absolute paths or names of modules, in order.
 imported: list[str] = []
 
@@ -143,7 +148,9 @@ def import_file(name: str) -> None:
     try:
         if path is None:
             sys.path.append("")
-            importlib.import_module(name)
+            spec = importlib.import_module(name).__spec__
+            if spec is not None and spec.origin is None:  # a package without anything in it
+                raise UsageError(_FOLDER.format(name=name))
         else:
             _import_path(path, name)
     except UsageError:
@@ -156,6 +163,8 @@ def import_file(name: str) -> None:
 
 def _import_path(path: Path, name: str) -> None:
     """Import a file under its own name, by which Numba's cache finds its classes again."""
+    if path.is_dir():
+        raise UsageError(_FOLDER.format(name=name.rstrip("/")))
     if not path.is_file():
         raise UsageError(f"--import {name}: there is no such file")
     module = path.stem

@@ -1,4 +1,4 @@
-"""From where particles are seen: directions, and the outline of a particle's box."""
+"""From where particles are seen: directions, and the faces of a particle's box."""
 
 from __future__ import annotations
 
@@ -12,18 +12,14 @@ from pgimp.tools.plot.runs import AXES
 
 Array = np.ndarray
 
-_X, _Y, _Z = np.eye(3)
-# To the right and up, as seen from a face of the domain.
-_FACES = {
-    "x-min": (-_Y, _Z),
-    "x-max": (_Y, _Z),
-    "y-min": (_X, _Z),
-    "y-max": (-_X, _Z),
-    "z-min": (-_X, _Y),
-    "z-max": (_X, _Y),
+# Towards the eye.
+_EYES = {
+    "corner": np.array([0.44, -0.77, 0.46]),
+    **{f"{axis}-min": -unit for axis, unit in zip(AXES, np.eye(3), strict=True)},
+    **{f"{axis}-max": unit for axis, unit in zip(AXES, np.eye(3), strict=True)},
 }
-_CORNER = (0.44, -0.77, 0.46)
-NAMES = ("corner", *_FACES)
+# Of faces across x, y and z: enough to show the shape, too little to be taken for another value.
+_LIGHT = np.array([0.77, 0.89, 1.0])
 
 
 class Camera(NamedTuple):
@@ -54,22 +50,25 @@ class Camera(NamedTuple):
         return AXES[number], bool(direction[number] < 0.0)
 
     def project(self, position: Array) -> Array:
-        """Return coordinates in the picture, the third towards the eye: (n, 3) from (n, 3)."""
+        """Return coordinates in the picture, the third towards the eye, (..., 3)."""
         return position @ np.stack([self.right, self.up, self.towards], axis=1)
 
-    def generators(self, dimension: int) -> Array:
-        """Return the projected half-edges of a box of half-width 1, (k, 2), each with y >= 0."""
-        edges = np.stack([self.right, self.up], axis=1)[:dimension]
-        edges = edges[np.linalg.norm(edges, axis=1) > 1e-9]
-        back = (edges[:, 1] < -1e-12) | ((np.abs(edges[:, 1]) <= 1e-12) & (edges[:, 0] < 0.0))
-        edges[back] *= -1.0
-        return edges[np.argsort(np.arctan2(edges[:, 1], edges[:, 0]))]
+    def faces(self) -> tuple[Array, Array]:
+        """Return what is seen of a box of half-width 1: its faces and how light they are.
 
-    def outline(self, dimension: int) -> Array:
-        """Return the corners of that box's outline, counter-clockwise, (2k, 2)."""
-        edges = self.generators(dimension)
-        steps = 2.0 * np.concatenate([edges, -edges])
-        return -edges.sum(axis=0) + np.cumsum(steps, axis=0)
+        Returns
+        -------
+        corners : ndarray, shape (k, 4, 2)
+            In the picture.
+        light : ndarray, shape (k,)
+            1 for the lightest.
+        """
+        towards = self.towards
+        seen = np.flatnonzero(np.abs(towards) > 1e-9)
+        a, b, normal = np.eye(3)[[seen - 2, seen - 1, seen]]
+        normal *= np.sign(towards[seen])[:, None]
+        corners = np.stack([a + b, b - a, -a - b, a - b], axis=1) + normal[:, None]
+        return self.project(corners)[..., :2], _LIGHT[seen] / _LIGHT[seen].max()
 
 
 def camera(text: str | None, dimension: int, normal: int | None) -> Camera:
@@ -91,22 +90,19 @@ def camera(text: str | None, dimension: int, normal: int | None) -> Camera:
     """
     if text is not None and dimension < 3:
         raise UsageError(f"--camera is for three dimensions; this case has {dimension}")
-    if dimension < 3:
-        return Camera(*_FACES["z-max"])
-    if text is None:
+    if text is None and dimension == 3:
         text = "corner" if normal is None else ("x-max", "y-min", "z-max")[normal]
-    if text in _FACES:
-        return Camera(*_FACES[text])
+    text = text or "z-max"
     try:
-        towards = np.array(_CORNER if text == "corner" else [float(x) for x in text.split(",")])
+        towards = _EYES[text] if text in _EYES else np.array([float(x) for x in text.split(",")])
     except ValueError:
         what = "direction X,Y,Z" if "," in text else "camera"
-        raise UsageError(f"--camera: {unknown(what, text, NAMES, 'there are X,Y,Z and')}") from None
+        raise UsageError(f"--camera: {unknown(what, text, _EYES, 'there are X,Y,Z and')}") from None
     if towards.shape != (3,) or not np.isfinite(towards).all() or not towards.any():
         raise UsageError(f"--camera {text}: a direction is three numbers, X,Y,Z, not all zero")
     towards = towards / np.linalg.norm(towards)
-    right = np.cross(_Z, towards)
+    right = np.array([-towards[1], towards[0], 0.0])
     if np.linalg.norm(right) < 1e-9:
-        right = _X * np.sign(towards[2])
+        right = np.array([np.sign(towards[2]), 0.0, 0.0])
     right /= np.linalg.norm(right)
     return Camera(right, np.cross(towards, right))

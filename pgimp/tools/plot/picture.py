@@ -11,10 +11,10 @@ from pgimp.io.results.reader import Frame
 from pgimp.tools.plot.camera import Camera
 from pgimp.tools.plot.quantity import Quantity
 from pgimp.tools.plot.runs import AXES, Shot
-from pgimp.tools.plot.selection import Selection, empty
+from pgimp.tools.plot.selection import Block, Selection, empty
 from pgimp.tools.plot.style import MAP, plain
 from pgimp.tools.plot.tables import Table
-from pgimp.tools.plot.visible import NOTHING, Visible, extent, paint, visible
+from pgimp.tools.plot.visible import draw, extent, visible
 
 Array = np.ndarray
 
@@ -30,7 +30,6 @@ _NAMES: dict[str, Callable[[Frame], list[str]]] = {
 }
 _WHOLE = ("body", "material", "rank", "id")
 _MOST_NAMES = 12
-_SEAM = 0.5  # points; without, hairlines show between neighbours
 
 
 def picture(
@@ -71,24 +70,22 @@ def picture(
         If there is no such particle.
     """
     dimension = shots[0].shown.dimension
-    extents = [extent(shot.frame, selection, camera, dimension) for shot in shots]
-    for shot, one in zip(shots, extents, strict=True):
-        if not one.number:
+    extents = np.array([extent(shot.frame, selection, camera) for shot in shots])
+    for shot, (low, high) in zip(shots, extents, strict=True):
+        if not (low <= high).all():
             raise empty(shot.frame, selection.place)
-    inside = NOTHING
-    for one in extents:
-        inside = inside.union(one)
+    inside = np.array([extents[:, 0].min(axis=0), extents[:, 1].max(axis=0)])
     table = Table(["run", "frame", "time", "id", *AXES[:dimension], "radius", quantities[0].text])
     drawn, remarks = [], []
     for shot, quantity in zip(shots, quantities, strict=True):
-        seen = visible(shot.frame, selection, quantity, camera, inside)
+        seen, total = visible(shot.frame, selection, quantity, camera, inside)
         drawn.append(seen)
-        if len(seen.place) < seen.total:
+        if len(seen.id) < total:
             remarks.append(
-                f"{shot.frame.path}: {len(seen.place):,} of {seen.total:,} particles drawn, in "
-                "each spot of the picture the foremost"
+                f"{shot.frame.path}: {len(seen.id):,} of {total:,} particles drawn, in each spot "
+                "of the picture the foremost"
             )
-        part = seen.particles.take(np.argsort(seen.particles.id))
+        part = seen.take(np.argsort(seen.id))
         place = part.position[:, :dimension].T
         table.add(
             [shot.shown.name, shot.frame.number, shot.frame.time],
@@ -136,9 +133,9 @@ def scale(values: Array, limits: tuple[float, float] | None) -> tuple[float, flo
 def _draw(
     shots: Sequence[Shot],
     quantity: Quantity,
-    drawn: Sequence[Visible],
+    drawn: Sequence[Block],
     camera: Camera,
-    inside: Any,
+    inside: Array,
     limits: tuple[float, float] | None,
 ) -> Any:
     from matplotlib import colormaps
@@ -146,20 +143,18 @@ def _draw(
     from matplotlib.colors import Normalize
     from matplotlib.ticker import MaxNLocator
 
-    low, high, beyond = scale(np.concatenate([seen.particles.value for seen in drawn]), limits)
+    low, high, beyond = scale(np.concatenate([seen.value for seen in drawn]), limits)
     shades = colormaps[MAP].with_extremes(bad="#c8c8c8")
     colours = ScalarMappable(Normalize(low, high), shades)
-    wide = inside.size[0] * min(len(shots), 2) > _FLAT * inside.size[1]
-    figure, axes = _panels(len(shots), inside.size, wide, camera.along_axes)
-    margin = 0.03 * inside.size.max()
+    size = inside[1] - inside[0]
+    wide = size[0] * min(len(shots), 2) > _FLAT * size[1]
+    figure, axes = _panels(len(shots), size, wide, camera.along_axes)
+    (left, bottom), (right, top) = inside + 0.03 * size.max() * np.array([[-1.0], [1.0]])
     several = len({shot.shown.name for shot in shots}) > 1
     for number, (shot, seen, axis) in enumerate(zip(shots, drawn, axes, strict=False)):
-        _particles(axis, seen, camera, shot.shown.dimension, inside, colours)
-        axis.set(
-            xlim=(inside.low[0] - margin, inside.low[0] + inside.size[0] + margin),
-            ylim=(inside.low[1] - margin, inside.low[1] + inside.size[1] + margin),
-            aspect="equal",
-        )
+        rgba = colours.to_rgba(np.ma.masked_invalid(seen.value))
+        draw(axis, camera, seen.position, seen.radius, rgba)
+        axis.set(xlim=(left, right), ylim=(bottom, top), aspect="equal")
         name = f"{plain(shot.shown.name)}, " if several else ""
         axis.set_title(name + shot.title, fontsize=10)
         axis.grid(False)
@@ -209,42 +204,6 @@ def _panels(count: int, size: Array, wide: bool, labelled: bool) -> tuple[Any, A
     figure = Figure(figsize=(width, height))
     axes = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
     return figure, axes.ravel()
-
-
-def _particles(
-    axis: Any, seen: Visible, camera: Camera, dimension: int, inside: Any, colours: Any
-) -> None:
-    from matplotlib.collections import PolyCollection
-
-    if seen.spot:
-        image = paint(seen, camera, dimension, inside)
-        rgba = colours.to_rgba(np.ma.masked_invalid(image), norm=True)
-        painted = ~np.isnan(image) | _holes(seen, camera, dimension, inside)
-        rgba[~painted] = 0.0
-        rows, columns = image.shape
-        right, top = inside.low + seen.spot * np.array([columns, rows])
-        axis.imshow(
-            rgba,
-            origin="lower",
-            extent=(inside.low[0], right, inside.low[1], top),
-            interpolation="antialiased",
-        )
-        return
-    outline = camera.outline(dimension)
-    corners = seen.place[:, None] + seen.particles.radius[:, None, None] * outline
-    shown = PolyCollection(corners, lw=_SEAM, edgecolors="face", snap=False)
-    shown.set(cmap=colours.cmap, norm=colours.norm)
-    shown.set_array(np.ma.masked_invalid(seen.particles.value))
-    axis.add_collection(shown)
-
-
-def _holes(seen: Visible, camera: Camera, dimension: int, inside: Any) -> Array:
-    """Return where there are particles whose value is no number."""
-    bad = np.isnan(seen.particles.value)
-    if not bad.any():
-        return np.zeros((), dtype=bool)
-    marked = seen._replace(particles=seen.particles._replace(value=bad.astype(np.float64)))
-    return paint(marked, camera, dimension, inside) == 1.0
 
 
 def _label(axis: Any, shot: Shot, camera: Camera, columns: int, *, lowest: bool) -> None:
