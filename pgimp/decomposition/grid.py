@@ -5,6 +5,7 @@ import numpy as np
 from pgimp.decomposition.slabs import Slab
 from pgimp.kernels.concepts import Field
 from pgimp.kernels.particles import FloatArray, Frame, Window
+from pgimp.kernels.record import RECORD
 
 #: Cells by which the window reaches beyond the particles, so that it seldom has to grow.
 MARGIN = 2
@@ -49,7 +50,7 @@ class Grid:
     field : Field
         What kernels get of all this.
     G : (planes * plane,) float64
-        Records of the vertices, see `pgimp.kernels.transfer`; only active planes are defined.
+        Records of the vertices, see `pgimp.kernels.record`; only active planes are defined.
     active : (planes,) uint8
         Which planes take part in this step.
     scratch, aside : float64
@@ -127,8 +128,8 @@ class Grid:
     @property
     def marks(self) -> np.ndarray:
         """Which constraints hold each vertex, bit by bit."""
-        if len(self._marks) != len(self.G) // 8:
-            self._marks = np.zeros(len(self.G) // 8, np.int64)
+        if len(self._marks) != len(self.G) // RECORD:
+            self._marks = np.zeros(len(self.G) // RECORD, np.int64)
         return self._marks
 
     def _bounds(self) -> tuple[tuple[float, float], ...]:

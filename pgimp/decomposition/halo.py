@@ -19,6 +19,7 @@ import numpy as np
 from pgimp.decomposition.grid import Grid, aligned
 from pgimp.decomposition.slabs import Slab
 from pgimp.kernels.p2g import complete
+from pgimp.kernels.record import RECORD
 from pgimp.mpi.switches import switched_on
 
 _UP, _DOWN = 1, 2
@@ -203,7 +204,7 @@ class Halo:
     def _connect_marks(self, grid: Grid) -> None:
         """Make the requests for what constraints mark in the shared planes."""
         marks, self._marks = grid.marks, grid.marks
-        plane = grid.window.stride[0] // 8
+        plane = grid.window.stride[0] // RECORD
         self._others, self._sizes[1] = [], self._sizes[0]
         for neighbour, first in ((self.slab.below, 0), (self.slab.above, self.slab.layers)):
             if neighbour is not None:

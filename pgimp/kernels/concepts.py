@@ -65,7 +65,7 @@ class Field(NamedTuple):
     window : Window
         What is stored; its first plane is that of the rank's first layer.
     G : (planes * plane,) float64
-        Records of the vertices, see `pgimp.kernels.transfer`. Only those of active planes are
+        Records of the vertices, see `pgimp.kernels.record`. Only those of active planes are
         defined.
     active : (planes,) uint8
         1 for the planes that layers of this rank add to; zero before the first layer of a step.

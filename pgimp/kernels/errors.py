@@ -43,14 +43,14 @@ def layer_errors(solution, t, follows, setting, particles, order, sums, most):
             S = plus_scaled(-1.0, sigma, read(particles.sigma, p, 0, symmetric(like)))
             ds = contract(S, S)
             V0 = particles.V0[p]
-            row[0] += V0 * du
-            row[1] += V0 * dv
-            row[2] += V0 * ds
-            row[3] += V0
-            row[4] += sqrt(ds) * (particles.V[p] if follows else V0)
-            top[0] = max(top[0], sqrt(du))
-            top[1] = max(top[1], sqrt(dv))
-            top[2] = max(top[2], sqrt(ds))
+            row[DISPLACEMENT] += V0 * du
+            row[VELOCITY] += V0 * dv
+            row[STRESS] += V0 * ds
+            row[VOLUME] += V0
+            row[STRESS_VOLUME] += sqrt(ds) * (particles.V[p] if follows else V0)
+            top[DISPLACEMENT] = max(top[DISPLACEMENT], sqrt(du))
+            top[VELOCITY] = max(top[VELOCITY], sqrt(dv))
+            top[STRESS] = max(top[STRESS], sqrt(ds))
 
 
 @kernel

@@ -12,7 +12,8 @@ from pgimp.jit.kernel import kernel, specialise
 from pgimp.jit.simd import bits, lane, pack, stack, where
 from pgimp.kernels.batch import LANES, ROOM, entry, extent, first_place, four, supports, take
 from pgimp.kernels.loads import given
-from pgimp.kernels.transfer import FIRM, HELD, RECORD, SEVERAL
+from pgimp.kernels.record import ACCELERATION, HELD, MASS, RECORD, VELOCITY
+from pgimp.kernels.transfer import FIRM, SEVERAL
 
 
 def any_held(particles, rows):
@@ -127,22 +128,22 @@ def hold_marked(field, forcing, ledger):
             continue
         for r in range(i * plane, (i + 1) * plane, RECORD):
             held = mask[r // RECORD]
-            if held == 0 or not G[r] > 0.0:
+            if held == 0 or not G[r + MASS] > 0.0:
                 continue
-            mass = G[r] if i < owned else 0.0
-            last = ruled(marked, r, (G[r + 1], G[r + 2], G[r + 3]))
+            mass = G[r + MASS] if i < owned else 0.0
+            own = (G[r + VELOCITY], G[r + VELOCITY + 1], G[r + VELOCITY + 2])
+            last = ruled(marked, r, own)
             for k in range(len(grips)):
                 if held >> k & 1 == 0:
                     continue
                 for d in range(3):
                     if grips[k].held[d]:
                         v, a = grips[k].velocity[d], grips[k].rate[d]
-                        change = given(
-                            relaxation, mass, dt, G[r + 1 + d], G[r + 5 + d], v, a
-                        )  # fmt: skip
-                        work[i] += mass * dt * gravity[d] * (v - G[r + 1 + d])
-                        G[r + 1 + d] = v
-                        G[r + 5 + d] = a
+                        u, b = G[r + VELOCITY + d], G[r + ACCELERATION + d]
+                        change = given(relaxation, mass, dt, u, b, v, a)
+                        work[i] += mass * dt * gravity[d] * (v - u)
+                        G[r + VELOCITY + d] = v
+                        G[r + ACCELERATION + d] = a
                         G[r + HELD] = SEVERAL
                         impulse[i, k, d] += change
                         work[i] += change * last[d]

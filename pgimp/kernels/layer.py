@@ -6,6 +6,7 @@ from pgimp.kernels.affine import slopes
 from pgimp.kernels.batch import LANES, ROOM, first_place, four, supports
 from pgimp.kernels.charges import charges
 from pgimp.kernels.loads import scatter_loads, weight
+from pgimp.kernels.record import RECORD
 from pgimp.kernels.transfer import scatter
 
 
@@ -54,7 +55,7 @@ def _sum_layer(setting, field, particles, loads, rows, span, number):
                 high = max(high, place)
         scatter_loads(loads, setting, field, particles, rows, span, number)
         # Behind the last particle's first vertex lies the rest of its support within the plane.
-        high += 8
+        high += RECORD
         for d in range(1, len(frame.origin)):
             high += (vertices - 1) * window.stride[d]
         return low, high

@@ -15,7 +15,8 @@ from typing import NamedTuple
 
 from pgimp.jit.kernel import kernel
 from pgimp.kernels.loads import given, relaxed_part
-from pgimp.kernels.transfer import HELD, also_held
+from pgimp.kernels.record import ACCELERATION, FORCE, HELD, MASS, MOMENTUM, RECORD, VELOCITY
+from pgimp.kernels.transfer import also_held
 
 
 class Mirror(NamedTuple):
@@ -64,30 +65,29 @@ def fold(frame, field, mirror, forcing, ledger):
         for j in range(j0, j1):
             for k in range(k0, k1):
                 g, r, wall = _places(frame, window, active, mirror, i, j, k)
-                if r < 0 or not G[g] > 0.0 or G[r] < 0.0:
+                if r < 0 or not G[g + MASS] > 0.0 or G[r + MASS] < 0.0:
                     continue
                 if mirror.releases:
-                    push = G[wall + 5 + axis] + G[wall] * gravity[axis]
-                    into = (G[wall + 1 + axis] + dt * push) * mirror.side
-                    if not (G[wall] > 0.0 and into > 0.0):
+                    push = G[wall + FORCE + axis] + G[wall + MASS] * gravity[axis]
+                    into = (G[wall + MOMENTUM + axis] + dt * push) * mirror.side
+                    if not (G[wall + MASS] > 0.0 and into > 0.0):
                         continue
                 # Gravity will act on all mass of the image alike; on this part it acts against it.
-                weight = G[g] * gravity[axis]
-                G[r + 5 + axis] -= 2.0 * weight
+                weight = G[g + MASS] * gravity[axis]
+                G[r + FORCE + axis] -= 2.0 * weight
                 if i < owned:
                     part = relaxed_part(relaxation, dt)
-                    impulse[i, mirror.number, axis] -= (
-                        2.0 * dt * (G[g + 5 + axis] + weight) + 2.0 * part * G[g + 1 + axis]
-                    )
-                G[r] += G[g]
+                    force, momentum = G[g + FORCE + axis] + weight, G[g + MOMENTUM + axis]
+                    impulse[i, mirror.number, axis] -= 2.0 * dt * force + 2.0 * part * momentum
+                G[r + MASS] += G[g + MASS]
                 for d in range(3):
                     sign = -1.0 if d == axis else 1.0
-                    G[r + 1 + d] += sign * G[g + 1 + d]
-                    G[r + 5 + d] += sign * G[g + 5 + d]
-                mass = G[g]
-                for d in range(8):
+                    G[r + MOMENTUM + d] += sign * G[g + MOMENTUM + d]
+                    G[r + FORCE + d] += sign * G[g + FORCE + d]
+                mass = G[g + MASS]
+                for d in range(RECORD):
                     G[g + d] = 0.0
-                G[g] = -1.0 - mirror.number
+                G[g + MASS] = -1.0 - mirror.number
                 G[g + HELD] = mass
 
 
@@ -118,10 +118,11 @@ def reflect(frame, field, mirror, forcing, ledger):
         for j in range(j0, j1):
             for k in range(k0, k1):
                 g, r, _ = _places(frame, window, active, mirror, i, j, k)
-                if r < 0 or G[g] != -1.0 - mirror.number:
+                if r < 0 or G[g + MASS] != -1.0 - mirror.number:
                     continue
                 if i < owned:
-                    v, a, twice = G[r + 1 + axis], G[r + 5 + axis], 2.0 * G[g + HELD]
+                    v, a = G[r + VELOCITY + axis], G[r + ACCELERATION + axis]
+                    twice = 2.0 * G[g + HELD]
                     impulse[i, mirror.number, axis] -= given(
                         relaxation, twice, dt, 0.0, 0.0, v, a
                     )  # fmt: skip
@@ -130,8 +131,8 @@ def reflect(frame, field, mirror, forcing, ledger):
                 G[g + HELD] = G[r + HELD]
                 for d in range(3):
                     sign = -1.0 if d == axis else 1.0
-                    G[g + 1 + d] = sign * G[r + 1 + d]
-                    G[g + 5 + d] = sign * G[r + 5 + d]
+                    G[g + VELOCITY + d] = sign * G[r + VELOCITY + d]
+                    G[g + ACCELERATION + d] = sign * G[r + ACCELERATION + d]
 
 
 @kernel

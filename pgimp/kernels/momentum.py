@@ -3,7 +3,8 @@
 from pgimp.jit.kernel import kernel, specialise
 from pgimp.kernels.grips import ruled
 from pgimp.kernels.loads import given
-from pgimp.kernels.transfer import HELD, also_held
+from pgimp.kernels.record import ACCELERATION, FORCE, HELD, MASS, MOMENTUM, RECORD, VELOCITY
+from pgimp.kernels.transfer import also_held
 from pgimp.physics.boundaries.base import constrain
 
 
@@ -29,25 +30,26 @@ def update_momentum(frame, field, forcing, ledger):
     for i in range(len(active)):
         if active[i] == 0:
             continue
-        for r in range(i * plane, (i + 1) * plane, 8):
-            m = G[r]
+        for r in range(i * plane, (i + 1) * plane, RECORD):
+            m = G[r + MASS]
             if m > lightest:
                 inverse = 1.0 / m
                 for d in range(3):
-                    a = G[r + 5 + d] * inverse + gravity[d]
-                    G[r + 5 + d] = a
-                    G[r + 1 + d] = G[r + 1 + d] * inverse + dt * a
+                    a = G[r + FORCE + d] * inverse + gravity[d]
+                    G[r + ACCELERATION + d] = a
+                    G[r + VELOCITY + d] = G[r + MOMENTUM + d] * inverse + dt * a
             else:
                 inverse = 1.0 / m if m > 0.0 else 0.0
                 for d in range(3):
-                    G[r + 5 + d] = 0.0
-                    G[r + 1 + d] *= inverse
+                    G[r + ACCELERATION + d] = 0.0
+                    G[r + VELOCITY + d] *= inverse
         constrain_plane((), forcing.faces, frame, field, forcing, i, ledger)
         if heavy and i < owned:
             power = 0.0
-            for r in range(i * plane, (i + 1) * plane, 8):
-                b_v = gravity[0] * G[r + 1] + gravity[1] * G[r + 2] + gravity[2] * G[r + 3]
-                power += G[r] * b_v
+            for r in range(i * plane, (i + 1) * plane, RECORD):
+                v = r + VELOCITY
+                b_v = gravity[0] * G[v] + gravity[1] * G[v + 1] + gravity[2] * G[v + 2]
+                power += G[r + MASS] * b_v
             work[i] += dt * power
 
 
@@ -140,15 +142,15 @@ def _constrain_face(done, faces, frame, field, forcing, i, ledger):
     for j in range(j0, j1):
         for k in range(k0, k1):
             r = i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
-            m = G[r]
+            m = G[r + MASS]
             number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
             if not m > 0.0 or beyond_any(done, frame, number):
                 continue
             if number[face.axis] != wall:
                 ledger.beyond[i, len(done)] += m
             mass = m if owned else 0.0
-            u = (G[r + 1], G[r + 2], G[r + 3])
-            b = (G[r + 5], G[r + 6], G[r + 7])
+            u = (G[r + VELOCITY], G[r + VELOCITY + 1], G[r + VELOCITY + 2])
+            b = (G[r + ACCELERATION], G[r + ACCELERATION + 1], G[r + ACCELERATION + 2])
             v, a = hold(
                 faces, len(done), relaxation, frame, number, u, b, mass, dt, ledger.impulse[i]
             )  # fmt: skip
@@ -158,6 +160,7 @@ def _constrain_face(done, faces, frame, field, forcing, i, ledger):
                 work[i] += given(relaxation, mass, dt, u[d], b[d], v[d], a[d]) * last[d]
                 if v[d] != u[d] or a[d] != b[d]:
                     held = also_held(held, d)
-            G[r + 1], G[r + 2], G[r + 3] = v
             G[r + HELD] = held
-            G[r + 5], G[r + 6], G[r + 7] = a
+            for d in range(3):
+                G[r + VELOCITY + d] = v[d]
+                G[r + ACCELERATION + d] = a[d]

@@ -28,6 +28,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from pgimp.kernels.record import RECORD
+
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 Columns = tuple[tuple[IntArray, ...], tuple[NDArray[np.int32], ...]]
@@ -138,5 +140,5 @@ class Window(NamedTuple):
 
     @classmethod
     def over(cls, lower: tuple[int, int, int], extent: tuple[int, int, int]) -> "Window":
-        """Window with records of 8 float64, planes outermost."""
-        return cls(lower, extent, (8 * extent[1] * extent[2], 8 * extent[2], 8))
+        """Window of records, planes outermost."""
+        return cls(lower, extent, (RECORD * extent[1] * extent[2], RECORD * extent[2], RECORD))

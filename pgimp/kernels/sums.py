@@ -36,21 +36,21 @@ def layer_sums(setting, particles, order, sums):
                 y0, vy = particles.x[p, 1], particles.v[p, 1]
             if D > 2:
                 z0, vz = particles.x[p, 2], particles.v[p, 2]
-            row[0] += m
-            row[1] += m * vx
-            row[2] += m * vy
-            row[3] += m * vz
-            row[4] += m * (y0 * vz - z0 * vy)
-            row[5] += m * (z0 * vx - x0 * vz)
-            row[6] += m * (x0 * vy - y0 * vx)
-            row[7] += m * x0
-            row[8] += m * y0
-            row[9] += m * z0
-            row[10] += 0.5 * m * (vx * vx + vy * vy + vz * vz)
+            row[MASS] += m
+            row[MOMENTUM] += m * vx
+            row[MOMENTUM + 1] += m * vy
+            row[MOMENTUM + 2] += m * vz
+            row[ANGULAR] += m * (y0 * vz - z0 * vy)
+            row[ANGULAR + 1] += m * (z0 * vx - x0 * vz)
+            row[ANGULAR + 2] += m * (x0 * vy - y0 * vx)
+            row[MOMENT] += m * x0
+            row[MOMENT + 1] += m * y0
+            row[MOMENT + 2] += m * z0
+            row[KINETIC] += 0.5 * m * (vx * vx + vy * vy + vz * vz)
             F = read(particles.F, p, 0, like)
             sigma = read(particles.sigma, p, 0, symmetric(like))
             J = determinant(F)
-            row[11] += particles.V0[p] * evaluate(
+            row[STRAIN] += particles.V0[p] * evaluate(
                 "energy", setting.materials, setting.material_of[body], (F, J, sigma)
             )
 

@@ -1,7 +1,6 @@
 """Scatter and gather: what one particle gives to the vertices of its support, and takes back.
 
-A vertex's record is 8 float64: (m, mv) and (0, f) while particles are summed, (m, v) and (h, a)
-after the momentum update; h tells which components a face or a constraint holds, see `also_held`.
+What they move is the record of a vertex, see `pgimp.kernels.record`.
 Both transfers are written once for all dimensions, and factor the sums by direction: in 3D the
 innermost vertex costs P2G three vector multiply-adds, and G2P three. Vertices without weight at the
 support's end are left out; the innermost direction, along which records follow each other, is
@@ -12,12 +11,7 @@ from pgimp.jit.kernel import kernel, specialise
 from pgimp.jit.simd import load, store, vector
 from pgimp.jit.tuples import joined, plus_scaled, scaled
 from pgimp.kernels.batch import entries, entry, extent, extents
-
-#: Distance, in float64, of neighbours along the innermost direction: a record's size.
-RECORD = 8
-
-#: Where in a record the code of the components is that are held.
-HELD = 4
+from pgimp.kernels.record import RECORD
 
 #: Codes of component d are this to the power d: so far apart that a weighted sum of them tells the
 #: greatest.

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pgimp.files.framefile import blocks
-from pgimp.kernels.transfer import RECORD
+from pgimp.kernels.record import FORCE, MASS, MOMENTUM, RECORD
 from pgimp.solver.rank import Rank
 from pgimp.solver.step import sum_particles
 
@@ -62,7 +62,7 @@ def active_grid(rank: Rank, time: float) -> ActiveGrid:
     records[grid.active[:own] == 0] = 0.0
 
     cells, below = _cells(rank)
-    vertices = records[..., 0] > 0.0
+    vertices = records[..., MASS] > 0.0
     shown = np.concatenate([below[None], cells])
     for a, b, c in _CORNERS[D - 1]:
         vertices[:, b:, c:] |= shown[1 - a : 1 - a + own, : extent[1] - b, : extent[2] - c]
@@ -84,12 +84,12 @@ def active_grid(rank: Rank, time: float) -> ActiveGrid:
     for d in range(D):
         number = place[d] + (grid.window.lower[d] - scene.frame.ghost)
         position[:, d] = scene.frame.origin[d] + number * scene.frame.cell[d]
-    mass = found[:, 0].copy()
+    mass = found[:, MASS].copy()
     return ActiveGrid(
         position,
         mass,
-        found[:, 1:4].copy(),
-        found[:, 5:8] + mass[:, None] * np.array(scene.gravity(time)),
+        found[:, MOMENTUM : MOMENTUM + 3].copy(),
+        found[:, FORCE : FORCE + 3] + mass[:, None] * np.array(scene.gravity(time)),
         np.stack(corners, axis=1),
         (int(first[0]), int(first[1])),
         (int(total[0]), int(total[1])),

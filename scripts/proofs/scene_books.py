@@ -23,7 +23,7 @@ import math
 import numpy as np
 
 from pgimp.errors import RunError
-from pgimp.kernels.transfer import RECORD
+from pgimp.kernels.record import RECORD
 from pgimp.schema.tables import prescribed
 from pgimp.solver import step as stepping
 
