@@ -16,7 +16,7 @@ from pgimp.io.rundir.rundir import RunDirectory
 from pgimp.mpi.comm import Serial
 from pgimp.running.recorder import Recorder
 from pgimp.solver import gridstate
-from pgimp.solver.agreement import PENDING
+from pgimp.solver.reduction import Request
 
 EVERYTHING = ["mass", "momentum", "velocity", "force"]
 FIELDS = ["velocity", "mass"]
@@ -234,7 +234,7 @@ def test_a_whole_frame_is_kept_when_the_next_one_or_a_line_fails(tmp_path, monke
         monkeypatch.setattr(gridstate, "active_grid", broken)
     with pytest.raises(RunError, match="no room"):
         for _ in range(2):
-            sim.wish = PENDING  # as if the disk were slow
+            sim.request = Request.PENDING  # as if the disk were slow
             sim.advance()
             recorder.step()
     recorder.close()

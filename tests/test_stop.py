@@ -13,9 +13,9 @@ import pytest
 from pgimp import signals
 from pgimp.mpi.comm import Serial
 from pgimp.running import stop as module
-from pgimp.running.running import _wish
+from pgimp.running.running import _request
 from pgimp.running.stop import Held, Stop, clock, slurm_seconds_left, wall_time
-from pgimp.solver.agreement import CHECKPOINT, NOTHING
+from pgimp.solver.reduction import Request
 
 
 @pytest.fixture(autouse=True)
@@ -282,12 +282,14 @@ def test_a_checkpoint_is_asked_for_once_until_it_is_known_whether_it_is_granted(
     checkpoints = SimpleNamespace(overdue=True, seconds=0.0)
     recorder = SimpleNamespace(checkpoints=checkpoints, ready=True)
     stop = SimpleNamespace(requested=lambda reserve: False)
-    sim = SimpleNamespace(agreed=True, wish=NOTHING, comm=Serial())
-    sim.wish = _wish(sim, recorder, stop, 0.1)
-    assert sim.wish == CHECKPOINT
+    sim = SimpleNamespace(agreed=True, request=Request.NONE, comm=Serial())
+    sim.request = _request(sim, recorder, stop, 0.1)
+    assert sim.request == Request.CHECKPOINT
     sim.agreed = False
-    sim.wish = _wish(sim, recorder, stop, 0.1)
-    assert sim.wish == NOTHING
-    assert _wish(sim, recorder, stop, 0.1) == CHECKPOINT  # what was asked for before is known now
-    sim.agreed, sim.wish = True, CHECKPOINT  # it was written, but there is time for another
-    assert _wish(sim, recorder, stop, 0.1) == CHECKPOINT
+    sim.request = _request(sim, recorder, stop, 0.1)
+    assert sim.request == Request.NONE
+    # What was asked for before is known now.
+    assert _request(sim, recorder, stop, 0.1) == Request.CHECKPOINT
+    # It was written, but there is time for another.
+    sim.agreed, sim.request = True, Request.CHECKPOINT
+    assert _request(sim, recorder, stop, 0.1) == Request.CHECKPOINT

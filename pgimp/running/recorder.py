@@ -16,7 +16,7 @@ from pgimp.running.frames import Frames
 from pgimp.running.gridframes import GridFrames
 from pgimp.running.probes import Probes
 from pgimp.running.schedule import Schedule
-from pgimp.solver.agreement import CHECKPOINT, NOTHING
+from pgimp.solver.reduction import Request
 
 
 class Recorder:
@@ -95,7 +95,7 @@ class Recorder:
         return notes
 
     def step(self) -> None:
-        """Write what falls due after a step, or is granted; collective.
+        """Write what falls due after a step, or is asked for; collective.
 
         Nothing is written before all ranks have agreed that the step went well.
 
@@ -105,11 +105,12 @@ class Recorder:
             On every rank, if it did not.
         """
         sim = self._sim
-        finish = (self.frames.waiting or self.grid.waiting) and sim.granted == NOTHING
+        waiting = self.frames.waiting or self.grid.waiting
+        finish = waiting and sim.agreed_request == Request.NONE
         frame = self._frame_times.due(sim.time, sim.step, sim.dt)
         line = self._line_times.due(sim.time, sim.step, sim.dt)
         probes = self.probes.due()
-        checkpoint = self.checkpoints.due(sim) or sim.granted == CHECKPOINT
+        checkpoint = self.checkpoints.due(sim) or sim.agreed_request == Request.CHECKPOINT
         if not (finish or frame or line or probes or checkpoint):
             return
         sim.agree()
@@ -122,7 +123,7 @@ class Recorder:
         if frame or line:
             self._record(frame, line)
         # The one of the end comes after the frame of the end.
-        if (checkpoint or sim.granted == CHECKPOINT) and not sim.finished:
+        if (checkpoint or sim.agreed_request == Request.CHECKPOINT) and not sim.finished:
             self.checkpoint()
 
     def end(self) -> None:

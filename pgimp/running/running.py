@@ -15,8 +15,8 @@ from pgimp.running.log import Log, timing_table
 from pgimp.running.progress import Progress, duration, terminal_columns
 from pgimp.running.recorder import Recorder
 from pgimp.running.stop import Stop
-from pgimp.solver.agreement import CHECKPOINT, NOTHING, PENDING, STOP
 from pgimp.solver.clock import EndlessError
+from pgimp.solver.reduction import Request
 from pgimp.solver.simulation import Simulation
 
 #: Part of the mass past a wall that is worth a note.
@@ -65,11 +65,12 @@ def advance(
         # What came before the first step, set-up included, has been held until here.
         stopped = stop.agree(recorder.checkpoints.seconds if about is None else 0.0)
         while not (stopped or sim.finished):
-            sim.wish = _wish(sim, recorder, stop, (perf_counter() - began) / (sim.step - first + 1))
+            each = (perf_counter() - began) / (sim.step - first + 1)
+            sim.request = _request(sim, recorder, stop, each)
             sim.advance(agree=False)
             recorder.step()
             progress.step()
-            stopped = sim.granted == STOP
+            stopped = sim.agreed_request == Request.STOP
         sim.agree()
         if not sim.finished:
             stop.agree(0.0)
@@ -116,18 +117,18 @@ def advance(
     return ended
 
 
-def _wish(sim: Simulation, recorder: Recorder, stop: Stop, step: float) -> int:
+def _request(sim: Simulation, recorder: Recorder, stop: Stop, step: float) -> Request:
     """What this rank asks for after the next step; `step` is how long one takes.
 
-    It may be granted a step later, see `Simulation.advance`; until that is known, a checkpoint must
-    not be asked for again.
+    It may be agreed on a step later, see `Simulation.advance`; until that is known, a checkpoint
+    must not be asked for again.
     """
     if stop.requested(recorder.checkpoints.seconds + 3.0 * step):
-        return STOP
-    known = sim.agreed or sim.wish != CHECKPOINT
+        return Request.STOP
+    known = sim.agreed or sim.request != Request.CHECKPOINT
     if sim.comm.rank == 0 and recorder.checkpoints.overdue and known:
-        return CHECKPOINT
-    return NOTHING if recorder.ready else PENDING
+        return Request.CHECKPOINT
+    return Request.NONE if recorder.ready else Request.PENDING
 
 
 def amount(size: float) -> str:

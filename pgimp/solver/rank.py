@@ -59,7 +59,7 @@ class Rank:
     lightest : float
         Mass below which a vertex is not accelerated.
     reach : (2, 2) int64
-        First vertices that particles have been found to need, see `Agreement`.
+        First vertices that particles have been found to need, see `StepReduction`.
     timings : dict of str to float
         Seconds spent in each phase.
     worked : dict of str to float

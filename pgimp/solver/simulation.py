@@ -20,13 +20,13 @@ from pgimp.scene import nearness
 from pgimp.scene.geometry import do_without, release, share
 from pgimp.scene.lattice import Lattice
 from pgimp.scene.scene import Scene, count_particles
-from pgimp.solver.agreement import FAULT, NOTHING, PENDING, Agreement
 from pgimp.solver.clock import START, Step, clock_of
 from pgimp.solver.decomposition import owned, rebalance, share_out
 from pgimp.solver.diagnostics import Diagnostics
 from pgimp.solver.faults import Failure, collect
 from pgimp.solver.memory import require
 from pgimp.solver.rank import Rank
+from pgimp.solver.reduction import Request, StepReduction
 from pgimp.solver.stability import check_first_step, require_end
 from pgimp.solver.state import outline, read_books, read_particles
 from pgimp.solver.step import step
@@ -71,12 +71,12 @@ class Simulation:
         Particles of all ranks at the start, which is one more than the greatest id; see `present`.
     notes, warnings : list of str
         What the user should know, the same on every rank.
-    wish : int
-        What this rank asks for, `NOTHING` to `FAULT`; it goes with the reduction of every step.
-    granted : int
-        The greatest wish of all ranks that has become known since the last step began, the same
-        on all; `PENDING` if none has.
-    agreement : Agreement
+    request : Request
+        What this rank asks for; it goes with the reduction of every step.
+    agreed_request : Request
+        The greatest request of all ranks that has become known since the last step began, the same
+        on all; `Request.PENDING` if none has.
+    reduction : StepReduction
         What all ranks say of the last step, or will have said.
     rate : float
         Largest (c_p + |v_p|)/L of all ranks.
@@ -103,8 +103,8 @@ class Simulation:
         self.notes: list[str] = []
         self.warnings: list[str] = []
         self.failure: Failure | None = None
-        self.wish = self.granted = NOTHING
-        self.agreement = Agreement(comm)
+        self.request = self.agreed_request = Request.NONE
+        self.reduction = StepReduction(comm)
         self.diagnostic_sums = Diagnostics()
         (share if source is None else do_without)(case, comm)
         require(scene, comm, None if source is None else source.count)
@@ -184,7 +184,7 @@ class Simulation:
         self.rank = rank = Rank(scene, comm, slab, particles, count, start)
         rank.lightest = LIGHT * min(least for least, _ in masses)
         self.balance.watch(count)
-        open_window(rank, self.agreement)
+        open_window(rank, self.reduction)
         if start is None:
             scene.loads.settle(rank.population, comm)
         fastest = fastest_rate(scene.setting, rank.particles, rank.population.order)
@@ -219,7 +219,7 @@ class Simulation:
     @property
     def agreed(self) -> bool:
         """Whether all that the ranks say of the last step is known."""
-        return not self.agreement.open
+        return not self.reduction.open
 
     @property
     def population(self) -> Population:
@@ -261,22 +261,23 @@ class Simulation:
         """
         if self.failure:
             raise RunError(self.failure.text)
-        self.granted = PENDING
-        rank, agreement, balance = self.rank, self.agreement, self.balance
+        self.agreed_request = Request.PENDING
+        rank, reduction, balance = self.rank, self.reduction, self.balance
         doing, rate = step(rank, self.time, self._next, self.clock.controlled)
         self.doing, number = doing, doing.number
         if self.comm.size > 1:
             balance.note(rank.worked, rank.count, number)
-        asked = agreement.asks
-        agreement.begin(rate, FAULT if rank.failed else self.wish, balance.asks, rank.reach)
+        asked = reduction.asks
+        request = Request.FAULT if rank.failed else self.request
+        reduction.begin(rate, request, balance.asks, rank.reach)
         sort = number % RESORT == 0
         if agree or asked or sort or self.comm.size == 1:
             self.agree()
-        if not rank.grid.covers(agreement.reach):
-            rank.grid.extend(agreement.reach)
+        if not rank.grid.covers(reduction.reach):
+            rank.grid.extend(reduction.reach)
         if asked:
             rebalance(rank, balance, number)
-            agreement.asks = False
+            reduction.asks = False
         if sort:
             self._sort()
 
@@ -293,13 +294,13 @@ class Simulation:
         RunError
             On every rank, as from `advance`.
         """
-        agreement = self.agreement
-        if not agreement.end() or self.doing is None:
+        reduction = self.reduction
+        if not reduction.end() or self.doing is None:
             return
-        known = self.granted if self.granted != PENDING else NOTHING
-        self.rate, self.granted = agreement.rate, max(known, agreement.wish)
+        known = self.agreed_request if self.agreed_request != Request.PENDING else Request.NONE
+        self.rate, self.agreed_request = reduction.rate, max(known, reduction.request)
         last, self.doing = self.now, None
-        if agreement.wish == FAULT:
+        if reduction.request == Request.FAULT:
             self.failure = collect(self.rank, last)
             raise RunError(self.failure.text)
         self.done = last
@@ -312,7 +313,7 @@ class Simulation:
         if self.comm.size > 1:
             planes = int(rank.grid.active.sum())
             self.balance.report(self.comm, rank.count, planes, self.step)
-        shrink_window(rank, self.agreement)
+        shrink_window(rank, self.reduction)
 
     def diagnostics(self) -> dict[str, float] | None:
         """The columns of history.csv, in order, on rank 0; None elsewhere; collective."""

@@ -2,27 +2,27 @@
 
 import numpy as np
 
-from pgimp.solver.agreement import Agreement
 from pgimp.solver.rank import Rank
+from pgimp.solver.reduction import StepReduction
 
 
-def open_window(rank: Rank, agreement: Agreement) -> None:
+def open_window(rank: Rank, reduction: StepReduction) -> None:
     """Make the window for the particles of all ranks; collective."""
-    _cover(rank, agreement, _reach_of_all(rank))
+    _cover(rank, reduction, _reach_of_all(rank))
 
 
-def shrink_window(rank: Rank, agreement: Agreement) -> None:
+def shrink_window(rank: Rank, reduction: StepReduction) -> None:
     """Make it anew if it has become far too wide; collective, when nothing is to be agreed on."""
     reach = _reach_of_all(rank)
     needed = np.prod(np.maximum(reach[1] - reach[0], 0) + 4.0)
     stored = np.prod(rank.grid.base[1] - rank.grid.base[0] + 1.0)
     if stored > 2.0 * needed + 64.0:
-        _cover(rank, agreement, reach)
+        _cover(rank, reduction, reach)
 
 
-def _cover(rank: Rank, agreement: Agreement, reach: np.ndarray) -> None:
+def _cover(rank: Rank, reduction: StepReduction, reach: np.ndarray) -> None:
     rank.grid.cover(reach)
-    rank.reach[:] = agreement.reach[:] = rank.grid.known
+    rank.reach[:] = reduction.reach[:] = rank.grid.known
 
 
 def _reach_of_all(rank: Rank) -> np.ndarray:

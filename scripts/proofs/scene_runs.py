@@ -43,18 +43,18 @@ def prepare():
     from pgimp.decomposition.balance import Balance
     from pgimp.jit.bound import Bound
     from pgimp.running import running
-    from pgimp.solver.agreement import STOP
+    from pgimp.solver.reduction import Request
 
     Bound.__call__ = _checked
     run.abort_on_error = lambda comm: contextlib.nullcontext()
     handover._PIECE, halo.PIECE, migrate.ROOM = 200, 5, 2
-    usual = running._wish
+    usual = running._request
 
-    def wish(sim, *others):
+    def request(sim, *others):
         at, last = sim.comm.stop_at, sim.comm.rank == sim.comm.size - 1
-        return STOP if at is not None and last and sim.step >= at else usual(sim, *others)
+        return Request.STOP if at is not None and last and sim.step >= at else usual(sim, *others)
 
-    running._wish = wish
+    running._request = request
     Balance.note, Balance.decide = _ask, _anywhere
     Balance.moved = lambda balance, seconds, step: None
 

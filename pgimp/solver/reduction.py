@@ -1,4 +1,4 @@
-"""What all ranks agree on after a step: speed, wishes and the window, by one reduction.
+"""What all ranks agree on after a step: speed, requests and the window, by one reduction.
 
 It is begun when a rank has done its step and completed when the next one needs it, after the sums
 of the grid are complete. So a rank need not wait at a step's end for those that are late by less
@@ -6,13 +6,22 @@ than it has to do meanwhile. What is due between two steps completes it first.
 """
 
 import weakref
+from enum import IntEnum
 from typing import Any
 
 import numpy as np
 
-#: What a rank may wish for after a step; the greatest wish of all ranks is granted on all.
-#: PENDING: the rank still waits for the disk, see `pgimp.running.frames`.
-NOTHING, PENDING, CHECKPOINT, STOP, FAULT = range(5)
+
+class Request(IntEnum):
+    """What a rank may ask for after a step; the greatest of all ranks counts, on all of them."""
+
+    NONE = 0
+    #: The rank still waits for the disk, see `pgimp.running.frames`.
+    PENDING = 1
+    CHECKPOINT = 2
+    STOP = 3
+    #: Particles of the rank are at fault.
+    FAULT = 4
 
 
 def _complete(requests: list[Any]) -> None:
@@ -21,7 +30,7 @@ def _complete(requests: list[Any]) -> None:
         requests.pop().Wait()
 
 
-class Agreement:
+class StepReduction:
     """The reduction of a step; on one rank what is agreed on is what that rank says.
 
     The same calls on all ranks in the same places of their steps, so that all know the same. What
@@ -39,7 +48,7 @@ class Agreement:
         Whether it has been begun and not been completed.
     rate : float
         Largest (c_p + |v_p|)/L.
-    wish : int
+    request : Request
         The greatest.
     asks : bool
         Whether any rank asks for another decomposition.
@@ -48,7 +57,7 @@ class Agreement:
     """
 
     def __init__(self, comm: Any) -> None:
-        self.rate, self.wish, self.asks = 0.0, 0, False
+        self.rate, self.request, self.asks = 0.0, Request.NONE, False
         self.reach = np.zeros((2, 2), np.int64)
         self._comm = comm
         self._mine, self._every = np.zeros((2, 7))
@@ -60,14 +69,14 @@ class Agreement:
 
             self._greatest = MPI.MAX
 
-    def begin(self, rate: float, wish: int, asks: bool, reach: np.ndarray) -> None:
+    def begin(self, rate: float, request: Request, asks: bool, reach: np.ndarray) -> None:
         """Say what this rank has found in a step; collective."""
         self.open = True
         if self._comm.size == 1:
-            self.rate, self.wish, self.reach = rate, wish, reach
+            self.rate, self.request, self.reach = rate, request, reach
             return
         mine = self._mine
-        mine[0], mine[5], mine[6] = rate, wish, asks
+        mine[0], mine[5], mine[6] = rate, request, asks
         np.negative(reach[0], out=mine[1:3])
         mine[3:5] = reach[1]
         self._begun.append(self._comm.Iallreduce(mine, self._every, self._greatest))
@@ -78,7 +87,8 @@ class Agreement:
         if self._begun:
             _complete(self._begun)
             every = self._every
-            self.rate, self.wish, self.asks = float(every[0]), int(every[5]), bool(every[6])
+            self.rate, self.asks = float(every[0]), bool(every[6])
+            self.request = Request(int(every[5]))
             np.negative(every[1:3], out=self.reach[0], casting="unsafe")
             self.reach[1] = every[3:5]
         return was_open
