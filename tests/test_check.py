@@ -9,8 +9,8 @@ from pgimp.errors import CaseError
 from pgimp.mpi.comm import Serial
 from pgimp.running import forecast
 from pgimp.running.schedule import Schedule
-from pgimp.scene.doubts import case_doubts, doubts, idle_step, strains
 from pgimp.scene.facts import examine
+from pgimp.scene.sanity import body_warnings, case_warnings, idle_step, strains
 from pgimp.scene.scene import Scene, count_particles
 
 # A steel block of 0.1 m on a floor, in each of two consistent sets of units, and mixed up.
@@ -46,7 +46,7 @@ def facts(case):
 
 
 def said(case):
-    return [text for body in facts(case) for text in doubts(case, body, case.time.end)]
+    return [text for body in facts(case) for text in body_warnings(case, body, case.time.end)]
 
 
 @pytest.mark.parametrize("units", [SI, MM])
@@ -199,7 +199,7 @@ def test_facts_of_a_body_that_turns_and_is_cut():
 
 
 def concerns(case):
-    return list(case_doubts(case, findings(case)))
+    return list(case_warnings(case, findings(case)))
 
 
 def test_thin_bodies_probes_without_particles_and_idle_tractions():
@@ -283,7 +283,7 @@ def test_strain_by_its_own_weight_is_that_of_what_holds_a_body(held, words, stra
     ],
 )
 def test_output_that_never_falls_due(output, expected):
-    found = list(forecast.doubts(plate(output), 2000.0))
+    found = list(forecast.warnings(plate(output), 2000.0))
     assert [text[: len(expected)] for text in found] == [expected] if expected else not found
 
 

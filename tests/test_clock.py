@@ -17,12 +17,12 @@ def ticks(clock, rate=lambda time: 1.0):
     steps = []
     done = START
     while not clock.finished(done):
-        before, speed = clock.told(done), rate(clock.told(done))
+        before, speed = clock.time(done), rate(clock.time(done))
         done = clock.next(done, speed)
         assert (done.number, done.start) == (len(steps) + 1, before)
-        assert clock.told(done) == pytest.approx(done.end, rel=1e-15)
-        steps.append((before, done.dt, clock.told(done), speed))
-        assert clock.after(done.number, clock.told(done), done.dt).end == done.end
+        assert clock.time(done) == pytest.approx(done.end, rel=1e-15)
+        steps.append((before, done.dt, clock.time(done), speed))
+        assert clock.after(done.number, clock.time(done), done.dt).end == done.end
     return steps
 
 

@@ -19,7 +19,7 @@ from scenes import box, scene, write_case
 import pgimp
 from pgimp.errors import UsageError
 from pgimp.jit import cache, sealed
-from pgimp.jit.cache import KernelCache, Store, announced, told
+from pgimp.jit.cache import KernelCache, Store, announced, messages
 from pgimp.jit.folder import COMPILED, Folder, cache_folder, wanted_folder
 from pgimp.jit.kernel import FOLDER, kernel
 
@@ -29,7 +29,7 @@ COMPILING = "compiling for this kind of scene, once, about half a minute"
 
 RUN = """
 import numpy as np
-from pgimp.jit.cache import announced, told
+from pgimp.jit.cache import announced, messages
 from pgimp.jit.kernel import FOLDER
 from pgimp.kernels.order import locate
 from pgimp.physics.shapes.mpm import MpmParameters
@@ -40,7 +40,7 @@ p.x[0, 0] = 2.5
 frame = Frame((0.0,), (1.0,), (1.0,), (4,), 1)
 with announced(print):
     locate(MpmParameters((0.0,)), frame, p, np.zeros(1, np.int32), frame.vertices)
-print(*told(), sep="\\n")
+print(*messages(), sep="\\n")
 print(FOLDER.path, p.layer[0], sum(locate.stats.cache_hits.values()))
 """
 
@@ -82,7 +82,7 @@ def answer(folder):
 @pytest.fixture
 def one_file(tmp_path):
     """The file of a tiny kernel, alone in a folder."""
-    told()
+    messages()
     assert answer(tmp_path) == (5.0, False)
     assert answer(tmp_path) == (5.0, True)
     (path,) = tmp_path.iterdir()
@@ -100,11 +100,11 @@ def test_a_flipped_bit_anywhere_is_found(one_file):
         with pytest.raises(sealed.UntrustedError, match="its checksum is not that of its content"):
             sealed.read(one_file)
     assert answer(one_file.parent) == (5.0, False)
-    (line,) = told()
+    (line,) = messages()
     assert line.startswith("compiled kernels were not used but compiled anew: ")
     assert str(one_file) in line and "checksum" in line
     assert answer(one_file.parent) == (5.0, True)
-    assert told() == []
+    assert messages() == []
 
 
 def test_files_that_are_cut_or_of_another_kind(one_file):
@@ -113,7 +113,7 @@ def test_files_that_are_cut_or_of_another_kind(one_file):
     for content in (b"", whole[:-1], whole[:20], whole + b"\0", plain, b"not a pickle"):
         one_file.write_bytes(content)
         assert answer(one_file.parent) == (5.0, False)
-        assert len(told()) == 1
+        assert len(messages()) == 1
         assert answer(one_file.parent) == (5.0, True)
 
 
@@ -126,17 +126,17 @@ def test_whole_files_that_do_not_fit(one_file):
     (path,) = set(folder.iterdir()) - {one_file}
     shutil.copy(path, one_file)
     assert answer(folder) == (5.0, False)
-    assert told() == []  # it is only not this one
+    assert messages() == []  # it is only not this one
     for content in (whole[: len(pickle.dumps(key))], pickle.dumps(key) + pickle.dumps((1, 2))):
         sealed.write(one_file, content)
         assert answer(folder) == (5.0, False)
-        assert len(told()) == 1
+        assert len(messages()) == 1
 
 
 def test_files_that_others_can_write(one_file):
     one_file.chmod(0o620)
     assert answer(one_file.parent) == (5.0, False)
-    assert r"others may write to it (mode 0620)" in told()[0]
+    assert r"others may write to it (mode 0620)" in messages()[0]
     assert answer(one_file.parent) == (5.0, True)
     assert one_file.stat().st_mode & 0o777 == 0o600
 
@@ -145,10 +145,10 @@ def test_a_full_disk_does_not_stop_a_kernel(tmp_path, monkeypatch):
     def full(*args):
         raise OSError(28, "No space left on device")
 
-    told()
+    messages()
     monkeypatch.setattr(os, "replace", full)
     assert answer(tmp_path) == (5.0, False)
-    assert told() == [
+    assert messages() == [
         f"compiled kernels could not be kept in {tmp_path}: No space left on device"
     ]
     assert list(tmp_path.iterdir()) == []
@@ -157,7 +157,7 @@ def test_a_full_disk_does_not_stop_a_kernel(tmp_path, monkeypatch):
 WRITE = """
 import sys
 from pathlib import Path
-from pgimp.jit.cache import Store, told
+from pgimp.jit.cache import Store, messages
 store, first = Store(Path(sys.argv[1])), int(sys.argv[2])
 print("begins", flush=True)
 for turn in range(int(sys.argv[3])):
@@ -167,7 +167,7 @@ for turn in range(int(sys.argv[3])):
         assert found is None or found == [k] * 50_000, k
         if (turn + k + first) % 3 == 0:
             store.save("entry", key, [k] * 50_000)
-assert told() == [], told()
+assert messages() == [], messages()
 """
 
 
@@ -311,7 +311,7 @@ def test_folders_that_others_can_write_to_are_not_used(tmp_path, monkeypatch):
 def test_what_another_user_has_is_not_used(one_file, tmp_path, monkeypatch):
     os.chown(one_file, 12345, 12345)
     assert answer(one_file.parent) == (5.0, False)
-    assert "it belongs to another user (uid 12345)" in told()[0]
+    assert "it belongs to another user (uid 12345)" in messages()[0]
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     monkeypatch.setenv("PGIMP_CACHE_DIR", str(tmp_path / "base"))
     wanted = cache_folder().path

@@ -21,7 +21,7 @@ from pgimp.solver.simulation import Simulation
 from pgimp.tools.model.block import Block, block_case, block_layout
 from pgimp.tools.model.costs import Costs, Messages, Network
 from pgimp.tools.model.layout import Layout, layout_now, layout_of
-from pgimp.tools.model.measure import costs_of, take_turns
+from pgimp.tools.model.measure import costs_of, run_in_turn
 from pgimp.tools.model.predict import EFFICIENT, pays_off, predict
 from pgimp.tools.model.report import ladder, lines, scaling
 from pgimp.tools.model.sample import Sample, resized, samples_of
@@ -215,7 +215,7 @@ def test_measured_and_predicted_agree_roughly():
     case = Case.model_validate(flying())
     samples = samples_of(case, 72, Serial(), [72, 4000])
     target = Sample(lambda: Simulation(resized(case, 0.2), Serial()), Serial())
-    take_turns([*samples, target], Serial(), 0.3, 5)
+    run_in_turn([*samples, target], Serial(), 0.3, 5)
     costs = costs_of(samples)
     assert costs.fixed > 0.0 and costs.vertex >= 0.0 and 0.0 < costs.interior < 1.0
     step = predict(layout_now(target.sim), costs, NETWORK, 1)

@@ -74,7 +74,7 @@ def test_bodies_that_share_a_vertex_at_the_start_pass_momentum_at_once(gap, plac
 
 
 def said(case):
-    return " ".join(nearness.doubts(case))
+    return " ".join(nearness.warnings(case))
 
 
 def test_who_may_meet():
@@ -106,13 +106,13 @@ def test_who_may_meet():
 
 def test_walls():
     near = line({"a": (0.75, 4.0, 0.0)}, boundaries={"x-min": "slip"})
-    (text,) = nearness.doubts(near)
+    (text,) = nearness.warnings(near)
     assert text.startswith("boundaries.x-min: 'a' does not touch the wall, but feels it from 1")
     assert text.endswith(" cell away; the wall holds it when pulled away, too")
     assert not nearness.notes(near)
     for low, gravity, count in ((0.0, -0.1, 0), (3.0, 0.0, 0), (3.0, -0.1, 1)):
         case = line({"a": (low, 8.0, 0.0)}, boundaries={"x-min": "separating"}, gravity=[gravity])
-        assert not nearness.doubts(case)
+        assert not nearness.warnings(case)
         notes = nearness.notes(case)
         assert len(notes) == count
         assert all("may come near the wall, and feels it from 1 cell" in text for text in notes)

@@ -9,7 +9,7 @@ from pgimp.case.schema import Case
 from pgimp.errors import RunError
 from pgimp.mpi.comm import Serial
 from pgimp.solver.simulation import Simulation
-from pgimp.tools.model.measure import take_turns
+from pgimp.tools.model.measure import run_in_turn
 from pgimp.tools.model.sample import Sample, resized, samples_of
 
 
@@ -105,13 +105,13 @@ def test_a_run_that_fails_says_so_when_the_whole_is_timed():
     case = Case.model_validate(scene(2, {"a": body}, cells=[12, 6], end=2.0, step=0.01))
     sample = Sample(lambda: Simulation(case, Serial()), Serial(), whole=True)
     with pytest.raises(RunError, match="left the domain"):
-        take_turns([sample], Serial(), 0.0, 30)
+        run_in_turn([sample], Serial(), 0.0, 30)
 
 
 def test_a_short_run_is_timed_again_and_again():
     case = Case.model_validate(flying() | {"time": {"end": 0.05, "step": 0.01}})
     sample = Sample(lambda: Simulation(case, Serial()), Serial(), whole=True)
     assert not sample.done
-    take_turns([sample], Serial(), 0.0, 30)
+    run_in_turn([sample], Serial(), 0.0, 30)
     assert sample.done and sample.seconds() > 0.0
     assert len(sample._blocks) >= 10  # or it was five steps once, and then nothing

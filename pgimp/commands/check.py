@@ -20,17 +20,17 @@ from pgimp.mpi.limits import limits
 from pgimp.running import forecast
 from pgimp.running.progress import duration
 from pgimp.scene import nearness
-from pgimp.scene.doubts import case_doubts, doubts, idle_step, strains
 from pgimp.scene.extent import extents
 from pgimp.scene.facts import BodyFacts, examine
 from pgimp.scene.geometry import share
 from pgimp.scene.lattice import Lattice
+from pgimp.scene.sanity import body_warnings, case_warnings, idle_step, strains
 from pgimp.scene.scene import Scene, count_particles
 from pgimp.solver.memory import Estimate, MemoryShortError, estimate, require, size_text
-from pgimp.solver.stability import doubt, require_end, require_stable
+from pgimp.solver.stability import require_end, require_stable, stability_warning
 from pgimp.tools.model.costs import Costs, Network
 from pgimp.tools.model.layout import layout_now, layout_of
-from pgimp.tools.model.measure import costs_of, take_turns
+from pgimp.tools.model.measure import costs_of, run_in_turn
 from pgimp.tools.model.pilot import Pilot, pilot
 from pgimp.tools.model.predict import Step
 from pgimp.tools.model.report import between_nodes, ladder, lines, on_node, remark, scaling, verdict
@@ -109,13 +109,13 @@ def report(case: Case) -> None:
     for note in (*notes, *nearness.notes(case)):
         print(f"note: {note}")
     for text in chain(
-        filter(None, [doubt(dt, rate, case.method.stable), idle_step(dt, rate)]),
+        filter(None, [stability_warning(dt, rate, case.method.stable), idle_step(dt, rate)]),
         _pilot_doubts(case, dt * rate, tried),
-        *(doubts(case, body, case.time.end) for body in bodies),
-        case_doubts(case, found),
+        *(body_warnings(case, body, case.time.end) for body in bodies),
+        case_warnings(case, found),
         nearness.bonded(scene, lattice, counts),
-        nearness.doubts(case),
-        forecast.doubts(case, steps),
+        nearness.warnings(case),
+        forecast.warnings(case, steps),
     ):
         print(f"warning: {text}")
 
@@ -148,7 +148,7 @@ def _measure(scene: Scene, count: int) -> tuple[Costs, float]:
     comm = Serial()
     sizes = [min(_SMALLEST, count), _SMALL, *([min(_LARGE, count)] if count > 2 * _SMALL else [])]
     samples = samples_of(scene.case, count, comm, sizes)
-    take_turns(samples, comm, _SECONDS)
+    run_in_turn(samples, comm, _SECONDS)
     return costs_of(samples), layout_now(samples[-1].sim).crossing
 
 

@@ -260,7 +260,7 @@ class Balance:
         self._forget()
         return new
 
-    def told(self) -> str:
+    def summary(self) -> str:
         """Say on rank 0 in a line what was done; empty if nothing moved."""
         if not self.moves:
             return ""

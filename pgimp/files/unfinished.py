@@ -53,7 +53,7 @@ class Unfinished:
         """
 
         def publish() -> None:
-            with told(self._what):
+            with explained_errors(self._what):
                 self._part.rename(self.path)
                 done()
 
@@ -66,7 +66,7 @@ class Unfinished:
 
 
 @contextmanager
-def told(what: str) -> Iterator[None]:
+def explained_errors(what: str) -> Iterator[None]:
     """Turn an error of the disk into one for people."""
     try:
         yield

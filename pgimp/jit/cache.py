@@ -9,7 +9,7 @@ A file that does not fit in any way is compiled anew and replaced.
 import io
 import pickle
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from functools import cache
 from hashlib import sha256
@@ -24,6 +24,9 @@ from numba.core.serialize import dumps
 
 from pgimp.jit import sealed
 from pgimp.jit.outside import part_of
+
+#: Why files could not be used, and why none could be kept in folders, by their paths.
+Problems = tuple[dict[str, str], dict[str, str]]
 
 _damaged: dict[str, str] = {}
 _failures: dict[str, str] = {}
@@ -47,7 +50,7 @@ class Store:
         return self.folder / f"{name}-{sha256(repr(key).encode()).hexdigest()[:24]}.nbc"
 
     def load(self, name: str, key: Any, rebuild: Callable[[Any], Any] = lambda kept: kept) -> Any:
-        """Return what is kept, or None; what cannot be used is remembered for `told`.
+        """Return what is kept, or None; what cannot be used is remembered for `messages`.
 
         Parameters
         ----------
@@ -71,7 +74,7 @@ class Store:
         return None
 
     def save(self, name: str, key: Any, value: Any) -> None:
-        """Keep something; where that fails, it is remembered for `told`."""
+        """Keep something; where that fails, it is remembered for `messages`."""
         try:
             sealed.write(self._path(name, key), dumps(key) + dumps(value))
         except OSError as error:
@@ -158,15 +161,32 @@ def announced(tell: Callable[[str], Any]) -> Iterator[None]:
             _listeners.remove(once)
 
 
-def told() -> list[str]:
-    """Return what there is to say about the cache since the last call, a line each."""
-    lines = []
-    if _damaged:
-        path, why = next(iter(_damaged.items()))
-        more = f", and {len(_damaged) - 1} more" if len(_damaged) > 1 else ""
-        lines.append(f"compiled kernels were not used but compiled anew: {path}{more}: {why}")
-    lines += [f"compiled kernels could not be kept in {path}: {why}" for path, why in
-              _failures.items()]  # fmt: skip
+def problems() -> Problems:
+    """Return what could not be used and what could not be kept since the last call: path, why."""
+    found = dict(_damaged), dict(_failures)
     _damaged.clear()
     _failures.clear()
-    return lines
+    return found
+
+
+def messages(found: Iterable[Problems] | None = None) -> list[str]:
+    """Return what there is to say about the cache, a line each.
+
+    Parameters
+    ----------
+    found : iterable of (dict, dict), optional
+        From `problems`, of several processes; of this one by default.
+    """
+    damaged: dict[str, str] = {}
+    failures: dict[str, str] = {}
+    for unused, unkept in [problems()] if found is None else found:
+        damaged |= unused
+        failures |= unkept
+    lines = []
+    if damaged:
+        path, why = next(iter(damaged.items()))
+        more = f", and {len(damaged) - 1} more" if len(damaged) > 1 else ""
+        lines.append(f"compiled kernels were not used but compiled anew: {path}{more}: {why}")
+    return lines + [
+        f"compiled kernels could not be kept in {path}: {why}" for path, why in failures.items()
+    ]

@@ -40,7 +40,7 @@ def _between(every: Any, end: float, steps: float) -> float:
     return max(0.0, float(floor(many * (1.0 - _ROUNDING))))
 
 
-def doubts(case: Any, steps: float) -> Iterator[str]:
+def warnings(case: Any, steps: float) -> Iterator[str]:
     """Yield what is asked for in vain: intervals of output that end after the run.
 
     Parameters

@@ -11,7 +11,7 @@ import numpy as np
 from pgimp.files.atomic import temporary
 from pgimp.files.datasets import Dataset, lay_out
 from pgimp.files.framefile import FrameFile
-from pgimp.files.unfinished import Unfinished, removed_on_error, told
+from pgimp.files.unfinished import Unfinished, explained_errors, removed_on_error
 from pgimp.io.frames.particlefile import FORMAT_VERSION
 from pgimp.io.frames.series import Entry, Series
 from pgimp.io.frames.xdmf import Collection, mesh
@@ -87,7 +87,7 @@ class GridFrames(Series):
             shape = (state.total[1], 2**self._dimension)
             cells = {"connectivity": np.broadcast_to(np.int64(0), shape)}
             layout = lay_out(self._datasets, state.total[0], attributes, cells)
-            with told(what):
+            with explained_errors(what):
                 layout.create(part)
             says.update(layout.parts)
             return layout.offsets

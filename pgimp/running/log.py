@@ -44,10 +44,10 @@ class Log:
                 self.show(text)
                 sys.stdout.flush()
             except OSError:
-                self.fall_silent()
+                self.detach_terminal()
         self.note(text)
 
-    def fall_silent(self) -> None:
+    def detach_terminal(self) -> None:
         """Go on without the terminal: it was closed, or what read from a pipe has ended."""
         self.quiet = True
         silence(sys.stdout)

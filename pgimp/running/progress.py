@@ -124,7 +124,7 @@ class Progress:
             try:
                 self._bar.update(self._task, completed=time, text=text, refresh=True)
             except OSError:
-                self._log.fall_silent()
+                self._log.detach_terminal()
                 self.close()
             return
         self._pause = min(_PAUSE_GROWTH * self._pause, _LONGEST_PAUSE_SECONDS)

@@ -76,7 +76,7 @@ def resume(case: Case, comm: Any, directory: RunDirectory, log: Log) -> Resumed 
             require_known(case, about.probes)
             on_root(comm, partial(_require_lines, directory.path, case, about))
             clock = clock_of(began_as)
-            told = clock.told(clock.after(state.step, state.time, state.dt))
+            told = clock.time(clock.after(state.step, state.time, state.dt))
             if state.time > clock.end * (1.0 + 1e-12) or told != state.time:
                 raise DamagedError("its time is not that of its step, or past the end of its case")
             if _ended(case, state) and before.get("state") == "done":

@@ -105,7 +105,7 @@ def advance(
     seconds = recorder.seconds
     table = timing_table(sim.comm, dict(sim.rank.timings) | seconds, total)
     log.note(f"\n{table}")
-    if told := sim.balance.told():
+    if told := sim.balance.summary():
         log.note(told)
     directory.finish(
         "done" if ended else "stopped",

@@ -12,7 +12,7 @@ from pgimp.case.check_probes import check_near
 from pgimp.case.places import located
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
-from pgimp.geometry.mesh.tree import nothing, plant
+from pgimp.geometry.mesh.tree import build_tree, nothing
 from pgimp.geometry.regions import Mesh, Points
 from pgimp.geometry.regions.base import Region
 from pgimp.kernels.particles import Particles
@@ -131,7 +131,7 @@ def _warm_up() -> None:
     """Compile what all ranks will ask of a mesh."""
     corners = np.vstack([np.zeros(3), np.eye(3)])
     faces = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
-    surface = plant(corners[faces], np.zeros(4, np.int64), 3)
+    surface = build_tree(corners[faces], np.zeros(4, np.int64), 3)
     point = np.full((1, 3), 0.1)
     surface.distance(point)
     surface.crossings(point, 0)

@@ -52,7 +52,7 @@ def reach(case: Any) -> np.ndarray:
     return 2.0 * (1.0 + half) - 1.0 / np.array(case.method.particles_per_cell)
 
 
-def doubts(case: Any) -> list[str]:
+def warnings(case: Any) -> list[str]:
     """Say which bodies and walls near each other; from the case alone, so that it costs nothing.
 
     Parameters
@@ -65,7 +65,7 @@ def doubts(case: Any) -> list[str]:
 
 
 def notes(case: Any) -> list[str]:
-    """Say which bodies come near walls; as `doubts`."""
+    """Say which bodies come near walls; as `warnings`."""
     return list(_walls(case, _boxes(case, _instants(case)), at_once=False))
 
 

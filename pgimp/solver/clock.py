@@ -55,7 +55,7 @@ class FixedClock:
         """Return what was done last in a run that goes on after `number` steps."""
         return Step(number, (number - 1) * self._dt, dt, number * self._dt)
 
-    def told(self, done: Step) -> float:
+    def time(self, done: Step) -> float:
         """Return the time at the end of a step, as it is told.
 
         Only there the end is rounded to the case's: for the loads all steps are alike, so that a
@@ -115,7 +115,7 @@ class CourantClock:
         """Return what was done last in a run that goes on after `number` steps, at `time`."""
         return Step(number, time - dt, dt, time)
 
-    def told(self, done: Step) -> float:
+    def time(self, done: Step) -> float:
         """Return the time at the end of a step, as it is told."""
         return done.end
 

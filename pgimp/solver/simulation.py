@@ -11,7 +11,7 @@ from pgimp.decomposition.balance import Balance
 from pgimp.decomposition.population import Population
 from pgimp.decomposition.slabs import Slab
 from pgimp.errors import CaseError, RunError
-from pgimp.jit.cache import told
+from pgimp.jit.cache import messages, problems
 from pgimp.jit.kernel import FOLDER
 from pgimp.kernels.order import layers_of
 from pgimp.kernels.particles import Particles
@@ -117,8 +117,8 @@ class Simulation:
 
     def _tell_of_kernels(self) -> None:
         """Take up, once each, what ranks have to say of the cache on their nodes."""
-        said = self.comm.allgather((told(), FOLDER.warning))
-        self.notes += dict.fromkeys(line for lines, _ in said for line in lines)
+        said = self.comm.allgather((problems(), FOLDER.warning))
+        self.notes += messages(found for found, _ in said)
         self.warnings += dict.fromkeys(warning for _, warning in said if warning)
 
     def _begin(self) -> None:
@@ -132,7 +132,7 @@ class Simulation:
         layers_of(scene.shape, scene.frame, scene.identity, lattice.coordinates[0], layer)
         slab = self.decompose(np.bincount(layer, counts.sum(axis=0), scene.frame.vertices[0]))
         self.settle(slab, *self._create(slab, lattice, counts, layer))
-        self.warnings += nearness.doubts(self.case)
+        self.warnings += nearness.warnings(self.case)
         release(self.case)
         require_end(scene, self.rate)
         dt = self.clock.next(self.done, self.rate).dt
@@ -194,12 +194,12 @@ class Simulation:
     def now(self) -> Step:
         """The last step done, whatever the other ranks say; its end is the time as it is told."""
         step = self.doing or self.done
-        return step._replace(end=self.clock.told(step))
+        return step._replace(end=self.clock.time(step))
 
     @property
     def time(self) -> float:
         """Simulated time."""
-        return self.clock.told(self.doing or self.done)
+        return self.clock.time(self.doing or self.done)
 
     @property
     def step(self) -> int:

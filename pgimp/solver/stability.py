@@ -37,7 +37,7 @@ def check_first_step(scene: Any, dt: float, rate: float) -> list[str]:
     """
     stable = scene.case.method.stable
     require_stable(dt, rate, stable)
-    warning = doubt(dt, rate, stable)
+    warning = stability_warning(dt, rate, stable)
     return [warning] if warning else []
 
 
@@ -98,7 +98,7 @@ def require_stable(dt: float, rate: float, stable: float) -> None:
         )
 
 
-def doubt(dt: float, rate: float, stable: float) -> str:
+def stability_warning(dt: float, rate: float, stable: float) -> str:
     """Warning about a Courant number above `stable`, empty where there is nothing to say."""
     if dt * rate <= stable * (1.0 + 1e-9):
         return ""

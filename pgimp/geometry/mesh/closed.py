@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from pgimp.errors import CaseError
 from pgimp.geometry.mesh.cells import Facets, unique_rows
-from pgimp.geometry.mesh.tree import Surface, plant
+from pgimp.geometry.mesh.tree import Surface, build_tree
 
 Reals = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -46,7 +46,7 @@ def enclose(found: Facets) -> Surface:
         everything = np.zeros(len(facets), np.int64)
         if _volumes(_stretch(points, facets), everything)[0] < 0.0:
             facets = facets[:, ::-1]
-        surface = plant(_stretch(points, facets), everything, dimensions)
+        surface = build_tree(_stretch(points, facets), everything, dimensions)
         _check_lines(surface, points, facets, cells)
         return surface._replace(notes=tuple(notes), facets=len(facets))
     root, parity = _orient(points, facets, pairs, turned, cells)
@@ -59,11 +59,11 @@ def enclose(found: Facets) -> Surface:
     inward = volumes[component] < 0.0
     facets = _turned(facets, inward)
     triangles = _stretch(points, facets)
-    surface = plant(triangles, component, dimensions)
+    surface = build_tree(triangles, component, dimensions)
     depth = _depths(surface, triangles, component)
     if (holes := depth[component] % 2 == 1).any():
         facets = _turned(facets, holes)
-        surface = plant(_stretch(points, facets), component, dimensions)
+        surface = build_tree(_stretch(points, facets), component, dimensions)
     changed = int((facets != given).any(axis=1).sum())
     what = "triangles" if dimensions == 3 else "segments"
     if changed == len(facets):

@@ -192,7 +192,7 @@ class Surface(NamedTuple):
                 yield i, near[(a <= ex[i + 1]) & (b >= ex[i])]
 
 
-def plant(triangles: Reals, component: Ints, dimensions: int) -> Surface:
+def build_tree(triangles: Reals, component: Ints, dimensions: int) -> Surface:
     """Order triangles along a space-filling curve, and build a tree of boxes over them."""
     from pgimp.geometry.mesh.treekernels import LEAF
 

@@ -19,7 +19,7 @@ from pgimp.files.atomic import publish, temporary
 from pgimp.files.checksums import Written
 from pgimp.files.datasets import Dataset, Layout, bytes_of, lay_out
 from pgimp.files.framefile import FrameFile, blocks
-from pgimp.files.unfinished import removed_on_error, told
+from pgimp.files.unfinished import explained_errors, removed_on_error
 from pgimp.io.checkpoints.checkpointheader import KINDS, encode, parse
 from pgimp.mpi.collective import agree, on_root
 
@@ -214,5 +214,5 @@ class _Plan:
 
     def publish(self, path: Path, what: str) -> None:
         """Name the file, once all of it is on the disk."""
-        with told(what):
+        with explained_errors(what):
             publish(self.part, path)

@@ -16,7 +16,7 @@ from pgimp.files.chunks import Chunks, chunk_rows
 from pgimp.files.datasets import Dataset, Layout, lay_out
 from pgimp.files.framefile import FrameFile
 from pgimp.files.rows import Rows
-from pgimp.files.unfinished import Unfinished, removed_on_error, told
+from pgimp.files.unfinished import Unfinished, explained_errors, removed_on_error
 from pgimp.mpi.collective import on_root
 from pgimp.physics import fields as case_fields
 from pgimp.physics.values import EVERY, Source
@@ -172,7 +172,7 @@ class ParticleFile:
             time, step = np.array(attributes["time"], "<f8"), np.array(attributes["step"], "<i8")
             for place, data in self._layout.parts.items():
                 says[place] = data.replace(_TIME, time.tobytes()).replace(_STEP, step.tobytes())
-            with told(what):
+            with explained_errors(what):
                 self._layout.create(part)
             return self._layout.offsets
 
@@ -195,18 +195,18 @@ class ParticleFile:
         length = chunk_rows(rows.count)
 
         def begin() -> None:
-            with told(what):
+            with explained_errors(what):
                 made.append(Chunks(part, self._datasets, rows.count, attributes))
 
         def place(group: list[Dataset], sizes: list[list[Array]]) -> list[Array]:
-            with told(what):
+            with explained_errors(what):
                 return [
                     made[0].place(dataset.name, np.concatenate(of_all))
                     for dataset, of_all in zip(group, zip(*sizes, strict=True), strict=True)
                 ]
 
         def finish() -> None:
-            with told(what):
+            with explained_errors(what):
                 says.update(made[0].finish())
 
         on_root(rows.comm, begin)

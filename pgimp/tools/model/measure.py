@@ -21,7 +21,7 @@ _SMALL, _LARGE = 2**13, 2**18
 _REPEATS = 20
 
 
-def take_turns(
+def run_in_turn(
     samples: Sequence[Sample | None], comm: Any, seconds: float, fewest: int = 3
 ) -> None:
     """Time blocks of all samples by turns, so that what disturbs one disturbs all; collective.

@@ -9,7 +9,7 @@ from pgimp.mpi.comm import Serial
 from pgimp.solver.simulation import Simulation
 from pgimp.tools.model.costs import Costs, Network
 from pgimp.tools.model.layout import layout_now
-from pgimp.tools.model.measure import busy_of, costs_of, messages_of, take_turns
+from pgimp.tools.model.measure import busy_of, costs_of, messages_of, run_in_turn
 from pgimp.tools.model.predict import predict
 from pgimp.tools.model.sample import Sample
 
@@ -52,7 +52,7 @@ def compare(
         Make a simulation on a communicator: a small one, of which messages take most of the time,
         a large one, of which work takes most, and those to compare.
     seconds, fewest : float, int
-        See `take_turns`.
+        See `run_in_turn`.
     whole : bool
         Whether the whole of the targets is timed, see `Sample`.
     """
@@ -69,9 +69,9 @@ def compare(
             many = Sample(lambda make=make: make(comm), comm, whole)  # type: ignore[misc]
             compared.append((name, comm.size, many))
     turns = [*alone, pair, crowd, *(sample for _, _, sample in compared)]
-    take_turns(turns, comm, seconds, fewest)
+    run_in_turn(turns, comm, seconds, fewest)
     while not all(comm.allgather(all(sample.done for _, _, sample in compared if sample))):
-        take_turns(turns, comm, 0.0, fewest)
+        run_in_turn(turns, comm, 0.0, fewest)
     costs = comm.bcast(costs_of(mine) if mine else None)
     if pair and crowd:
         costs = costs._replace(messages=messages_of(pair, costs, comm))

@@ -73,7 +73,7 @@ def _greatest(load: Any) -> float:
     return max(float(np.linalg.norm(value)) for value in values)
 
 
-def doubts(case: Any, body: BodyFacts, duration: float) -> Iterator[str]:
+def body_warnings(case: Any, body: BodyFacts, duration: float) -> Iterator[str]:
     """Yield what is doubtful about a body.
 
     Parameters
@@ -106,7 +106,7 @@ def doubts(case: Any, body: BodyFacts, duration: float) -> Iterator[str]:
         )
 
 
-def case_doubts(case: Any, found: Findings) -> Iterator[str]:
+def case_warnings(case: Any, found: Findings) -> Iterator[str]:
     """Yield what the whole shows: thin bodies, idle probes and tractions, an unhappy method.
 
     Parameters
