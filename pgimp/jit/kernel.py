@@ -20,6 +20,8 @@ from pgimp.jit.folder import SETTINGS, cache_folder
 #: Where compiled kernels are kept.
 FOLDER = cache_folder()
 os.environ.update(SETTINGS)
+# Where colorama is installed, Numba would write control characters to stdout at the end.
+os.environ["NUMBA_DISABLE_ERROR_MESSAGE_HIGHLIGHTING"] = "1"
 os.environ["NUMBA_CACHE_DIR"] = str(FOLDER.path)  # for helpers that a user caches himself
 if "numba" in sys.modules:  # imported by the user's program before: set what it has read already
     sys.modules["numba"].config.reload_config()
