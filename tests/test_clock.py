@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scenes import box, finish, scene, start
 
 from pgimp.errors import RunError
-from pgimp.solver.clock import START, CourantClock, FixedClock
+from pgimp.solver.clock import START, CourantClock, FixedClock, Step
 
 
 def ticks(clock, rate=lambda time: 1.0):
@@ -121,3 +121,17 @@ def test_a_fixed_run_ends_where_the_case_says():
 def test_a_run_that_would_never_end_is_stopped(rate):
     with pytest.raises(RunError, match="blown up"):
         CourantClock(0.3, 1.0, ()).next(START, rate)
+
+
+def test_a_run_whose_step_collapses_is_stopped():
+    clock = CourantClock(0.3, 1.0, (), rest_rate=2.0)
+    clock.next(START, 1.9e5)  # as fast as never, with 6e5 steps to the end
+    with pytest.raises(RunError, match="at rest"):
+        clock.next(START, 2.1e5)
+    late = Step(70_000, 0.999, 1e-6, 0.999)
+    clock.next(late, 2.1e5)  # the rest takes no week
+
+
+def test_a_simulation_knows_its_waves_at_rest():
+    sim = start(scene(1, box([2.0], [5.0], [0.5]), end=1.0, step={"courant": 0.3}))
+    assert sim.clock._rest_rate == pytest.approx(10.0, rel=1e-12)

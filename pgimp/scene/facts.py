@@ -128,7 +128,7 @@ def _examine(
     return BodyFacts(
         scene.body_names[body],
         int(counts[body].sum()),
-        _wave_speed(scene, body),
+        wave_speed(scene, body),
         speeds.top,
         scene.materials[scene.body_material[body]].density,
         tuple(low.tolist()),
@@ -156,7 +156,7 @@ class _Speeds:
         self.mass += float(mass.sum())
 
 
-def _wave_speed(scene: Scene, body: int) -> float:
+def wave_speed(scene: Scene, body: int) -> float:
     """Wave speed of a body at rest."""
     point = Particles.empty(1, scene.dimension, False)
     point.body[0] = body

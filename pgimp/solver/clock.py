@@ -1,12 +1,12 @@
 """Time: fixed steps, or steps from the Courant number."""
 
 from bisect import bisect_right
-from math import ceil
+from math import ceil, inf
 from typing import NamedTuple
 
 from pgimp.case.schema import Case
 from pgimp.errors import RunError
-from pgimp.solver.stability import MOST_STEPS
+from pgimp.solver.stability import BLOWN_UP, BLOWN_UP_STEPS, MOST_STEPS
 
 
 class Step(NamedTuple):
@@ -75,12 +75,16 @@ class CourantClock:
         End of the run.
     stops : tuple of float
         Times that are met exactly.
+    rest_rate : float
+        The largest c_p/L at rest.
     """
 
     controlled = True
 
-    def __init__(self, courant: float, end: float, stops: tuple[float, ...]) -> None:
-        self._courant = courant
+    def __init__(
+        self, courant: float, end: float, stops: tuple[float, ...], rest_rate: float = inf
+    ) -> None:
+        self._courant, self._rest_rate = courant, rest_rate
         self._stops = sorted({t for t in stops if 0.0 < t < end} | {end})
         self.end = end
 
@@ -99,11 +103,12 @@ class CourantClock:
         start = done.end
         stop = self._stops[bisect_right(self._stops, start)]
         left = stop - start
-        if not left * rate < self._courant * MOST_STEPS:
+        steps = (self.end - start) * rate / self._courant
+        if not steps < (BLOWN_UP_STEPS if rate > BLOWN_UP * self._rest_rate else MOST_STEPS):
             raise EndlessError(
                 f"after step {done.number}, at time {start:.6g}, waves or particles have become "
-                f"so fast, {rate:.3g} cells in a unit of time, that the end would take more than "
-                f"{MOST_STEPS:.0e} steps: the solution has blown up\n"
+                f"so fast, {rate:.3g} cells in a unit of time ({self._rest_rate:.3g} at rest), "
+                f"that the end would take {steps:.0e} steps more: the solution has blown up\n"
                 "  try: a smaller time.step: {courant: ...}, slower loading, finer cells"
             )
         # Rounding must not leave a sliver of a step before a stop.
@@ -120,9 +125,9 @@ class CourantClock:
         return done.end
 
 
-def clock_of(case: Case) -> FixedClock | CourantClock:
-    """Clock of a case."""
+def clock_of(case: Case, rest_rate: float = inf) -> FixedClock | CourantClock:
+    """Clock of a case; `rest_rate` is the largest c_p/L of its materials at rest."""
     time = case.time
     if isinstance(time.step, float | int):
         return FixedClock(float(time.step), float(time.end))
-    return CourantClock(time.step.courant, float(time.end), case.output.at)
+    return CourantClock(time.step.courant, float(time.end), case.output.at, rest_rate)

@@ -17,6 +17,7 @@ from pgimp.kernels.order import layers_of
 from pgimp.kernels.particles import Particles
 from pgimp.kernels.sums import fastest_rate
 from pgimp.scene import nearness
+from pgimp.scene.facts import wave_speed
 from pgimp.scene.geometry import do_without, release, share
 from pgimp.scene.lattice import Lattice
 from pgimp.scene.scene import Scene, count_particles
@@ -97,7 +98,6 @@ class Simulation:
     def __init__(self, case: Case, comm: Any, source: Any = None) -> None:
         self.case, self.comm = case, comm
         self.scene = scene = Scene(case)
-        self.clock = clock_of(case)
         self.done = START
         self.doing: Step | None = None
         self.notes: list[str] = []
@@ -109,6 +109,8 @@ class Simulation:
         (share if source is None else do_without)(case, comm)
         require(scene, comm, None if source is None else source.count)
         warm_up(scene, comm)
+        speed = max(wave_speed(scene, body) for body in range(len(scene.body_names)))
+        self.clock = clock_of(case, speed * max(scene.frame.inverse))
         self._tell_of_kernels()
         if source is None:
             self._begin()
