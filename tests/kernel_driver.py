@@ -17,7 +17,7 @@ from pgimp.kernels.loads import Loads
 from pgimp.kernels.mirror import Mirror, fold, reflect
 from pgimp.kernels.momentum import update_momentum
 from pgimp.kernels.p2g import particles_to_grid
-from pgimp.kernels.particles import Frame, Particles
+from pgimp.kernels.particles import Carried, Frame, Particles
 from pgimp.kernels.sums import SUMS, fastest_rate, layer_sums
 from pgimp.kernels.walls import WALL
 from pgimp.physics.materials.hooke import HookeParameters
@@ -71,7 +71,7 @@ def make_frame(shape: Any, origin: Sequence[float], cell: Sequence[float], cells
 def random_particles(rng: np.random.Generator, x: np.ndarray) -> Particles:
     """Particles of two bodies at `x` (n, D), deformed, stressed, of various masses and sizes."""
     n, D = x.shape
-    p = Particles.empty(n, D, False)
+    p = Particles.empty(n, Carried(D))
     p.x[:] = x
     p.v[:] = rng.normal(size=p.v.shape)
     p.F[:] += 0.2 * rng.uniform(-1.0, 1.0, p.F.shape)

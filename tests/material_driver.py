@@ -30,9 +30,9 @@ def respond(materials, k, F, sigma, L, dt):
     """Stress, energy and speed of material `k`, through `evaluate` as in a step."""
     J = determinant(F)
     return (
-        evaluate("stress", materials, k, (F, J, sigma, L, dt)),
-        evaluate("energy", materials, k, (F, J, sigma)),
-        evaluate("speed", materials, k, (F, J)),
+        evaluate("stress", materials, k, (F, J, sigma, L, dt), ()),
+        evaluate("energy", materials, k, (F, J, sigma), ()),
+        evaluate("speed", materials, k, (F, J), ()),
     )
 
 

@@ -20,7 +20,7 @@ from test_ranks import digests, go_back
 from pgimp.decomposition import handover
 from pgimp.decomposition.population import Population
 from pgimp.decomposition.slabs import Slab, cut, imbalance_of, slab_of
-from pgimp.kernels.particles import Frame, Particles
+from pgimp.kernels.particles import Carried, Frame, Particles
 from pgimp.physics.shapes.mpm import MpmParameters
 
 # -- where to cut
@@ -89,7 +89,7 @@ def test_layers_go_to_any_rank_with_all_they_have(data, seed, piece):
     old, new = ([0, *sorted(data.draw(edges)), LAYERS] for _ in range(2))
     rng = np.random.default_rng(seed)
     n = 60
-    p = Particles.empty(n, 1)
+    p = Particles.empty(n, Carried(1))
     p.x[:, 0] = rng.uniform(0.0, CELLS, n)
     p.id[:], p.m[:] = rng.permutation(n), rng.uniform(1.0, 2.0, n)
     shape, whole = MpmParameters((0.0,)), Slab(0, LAYERS, None, None)

@@ -15,7 +15,7 @@ import pgimp
 from pgimp.errors import CaseError, UsageError
 from pgimp.jit import outside
 from pgimp.kernels.concepts import Setting
-from pgimp.kernels.particles import Frame, Particles
+from pgimp.kernels.particles import Carried, Frame, Particles
 from pgimp.kernels.sums import fastest_rate
 from pgimp.physics.materials import MATERIALS, NeoHookean, registry
 from pgimp.physics.materials.outside import parameters_of
@@ -71,12 +71,12 @@ from pgimp.kernels.concepts import Setting
 from pgimp.kernels.sums import fastest_rate
 from pgimp.physics.materials import MATERIALS
 from pgimp.physics.materials.outside import parameters_of
-from pgimp.kernels.particles import Frame, Particles
+from pgimp.kernels.particles import Carried, Frame, Particles
 
 def ask():
     law = parameters_of(MATERIALS["law"](model="law", density=1.0), 1)
     frame = Frame((0.0,), (1.0,), (1.0,), (4,), 1)
-    p = Particles.empty(1, 1)
+    p = Particles.empty(1, Carried(1))
     rows, zero = np.zeros(1, np.int32), np.zeros(1, np.int64)
     rate = fastest_rate(Setting((), frame, (1.0,), (law,), zero), p, rows)
     print(rate, sum(fastest_rate.stats.cache_hits.values()))
@@ -219,7 +219,7 @@ def ask(entry, dimensions=1):
     one = tuple(np.eye(D).ravel())
     rows, zero = np.zeros(1, np.int32), np.zeros(1, np.int64)
     setting = Setting((), frame, one, (parameters,), zero)
-    return fastest_rate(setting, Particles.empty(1, D), rows)
+    return fastest_rate(setting, Particles.empty(1, Carried(D)), rows)
 
 
 def test_two_classes_of_one_name_are_two_materials(registered):

@@ -12,7 +12,7 @@ from test_paraview import READERS, probe
 
 import pgimp
 from pgimp.errors import RunError
-from pgimp.kernels.g2p import INVERTED, NOT_FINITE
+from pgimp.kernels.updates.checks import INVERTED, NOT_FINITE
 from pgimp.physics.values import EVERY
 from pgimp.running import failure
 

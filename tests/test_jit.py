@@ -33,9 +33,9 @@ from pgimp.jit.cache import announced, messages
 from pgimp.jit.kernel import FOLDER
 from pgimp.kernels.order import locate
 from pgimp.physics.shapes.mpm import MpmParameters
-from pgimp.kernels.particles import Frame, Particles
+from pgimp.kernels.particles import Carried, Frame, Particles
 
-p = Particles.empty(1, 1, False)
+p = Particles.empty(1, Carried(1))
 p.x[0, 0] = 2.5
 frame = Frame((0.0,), (1.0,), (1.0,), (4,), 1)
 with announced(print):

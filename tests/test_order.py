@@ -12,7 +12,7 @@ from rank_threads import Comm, together
 from pgimp.decomposition.migrate import Migration, pack, unpack
 from pgimp.decomposition.population import Population
 from pgimp.decomposition.slabs import Slab, cut, slab_of
-from pgimp.kernels.particles import Particles
+from pgimp.kernels.particles import Carried, Particles
 from pgimp.physics.shapes import SHAPES
 
 CELL, CELLS = (0.3, 0.7), (9, 3)
@@ -66,7 +66,7 @@ class World:
         for rank in range(ranks):
             slab = slab_of(cuts, rank)
             own = self.expected(slab)[::-1]
-            p = Particles.empty(max(len(own), 1), 2, False)
+            p = Particles.empty(max(len(own), 1), Carried(2))
             for row, n in enumerate(own):
                 p.x[row], p.id[row], p.m[row], p.sigma[row, 3] = self.x[n], n, n + 0.5, -n
             population = Population(p, len(own), self.shape.parameters(CELL), self.frame, slab)
@@ -188,7 +188,7 @@ def test_large_numbers_sort_alike():
     rng = np.random.default_rng(3)
     n = 50
     for largest in (2**52, 60):
-        p = Particles.empty(n, 3, False)
+        p = Particles.empty(n, Carried(3))
         p.x[:] = rng.integers(0, 2**19, (n, 3)) + 0.5
         p.x[n // 2 :] = p.x[: n - n // 2]
         p.id[:] = rng.permutation(n) + largest - 60
@@ -203,7 +203,7 @@ def test_rows_of_those_that_left_are_used_again():
     """The store grows only when it has no holes left, and keeps what it holds."""
     shape = entry("mpm", (1,))
     frame = make_frame(shape, (0.0,), (1.0,), (9,))
-    p = Particles.empty(6, 1, True)
+    p = Particles.empty(6, Carried(1, True))
     p.x[:, 0] = np.arange(6) + 0.5
     p.id[:] = np.arange(6)
     slab = Slab(0, 8, None, 1)
@@ -236,7 +236,7 @@ def test_packing_keeps_every_bit(D, origin):
     n = len(PATTERNS)
 
     def filled(capacity):
-        p = Particles.empty(capacity, D, origin)
+        p = Particles.empty(capacity, Carried(D, origin))
         for array in p:
             raw = rng.integers(0, 256, array.nbytes, np.uint8)
             array.reshape(-1).view(np.uint8)[:] = raw

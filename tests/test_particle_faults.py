@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from kernel_driver import SEED, Rank, entry, make_frame, random_particles, random_positions
 
-from pgimp.kernels.g2p import GONE, INVERTED, NOT_FINITE, OUTSIDE, TOO_FAST
-from pgimp.kernels.particles import Particles
+from pgimp.kernels.particles import Carried, Particles
+from pgimp.kernels.updates.checks import INVERTED, NOT_FINITE, OUTFLOW, OUTSIDE, TOO_FAST
 from pgimp.physics.shapes import SHAPES
 
 ORIGIN, CELL, CELLS = (-1.1, 0.3, 2.0), (0.7, 1.3, 0.9), (5, 4, 3)
@@ -63,7 +63,7 @@ def test_rounding_takes_no_particle_past_two_layers(name):
     shape, stopped = entry(name, (2,)), 0
     for L in rng.uniform(0.1, 1.0, 100):
         frame = make_frame(shape, (-1.0,), (L,), (9,))
-        p = Particles.empty(1, 1, False)
+        p = Particles.empty(1, Carried(1))
         p.x[:] = -1.0 + L * (6 + 0.25 * (name == "gimp"))
         p.m[:] = p.V[:] = p.V0[:] = 1.0
         p.v[:] = -L / DT
@@ -124,20 +124,20 @@ def test_no_place_that_is_none_becomes_a_number(value):
 @pytest.mark.parametrize(
     ("exits", "directions", "reason"),
     [
-        (("x-max",), (1, 0, 0), GONE),
+        (("x-max",), (1, 0, 0), OUTFLOW),
         (("x-min", "y-max", "z-max"), (1, 0, 0), OUTSIDE),
-        (("y-min", "z-min"), (0, -1, 0), GONE),
-        (("y-min", "z-max"), (0, -1, 1), GONE),
+        (("y-min", "z-min"), (0, -1, 0), OUTFLOW),
+        (("y-min", "z-max"), (0, -1, 1), OUTFLOW),
         (("y-min", "x-max"), (0, -1, 1), OUTSIDE),
         (("z-max",), (0, -1, 1), OUTSIDE),
-        (("x-max", "y-max", "z-max"), (1, 1, 1), GONE),
+        (("x-max", "y-max", "z-max"), (1, 1, 1), OUTFLOW),
         (("x-max",), (2.5, 0, 0), TOO_FAST),
     ],
 )
 def test_particles_leave_through_faces_that_let_them_go(name, exits, directions, reason):
     """One that leaves keeps its state, is listed with the movers, and has no layer any more."""
     shape = entry(name, (2, 1, 3))
-    p = Particles.empty(1, 3, False)
+    p = Particles.empty(1, Carried(3))
     p.m[:] = p.V[:] = p.V0[:] = 1.0
     for d, side in enumerate(directions):
         place = {-1: 0.3, 0: CELLS[d] / 2, 1: CELLS[d] - 0.3}[int(np.sign(side))]
@@ -146,9 +146,9 @@ def test_particles_leave_through_faces_that_let_them_go(name, exits, directions,
     rank = Rank(shape, make_frame(shape, ORIGIN, CELL, CELLS), p)
     rank.exits = sum(1 << (2 * "xyz".index(face[0]) + (face[2:] == "max")) for face in exits)
     fault, _, found, *_ = stepped(rank)
-    if reason == GONE:
+    if reason == OUTFLOW:
         assert (rank.failed, rank.leavers, found) == (0, 1, 1)
-        assert rank.particles.layer[0] == GONE and rank.population.movers[0] == 0
+        assert rank.particles.layer[0] == OUTFLOW and rank.population.movers[0] == 0
         np.testing.assert_allclose(rank.particles.v[0], 0.41 * np.array(directions) * CELL / DT)
     else:
         assert fault == reason and rank.leavers == found == 0

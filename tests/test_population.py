@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from pgimp.decomposition.population import Population
 from pgimp.decomposition.slabs import Slab
-from pgimp.kernels.particles import Frame, Particles
+from pgimp.kernels.particles import Carried, Frame, Particles
 from pgimp.physics.shapes.mpm import MpmParameters
 
 FRAME = Frame((0.0,), (1.0,), (1.0,), (9,), 1)
@@ -27,7 +27,7 @@ def keys(population):
 )
 def test_the_order_is_canonical_whoever_comes_and_goes(seed, count, steps):
     rng = np.random.default_rng(seed)
-    p = Particles.empty(max(count, 1), 1, False)
+    p = Particles.empty(max(count, 1), Carried(1))
     p.x[:count, 0] = rng.uniform(2.0, 5.0, count)  # layers 3, 4 and 5: one ghost vertex lies below
     p.id[:count] = np.arange(count)
     population = Population(p, count, SHAPE, FRAME, SLAB)

@@ -13,7 +13,7 @@ from pgimp.jit.kernel import kernel
 from pgimp.jit.simd import stack
 from pgimp.kernels import batch
 from pgimp.kernels.batch import ROOM
-from pgimp.kernels.particles import Particles, Window
+from pgimp.kernels.particles import Carried, Particles, Window
 from pgimp.kernels.place import first_vertex, half_widths
 from pgimp.physics.shapes import SHAPES
 from pgimp.physics.shapes.base import weights
@@ -58,7 +58,7 @@ def supports(shape, frame, x, F):
     lowest, extents = np.zeros((2, n, D), np.int64)
     weight, slope = np.zeros((2, n, D, s))
     at = np.zeros(n, np.int64)
-    particles = Particles.empty(n, D, False)
+    particles = Particles.empty(n, Carried(D))
     particles.x[:], particles.F[:] = x, F.reshape(n, -1)
     parameters = shape.parameters(frame.cell)
     order = np.arange(n, dtype=np.int32)

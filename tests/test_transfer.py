@@ -18,7 +18,7 @@ from kernel_driver import (
 )
 from reference import Reference
 
-from pgimp.kernels.particles import Particles
+from pgimp.kernels.particles import Carried, Particles
 from pgimp.physics.boundaries import BOUNDARIES
 
 ORIGIN, CELL, CELLS = (-1.1, 0.3, 2.0), (0.7, 1.3, 0.9), (5, 4, 3)
@@ -246,7 +246,7 @@ def test_uniform_stress_has_no_force_inside(name, D):
         np.arange(1.07 + s / 2, n - 1.0, s) for s, n in zip(apart, cells, strict=True)
     ]
     xi = np.stack([c.ravel() for c in np.meshgrid(*along, indexing="ij")], axis=1)
-    p = Particles.empty(len(xi), D, False)
+    p = Particles.empty(len(xi), Carried(D))
     p.x[:] = xi * frame.cell
     p.F[:] = np.diag(F).ravel()
     p.V[:] = np.prod(frame.cell) * np.prod(apart)

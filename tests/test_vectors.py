@@ -120,10 +120,10 @@ def one_by_one(materials, numbers, F, sigma, stress, speed, like):
         A = (lane(f[0], 0), lane(f[1], 0), lane(f[2], 0), lane(f[3], 0))
         J = determinant(A)
         s = (sigma[p, 0], sigma[p, 1], sigma[p, 2], sigma[p, 3])
-        found = evaluate("stress", materials, numbers[p], (A, J, s, A, 1e-3))
+        found = evaluate("stress", materials, numbers[p], (A, J, s, A, 1e-3), ())
         for i in range(4):
             stress[p, i] = found[i]
-        speed[p] = evaluate("speed", materials, numbers[p], (A, J))
+        speed[p] = evaluate("speed", materials, numbers[p], (A, J), ())
 
 
 @kernel
@@ -133,8 +133,8 @@ def together(materials, numbers, F, sigma, stress, speed, like):
     J = determinant(A)
     s = take_row(sigma, rows, 0, like)
     m = (numbers[0], numbers[1], numbers[2], numbers[3])
-    put_row(stress, rows, 0, evaluate_four("stress", materials, m, (A, J, s, A, 1e-3), s))
-    c = evaluate_four("speed", materials, m, (A, J), take(speed, rows))
+    put_row(stress, rows, 0, evaluate_four("stress", materials, m, (A, J, s, A, 1e-3), (), s))
+    c = evaluate_four("speed", materials, m, (A, J), (), take(speed, rows))
     for j in range(4):
         speed[j] = lane(c, j)
 
@@ -171,7 +171,7 @@ def bar(materials, numbers, stretch):
     m = (numbers[0], numbers[1], numbers[2], numbers[3])
     zero = vector(0.0)
     sigma = evaluate_four(
-        "stress", materials, m, (F, F[0], (zero, zero, zero), F, 0.0), (zero, zero, zero)
+        "stress", materials, m, (F, F[0], (zero, zero, zero), F, 0.0), (), (zero, zero, zero)
     )
     return lane(sigma[0], 0), lane(sigma[0], 1), lane(sigma[1], 1), lane(sigma[1], 0)
 

@@ -40,6 +40,8 @@ def _of_lane(values, j):
         return lambda values, j: lane(values, j)
     if not _is_tuple(values):
         return lambda values, j: values
+    if len(values) == 0:
+        return lambda values, j: ()
     if len(values) == 1:
         return lambda values, j: (of_lane(values[0], j),)
     return lambda values, j: (of_lane(values[0], j), *of_lane(values[1:], j))

@@ -38,6 +38,17 @@ def _plus_scaled(a, V, U):
     return lambda a, V, U: (a * V[0] + U[0], *plus_scaled(a, V[1:], U[1:]))
 
 
+def squared(v):
+    """Square of the length of a tuple."""
+
+
+@specialise(squared)
+def _squared(v):
+    if len(v) == 1:
+        return lambda v: v[0] * v[0]
+    return lambda v: v[0] * v[0] + squared(v[1:])
+
+
 def read(array, p, i, like):
     """Entries i, i+1, ... of row `p`, as many as `like` has."""
 

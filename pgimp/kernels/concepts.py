@@ -57,6 +57,28 @@ class Order(NamedTuple):
     start: IntArray
 
 
+class Batch(NamedTuple):
+    """Four particles of a layer that are computed together.
+
+    Attributes
+    ----------
+    rows : tuple of 4 int
+        Their rows; the last one stands for those missing.
+    size : int
+        How many there are.
+    first : int
+        Place of the first one in the order.
+    layer, number : int
+        Their layer, counted from the rank's first one, and its number in the grid.
+    """
+
+    rows: tuple[int, int, int, int]
+    size: int
+    first: int
+    layer: int
+    number: int
+
+
 class Field(NamedTuple):
     """A velocity field on a rank's planes of the grid.
 

@@ -4,8 +4,7 @@ from math import sqrt
 
 from pgimp.jit.algebra import contract, symmetric
 from pgimp.jit.kernel import kernel
-from pgimp.jit.tuples import plus_scaled, read, write
-from pgimp.kernels.g2p import squared
+from pgimp.jit.tuples import plus_scaled, read, squared, write
 from pgimp.physics.exact.base import state
 
 #: Columns of `layer_errors`.

@@ -5,7 +5,7 @@ the room of int64.
 """
 
 from pgimp.jit.kernel import kernel
-from pgimp.kernels.g2p import GONE
+from pgimp.kernels.updates.checks import OUTFLOW
 
 
 @kernel
@@ -15,7 +15,7 @@ def sort_out(layer, order, places, first, layers, staying, leaving):
     Parameters
     ----------
     layer : (c,) int32
-        Of all particles; `GONE` marks those that go nowhere.
+        Of all particles; `OUTFLOW` marks those that go nowhere.
     order : (n,) int32
         Rows in canonical order.
     places : (k,) int32
@@ -34,7 +34,7 @@ def sort_out(layer, order, places, first, layers, staying, leaving):
     stay, down, up = 0, 0, 0
     for place in places:
         p = order[place]
-        if layer[p] == GONE:
+        if layer[p] == OUTFLOW:
             continue
         if layer[p] < first:
             leaving[down] = p

@@ -1,29 +1,12 @@
 """The particles of one rank, and the grid's frame: the data that all kernels share.
 
-| symbol | array | shape | unit | source |
-|---|---|---|---|---|
-| x | position | (c, D) | length | (26) |
-| v | velocity | (c, D) | length/time | (27), p_p/m_p |
-| F | deformation gradient, row-major | (c, D*D) | 1 | |
-| sigma | Cauchy stress xx yy zz [xy [yz xz]] | (c, 3, 4 or 6) | stress | (6) |
-| V, V0 | volume in (16), initial volume | (c,) | volume | (3), (11) |
-| m | mass | (c,) | mass | (4) |
-| id | number by body, then by position | (c,) | | |
-| cell | cell of the first vertex at the last re-sort | (c,) | | |
-| layer | plane of the first vertex now | (c,) | | |
-| body | body number | (c,) | | |
-| origin | initial position | (c, D or 0) | length | |
-| L | velocity gradient, row-major | (c, D*D or 0) | 1/time | (30) |
-| q | viscous pressure | (c, 1 or 0) | stress | (45) |
-| patch | area of each traction's patch | (c, T) | area | (18) |
-| grip | number of the constraint that holds it, from 1; 0 is none | (c, 1 or 0) | | |
-
-`c` is the capacity; what a scene does not use has no columns. Which rows are alive, and their
-canonical order, is in `Population`; rows of particles that have left stay as holes until the next
-re-sort.
+Each column is declared once, in `Particles`: allocation, migration, checkpoints, what a resume
+refuses and docs/symbols.md follow from that. Which rows are alive, and their canonical order, is
+in `Population`; rows of particles that have left stay as holes until the next re-sort.
 """
 
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import Annotated, NamedTuple, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,60 +18,129 @@ IntArray = NDArray[np.int64]
 Columns = tuple[tuple[IntArray, ...], tuple[NDArray[np.int32], ...]]
 
 
-class Particles(NamedTuple):
-    """Structure of arrays, one row a particle; see the table of this module."""
+class Carried(NamedTuple):
+    """What the particles of a scene carry.
 
-    x: FloatArray
-    v: FloatArray
-    F: FloatArray
-    sigma: FloatArray
-    V: FloatArray
-    V0: FloatArray
-    m: FloatArray
-    id: IntArray
-    cell: IntArray
-    layer: NDArray[np.int32]
-    body: NDArray[np.int32]
-    origin: FloatArray
-    L: FloatArray
-    q: FloatArray
-    patch: FloatArray
-    grip: NDArray[np.int32]
+    Attributes
+    ----------
+    dimensions : int
+        1, 2 or 3.
+    origin, affine, viscous, grips : bool
+        Whether they keep their initial position, velocity gradient, viscous pressure, constraint.
+    tractions, state : int
+        Number of tractions, and of what the material with most state variables remembers.
+    """
+
+    dimensions: int
+    origin: bool = False
+    affine: bool = False
+    viscous: bool = False
+    tractions: int = 0
+    grips: bool = False
+    state: int = 0
+
+
+class Column(NamedTuple):
+    """A column of the particles, (c,) or (c, k) with the capacity c.
+
+    Attributes
+    ----------
+    meaning, unit : str
+    width : callable, optional
+        k, from what is carried; 0: the scene does not use it. None: one number, (c,).
+    dtype : type
+    least : float, optional
+        What no particle's can be below.
+    above : float, optional
+        What every particle's is above.
+    numbers : str
+        What it numbers, if that: from 0 on, or from 1 on where 0 stands for none.
+    """
+
+    meaning: str
+    unit: str = ""
+    width: Callable[[Carried], int] | None = None
+    dtype: type = np.float64
+    least: float | None = None
+    above: float | None = None
+    numbers: str = ""
+
+
+def _directions(carried: Carried) -> int:
+    return carried.dimensions
+
+
+def _matrix(carried: Carried) -> int:
+    return carried.dimensions**2
+
+
+class Particles(NamedTuple):
+    """Structure of arrays, one row a particle; what a scene does not use has no columns."""
+
+    x: Annotated[FloatArray, Column("position", "length", _directions)]
+    v: Annotated[
+        FloatArray, Column("velocity, momentum over mass p_p/m_p", "length/time", _directions)
+    ]
+    F: Annotated[FloatArray, Column("deformation gradient, row by row", "1", _matrix)]
+    sigma: Annotated[
+        FloatArray,
+        Column(
+            "Cauchy stress xx yy zz [xy [yz xz]], positive in tension", "stress",
+            lambda carried: (3, 4, 6)[carried.dimensions - 1],
+        ),
+    ]  # fmt: skip
+    V: Annotated[FloatArray, Column("volume in (16)", "volume", above=0.0)]
+    V0: Annotated[FloatArray, Column("initial volume", "volume", above=0.0)]
+    m: Annotated[FloatArray, Column("mass", "mass", above=0.0)]
+    id: Annotated[
+        IntArray,
+        Column("number, by body, then by position", dtype=np.int64, numbers="particles"),
+    ]
+    cell: Annotated[
+        IntArray,
+        Column(
+            "cell of the first vertex when rows were last sorted", dtype=np.int64, numbers="cells"
+        ),
+    ]
+    layer: Annotated[NDArray[np.int32], Column("plane of the first vertex now", dtype=np.int32)]
+    body: Annotated[
+        NDArray[np.int32], Column("number of the body", dtype=np.int32, numbers="bodies")
+    ]
+    origin: Annotated[
+        FloatArray,
+        Column("initial position", "length", lambda c: c.dimensions if c.origin else 0),
+    ]
+    L: Annotated[
+        FloatArray,
+        Column(
+            "velocity gradient, row by row", "1/time", lambda c: c.dimensions**2 if c.affine else 0
+        ),
+    ]
+    q: Annotated[FloatArray, Column("viscous pressure", "stress", lambda c: int(c.viscous))]
+    patch: Annotated[
+        FloatArray,
+        Column("area of each traction's patch", "area", lambda c: c.tractions, least=0.0),
+    ]
+    grip: Annotated[
+        NDArray[np.int32],
+        Column(
+            "number of the constraint that holds it, from 1; 0 is none",
+            width=lambda c: int(c.grips), dtype=np.int32, numbers="constraints",
+        ),
+    ]  # fmt: skip
+    state: Annotated[
+        FloatArray, Column("state variables of the material", "", lambda c: c.state)
+    ]
 
     @classmethod
-    def empty(
-        cls,
-        capacity: int,
-        dimension: int,
-        origin: bool = False,
-        *,
-        affine: bool = False,
-        viscous: bool = False,
-        tractions: int = 0,
-        grips: bool = False,
-    ) -> "Particles":
-        """Arrays for `capacity` particles, F = 1 and sigma = 0, with the columns asked for."""
-        D = dimension
-        F = np.zeros((capacity, D * D))
-        F[:, :: D + 1] = 1.0
-        return cls(
-            x=np.zeros((capacity, D)),
-            v=np.zeros((capacity, D)),
-            F=F,
-            sigma=np.zeros((capacity, (3, 4, 6)[D - 1])),
-            V=np.zeros(capacity),
-            V0=np.zeros(capacity),
-            m=np.zeros(capacity),
-            id=np.zeros(capacity, np.int64),
-            cell=np.zeros(capacity, np.int64),
-            layer=np.zeros(capacity, np.int32),
-            body=np.zeros(capacity, np.int32),
-            origin=np.zeros((capacity, D if origin else 0)),
-            L=np.zeros((capacity, D * D if affine else 0)),
-            q=np.zeros((capacity, 1 if viscous else 0)),
-            patch=np.zeros((capacity, tractions)),
-            grip=np.zeros((capacity, 1 if grips else 0), np.int32),
-        )
+    def empty(cls, capacity: int, carried: Carried) -> "Particles":
+        """Arrays for `capacity` particles with all that is carried; F is 1, all else 0."""
+        arrays = {}
+        for name, column in COLUMNS.items():
+            more = () if column.width is None else (column.width(carried),)
+            arrays[name] = np.zeros((capacity, *more), column.dtype)
+        arrays["F"][:, :: carried.dimensions + 1] = 1.0
+        return cls(**arrays)
 
     @property
     def capacity(self) -> int:
@@ -106,6 +158,13 @@ class Particles(NamedTuple):
     def width(self) -> int:
         """Numbers in a row."""
         return sum(array[0].size for array in self)
+
+
+#: The columns by their names, in the order of the arrays.
+COLUMNS: dict[str, Column] = {
+    name: hint.__metadata__[0]
+    for name, hint in get_type_hints(Particles, include_extras=True).items()
+}
 
 
 class Frame(NamedTuple):

@@ -4,8 +4,8 @@ from math import sqrt
 
 from pgimp.jit.algebra import determinant, symmetric
 from pgimp.jit.kernel import kernel
-from pgimp.jit.tuples import read
-from pgimp.kernels.g2p import squared
+from pgimp.jit.tuples import read, squared
+from pgimp.kernels.updates.stress import state_of
 from pgimp.physics.materials.base import evaluate
 
 #: Columns of `layer_sums`.
@@ -51,8 +51,9 @@ def layer_sums(setting, particles, order, sums):
             sigma = read(particles.sigma, p, 0, symmetric(like))
             J = determinant(F)
             row[STRAIN] += particles.V0[p] * evaluate(
-                "energy", setting.materials, setting.material_of[body], (F, J, sigma)
-            )
+                "energy", setting.materials, setting.material_of[body], (F, J, sigma),
+                state_of(setting.materials, particles, p, F),
+            )  # fmt: skip
 
 
 #: Bits of the two integers in which `exact_masses` holds a mass.
@@ -90,6 +91,8 @@ def fastest_rate(setting, particles, rows):
     rate = 0.0
     for p in rows:
         F = read(particles.F, p, 0, setting.identity)
-        c = evaluate("speed", materials, material_of[particles.body[p]], (F, determinant(F)))
+        state = state_of(materials, particles, p, F)
+        args = (F, determinant(F))
+        c = evaluate("speed", materials, material_of[particles.body[p]], args, state)
         rate = max(rate, (c + sqrt(squared(read(particles.v, p, 0, frame.origin)))) * inverse)
     return rate

@@ -13,7 +13,7 @@ import numpy as np
 from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import where
 from pgimp.kernels.batch import put_row, take
-from pgimp.physics.materials.base import evaluate_four
+from pgimp.kernels.updates.stress import states, wave_speed
 
 
 class Viscosity(NamedTuple):
@@ -48,7 +48,7 @@ def _trace(L):
     return lambda L: L[0] + L[4] + L[8]
 
 
-def thicken(viscosity, materials, m, particles, rows, F, J, L):
+def thicken(viscosity, setting, m, particles, rows, F, J, L):
     """Set q of four particles for the next step; `m` are their materials, F, J and L vectors.
 
     Returns
@@ -59,12 +59,12 @@ def thicken(viscosity, materials, m, particles, rows, F, J, L):
 
 
 @specialise(thicken)
-def _thicken(viscosity, materials, m, particles, rows, F, J, L):
+def _thicken(viscosity, setting, m, particles, rows, F, J, L):
     if not hasattr(viscosity, "instance_class"):
-        return lambda viscosity, materials, m, particles, rows, F, J, L: 0.0
+        return lambda viscosity, setting, m, particles, rows, F, J, L: 0.0
 
-    def thicken_particles(viscosity, materials, m, particles, rows, F, J, L):
-        c = evaluate_four("speed", materials, m, (F, J), J)
+    def thicken_particles(viscosity, setting, m, particles, rows, F, J, L):
+        c = wave_speed(setting, m, F, J, states(setting.materials, particles, rows, F))
         closing = -viscosity.cell * trace(L)
         closes = closing > 0.0
         c1, c2 = take(viscosity.linear, m), take(viscosity.quadratic, m)

@@ -14,9 +14,9 @@ from pgimp.files.atomic import write as write_file
 from pgimp.io.frames.particlefile import ParticleFile
 from pgimp.io.frames.xdmf import Collection, particles
 from pgimp.io.rundir.ownfiles import FAILURE as FOLDER
-from pgimp.kernels.g2p import OUTSIDE
 from pgimp.kernels.order import vertices_of
 from pgimp.kernels.sums import fastest_rate
+from pgimp.kernels.updates.checks import OUTSIDE
 from pgimp.mpi.collective import on_root
 from pgimp.physics.values import ALWAYS, BY_RANKS, FAILURE, FIELDS, OPTIONAL, Source
 from pgimp.solver.faults import Failure, explanation

@@ -158,8 +158,9 @@ class _Speeds:
 
 def wave_speed(scene: Scene, body: int) -> float:
     """Wave speed of a body at rest."""
-    point = Particles.empty(1, scene.dimension, False)
+    point = Particles.empty(1, scene.carried)
     point.body[0] = body
+    point.state[0] = scene.states.initial[scene.body_material[body]]
     rate = fastest_rate(scene.setting, point, np.zeros(1, np.int32))
     return rate / max(scene.frame.inverse)
 

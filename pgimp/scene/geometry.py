@@ -15,7 +15,7 @@ from pgimp.errors import CaseError
 from pgimp.geometry.mesh.tree import build_tree, nothing
 from pgimp.geometry.regions import Mesh, Points
 from pgimp.geometry.regions.base import Region
-from pgimp.kernels.particles import Particles
+from pgimp.kernels.particles import Carried, Particles
 from pgimp.mpi.collective import on_root
 from pgimp.mpi.limits import limits
 from pgimp.mpi.node import one_rank_first
@@ -173,7 +173,7 @@ def _read_points(case: Case, comm: Any) -> None:
 
 def _most_particles(case: Case, comm: Any) -> int | None:
     """Particles that the memory of all ranks holds, whatever else they have; collective."""
-    row = Particles.empty(1, case.dimensions)
+    row = Particles.empty(1, Carried(case.dimensions))
     mine = min(limits(), key=lambda limit: limit.free, default=None)
     # Some ranks share the memory of a node.
     pools: dict[str, int] = {}

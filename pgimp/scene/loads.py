@@ -71,8 +71,8 @@ class SceneLoads:
         self._grips = self._grips_at(0.0, 0.0)
 
     @property
-    def columns(self) -> dict[str, Any]:
-        """The columns that particles need, for `Particles.empty`."""
+    def carried(self) -> dict[str, Any]:
+        """What particles carry for the loads, for `Carried`."""
         return {
             "affine": bool(self.affine),
             "viscous": bool(self.viscosity),

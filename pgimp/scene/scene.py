@@ -14,8 +14,9 @@ from pgimp.kernels.concepts import Setting
 from pgimp.kernels.errors import initial_velocities
 from pgimp.kernels.mirror import Mirror
 from pgimp.kernels.order import cell_numbers
-from pgimp.kernels.particles import Frame, Particles
+from pgimp.kernels.particles import Carried, Frame, Particles
 from pgimp.physics.materials.outside import parameters_of
+from pgimp.physics.materials.states import States
 from pgimp.scene.census import census
 from pgimp.scene.cloudgradients import velocity_gradients
 from pgimp.scene.faces import AXES, Face, walls
@@ -103,6 +104,10 @@ class Scene:
         self.moves = bool(case.exact) and case.exact.moves
         force = self.exact if case.exact and case.exact.forced else ()
         self.loads = SceneLoads(case, used, force)
+        self.states = States(used, self.materials, self.dimension)
+        self.carried = Carried(
+            self.dimension, self.origins, **self.loads.carried, state=self.states.width
+        )
         varies = any(face.condition.varies for face in self.faces)
         self._faces = None if varies else self._face_parameters(0.0, 0.0)
         self._walls = None if varies else walls(self.faces, self.frame, 0.0)
@@ -243,7 +248,7 @@ class Scene:
             else sum(len(made.ids) for made in found)
             for body, found in enumerate(files)
         )
-        p = Particles.empty(max(n, 1), self.dimension, self.origins, **self.loads.columns)
+        p = Particles.empty(max(n, 1), self.carried)
         row = 0
         every = (
             lattice.make(planes, counts, body) if found is None else found
@@ -270,7 +275,9 @@ class Scene:
             p.id[rows] = made.ids
             p.body[rows] = made.body
             p.V0[rows] = p.V[rows] = lattice.volume * made.fractions  # (3)
-            p.m[rows] = p.V0[rows] * self.materials[self.body_material[made.body]].density  # (4)
+            material = self.body_material[made.body]
+            p.m[rows] = p.V0[rows] * self.materials[material].density  # (4)
+            p.state[rows] = self.states.initial[material]
             row += len(made.ids)
         if p.origin.shape[1]:
             p.origin[:] = p.x

@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from pgimp.kernels.g2p import INVERTED, NOT_FINITE, OUTSIDE, TOO_FAST
+from pgimp.kernels.updates.checks import INVERTED, NOT_FINITE, OUTSIDE, TOO_FAST
 from pgimp.solver.clock import Step
 from pgimp.solver.rank import Rank
 

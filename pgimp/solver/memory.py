@@ -86,7 +86,7 @@ class Estimate(NamedTuple):
 
 def bytes_each(scene: Scene, ranks: int) -> tuple[int, int, int]:
     """Bytes of a particle's columns, of what a rank keeps for it, and while output is written."""
-    p = Particles.empty(1, scene.dimension, scene.origins, **scene.loads.columns)
+    p = Particles.empty(1, scene.carried)
     columns = sum(array.nbytes for array in p)
     widest = 8 * max(array.size for array in p)
     output = scene.case.output

@@ -14,10 +14,10 @@ from pgimp.decomposition.population import Population
 from pgimp.decomposition.slabs import Slab, slab_of
 from pgimp.jit.bound import Bound
 from pgimp.kernels.concepts import Order
-from pgimp.kernels.g2p import GONE
 from pgimp.kernels.ledger import Ledger
 from pgimp.kernels.particles import Particles
 from pgimp.kernels.sums import SUMS, layer_sums
+from pgimp.kernels.updates.checks import OUTFLOW
 from pgimp.mpi.node import shares_cores
 from pgimp.scene.scene import Scene
 
@@ -154,7 +154,7 @@ class Rank:
         """
         scene, population = self.scene, self.population
         rows = population.order[left]
-        gone = self.particles.layer[rows] == GONE
+        gone = self.particles.layer[rows] == OUTFLOW
         leaving = rows[gone]
         order = Order(leaving, np.searchsorted(left[gone], population.start))
         escaped = self.ledger.escaped[: self.slab.layers]

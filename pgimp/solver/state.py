@@ -13,7 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pgimp.decomposition.slabs import Slab
 from pgimp.errors import DamagedError, UsageError
 from pgimp.kernels.order import cell_numbers, locate
-from pgimp.kernels.particles import Particles
+from pgimp.kernels.particles import COLUMNS, Particles
 from pgimp.mpi.collective import all_or_none
 from pgimp.scene.scene import Scene
 from pgimp.solver.clock import Step
@@ -279,9 +279,8 @@ def _whole(source: Any, name: str, shape: tuple[int, ...]) -> np.ndarray:
 
 def _read_rows(scene: Scene, source: Any, first: int, n: int) -> Particles:
     """Read `n` rows of a checkpoint, with the columns that the scene wants."""
-    columns = scene.loads.columns
-    expected = Particles.empty(0, scene.dimension, scene.origins, **columns)._asdict()
-    particles = Particles.empty(max(n, 1), scene.dimension, scene.origins, **columns)
+    expected = Particles.empty(0, scene.carried)._asdict()
+    particles = Particles.empty(max(n, 1), scene.carried)
     for name, like in expected.items():
         if 0 in like.shape[1:]:
             continue
@@ -306,20 +305,22 @@ def _inconsistent(
     """Say what in particles cannot be of this scene; the step relies on all of it."""
     frame = scene.frame
     x = (p.x[:n] - frame.origin) * frame.inverse
-    ranges = (
-        ("x", x, 0.0, np.array(frame.cells, float)),
-        ("body", p.body[:n], 0, len(scene.body_names) - 1),
-        ("id", p.id[:n], 0, count - 1),
-        ("cell", p.cell[:n], 0, cell_numbers(frame.vertices) - 1),
-        ("grip", p.grip[:n], 0, len(scene.loads.constraints)),
-        ("patch", p.patch[:n], 0.0, np.inf),
-    )
-    for name, values, least, most in ranges:
-        if ((values < least) | (values > most)).any():
+    if ((x < 0.0) | (x > np.array(frame.cells, float))).any():
+        return "the x of a particle is out of range"
+    greatest = {
+        "bodies": len(scene.body_names) - 1,
+        "particles": count - 1,
+        "cells": cell_numbers(frame.vertices) - 1,
+        "constraints": len(scene.loads.constraints),
+    }
+    for name, column in COLUMNS.items():
+        values = getattr(p, name)[:n]
+        if column.numbers and ((values < 0) | (values > greatest[column.numbers])).any():
             return f"the {name} of a particle is out of range"
-    for name in ("m", "V0", "V"):
-        if not (getattr(p, name)[:n] > 0.0).all():
-            return f"the {name} of a particle is not above zero"
+        if column.least is not None and (values < column.least).any():
+            return f"the {name} of a particle is out of range"
+        if column.above is not None and not (values > column.above).all():
+            return f"the {name} of a particle is not above {column.above:g}"
     layer = p._replace(layer=np.empty_like(p.layer), cell=np.empty_like(p.cell))
     locate(scene.shape, frame, layer, np.arange(n, dtype=np.int32), frame.vertices)
     place = slab.first + np.repeat(np.arange(len(start) - 1), np.diff(start))

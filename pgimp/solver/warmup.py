@@ -32,7 +32,7 @@ def warm_up(scene: Scene, comm: Any) -> None:
 def _calls(scene: Scene) -> Iterator[Call]:
     """The calls, with the seconds that each took to compile, in 3D on one machine."""
     setting, frame, shape, vertices = scene.setting, scene.frame, scene.shape, scene.vertices
-    p = Particles.empty(1, scene.dimension, **scene.loads.columns)
+    p = Particles.empty(1, scene.carried)
     loads, grips = scene.loads.at(0.0), scene.loads.grips(0.0, 0.0)
     rows = np.empty(0, np.int32)
     start = np.zeros(2, np.int64)

@@ -1,7 +1,8 @@
 """What the entries of all materials have in common, and the kernels' view of a material."""
 
 from functools import cache
-from typing import Annotated, Any, ClassVar
+from math import isqrt
+from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numba
 from numba.core import errors, types
@@ -47,90 +48,170 @@ def lame(young: float, poisson: float) -> tuple[float, float]:
     return 2.0 * mu * poisson / (1.0 - 2.0 * poisson), mu
 
 
+class State(NamedTuple):
+    """A state variable of a material: what its particles remember besides their stress.
+
+    Attributes
+    ----------
+    name : str
+        As ``output.fields`` and probes name it: small letters, digits and ``-``.
+    unit : str
+        Its unit, ``1`` for none.
+    meaning : str
+        What it is, for the reference and for the datasets of frames.
+    initial : float or str
+        Its value at the start, or the name of a number among the material's parameters.
+    tensor : bool
+        Whether it is a symmetric tensor, with the components of a stress, or one number.
+    """
+
+    name: str
+    unit: str
+    meaning: str
+    initial: float | str = 0.0
+    tensor: bool = False
+
+    def width(self, dimensions: int) -> int:
+        """Numbers that it takes."""
+        return (3, 4, 6)[dimensions - 1] if self.tensor else 1
+
+
+def state_width(parameters: type, dimensions: int) -> int:
+    """Numbers that particles of a material remember, all its state variables together."""
+    return sum(each.width(dimensions) for each in getattr(parameters, "STATE", ()))
+
+
 @cache
 def _compiled(parameters: type, quantity: str):
     return numba.njit(**INLINE_OPTIONS)(getattr(parameters, quantity))
 
 
-def evaluate(quantity, materials, k, args):
+def evaluate(quantity, materials, k, args, state):
     """Value of "stress", "energy" or "speed" of material number `k` of the scene's tuple.
 
     Materials of one model are indexed; different models become a chain of branches; one material
-    alone costs neither (``args`` as in `pgimp.physics.materials`).
+    alone costs neither.
+
+    Parameters
+    ----------
+    quantity : str
+        A literal.
+    materials : tuple of NamedTuple
+        The scene's.
+    k : int
+        Number of the material.
+    args : tuple
+        As in `pgimp.physics.materials`, without the state; F comes first.
+    state : tuple of float
+        As many as the widest material of the scene remembers, () where none does.
+
+    Returns
+    -------
+    float or tuple
+        Of "stress" the components, followed by the state after the step.
     """
 
 
 @overload(evaluate, jit_options=INLINE_OPTIONS, prefer_literal=True, strict=False)
-def _evaluate(quantity, materials, k, args):
+def _evaluate(quantity, materials, k, args, state):
     if not isinstance(quantity, types.Literal):
         return None  # Numba tries that too, after an error in a material
     name = quantity.literal_value
     models = [material.instance_class for material in materials]
-    function = _compiled(models[0], name)
     if len(models) == 1:
-        return lambda quantity, materials, k, args: function(materials[0], *args)
+        return lambda quantity, materials, k, args, state: _ask(name, materials[0], args, state)
     if len(set(models)) == 1:
-        return lambda quantity, materials, k, args: function(materials[k], *args)
+        return lambda quantity, materials, k, args, state: _ask(name, materials[k], args, state)
 
-    def branch(quantity, materials, k, args):
+    def branch(quantity, materials, k, args, state):
         if k == 0:
-            return function(materials[0], *args)
-        return evaluate(name, materials[1:], k - 1, args)
+            return _ask(name, materials[0], args, state)
+        return evaluate(name, materials[1:], k - 1, args, state)
 
-    def branch_of_vectors(quantity, materials, k, args):
+    def branch_of_vectors(quantity, materials, k, args, state):
         if k == 0:  # one model may give a number where another gives a vector
-            return vectors(function(materials[0], *args))
-        return vectors(evaluate(name, materials[1:], k - 1, args))
+            return vectors(_ask(name, materials[0], args, state))
+        return vectors(evaluate(name, materials[1:], k - 1, args, state))
 
     return branch_of_vectors if has_vectors(args) else branch
 
 
-def _takes_vectors(material: Any, quantity: str, args: Any) -> bool:
+def _ask(quantity, material, args, state):
+    """Value of a quantity of one material, see `evaluate`; a material sees its own state alone."""
+
+
+@overload(_ask, jit_options=INLINE_OPTIONS, prefer_literal=True, strict=False)
+def _ask_material(quantity, material, args, state):
+    if not isinstance(quantity, types.Literal):
+        return None
+    name = quantity.literal_value
+    function = _compiled(material.instance_class, name)
+    own = state_width(material.instance_class, isqrt(len(args[0])))
+    if len(state) == 0:
+        return lambda quantity, material, args, state: function(material, *args)
+    if own == 0 and name == "stress":
+        return lambda quantity, material, args, state: (*function(material, *args), *state)
+    if own == 0:
+        return lambda quantity, material, args, state: function(material, *args)
+    if name != "stress":
+        return lambda quantity, material, args, state: function(material, *args, state[:own])
+
+    def stress(quantity, material, args, state):
+        sigma, now = function(material, *args, state[:own])
+        return (*sigma, *now, *state[own:])
+
+    return stress
+
+
+def _takes_vectors(material: Any, quantity: str, args: Any, state: Any) -> bool:
     """Whether a material's function compiles for vectors: one that branches does not."""
+    kind = material.instance_class
+    own = state_width(kind, isqrt(len(args[0])))
+    seen = (types.UniTuple(state[0], own),) if own else ()
     try:
-        _compiled(material.instance_class, quantity).compile((material, *args))
+        _compiled(kind, quantity).compile((material, *args, *seen))
     except errors.NumbaError:
         return False
     return True
 
 
-def evaluate_four(quantity, materials, numbers, args, like):
+def evaluate_four(quantity, materials, numbers, args, state, like):
     """As `evaluate`, of four particles.
 
-    `args` are vectors or tuples of them; so is the result, which is of the kind of `like`.
-    `numbers` are the particles' materials, a tuple of four. A function that cannot take vectors,
-    because it branches, is called for one particle after the other.
+    `args` and `state` are vectors or tuples of them; so is the result, which is of the kind of
+    `like`. `numbers` are the particles' materials, a tuple of four. A function that cannot take
+    vectors, because it branches, is called for one particle after the other.
     """
 
 
 @overload(evaluate_four, jit_options=INLINE_OPTIONS, prefer_literal=True, strict=False)
-def _evaluate_four(quantity, materials, numbers, args, like):
+def _evaluate_four(quantity, materials, numbers, args, state, like):
     if not isinstance(quantity, types.Literal):
         return None
     name = quantity.literal_value
-    if not all(_takes_vectors(material, name, args) for material in materials):
+    if not all(_takes_vectors(material, name, args, state) for material in materials):
 
-        def one_by_one(quantity, materials, numbers, args, like):
+        def one_by_one(quantity, materials, numbers, args, state, like):
             values = like
             for j in range(4):
-                one = evaluate(name, materials, numbers[j], of_lane(args, j))
+                one = evaluate(name, materials, numbers[j], of_lane(args, j), of_lane(state, j))
                 values = with_lanes(values, j, one)
             return values
 
         return one_by_one
     if len(materials) == 1:
-        return lambda quantity, materials, numbers, args, like: vectors(
-            evaluate(name, materials, 0, args)
+        return lambda quantity, materials, numbers, args, state, like: vectors(
+            evaluate(name, materials, 0, args, state)
         )
 
-    def by_material(quantity, materials, numbers, args, like):
+    def by_material(quantity, materials, numbers, args, state, like):
         kinds = pack(float(numbers[0]), float(numbers[1]), float(numbers[2]), float(numbers[3]))
         values = like
         done = 0
         for j in range(4):
             if done >> j & 1 == 0:
                 mask = kinds == numbers[j]
-                found = vectors(evaluate(name, materials, numbers[j], args))
+                found = vectors(evaluate(name, materials, numbers[j], args, state))
                 values = where_all(mask, found, values)
                 done |= bits(mask)
         return values

@@ -1,0 +1,148 @@
+"""What may have happened to particles in a step: faults, walls, other layers, the way out."""
+
+from math import isfinite
+
+from pgimp.jit.kernel import kernel, specialise
+from pgimp.jit.lanes import of_lane
+from pgimp.jit.simd import lane, vector
+from pgimp.jit.tuples import read
+from pgimp.kernels.place import first_vertex
+from pgimp.kernels.walls import hold_inside
+from pgimp.physics.shapes.stretch import LARGEST
+
+#: What is wrong with a particle at fault.
+NOT_FINITE, INVERTED, TOO_FAST, OUTSIDE = 1, 2, 3, 4
+
+#: What `_outside` says of a particle that has left through a face that lets it go.
+_LEAVES = -1
+
+#: The layer of such a particle.
+OUTFLOW = -1
+
+
+def within(bounds, x):
+    """Whether each coordinate lies within its bounds; false for NaN, never branches."""
+
+
+@specialise(within)
+def _within(bounds, x):
+    if len(x) == 1:
+        return lambda bounds, x: (x[0] >= bounds[0][0]) & (x[0] <= bounds[0][1])
+    return lambda bounds, x: (
+        (x[0] >= bounds[0][0]) & (x[0] <= bounds[0][1]) & within(bounds[1:], x[1:])
+    )
+
+
+def and_finite(mask, values):
+    """The mask, false as well where one of the vectors `values` is not finite."""
+
+
+@specialise(and_finite)
+def _and_finite(mask, values):
+    if len(values) == 0:
+        return lambda mask, values: mask
+    return lambda mask, values: and_finite(mask & (values[0] - values[0] == 0.0), values[1:])
+
+
+@kernel
+def _unsound(frame, x, v, u, J, state, dt):
+    """Name the fault of a particle that failed the combined check, wherever it is; 0 for none."""
+    for d in range(len(x)):
+        if not (isfinite(x[d]) and isfinite(v[d])):
+            return NOT_FINITE
+    if not (isfinite(J) and and_finite(True, state)):
+        return NOT_FINITE
+    if not J > 0.0:
+        return INVERTED
+    for d in range(len(x)):
+        if not abs(u[d]) * dt * frame.inverse[d] <= 1.0:
+            return TOO_FAST
+    return 0
+
+
+@kernel
+def _outside(frame, exits, x):
+    """Tell whether a particle has left the domain, and if it may."""
+    fault = 0
+    for d in range(len(x)):
+        xi = (x[d] - frame.origin[d]) * frame.inverse[d]
+        if not (xi >= 0.0 and xi <= frame.cells[d]):
+            if exits >> (2 * d + (xi > 0.0)) & 1 == 0:
+                return OUTSIDE
+            fault = _LEAVES
+    return fault
+
+
+def examine(setting, forcing, particles, batch, usual, found, report, ledger, counts):
+    """See what happened to those of four particles that are not as usual.
+
+    Parameters
+    ----------
+    setting, forcing, particles, batch, report, ledger
+        See `Setting`, `Forcing`, `Particles`, `Batch`, `Report`, `Ledger`.
+    usual : int
+        Bit j is set for a particle of which nothing has to be seen.
+    found : tuple
+        u, v, x, J, state, half-widths, first vertex along x and greatest stretch of the four.
+    counts : tuple of 5 int
+        Particles at fault, that left, that left or changed their layer, whose half-width is
+        clamped, that walls held in.
+
+    Returns
+    -------
+    tuple of 5 int
+        The counts with these particles.
+    """
+
+
+@specialise(examine)
+def _examine(setting, forcing, particles, batch, usual, found, report, ledger, counts):
+    def examine(setting, forcing, particles, batch, usual, found, report, ledger, counts):
+        frame, number, reach = setting.frame, batch.number, report.reach
+        u, v, x, J, state, half, now, most = found
+        failed, leavers, moved, clamped, held = counts
+        for j in range(batch.size):
+            if usual >> j & 1:
+                continue
+            p = batch.rows[j]
+            clamped += lane(vector(most), j) > LARGEST
+            xj = of_lane(x, j)
+            layer_now = int(lane(now, j))
+            fault = _unsound(
+                frame, xj, of_lane(v, j), of_lane(u, j), lane(J, j), of_lane(state, j), forcing.dt
+            )
+            if fault == 0:
+                fault = _outside(frame, setting.exits, xj)
+            if fault == OUTSIDE and hold_inside(
+                forcing.walls, frame, forcing.grips, particles, p, ledger.impulse[batch.layer],
+                ledger.work[batch.layer : batch.layer + 1],
+            ):  # fmt: skip
+                held += 1
+                xj = read(particles.x, p, 0, frame.origin)
+                layer_now = int(first_vertex(frame, 0, lane(vector(half[0]), j), xj[0]))
+                fault = _outside(frame, setting.exits, xj)
+            if fault == _LEAVES:
+                particles.layer[p] = OUTFLOW
+                report.movers[moved] = batch.first + j
+                moved += 1
+                leavers += 1
+                continue
+            if fault == 0 and abs(layer_now - number) > 1:
+                fault = TOO_FAST  # a cell, but for rounding: past a slab of one layer
+            if fault != 0:
+                if failed < len(report.faults):
+                    report.faults[failed, 0] = p
+                    report.faults[failed, 1] = fault
+                failed += 1
+                continue
+            for d in range(1, len(xj)):
+                i = first_vertex(frame, d, lane(vector(half[d]), j), xj[d])
+                reach[0, d - 1] = min(reach[0, d - 1], i)
+                reach[1, d - 1] = max(reach[1, d - 1], i)
+            if layer_now != number:
+                particles.layer[p] = layer_now
+                report.movers[moved] = batch.first + j
+                moved += 1
+        return failed, leavers, moved, clamped, held
+
+    return examine

@@ -1,0 +1,105 @@
+"""Stress and state of the materials, and the speed of their waves."""
+
+from math import isqrt
+
+from pgimp.jit.algebra import symmetric
+from pgimp.jit.kernel import specialise
+from pgimp.jit.tuples import read
+from pgimp.kernels.batch import put_row, take_row
+from pgimp.physics.materials.base import evaluate_four, state_width
+
+
+def _width(materials, like):
+    """Numbers that the widest of some materials remembers; `like` is as long as F."""
+    dimensions = isqrt(len(like))
+    return max(state_width(material.instance_class, dimensions) for material in materials)
+
+
+def states(materials, particles, rows, like):
+    """State of four particles, as many vectors as the widest material needs; `like` is as F."""
+
+
+@specialise(states)
+def _states(materials, particles, rows, like):
+    width = _width(materials, like)
+    if width == 0:
+        return lambda materials, particles, rows, like: ()
+    zeros = (0.0,) * width
+    return lambda materials, particles, rows, like: take_row(particles.state, rows, 0, zeros)
+
+
+def state_of(materials, particles, p, like):
+    """As `states`, of one particle."""
+
+
+@specialise(state_of)
+def _state_of(materials, particles, p, like):
+    width = _width(materials, like)
+    if width == 0:
+        return lambda materials, particles, p, like: ()
+    zeros = (0.0,) * width
+    return lambda materials, particles, p, like: read(particles.state, p, 0, zeros)
+
+
+def update_stress(setting, forcing, particles, rows, numbers, F, J, L):
+    """Stress and state of four particles after a step.
+
+    Parameters
+    ----------
+    setting, forcing, particles
+        See `Setting`, `Forcing`, `Particles`.
+    rows, numbers : tuple of 4 int
+        Their rows and the numbers of their materials.
+    F, L : tuple of D*D Vec4
+        Deformation gradients at the end of the step, velocity gradients.
+    J : Vec4
+        det F.
+
+    Returns
+    -------
+    sigma, state : tuple of Vec4
+    """
+
+
+@specialise(update_stress)
+def _update_stress(setting, forcing, particles, rows, numbers, F, J, L):
+    components = {1: 3, 4: 4, 9: 6}[len(F)]
+
+    def update(setting, forcing, particles, rows, numbers, F, J, L):
+        materials = setting.materials
+        sigma = take_row(particles.sigma, rows, 0, symmetric(L))
+        state = states(materials, particles, rows, F)
+        args = (F, J, sigma, L, forcing.dt)
+        found = evaluate_four("stress", materials, numbers, args, state, (*sigma, *state))
+        return found[:components], found[components:]
+
+    def update_without(setting, forcing, particles, rows, numbers, F, J, L):
+        sigma = take_row(particles.sigma, rows, 0, symmetric(L))
+        args = (F, J, sigma, L, forcing.dt)
+        return evaluate_four("stress", setting.materials, numbers, args, (), sigma), ()
+
+    materials = setting.types[setting.fields.index("materials")]
+    return update if _width(materials, F) else update_without
+
+
+def keep_state(particles, rows, state):
+    """Let four particles keep their state, where they have any."""
+
+
+@specialise(keep_state)
+def _keep_state(particles, rows, state):
+    def keep(particles, rows, state):
+        put_row(particles.state, rows, 0, state)
+
+    return keep if len(state) else lambda particles, rows, state: None
+
+
+def wave_speed(setting, numbers, F, J, state):
+    """Speeds of the fastest wave through four particles; `numbers` are those of the materials."""
+
+
+@specialise(wave_speed)
+def _wave_speed(setting, numbers, F, J, state):
+    return lambda setting, numbers, F, J, state: evaluate_four(
+        "speed", setting.materials, numbers, (F, J), state, J
+    )

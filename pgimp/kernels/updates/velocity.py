@@ -1,0 +1,48 @@
+"""Velocities (27) and positions (26): what particles take from the grid's motion."""
+
+from pgimp.jit.kernel import specialise
+from pgimp.jit.tuples import plus_scaled
+from pgimp.kernels.batch import take_row
+from pgimp.kernels.grips import gripped
+from pgimp.kernels.loads import relaxed
+
+
+def update_velocity(forcing, particles, batch, u, a, ledger):
+    """Velocities of four particles after a step, and at which they move.
+
+    Parameters
+    ----------
+    forcing, particles, batch, ledger
+        See `Forcing`, `Particles`, `Batch`, `Ledger`.
+    u, a : tuple of D Vec4
+        The grid's velocity and acceleration at their places.
+
+    Returns
+    -------
+    u, v : tuple of D Vec4
+        The velocity at which they move, and theirs.
+    """
+
+
+@specialise(update_velocity)
+def _update_velocity(forcing, particles, batch, u, a, ledger):
+    def update(forcing, particles, batch, u, a, ledger):
+        v = plus_scaled(forcing.dt, a, take_row(particles.v, batch.rows, 0, u))  # (27)
+        v = relaxed(forcing.loads.relaxation, forcing.dt, v, u)
+        return gripped(
+            forcing.grips, particles, batch.rows, batch.size, u, v, ledger.grip_impulse,
+            ledger.work, batch.layer,
+        )  # fmt: skip
+
+    return update
+
+
+def update_position(forcing, particles, batch, u):
+    """Positions of four particles after a step, which move at `u` (26)."""
+
+
+@specialise(update_position)
+def _update_position(forcing, particles, batch, u):
+    return lambda forcing, particles, batch, u: plus_scaled(
+        forcing.dt, u, take_row(particles.x, batch.rows, 0, u)
+    )

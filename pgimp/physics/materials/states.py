@@ -1,0 +1,78 @@
+"""State variables of a scene's materials: where particles keep them, and what they start with."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from pgimp.errors import UsageError
+from pgimp.physics.materials.base import State, state_width
+
+
+class Kept(NamedTuple):
+    """A state variable in a scene.
+
+    Attributes
+    ----------
+    state : State
+        What the materials declare.
+    first : (materials,) int64
+        Where in a particle's row it begins, by material; -1 for those that do not have it.
+    """
+
+    state: State
+    first: np.ndarray
+
+
+class States:
+    """The state variables of the materials in use.
+
+    Each material has its own from the first place of a particle's row on.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Of the materials, for messages.
+    materials : sequence of NamedTuple
+        Their parameters.
+    dimensions : int
+        1, 2 or 3.
+
+    Attributes
+    ----------
+    width : int
+        Numbers in a particle's row.
+    initial : (materials, width) float64
+        What particles start with.
+    kept : dict of str to Kept
+        By the variables' names.
+
+    Raises
+    ------
+    UsageError
+        If two materials mean different things by one name.
+    """
+
+    def __init__(self, names: Sequence[str], materials: Sequence[Any], dimensions: int) -> None:
+        self.width = max(state_width(type(each), dimensions) for each in materials)
+        self.initial = np.zeros((len(materials), self.width))
+        self.kept: dict[str, Kept] = {}
+        for i, each in enumerate(materials):
+            first = 0
+            for state in getattr(type(each), "STATE", ()):
+                last = first + state.width(dimensions)
+                start = state.initial
+                value = getattr(each, start) if isinstance(start, str) else start
+                self.initial[i, first:last] = value
+                nowhere = np.full(len(materials), -1)
+                known = self.kept.setdefault(state.name, Kept(state, nowhere))
+                if (state.unit, state.tensor) != (known.state.unit, known.state.tensor):
+                    other = names[int(np.argmax(known.first >= 0))]
+                    raise UsageError(
+                        f"materials.{names[i]}: its state '{state.name}' is not of the same kind "
+                        f"or unit as that of materials.{other}; give one of them another name"
+                    )
+                known.first[i] = first
+                first = last
