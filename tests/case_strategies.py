@@ -2,7 +2,7 @@
 
 from hypothesis import strategies as st
 
-from pgimp.physics.fields import FIELDS
+from pgimp.physics.fields import OPTIONAL
 
 NUMBER = st.floats(-1e150, 1e150)
 NAME = st.from_regex("[A-Za-z][A-Za-z0-9_-]{0,12}", fullmatch=True) | st.sampled_from(
@@ -79,7 +79,7 @@ def cases(draw):
         },
         "output": {
             "every": draw(st.none() | st.floats(1e-150, 1e150)),
-            "fields": draw(st.lists(st.sampled_from([*FIELDS]), unique=True)),
+            "fields": draw(st.lists(st.sampled_from([*OPTIONAL]), unique=True)),
         },
         "history": {"every": {"steps": draw(st.integers(1, 2**53))}},
     }

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from pgimp.mpi.comm import Serial
-from pgimp.physics.values import BY_RANKS, OPTIONAL
+from pgimp.physics.fields import BY_RANKS, OPTIONAL
 from pgimp.running.frames import Frames
 
 LATERAL = {1: 3, 2: 4, 3: 6}

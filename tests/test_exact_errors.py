@@ -11,7 +11,7 @@ import pgimp
 from pgimp.case.reader import dump_case, read_case
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
-from pgimp.physics.fields import HISTORY
+from pgimp.physics.columns import HISTORY
 
 NAMES = [
     f"error.{name}-{norm}"

@@ -13,7 +13,7 @@ from test_paraview import READERS, probe
 import pgimp
 from pgimp.errors import RunError
 from pgimp.kernels.updates.checks import INVERTED, NOT_FINITE
-from pgimp.physics.values import EVERY
+from pgimp.physics.fields import EVERY
 from pgimp.running import failure
 
 #: Two squares far apart: on three ranks the first and the last one have a particle at fault each.

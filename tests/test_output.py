@@ -20,8 +20,7 @@ from pgimp.io.frames import particlefile
 from pgimp.io.results.history import History, read
 from pgimp.io.results.reader import Frame
 from pgimp.mpi.comm import Serial, world
-from pgimp.physics import fields as case_fields
-from pgimp.physics.values import ALWAYS, BY_RANKS, FIELDS, OPTIONAL, Source
+from pgimp.physics.fields import ALWAYS, BY_RANKS, FIELDS, Source
 from pgimp.running.frames import Frames
 
 
@@ -48,11 +47,6 @@ def test_a_frame_holds_the_particles_by_id(tmp_path, dimension):
         assert file.attrs["title"] == "a test" and file.attrs["units"] == "none"
         assert list(file.attrs["bodies"]) == list(file["body"].attrs["names"]) == ["left", "right"]
         assert list(file["material"].attrs["names"]) == ["soft", "hard"]
-
-
-def test_the_case_offers_the_fields_that_there_are():
-    assert list(case_fields.ALWAYS) == list(ALWAYS)
-    assert list(case_fields.FIELDS) == list(OPTIONAL)
 
 
 def strained(F):

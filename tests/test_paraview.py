@@ -13,7 +13,7 @@ from PIL import Image
 
 from pgimp.io.results.reader import Frame
 from pgimp.mpi.comm import Serial
-from pgimp.physics.fields import ALWAYS, FIELDS
+from pgimp.physics.fields import FIELDS
 from pgimp.running.frames import Frames
 from pgimp.tools.plot.units import kind_of_field, unit
 
@@ -204,7 +204,7 @@ def test_units_are_those_of_plot(monkeypatch, tmp_path, dimension, units):
     spec.loader.exec_module(script)
     (tmp_path / "case.yaml").write_text(f"dimensions: {dimension}\nunits: {json.dumps(units)}\n")
     found = script._units(str(tmp_path))
-    for name in {*ALWAYS, *FIELDS} - {"position"}:
+    for name in {*FIELDS} - {"position"}:
         wanted = unit(kind_of_field(name), units, dimension)
         wanted = wanted.replace("$^2$", "\u00b2").replace("$^3$", "\u00b3")
         assert found.get(script.KINDS.get(name), "") == wanted, name

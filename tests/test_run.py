@@ -15,7 +15,7 @@ from particle_source import small_disk
 
 import pgimp
 from pgimp.errors import RunError, UsageError
-from pgimp.physics.values import OPTIONAL
+from pgimp.physics.fields import OPTIONAL
 
 CASE = """\
 # Two soft blocks in a closed box collide.

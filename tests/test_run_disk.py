@@ -15,7 +15,7 @@ from test_run import CASE
 
 import pgimp
 from pgimp.io.checkpoints.checkpointfile import CheckpointFile
-from pgimp.physics.values import BY_RANKS, OPTIONAL
+from pgimp.physics.fields import BY_RANKS, OPTIONAL
 from pgimp.running.checkpoints import present
 
 ALL = [name for name in OPTIONAL if name not in BY_RANKS]

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from pgimp.physics.fields import OPTIONAL
 from pgimp.schema.messages import unknown
 from pgimp.schema.problems import Problem
 from pgimp.schema.sizes import Problems, faces, length, nearest_whole, whole
@@ -76,6 +77,19 @@ def check_output(time: Any, output: Any) -> Problems:
             yield Problem(
                 ("output", "at", i), f"{instant:.15g} is after the end at {time.end:.15g}"
             )
+
+
+def check_fields(
+    materials: Mapping[str, Any], declared: tuple[str, ...], output: Any
+) -> Problems:
+    """Check that fields which are not those of every case are states of its materials."""
+    if len(materials) < len(declared):
+        return  # what the others would have is not known
+    states = {state.name for entry in materials.values() for state in entry.STATE}
+    for i, name in enumerate(output.fields):
+        if name not in OPTIONAL and name not in states:
+            known = [*OPTIONAL, *sorted(states)]
+            yield Problem(("output", "fields", i), unknown("field", name, known))
 
 
 def check_gravity(dimensions: int, gravity: Any) -> Problems:

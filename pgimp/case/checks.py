@@ -22,6 +22,7 @@ from pgimp.case.check_bodies import (
 from pgimp.case.check_domain import (
     check_boundaries,
     check_escape,
+    check_fields,
     check_gravity,
     check_grid,
     check_method,
@@ -104,6 +105,7 @@ _CHECKS = (
     check_gravity,
     check_boundaries,
     check_escape,
+    check_fields,
     check_tractions,
     check_constraints,
     check_output,

@@ -7,7 +7,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, Field
 
-from pgimp.physics.fields import FIELDS, GRID
+from pgimp.physics.columns import GRID
+from pgimp.physics.fields import OPTIONAL
+from pgimp.physics.materials.base import STATE_NAME
 from pgimp.schema.base import Count, Interval, Model, Name, NonNegative, Positive, Steps, Vector
 from pgimp.schema.dispatch import ByWord, Either
 from pgimp.schema.messages import unknown
@@ -15,8 +17,9 @@ from pgimp.schema.problems import Problem, problem, raise_problems
 
 
 def _field(value: str) -> str:
-    if value not in FIELDS:
-        raise problem(unknown("field", value, FIELDS))
+    """Let pass what may be the state of a material; `check_fields` knows those that there are."""
+    if value not in OPTIONAL and not STATE_NAME.fullmatch(value):
+        raise problem(unknown("field", value, OPTIONAL))
     return value
 
 
@@ -34,7 +37,17 @@ def _unique(values: tuple[Any, ...]) -> tuple[Any, ...]:
 
 
 FieldName = Annotated[
-    str, AfterValidator(_field), Field(strict=True, json_schema_extra={"enum": [*FIELDS]})
+    str,
+    AfterValidator(_field),
+    Field(
+        strict=True,
+        json_schema_extra={
+            "anyOf": [
+                {"enum": [*OPTIONAL]},
+                {"type": "string", "pattern": f"^{STATE_NAME.pattern}$"},
+            ]
+        },
+    ),
 ]
 """Name of a quantity that frames may hold."""
 
@@ -58,7 +71,9 @@ class Output(Model):
         "them; with a fixed step, the first step at or after them [time]",
     )
     fields: Annotated[tuple[FieldName, ...], AfterValidator(_unique)] = Field(
-        default=("velocity", "stress"), description="what frames hold besides position and size"
+        default=("velocity", "stress"),
+        description="what frames hold besides position and size; also the state variables of the "
+        "case's materials, by their names",
     )
     grid: Annotated[tuple[GridName, ...], AfterValidator(_unique)] = Field(
         default=(),

@@ -104,7 +104,7 @@ def report(case: Case) -> None:
     _report_memory(memory)
     _report_cost(scene, lattice, counts, costs, crossing, steps)
     number = forecast.frames(case, steps)
-    size = size_text(number * forecast.frame_size(case, count))
+    size = size_text(number * forecast.frame_size(case, scene.fields, count))
     print(f"output           {number:,} frames of particles, about {size}")
     for note in (*notes, *nearness.notes(case)):
         print(f"note: {note}")

@@ -15,7 +15,7 @@ from pgimp.io.results.pairs import Pair
 from pgimp.io.results.reader import Frame, Run
 from pgimp.io.results.tolerance import Tolerance, moments, tables, worst_of
 from pgimp.io.rundir.probefiles import PROBES
-from pgimp.physics.values import BY_RANKS, FIELDS
+from pgimp.physics.fields import BY_RANKS
 
 Array = np.ndarray
 
@@ -214,9 +214,8 @@ def _field(name: str, field: str, pair: Pair, tolerance: Tolerance) -> Iterator[
         yield f"{name}, {field}: of another shape or type"
         return
     if worst is not None:
-        component = ""
-        if field in FIELDS and FIELDS[field].components:
-            component = f" {FIELDS[field].components.split()[worst.column]}"
+        names = pair.components(field)
+        component = f" {names[worst.column]}" if names else ""
         yield (
             f"{name}, {field}: {worst.number} of {len(pair)} particles differ, "
             f"worst is particle {pair.number(worst.row)}{component}: {worst}"

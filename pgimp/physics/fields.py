@@ -1,165 +1,297 @@
-"""Quantities of the particles that frames hold, and columns of the history: names and meaning."""
+"""The quantities of a particle that frames, probes and plots show: name, meaning, function."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+Array = np.ndarray
+
+#: Components of a symmetric tensor.
+TENSOR = "xx yy zz xy yz xz"
+
+
+class Source(NamedTuple):
+    """Where a field takes its values.
+
+    Attributes
+    ----------
+    particles : Particles
+        The rank's particles, in storage order with holes.
+    rows : ndarray of int64, shape (n,)
+        The storage indices wanted.
+    dimension : int
+        1, 2 or 3.
+    body_material : tuple of int
+        The material of each body.
+    rank : int
+        The rank.
+    """
+
+    particles: Any
+    rows: Array
+    dimension: int
+    body_material: tuple[int, ...]
+    rank: int = 0
+
+    def take(self, symbol: str) -> Array:
+        """Return the wanted rows of an array of the particles: (n,) or (n, k)."""
+        # Several times faster than indexing with the rows.
+        return np.take(getattr(self.particles, symbol), self.rows, axis=0)
 
 
 class Field(NamedTuple):
-    """One dataset of a frame."""
+    """A quantity of a particle: what it means, and how it gets into a frame.
 
-    components: str
-    """Shape of a particle's value, in words."""
+    Attributes
+    ----------
+    values : callable
+        Takes a `Source`; returns an array of shape (n,) or (n, columns).
+    meaning : str
+        With the unit in square brackets where there is one.
+    components : str
+        Names of the components in order; empty for a scalar.
+    kind : str
+        The attribute type that XDMF readers need.
+    dtype : str
+        Type in the file.
+    """
+
+    values: Callable[[Source], Array]
     meaning: str
-    """Meaning, with the unit in square brackets where there is one."""
+    components: str = ""
+    kind: str = "Scalar"
+    dtype: str = "<f8"
+
+    @property
+    def columns(self) -> int:
+        """Number of components; 0 for a scalar."""
+        return len(self.components.split())
 
 
-ALWAYS: dict[str, Field] = {
-    "id": Field("1", "number of the particle, by body, then by initial position"),
-    "body": Field("1", "index of the body; the names are in the attributes"),
-    "material": Field("1", "index of the material; the names are in the attributes"),
-    "position": Field("3", "position of the centre [length]; zeros beyond the case's dimensions"),
-    "volume": Field("1", "current volume, det(F) times the initial one [length^dimensions]"),
+def _padded(values: Array, columns: int) -> Array:
+    """Fill up an (n, k) array with zeros to (n, columns)."""
+    if values.shape[1] == columns:
+        return values
+    full = np.zeros((len(values), columns))
+    full[:, : values.shape[1]] = values
+    return full
+
+
+def no_fault(source: Source) -> Array:
+    """Return 0 for each particle: nothing is wrong with it."""
+    return np.zeros(len(source.rows), np.int32)
+
+
+def identity(source: Source) -> Array:
+    """Return the number of each particle."""
+    return source.take("id")
+
+
+def body(source: Source) -> Array:
+    """Return the index of each particle's body."""
+    return source.take("body")
+
+
+def material(source: Source) -> Array:
+    """Return the index of each particle's material."""
+    return np.asarray(source.body_material, dtype=np.int32)[body(source)]
+
+
+def position(source: Source) -> Array:
+    """Return the centres, zero in missing directions."""
+    return _padded(source.take("x"), 3)
+
+
+def volume(source: Source) -> Array:
+    """Return the current volume; an area in 2D, a length in 1D."""
+    return source.take("V")
+
+
+def radius(source: Source) -> Array:
+    """Return half the side of the segment, square or cube of the current volume."""
+    current = volume(source)
+    if source.dimension == 1:
+        return 0.5 * current
+    return 0.5 * (np.sqrt(current) if source.dimension == 2 else np.cbrt(current))
+
+
+def velocity(source: Source) -> Array:
+    """Return the velocity, zero in missing directions."""
+    return _padded(source.take("v"), 3)
+
+
+def stress(source: Source) -> Array:
+    """Return the Cauchy stress as xx, yy, zz, xy, yz, xz, zero where the dimension has none."""
+    return _padded(source.take("sigma"), 6)
+
+
+def displacement(source: Source) -> Array:
+    """Return position less initial position, zero in missing directions."""
+    return _padded(source.take("x") - source.take("origin"), 3)
+
+
+def deformation(source: Source) -> Array:
+    """Return the deformation gradient by rows, one on the diagonal in missing directions."""
+    dimension, local = source.dimension, source.take("F")
+    if dimension == 3:
+        return local
+    full = np.zeros((len(source.rows), 3, 3))
+    full[:, range(dimension, 3), range(dimension, 3)] = 1.0
+    full[:, :dimension, :dimension] = local.reshape(-1, dimension, dimension)
+    return full.reshape(-1, 9)
+
+
+def pressure(source: Source) -> Array:
+    """Return minus a third of the trace of the stress: positive in compression."""
+    xx, yy, zz = source.take("sigma")[:, :3].T
+    return -(xx + yy + zz) / 3.0
+
+
+def von_mises(source: Source) -> Array:
+    """Return the von Mises stress: three times the deviator's second invariant, its root."""
+    xx, yy, zz, xy, yz, xz = stress(source).T
+    normal = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
+    return np.sqrt(0.5 * normal + 3.0 * (xy**2 + yz**2 + xz**2))
+
+
+def strain(source: Source) -> Array:
+    """Return the Green-Lagrange strain (F^T F - 1)/2 as xx, yy, zz, xy, yz, xz."""
+    D, local = source.dimension, source.take("F")
+    full = np.zeros((len(source.rows), 6))
+    for column, (i, j) in enumerate(((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))):
+        if max(i, j) < D:
+            # Sums of products, as a library's would depend on where in the array a particle is.
+            product = local[:, i] * local[:, j]
+            for k in range(1, D):
+                product += local[:, k * D + i] * local[:, k * D + j]
+            full[:, column] = 0.5 * (product - float(i == j))
+    return full
+
+
+def mass(source: Source) -> Array:
+    """Return the mass."""
+    return source.take("m")
+
+
+def density(source: Source) -> Array:
+    """Return the mass over the current volume."""
+    return mass(source) / volume(source)
+
+
+def rank(source: Source) -> Array:
+    """Return the rank for each particle."""
+    return np.full(len(source.rows), source.rank, np.int32)
+
+
+ALWAYS = {
+    "id": Field(
+        identity,
+        "number of the particle, by body, then by initial position",
+        kind="GlobalId", dtype="<i8",
+    ),
+    "body": Field(
+        body,
+        "index of the body; the names are in the attributes",
+        dtype="<i4",
+    ),
+    "material": Field(
+        material,
+        "index of the material; the names are in the attributes",
+        dtype="<i4",
+    ),
+    "position": Field(
+        position,
+        "position of the centre [length]; zeros beyond the case's dimensions",
+        components="x y z", kind="Vector",
+    ),
+    "volume": Field(
+        volume,
+        "current volume, det(F) times the initial one [length^dimensions]",
+    ),
     "radius": Field(
-        "1", "half the side of a segment, square or cube of the current volume, to draw it [length]"
+        radius,
+        "half the side of a segment, square or cube of the current volume, to draw it "
+        "[length]",
     ),
 }
 """What every frame holds."""
 
-FIELDS: dict[str, Field] = {
-    "velocity": Field("3", "velocity [length/time]"),
-    "stress": Field("6: xx yy zz xy yz xz", "Cauchy stress, tension positive [stress]"),
-    "displacement": Field("3", "position less initial position [length]"),
-    "deformation": Field("9: xx xy xz yx ... zz", "deformation gradient F, row by row"),
-    "pressure": Field("1", "-(xx + yy + zz)/3 of the stress, compression positive [stress]"),
-    "von-mises": Field("1", "von Mises equivalent stress [stress]"),
+OPTIONAL = {
+    "velocity": Field(
+        velocity,
+        "velocity [length/time]",
+        components="x y z", kind="Vector",
+    ),
+    "stress": Field(
+        stress,
+        "Cauchy stress, tension positive [stress]",
+        components=TENSOR, kind="Matrix",
+    ),
+    "displacement": Field(
+        displacement,
+        "position less initial position [length]",
+        components="x y z", kind="Vector",
+    ),
+    "deformation": Field(
+        deformation,
+        "deformation gradient F, row by row",
+        components="xx xy xz yx yy yz zx zy zz", kind="Matrix",
+    ),
+    "pressure": Field(
+        pressure,
+        "-(xx + yy + zz)/3 of the stress, compression positive [stress]",
+    ),
+    "von-mises": Field(
+        von_mises,
+        "von Mises equivalent stress [stress]",
+    ),
     "strain": Field(
-        "6: xx yy zz xy yz xz",
-        "Green-Lagrange strain, (F^T F - 1)/2, which a rotation leaves zero; tensor components: xy "
-        "is half the angle of shear where that is small",
+        strain,
+        "Green-Lagrange strain, (F^T F - 1)/2, which a rotation leaves zero; tensor "
+        "components: xy is half the angle of shear where that is small",
+        components=TENSOR, kind="Matrix",
     ),
-    "mass": Field("1", "mass, which never changes [mass]"),
-    "density": Field("1", "mass over current volume [mass/length^dimensions]"),
+    "mass": Field(
+        mass,
+        "mass, which never changes [mass]",
+    ),
+    "density": Field(
+        density,
+        "mass over current volume [mass/length^dimensions]",
+    ),
     "rank": Field(
-        "1",
-        "rank of MPI that has the particle; as it depends on the number of ranks by its nature, "
-        "`pgimp compare` leaves it out",
+        rank,
+        "rank of MPI that has the particle; as it depends on the number of ranks by its "
+        "nature, `pgimp compare` leaves it out",
+        dtype="<i4",
     ),
 }
-"""What ``output.fields`` may name."""
+"""What ``output.fields`` may name in every case; states of materials come to it."""
 
-GRID: dict[str, Field] = {
-    "mass": Field("1", "mass, the sum of w m over the particles [mass]"),
-    "momentum": Field("3", "momentum, the sum of w m v [mass length/time]"),
-    "velocity": Field("3", "momentum over mass [length/time]"),
-    "force": Field(
-        "3",
-        "force by which the momentum will grow: of the stresses, of tractions and of gravity, "
-        "before faces and constraints act; at rest minus their reaction [force]",
-    ),
-}
-"""What ``output.grid`` may name, at the vertices."""
+FIELDS = ALWAYS | OPTIONAL
 
-FAILURE: dict[str, Field] = {
+BY_RANKS = ("rank",)
+"""Fields that differ with the number of ranks by their nature."""
+
+FAILURE = {
     "fault": Field(
-        "1",
-        "0: a neighbour; 1: position, velocity or deformation is not a finite number; 2: inside "
-        "out (det F <= 0); 3: moved by more than a cell in a step; 4: left the domain",
-    )
+        no_fault,
+        "0: a neighbour; 1: position, velocity or deformation is not a finite number; 2: "
+        "inside out (det F <= 0); 3: moved by more than a cell in a step; 4: left the "
+        "domain",
+        dtype="<i4",
+    ),
 }
-"""What the particles in ``failure`` have besides."""
+"""What the particles of a failed run have besides."""
 
-HISTORY: dict[str, str] = {
-    "time": "simulated time [time]",
-    "step": "steps done",
-    "dt": "length of the last step, 0 before the first [time]",
-    "mass": "mass of all particles [mass]",
-    "momentum-AXIS": "linear momentum [mass length/time]",
-    "angular-momentum-AXIS": (
-        "angular momentum about the origin of the coordinates, counter-clockwise positive; "
-        "about z alone in 2D, none in 1D [mass length^2/time]"
-    ),
-    "kinetic-energy": "kinetic energy of the particles [energy]",
-    "strain-energy": "strain energy [energy]",
-    "dissipated-energy": (
-        "what closes the balance: energy at the start plus external work less kinetic and strain "
-        "energy, and less that of particles that were removed; of the order of the time step also "
-        "where nothing is lost, for instance in free fall, because work is force times "
-        "displacement [energy]"
-    ),
-    "external-work": "work of gravity, faces, tractions and constraints on the material since the "
-    "start: force times displacement [energy]",
-    "escaped.mass": (
-        "only where `escape` removes particles, as all columns of this name: mass of those that "
-        "were removed since the start, so that with `mass` it is constant [mass]"
-    ),
-    "escaped.momentum-AXIS": "their momentum when they were removed [mass length/time]",
-    "escaped.angular-momentum-AXIS": "their angular momentum then [mass length^2/time]",
-    "escaped.kinetic-energy": "their kinetic energy then [energy]",
-    "escaped.strain-energy": "their strain energy then [energy]",
-    "body.NAME.mass": "mass of each body [mass]",
-    "body.NAME.centre-AXIS": (
-        "centre of mass of each body; nan when all its particles were removed [length]"
-    ),
-    "body.NAME.momentum-AXIS": "linear momentum of each body [mass length/time]",
-    "body.NAME.kinetic-energy": "kinetic energy of each body [energy]",
-    "body.NAME.strain-energy": "strain energy of each body [energy]",
-    "reaction.FACE-AXIS": (
-        "mean force of each named face on the material since the last line; compression at x-min "
-        "gives a positive reaction.x-min-x [force]"
-    ),
-    "constraint.NAME-AXIS": (
-        "mean force of each constraint on the material since the last line [force]"
-    ),
-    "displacement.NAME-AXIS": (
-        "displacement that each constraint prescribes, none where it is free: the integral of its "
-        "`velocity` since the start; its particles move in steps by the velocity at each step's "
-        "end, so that theirs differs from it by an error of first order in the step [length]"
-    ),
-    "beyond.FACE": (
-        "mass that particles carry past each named face in the last step, on vertices beyond it: a "
-        "particle of fixed size does where the material is compressed against a wall, and what "
-        "lies there the wall bears [mass]"
-    ),
-    "error": (
-        "only with `exact`, as all that follows: error of the stress, the sum of |exact - s| times "
-        "volume over the particles, over the initial volume times a reference stress: the column's "
-        "weight, the stress behind the shock [1]"
-    ),
-    "error.displacement-l2": (
-        "root of the mean square error of the displacement, by initial volume [length]"
-    ),
-    "error.displacement-max": "greatest error of the displacement of a particle [length]",
-    "error.velocity-l2": "as for the displacement [length/time]",
-    "error.velocity-max": "as for the displacement [length/time]",
-    "error.stress-l2": "as for the displacement, of the Cauchy stress (Frobenius norm) [stress]",
-    "error.stress-max": "as for the displacement, of the Cauchy stress [stress]",
-}
-"""Columns of ``history.csv``, in their order; AXIS stands for x, y, z, as many as there are."""
+EVERY = FIELDS | FAILURE
 
-POINT: dict[str, str] = {
-    "time": "simulated time [time]",
-    "step": "steps done",
-    "position-AXIS": "position of the particle that is followed [length]",
-    "displacement-AXIS": "position less that at the start [length]",
-    "velocity-AXIS": "velocity [length/time]",
-    "stress-COMPONENT": "Cauchy stress, tension positive [stress]",
-    "strain-COMPONENT": "Green-Lagrange strain, as the field of frames [1]",
-    "pressure": "as the field of frames [stress]",
-    "von-mises": "as the field of frames [stress]",
-    "volume": "current volume [length^dimensions]",
-    "density": "mass over current volume [mass/length^dimensions]",
-}
-"""Columns of a material point's file, in their order; COMPONENT stands for xx to xz."""
 
-PLACE: dict[str, str] = {
-    "time": "simulated time [time]",
-    "step": "steps done",
-    "volume-fraction": "sum of w V over the particles, over the volume of a cell [1]",
-    "density": "sum of w m over sum of w V [mass/length^dimensions]",
-    "velocity-AXIS": "sum of w m v over sum of w m [length/time]",
-    "stress-COMPONENT": "sum of w V times the Cauchy stress, over sum of w V [stress]",
-    "pressure": "of this stress [stress]",
-    "von-mises": "of this stress [stress]",
-}
-"""Columns of a place's file, in their order."""
+def components_of(name: str, columns: int) -> list[str]:
+    """Names of the components of a field of a frame, also of one that some material has added."""
+    if name in EVERY:
+        return EVERY[name].components.split()
+    return TENSOR.split() if columns == 6 else [str(i) for i in range(columns)]

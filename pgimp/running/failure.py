@@ -18,7 +18,7 @@ from pgimp.kernels.order import vertices_of
 from pgimp.kernels.sums import fastest_rate
 from pgimp.kernels.updates.checks import OUTSIDE
 from pgimp.mpi.collective import on_root
-from pgimp.physics.values import ALWAYS, BY_RANKS, FAILURE, FIELDS, OPTIONAL, Source
+from pgimp.physics.fields import BY_RANKS, FIELDS, Source
 from pgimp.solver.faults import Failure, explanation
 
 if TYPE_CHECKING:
@@ -81,7 +81,7 @@ def _write(folder: Path, sim: Simulation, failure: Failure, text: str, history: 
     found = _Found(rows, kinds, _places(sim, rows)[0])
     chosen, radius = _around(sim, found)
     # The same on any number of ranks.
-    fields = [name for name in (*ALWAYS, *OPTIONAL, *FAILURE) if name not in BY_RANKS]
+    fields = [name for name in scene.fields if name not in BY_RANKS]
     if not scene.origins:
         fields.remove("displacement")
     file = ParticleFile(sim.case, scene, fields)
@@ -102,7 +102,7 @@ def _write(folder: Path, sim: Simulation, failure: Failure, text: str, history: 
 
     def end() -> None:
         collection = Collection(folder / "particles.xdmf")
-        collection.add(particles(path, failure.time, shown.count, file.types))
+        collection.add(particles(path, failure.time, shown.count, file.types, file.kinds))
         collection.write()
         states = [state for part, _ in told or () for state in part][:_MOST_TOLD]
         kinds = set().union(*(part for _, part in told or ()))

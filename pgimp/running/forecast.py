@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from math import floor
 from typing import Any
 
-from pgimp.physics.values import ALWAYS, OPTIONAL
+from pgimp.physics.fields import ALWAYS, Field
 
 #: Relative to the interval: rounding, by which the end is a multiple of it.
 _ROUNDING = 1e-9
@@ -20,11 +20,11 @@ def frames(case: Any, steps: float) -> int:
     return int(min(steps + 1, len(times) + _between(case.output.every, case.time.end, steps)))
 
 
-def frame_size(case: Any, particles: int) -> float:
-    """Bytes of a frame of particles, before they are compressed."""
+def frame_size(case: Any, fields: Mapping[str, Field], particles: int) -> float:
+    """Bytes of a frame of particles, before they are compressed; `fields` are those there are."""
     real = 4 if case.output.precision == "float32" else 8
     total = 0
-    for field in (*ALWAYS.values(), *(OPTIONAL[name] for name in case.output.fields)):
+    for field in (*ALWAYS.values(), *(fields[name] for name in case.output.fields)):
         width = real if field.dtype == "<f8" else int(field.dtype[-1])
         total += width * max(1, field.columns)
     return float(total) * particles

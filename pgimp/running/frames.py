@@ -10,7 +10,7 @@ from pgimp.io.frames.series import Entry, Series
 from pgimp.io.frames.xdmf import Collection, particles
 from pgimp.io.results.reader import Frame
 from pgimp.io.rundir.ownfiles import FRAME
-from pgimp.physics.values import ALWAYS, FIELDS
+from pgimp.physics.fields import ALWAYS
 
 
 class Frames(Series):
@@ -28,7 +28,7 @@ class Frames(Series):
 
     def __init__(self, directory: Path, case: Any, sim: Any) -> None:
         super().__init__(sim.comm, Collection(directory / "particles.xdmf"), FRAME)
-        self.fields = [*ALWAYS, *(name for name in FIELDS if name in case.output.fields)]
+        self.fields = [*ALWAYS, *(name for name in sim.scene.fields if name in case.output.fields)]
         compressed = case.output.compression != "none"
         self._file = ParticleFile(case, sim.scene, self.fields, case.output.precision, compressed)
 
@@ -56,10 +56,11 @@ class Frames(Series):
         time, step = float(sim.time), int(sim.step)
         what = f"write the frame {path} at step {step}"
         file = self._file.write(path, sim.particles, rows, (time, step), what)
-        text = particles(path, time, rows.count, self._file.types)
+        text = particles(path, time, rows.count, self._file.types, self._file.kinds)
         self._wait_for(file, Entry(time, step, text))
 
     def _listed(self, path: Path) -> Entry:
         frame = Frame(path)
-        types = {name: frame.types[name] for name in FIELDS if name in frame}
-        return Entry(frame.time, frame.step, particles(path, frame.time, len(frame), types))
+        types = {name: frame.types[name] for name in self.fields if name in frame}
+        text = particles(path, frame.time, len(frame), types, self._file.kinds)
+        return Entry(frame.time, frame.step, text)

@@ -18,7 +18,7 @@ from pgimp.io.frames.xdmf import Collection, mesh
 from pgimp.io.results.gridreader import GridFrame
 from pgimp.io.rundir.ownfiles import GRID_FRAME
 from pgimp.mpi.collective import on_root
-from pgimp.physics.fields import GRID
+from pgimp.physics.columns import GRID
 
 if TYPE_CHECKING:
     from pgimp.solver.gridstate import ActiveGrid

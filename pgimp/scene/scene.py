@@ -15,6 +15,7 @@ from pgimp.kernels.errors import initial_velocities
 from pgimp.kernels.mirror import Mirror
 from pgimp.kernels.order import cell_numbers
 from pgimp.kernels.particles import Carried, Frame, Particles
+from pgimp.physics.fields import EVERY
 from pgimp.physics.materials.outside import parameters_of
 from pgimp.physics.materials.states import States
 from pgimp.scene.census import census
@@ -105,6 +106,7 @@ class Scene:
         force = self.exact if case.exact and case.exact.forced else ()
         self.loads = SceneLoads(case, used, force)
         self.states = States(used, self.materials, self.dimension)
+        self.fields = EVERY | self.states.fields
         self.carried = Carried(
             self.dimension, self.origins, **self.loads.carried, state=self.states.width
         )

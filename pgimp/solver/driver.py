@@ -13,7 +13,7 @@ from pgimp.case.schema import Case
 from pgimp.errors import RunError
 from pgimp.io.results.tables import Fields
 from pgimp.mpi.comm import world
-from pgimp.physics import values as fields
+from pgimp.physics import fields
 from pgimp.schema.overrides import Overrides
 from pgimp.solver import simulation
 
@@ -140,7 +140,11 @@ class Particles(Mapping[str, np.ndarray]):
 
     def _names(self) -> list[str]:
         followed = self._core.particles.origin.shape[1] > 0
-        return [name for name in fields.FIELDS if followed or name != "displacement"]
+        return [
+            name
+            for name in self._core.scene.fields
+            if name not in fields.FAILURE and (followed or name != "displacement")
+        ]
 
     def __iter__(self) -> Iterator[str]:
         """Go through the names of the fields."""
@@ -175,7 +179,7 @@ class Particles(Mapping[str, np.ndarray]):
         rows = rows[np.argsort(core.particles.id[rows])]
         scene = core.scene
         source = fields.Source(core.particles, rows, scene.dimension, scene.body_material)
-        return fields.FIELDS[name].values(source)
+        return scene.fields[name].values(source)
 
     def to_pandas(self, *names: str) -> pandas.DataFrame:
         """Return fields, all by default, as a pandas.DataFrame; see `Frame.to_pandas`."""

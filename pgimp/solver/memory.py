@@ -13,7 +13,7 @@ from pgimp.errors import CaseError
 from pgimp.kernels.particles import Particles
 from pgimp.kernels.sums import SUMS
 from pgimp.mpi.limits import Limit, limits
-from pgimp.physics.values import ALWAYS, OPTIONAL
+from pgimp.physics.fields import ALWAYS
 from pgimp.scene.extent import Extent, extents, points
 from pgimp.scene.filling import _SLAB
 from pgimp.scene.scene import Scene
@@ -90,7 +90,7 @@ def bytes_each(scene: Scene, ranks: int) -> tuple[int, int, int]:
     columns = sum(array.nbytes for array in p)
     widest = 8 * max(array.size for array in p)
     output = scene.case.output
-    fields = [*ALWAYS.values(), *(OPTIONAL[name] for name in output.fields)]
+    fields = [*ALWAYS.values(), *(scene.fields[name] for name in output.fields)]
     field = (4 if output.precision == "float32" else 8) * max(max(1, f.columns) for f in fields)
     # Rows and their order; what goes to other ranks and comes from them; a compressed field. It is
     # more than a checkpoint needs.

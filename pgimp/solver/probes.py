@@ -14,15 +14,17 @@ import numpy as np
 
 from pgimp.decomposition.population import Population
 from pgimp.files.framefile import blocks
-from pgimp.physics.values import OPTIONAL, Source
+from pgimp.physics.columns import FOLLOWED
+from pgimp.physics.fields import FIELDS, TENSOR, Source
 
 if TYPE_CHECKING:
     from pgimp.solver.simulation import Simulation
 
 AXES = "xyz"
-STRESS = "xx yy zz xy yz xz".split()
-#: Components of a strain, as columns of the field, by dimension.
-STRAINS = ((0,), (0, 1, 3), range(6))
+#: Components of a symmetric tensor that a case of so many dimensions has.
+_COMPONENTS = ((0, 1, 2), (0, 1, 2, 3), range(6))
+#: Those of a strain.
+_STRAINS = ((0,), (0, 1, 3), range(6))
 
 #: Part of a cell's volume around a place that must be filled: a flat surface has half of it.
 FILLED = 0.25
@@ -75,29 +77,38 @@ class Point:
         """Columns of the particle, None where it is not on this rank."""
         if self._row < 0:
             return None
-        scene, D = sim.scene, sim.scene.dimension
-        rows = np.array([self._row])
-        source = Source(sim.particles, rows, D, tuple(scene.body_material))
-        x = source.take("x")[0]
-        strain = OPTIONAL["strain"].values(source)[0]
-        parts = (x, x - self.origin, source.take("v")[0], source.take("sigma")[0])
-        scalars = [OPTIONAL[name].values(source)[0] for name in ("pressure", "von-mises")]
-        volume = source.take("V")[0]
-        return np.concatenate(
-            [*parts, strain[list(STRAINS[D - 1])], [*scalars, volume, source.take("m")[0] / volume]]
+        scene = sim.scene
+        source = Source(
+            sim.particles, np.array([self._row]), scene.dimension, tuple(scene.body_material)
         )
+        found = []
+        for name, components in _followed(scene):
+            if name == "displacement":
+                found.append(source.take("x")[0] - self.origin)
+            else:
+                values = np.atleast_1d(scene.fields[name].values(source)[0])
+                found.append(values[list(components)])
+        return np.concatenate(found)
 
     def line(self, sim: "Simulation", parts: list[np.ndarray | None]) -> Line:
         """A line on rank 0, from what each rank has; nothing but the time once it is gone."""
-        D, S = sim.scene.dimension, sim.particles.sigma.shape[1]
-        names = [
-            f"{name}-{a}" for name in ("position", "displacement", "velocity") for a in AXES[:D]
-        ]
-        names += [f"stress-{name}" for name in STRESS[:S]]
-        names += [f"strain-{STRESS[i]}" for i in STRAINS[D - 1]]
-        names += ["pressure", "von-mises", "volume", "density"]
+        names = []
+        for name, components in _followed(sim.scene):
+            parts_of = sim.scene.fields[name].components.split()
+            names += [f"{name}-{parts_of[i]}" for i in components] if parts_of else [name]
         values = next((part for part in parts if part is not None), None)
         return _line(sim, names, values)
+
+
+def _followed(scene: Any) -> list[tuple[str, Sequence[int]]]:
+    """Quantities of a material point, and which of their components the case has."""
+    D = scene.dimension
+    found: list[tuple[str, Sequence[int]]] = []
+    for name in (*FOLLOWED, *scene.states.fields):
+        columns = scene.fields[name].columns
+        tensor = _STRAINS[D - 1] if name == "strain" else _COMPONENTS[D - 1]
+        found.append((name, tensor if columns == 6 else range(min(D, columns) or 1)))
+    return found
 
 
 class Place:
@@ -148,7 +159,7 @@ class Place:
         """A line on rank 0, from the sums that each rank has."""
         D, S = sim.scene.dimension, sim.particles.sigma.shape[1]
         names = ["volume-fraction", "density", *(f"velocity-{a}" for a in AXES[:D])]
-        names += [f"stress-{name}" for name in STRESS[:S]] + ["pressure", "von-mises"]
+        names += [f"stress-{name}" for name in TENSOR.split()[:S]] + ["pressure", "von-mises"]
         sums = [layer for part in parts for layer in part]
         total = np.add.reduce(np.array([np.zeros(2 + D + S), *sums]), axis=0)
         fraction = total[0] / prod(sim.scene.frame.cell)
@@ -157,7 +168,7 @@ class Place:
         stress = total[2 + D :] / total[0]
         alone = SimpleNamespace(sigma=stress[None])
         source = Source(alone, np.array([0]), D, tuple(sim.scene.body_material))
-        scalars = [OPTIONAL[name].values(source)[0] for name in ("pressure", "von-mises")]
+        scalars = [FIELDS[name].values(source)[0] for name in ("pressure", "von-mises")]
         velocity = total[2 : 2 + D] / total[1]
         return _line(
             sim, names, np.array([fraction, total[1] / total[0], *velocity, *stress, *scalars])

@@ -18,13 +18,11 @@ from pgimp.files.framefile import FrameFile
 from pgimp.files.rows import Rows
 from pgimp.files.unfinished import Unfinished, explained_errors, removed_on_error
 from pgimp.mpi.collective import on_root
-from pgimp.physics import fields as case_fields
-from pgimp.physics.values import EVERY, Source
+from pgimp.physics.fields import Source
 
 Array = np.ndarray
 
 FORMAT_VERSION = 1
-MEANING = case_fields.ALWAYS | case_fields.FIELDS | case_fields.FAILURE
 CONNECTIVITY = Dataset(
     "connectivity", "<i8", (), {"meaning": "the row itself, for the cells of XDMF readers"}
 )
@@ -55,6 +53,8 @@ class ParticleFile:
     ----------
     types : dict of str to str
         Type of each field in the files.
+    kinds : dict of str to Field
+        What each of them is.
     """
 
     def __init__(
@@ -65,10 +65,10 @@ class ParticleFile:
         precision: str = "float64",
         compressed: bool = False,
     ) -> None:
-        self.fields = fields
+        self.fields, self.kinds = fields, {name: scene.fields[name] for name in fields}
         self.types = {
             name: np.dtype(precision).newbyteorder("<").str if dtype == "<f8" else dtype
-            for name, dtype in ((name, EVERY[name].dtype) for name in fields)
+            for name, dtype in ((name, scene.fields[name].dtype) for name in fields)
         }
         self._layout, self._count = Layout({}, {}, 0), -1
         self._scene = scene
@@ -79,11 +79,11 @@ class ParticleFile:
                 name,
                 self.types[name],
                 (field.columns,) if field.columns else (),
-                {"meaning": MEANING[name].meaning}
+                {"meaning": field.meaning}
                 | ({"components": field.components.split()} if field.components else {})
                 | ({"names": names[name]} if name in names else {}),
             )
-            for name, field in ((name, EVERY[name]) for name in fields)
+            for name, field in ((name, scene.fields[name]) for name in fields)
         ]
         self._attributes = {
             "format": FORMAT_VERSION,
@@ -259,6 +259,7 @@ class _Values:
 
     def __init__(self, file: ParticleFile, source: Source, instead: Mapping[str, Array]) -> None:
         self._types, self._source, self._instead = file.types, source, instead
+        self._fields = file.kinds
         self.error: str | None = None
 
     def collect(
@@ -289,7 +290,7 @@ class _Values:
         if name in self._instead:
             return self._instead[name][begin:end]
         source = self._source._replace(rows=self._source.rows[begin:end])
-        values = EVERY[name].values(source)
+        values = self._fields[name].values(source)
         try:
             with np.errstate(over="raise", under="ignore"):
                 return np.asarray(values, self._types[name])

@@ -7,7 +7,7 @@ from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
 from pgimp.files.atomic import write
-from pgimp.physics.values import EVERY
+from pgimp.physics.fields import Field
 
 Kind = tuple[str, int, str]
 """Of a field: its attribute type, number of columns (0 for a scalar) and type in the file."""
@@ -58,7 +58,9 @@ class Collection:
         )
 
 
-def particles(path: Path, time: float, count: int, types: Mapping[str, str]) -> str:
+def particles(
+    path: Path, time: float, count: int, types: Mapping[str, str], kinds: Mapping[str, Field]
+) -> str:
     """Return how a frame of particles is listed.
 
     Parameters
@@ -71,10 +73,12 @@ def particles(path: Path, time: float, count: int, types: Mapping[str, str]) -> 
         Its number of particles.
     types : mapping of str to str
         Its fields, `position` among them, and their types.
+    kinds : mapping of str to Field
+        What each of them is.
     """
     file = _relative(path)
     topology = 'TopologyType="Polyvertex"', 1
-    fields = {name: (EVERY[name].kind, EVERY[name].columns, types[name]) for name in types}
+    fields = {name: (kinds[name].kind, kinds[name].columns, types[name]) for name in types}
     return _grid("particles", file, time, (count, count), topology, fields)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from pgimp.io.results.frame import Reading
 from pgimp.io.results.tolerance import Tolerance, moments, worst_of
 from pgimp.io.rundir.ownfiles import GRID_FRAME
-from pgimp.physics.fields import GRID
+from pgimp.physics.columns import GRID
 
 Array = np.ndarray
 

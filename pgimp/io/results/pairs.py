@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from pgimp.io.results.reader import Frame
+from pgimp.physics.fields import components_of
 
 Array = np.ndarray
 
@@ -49,6 +50,11 @@ class Pair:
     def __len__(self) -> int:
         """Return the number of particles that both have."""
         return self._length
+
+    def components(self, field: str) -> list[str]:
+        """Names of the components of a field, none of a scalar."""
+        values = self._first.rows(field, 0, 0)
+        return components_of(field, values.shape[1]) if values.ndim == 2 else []
 
     def blocks(self, field: str) -> Iterator[tuple[int, Array, Array]]:
         """Go through a field of the common particles.

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pgimp.errors import UsageError
-from pgimp.physics.values import EVERY
+from pgimp.physics.fields import components_of
 from pgimp.schema.messages import nearest
 from pgimp.terminal import escape
 
@@ -122,11 +122,8 @@ def data_frame(fields: Mapping[str, np.ndarray], index: str | None = None) -> pa
         if values.ndim == 1:
             columns[name] = values
         else:
-            columns |= {f"{name}-{part}": values[:, i] for i, part in enumerate(_parts(name))}
+            parts = components_of(name, values.shape[1])
+            columns |= {f"{name}-{part}": values[:, i] for i, part in enumerate(parts)}
     frame = pandas.DataFrame(columns)
     return frame if index is None else frame.set_index(index)
 
-
-def _parts(name: str) -> list[str]:
-    """Names of the components of a field."""
-    return EVERY[name].components.split()

@@ -8,12 +8,17 @@ are those at the end of the step, tensors are tuples as in `pgimp.jit.algebra`:
 - ``energy(material, F, J, sigma)``: strain energy per initial volume;
 - ``speed(material, F, J)``: speed of the fastest wave through the deformed material.
 
+A material with a memory declares what its particles remember as a class attribute of the entry,
+``STATE: ClassVar = (State("damage", "1", "what it is"),)``. The functions then have one argument
+more, ``state``, a tuple of floats in the order of the declaration, and ``stress`` returns a pair:
+the stress, and the state at the end of the step.
+
 They are asked for four particles at once, where they can: without branches (`choose` stands for
 one), with + - * /, abs, max, min, and math's sqrt, log and floor. With anything else they are asked
 for one particle after the other. `pgimp.register_material` takes in others.
 """
 
-from pgimp.physics.materials.base import Material, Poisson, Young, lame
+from pgimp.physics.materials.base import Material, Poisson, State, Young, lame
 from pgimp.physics.materials.choose import choose
 from pgimp.physics.materials.hooke import Hooke
 from pgimp.physics.materials.linear_1d import Linear1d
@@ -28,6 +33,7 @@ __all__ = [
     "Number",
     "Poisson",
     "Positive",
+    "State",
     "Young",
     "choose",
     "lame",

@@ -1,5 +1,6 @@
 """What the entries of all materials have in common, and the kernels' view of a material."""
 
+import re
 from functools import cache
 from math import isqrt
 from typing import Annotated, Any, ClassVar, NamedTuple
@@ -30,22 +31,8 @@ class ArtificialViscosity(Model):
     quadratic: NonNegative = Field(description="c2 [1]")
 
 
-class Material(Model):
-    """Base of the entries ``materials.NAME``."""
-
-    CARRIES_STRESS: ClassVar[bool] = False
-    """Whether the stress of a step starts from that before, which a file of particles may give."""
-
-    density: Positive = Field(description="initial density [mass/volume]")
-    viscosity: ArtificialViscosity | None = Field(
-        default=None, description="artificial viscosity; null: none"
-    )
-
-
-def lame(young: float, poisson: float) -> tuple[float, float]:
-    """Lame's constants lambda and mu, in the unit of `young`."""
-    mu = young / (2.0 * (1.0 + poisson))
-    return 2.0 * mu * poisson / (1.0 - 2.0 * poisson), mu
+#: What a state variable may be called.
+STATE_NAME = re.compile("[a-z][a-z0-9-]*")
 
 
 class State(NamedTuple):
@@ -76,9 +63,51 @@ class State(NamedTuple):
         return (3, 4, 6)[dimensions - 1] if self.tensor else 1
 
 
+class Material(Model):
+    """Base of the entries ``materials.NAME``."""
+
+    CARRIES_STRESS: ClassVar[bool] = False
+    """Whether the stress of a step starts from that before, which a file of particles may give."""
+
+    STATE: ClassVar[tuple[State, ...]] = ()
+    """What its particles remember besides their stress; see `pgimp.physics.materials`."""
+
+    density: Positive = Field(description="initial density [mass/volume]")
+    viscosity: ArtificialViscosity | None = Field(
+        default=None, description="artificial viscosity; null: none"
+    )
+
+
+def lame(young: float, poisson: float) -> tuple[float, float]:
+    """Lame's constants lambda and mu, in the unit of `young`."""
+    mu = young / (2.0 * (1.0 + poisson))
+    return 2.0 * mu * poisson / (1.0 - 2.0 * poisson), mu
+
+
+def states_of(parameters: type) -> tuple[State, ...]:
+    """State variables of the materials whose parameters are of a type, see `with_states`."""
+    return getattr(parameters, "STATE", ())
+
+
+def with_states(entry: Material, parameters: Any) -> Any:
+    """Parameters of an entry, whose type says from now on what its particles remember.
+
+    Raises
+    ------
+    ValueError
+        If entries with other state variables have parameters of the same type.
+    """
+    kind = type(parameters)
+    if entry.STATE != states_of(kind) and "STATE" in vars(kind):
+        raise ValueError(f"{kind.__qualname__} belongs to a material with other state variables")
+    if entry.STATE:
+        kind.STATE = entry.STATE
+    return parameters
+
+
 def state_width(parameters: type, dimensions: int) -> int:
     """Numbers that particles of a material remember, all its state variables together."""
-    return sum(each.width(dimensions) for each in getattr(parameters, "STATE", ()))
+    return sum(each.width(dimensions) for each in states_of(parameters))
 
 
 @cache

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import inspect
 import re
+from math import isfinite
 from types import FunctionType
 from typing import Any, NamedTuple
 
@@ -22,7 +23,16 @@ from pgimp.jit.cache import Store
 from pgimp.jit.kernel import FOLDER
 from pgimp.jit.outside import is_outside, part_of, tag
 from pgimp.jit.simd import vec4
-from pgimp.physics.materials.base import Material, _compiled
+from pgimp.physics.fields import EVERY
+from pgimp.physics.materials.base import (
+    STATE_NAME,
+    Material,
+    State,
+    _compiled,
+    state_width,
+    states_of,
+    with_states,
+)
 
 _ARGUMENTS = {
     "stress": ("material", "F", "J", "sigma", "L", "dt"),
@@ -71,12 +81,18 @@ def parameters_of(entry: Material, dimensions: int) -> Any:
         ) from error
     kind = type(parameters)
     if not is_outside(kind):
-        return parameters
+        return with_states(entry, parameters)
     if "density" not in getattr(kind, "_fields", ()):
         raise UsageError(
             f"{who}: parameters() must return a NamedTuple with a density, got {kind.__qualname__}"
         )
-    for quantity, names in _ARGUMENTS.items():
+    _require_states(who, entry, parameters)
+    try:
+        with_states(entry, parameters)
+    except ValueError as error:
+        raise UsageError(f"{who}: {error}; give each material a NamedTuple of its own") from error
+    for quantity in _ARGUMENTS:
+        names = _arguments(kind, quantity)
         function = inspect.getattr_static(kind, quantity, None)
         call = f"{quantity}({', '.join(names)})"
         if not isinstance(function, staticmethod):
@@ -96,6 +112,40 @@ def parameters_of(entry: Material, dimensions: int) -> Any:
     return parameters
 
 
+def _arguments(kind: type, quantity: str) -> tuple[str, ...]:
+    """Names of what a material's function is given; those with a memory get their state as well."""
+    return (*_ARGUMENTS[quantity], *(("state",) if states_of(kind) else ()))
+
+
+def _require_states(who: str, entry: Material, parameters: Any) -> None:
+    """Refuse state variables that are not declared as they must be."""
+    kind = type(entry)
+    names: list[str] = []
+    states: Any = entry.STATE
+    if not isinstance(states, tuple) or not all(isinstance(each, State) for each in states):
+        raise UsageError(
+            f"{who}: STATE of {kind.__qualname__} ({_file(kind)}) must be a tuple of "
+            'pgimp.physics.materials.State, as in STATE = (State("damage", "1", "what it is"),)'
+        )
+    for each in states:
+        where = f"{who}: the state {each.name!r} of {kind.__qualname__} ({_file(kind)})"
+        if not isinstance(each.name, str) or not STATE_NAME.fullmatch(each.name):
+            raise UsageError(f"{where} needs a name of small letters, digits and '-'")
+        if each.name in EVERY or each.name in names:
+            raise UsageError(f"{where} has a name that is taken by another field")
+        names.append(each.name)
+        start = each.initial
+        if isinstance(start, str):
+            if start not in parameters._fields:
+                raise UsageError(
+                    f"{where} begins with '{start}', which is none of the parameters: "
+                    f"{', '.join(parameters._fields)}"
+                )
+            start = getattr(parameters, start)
+        if isinstance(start, bool) or not isinstance(start, int | float) or not isfinite(start):
+            raise UsageError(f"{where} must begin with a finite number, not with {start!r}")
+
+
 class _Kinds(NamedTuple):
     """Numba's types of what a material's functions are given."""
 
@@ -104,19 +154,21 @@ class _Kinds(NamedTuple):
     sigma: Any
     L: Any
     dt: Any
+    state: Any
 
     @classmethod
-    def of(cls, dimensions: int, number: Any) -> _Kinds:
+    def of(cls, kind: type, dimensions: int, number: Any) -> _Kinds:
         matrix = types.UniTuple(number, dimensions**2)
         tensor = types.UniTuple(number, _COUNTS[dimensions - 1])
-        return cls(matrix, number, tensor, matrix, types.float64)
+        state = types.UniTuple(number, state_width(kind, dimensions))
+        return cls(matrix, number, tensor, matrix, types.float64, state)
 
 
 def _result(parameters: Any, quantity: str, kinds: _Kinds) -> Any:
     """Compile a function of a material for arguments of these types; return the result's."""
     kind: Any = type(parameters)
     function = _compiled(kind, quantity)
-    given = (getattr(kinds, name) for name in _ARGUMENTS[quantity][1:])
+    given = (getattr(kinds, name) for name in _arguments(kind, quantity)[1:])
     signature = (numba.typeof(parameters), *given)
     function.compile(signature)
     return function.overloads[signature].signature.return_type
@@ -143,7 +195,7 @@ def takes_vectors(entry: Material, dimensions: int) -> bool:
     parameters = parameters_of(entry, dimensions)
     try:
         for quantity in ("stress", "speed"):
-            _result(parameters, quantity, _Kinds.of(dimensions, vec4))
+            _result(parameters, quantity, _Kinds.of(type(parameters), dimensions, vec4))
     except errors.NumbaError:
         return False
     return True
@@ -176,7 +228,7 @@ def _require_fit(who: str, parameters: Any, dimensions: int) -> None:
 
 
 def _examine(who: str, parameters: Any, dimensions: int) -> None:
-    kinds = _Kinds.of(dimensions, types.float64)
+    kinds = _Kinds.of(type(parameters), dimensions, types.float64)
     for quantity in _ARGUMENTS:
         where = f"{who}: {_place(type(parameters), quantity)}"
         try:
@@ -188,12 +240,33 @@ def _examine(who: str, parameters: Any, dimensions: int) -> None:
                 text = f"{text[: _LONGEST_MESSAGE - 3]}..."
             raise UsageError(f"{where} does not compile: {text}") from error
         if quantity == "stress":
+            width = state_width(type(parameters), dimensions)
+            if width:
+                result = _require_state(where, result, width)
             _require_stress(where, result, dimensions)
         elif result != types.float64:
             raise UsageError(
                 f"{where} must return a float, but returns {_described(result)}"
                 f"{_INTEGER_HINT * _is_integer(result)}"
             )
+
+
+def _require_state(where: str, result: Any, width: int) -> Any:
+    """Refuse what is not a pair of stress and state; return the type of the stress."""
+    if not _is_tuple(result) or len(result) != 2:
+        raise UsageError(
+            f"{where} must return a pair, the stress and the state of {width}, as the material has "
+            f"a STATE, but returns {_described(result)}"
+        )
+    state = result[1]
+    parts = [*state] if _is_tuple(state) else []
+    if len(parts) != width or any(part != types.float64 for part in parts):
+        listed = ": " * bool(parts) + ", ".join(map(_described, parts))
+        raise UsageError(
+            f"{where} must return the state as a tuple of {width} floats, but returns "
+            f"{_described(state)}{listed}"
+        )
+    return result[0]
 
 
 def _require_stress(where: str, result: Any, dimensions: int) -> None:
@@ -211,6 +284,10 @@ def _require_stress(where: str, result: Any, dimensions: int) -> None:
                 f"{where} must return {wanted} floats, but the component {name} is "
                 f"{_described(part)}{_INTEGER_HINT * _is_integer(part)}"
             )
+
+
+def _is_tuple(kind: Any) -> bool:
+    return isinstance(kind, types.BaseTuple)
 
 
 def _is_integer(kind: Any) -> bool:

@@ -8,7 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pgimp.errors import UsageError
-from pgimp.physics.materials.base import State, state_width
+from pgimp.physics.fields import TENSOR, Field, Source
+from pgimp.physics.materials.base import State, state_width, states_of
 
 
 class Kept(NamedTuple):
@@ -48,6 +49,8 @@ class States:
         What particles start with.
     kept : dict of str to Kept
         By the variables' names.
+    fields : dict of str to Field
+        What frames and probes have of them: nan in particles of materials without.
 
     Raises
     ------
@@ -61,7 +64,7 @@ class States:
         self.kept: dict[str, Kept] = {}
         for i, each in enumerate(materials):
             first = 0
-            for state in getattr(type(each), "STATE", ()):
+            for state in states_of(type(each)):
                 last = first + state.width(dimensions)
                 start = state.initial
                 value = getattr(each, start) if isinstance(start, str) else start
@@ -76,3 +79,27 @@ class States:
                     )
                 known.first[i] = first
                 first = last
+        self.fields = {name: _field(kept) for name, kept in self.kept.items()}
+
+
+def _field(kept: Kept) -> Field:
+    """The field of frames that shows a state variable."""
+    state, first = kept
+
+    def values(source: Source) -> np.ndarray:
+        table = source.take("state")
+        begin = first[np.asarray(source.body_material)[source.take("body")]]
+        has = begin >= 0
+        if not state.tensor:
+            found = np.full(len(table), np.nan)
+            found[has] = table[has, begin[has]]
+            return found
+        width = state.width(source.dimension)
+        found = np.zeros((len(table), 6))
+        found[~has] = np.nan
+        for i in range(width):
+            found[has, i] = table[has, begin[has] + i]
+        return found
+
+    meaning = f"{state.meaning} [{state.unit}]"
+    return Field(values, meaning, *((TENSOR, "Matrix") if state.tensor else ()))

@@ -9,7 +9,7 @@ import numpy as np
 
 from pgimp.errors import UsageError
 from pgimp.io.results.reader import Frame
-from pgimp.physics import values as fields
+from pgimp.physics import fields
 from pgimp.schema.messages import shorten, unknown
 from pgimp.tools.plot.units import kind_of_field
 
@@ -129,11 +129,8 @@ def _derived(name: str, frame: Frame) -> bool:
 
 def _components(name: str, frame: Frame) -> list[str]:
     """Return the names of a field's components; none for a scalar."""
-    known = fields.EVERY.get(name)
-    if known:
-        return known.components.split()
     values = frame.rows(name, 0, 0)
-    return [str(number) for number in range(values.shape[1])] if values.ndim == 2 else []
+    return fields.components_of(name, values.shape[1]) if values.ndim == 2 else []
 
 
 def _names(frame: Frame) -> list[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from pgimp.physics import fields
+from pgimp.physics import columns, fields
 
 _BASE = ("length", "mass", "time")
 # Those of consistent sets of length, mass and time that have a name of their own.
@@ -69,13 +69,13 @@ def unit(kind: str, units: str, dimension: int) -> str:
 
 def kind_of_field(name: str) -> str:
     """Return the kind of a frame's field, empty if it has none."""
-    known = (fields.ALWAYS | fields.FIELDS).get(name)
+    known = fields.FIELDS.get(name)
     return _bracketed(known.meaning) if known else ""
 
 
 def kind_of_column(name: str) -> str:
     """Return the kind of a column of the history or of a probe, empty if it has none."""
-    for key, meaning in (fields.HISTORY | fields.POINT | fields.PLACE).items():
+    for key, meaning in (columns.HISTORY | columns.POINT | columns.PLACE).items():
         pattern = re.sub("|".join(_PLACES), lambda found: _PLACES[found[0]], re.escape(key))
         if re.fullmatch(pattern.replace(r"\-(", "-("), name):
             return _bracketed(meaning)

@@ -7,7 +7,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple
 
 from pgimp.case.writer import flow
-from pgimp.physics.fields import ALWAYS, FAILURE, FIELDS, GRID, HISTORY, PLACE, POINT, Field
+from pgimp.physics.columns import GRID, HISTORY, PLACE, POINT, Vertex
+from pgimp.physics.fields import ALWAYS, FAILURE, OPTIONAL, Field
 from pgimp.schema.base import LARGEST_COUNT
 from pgimp.tools.reference.jsonschema import Schema, json_schema, study_schema
 
@@ -58,7 +59,7 @@ def reference() -> str:
         "`frames/particles-NNNNNN.h5`, one row a particle in ascending `id`. Always there:\n",
         _fields(ALWAYS),
         "As `output.fields` asks for:\n",
-        _fields(FIELDS),
+        _fields(OPTIONAL),
         "`frames/grid-NNNNNN.h5` has the cells that hold centres of particles (`connectivity`),\n"
         "and all vertices with mass and the corners of those cells, ordered by x, then y, then z.\n"
         "A vertex has a `position` and, as `output.grid` asks for, what the particles of the\n"
@@ -91,13 +92,21 @@ def reference() -> str:
     return "\n".join(pages)
 
 
+def _number(names: list[str]) -> str:
+    """Say how many components there are, and which if it is more than three."""
+    return f"{len(names)}: {' '.join(names)}" if len(names) > 3 else str(max(1, len(names)))
+
+
 def _columns(columns: Mapping[str, str]) -> str:
     rows = [(_code(name), *_split(text)) for name, text in columns.items()]
     return _table(("column", "meaning", "unit"), rows)
 
 
-def _fields(fields: Mapping[str, Field]) -> str:
-    rows = [(_code(name), item.components, *_split(item.meaning)) for name, item in fields.items()]
+def _fields(fields: Mapping[str, Field] | Mapping[str, Vertex]) -> str:
+    rows = [
+        (_code(name), _number(item.components.split()), *_split(item.meaning))
+        for name, item in fields.items()
+    ]
     return _table(("dataset", "components", "meaning", "unit"), rows)
 
 
