@@ -238,6 +238,17 @@ def test_material_of_ones_own_is_printed_as_it_is():
     assert code(block_of("from math import log, sqrt\nfrom typing")) == code(text)
 
 
+def test_the_stress_that_remembers_is_printed_as_it_is():
+    """But for its docstring, that of `cases/softening.py`."""
+    text = (ROOT / "cases/softening.py").read_text(encoding="utf-8")
+    found = [node for node in ast.walk(ast.parse(text)) if getattr(node, "name", "") == "stress"]
+    (stress,) = found
+    stress.decorator_list = []
+    del stress.body[0]
+    printed = block_of("from math import log\n\nfrom pgimp.jit.algebra import isotropic, left")
+    assert ast.unparse(stress) in ast.unparse(ast.parse(printed))
+
+
 def test_all_operations_on_tensors_are_listed():
     """Each function of `pgimp.jit.algebra` with its arguments, and no other."""
     table = TEXT.partition("| operation | result |\n|---|---|\n")[2].partition("\n\n")[0]

@@ -44,6 +44,7 @@ class Scene:
 
     def __init__(self):
         self.case, self.files, self.corners = {}, {}, {}
+        self.states = ()
 
     @property
     def faces(self):
@@ -97,6 +98,17 @@ def materials(rng, scene):
     scene.materials = [chosen[i % len(chosen)] for i in range(3)]
     scene.speed = max(math.sqrt(1.5 * m["young"] / m["density"])
                       for m in scene.case["materials"].values())  # fmt: skip
+
+
+def memory(rng, scene):
+    """The softest material remembers what it went through, see cases/softening.py."""
+    for name in ("soft", "bar"):
+        entry = scene.case["materials"].get(name)
+        if entry:
+            law = {"model": "softening", "damage": number(rng, 0.2, 0.9)}
+            poisson = {"poisson": entry.get("poisson", 0.0)}
+            entry.update(law | poisson | {"toughness": number(rng, 0.01, 3.0)})
+            scene.states = ("damage", "peak-energy")
 
 
 def affine(rng, scene):
@@ -230,6 +242,7 @@ FEATURES = (
     Feature("affine", affine, 0.35, compiled=True),
     Feature("relaxation", relaxation, 0.15, compiled=True),
     Feature("materials", materials),
+    Feature("memory", memory, 0.2, compiled=True),
     Feature("viscosity", viscosity, 0.2, compiled=True),
     Feature("time", time),
     Feature("bodies", add_bodies),

@@ -10,7 +10,8 @@ def frames(rng, scene):
     """Frames now and then, with any fields but the rank, which differs from run to run."""
     end = scene.end
     every = rng.choice((None, {"steps": rng.randint(3, 30)}, number(rng, 0.1 * end, 0.6 * end)))
-    scene.case["output"] |= {"every": every, "fields": rng.sample(FIELDS, rng.randint(0, 6))}
+    chosen = rng.sample((*FIELDS, *scene.states), rng.randint(0, 6))
+    scene.case["output"] |= {"every": every, "fields": chosen}
     if rng.random() < 0.4:
         at = sorted({number(rng, 0.0, 0.99 * end) for _ in range(rng.randint(1, 3))})
         scene.case["output"]["at"] = at

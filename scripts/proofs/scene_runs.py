@@ -12,6 +12,9 @@ import thread_ranks
 
 from pgimp.errors import CaseError, PgimpError
 
+#: The material with a memory that some scenes have.
+SOFTENING = Path(__file__).parents[2] / "cases/softening.py"
+
 #: Steps between two moves of slab boundaries.
 EVERY = 4
 
@@ -38,6 +41,9 @@ class Outcome(NamedTuple):
 def prepare():
     """Let runs be as they are on large machines: messages in pieces, boundaries that move."""
     thread_ranks.prepare()
+    from pgimp.physics.materials.registry import import_file
+
+    import_file(str(SOFTENING))
     from pgimp.commands import run
     from pgimp.decomposition import halo, handover, migrate
     from pgimp.decomposition.balance import Balance
