@@ -160,7 +160,7 @@ def wave_speed(scene: Scene, body: int) -> float:
     """Wave speed of a body at rest."""
     point = Particles.empty(1, scene.dimension, False)
     point.body[0] = body
-    rate = fastest_rate(scene.setting, point, np.zeros(1, np.int32))
+    rate = fastest_rate(scene.setting.without_shape(), point, np.zeros(1, np.int32))
     return rate / max(scene.frame.inverse)
 
 
