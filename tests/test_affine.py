@@ -21,8 +21,8 @@ def vertices(sim):
     grid, population, scene_ = sim.rank.grid, sim.population, sim.scene
     grid.active.fill(0)
     particles_to_grid(
-        scene_.setting, grid.field, population.particles, scene_.loads.at(0.0), population.ordered,
-        *sim.rank.halo.parts(population.start),
+        scene_.setting.without_materials(), grid.field, population.particles,
+        scene_.loads.at(0.0), population.ordered, *sim.rank.halo.parts(population.start),
     )  # fmt: skip
     planes = grid.G.reshape(*grid.window.extent, 8).copy()
     planes[grid.active == 0] = 0.0

@@ -7,7 +7,7 @@ from time import process_time
 
 import pytest
 from bad_cases import BALL, GOOD
-from conftest import run
+from processes import run
 
 from pgimp.case.reader import read_case
 from pgimp.errors import CaseError

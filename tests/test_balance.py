@@ -4,18 +4,18 @@ import itertools
 import json
 import re
 import shutil
-from pathlib import Path
 
 import numpy as np
 import pytest
 from balance_scenes import column, crossing
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from loaded_block import loaded
+from processes import SUPPORT
 from rank_scenes import SCENES, SIZED
 from rank_threads import Comm, together
+from run_files import digests, go_back
 from scenes import write_case
-from test_constraints import loaded
-from test_ranks import digests, go_back
 
 from pgimp.decomposition import handover
 from pgimp.decomposition.population import Population
@@ -171,7 +171,7 @@ def test_ranks_that_share_a_core_go_by_the_time_they_had_it(tmp_path, mpirun):
                 assert same == "False" and 0.0 < float(worked) < 0.7 * float(took)
 
 
-PROBE = Path(__file__).with_name("balance_probe.py")
+PROBE = SUPPORT / "balance_probe.py"
 FOLLOWED = {"column": column(30, 5.5), "crossing": crossing(30, 6.0)}
 #: Mirrors; leavers; tractions, viscosity and constraints.
 MORE = {"mirrored": SIZED["plane_finite"], "leaves": SCENES["plane_leaves"], "loaded": loaded()}

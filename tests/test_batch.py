@@ -6,7 +6,7 @@ import time
 
 import pytest
 from batch_jobs import ASKED, Jobs
-from test_run import CASE
+from two_blocks import CASE
 
 from pgimp.cli import main
 

@@ -11,8 +11,9 @@ from unittest import mock
 
 import numpy as np
 import pytest
-from checkpoint_source import ABOUT, HERE, check_content, content, write_on
+from checkpoint_source import ABOUT, check_content, content, write_on
 from particle_source import fill_up, small_disk
+from processes import HERE
 
 from pgimp.errors import RunError
 from pgimp.files import framefile

@@ -6,9 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from checkpoint_source import HERE, check_content, write_on
+from checkpoint_source import check_content, write_on
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from processes import HERE
 
 from pgimp.files import framefile
 from pgimp.io.checkpoints import checkpointwriter

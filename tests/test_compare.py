@@ -6,38 +6,17 @@ import shutil
 import h5py
 import numpy as np
 import pytest
-from particle_source import Lines, make_case, make_sim
+from run_pair import COUNT, run_pair
 from scenes import box, scene, write_case
 
 import pgimp
 from pgimp.commands import compare
 from pgimp.errors import RunError, UsageError
-from pgimp.io.results.history import History
-from pgimp.io.rundir.rundir import RunDirectory
-from pgimp.mpi.comm import Serial
-from pgimp.running.frames import Frames
-
-COUNT = 31
 
 
 @pytest.fixture
 def pair(tmp_path):
-    """Two run directories of three frames and three lines with the same content."""
-    directory = RunDirectory(tmp_path / "one", Serial())
-    directory.prepare({}, {"state": "done", "began": "now", "steps": 2})
-    sim, _ = make_sim(Serial(), COUNT, 3)
-    frames = Frames(tmp_path / "one", make_case(), sim)
-    lines, history = Lines(), History(tmp_path / "one" / "history.csv")
-    for step in range(3):
-        sim.step = lines.step = step
-        sim.time = lines.time = 0.1 * step
-        frames.write(sim)
-        history.write(lines)
-    frames.finish()
-    history.close()
-    directory.release()
-    shutil.copytree(tmp_path / "one", tmp_path / "two")
-    return tmp_path / "one", tmp_path / "two"
+    return run_pair(tmp_path)
 
 
 def call(capsys, first, second, *options):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from loaded_block import grip, loaded
 from scenes import box, field, finish, scene, start, write_case
 
 import pgimp
@@ -16,42 +17,11 @@ from pgimp.schema.tables import Table
 RAMP = [[0.0, 0.0], [0.3, 0.6], [0.5, -0.2]]
 
 
-def grip(low, high, *velocity, body="body"):
-    """A constraint on what lies in a box; rows of a table or None where it is free."""
-    given = [{"table": v} if isinstance(v, list) else v for v in velocity]
-    return {"body": body, "region": {"box": {"min": low, "max": high}}, "velocity": given}
-
-
 def line(**parts):
     """A bar from 2.1 to 10 whose ends are held, the right one as `RAMP` says."""
     constraints = {"left": grip([2.0], [3.5], 0.0), "right": grip([9.0], [11.0], RAMP)}
     parts = {"cells": [14], "end": 0.5, "constraints": constraints, **parts}
     return scene(1, box([2.1], [10.0]), **parts)
-
-
-def loaded(**parts):
-    """A block with all loads at once, on the move through the layers, dragged along a wall."""
-    constraints = {
-        "pull": grip([7.0, 0.0], [8.0, 4.0], 3.0, None),
-        "lift": grip([6.5, 2.0], [7.0, 4.0], None, [[0.0, 0.0], [0.5, 1.0]]),
-    }
-    tractions = {
-        "top": {"body": "body", "face": "y-max", "traction": {"table": [[0, [0, 0]], [1, [1, 4]]]}},
-        "back": {"body": "body", "face": "x-min", "pressure": 2.0},
-    }
-    soft = {"model": "neo-hookean", "young": 100.0, "poisson": 0.3, "density": 1.0}
-    given = {
-        "materials": {"soft": soft | {"viscosity": {"linear": 0.2, "quadratic": 2.0}}},
-        "cells": [16, 8],
-        "gravity": [0.0, -2.0],
-        "boundaries": {"y-min": "slip"},
-        "tractions": tractions,
-        "constraints": constraints,
-        "end": 1.0,
-        "history": {"every": {"steps": 10}},
-        "output": {"every": 0.5, "fields": ["velocity", "stress", "deformation"]},
-    }
-    return scene(2, box([2.1, 0.0], [8.0, 4.0], [2.0, 0.0]), **{**given, **parts})
 
 
 def at(table, t):

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from pydantic import TypeAdapter
+from region_entries import entries
 from scenes import field, finish, scene, start, write_case
-from test_regions import entries
 
 from pgimp.case.schema import Case
 from pgimp.cli import main

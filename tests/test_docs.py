@@ -6,7 +6,7 @@ import shutil
 import sys
 from pathlib import Path
 
-from conftest import run
+from processes import run
 
 ROOT = Path(__file__).resolve().parents[1]
 

@@ -9,7 +9,7 @@ import tempfile
 from collections import namedtuple
 
 import pytest
-from conftest import LAUNCHER_VARIABLES
+from processes import LAUNCHER_VARIABLES
 
 from pgimp.cli import main
 from pgimp.tools.doctor import hdf5, kernels, machine, mpi, probe

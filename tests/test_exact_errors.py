@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pytest
 from exact_cases import BAR, CASES, LENGTH, SPEED, Exact, bar, block, ramp, ring
+from processes import SUPPORT
 from scenes import field, finish, scene, start, write_case
 
 import pgimp
@@ -185,7 +186,7 @@ def runs(tmp_path_factory, mpirun):
     paths = [folder / f"{name}.yaml" for name in cases]
     for ranks in (1, 2, 3):
         (folder / str(ranks)).mkdir()
-        probe = [__file__.replace("test_exact_errors", "rank_probe"), "runs", folder / str(ranks)]
+        probe = [SUPPORT / "rank_probe.py", "runs", folder / str(ranks)]
         job = mpirun(ranks, [*probe, *paths], timeout=120)
         assert job.returncode == 0, job.stderr
     return folder

@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+from processes import SUPPORT
 from scenes import box, finish, scene, start, wall, write_case
 
 import pgimp
@@ -152,7 +153,7 @@ def test_all_ranks_end_together_with_one_message(tmp_path, mpirun, kind):
         case = clap("max") | ({"time": {"step": 0.01, "end": 0.5}} if kind == 50 else {})
     command = ["-m", "pgimp"]
     if isinstance(kind, int):
-        command = [__file__.replace("test_faults", "rank_probe"), "poison", 1, kind]
+        command = [SUPPORT / "rank_probe.py", "poison", 1, kind]
     write_case(tmp_path / "bad.yaml", case)
     job = mpirun(3, [*command, "bad.yaml", "-o", "out"], cwd=tmp_path)
     assert job.returncode == 1

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from particle_source import Lines, fill_up, make_case, make_sim, small_disk, write_frames
+from processes import HERE
 
 from pgimp.errors import RunError
 from pgimp.io.results.history import History
@@ -37,8 +38,7 @@ def check_full_disk(directory, before):
 @pytest.mark.parametrize("ranks", [1, 2, 3])
 def test_a_full_disk_stops_the_run_and_spoils_nothing(disk, mpirun, ranks):
     # A frame takes about 315 bytes a particle, so that the fourth does not fit.
-    path = {"PYTHONPATH": str(Path(__file__).parents[1])}
-    job = mpirun(ranks, [__file__, disk, 860], env=path)
+    job = mpirun(ranks, [__file__, disk, 860], env=HERE)
     assert job.returncode == 0, job.stdout + job.stderr
     messages = job.stdout.splitlines()
     assert len(messages) == ranks and len(set(messages)) == 1

@@ -1,14 +1,14 @@
 """Frames of the grid: against the particles, by hand, in ParaView, and on any ranks."""
 
 import json
-from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
+from processes import SUPPORT
 from rank_scenes import line_gimp, plane_leaves, plane_mpm, space_gimp
+from run_files import go_back
 from scenes import box, scene, start, write_case
-from test_ranks import go_back
 
 import pgimp
 from pgimp.errors import RunError
@@ -130,7 +130,7 @@ def test_the_same_bytes_on_any_ranks_and_after_a_resume(alone, tmp_path, mpirun,
     for ranks, (program, how), back in ways:
         if back is not None:
             go_back(tmp_path / "case", back)
-        words = [Path(__file__).with_name(program), how, tmp_path, tmp_path / "case.yaml"]
+        words = [SUPPORT / program, how, tmp_path, tmp_path / "case.yaml"]
         job = mpirun(ranks, words)
         assert job.returncode == 0, job.stderr
         for each in names:

@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from conftest import run
+from processes import run
 from schema_checker import Checker
 
 from pgimp.case.load import load

@@ -58,3 +58,15 @@ def test_no_import_runs_up():
             if own in FLOOR and own not in (other, "__init__") and other in FLOOR:
                 up += [f"{path} imports {name}"] * (FLOOR[other] >= FLOOR[own])
     assert not up, "\n".join(up)
+
+
+def test_no_file_of_tests_imports_another():
+    """What several need is in tests/support/; a file may be changed, or run, without the others."""
+    for path in Path(__file__).parent.rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text())):
+            names = []
+            if isinstance(node, ast.ImportFrom):
+                names = [node.module]
+            elif isinstance(node, ast.Import):
+                names = [alias.name for alias in node.names]
+            assert not any(name.startswith(("test_", "conftest")) for name in names), path.name

@@ -7,9 +7,9 @@ import subprocess
 import sys
 
 import pytest
-from conftest import clean_env
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from processes import SUPPORT, clean_env
 from scenes import box, scene, write_case
 
 from pgimp.case.schema import Case
@@ -40,9 +40,8 @@ def test_the_estimate_is_what_a_run_takes(tmp_path, mpirun, python, ranks, cells
         write_case(folder / "case.yaml", square(n))
         for name in ("frames", "checkpoints"):
             shutil.rmtree(folder / name, ignore_errors=True)
-        args = ["memory_probe.py", folder / "case.yaml", folder]
-        here = {"cwd": __file__.rpartition("/")[0]}
-        run = python(args, **here) if ranks == 1 else mpirun(ranks, args, **here)
+        args = [SUPPORT / "memory_probe.py", folder / "case.yaml", folder]
+        run = python(args) if ranks == 1 else mpirun(ranks, args)
         assert run.returncode == 0, run.stderr
         found[n] = [json.loads((folder / f"{r}.json").read_text()) for r in range(ranks)]
     for small, large in zip(*found.values(), strict=True):

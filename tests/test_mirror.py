@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from kernel_driver import MATERIAL_OF, MATERIALS
-from test_transfer import DT, GRAVITY, LIGHTEST, close, copied, faces_of, setting
+from transfer_setting import DT, GRAVITY, LIGHTEST, close, copied, faces_of, setting
 
 from pgimp.kernels.mirror import Mirror
 

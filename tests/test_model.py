@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scenes import box, scene, write_case
+from scenes import write_case
+from two_blocks import flying
 
 from pgimp.case.schema import Case
 from pgimp.cli import main
@@ -174,13 +175,6 @@ def test_ten_billion_particles_on_ten_thousand_ranks():
 def test_a_ladder_of_ranks():
     assert ladder((3,), 8) == [1, 2, 3, 4, 8]
     assert ladder((22, 99), 20) == [1, 2, 4, 8, 16, 20]
-
-
-def flying(**parts):
-    """Two squares; the kernels are those of tests/test_run.py's case."""
-    bodies = {"a": box([1.0, 1.0], [4.0, 4.0], [1.0, 0.0]), "b": box([6.0, 1.0], [9.0, 4.0])}
-    walls = {"x-min": "fixed", "x-max": "fixed", "y-min": "slip", "y-max": "slip"}
-    return scene(2, bodies, cells=[12, 6], end=2.0, step=0.01, boundaries=walls, **parts)
 
 
 def test_the_layout_is_that_of_the_run():

@@ -1,6 +1,5 @@
 """Frames, read back with h5py against the arrays that they were written from."""
 
-import hashlib
 import os
 import sys
 import xml.etree.ElementTree
@@ -11,7 +10,9 @@ from types import SimpleNamespace
 import h5py
 import numpy as np
 import pytest
+from frame_sets import COUNTS, GONE, frame_digests
 from particle_source import Lines, expected, make_case, make_sim, write_frames
+from processes import HERE
 
 from pgimp.errors import RunError
 from pgimp.files import framefile
@@ -22,11 +23,6 @@ from pgimp.io.results.reader import Frame
 from pgimp.mpi.comm import Serial, world
 from pgimp.physics.fields import ALWAYS, BY_RANKS, FIELDS, Source
 from pgimp.running.frames import Frames
-
-
-def digests(directory):
-    files = sorted((directory / "frames").iterdir())
-    return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
 
 
 @pytest.mark.parametrize("dimension", [1, 2, 3])
@@ -112,27 +108,22 @@ def test_field_values_do_not_depend_on_the_neighbours(name, dimension):
             assert part.tobytes() == whole[start : start + length].tobytes()
 
 
-# Two particles on three or four ranks: some have no rows. Rank 1 has no particles in any case.
-# Of the third kind some have left, among them all of the first share of ids; of the last kind all.
-COUNTS = {"2": 2, "3001": 3001, "some": 3001, "none": 5}
-GONE = {"some": [*range(1100), *range(1200, 3001, 7)], "none": range(5)}
 WAYS = ("at-once", "in-small-blocks")
 
 
 @pytest.mark.parametrize("ranks", [2, 3, 4])
 def test_every_number_of_ranks_writes_the_same_file(tmp_path, mpirun, ranks):
-    path = {"PYTHONPATH": str(Path(__file__).parents[1])}
-    job = mpirun(ranks, [__file__, tmp_path], env=path)
+    job = mpirun(ranks, [__file__, tmp_path], env=HERE)
     assert job.returncode == 0, job.stdout + job.stderr
     for kind, count in COUNTS.items():
         serial = tmp_path / f"serial-{kind}"
         _, values = write_frames(serial, Serial(), count, 3, gone=GONE.get(kind, ()))
         assert len(values["id"]) == count - len(GONE.get(kind, ()))
-        wanted = digests(serial)
+        wanted = frame_digests(serial)
         assert set(wanted) == {"particles-000000.h5", "particles-000001.h5"}
         for way in WAYS:
             directory = tmp_path / f"{way}-{kind}"
-            assert digests(directory) == wanted, (kind, way)
+            assert frame_digests(directory) == wanted, (kind, way)
             xdmf = (directory / "particles.xdmf").read_bytes()
             assert xdmf == (serial / "particles.xdmf").read_bytes()
             with h5py.File(directory / "frames" / "particles-000001.h5") as file:

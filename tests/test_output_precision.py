@@ -6,8 +6,9 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from frame_sets import COUNTS, GONE, frame_digests
 from particle_source import fill_up, make_case, make_sim, small_disk, write_frames
-from test_output import COUNTS, GONE, digests
+from processes import HERE
 
 from pgimp.errors import RunError
 from pgimp.files import chunks, framefile
@@ -59,15 +60,14 @@ def test_a_frame_holds_the_same_but_for_rounding(tmp_path, form, dimension):
 
 @pytest.mark.parametrize("ranks", [2, 3])
 def test_every_number_of_ranks_writes_the_same_file(tmp_path, mpirun, ranks):
-    path = {"PYTHONPATH": str(Path(__file__).parent)}
-    job = mpirun(ranks, [__file__, tmp_path], env=path)
+    job = mpirun(ranks, [__file__, tmp_path], env=HERE)
     assert job.returncode == 0, job.stdout + job.stderr
     for kind, count in COUNTS.items():
         for form in FORMS:
             serial = tmp_path / f"serial-{form}-{kind}"
             write_frames(serial, Serial(), count, 3, gone=GONE.get(kind, ()), **FORMS[form])
             directory = tmp_path / f"{form}-{kind}"
-            assert digests(directory) == digests(serial), (form, kind)
+            assert frame_digests(directory) == frame_digests(serial), (form, kind)
             xdmf = (directory / "particles.xdmf").read_bytes()
             assert xdmf == (serial / "particles.xdmf").read_bytes()
 

@@ -2,18 +2,18 @@
 
 import hashlib
 import json
-from pathlib import Path
 
 import pytest
+from loaded_block import loaded
 from overlap_probe import LAST, WARM
+from processes import SUPPORT
 from scenes import box, scene, write_case
-from test_constraints import loaded
 
 from pgimp.decomposition.halo import Halo
 from pgimp.decomposition.slabs import Slab
 from pgimp.errors import UsageError
 
-PROBE = Path(__file__).with_name("overlap_probe.py")
+PROBE = SUPPORT / "overlap_probe.py"
 FACES = {"x-min": "fixed", "x-max": "fixed", "y-min": "slip", "y-max": "slip"}
 
 

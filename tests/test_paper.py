@@ -13,7 +13,7 @@ from math import log
 from pathlib import Path
 
 import pytest
-from conftest import run
+from processes import run
 
 ROOT = Path(__file__).resolve().parents[1]
 FIGURES = [f"fig{n:02}" for n in range(4, 12)] + [f"fig{n:02}-fuzzy" for n in range(4, 11)]

@@ -8,6 +8,7 @@ from types import ModuleType
 
 import numpy as np
 import pytest
+from paraview_reader import READERS, probe
 from particle_source import make_case, make_sim
 from PIL import Image
 
@@ -17,17 +18,8 @@ from pgimp.physics.fields import FIELDS
 from pgimp.running.frames import Frames
 from pgimp.tools.plot.units import kind_of_field, unit
 
-READERS = ("XDMF Reader", "Xdmf3 Reader S", "Xdmf3 Reader T")
 COUNT, GONE = 23, ((), (), range(9, 14))
 COUNTS = [COUNT - len(gone) for gone in GONE]
-
-
-def probe(pvpython, path, body):
-    """Let pvpython open an XDMF file."""
-    run = pvpython(Path(__file__).with_name("paraview_probe.py"), path, body)
-    lines = [line for line in run.stdout.splitlines() if line.startswith("PROBE")]
-    assert lines, run.stdout + run.stderr
-    return json.loads(lines[0].removeprefix("PROBE"))
 
 
 @pytest.fixture(scope="module", params=["as-usual", "small"])

@@ -14,7 +14,7 @@ from itertools import pairwise
 import h5py
 import numpy as np
 import pytest
-from conftest import run as run_program
+from processes import run as run_program
 from scenes import box, scene, write_case
 
 from pgimp import cli

@@ -6,9 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from processes import SUPPORT
 from rank_scenes import plane_leaves
+from run_files import go_back
 from scenes import box, finish, scene, start, write_case
-from test_ranks import go_back
 
 import pgimp
 from pgimp.errors import RunError, UsageError
@@ -141,7 +142,7 @@ def test_the_same_bytes_on_any_ranks_and_after_a_resume(leaves, tmp_path, mpirun
     for ranks, (program, how), back in ways:
         if back is not None:
             go_back(tmp_path / "case", back)
-        words = [Path(__file__).with_name(program), how, tmp_path, tmp_path / "case.yaml"]
+        words = [SUPPORT / program, how, tmp_path, tmp_path / "case.yaml"]
         job = mpirun(ranks, words)
         assert job.returncode == 0, job.stderr
         found = tmp_path / "case" / "probes"

@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from conftest import run
+from processes import run
 from scenes import box, scene
 
 import pgimp

@@ -12,7 +12,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from conftest import run as start
+from processes import run as start
 from scenes import box, scene, write_case
 
 import pgimp

@@ -1,13 +1,13 @@
 """Whole runs give the same bits on any number of ranks: every frame, and every line of history."""
 
-import hashlib
 import re
 import shutil
-from pathlib import Path
 
 import numpy as np
 import pytest
+from processes import SUPPORT
 from rank_scenes import SCENES
+from run_files import digests, go_back
 from scenes import write_case
 
 import pgimp
@@ -34,27 +34,11 @@ def runs(tmp_path_factory, mpirun, python):
             shutil.copytree(results[before], results[start])
             for run in results[start].iterdir():
                 go_back(run, RESUMED[start])
-        words = [Path(__file__).with_name("rank_probe.py"), "runs", results[start], *cases]
+        words = [SUPPORT / "rank_probe.py", "runs", results[start], *cases]
         env = TCP if ranks == 4 else None
         job = python(words, 900) if ranks == 1 else mpirun(ranks, words, 900, env=env)
         assert job.returncode == 0, job.stderr
     return results
-
-
-def go_back(run, part):
-    """Delete all checkpoints after a part of a run, as if it had been killed before the next."""
-    checkpoints = sorted((run / "checkpoints").iterdir())
-    assert len(checkpoints) > 2
-    for path in checkpoints[1 + int(part * (len(checkpoints) - 2)) :]:
-        path.unlink()
-    info = run / "run.json"
-    info.write_text(info.read_text().replace('"state": "done"', '"state": "running"'))
-
-
-def digests(run):
-    """Of all frames, of the history and of the probes."""
-    files = [*sorted((run / "frames").iterdir()), run / "history.csv", *run.glob("probes/*")]
-    return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
 
 
 @pytest.mark.parametrize("ranks", RANKS[1:])

@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from conftest import run
+from processes import run
 from ruamel.yaml import YAML
 
 from pgimp.case.reader import read_case

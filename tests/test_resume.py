@@ -10,9 +10,9 @@ import meshio
 import numpy as np
 import pytest
 from meshes import stl
+from point_files import write_csv, write_hdf5
 from scenes import write_case
-from test_points import write_csv, write_hdf5
-from test_run import CASE
+from two_blocks import CASE
 
 import pgimp
 from pgimp.case.load import load

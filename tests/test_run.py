@@ -10,30 +10,14 @@ import time
 
 import numpy as np
 import pytest
-from conftest import clean_env
 from particle_source import small_disk
+from processes import clean_env
+from two_blocks import CASE
 
 import pgimp
 from pgimp.errors import RunError, UsageError
 from pgimp.physics.fields import OPTIONAL
 
-CASE = """\
-# Two soft blocks in a closed box collide.
-format: 1
-title: Two soft blocks
-dimensions: 2
-grid: {origin: [0.0, 0.0], size: [12.0, 6.0], cell: [1.0, 1.0]}
-method: {shape: gimp, particles_per_cell: [2, 2]}
-time: {end: 2.0, step: 0.01}
-materials:
-  soft: {model: neo-hookean, young: 100.0, poisson: 0.3, density: 1.0}
-bodies:
-  left: {material: soft, region: {box: {min: [1.0, 1.0], max: [4.0, 4.0]}}, velocity: [1.0, 0.0]}
-  right: {material: soft, region: {box: {min: [6.0, 1.0], max: [9.0, 4.0]}}, velocity: [-1.0, 0.0]}
-boundaries: {x-min: fixed, x-max: fixed, y-min: slip, y-max: slip}
-output: {every: 0.3, at: [0.5, 1.0], fields: [velocity, stress, displacement, deformation]}
-history: {every: {steps: 30}}
-"""
 TIMES = [0.0, 0.3, 0.5, 0.6, 0.9, 1.0, 1.2, 1.5, 1.8, 2.0]
 PARTICLES = 72
 

@@ -9,9 +9,9 @@ import time
 
 import numpy as np
 import pytest
-from conftest import clean_env
 from particle_source import small_disk
-from test_run import CASE
+from processes import clean_env
+from two_blocks import CASE
 
 import pgimp
 from pgimp.io.checkpoints.checkpointfile import CheckpointFile

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from scenes import box, scene, write_case
-from test_model import flying
+from two_blocks import flying
 
 from pgimp.case.schema import Case
 from pgimp.errors import RunError

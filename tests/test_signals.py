@@ -11,8 +11,8 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from conftest import clean_env
-from test_run import CASE
+from processes import clean_env
+from two_blocks import CASE
 
 from pgimp import commands
 

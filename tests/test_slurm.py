@@ -8,8 +8,8 @@ import time
 from pathlib import Path
 
 import pytest
-from conftest import clean_env, run
-from test_run import CASE
+from processes import clean_env, run
+from two_blocks import CASE
 
 ROOT = Path(__file__).resolve().parents[1]
 

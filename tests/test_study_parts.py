@@ -7,10 +7,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from falling_study import put
 from hypothesis import given
 from hypothesis import strategies as st
 from schema_checker import Checker
-from test_study import put
 
 from pgimp.case.reader import dump_case, read_case
 from pgimp.errors import CaseError, UsageError

@@ -5,20 +5,19 @@ import os
 import re
 import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import clean_env, run
-from test_compare import pair  # noqa: F401
-from test_run import CASE
+from processes import SUPPORT, clean_env, run
+from run_pair import run_pair
+from two_blocks import CASE
 
 import pgimp
 from pgimp import terminal
 from pgimp.cli import main
 from pgimp.running.log import Log
 
-PROBE = Path(__file__).with_name("stream_probe.py")
+PROBE = SUPPORT / "stream_probe.py"
 STUDY = """
 format: 1
 case: case.yaml
@@ -33,7 +32,12 @@ LONG = ("run", "study")
 
 
 @pytest.fixture
-def folder(pair, monkeypatch):  # noqa: F811
+def pair(tmp_path):
+    return run_pair(tmp_path)
+
+
+@pytest.fixture
+def folder(pair, monkeypatch):
     folder = pair[0].parent
     (folder / "case.yaml").write_text(CASE)
     (folder / "one" / "case.yaml").write_text(CASE)

@@ -4,10 +4,10 @@ from functools import cache
 
 import numpy as np
 import pytest
+from paper_column import LENGTH, RATE, YOUNG, column
 from scenes import box, field, finish, scene, start
-from test_compaction import LENGTH, RATE, YOUNG, column
-from test_invariance import CENTRE, disk, spin
-from test_invariance import RATE as TURN
+from turning_disk import CENTRE, disk, spin
+from turning_disk import RATE as TURN
 
 CELLS = {"cells": [16, 12], "cell": 0.5}
 

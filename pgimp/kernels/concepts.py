@@ -3,7 +3,7 @@
 All are NamedTuples, which the compiler takes apart; they cost nothing within kernels.
 """
 
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,6 +40,14 @@ class Setting(NamedTuple):
     material_of: IntArray
     tracked: bool = True
     exits: int = 0
+
+    def without_materials(self) -> Self:
+        """For kernels that need none: they are compiled once for all materials."""
+        return self._replace(materials=())
+
+    def without_shape(self) -> Self:
+        """For kernels that need none: they are compiled once for all shapes."""
+        return self._replace(shape=())
 
 
 class Order(NamedTuple):
@@ -117,7 +125,9 @@ class Field(NamedTuple):
 
 
 class Forcing(NamedTuple):
-    """What acts on the material during one step.
+    """What acts on the material during one step, but for the conditions of faces.
+
+    Those would be part of the type, so that each kernel would be compiled for each of their sets.
 
     Attributes
     ----------
@@ -130,8 +140,6 @@ class Forcing(NamedTuple):
         its gradient in full, however small its weight.
     loads : Loads
         See `pgimp.kernels.loads`.
-    faces : tuple
-        Parameters of the boundary conditions, see `pgimp.physics.boundaries`.
     grips : tuple of Grip
         The constraints, see `pgimp.kernels.grips`.
     marked : (grips, mask) or ()
@@ -146,7 +154,6 @@ class Forcing(NamedTuple):
     gravity: tuple[float, float, float]
     lightest: float
     loads: Any
-    faces: tuple
     grips: tuple
     marked: tuple
     walls: FloatArray

@@ -9,13 +9,15 @@ from pgimp.physics.boundaries.base import constrain
 
 
 @kernel
-def update_momentum(frame, field, forcing, ledger):
+def update_momentum(frame, field, faces, forcing, ledger):
     """Turn the sums of a rank's active planes into velocities and accelerations.
 
     Parameters
     ----------
     frame, field, forcing
         See `Frame`, `Field`, `Forcing`; constraints are applied after this.
+    faces : tuple
+        Parameters of the boundary conditions, see `pgimp.physics.boundaries`.
     ledger : Ledger
         `impulse` grows by the momentum that each face gives to the material, and `work` by that of
         gravity and of moving faces: force times displacement, so that a constant gravity's work is
@@ -43,7 +45,7 @@ def update_momentum(frame, field, forcing, ledger):
                 for d in range(3):
                     G[r + ACCELERATION + d] = 0.0
                     G[r + VELOCITY + d] *= inverse
-        constrain_plane((), forcing.faces, frame, field, forcing, i, ledger)
+        constrain_plane((), faces, frame, field, forcing, i, ledger)
         if heavy and i < owned:
             power = 0.0
             for r in range(i * plane, (i + 1) * plane, RECORD):

@@ -78,7 +78,8 @@ class Diagnostics:
         """
         scene, population = rank.scene, rank.population
         sums = np.zeros((rank.slab.layers, len(scene.body_names), SUMS))
-        layer_sums(scene.setting, population.particles, population.ordered, sums)
+        setting = scene.setting.without_shape()
+        layer_sums(setting, population.particles, population.ordered, sums)
         masses = np.zeros((len(scene.body_names), 2), np.int64)
         unit = 2.0 ** (HIGH - 2 - frexp(scene.most_mass)[1])  # see `Simulation.settle`
         exact_masses(population.particles, population.order, unit, masses)

@@ -158,7 +158,7 @@ class Rank:
         leaving = rows[gone]
         order = Order(leaving, np.searchsorted(left[gone], population.start))
         escaped = self.ledger.escaped[: self.slab.layers]
-        layer_sums(scene.setting, self.particles, order, escaped)
+        layer_sums(scene.setting.without_shape(), self.particles, order, escaped)
         population.release(leaving)
 
     def list_faults(self, numbers: list[int]) -> None:

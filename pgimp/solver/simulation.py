@@ -189,7 +189,8 @@ class Simulation:
         open_window(rank, self.reduction)
         if start is None:
             scene.loads.settle(rank.population, comm)
-        fastest = fastest_rate(scene.setting, rank.particles, rank.population.order)
+        setting = scene.setting.without_shape()
+        fastest = fastest_rate(setting, rank.particles, rank.population.order)
         self.rate = max(comm.allgather(fastest))
 
     @property

@@ -59,12 +59,13 @@ def step(
     grips = scene.loads.grips(t.start, t.end)
     marked = (grips, grid.marks) if grips else ()
     forcing = Forcing(
-        t.dt, scene.gravity(t.start), rank.lightest, loads, scene.face_parameters(t.start, t.end),
-        grips, marked, scene.walls(t.end), controlled,
+        t.dt, scene.gravity(t.start), rank.lightest, loads, grips, marked, scene.walls(t.end),
+        controlled,
     )  # fmt: skip
+    faces = scene.face_parameters(t.start, t.end)
     for mirror in scene.mirrors:
         call(fold, scene.frame, field, mirror, forcing, ledger)
-    call(update_momentum, scene.frame, field, forcing, ledger)  # (14, 17), boundary conditions
+    call(update_momentum, scene.frame, field, faces, forcing, ledger)  # (14, 17)
     if marked:
         call(hold_marked, field, forcing, ledger)
     for mirror in reversed(scene.mirrors):
@@ -110,15 +111,15 @@ def step(
 def sum_particles(rank: Rank, loads: Loads, marked: bool) -> None:
     """Sum a rank's particles into its planes; `Halo.finish` adds what neighbours have."""
     scene, grid, particles = rank.scene, rank.grid, rank.particles
-    order = rank.population.ordered
+    setting, order = scene.setting.without_materials(), rank.population.ordered
     if rank.failed:  # what others do not know yet; such particles may be anywhere
         order = order._replace(start=np.zeros_like(order.start))
     if marked:
-        rank.call(mark, scene.setting, grid.window, particles, order, grid.marks)
+        rank.call(mark, setting, grid.window, particles, order, grid.marks)
     grid.active.fill(0)
     for part in rank.halo.parts(order.start):  # first what neighbours wait for
         rank.call(  # (16, 17, 18, 21, 22)
-            particles_to_grid, scene.setting, grid.field, particles, loads, order, part
+            particles_to_grid, setting, grid.field, particles, loads, order, part
         )
         rank.halo.proceed(grid, marked)
 

@@ -32,6 +32,7 @@ def warm_up(scene: Scene, comm: Any) -> None:
 def _calls(scene: Scene) -> Iterator[Call]:
     """The calls, with the seconds that each took to compile, in 3D on one machine."""
     setting, frame, shape, vertices = scene.setting, scene.frame, scene.shape, scene.vertices
+    shaped, material = setting.without_materials(), setting.without_shape()
     p = Particles.empty(1, scene.carried)
     loads, grips = scene.loads.at(0.0), scene.loads.grips(0.0, 0.0)
     rows = np.empty(0, np.int32)
@@ -44,7 +45,7 @@ def _calls(scene: Scene) -> Iterator[Call]:
     bodies, faces = len(scene.material_of), scene.face_parameters(0.0, 0.0)
     marked = (grips, grid.marks) if grips else ()
     forcing = Forcing(
-        1.0, scene.gravity(0.0), 0.0, loads, faces, grips, marked, scene.walls(0.0), False
+        1.0, scene.gravity(0.0), 0.0, loads, grips, marked, scene.walls(0.0), False
     )
     report = Report(reach, rows.copy(), np.zeros((1, 2), np.int64))
     ledger = Ledger.empty(grid.planes, len(faces), len(grips), (0, 0))
@@ -52,12 +53,12 @@ def _calls(scene: Scene) -> Iterator[Call]:
         setting, grid.field, p, order, np.zeros(0, np.int64), forcing, report, ledger
     )
     yield 6.3, lambda: particles_to_grid(
-        setting, grid.field, p, loads, order, np.zeros((0, 3), np.int64)
+        shaped, grid.field, p, loads, order, np.zeros((0, 3), np.int64)
     )
-    yield 2.8, lambda: update_momentum(frame, grid.field, forcing, ledger)
+    yield 2.8, lambda: update_momentum(frame, grid.field, faces, forcing, ledger)
     yield 1.4, lambda: locate(shape, frame, p, rows, frame.vertices)
-    yield 1.4, lambda: layer_sums(setting, p, order, np.zeros((1, bodies, SUMS)))
-    yield 1.0, lambda: fastest_rate(setting, p, rows)
+    yield 1.4, lambda: layer_sums(material, p, order, np.zeros((1, bodies, SUMS)))
+    yield 1.0, lambda: fastest_rate(material, p, rows)
     yield 0.7, lambda: complete(grid.field, 0, 1, False, np.empty(0))
     yield 0.7, lambda: merge(p, rows, start, rows, 0, rows, rows.copy(), start.copy())
     yield 0.5, lambda: pack_rows(*p.columns(), rows, wire, 0, 0)
@@ -71,7 +72,7 @@ def _calls(scene: Scene) -> Iterator[Call]:
         yield 1.0, partial(fold, frame, grid.field, mirror, forcing, ledger)
         yield 1.0, partial(reflect, frame, grid.field, mirror, forcing, ledger)
     if marked:
-        yield 1.0, lambda: mark(setting, grid.window, p, order, grid.marks)
+        yield 1.0, lambda: mark(shaped, grid.window, p, order, grid.marks)
         yield 1.0, lambda: hold_marked(grid.field, forcing, ledger)
     if scene.exact:
         yield 2.0, lambda: layer_errors(

@@ -22,7 +22,7 @@ from workers import environment
 
 from pgimp.decomposition.slabs import cut
 
-TESTS = ROOT / "tests"
+TESTS = ROOT / "tests" / "support"
 sys.path.insert(0, str(TESTS))
 
 from balance_scenes import column, crossing  # noqa: E402

@@ -70,10 +70,10 @@ def vertex_sums(found):
     """Append the vertices' sums of each step, before the momentum update, and gravity to a list."""
     usual = stepping.update_momentum
 
-    def update(frame, field, forcing, ledger):
+    def update(frame, field, faces, forcing, ledger):
         sums = field.G.reshape(-1, RECORD).copy()
         found.append((sums, forcing.gravity, forcing.lightest))
-        usual(frame, field, forcing, ledger)
+        usual(frame, field, faces, forcing, ledger)
 
     stepping.update_momentum = update
     try:

@@ -145,5 +145,6 @@ def _run(sim: Simulation, case: Case) -> Pilot:
 def _rate(sim: Simulation) -> float:
     """Largest (c_p + |v_p|)/L; of fixed steps, which do not keep it, now and then."""
     if not sim.clock.controlled and sim.step % _LOOK == 0:
-        sim.rate = fastest_rate(sim.scene.setting, sim.particles, sim.population.order)
+        setting = sim.scene.setting.without_shape()
+        sim.rate = fastest_rate(setting, sim.particles, sim.population.order)
     return sim.rate

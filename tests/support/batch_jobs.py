@@ -6,7 +6,7 @@ import subprocess
 import time
 from pathlib import Path
 
-from conftest import clean_env
+from processes import clean_env
 
 from pgimp.cli import main
 

@@ -1,6 +1,5 @@
 """Checkpoint files of known content, on any number of ranks, and whether they come back."""
 
-from pathlib import Path
 
 import h5py
 import numpy as np
@@ -8,7 +7,6 @@ import numpy as np
 from pgimp.io.checkpoints.checkpointfile import CheckpointFile, write
 
 ABOUT = {"time": 0.1 + 0.2, "zero": -0.0, "step": 7, "title": 'Fülle "\\ud83d"\n', "none": [None]}
-HERE = {"PYTHONPATH": str(Path(__file__).parents[1])}
 
 
 def content(count, seed=5):

@@ -157,8 +157,9 @@ class Rank:
         grid.active.fill(0)
         for part in self.halo.parts(population.start):
             particles_to_grid(
-                self.setting, grid.field, population.particles, Loads(), population.ordered, part
-            )
+                self.setting.without_materials(), grid.field, population.particles, Loads(),
+                population.ordered, part,
+            )  # fmt: skip
             assert not grid.scratch.any()
             self.halo.proceed(grid)
         self.halo.finish(grid)
@@ -177,10 +178,10 @@ class Rank:
         ledger.beyond[:] = np.nan
         self.impulse, self.work, self.beyond = ledger.impulse, ledger.work, ledger.beyond
         b = (*gravity, 0.0, 0.0, 0.0)[:3]
-        forcing = self.forcing(dt)._replace(gravity=b, lightest=lightest, faces=faces)
+        forcing = self.forcing(dt)._replace(gravity=b, lightest=lightest)
         for mirror in mirrors:
             fold(self.frame, field, mirror, forcing, ledger)
-        update_momentum(self.frame, field, forcing, ledger)
+        update_momentum(self.frame, field, faces, forcing, ledger)
         for mirror in reversed(mirrors):
             reflect(self.frame, field, mirror, forcing, ledger)
 
@@ -188,7 +189,7 @@ class Rank:
     def forcing(dt: float) -> Forcing:
         """What acts in a step without loads, faces and constraints."""
         return Forcing(
-            dt, (0.0, 0.0, 0.0), 0.0, Loads(), (), (), (), np.full((6, WALL), -1.0), True
+            dt, (0.0, 0.0, 0.0), 0.0, Loads(), (), (), np.full((6, WALL), -1.0), True
         )
 
     def grid_to_particles(self, dt: float, tracked: bool = True) -> tuple:
@@ -241,7 +242,7 @@ def sums_of(rank, D, bodies, material_of):
     """Result of `layer_sums`, (layers, bodies, columns)."""
     sums = np.zeros((rank.slab.layers, bodies, SUMS))
     population = rank.population
-    setting = rank.setting._replace(material_of=material_of)
+    setting = rank.setting.without_shape()._replace(material_of=material_of)
     layer_sums(setting, population.particles, population.ordered, sums)
     return sums
 
@@ -249,5 +250,5 @@ def sums_of(rank, D, bodies, material_of):
 def rate_of(rank, D, material_of):
     """Result of `fastest_rate`."""
     population = rank.population
-    setting = rank.setting._replace(material_of=material_of)
+    setting = rank.setting.without_shape()._replace(material_of=material_of)
     return fastest_rate(setting, population.particles, population.order)
