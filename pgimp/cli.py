@@ -127,7 +127,7 @@ def _dispatch(words: list[str]) -> int:
 
 
 def _slip(words: list[str]) -> str:
-    """Say what was probably meant by words that are no run of a case; empty if they may be one."""
+    """Return what words that are no run of a case probably mean; empty if they may be one."""
     name, rest = words[0], shlex.join(words[1:])
     if name == "run" and not os.path.exists(name):
         return f"there is no command run: a case is run with `pgimp {rest or 'CASE.yaml'}`"
@@ -190,7 +190,7 @@ def _import(arguments: argparse.Namespace) -> None:
 
 
 def _why_no_case(name: str) -> str:
-    """Say why there is no file of this name, and what was probably meant; empty if there is one."""
+    """Return why there is no such file, and what was probably meant; empty if there is one."""
     path = Path(name)
     if os.path.isdir(name):
         return f"{name} is a directory; a case is a YAML file"

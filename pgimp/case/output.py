@@ -137,7 +137,7 @@ ProbeEntry = Annotated[Any, ByWord(lambda: _PROBES, "probe")]
 
 
 class WallTime(Model):
-    """A time on the clock at the wall."""
+    """An interval of wall-clock time."""
 
     wall: Positive = Field(description="every so many seconds of wall time")
 

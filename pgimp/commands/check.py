@@ -221,7 +221,7 @@ def _report_steps(case: Case, steps: float, tried: Pilot | None) -> float:
 
 
 def _size(tried: Pilot) -> str:
-    """Say how large a pilot run was."""
+    """Return how large a pilot run was."""
     text = f"{tried.particles:,} particles"
     if tried.factor > 1.0 + 1e-9:
         text += f" in cells {tried.factor:.3g} times as long"
@@ -229,7 +229,7 @@ def _size(tried: Pilot) -> str:
 
 
 def _pilot_doubts(case: Case, courant: float, tried: Pilot | None) -> Iterator[str]:
-    """Say what a pilot run came to that a run may come to as well."""
+    """Return what a pilot run came to that a run may come to as well."""
     if tried is None:
         return
     if tried.failure:

@@ -166,7 +166,7 @@ def only_in_one(first: Run, second: Run) -> Iterator[str]:
 def _missing(
     what: str, runs: tuple[Run, Run], frames: Sequence[Mapping[int, object]]
 ) -> Iterator[str]:
-    """Say which frames are in one run only."""
+    """Return which frames are in one run only."""
     for run, mine, others in zip(runs, frames, frames[::-1], strict=True):
         only = sorted(set(mine) - set(others))
         if only:

@@ -239,7 +239,7 @@ def _run(
 
 
 def _warn_of_edited(materials: dict[str, str], directory: RunDirectory, log: Log) -> None:
-    """Say which materials from outside the package are not what they were when the run began."""
+    """Return which materials from outside the package are not what they were when the run began."""
     before = (directory.before or {}).get("materials")
     for name, known in before.items() if isinstance(before, dict) else ():
         if materials.get(name) != known:

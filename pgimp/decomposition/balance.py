@@ -19,7 +19,7 @@ from pgimp.mpi.switches import switched_on
 SWITCH = "PGIMP_BALANCE"
 _MEANING = "keeps slab boundaries where they are", "lets them follow the load"
 
-#: Imbalance, as a part of the mean cost of a rank, that is not worth a thought.
+#: Imbalance, as a part of the mean cost of a rank, below which slabs stay as they are.
 _SMALL = 0.03
 #: Parts of the mean cost by which a move must lower the dearest rank's.
 _LEAST_GAIN = 0.02
@@ -104,7 +104,7 @@ class Balance:
         self._refused = 0.0
 
     def note(self, worked: dict[str, float], count: int, step: int) -> None:
-        """Take notice of a step.
+        """Record a step.
 
         Parameters
         ----------
@@ -169,7 +169,7 @@ class Balance:
         return excess > 0.0 and excess * self._lasts(step) > self.price * (excess + _BESIDES)
 
     def _lasts(self, step: int) -> int:
-        """For how many steps a move would help: what came about in so many lasts as many."""
+        """Steps for which a move would help: as many as the imbalance took to build up."""
         return min(step - self._changed, _LONGEST)
 
     def _learn(self, every: np.ndarray, busy: np.ndarray, step: int) -> None:
@@ -202,7 +202,7 @@ class Balance:
         self.asks = (clear or again) and self._may_pay(float(np.ptp(costs)), step)
 
     def _differences(self) -> np.ndarray:
-        """By how much each rank takes longer than expected, beyond what changes all the time."""
+        """How much slower each rank is than expected, relative to that, its noise taken off."""
         if len(self._imbalances) < self._evidence or self._watched < _SECONDS:
             return np.ones(len(self.cuts) - 1)
         seen = np.array(self._factors)
@@ -261,7 +261,7 @@ class Balance:
         return new
 
     def summary(self) -> str:
-        """Say on rank 0 in a line what was done; empty if nothing moved."""
+        """Return a line on what was done, on rank 0; empty if nothing moved."""
         if not self.moves:
             return ""
         before, after = (f"{100.0 * x:.0f} %" for x in np.mean(self.moves, axis=0))
@@ -292,7 +292,7 @@ class Balance:
         return most
 
     def moved(self, seconds: float, step: int) -> None:
-        """Take notice on every rank of a move that took it so long."""
+        """Record on every rank a move and how long it took."""
         self._changed, self._had, self._taken = step, None, 0
         if self._cold:  # a first one says little of others
             self._cold, self._moved = False, 0.0

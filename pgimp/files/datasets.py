@@ -137,7 +137,7 @@ def make(file: Any, dataset: Dataset, shape: tuple[int, ...], properties: Any) -
 
 
 def reserve(descriptor: int, start: int, end: int, keep_size: bool = False) -> None:
-    """See to it that there is room on the disk for a stretch of a file.
+    """Ensure that there is room on the disk for a stretch of a file.
 
     Parameters
     ----------

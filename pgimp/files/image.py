@@ -9,7 +9,7 @@ from typing import Any
 class Image(io.RawIOBase):
     """A file that HDF5 takes for a real one, of which only what it writes is there.
 
-    HDF5 that meets a full disk can crash the process later; here it meets none. Between the
+    libhdf5 may crash after a disk ran full; an image in memory cannot run full. Between the
     headers, for which it is asked, may lie any amount of data, for which only addresses are wanted.
 
     Attributes

@@ -86,7 +86,7 @@ class LineFile:
         return last, count
 
     def sync(self) -> None:
-        """See to it that the lines so far outlast a crash of the machine; on rank 0.
+        """Ensure that the lines so far outlast a crash of the machine; on rank 0.
 
         Raises
         ------

@@ -135,7 +135,7 @@ class KernelCache(NullCache):
 
 @cache
 def _source(function: Any) -> str:
-    """Tell what a function is compiled from; empty if it is in no file."""
+    """Return what a function is compiled from; empty if it is in no file."""
     if function.__module__.partition(".")[0] == "pgimp":
         return "pgimp"  # for which the name of the folder stands
     try:

@@ -21,7 +21,7 @@ class UntrustedError(Exception):
 
 
 def unsafe(about: os.stat_result, sticky: bool = False) -> str:
-    """Say why others than this user and root may change a file or folder; empty if they cannot.
+    """Return why others than this user and root may change a file or folder; empty if they cannot.
 
     Parameters
     ----------

@@ -22,7 +22,7 @@ from pgimp.kernels.gathered import held_weights
 from pgimp.kernels.transfer import held_codes
 
 
-def slopes(affine, frame, particles, p):
+def affine_momentum(affine, frame, particles, p):
     """How a particle's momentum varies in space: m_p dv/dx_i for each direction; () if it does not.
 
     With it, a vertex gets m_p (v_p + L_p (x_v - x_p)) S_vp. The particle's momentum remains, since
@@ -30,23 +30,23 @@ def slopes(affine, frame, particles, p):
     """
 
 
-@specialise(slopes)
-def _slopes(affine, frame, particles, p):
+@specialise(affine_momentum)
+def _affine_momentum(affine, frame, particles, p):
     D = len(frame.types[0])
     if hasattr(affine, "count"):  # ()
         return lambda affine, frame, particles, p: ()
 
-    def slopes1(affine, frame, particles, p):
+    def affine_momentum1(affine, frame, particles, p):
         return (pack(0.0, particles.m[p] * particles.L[p, 0], 0.0, 0.0),)
 
-    def slopes2(affine, frame, particles, p):
+    def affine_momentum2(affine, frame, particles, p):
         m, L = particles.m[p], particles.L
         return (
             pack(0.0, m * L[p, 0], m * L[p, 2], 0.0),
             pack(0.0, m * L[p, 1], m * L[p, 3], 0.0),
         )
 
-    def slopes3(affine, frame, particles, p):
+    def affine_momentum3(affine, frame, particles, p):
         m, L = particles.m[p], particles.L
         return (
             pack(0.0, m * L[p, 0], m * L[p, 3], m * L[p, 6]),
@@ -54,7 +54,7 @@ def _slopes(affine, frame, particles, p):
             pack(0.0, m * L[p, 2], m * L[p, 5], m * L[p, 8]),
         )
 
-    return (slopes1, slopes2, slopes3)[D - 1]
+    return (affine_momentum1, affine_momentum2, affine_momentum3)[D - 1]
 
 
 def keep_gradients(affine, particles, rows, L, sums):

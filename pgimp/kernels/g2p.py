@@ -24,7 +24,7 @@ from pgimp.kernels.updates.checks import and_finite, examine, within
 from pgimp.kernels.updates.deformation import update_deformation
 from pgimp.kernels.updates.stress import keep_state, update_stress, wave_speed
 from pgimp.kernels.updates.velocity import update_position, update_velocity
-from pgimp.kernels.viscosity import stiffened, thicken
+from pgimp.kernels.viscosity import effective_wave_speed, update_viscous_pressure
 from pgimp.physics.shapes.base import size
 from pgimp.physics.shapes.stretch import LARGEST
 
@@ -113,9 +113,12 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
             keep_state(particles, rows, state)
             if setting.tracked:
                 put(particles.V, rows, J * take(particles.V0, rows))
-            slow = thicken(loads.viscosity, setting, m, particles, rows, F, J, L)  # (45)
+            extra = update_viscous_pressure(  # (45)
+                loads.viscosity, setting, m, particles, rows, F, J, L
+            )
             if forcing.controlled:
-                c = stiffened(loads.viscosity, wave_speed(setting, m, F, J, state), slow)
+                c = wave_speed(setting, m, F, J, state)
+                c = effective_wave_speed(loads.viscosity, c, extra)
                 fastest = max((c + sqrt(squared(v))) * inverse, fastest)
             # One branch for all that rarely happens, NaN included; its speed limit is sharper.
             half, most = size(shape, frame.cell, F)

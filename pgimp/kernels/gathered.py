@@ -1,4 +1,4 @@
-"""What `gather` gives of a batch of particles, turned from a vector each to one a component."""
+"""Results of `gather` for a batch, transposed: from a vector a particle to one a component."""
 
 from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import lane, load, store

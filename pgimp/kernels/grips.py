@@ -150,7 +150,7 @@ def hold_marked(field, forcing, ledger):
 
 
 def gripped(grips, particles, rows, count, u, v, impulse, work, plane):
-    """Ways per time and velocities of a batch of particles as their constraints want them.
+    """Velocities of a batch, and those at which it moves, after its constraints.
 
     Parameters
     ----------

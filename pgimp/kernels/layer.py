@@ -2,9 +2,9 @@
 
 from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import stack
-from pgimp.kernels.affine import slopes
+from pgimp.kernels.affine import affine_momentum
 from pgimp.kernels.batch import LANES, ROOM, first_place, four, supports
-from pgimp.kernels.charges import charges
+from pgimp.kernels.contribution import contribution
 from pgimp.kernels.loads import scatter_loads, weight
 from pgimp.kernels.record import RECORD
 from pgimp.kernels.transfer import scatter
@@ -47,9 +47,9 @@ def _sum_layer(setting, field, particles, loads, rows, span, number):
             for j in range(min(LANES, end - k)):
                 p = rows[k + j]
                 place = first_place(room, j)
-                A, S = charges(frame, loads.viscosity, particles, p)
+                A, S = contribution(frame, loads.viscosity, particles, p)
                 B = weight(loads.force, frame, particles, p)
-                C = slopes(loads.affine, frame, particles, p)
+                C = affine_momentum(loads.affine, frame, particles, p)
                 scatter(shape, scratch, room, j, place, window.stride, A, B, S, C)
                 low = min(low, place)
                 high = max(high, place)

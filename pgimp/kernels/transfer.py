@@ -100,7 +100,7 @@ def _scatter_lines(G, room, j, d, place, counts, stride, Z, A, B, S, C):
     S : tuple of Vec4
         Stress columns of the current direction and the following ones, times the weights so far.
     C : tuple of Vec4
-        Likewise what `slopes` gives.
+        Likewise what `affine_momentum` gives.
     """
 
 
@@ -175,7 +175,7 @@ def scatter(shape, G, room, j, place, stride, A, B, S, C):
     stride : tuple of int
         The window's.
     A, B, S, C
-        What `charges`, `weight` and `slopes` give.
+        What `contribution`, `weight` and `affine_momentum` give.
     """
 
 

@@ -48,7 +48,7 @@ def _trace(L):
     return lambda L: L[0] + L[4] + L[8]
 
 
-def thicken(viscosity, setting, m, particles, rows, F, J, L):
+def update_viscous_pressure(viscosity, setting, m, particles, rows, F, J, L):
     """Set q of four particles for the next step; `m` are their materials, F, J and L vectors.
 
     Returns
@@ -58,30 +58,30 @@ def thicken(viscosity, setting, m, particles, rows, F, J, L):
     """
 
 
-@specialise(thicken)
-def _thicken(viscosity, setting, m, particles, rows, F, J, L):
+@specialise(update_viscous_pressure)
+def _update_viscous_pressure(viscosity, setting, m, particles, rows, F, J, L):
     if not hasattr(viscosity, "instance_class"):
         return lambda viscosity, setting, m, particles, rows, F, J, L: 0.0
 
-    def thicken_particles(viscosity, setting, m, particles, rows, F, J, L):
+    def update(viscosity, setting, m, particles, rows, F, J, L):
         c = wave_speed(setting, m, F, J, states(setting.materials, particles, rows, F))
-        closing = -viscosity.cell * trace(L)
-        closes = closing > 0.0
+        compression = -viscosity.cell * trace(L)
+        compressed = compression > 0.0
         c1, c2 = take(viscosity.linear, m), take(viscosity.quadratic, m)
-        speed = where(closes, c1 * c + c2 * closing, 0.0)
+        speed = where(compressed, c1 * c + c2 * compression, 0.0)
         density = take(particles.m, rows) / (J * take(particles.V0, rows))
-        put_row(particles.q, rows, 0, (where(closes, density * speed * closing, 0.0),))
+        put_row(particles.q, rows, 0, (where(compressed, density * speed * compression, 0.0),))
         return speed
 
-    return thicken_particles
+    return update
 
 
-def stiffened(viscosity, c, slow):
-    """Wave speed that limits the step: c sqrt(1 + z^2) + c z with the damping ratio z = slow/c."""
+def effective_wave_speed(viscosity, c, extra):
+    """Wave speed that limits the step: c sqrt(1 + z^2) + c z with the damping ratio z = extra/c."""
 
 
-@specialise(stiffened)
-def _stiffened(viscosity, c, slow):
+@specialise(effective_wave_speed)
+def _effective_wave_speed(viscosity, c, extra):
     if not hasattr(viscosity, "instance_class"):
-        return lambda viscosity, c, slow: c
-    return lambda viscosity, c, slow: sqrt(c * c + slow * slow) + slow
+        return lambda viscosity, c, extra: c
+    return lambda viscosity, c, extra: sqrt(c * c + extra * extra) + extra

@@ -191,7 +191,7 @@ class Serial:
 
 
 def describe(error: BaseException) -> str:
-    """Word an exception for people: pgimp's own as they are, others with the way to a traceback."""
+    """Text of an exception for the user: pgimp's own as is, others with how to get a traceback."""
     if os.environ.get("PGIMP_TRACEBACK", "") not in ("", "0"):
         return "".join(traceback.format_exception(error)).rstrip()
     if isinstance(error, PgimpError):

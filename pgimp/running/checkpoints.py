@@ -122,12 +122,12 @@ class Checkpoints:
                     path.rename(path.with_name(path.name + DAMAGED))
 
     def due(self, sim: Any) -> bool:
-        """Tell whether one falls due by step or simulated time; to be asked after each step."""
+        """Return whether one falls due by step or simulated time; to be asked after each step."""
         return self._schedule.due(sim.time, sim.step, sim.dt)
 
     @property
     def overdue(self) -> bool:
-        """Whether one falls due by the clock at the wall, which is to be asked on one rank."""
+        """Whether one falls due by wall-clock time; to be asked on one rank."""
         return monotonic() >= self._next
 
     def write(

@@ -55,7 +55,7 @@ def _what(entry: Any) -> tuple[str | None, list[float]]:
 
 
 def require_known(case: Any, records: Mapping[str, Record]) -> None:
-    """See to it that the probes of a case can go on from what a checkpoint keeps of them.
+    """Ensure that the probes of a case can go on from what a checkpoint keeps of them.
 
     Raises
     ------
@@ -216,7 +216,7 @@ class Probes:
         on_root(sim.comm, append)
 
     def sync(self) -> None:
-        """See to it that the lines so far outlast a crash of the machine; on rank 0."""
+        """Ensure that the lines so far outlast a crash of the machine; on rank 0."""
         for probe in self._probes.values():
             probe.file.sync()
 

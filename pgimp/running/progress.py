@@ -89,7 +89,7 @@ class Progress:
             )
 
     def step(self) -> None:
-        """Take notice of a step."""
+        """Record a step."""
         self._left -= 1
         if self._left == 0 and self._active:
             self._look()

@@ -126,7 +126,7 @@ def _case_of(directory: Path) -> str | None:
 
 
 def _ended(case: Case, state: State) -> bool:
-    """Tell whether nothing is left to do; a checkpoint from after the end is no use."""
+    """Return whether nothing is left to do; a checkpoint from after the end is no use."""
     clock = clock_of(case)
     if state.time > clock.end * (1.0 + 1e-12):
         raise UsageError(

@@ -143,7 +143,7 @@ def amount(size: float) -> str:
 def _say_done(
     sim: Simulation, first: int, recorder: Recorder, directory: RunDirectory, log: Log, total: float
 ) -> None:
-    """Say what was done since the step `first`, in `total` seconds."""
+    """Return what was done since the step `first`, in `total` seconds."""
     output = sum(recorder.seconds.values())
     steps = sim.step - first
     rate = sim.comm.allreduce(sim.rank.particle_steps) / max(total, 1e-9)

@@ -30,7 +30,7 @@ class Schedule:
         self.skip(0.0, 0, 0.0)
 
     def due(self, time: float, step: int, dt: float) -> bool:
-        """Tell whether to act now; to be asked once after each step.
+        """Return whether to act now; to be asked once after each step.
 
         Parameters
         ----------

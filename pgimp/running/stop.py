@@ -229,7 +229,7 @@ class Stop:
                 raise SystemExit(_SIGNAL_STATUS + signal.SIGTERM)
 
     def requested(self, reserve: float) -> bool:
-        """Tell whether this rank knows of a reason to stop.
+        """Return whether this rank knows of a reason to stop.
 
         Parameters
         ----------
@@ -247,7 +247,7 @@ class Stop:
         return bool(self.reason)
 
     def agree(self, reserve: float) -> bool:
-        """Tell whether any rank knows of a reason to stop, which all then know; collective.
+        """Return whether any rank knows of a reason to stop, which all then know; collective.
 
         Parameters
         ----------

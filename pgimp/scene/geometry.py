@@ -79,7 +79,7 @@ def _from_files(case: Case) -> dict[str, Region]:
 
 
 def _beyond(case: Case) -> list[str]:
-    """Say what of bodies in files lies beyond the domain, and whether another unit explains it."""
+    """Return what of bodies in files lies beyond the domain, and if another unit explains it."""
     told = []
     for name, region in _from_files(case).items():
         path = ("bodies", name, "region")
@@ -91,7 +91,7 @@ def _beyond(case: Case) -> list[str]:
 
 
 def _unit(case: Case, region: Region) -> str:
-    """Say how a region would fit that is far too large for the domain; empty if it would not."""
+    """Return how a region would fit that is far too large for the domain; empty if it would not."""
     if not isinstance(region, Mesh | Points):
         return ""
     low, high = (np.array(end) for end in region.bounds())
@@ -114,7 +114,7 @@ def _unit(case: Case, region: Region) -> str:
 
 
 def _away(case: Case) -> list[str]:
-    """Say which probes are not in their bodies."""
+    """Return which probes are not in their bodies."""
     told, regions = [], _from_files(case)
     for name, probe in case.probes.items():
         region = regions.get(getattr(probe, "body", None) or "")

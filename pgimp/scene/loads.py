@@ -15,7 +15,7 @@ from pgimp.scene.filling import SLIVER
 
 
 def parts_of(low: float, high: float, edges: np.ndarray) -> np.ndarray:
-    """What the lattice's columns, given by their `edges`, have of [low, high], over their width.
+    """Fraction of each of the lattice's columns, given by their `edges`, that [low, high] covers.
 
     Slivers merge inwards, as those of particles do.
     """

@@ -53,7 +53,7 @@ def reach(case: Any) -> np.ndarray:
 
 
 def warnings(case: Any) -> list[str]:
-    """Say which bodies and walls near each other; from the case alone, so that it costs nothing.
+    """Return which bodies and walls near each other; from the case alone, so that it costs nothing.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def warnings(case: Any) -> list[str]:
 
 
 def notes(case: Any) -> list[str]:
-    """Say which bodies come near walls; as `warnings`."""
+    """Return which bodies come near walls; as `warnings`."""
     return list(_walls(case, _boxes(case, _instants(case)), at_once=False))
 
 
@@ -158,7 +158,7 @@ def _stopped(case: Any, low: np.ndarray, high: np.ndarray, way: np.ndarray) -> n
 
 
 def _pairs(case: Any, boxes: list[Box], times: np.ndarray) -> Iterator[str]:
-    """Say which bodies are apart at the start, and come nearer, into each other's reach."""
+    """Return which bodies are apart at the start, and come nearer, into each other's reach."""
     cell, near = np.array(case.grid.cell), reach(case)
     low, high = (np.array([getattr(box, end) for box in boxes]) for end in ("low", "high"))
     met: list[tuple[float, str]] = []
@@ -184,7 +184,7 @@ def _pairs(case: Any, boxes: list[Box], times: np.ndarray) -> Iterator[str]:
 
 
 def _walls(case: Any, boxes: list[Box], at_once: bool) -> Iterator[str]:
-    """Say which bodies are within a wall's reach without touching it, or will come there."""
+    """Return which bodies are within a wall's reach without touching it, or will come there."""
     near = 0.5 * reach(case)
     for face, condition, axis, side in _faces(case):
         names = []
@@ -212,7 +212,7 @@ def _range(values: np.ndarray) -> str:
 
 
 def bonded(scene: Any, lattice: Any, counts: np.ndarray) -> Iterator[str]:
-    """Say which bodies share vertices of the grid from the start, though no cell.
+    """Return which bodies share vertices of the grid from the start, though no cell.
 
     Those that share a cell are in the notes of `pgimp.scene.census`.
 

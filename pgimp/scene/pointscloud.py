@@ -46,7 +46,7 @@ class Cloud:
         return total[planes[0] : planes[1]]
 
     def between(self, x: Reals, planes: tuple[int, int]) -> Mask:
-        """Tell which coordinates are in a range of planes."""
+        """Return which coordinates are in a range of planes."""
         plane = self._planes(x)
         return (planes[0] <= plane) & (plane < planes[1])
 

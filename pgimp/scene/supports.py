@@ -67,7 +67,7 @@ def supports(case: Any, body: BodyFacts) -> Iterator[Support]:
 
 
 def held_at(condition: Any, axis: int, side: int) -> tuple[bool, ...]:
-    """Tell which components of a motion out of the domain a face's condition holds, (3,) bool."""
+    """Return which components of a motion out of the domain a face's condition holds, (3,) bool."""
     v = (side * 1e300,) * 3
     face = condition.parameters(axis, side, 0.0, 0.0)
     held, _ = face.constrain(face, v, (0.0,) * 3)

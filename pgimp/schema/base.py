@@ -68,7 +68,7 @@ class Model(BaseModel):
     @model_validator(mode="wrap")
     @classmethod
     def _speak(cls, data: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
-        """Say what is wrong in words for people, while the model and its keys are at hand."""
+        """Return what is wrong in words for people, while the model and its keys are at hand."""
         try:
             return handler(data)
         except ValidationError as error:

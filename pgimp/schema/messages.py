@@ -22,7 +22,7 @@ _COLON = re.compile(r"([A-Za-z][A-Za-z0-9_-]*):(\S.*)")
 
 
 def describe(value: Any) -> str:
-    """Say what a value of a case is: ``the text 'abc'``, ``a list of 3``, ``nothing``."""
+    """Return what a value of a case is: ``the text 'abc'``, ``a list of 3``, ``nothing``."""
     if value is None:
         return "nothing"
     if isinstance(value, bool):
@@ -67,7 +67,7 @@ def _listed(names: Iterable[Any], most: int = 30) -> str:
 
 
 def got(value: Any) -> str:
-    """Say what was found in place of something else, with a hint at the usual slips."""
+    """Return what was found in place of something else, with a hint at the usual slips."""
     text = f"got {describe(value)}"
     if isinstance(value, str):
         if _NUMBER_LIKE.fullmatch(value):

@@ -55,7 +55,7 @@ def share_out(
 
 
 def owned(scene: Scene, slab: Slab) -> Callable[[np.ndarray], np.ndarray]:
-    """Tell which undeformed particles are a slab's, by their coordinates along x."""
+    """Return which undeformed particles are a slab's, by their coordinates along x."""
 
     def own(x: np.ndarray) -> np.ndarray:
         layers = np.empty(len(x), np.int64)

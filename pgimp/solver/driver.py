@@ -60,7 +60,7 @@ class Simulation:
         self.particles = Particles(self.core)
 
     def __repr__(self) -> str:
-        """Say how far it is."""
+        """Return how far it is."""
         return f"<Simulation: t = {self.time:.6g} of {self.case.time.end:.6g}, step {self.steps}>"
 
     @property

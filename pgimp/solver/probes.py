@@ -53,7 +53,7 @@ class Point:
         self._row = -1
 
     def known(self, population: Population) -> bool:
-        """Tell whether the particle is on this rank, where it was last."""
+        """Return whether the particle is on this rank, where it was last."""
         p, row, self._row = population.particles, self._row, -1
         if 0 <= row < p.capacity and p.id[row] == self.number:
             layer = int(p.layer[row]) - population.first

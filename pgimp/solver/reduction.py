@@ -70,7 +70,7 @@ class StepReduction:
             self._greatest = MPI.MAX
 
     def begin(self, rate: float, request: Request, asks: bool, reach: np.ndarray) -> None:
-        """Say what this rank has found in a step; collective."""
+        """Return what this rank has found in a step; collective."""
         self.open = True
         if self._comm.size == 1:
             self.rate, self.request, self.reach = rate, request, reach

@@ -302,7 +302,7 @@ def _read_rows(scene: Scene, source: Any, first: int, n: int) -> Particles:
 def _inconsistent(
     scene: Scene, slab: Slab, p: Particles, start: np.ndarray, n: int, count: int
 ) -> str:
-    """Say what in particles cannot be of this scene; the step relies on all of it."""
+    """Return what in particles cannot be of this scene; the step relies on all of it."""
     frame = scene.frame
     x = (p.x[:n] - frame.origin) * frame.inverse
     if ((x < 0.0) | (x > np.array(frame.cells, float))).any():

@@ -106,7 +106,7 @@ def _place(at: Reals) -> str:
 
 
 def _of(what: str, cells: Ints) -> str:
-    """Say which cells of the file are meant, at most a few; nothing where that is not known."""
+    """Return which cells of the file are meant, at most a few; nothing where that is not known."""
     numbers = [str(number) for number in np.unique(cells[cells >= 0])[:5]]
     if not numbers:
         return ""

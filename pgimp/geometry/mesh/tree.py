@@ -125,7 +125,7 @@ class Surface(NamedTuple):
     def fill(
         self, edges: list[Reals], ranges: list[tuple[int, int]]
     ) -> tuple[NDArray[np.bool_], Ints, Reals, Reals]:
-        """Tell what the boxes of a part of a lattice have of the body, exactly.
+        """Return what the boxes of a part of a lattice have of the body, exactly.
 
         Parameters
         ----------

@@ -111,7 +111,7 @@ class Region(ABC):
 
     @abstractmethod
     def contains(self, points: Points) -> Mask:
-        """Tell which points lie in the region.
+        """Return which points lie in the region.
 
         Parameters
         ----------
@@ -140,7 +140,7 @@ class Region(ABC):
         return []
 
     def at(self, axis: int, reach: float) -> str:
-        """Say what of it lies at a bound along an axis, for people; empty if that tells nothing."""
+        """Return what of it lies at a bound along an axis, for messages; empty if that helps nobody."""
         return ""
 
     def near(self, low: Sequence[float], high: Sequence[float]) -> Region | None:
@@ -176,7 +176,7 @@ class Region(ABC):
 
     @abstractmethod
     def crossings(self, points: Points, axis: int) -> Lengths:
-        """Tell where lines through the points may enter or leave the region.
+        """Return where lines through the points may enter or leave the region.
 
         Parameters
         ----------

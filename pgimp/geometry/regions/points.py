@@ -138,7 +138,7 @@ class Points(Model, Region):
                 yield block.first + rows, block.take(rows)
 
     def lines(self, rows: Sequence[int]) -> list[str]:
-        """Say where in the file rows stand, given ascending; fewer if it has become shorter."""
+        """Return where in the file rows stand, given ascending; fewer if it has become shorter."""
         found: list[str] = []
         for block in blocks(self.file, self.dimensions):
             while len(found) < len(rows) and rows[len(found)] < block.first + len(block.volume):

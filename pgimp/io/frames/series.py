@@ -108,7 +108,7 @@ class Series(ABC):
         self.latest = entry.time
 
     def sync(self, last: bool = False) -> None:
-        """See to it that all files so far outlast a crash of the machine; collective.
+        """Ensure that all files so far outlast a crash of the machine; collective.
 
         Parameters
         ----------
@@ -156,7 +156,7 @@ class Series(ABC):
         return notes
 
     def _missing(self, number: int, there: int) -> list[str]:
-        """Say how many of the files before a number are missing."""
+        """Return how many of the files before a number are missing."""
         if there >= number:
             return []
         return [f"{number - there} of the {number} earlier frames are missing"]

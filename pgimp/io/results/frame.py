@@ -76,13 +76,13 @@ class Frame:
         return list(self.fields)
 
     def __repr__(self) -> str:
-        """Say which frame it is and what it has."""
+        """Return which frame it is and what it has."""
         fields = ", ".join(self.fields)
         said = f"<Frame {self.number}: t = {self.time:.6g}, {self._count} particles; {fields}>"
         return escape(said)
 
     def __contains__(self, name: object) -> bool:
-        """Tell whether the frame has a field."""
+        """Return whether the frame has a field."""
         return name in self.fields
 
     def __getitem__(self, name: str) -> Array:

@@ -115,7 +115,7 @@ class Run:
         return self._known[path][1]
 
     def __repr__(self) -> str:
-        """Say how far the run is."""
+        """Return how far the run is."""
         info = self.info
         steps = f"{info['steps']} steps{' so far' * (info['state'] == 'running')}"
         return escape(f"<Run {self.path}: {info['state']}, {steps}, {len(self)} frames>")

@@ -35,7 +35,7 @@ class Table(np.ndarray):
         return super().__getitem__(key)
 
     def __repr__(self) -> str:
-        """Say how many lines there are, and of each column its name, first and last value."""
+        """Return how many lines there are, and of each column its name, first and last value."""
         if self.dtype.names is None or self.ndim != 1:
             return repr(np.asarray(self))
         lines = [f"<Table of {len(self)} line{'s' * (len(self) != 1)}>"]

@@ -24,7 +24,7 @@ class Tolerance(NamedTuple):
     absolute: float = 0.0
 
     def differ(self, first: Array, second: Array) -> Array:
-        """Tell which numbers differ; -0.0 and 0.0 have different bits, and equal NaNs are the same.
+        """Return which numbers differ; -0.0 and 0.0 have different bits, equal NaNs are the same.
 
         Parameters
         ----------

@@ -58,7 +58,7 @@ def probes_so_far(directory: Path) -> set[str]:
 
 
 def require_room(directory: Path, resume: bool, probes: Collection[str]) -> None:
-    """See to it that nothing is in the way of a run that is none of pgimp's; nothing is changed.
+    """Ensure that nothing is in the way of a run that is none of pgimp's; nothing is changed.
 
     Parameters
     ----------

@@ -60,7 +60,7 @@ class RunDirectory:
     Attributes
     ----------
     before : dict or None
-        The last start of the run that is there, as run.json has it, with the step of the last
+        The last start of an existing run, as run.json has it, with the step of the last
         checkpoint of all starts. Its state is "lost" if only the checkpoints are left to tell.
 
     Raises
@@ -138,7 +138,7 @@ class RunDirectory:
         os.write(self._lock, line.encode())
 
     def _examine(self, overwrite: bool, resume: bool) -> dict[str, Any] | None:
-        """Return the last start of the run that is there; raise unless what is there may be."""
+        """Return the last start of an existing run; raise if the directory may not be used."""
         there = [name for name in (*TOP, *FOLDERS, PROBES) if os.path.lexists(self.path / name)]
         run = runinfo.read(self.path / RUN)
         if run is None and resume and any((self.path / "checkpoints").glob("step-*.h5")):

@@ -151,7 +151,7 @@ def read(path: Path) -> dict[str, Any] | None:
 
 
 def _is_start(start: Any) -> bool:
-    """Tell whether an entry of ``starts`` has what is relied on."""
+    """Return whether an entry of ``starts`` has what is relied on."""
     kinds = {"state": str, "began": str, "steps": int}
     return isinstance(start, dict) and all(
         isinstance(start.get(key), kind) for key, kind in kinds.items()

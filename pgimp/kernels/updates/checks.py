@@ -62,7 +62,7 @@ def _unsound(frame, x, v, u, J, state, dt):
 
 @kernel
 def _outside(frame, exits, x):
-    """Tell whether a particle has left the domain, and if it may."""
+    """Return whether a particle has left the domain, and if it may."""
     fault = 0
     for d in range(len(x)):
         xi = (x[d] - frame.origin[d]) * frame.inverse[d]

@@ -135,7 +135,7 @@ class TractionEntry(Model):
         Parameters
         ----------
         parts : list of (columns,) float64
-            By direction, what the lattice's columns have of the box, over their width.
+            By direction, the fraction of each of the lattice's columns that the box covers.
         columns : list of (n,) int64
             By direction, the particles' columns.
         spacing : (D,) float64

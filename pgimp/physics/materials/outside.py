@@ -175,7 +175,7 @@ def _result(parameters: Any, quantity: str, kinds: _Kinds) -> Any:
 
 
 def takes_vectors(entry: Material, dimensions: int) -> bool:
-    """Tell whether a material is computed for four particles at once, as pgimp's own are.
+    """Return whether a material is computed for four particles at once, as pgimp's own are.
 
     A function that branches, or calls what knows no vectors, is called for one particle after the
     other: right, but slower. See `pgimp.physics.materials` for what to write instead.

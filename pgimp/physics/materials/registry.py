@@ -32,7 +32,7 @@ class Registry(dict[str, type[Material]]):
         self._complete = False
 
     def __contains__(self, name: object) -> bool:
-        """Tell whether there is a material of this name."""
+        """Return whether there is a material of this name."""
         if super().__contains__(name):
             return True
         if not self._complete:

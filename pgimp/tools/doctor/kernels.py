@@ -65,7 +65,7 @@ def examine() -> Iterator[Finding]:
 
 
 def types_of_cpu(folder: Path) -> Iterator[Finding]:
-    """Tell of nodes with different CPUs, by the kernels that they left in the same folder."""
+    """Report nodes with different CPUs, by the kernels that they left in the same folder."""
     targets = cached_targets(folder)
     if len(targets) > 1:
         cpus = sorted({cpu for cpu, _ in targets})

@@ -33,7 +33,7 @@ def examine() -> Iterator[Finding]:
 
 
 def python() -> Finding:
-    """Tell which Python this is, and of packages that hide those installed for it."""
+    """Return which Python this is, and of packages that hide those installed for it."""
     found = f"{platform.python_version()}, {sys.executable}"
     own = Path(sys.prefix).resolve()
     for folder in filter(None, os.environ.get("PYTHONPATH", "").split(os.pathsep)):
@@ -50,7 +50,7 @@ def python() -> Finding:
 
 
 def shared_memory(ranks: int, folder: str = "/dev/shm") -> Iterator[Finding]:
-    """Tell when there is little shared memory for as many ranks as cores."""
+    """Report too little shared memory for as many ranks as cores."""
     try:
         free = shutil.disk_usage(folder).free
     except OSError:
@@ -66,7 +66,7 @@ def shared_memory(ranks: int, folder: str = "/dev/shm") -> Iterator[Finding]:
 
 
 def temporary_folder() -> Iterator[Finding]:
-    """Tell of a folder for temporary files that MPI libraries cannot work with."""
+    """Report a folder for temporary files that MPI libraries cannot work with."""
     folder = tempfile.gettempdir()
     if len(folder) > _LONGEST_TEMPORARY:
         yield Finding(
@@ -87,7 +87,7 @@ def temporary_folder() -> Iterator[Finding]:
 
 
 def threads(count: int, environ: Mapping[str, str]) -> Iterator[Finding]:
-    """Tell when a rank on each core would start more threads than the user may have."""
+    """Report that a rank on each core would start more threads than the user may have."""
     most = resource.getrlimit(resource.RLIMIT_NPROC)[0]
     if any(environ.get(name) for name in _THREADS) or most == resource.RLIM_INFINITY:
         return

@@ -193,7 +193,7 @@ def library_of(launcher: str) -> str | None:
 
 
 def nodes(launch: Sequence[str], count: str) -> Iterator[Finding]:
-    """Tell of nodes of this job with different CPUs.
+    """Report nodes of this job with different CPUs.
 
     Parameters
     ----------

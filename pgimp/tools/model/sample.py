@@ -22,7 +22,7 @@ from pgimp.solver.simulation import RESORT, Simulation
 _BLOCK_SECONDS, _FEWEST, _MOST = 0.02, 2, 100
 #: Blocks in a row in which a scene remains about the same.
 _ROW = 9
-#: Small strains, without which a material's functions might take a shorter way.
+#: Small strains, so that a material's functions take the branches that a run takes.
 _STRAIN = 1e-3
 #: Radians in which places and strains go around from cell to cell.
 _WAVE = 0.6
@@ -32,7 +32,7 @@ _DRIFT = 0.005
 _LARGER = 4.0
 #: Part of its particles that a sample must still have: of those left it would say too little.
 _KEPT = 0.98
-#: Steps, or times a case's own end, that no sample comes to.
+#: Steps, or multiples of a case's end, that no sample reaches.
 _ENDLESS = 1_000_000
 
 

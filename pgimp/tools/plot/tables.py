@@ -52,7 +52,7 @@ class Table:
 
     @staticmethod
     def is_one(beginning: bytes) -> bool:
-        """Tell whether a file that begins like this is such a table."""
+        """Return whether a file that begins like this is such a table."""
         return bool(_OWN.match(beginning))
 
 

@@ -93,7 +93,7 @@ def reference() -> str:
 
 
 def _number(names: list[str]) -> str:
-    """Say how many components there are, and which if it is more than three."""
+    """Return how many components there are, and which if it is more than three."""
     return f"{len(names)}: {' '.join(names)}" if len(names) > 3 else str(max(1, len(names)))
 
 
@@ -182,7 +182,7 @@ def _resolve(schema: Schema, definitions: Schema) -> Schema:
 
 
 def _allowed(schema: Schema, definitions: Schema) -> str:
-    """Say what a value may be."""
+    """Return what a value may be."""
     forms = _forms(schema, definitions)
     return " or ".join(dict.fromkeys(_form(form, definitions) for form in forms))
 

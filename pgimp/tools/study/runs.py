@@ -111,7 +111,7 @@ def _last_start(output: Path) -> dict[str, Any]:
 
 
 def _is_done(study: Study, run: Planned, output: Path) -> bool:
-    """Tell whether the directory holds this run, done by this version on as many ranks."""
+    """Return whether the directory holds this run, done by this version on as many ranks."""
     info = _last_start(output)
     if info.get("state") != DONE or info.get("seconds") is None:
         return False

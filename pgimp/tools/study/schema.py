@@ -61,7 +61,7 @@ def _set(value: dict[str, Any]) -> dict[str, Any]:
 
 
 def is_named(entry: Mapping[str, Any]) -> bool:
-    """Tell whether an entry of the sweep is sets of changes by name, rather than lists by key."""
+    """Return whether an entry of the sweep is sets of changes by name, rather than lists by key."""
     return all(isinstance(value, dict) for value in entry.values())
 
 

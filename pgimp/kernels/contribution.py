@@ -1,12 +1,12 @@
-"""What one particle carries to the grid: mass, momentum, stress."""
+"""What one particle adds to the sums of the grid: mass, momentum, stress."""
 
 from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import pack
 from pgimp.kernels.viscosity import viscous_pressure
 
 
-def charges(frame, viscosity, particles, p):
-    """What a particle carries to the grid, as vectors.
+def contribution(frame, viscosity, particles, p):
+    """What a particle adds to the sums of vertices, times its weights, as vectors.
 
     Returns
     -------
@@ -18,12 +18,12 @@ def charges(frame, viscosity, particles, p):
     """
 
 
-@specialise(charges)
-def _charges(frame, viscosity, particles, p):
+@specialise(contribution)
+def _contribution(frame, viscosity, particles, p):
     D = len(frame.types[0])
     if D == 1:
 
-        def charges1(frame, viscosity, particles, p):
+        def contribution1(frame, viscosity, particles, p):
             m = particles.m[p]
             V = -particles.V[p]
             q = viscous_pressure(viscosity, particles, p)
@@ -31,10 +31,10 @@ def _charges(frame, viscosity, particles, p):
                 pack(0.0, V * (particles.sigma[p, 0] - q), 0.0, 0.0),
             )
 
-        return charges1
+        return contribution1
     if D == 2:
 
-        def charges2(frame, viscosity, particles, p):
+        def contribution2(frame, viscosity, particles, p):
             m = particles.m[p]
             V = -particles.V[p]
             q = viscous_pressure(viscosity, particles, p)
@@ -45,9 +45,9 @@ def _charges(frame, viscosity, particles, p):
                 pack(0.0, xy, V * (s[p, 1] - q), 0.0),
             )
 
-        return charges2
+        return contribution2
 
-    def charges3(frame, viscosity, particles, p):
+    def contribution3(frame, viscosity, particles, p):
         m = particles.m[p]
         V = -particles.V[p]
         q = viscous_pressure(viscosity, particles, p)
@@ -62,4 +62,4 @@ def _charges(frame, viscosity, particles, p):
             pack(0.0, xz, yz, V * (s[p, 2] - q)),
         )
 
-    return charges3
+    return contribution3
