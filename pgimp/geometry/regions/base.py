@@ -140,7 +140,7 @@ class Region(ABC):
         return []
 
     def at(self, axis: int, reach: float) -> str:
-        """Return what of it lies at a bound along an axis, for messages; empty if that helps nobody."""
+        """Return what of it lies at a bound along an axis, for messages; may be empty."""
         return ""
 
     def near(self, low: Sequence[float], high: Sequence[float]) -> Region | None:
