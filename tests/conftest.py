@@ -11,15 +11,38 @@ from typing import Protocol
 import pytest
 from processes import clean_env, run
 
-#: Files that take longest, which begin first, so that no worker is left with one at the end.
-LONG = ("ranks", "paper", "transfer", "shapes", "exact_errors", "proofs", "balance", "readme",
-        "mesh", "slurm", "cut", "overlap")  # fmt: skip
+#: Files that take longest, which begin first, so that no worker is left with one at the end. Those
+#: that mostly wait, for Slurm, signals and what was killed, come between those that keep a core
+#: busy: of two files at a time then one waits at most.
+LONG = ("ranks", "proofs", "paper", "slurm", "readme", "transfer", "signals", "shapes", "batch",
+        "exact_errors", "balance", "launch", "mesh", "cut", "overlap")  # fmt: skip
+
+#: Further files that the fast tier leaves out: long runs, set-up, and what compiles every time.
+SLOW = ("affine", "bad_input", "benchmark", "books", "commands", "compaction", "dam_break", "docs",
+        "doctor", "external_material", "hard", "init", "instructions", "invariance", "jit",
+        "memory", "methods", "paraview", "physics", "setup", "stop", "study", "terminal",
+        "tracked", "vibration", "wall_balance")  # fmt: skip
+#: Fixtures of what is started, as is in no test of the fast tier.
+STARTED = {"display", "mpirun", "pvpython"}
 
 
-def pytest_collection_modifyitems(items):
+def pytest_addoption(parser):
+    """Add the option of the fast tier."""
+    words = "leave out what starts ranks, Slurm or ParaView, and the files that take long"
+    parser.getgroup("pgimp").addoption("--fast", action="store_true", help=words)
+
+
+def pytest_collection_modifyitems(config, items):
     """Put the tests of `LONG` before the others; scripts/test hands out files in this order."""
     places = {f"test_{name}": place for place, name in enumerate(LONG)}
     items.sort(key=lambda item: places.get(item.path.stem, len(LONG)))
+    if config.option.fast:
+        slow = {f"test_{name}" for name in (*LONG, *SLOW)}
+        left_out = [
+            item for item in items if item.path.stem in slow or STARTED & {*item.fixturenames}
+        ]
+        items[:] = [item for item in items if item not in set(left_out)]
+        config.hook.pytest_deselected(items=left_out)
 
 
 class Launch(Protocol):

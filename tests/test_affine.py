@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-from scenes import box, energy, field, finish, scene, start, write_case
+from scenes import box, energy, field, finish, scene, start
 
-from pgimp.cli import main
 from pgimp.kernels.p2g import particles_to_grid
 
 SHAPES = ["mpm", "gimp", "finite-gimp", "fuzzy-constant"]
@@ -98,19 +97,6 @@ def test_spin_lasts():
     without, having = spin(False, turn), spin(True, turn)
     assert without < 0.97
     assert 1.0 - having < 0.1 * (1.0 - without)
-
-
-def test_the_same_bits_on_any_ranks(mpirun, tmp_path):
-    """With particles that migrate, gradient and all."""
-    motion = {"rotation": {"about": [4.0, 3.0], "rate": 2.0}, "translation": [3.0, 0.5]}
-    body = box([3.0, 2.0], [5.2, 4.1], motion)
-    case = affine(2, body, "finite-gimp", cells=[16, 8], end=1.0, boundaries={"y-max": "slip"})
-    case["output"] = {"fields": ["velocity", "stress", "deformation"]}
-    write_case(tmp_path / "case.yaml", case)
-    for n in (1, 3):
-        words = ["-m", "pgimp", str(tmp_path / "case.yaml"), "-o", str(tmp_path / f"{n}.out")]
-        assert mpirun(n, words).returncode == 0
-    assert main(["compare", str(tmp_path / "1.out"), str(tmp_path / "3.out")]) == 0
 
 
 def test_a_scene_without_it_has_no_gradients():

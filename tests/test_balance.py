@@ -12,11 +12,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from loaded_block import loaded
 from processes import SUPPORT
-from rank_scenes import SCENES, SIZED
+from rank_scenes import GRID, PROBES, SCENES, SIZED
 from rank_threads import Comm, together
 from run_files import digests, go_back
 from scenes import write_case
 
+import pgimp
 from pgimp.decomposition import handover
 from pgimp.decomposition.population import Population
 from pgimp.decomposition.slabs import Slab, cut, imbalance_of, slab_of
@@ -173,8 +174,15 @@ def test_ranks_that_share_a_core_go_by_the_time_they_had_it(tmp_path, mpirun):
 
 PROBE = SUPPORT / "balance_probe.py"
 FOLLOWED = {"column": column(30, 5.5), "crossing": crossing(30, 6.0)}
-#: Mirrors; leavers; tractions, viscosity and constraints.
-MORE = {"mirrored": SIZED["plane_finite"], "leaves": SCENES["plane_leaves"], "loaded": loaded()}
+#: Mirrors; leavers and space, with all of the grid, and probes; tractions, viscosity, constraints.
+MORE = {
+    "mirrored": SIZED["plane_finite"],
+    "leaves": SCENES["plane_leaves"] | {"probes": PROBES},
+    "space": SCENES["space_gimp"],
+    "loaded": loaded(),
+}
+for name in ("leaves", "space"):
+    MORE[name] = MORE[name] | {"output": MORE[name]["output"] | {"grid": GRID}}
 SHUFFLED = ["column", *MORE]
 
 
@@ -211,7 +219,11 @@ def test_no_bit_depends_on_where_boundaries_are(runs, name, start):
     """They go to random places every five steps, farther than a neighbour; also after a resume."""
     alone, moved = runs["off", 1], runs[start]
     assert (alone / name / "history.csv").read_text() == (moved / name / "history.csv").read_text()
-    assert digests(alone / name) == digests(moved / name)
+    files = digests(alone / name)
+    assert files == digests(moved / name)
+    assert ("grid.xdmf" in files) == (name in ("mirrored", "leaves", "space"))
+    assert set(files) >= {f"{probe}.csv" for probe in PROBES} or name != "leaves"
+    assert len(start) == 2 or pgimp.open(moved / name).info["resumed_from"] > 0
     assert len(json.loads((moved / f"{name}.json").read_text())["moves"]) >= 5
 
 

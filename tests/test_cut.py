@@ -9,10 +9,9 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from pydantic import TypeAdapter
 from region_entries import entries
-from scenes import field, finish, scene, start, write_case
+from scenes import field, finish, scene, start
 
 from pgimp.case.schema import Case
-from pgimp.cli import main
 from pgimp.errors import CaseError
 from pgimp.geometry.measure import TangledError, measure
 from pgimp.geometry.regions import RegionEntry
@@ -539,26 +538,6 @@ def test_particles_do_not_depend_on_the_planes_that_are_made_together(D):
         parts = [particles(case, (a, b))[0] for a, b in pairwise(cuts)]
         for i, array in enumerate(whole):
             assert np.concatenate([part[i] for part in parts]).tobytes() == array.tobytes()
-
-
-def test_the_ranks_do_not_matter(tmp_path, mpirun):
-    """A tilted cylinder and a ball, both cut, spinning: the same bits on 1 and 3 ranks."""
-    velocity = spinning(3)[0]
-    case = scene(
-        3,
-        {
-            "ball": body(ball([2.03, 2.61, 2.57], 1.43), velocity=velocity),
-            "pin": body(cylinder([3.7, 2.1, 2.2], [6.4, 3.9, 3.1], 0.71), velocity=velocity),
-        },
-        cells=[8, 6, 6],
-        end=0.1,
-    )
-    write_case(tmp_path / "case.yaml", case)
-    for n in (1, 3):
-        words = ["-m", "pgimp", tmp_path / "case.yaml", "-o", tmp_path / str(n), "--quiet"]
-        done = mpirun(n, words, timeout=300.0)
-        assert done.returncode == 0, done.stderr
-    assert main(["compare", str(tmp_path / "1"), str(tmp_path / "3")]) == 0
 
 
 # -- in motion

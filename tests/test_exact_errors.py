@@ -5,10 +5,8 @@ import re
 import numpy as np
 import pytest
 from exact_cases import BAR, CASES, LENGTH, SPEED, Exact, bar, block, ramp, ring
-from processes import SUPPORT
 from scenes import field, finish, scene, start, write_case
 
-import pgimp
 from pgimp.case.reader import dump_case, read_case
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
@@ -159,49 +157,6 @@ def test_a_shock_converges_at_first_order_in_the_mean():
     errors = [worst(shock(n, viscosity), "error") for n in (25, 50, 100)]
     assert 0.5 < orders(errors).min() and orders(errors).max() < 1.3, errors
     assert worst(shock(50), "error.stress-max") > worst(shock(50, viscosity), "error.stress-max")
-
-
-@pytest.fixture(scope="module")
-def runs(tmp_path_factory, mpirun):
-    """Runs of three cases on one to three ranks."""
-    folder = tmp_path_factory.mktemp("exact")
-    extra = {
-        "output": {"every": 0.1, "fields": ["velocity", "stress", "displacement"]},
-        "history": {"every": {"steps": 5}},
-    }
-    cases = {
-        "ring": ring(0.125, end=0.2, **SIZED, **extra),
-        "block": block(2, 0.125, end=0.2, step=0.005, **SIZED, **extra),
-        "bar": bar(
-            {"compaction": {"dynamic": True}},
-            gravity=GRAVITY,
-            end=0.5,
-            step=0.005,
-            **SIZED,
-            **extra,
-        ),
-    }
-    for name, case in cases.items():
-        write_case(folder / f"{name}.yaml", case)
-    paths = [folder / f"{name}.yaml" for name in cases]
-    for ranks in (1, 2, 3):
-        (folder / str(ranks)).mkdir()
-        probe = [SUPPORT / "rank_probe.py", "runs", folder / str(ranks)]
-        job = mpirun(ranks, [*probe, *paths], timeout=120)
-        assert job.returncode == 0, job.stderr
-    return folder
-
-
-@pytest.mark.parametrize("name", ["ring", "block", "bar"])
-def test_the_same_bits_on_any_ranks(runs, name):
-    texts = {(runs / str(ranks) / name / "history.csv").read_text() for ranks in (1, 2, 3)}
-    assert len(texts) == 1
-    history = pgimp.open(runs / "3" / name).history
-    assert (history["error.displacement-l2"][1:] > 0.0).all()
-    frames = [pgimp.open(runs / str(ranks) / name).frame(-1) for ranks in (1, 2, 3)]
-    for field_name in ("position", "velocity", "stress"):
-        for frame in frames[1:]:
-            assert np.array_equal(frames[0][field_name], frame[field_name])
 
 
 SOFT = {"model": "neo-hookean", "young": 50.0, "poisson": 0.3, "density": 2.0}

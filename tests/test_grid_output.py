@@ -1,11 +1,14 @@
-"""Frames of the grid: against the particles, by hand, in ParaView, and on any ranks."""
+"""Frames of the grid: against the particles, by hand, in ParaView.
+
+On any ranks: test_balance.py, test_ranks.py.
+"""
 
 import json
 
 import h5py
 import numpy as np
 import pytest
-from processes import SUPPORT
+from rank_scenes import GRID as EVERYTHING
 from rank_scenes import line_gimp, plane_leaves, plane_mpm, space_gimp
 from run_files import go_back
 from scenes import box, scene, start, write_case
@@ -18,7 +21,6 @@ from pgimp.running.recorder import Recorder
 from pgimp.solver import gridstate
 from pgimp.solver.reduction import Request
 
-EVERYTHING = ["mass", "momentum", "velocity", "force"]
 FIELDS = ["velocity", "mass"]
 SCENES = {
     "line": line_gimp(),
@@ -118,25 +120,6 @@ def test_the_grid_has_what_the_particles_have(alone, name):
         assert (grid["mass"][unused] > 0.0).all()
         cells += len(wanted)
     assert cells > 20
-
-
-@pytest.mark.parametrize("name", ["leaves", "space"])
-def test_the_same_bytes_on_any_ranks_and_after_a_resume(alone, tmp_path, mpirun, name):
-    result = alone(name)
-    write_case(tmp_path / "case.yaml", SCENES[name])
-    # First the slab boundaries move to random places every few steps.
-    ways = (3, ["balance_probe.py", "shuffled"], None), (2, ["rank_probe.py", "runs"], 0.5)
-    names = [*(f"frames/{path.name}" for path in (result.path / "frames").iterdir()), "grid.xdmf"]
-    for ranks, (program, how), back in ways:
-        if back is not None:
-            go_back(tmp_path / "case", back)
-        words = [SUPPORT / program, how, tmp_path, tmp_path / "case.yaml"]
-        job = mpirun(ranks, words)
-        assert job.returncode == 0, job.stderr
-        for each in names:
-            assert (tmp_path / "case" / each).read_bytes() == (result.path / each).read_bytes()
-    assert pgimp.open(tmp_path / "case").info["resumed_from"] > 0
-    assert len(json.loads((tmp_path / "case.json").read_text())["moves"]) > 3
 
 
 def test_the_forces_of_a_block_at_the_start_are_its_weight(tmp_path):

@@ -64,9 +64,10 @@ def test_no_file_of_tests_imports_another():
     """What several need is in tests/support/; a file may be changed, or run, without the others."""
     for path in Path(__file__).parent.rglob("*.py"):
         for node in ast.walk(ast.parse(path.read_text())):
-            names = []
             if isinstance(node, ast.ImportFrom):
                 names = [node.module]
             elif isinstance(node, ast.Import):
                 names = [alias.name for alias in node.names]
+            else:
+                continue
             assert not any(name.startswith(("test_", "conftest")) for name in names), path.name

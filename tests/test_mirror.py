@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from kernel_driver import MATERIAL_OF, MATERIALS
 from transfer_setting import DT, GRAVITY, LIGHTEST, close, copied, faces_of, setting
 
 from pgimp.kernels.mirror import Mirror
@@ -40,7 +39,7 @@ def test_a_step_between_mirrors(name, D, kinds):
     assert close(G[:, 1 : 1 + D], reference.v[matter])
     assert close(G[:, 5 : 5 + D], reference.a[matter])
     assert rank.grid_to_particles(DT)[0] == 0
-    reference.grid_to_particles(p, MATERIALS, MATERIAL_OF, DT, True)
+    reference.grid_to_particles(p, rank.setting.materials, rank.setting.material_of, DT, True)
     after = copied(rank)
     for name in ("x", "v", "F", "sigma", "V"):
         assert close(getattr(after, name), getattr(p, name)), name

@@ -26,8 +26,10 @@ GHOSTS = ("fuzzy-nearest-fixed", "fuzzy-constant-fixed")
 def folder(tmp_path_factory):
     """The folder of a quick reproduction."""
     folder = tmp_path_factory.mktemp("paper")
-    words = [sys.executable, ROOT / "scripts/drawing/paper.py", "--quick", "-o", folder]
-    done = run([str(word) for word in words], timeout=580)
+    # One process: a second one would compile the same kernels at the same time, and takes a core
+    # from the tests beside.
+    words = [sys.executable, ROOT / "scripts/drawing/paper.py", "--quick", "-j", "1", "-o", folder]
+    done = run([str(word) for word in words], timeout=900)
     assert done.returncode == 0, done.stdout + done.stderr
     return folder
 

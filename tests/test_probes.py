@@ -1,13 +1,11 @@
-"""Probes: against exact solutions, against the frames, and the same bytes on any ranks."""
+"""Probes: against exact solutions and the frames. On any ranks: test_balance.py, test_ranks.py."""
 
-import json
 import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
-from processes import SUPPORT
-from rank_scenes import plane_leaves
+from rank_scenes import PROBES, plane_leaves
 from run_files import go_back
 from scenes import box, finish, scene, start, write_case
 
@@ -19,12 +17,6 @@ from pgimp.solver.probes import nearest
 
 CASES = Path(__file__).parents[1] / "cases"
 FIELDS = ["velocity", "stress", "displacement", "strain", "pressure", "von-mises", "density"]
-PROBES = {
-    "corner": {"body": "corner", "at": [13.0, 20.0]},
-    "down": {"body": "down", "at": [2.0, 1.0], "every": 0.08},
-    "gate": {"place": [15.5, 21.6], "every": {"steps": 3}},
-    "floor": {"place": [3.0, 0.0]},
-}
 
 
 def run(folder, case, **options):
@@ -130,25 +122,6 @@ def test_a_place_is_the_mean_of_what_is_there(leaves, name):
         wanted = [mass.sum() / volume.sum(), *velocity[:2], *stress[:4], -(xx + yy + zz) / 3, mises]
         np.testing.assert_allclose(values, wanted, rtol=1e-9, atol=1e-9)
     assert 5 < filled < len(probe)
-
-
-def test_the_same_bytes_on_any_ranks_and_after_a_resume(leaves, tmp_path, mpirun):
-    case = plane_leaves() | {"probes": PROBES}
-    write_case(tmp_path / "case.yaml", case)
-    # First the slab boundaries move to random places every few steps.
-    ways = (3, ["balance_probe.py", "shuffled"], None), (2, ["rank_probe.py", "runs"], 0.5)
-    wanted = {path.name: path.read_bytes() for path in (leaves.path / "probes").iterdir()}
-    assert sorted(wanted) == [f"{name}.csv" for name in sorted(PROBES)]
-    for ranks, (program, how), back in ways:
-        if back is not None:
-            go_back(tmp_path / "case", back)
-        words = [SUPPORT / program, how, tmp_path, tmp_path / "case.yaml"]
-        job = mpirun(ranks, words)
-        assert job.returncode == 0, job.stderr
-        found = tmp_path / "case" / "probes"
-        assert {path.name: path.read_bytes() for path in found.iterdir()} == wanted
-    assert pgimp.open(tmp_path / "case").info["resumed_from"] > 0
-    assert len(json.loads((tmp_path / "case.json").read_text())["moves"]) > 3
 
 
 def test_a_resumed_run_may_have_other_probes_as_far_as_they_are_known(tmp_path):

@@ -56,6 +56,7 @@ SHORT = "--set time.end=0.004 --set output.every=null --quiet"
 INSTEAD = {
     "pgimp study cases/studies/compaction.yaml": "pgimp study cases/studies/compaction.yaml --list",
     "scripts/test": f"{ROOT}/scripts/test --version",  # this test is one of those it would run
+    "scripts/test --fast": f"{ROOT}/scripts/test --version",
     "scripts/test tests/test_bits.py -k order": f"{ROOT}/scripts/test --version",
     "scripts/setup --test": f"{ROOT}/scripts/setup --help",
     "scripts/docs": f"{ROOT}/scripts/docs --help",  # see tests/test_docs.py

@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 from kernel_driver import (
     KINDS,
-    MATERIAL_OF,
-    MATERIALS,
     SEED,
     Rank,
     entry,
@@ -134,7 +132,9 @@ def test_grid_to_particles(name, D, tracked):
     reference.update_momentum(DT, GRAVITY, (), LIGHTEST)
     before = copied(rank)
     fault, _, found, rate, clamped, _ = rank.grid_to_particles(DT, tracked)
-    reference.grid_to_particles(p, MATERIALS, MATERIAL_OF, DT, tracked)
+    reference.grid_to_particles(
+        p, rank.setting.materials, rank.setting.material_of, DT, tracked
+    )
     assert fault == 0
     after = copied(rank)
     for field in ("x", "v", "F", "sigma", "V"):

@@ -62,14 +62,14 @@ def step(
         t.dt, scene.gravity(t.start), rank.lightest, loads, grips, marked, scene.walls(t.end),
         controlled,
     )  # fmt: skip
-    faces = scene.face_parameters(t.start, t.end)
+    faces, felt = scene.face_parameters(t.start, t.end), on_vertices(forcing)
     for mirror in scene.mirrors:
-        call(fold, scene.frame, field, mirror, forcing, ledger)
-    call(update_momentum, scene.frame, field, faces, forcing, ledger)  # (14, 17)
+        call(fold, scene.frame, field, mirror, felt, ledger)
+    call(update_momentum, scene.frame, field, faces, felt, ledger)  # (14, 17)
     if marked:
-        call(hold_marked, field, forcing, ledger)
+        call(hold_marked, field, felt, ledger)
     for mirror in reversed(scene.mirrors):
-        call(reflect, scene.frame, field, mirror, forcing, ledger)
+        call(reflect, scene.frame, field, mirror, felt, ledger)
     lap("momentum")
 
     rate, failed, leavers, found = 0.0, [], 0, 0
@@ -106,6 +106,15 @@ def step(
         population.restore_order(movers, coming)
     lap("order")
     return t, rate
+
+
+def on_vertices(forcing: Forcing) -> Forcing:
+    """Of what acts, all but what acts on particles alone.
+
+    Kernels that work on vertices are then compiled once for all kinds of loads.
+    """
+    loads = Loads(relaxation=forcing.loads.relaxation)
+    return forcing._replace(loads=loads, grips=())
 
 
 def sum_particles(rank: Rank, loads: Loads, marked: bool) -> None:

@@ -22,6 +22,7 @@ from pgimp.kernels.particles import Particles
 from pgimp.kernels.sums import SUMS, exact_masses, fastest_rate, layer_sums
 from pgimp.mpi.node import Call, shared_out
 from pgimp.scene.scene import Scene
+from pgimp.solver.step import on_vertices
 
 
 def warm_up(scene: Scene, comm: Any) -> None:
@@ -47,6 +48,7 @@ def _calls(scene: Scene) -> Iterator[Call]:
     forcing = Forcing(
         1.0, scene.gravity(0.0), 0.0, loads, grips, marked, scene.walls(0.0), False
     )
+    felt = on_vertices(forcing)
     report = Report(reach, rows.copy(), np.zeros((1, 2), np.int64))
     ledger = Ledger.empty(grid.planes, len(faces), len(grips), (0, 0))
     yield 10.4, lambda: grid_to_particles(
@@ -55,7 +57,7 @@ def _calls(scene: Scene) -> Iterator[Call]:
     yield 6.3, lambda: particles_to_grid(
         shaped, grid.field, p, loads, order, np.zeros((0, 3), np.int64)
     )
-    yield 2.8, lambda: update_momentum(frame, grid.field, faces, forcing, ledger)
+    yield 2.8, lambda: update_momentum(frame, grid.field, faces, felt, ledger)
     yield 1.4, lambda: locate(shape, frame, p, rows, frame.vertices)
     yield 1.4, lambda: layer_sums(material, p, order, np.zeros((1, bodies, SUMS)))
     yield 1.0, lambda: fastest_rate(material, p, rows)
@@ -69,11 +71,11 @@ def _calls(scene: Scene) -> Iterator[Call]:
     yield 0.3, lambda: sort_out(p.layer, rows, rows, 0, 1, rows.copy(), rows.copy())
     yield 0.2, lambda: layers_of(shape, frame, scene.identity, np.empty(0), np.empty(0, np.int64))
     for mirror in scene.mirrors:
-        yield 1.0, partial(fold, frame, grid.field, mirror, forcing, ledger)
-        yield 1.0, partial(reflect, frame, grid.field, mirror, forcing, ledger)
+        yield 1.0, partial(fold, frame, grid.field, mirror, felt, ledger)
+        yield 1.0, partial(reflect, frame, grid.field, mirror, felt, ledger)
     if marked:
         yield 1.0, lambda: mark(shaped, grid.window, p, order, grid.marks)
-        yield 1.0, lambda: hold_marked(grid.field, forcing, ledger)
+        yield 1.0, lambda: hold_marked(grid.field, felt, ledger)
     if scene.exact:
         yield 2.0, lambda: layer_errors(
             scene.exact, 0.0, scene.follows, setting, p, order, np.zeros((1, ERRORS)),

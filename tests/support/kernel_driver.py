@@ -23,12 +23,25 @@ from pgimp.kernels.walls import WALL
 from pgimp.physics.materials.hooke import HookeParameters
 from pgimp.physics.materials.neo_hookean import NeoHookeanParameters
 from pgimp.physics.shapes import SHAPES
+from pgimp.physics.shapes.gimp import GimpParameters
 
-#: Two bodies of different models: with one tuple in all tests the kernels are compiled once.
+#: Two bodies of different models.
 MATERIALS = (NeoHookeanParameters(3.0, 2.0, 1.5), HookeParameters(1.0, 4.0, 0.8))
 MATERIAL_OF = np.array([0, 1], np.int64)
 
 SEED = 20040
+
+
+def materials_of(shape: Any) -> tuple:
+    """Materials and the material of each body: of two models with gimp, otherwise of one.
+
+    Particles get their stresses in the same way with each shape, and whole runs have such scenes:
+    the kernels of tests with other shapes are compiled for these already.
+    """
+    if isinstance(shape, GimpParameters):
+        return MATERIALS, MATERIAL_OF
+    return MATERIALS[:1], np.zeros_like(MATERIAL_OF)
+
 
 #: All shapes by their names, the fuzzy ones once more with a size that stays.
 VARIANTS = (*SHAPES, "fuzzy-nearest-fixed", "fuzzy-constant-fixed")
@@ -137,7 +150,7 @@ class Rank:
         self.frame, self.vertices = frame, shape.vertices
         self.shape = shape.parameters(frame.cell)
         identity = IDENTITIES[len(frame.cell) - 1]
-        self.setting = Setting(self.shape, frame, identity, MATERIALS, MATERIAL_OF)
+        self.setting = Setting(self.shape, frame, identity, *materials_of(self.shape))
         self.slab = slab or Slab(0, frame.vertices[0], None, None)
         self.population = Population(particles, particles.capacity, self.shape, frame, self.slab)
         self.grid = Grid(frame, self.vertices, self.slab)
@@ -242,7 +255,7 @@ def sums_of(rank, D, bodies, material_of):
     """Result of `layer_sums`, (layers, bodies, columns)."""
     sums = np.zeros((rank.slab.layers, bodies, SUMS))
     population = rank.population
-    setting = rank.setting.without_shape()._replace(material_of=material_of)
+    setting = Setting((), rank.frame, rank.setting.identity, MATERIALS, material_of)
     layer_sums(setting, population.particles, population.ordered, sums)
     return sums
 
@@ -250,5 +263,5 @@ def sums_of(rank, D, bodies, material_of):
 def rate_of(rank, D, material_of):
     """Result of `fastest_rate`."""
     population = rank.population
-    setting = rank.setting.without_shape()._replace(material_of=material_of)
+    setting = Setting((), rank.frame, rank.setting.identity, MATERIALS, material_of)
     return fastest_rate(setting, population.particles, population.order)

@@ -1,5 +1,7 @@
 """Scenes whose bodies cross slabs, for whole runs on several ranks."""
 
+from exact_cases import bar, block, ramp, ring
+from loaded_block import loaded
 from scenes import BAR, SOFT, box, scene, wall
 
 STIFF = {"model": "hooke", "young": 300.0, "poisson": 0.25, "density": 2.0}
@@ -7,6 +9,14 @@ STIFF = {"model": "hooke", "young": 300.0, "poisson": 0.25, "density": 2.0}
 PAIR = {"soft": SOFT, "stiff": STIFF}
 LINE = {"soft": BAR, "stiff": {**BAR, "young": 400.0, "density": 2.0}}
 EVERYTHING = ["velocity", "stress", "deformation", "displacement"]
+GRID = ["mass", "momentum", "velocity", "force"]
+#: For `plane_leaves`: particles that leave, and places that are filled for a time.
+PROBES = {
+    "corner": {"body": "corner", "at": [13.0, 20.0]},
+    "down": {"body": "down", "at": [2.0, 1.0], "every": 0.08},
+    "gate": {"place": [15.5, 21.6], "every": {"steps": 3}},
+    "floor": {"place": [3.0, 0.0]},
+}
 
 
 def turning(body, about, rate, velocity):
@@ -250,6 +260,62 @@ SIZED = {
     ),
 }  # fmt: skip
 
+
+def affine():
+    """Particles that carry their velocity gradient as they turn and migrate; empty slabs."""
+    motion = {"rotation": {"about": [4.0, 3.0], "rate": 2.0}, "translation": [3.0, 0.5]}
+    bodies = {
+        "turns": box([3.0, 2.0], [5.2, 4.1], motion),
+        "waits": box([12.0, 2.0], [13.0, 3.0]),
+    }
+    case = scene(
+        2,
+        bodies,
+        cells=[16, 8],
+        shape="finite-gimp",
+        end=1.0,
+        boundaries={"y-max": "slip"},
+        output={"fields": ["velocity", "stress", "deformation"]},
+    )
+    case["method"]["affine"] = True
+    return case
+
+
+def cut():
+    """A tilted cylinder and a ball, which the lattice cuts, spinning."""
+    motion = {
+        "rotation": {"about": [1.5, -2.0, 0.3], "rate": [0.9, -0.4, 1.3]},
+        "translation": [0.4, -0.3, 0.8],
+    }
+    pin = {"from": [3.7, 2.1, 2.2], "to": [6.4, 3.9, 3.1], "radius": 0.71}
+    regions = {
+        "ball": {"ball": {"centre": [2.03, 2.61, 2.57], "radius": 1.43}},
+        "pin": {"cylinder": pin},
+    }
+    body = {"material": "soft", "surface": "cut", "velocity": motion}
+    bodies = {name: body | {"region": region} for name, region in regions.items()}
+    return scene(3, bodies, cells=[8, 6, 6], end=0.1, output={"fields": EVERYTHING})
+
+
+#: Of cases with an exact solution.
+_SHORT = {
+    "shape": "finite-gimp",
+    "output": {"every": 0.1, "fields": ["velocity", "stress", "displacement"]},
+    "history": {"every": {"steps": 5}},
+}
+#: Body forces, initial velocities and the errors of exact solutions.
+EXACT = {
+    "ring": ring(0.125, end=0.2, **_SHORT),
+    "block": block(2, 0.125, end=0.2, step=0.005, **_SHORT),
+    "bar": bar(
+        {"compaction": {"dynamic": True}},
+        gravity=ramp((0.0, 0.0), (1.0, -6.0)),
+        end=0.5,
+        step=0.005,
+        **_SHORT,
+    ),
+}
+
 SCENES = (
     {
         each.__name__: each()
@@ -263,9 +329,13 @@ SCENES = (
             narrow,
             line_leaves,
             plane_leaves,
+            loaded,
+            affine,
+            cut,
         )
     }
     | SIZED
+    | EXACT
     | {
         "other_output": plane_gimp(
             output={"every": {"steps": 7}, "at": [0.77], "fields": ["velocity"]},
