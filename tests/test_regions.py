@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from pydantic import ValidationError
 from region_entries import ball, box, cylinder, entries, half_space, region
 
 
@@ -317,3 +318,11 @@ def test_a_box_that_neither_planes_nor_curves_meet_is_uniform(data, size):
         if not met:
             inside = found.contains(rng.uniform(low, high, (50, D)))
             assert (inside == inside[0]).all()
+
+
+def test_the_centre_of_a_ball_may_be_its_center():
+    one, other = ({"ball": {name: [0.5, 1.0], "radius": 2.0}} for name in ("centre", "center"))
+    assert region(**one) == region(**other)
+    both = {"ball": {"centre": [0.5, 1.0], "center": [0.5, 1.0], "radius": 2.0}}
+    with pytest.raises(ValidationError, match="unknown key"):
+        region(**both)

@@ -58,11 +58,15 @@ class Model(BaseModel):
     DIMENSIONS: ClassVar[tuple[int, ...]] = (1, 2, 3)
     """Dimensions of a case in which the entry may be used."""
 
+    SPELLINGS: ClassVar[dict[str, str]] = {}
+    """Keys that are accepted for another one, unless that is there as well."""
+
     @model_validator(mode="before")
     @classmethod
     def _take_lists(cls, data: Any) -> Any:
         if isinstance(data, dict):
-            return {key: tuples(value) for key, value in data.items()}
+            other = {key: name for key, name in cls.SPELLINGS.items() if name not in data}
+            return {other.get(key, key): tuples(value) for key, value in data.items()}
         return data
 
     @model_validator(mode="wrap")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 from pydantic import Field
 
@@ -20,6 +22,8 @@ from pgimp.schema.base import Model, Positive, Vector
 
 class Ball(Model, Region):
     """Ball, a disk in 2D; its surface is outside."""
+
+    SPELLINGS: ClassVar[dict[str, str]] = {"center": "centre"}
 
     centre: Vector = Field(description="centre [length]")
     radius: Positive = Field(description="radius [length]")
