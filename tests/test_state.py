@@ -13,6 +13,7 @@ import pgimp
 from pgimp.errors import CaseError, UsageError
 from pgimp.jit.algebra import determinant
 from pgimp.jit.kernel import kernel
+from pgimp.jit.outside import digest
 from pgimp.kernels.particles import COLUMNS, Carried, Particles
 from pgimp.physics.materials.base import evaluate, state_width
 from pgimp.physics.materials.outside import parameters_of
@@ -316,6 +317,15 @@ def test_a_field_that_no_material_has_is_unknown():
     case["output"]["fields"] = ["damage"]
     with pytest.raises(CaseError, match="unknown field 'damage'"):
         pgimp.load(case)
+
+
+def test_other_state_variables_are_other_kernels(softening, monkeypatch):
+    """Wherever they are declared: a kernel for fewer would write past what it knows of."""
+    kind = type(parameters_of(pgimp.load(two_blocks()).materials["soft"], 2))
+    before = digest(kind)
+    assert before and digest(kind) == before
+    monkeypatch.setattr(kind, "STATE", kind.STATE[:1])
+    assert digest(kind) not in ("", before)
 
 
 def test_columns_are_declared_once():
