@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from outside_materials import SOFTENING, registered
 from processes import run
 from scenes import box, scene
 
@@ -130,7 +131,13 @@ def test_one_bit_of_one_particle_that_changes_rank_is_noticed(tmp_path, how):
     assert "kind='done'" in job.stdout
 
 
-def test_random_scenes_are_good_cases_of_every_kind(tmp_path, monkeypatch):
+@pytest.fixture
+def softening():
+    with registered(SOFTENING) as (module,):
+        yield module
+
+
+def test_random_scenes_are_good_cases_of_every_kind(tmp_path, monkeypatch, softening):
     monkeypatch.chdir(tmp_path)
     refused, seen = 0, set()
     for number in range(300):

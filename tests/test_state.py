@@ -1,12 +1,13 @@
 """Materials that remember: their state variables in kernels, runs, checkpoints, frames, probes."""
 
 import shutil
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 from material_driver import COMPONENTS
+from outside_materials import SOFTENING as SOFTENING_FILE
+from outside_materials import registered
 from scenes import box, scene, start, write_case
 
 import pgimp
@@ -19,7 +20,6 @@ from pgimp.physics.materials.base import evaluate, state_width
 from pgimp.physics.materials.outside import parameters_of
 from pgimp.physics.materials.registry import import_file
 
-CASES = Path(pgimp.__file__).parent / "cases"
 SOFTENING = {"model": "softening", "young": 100.0, "poisson": 0.3, "density": 1.0} | {
     "damage": 0.9, "toughness": 1.0,
 }  # fmt: skip
@@ -28,8 +28,8 @@ RUBBER = {"model": "neo-hookean", "young": 100.0, "poisson": 0.3, "density": 1.0
 
 @pytest.fixture(scope="module", autouse=True)
 def softening():
-    import_file(str(CASES / "softening.py"))
-    return sys.modules["softening"]
+    with registered(SOFTENING_FILE) as (module,):
+        yield module
 
 
 def two_blocks(dimension=2, **parts):
@@ -68,7 +68,7 @@ def runs(tmp_path_factory, mpirun):
 
 
 def go(mpirun, folder, ranks, output, *words):
-    program = ["-m", "pgimp", "--import", CASES / "softening.py", "blocks.yaml", "-o", output]
+    program = ["-m", "pgimp", "--import", SOFTENING_FILE, "blocks.yaml", "-o", output]
     done = mpirun(ranks, [*program, "--quiet", *words], cwd=folder)
     assert done.returncode == 0, done.stderr
 

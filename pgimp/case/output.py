@@ -9,18 +9,29 @@ from pydantic import AfterValidator, BaseModel, Field
 
 from pgimp.physics.columns import GRID
 from pgimp.physics.fields import OPTIONAL
-from pgimp.physics.materials.base import STATE_NAME
 from pgimp.schema.base import Count, Interval, Model, Name, NonNegative, Positive, Steps, Vector
 from pgimp.schema.dispatch import ByWord, Either
 from pgimp.schema.messages import unknown
 from pgimp.schema.problems import Problem, problem, raise_problems
 
 
+def _states() -> list[str]:
+    """Names of the state variables of all materials that are known by now."""
+    from pgimp.physics.materials import MATERIALS
+
+    MATERIALS.complete()
+    return sorted({state.name for entry in MATERIALS.values() for state in entry.STATE})
+
+
 def _field(value: str) -> str:
-    """Let pass what may be the state of a material; `check_fields` knows those that there are."""
-    if value not in OPTIONAL and not STATE_NAME.fullmatch(value):
-        raise problem(unknown("field", value, OPTIONAL))
+    """Let a state variable of any material pass; `check_fields` knows those of the case."""
+    if value not in OPTIONAL and value not in (states := _states()):
+        raise problem(unknown("field", value, [*OPTIONAL, *states]))
     return value
+
+
+def _names_fields(schema: dict[str, Any]) -> None:
+    schema["enum"] = [*OPTIONAL, *_states()]
 
 
 def _quantity(value: str) -> str:
@@ -37,17 +48,7 @@ def _unique(values: tuple[Any, ...]) -> tuple[Any, ...]:
 
 
 FieldName = Annotated[
-    str,
-    AfterValidator(_field),
-    Field(
-        strict=True,
-        json_schema_extra={
-            "anyOf": [
-                {"enum": [*OPTIONAL]},
-                {"type": "string", "pattern": f"^{STATE_NAME.pattern}$"},
-            ]
-        },
-    ),
+    str, AfterValidator(_field), Field(strict=True, json_schema_extra=_names_fields)
 ]
 """Name of a quantity that frames may hold."""
 

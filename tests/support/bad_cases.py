@@ -159,7 +159,7 @@ MISTAKES = [
     (BALL, "{box: {min: [1], max: [2, 2]}}", "19: bodies.left.region.box.max", "entries as in min"),
     (BALL, "{ball: {centre: [1, 1, 1], radius: 1}}", "19: bodies.left.region.ball.centre",
      "expected 2 entries"),
-    (BALL, "{ball: {center: [1, 1], radius: 1}}", "19: bodies.left.region.ball.center",
+    (BALL, "{ball: {centr: [1, 1], radius: 1}}", "19: bodies.left.region.ball.centr",
      "did you mean 'centre'?"),
     (BALL, "{ball: {centre: [1, 1], radius: -1}}", "19: bodies.left.region.ball.radius",
      "must be above 0, got -1"),

@@ -18,8 +18,9 @@ from pgimp.decomposition import halo, migrate
 from pgimp.mpi.comm import world
 from pgimp.solver.simulation import RESORT, Simulation
 
-#: Steps between two turns of all particles, steps to warm up, and steps until the end.
-TURN, WARM, LAST = 60, 240, 2000
+#: Steps between two turns of all particles, steps to warm up, and steps until the end. For some
+#: hundred steps Python still takes an arena of 1 MiB now and then for its small objects.
+TURN, WARM, LAST = 60, 1200, 3000
 
 
 def runs(folder, *cases):

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from pgimp.mpi.comm import Serial
-from pgimp.physics.fields import BY_RANKS, OPTIONAL
+from pgimp.physics.fields import BY_RANKS, EVERY, OPTIONAL
 from pgimp.running.frames import Frames
 
 LATERAL = {1: 3, 2: 4, 3: 6}
@@ -54,6 +54,7 @@ def make_sim(comm, count, dimension, empty=(), gone=()):
         material_names=("soft", "hard"),
         body_material=(1, 0),
         exits=int(len(gone) > 0),
+        fields=EVERY,
     )
     sim = SimpleNamespace(
         comm=comm,

@@ -35,10 +35,14 @@ class Registry(dict[str, type[Material]]):
         """Return whether there is a material of this name."""
         if super().__contains__(name):
             return True
+        self.complete()
+        return super().__contains__(name)
+
+    def complete(self) -> None:
+        """Add those of installed packages, once."""
         if not self._complete:
             self._complete = True
             self._load_packages()
-        return super().__contains__(name)
 
     def _load_packages(self) -> None:
         for point in entry_points(group=GROUP):
