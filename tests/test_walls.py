@@ -204,3 +204,28 @@ def test_a_wall_sits_on_any_plane_of_the_grid(shape):
     for mine, others in zip(run(0.0), run(-1027.75), strict=True):
         np.testing.assert_allclose(mine, others, atol=2e-9)
     assert np.abs(run(0.0)[2]).max() > 1.0
+
+
+def test_a_point_on_the_upper_wall_loses_no_force():
+    """Its weights' gradients are on vertices that have mass: momentum is that of the reactions."""
+    case = scene(
+        2,
+        box([0.4, 0.0], [2.92, 3.47]),
+        cells=[3, 4],
+        shape="mpm",
+        step=0.01782,
+        end=54 * 0.01782,
+        boundaries={"x-max": "slip", "y-min": {"velocity": [0.934, 0.418]}},
+    )
+    sim = start(case)
+    held, last = 0, sim.diagnostics()
+    while not sim.finished:
+        sim.advance()
+        line = sim.diagnostics()
+        for axis in "xy":
+            forces = sum(line[f"reaction.{face}-{axis}"] for face in case["boundaries"])
+            gained = line[f"momentum-{axis}"] - last[f"momentum-{axis}"]
+            # Of the order of the rounding of momenta of a few units.
+            assert gained == pytest.approx(forces * sim.dt, abs=1e-12), (sim.step, axis)
+        held, last = sim.rank.held, line
+    assert held > 5 and (sim.particles.x[sim.live(), 0] > 2.999).any()
