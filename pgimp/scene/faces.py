@@ -36,7 +36,7 @@ class Face:
         origin, cells = frame.origin[self.axis], frame.cells[self.axis]
         if self.side < 0:
             return origin, speed
-        # Just within the last cell: exactly on the face, a point would have its gradient on vertices
+        # Just within the last cell: on the face itself a point would have its gradient on vertices
         # beyond, without mass, where the force that balances the one on the face would be lost.
         place = origin + cells * frame.cell[self.axis]
         while (place - origin) * frame.inverse[self.axis] >= cells:
