@@ -128,6 +128,7 @@ def test_a_run_whose_step_collapses_is_stopped():
     clock.next(START, 1.9e5)  # as fast as never, with 6e5 steps to the end
     with pytest.raises(RunError, match="at rest"):
         clock.next(START, 2.1e5)
+    CourantClock(0.3, 1.0, (), rest_rate=0.0).next(START, 2.1e5)  # no waves at rest
     late = Step(70_000, 0.999, 1e-6, 0.999)
     clock.next(late, 2.1e5)  # the rest takes no week
 

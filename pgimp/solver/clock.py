@@ -76,7 +76,7 @@ class CourantClock:
     stops : tuple of float
         Times that are met exactly.
     rest_rate : float
-        The largest c_p/L at rest.
+        The largest c_p/L at rest; 0 or inf where nothing follows from it.
     """
 
     controlled = True
@@ -84,7 +84,7 @@ class CourantClock:
     def __init__(
         self, courant: float, end: float, stops: tuple[float, ...], rest_rate: float = inf
     ) -> None:
-        self._courant, self._rest_rate = courant, rest_rate
+        self._courant, self._rest_rate = courant, rest_rate or inf  # 0: dust, a gas at rest
         self._stops = sorted({t for t in stops if 0.0 < t < end} | {end})
         self.end = end
 
