@@ -225,6 +225,15 @@ def test_points_with_affine_are_doubted():
     assert said[2][0].startswith("method.affine: with points (mpm) it can make energy from nothing")
 
 
+def test_affine_on_few_cells_is_doubted():
+    method = "shape: gimp, affine: true"
+    for cells, number in (("max: [1.4, 2.0]", 1), ("max: [1.5, 2.0]", 0)):
+        case = PLATE.replace("shape: gimp", method).replace("max: [8.0, 2.0]", cells)
+        said = [text for text in concerns(read_case(case, "x")) if "method.affine" in text]
+        assert len(said) == number
+        assert all("'beam' is only 2.8 cells long" in text for text in said)
+
+
 # rho g = 1000 x 2, E = 1e6; a beam of 8 by 1.
 @pytest.mark.parametrize(
     ("held", "words", "strain"),

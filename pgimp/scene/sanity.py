@@ -20,6 +20,9 @@ _FEWEST_TRANSITS, _MOST_TRANSITS = 0.1, 1.0e6
 _LEAST_COURANT = 0.01
 #: Cells across a body below which it is thin, and from a wall within which a face is at it.
 _THIN, _AT_WALL = 1.0 - 1e-9, 0.5
+#: Cells along a body's longest side below which `affine` makes a quarter of its energy and more
+#: (tests/test_affine.py).
+_FEW = 3.0 - 1e-9
 #: Spacings of particles within which a probe's particle lies, with room for a file's.
 _FAR = 1.0
 #: Waves [m/s], from jelly to diamond, and densities [kg/m^3], from aerogel to osmium, with room.
@@ -128,6 +131,12 @@ def case_warnings(case: Any, found: Findings) -> Iterator[str]:
             yield (
                 f"bodies.{body.name}.region: fewer cells across it than one, {', '.join(thin)}; "
                 "stress and bending need several: smaller cells (grid.cell)"
+            )
+        if case.method.affine and max(cells) < _FEW:
+            yield (
+                f"method.affine: '{body.name}' is only {max(cells):.2g} cells long; on so few, "
+                "its energy grows by a quarter or more when it vibrates, whatever the step: "
+                "smaller cells (grid.cell)"
             )
     spacing = max(
         cell / n for cell, n in zip(case.grid.cell, case.method.particles_per_cell, strict=True)
