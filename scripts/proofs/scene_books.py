@@ -28,7 +28,7 @@ from pgimp.schema.tables import prescribed
 from pgimp.solver import step as stepping
 
 #: Of mass times wave speed: forces on vertices that are too light to be accelerated are lost, about
-#: 1e-8 of a particle's (see tests/test_wall_balance.py).
+#: 1e-8 of a particle's (see tests/proofs/test_wall_balance.py).
 MOMENTUM = 1e-8
 #: Of a free vertex's velocity; what differs by more is held.
 ROUNDING = 1e-9
