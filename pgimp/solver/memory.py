@@ -1,8 +1,8 @@
 """How much memory a run will take, found before anything large exists, and whether it is there.
 
 The terms are those of what a rank allocates, with the transients of the phase that takes most.
-Measured peaks are within some ten per cent (tests/test_memory.py); what a run needs besides, when
-bodies spread or many particles move to another rank at once, is not foreseen.
+Measured peaks are within some ten per cent (tests/solver/test_memory.py); what a run needs besides,
+when bodies spread or many particles move to another rank at once, is not foreseen.
 """
 
 from math import prod

@@ -188,7 +188,8 @@ def main(folder, quick):
     columns |= {name: lambda row, name=name: number(row[name], 1) for name in kernels}
     note = (
         "Instructions for a particle-step, of each kernel in a step of a small block (with what "
-        f"its planes cost), compiled for {CPU['NUMBA_CPU_NAME']}. For tests/test_instructions.py:"
+        f"its planes cost), compiled for {CPU['NUMBA_CPU_NAME']}. For "
+        "tests/scripts/test_instructions.py:"
         "\n\n```python\nCOUNTS = {\n" + "\n".join(lines) + f"\n}}\n```\n\n{origin()}"
     )
     write(folder, "instructions", "Instructions", columns, rows, note)

@@ -30,7 +30,7 @@ from pgimp.errors import RunError
 from pgimp.schema.tables import prescribed
 
 #: Of mass times wave speed: forces on vertices that are too light to be accelerated are lost, about
-#: 1e-8 of a particle's (see tests/test_wall_balance.py).
+#: 1e-8 of a particle's (see tests/proofs/test_wall_balance.py).
 MOMENTUM = 1e-8
 #: Of mass times wave speed squared.
 WORK = 1e-9

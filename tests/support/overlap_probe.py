@@ -1,4 +1,4 @@
-"""What tests/test_overlap.py lets all ranks of one start do.
+"""What tests/decomposition/test_overlap.py lets all ranks of one start do.
 
 overlap_probe.py runs FOLDER CASE.yaml ...  runs cases with overlap, into FOLDER/on, and without,
                                             into FOLDER/off; there is little room for migration

@@ -9,7 +9,7 @@ import pgimp
 from pgimp.cli import main
 from pgimp.physics.materials import registry
 
-CASES = Path(__file__).resolve().parents[1] / "cases"
+CASES = Path(__file__).resolve().parents[2] / "cases"
 CASE, FLUID = CASES / "fluid/dam-break.yaml", CASES / "fluid.py"
 COARSER = {"grid.cell": [0.1, 0.1], "time.end": 2.0, "time.step": 0.002}
 
@@ -47,7 +47,7 @@ def test_a_fluid_stays_in_its_box(shape):
             if name.startswith("reaction.") and name.endswith(f"-{axis}")
         ).sum()  # fmt: skip
         weight = found[0]["mass"] * gravity * found[-1]["time"]
-        # As in tests/test_books.py, of the weight's impulse, 6,000 kg m/s.
+        # As in tests/proofs/test_books.py, of the weight's impulse, 6,000 kg m/s.
         assert found[-1][f"momentum-{axis}"] == pytest.approx(walls + weight, abs=1e-8 * 6000.0)
     assert found[-1]["dissipated-energy"] > 0.0
 

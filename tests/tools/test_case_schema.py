@@ -23,7 +23,7 @@ from pgimp.solver.diagnostics import column_names
 from pgimp.solver.simulation import Simulation
 from pgimp.tools.reference.jsonschema import json_schema
 
-PAGE = Path(__file__).parents[1] / "cases" / "reference.md"
+PAGE = Path(__file__).parents[2] / "cases" / "reference.md"
 
 
 def test_reference_is_current(capsys):
@@ -67,7 +67,7 @@ def test_the_reference_names_the_columns_that_the_solver_writes(dimensions):
         pattern = name.replace("AXIS", "[xyz]").replace("NAME", "b").replace("FACE", "x-min")
         found = [column for column in columns if re.fullmatch(pattern, column)]
         assert columns[position : position + len(found)] == found
-        # Errors against an exact solution: tests/test_exact_errors.py.
+        # Errors against an exact solution: tests/physics/test_exact_errors.py.
         without = name.startswith("error") or ("angular" in name and dimensions == 1)
         assert bool(found) != without
         position += len(found)

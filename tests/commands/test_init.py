@@ -22,10 +22,10 @@ from pgimp.scene.scene import Scene, count_particles
 from pgimp.tools.reference.jsonschema import json_schema, study_schema
 from pgimp.tools.study.plan import read_plan
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 CASES = ROOT / "cases"
 NAMES = [str(path.relative_to(CASES).with_suffix("")) for path in CASES.rglob("*.yaml")]
-#: The case of fluid/ has a material from outside the package, see tests/test_dam_break.py.
+#: The case of fluid/ has a material from outside the package, see tests/cases/test_dam_break.py.
 ONLY_CASES = [name for name in NAMES if not name.startswith(("studies/", "fluid/"))]
 
 

@@ -9,7 +9,7 @@ import pytest
 import pgimp
 from pgimp.cli import main
 
-CASES = Path(__file__).resolve().parents[1] / "cases"
+CASES = Path(__file__).resolve().parents[2] / "cases"
 COARSER = {
     "bar-vibration": [
         "grid.cell=[0.05]",

@@ -12,7 +12,7 @@ from processes import run
 from pgimp.case.reader import read_case
 from pgimp.errors import CaseError
 
-PROOFS = Path(__file__).resolve().parents[1] / "scripts" / "proofs"
+PROOFS = Path(__file__).resolve().parents[2] / "scripts" / "proofs"
 BOMB = "l0: &l0 lol\n" + "".join(
     f"l{i}: &l{i} [{', '.join([f'*l{i - 1}'] * 9)}]\n" for i in range(1, 12)
 )

@@ -1,6 +1,6 @@
 """Particles that leave through faces that let them go: what is booked, what goes on without them.
 
-That the number of ranks and a resume change no bit of such a run: tests/test_ranks.py.
+That the number of ranks and a resume change no bit of such a run: tests/proofs/test_ranks.py.
 """
 
 import warnings

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-PROGRAM = Path(__file__).resolve().parents[1] / "scripts/benchmarks/instructions.py"
+PROGRAM = Path(__file__).resolve().parents[2] / "scripts/benchmarks/instructions.py"
 
 #: gimp, neo-Hookean, random positions, compiled for AVX2.
 COUNTS = {

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from processes import SUPPORT
 
-BENCHMARKS = Path(__file__).resolve().parents[1] / "scripts/benchmarks"
+BENCHMARKS = Path(__file__).resolve().parents[2] / "scripts/benchmarks"
 sys.path.insert(0, str(BENCHMARKS))
 
 PARTS = {"kernels": 4, "domain": 2, "features": 3}

@@ -15,7 +15,7 @@ from pgimp.files.lines import LineFile
 from pgimp.mpi.comm import Serial
 from pgimp.solver.probes import nearest
 
-CASES = Path(__file__).parents[1] / "cases"
+CASES = Path(__file__).parents[2] / "cases"
 FIELDS = ["velocity", "stress", "displacement", "strain", "pressure", "von-mises", "density"]
 
 

@@ -15,7 +15,7 @@ from pgimp.errors import CaseError
 from pgimp.mpi.comm import Serial
 from pgimp.solver.simulation import Simulation
 
-PROOFS = Path(__file__).resolve().parents[1] / "scripts" / "proofs"
+PROOFS = Path(__file__).resolve().parents[2] / "scripts" / "proofs"
 sys.path.insert(0, str(PROOFS))
 
 import proof_scenes  # noqa: E402

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from processes import run
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 
 
 def test_the_site_is_built_and_can_be_searched(tmp_path):

@@ -18,7 +18,7 @@ from pgimp.case.reader import read_case
 from pgimp.jit import algebra
 from pgimp.tools.study.plan import read_plan
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 CONFIGURATION = ROOT / "scripts" / "pages" / "mkdocs.yml"
 
@@ -58,9 +58,9 @@ INSTEAD = {
     "pgimp study cases/studies/compaction.yaml": "pgimp study cases/studies/compaction.yaml --list",
     "scripts/test": f"{ROOT}/scripts/test --version",  # this test is one of those it would run
     "scripts/test --fast": f"{ROOT}/scripts/test --version",
-    "scripts/test tests/test_bits.py -k order": f"{ROOT}/scripts/test --version",
+    "scripts/test tests/kernels/test_bits.py -k order": f"{ROOT}/scripts/test --version",
     "scripts/setup --test": f"{ROOT}/scripts/setup --help",
-    "scripts/docs": f"{ROOT}/scripts/docs --help",  # see tests/test_docs.py
+    "scripts/docs": f"{ROOT}/scripts/docs --help",  # see tests/docs/test_docs.py
     "sbatch block3d.sh": "bash -n block3d.sh",
     "pgimp bench": "pgimp bench --cells 4 --repeats 1",
     "pgimp schema '>' pgimp-schema.json": "pgimp schema",  # no shell here
@@ -284,14 +284,14 @@ def test_material_works_as_printed(folder):
     for difference in differences:
         apply(difference, materials / "__init__.py")
     shutil.copytree(ROOT / "tests", tests, ignore=shutil.ignore_patterns("__pycache__"))
-    (tests / "test_fluid.py").write_text(block_of('"""The fluid'))
+    (tests / "physics" / "test_fluid.py").write_text(block_of('"""The fluid'))
     source = folder / "source"
     env = ENVIRONMENT | {"PYTHONPATH": str(source), "PGIMP_CACHE_DIR": str(folder / "cache")}
-    tested = run([sys.executable, "-m", "pytest", "tests/test_fluid.py"], 100, source, env)
+    tested = run([sys.executable, "-m", "pytest", "tests/physics/test_fluid.py"], 100, source, env)
     assert tested.returncode == 0, tested.stdout
     assert "5 passed" in tested.stdout
     water = "materials.jelly={model: fluid, bulk: 1.0e3, shear_viscosity: 1.0, density: 1.0e3}"
-    ruff = ["-m", "ruff", "check", "pgimp/physics/materials", "tests/test_fluid.py"]
+    ruff = ["-m", "ruff", "check", "pgimp/physics/materials", "tests/physics/test_fluid.py"]
     style = run([sys.executable, *ruff], cwd=source)
     assert style.returncode == 0, style.stdout
     words = [sys.executable, "-m", "pgimp", "cases/disks.yaml", "-o", "water.out"]
