@@ -140,10 +140,10 @@ class Forcing(NamedTuple):
         its gradient in full, however small its weight.
     loads : Loads
         See `pgimp.kernels.loads`.
-    grips : tuple of Grip
-        The constraints, see `pgimp.kernels.grips`.
-    marked : (grips, mask) or ()
-        The constraints and the vertices that they hold, see `ruled`.
+    constraints : tuple of Constraint
+        The constraints, see `pgimp.kernels.constraints`.
+    marked : (constraints, mask) or ()
+        The constraints and the vertices that they hold, see `constrained_velocity`.
     walls : (6, 3) float64
         The faces that hold particles in, see `pgimp.kernels.walls`.
     controlled : bool
@@ -154,7 +154,7 @@ class Forcing(NamedTuple):
     gravity: tuple[float, float, float]
     lightest: float
     loads: Any
-    grips: tuple
+    constraints: tuple
     marked: tuple
     walls: FloatArray
     controlled: bool

@@ -6,8 +6,8 @@ from time import perf_counter, thread_time
 import numpy as np
 
 from pgimp.kernels.concepts import Forcing, Report
+from pgimp.kernels.constraints import apply_constraints, mark_constrained_vertices
 from pgimp.kernels.g2p import grid_to_particles
-from pgimp.kernels.grips import hold_marked, mark
 from pgimp.kernels.loads import Loads
 from pgimp.kernels.mirror import fold, reflect
 from pgimp.kernels.momentum import update_momentum
@@ -56,10 +56,10 @@ def step(
     t = begin()
     lap("exchange")
 
-    grips = scene.loads.grips(t.start, t.end)
-    marked = (grips, grid.marks) if grips else ()
+    constraints = scene.loads.constraints_at(t.start, t.end)
+    marked = (constraints, grid.marks) if constraints else ()
     forcing = Forcing(
-        t.dt, scene.gravity(t.start), rank.lightest, loads, grips, marked, scene.walls(t.end),
+        t.dt, scene.gravity(t.start), rank.lightest, loads, constraints, marked, scene.walls(t.end),
         controlled,
     )  # fmt: skip
     faces, felt = scene.face_parameters(t.start, t.end), on_vertices(forcing)
@@ -67,7 +67,7 @@ def step(
         call(fold, scene.frame, field, mirror, felt, ledger)
     call(update_momentum, scene.frame, field, faces, felt, ledger)  # (14, 17)
     if marked:
-        call(hold_marked, field, felt, ledger)
+        call(apply_constraints, field, felt, ledger)
     for mirror in reversed(scene.mirrors):
         call(reflect, scene.frame, field, mirror, felt, ledger)
     lap("momentum")
@@ -114,7 +114,7 @@ def on_vertices(forcing: Forcing) -> Forcing:
     Kernels that work on vertices are then compiled once for all kinds of loads.
     """
     loads = Loads(relaxation=forcing.loads.relaxation)
-    return forcing._replace(loads=loads, grips=())
+    return forcing._replace(loads=loads, constraints=())
 
 
 def sum_particles(rank: Rank, loads: Loads, marked: bool) -> None:
@@ -124,7 +124,7 @@ def sum_particles(rank: Rank, loads: Loads, marked: bool) -> None:
     if rank.failed:  # what others do not know yet; such particles may be anywhere
         order = order._replace(start=np.zeros_like(order.start))
     if marked:
-        rank.call(mark, setting, grid.window, particles, order, grid.marks)
+        rank.call(mark_constrained_vertices, setting, grid.window, particles, order, grid.marks)
     grid.active.fill(0)
     for part in rank.halo.parts(order.start):  # first what neighbours wait for
         rank.call(  # (16, 17, 18, 21, 22)

@@ -114,8 +114,8 @@ def _examine(setting, forcing, particles, batch, usual, found, report, ledger, c
             if fault == 0:
                 fault = _outside(frame, setting.exits, xj)
             if fault == OUTSIDE and hold_inside(
-                forcing.walls, frame, forcing.grips, particles, p, ledger.impulse[batch.layer],
-                ledger.work[batch.layer : batch.layer + 1],
+                forcing.walls, frame, forcing.constraints, particles, p,
+                ledger.impulse[batch.layer], ledger.work[batch.layer : batch.layer + 1],
             ):  # fmt: skip
                 held += 1
                 xj = read(particles.x, p, 0, frame.origin)
