@@ -111,7 +111,7 @@ class Field(NamedTuple):
     owned : int
         Number of planes, from the first, whose sums this rank accounts for.
     bounds : tuple of D pairs of float
-        Coordinates within which a particle is sure to stay in the domain and in the window.
+        Coordinates between which a particle is certainly in the domain and in the window.
     """
 
     window: Window
@@ -168,12 +168,12 @@ class Report(NamedTuple):
     reach : (2, 2) int64
         Grown to the first vertices (least, greatest; y, z) of particles, at least of those beyond
         the field's bounds.
-    movers : (n,) int32
+    changed : (n,) int32
         Filled with the places in the order of particles that changed their layer or left.
     faults : (room, 2) int64
         Filled with row and fault of particles at fault, of the first ones if there are more.
     """
 
     reach: IntArray
-    movers: NDArray[np.int32]
+    changed: NDArray[np.int32]
     faults: IntArray

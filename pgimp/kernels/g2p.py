@@ -60,7 +60,7 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
 
     Returns
     -------
-    faults, leavers, movers : int
+    faults, leavers, changed : int
         Number of particles at fault, of those that left, of those that left or changed their layer.
     rate : float
         Largest (c_p + |v_p|)/L, if controlled.

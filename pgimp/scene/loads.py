@@ -11,7 +11,7 @@ from pgimp.errors import CaseError
 from pgimp.kernels.loads import Loads
 from pgimp.kernels.particles import Particles
 from pgimp.kernels.viscosity import Viscosity
-from pgimp.scene.filling import SLIVER
+from pgimp.scene.latticebody import SLIVER
 
 
 def parts_of(low: float, high: float, edges: np.ndarray) -> np.ndarray:

@@ -45,7 +45,7 @@ def step(
         On every rank, as from `begin`. The particles are as they were.
     """
     scene, grid, population, migration = rank.scene, rank.grid, rank.population, rank.migration
-    field, order, movers = grid.field, population.ordered, population.movers
+    field, order, changed = grid.field, population.ordered, population.changed
     loads, ledger, call = scene.loads.at(start), rank.ledger, rank.call
     lap = _stopwatch(rank.timings, rank.worked)
 
@@ -74,7 +74,7 @@ def step(
 
     rate, failed, leavers, found = 0.0, [], 0, 0
     for half, layers in enumerate(rank.halo.halves(order.start)):  # first what neighbours wait for
-        report = Report(rank.reach, movers[found:], rank.fault_room[half])
+        report = Report(rank.reach, changed[found:], rank.fault_room[half])
         wrong, left, moved, fastest, clamped, held = call(  # (26, 27, 29, 30)
             grid_to_particles, scene.setting, field, population.particles, order, layers, forcing,
             report, ledger,
@@ -85,25 +85,25 @@ def step(
         rank.held += held
         lap("G2P")
         if moved or rank.slab.neighbours:
-            migration.proceed(population, movers[found : found + moved])
+            migration.proceed(population, changed[found : found + moved])
             found += moved
             lap("migrate")
     rank.particle_steps += len(order.rows)
     if sum(failed):
         rank.list_faults(failed)
 
-    movers = movers[:found]
+    changed = changed[:found]
     if len(failed) > 1:
-        movers.sort()
+        changed.sort()
     if leavers:
-        rank.remove_leavers(movers)
-    coming = movers
+        rank.remove_leavers(changed)
+    coming = changed
     if found or rank.slab.neighbours:
         coming = migration.receive(population)
     lap("migrate")
 
     if found or len(coming):
-        population.restore_order(movers, coming)
+        population.restore_order(changed, coming)
     lap("order")
     return t, rate
 
@@ -136,7 +136,7 @@ def sum_particles(rank: Rank, loads: Loads, marked: bool) -> None:
 def _stopwatch(timings: dict[str, float], worked: dict[str, float]) -> Callable[[str], None]:
     """Make what adds the time since it was last called to that of a phase.
 
-    `worked`, unless it is the same as `timings`, is by the clock of the rank's own work.
+    `worked`, unless it is the same as `timings`, gets the rank's own CPU time.
     """
     last = perf_counter()
     last_own = thread_time() if worked is not timings else 0.0

@@ -12,10 +12,10 @@ from pgimp.kernels.concepts import Forcing, Order, Report
 from pgimp.kernels.constraints import apply_constraints, mark_constrained_vertices
 from pgimp.kernels.errors import ERRORS, initial_velocities, layer_errors
 from pgimp.kernels.g2p import grid_to_particles
+from pgimp.kernels.layerchanges import pack_rows, partition_migrants, sort_rows, unpack_rows
 from pgimp.kernels.ledger import Ledger
 from pgimp.kernels.mirror import fold, reflect
 from pgimp.kernels.momentum import update_momentum
-from pgimp.kernels.movers import pack_rows, sort_out, sort_rows, unpack_rows
 from pgimp.kernels.order import layers_of, locate, merge, reach_of
 from pgimp.kernels.p2g import complete, particles_to_grid
 from pgimp.kernels.particles import Particles
@@ -68,7 +68,7 @@ def _calls(scene: Scene) -> Iterator[Call]:
     yield 0.4, lambda: reach_of(shape, frame, p, rows, reach)
     yield 0.4, lambda: exact_masses(p, rows, 1.0, np.zeros((bodies, 2), np.int64))
     yield 0.3, lambda: sort_rows(p.layer, p.cell, p.id, rows, rows.copy())
-    yield 0.3, lambda: sort_out(p.layer, rows, rows, 0, 1, rows.copy(), rows.copy())
+    yield 0.3, lambda: partition_migrants(p.layer, rows, rows, 0, 1, rows.copy(), rows.copy())
     yield 0.2, lambda: layers_of(shape, frame, scene.identity, np.empty(0), np.empty(0, np.int64))
     for mirror in scene.mirrors:
         yield 1.0, partial(fold, frame, grid.field, mirror, felt, ledger)

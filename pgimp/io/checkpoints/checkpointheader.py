@@ -109,7 +109,7 @@ def parse(read: Callable[[int, int], bytes], size: int) -> tuple[Header, int]:
     Parameters
     ----------
     read : callable
-        ``read(start, length)`` gives so many bytes of the file, fewer where it ends.
+        ``read(start, length)`` gives `length` bytes of the file, fewer where it ends.
     size : int
         Bytes of the file.
 

@@ -123,7 +123,7 @@ def _examine(setting, forcing, particles, batch, usual, found, report, ledger, c
                 fault = _outside(frame, setting.exits, xj)
             if fault == _LEAVES:
                 particles.layer[p] = OUTFLOW
-                report.movers[moved] = batch.first + j
+                report.changed[moved] = batch.first + j
                 moved += 1
                 leavers += 1
                 continue
@@ -141,7 +141,7 @@ def _examine(setting, forcing, particles, batch, usual, found, report, ledger, c
                 reach[1, d - 1] = max(reach[1, d - 1], i)
             if layer_now != number:
                 particles.layer[p] = layer_now
-                report.movers[moved] = batch.first + j
+                report.changed[moved] = batch.first + j
                 moved += 1
         return failed, leavers, moved, clamped, held
 
