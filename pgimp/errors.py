@@ -1,4 +1,4 @@
-"""Exceptions whose messages are for people; the command line turns each into an exit status."""
+"""Exceptions whose messages are shown to the user; each has an exit status."""
 
 import errno
 import os
@@ -42,7 +42,7 @@ class DamagedError(Exception):
 
 
 def explain(error: OSError) -> str:
-    """Word the cause of a failed file operation for people, with what to do about it."""
+    """Describe why a file operation failed, and what to do about it."""
     if error.errno is None:
         return " ".join(str(error).split())
     cause = os.strerror(error.errno)

@@ -1,1 +1,1 @@
-"""The case file: typed models, reading with line numbers, writing, messages for people."""
+"""The case file: typed models, reading with line numbers, writing, readable messages."""

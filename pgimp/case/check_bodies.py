@@ -16,7 +16,7 @@ from pgimp.schema.problems import Problem
 from pgimp.schema.sizes import AXES, WHOLE, Problems, faces, length
 
 MOST_PARTS = 5000
-"""Of a region; with so many that overlap, some hundred thousand particles take a minute."""
+"""Of a region: if these overlap, a few hundred thousand particles take a minute."""
 
 
 def check_materials(bodies: Mapping[str, Any], declared: Iterable[str]) -> Problems:

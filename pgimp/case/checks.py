@@ -1,7 +1,7 @@
 """What must hold between the parts of a case.
 
 Each check is a generator of problems whose parameters name the parts of the case that it needs;
-it runs when these are sound, whatever is wrong with the others.
+it runs when these are valid, even if others are not.
 """
 
 from __future__ import annotations

@@ -140,7 +140,7 @@ ProbeEntry = Annotated[Any, ByWord(lambda: _PROBES, "probe")]
 class WallTime(Model):
     """An interval of wall-clock time."""
 
-    wall: Positive = Field(description="every so many seconds of wall time")
+    wall: Positive = Field(description="interval in seconds of wall time")
 
 
 class Checkpoint(Model):
@@ -159,7 +159,7 @@ class Checkpoint(Model):
     ] = Field(
         default=WallTime(wall=900.0),
         description="a checkpoint at the first step at or after every multiple of this simulated "
-        "time or number of steps, or after so many seconds of wall time; null: only at the end, "
+        "time or number of steps, or at an interval of wall time; null: only at the end, "
         "and where the run is asked to stop [time]",
     )
     keep: Count = Field(default=2, description="how many are kept; older ones are deleted")

@@ -1,7 +1,7 @@
 """``pgimp bench``: the standard block, in particle-steps per second by phase, with its error.
 
 A neo-Hookean block of 32 x 32 x 32 cells, 8 particles a cell at random positions, falls freely:
-its exact motion is rigid, so whatever stress and velocity differences appear are errors.
+its exact motion is rigid, so that stresses and velocity differences are errors.
 """
 
 import argparse
@@ -171,7 +171,7 @@ def _execute(args: argparse.Namespace, comm: Any) -> int:
 
 
 def _table(result: dict[str, Any]) -> str:
-    """The result for people."""
+    """The result as text."""
     lines = [
         f"3D contiguous GIMP, neo-Hookean, {result['particles']:,} particles at "
         f"{result['positions']} positions, {result['ranks']} rank(s), {result['steps']} steps",

@@ -68,7 +68,7 @@ def report(case: Case) -> None:
     Raises
     ------
     CaseError
-        For whatever would stop a run before its first step.
+        For what would stop a run before its first step.
     """
     scene = Scene(case)
     share(case, Serial())

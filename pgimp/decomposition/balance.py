@@ -23,14 +23,14 @@ _MEANING = "keeps slab boundaries where they are", "lets them follow the load"
 _SMALL = 0.03
 #: Parts of the mean cost by which a move must lower the dearest rank's.
 _LEAST_GAIN = 0.02
-#: So many steps at most does a state last that has lasted for as long.
+#: Greatest lifetime, in steps, that is expected of an imbalance.
 _LONGEST = 1000
 #: Intervals in which a rank must have differed before it is taken for slower or faster.
 _EVIDENCE, _MOST_EVIDENCE = 4, 64
-#: The last so many are remembered, of so many seconds: disturbances last for tenths of one.
+#: Intervals that are remembered, and seconds of each: disturbances last for tenths of one.
 _REMEMBERED, _SECONDS = 8, 1.0
-#: A move costs so many steps of the particles that move and of some more, until it is measured;
-#: and the most that one may cost.
+#: Cost of a move until it is measured, in steps of the particles that move and of some more;
+#: and the greatest cost.
 _PRICE, _BESIDES, _DEAREST = 2.0, 8000.0, 200.0
 
 
@@ -97,7 +97,7 @@ class Balance:
         self._doubted: float | None = None
 
     def _forget(self) -> None:
-        """Begin anew to watch how ranks differ."""
+        """Forget how ranks differed."""
         self._factors: deque[np.ndarray] = deque(maxlen=_REMEMBERED)
         self._watched = self._next = 0.0
         self._imbalances: deque[float] = deque(maxlen=_MOST_EVIDENCE)
@@ -165,7 +165,7 @@ class Balance:
         self.asks = False
 
     def _may_pay(self, excess: float, step: int) -> bool:
-        """Whether to move boundaries may pay where a rank has so many particles too many."""
+        """Whether moving boundaries may pay off if a rank has `excess` particles too many."""
         return excess > 0.0 and excess * self._lasts(step) > self.price * (excess + _BESIDES)
 
     def _lasts(self, step: int) -> int:

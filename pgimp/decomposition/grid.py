@@ -58,7 +58,7 @@ class Grid:
     partial : float64
         The part of `aside` for planes that are shared with the rank below.
     marks : (planes * plane / 8,) int64
-        See `pgimp.kernels.grips`; made when first asked for.
+        See `pgimp.kernels.constraints`; made when first asked for.
     base : (2, 2) int64
         First vertices (least, greatest; y, z) that a support in the window may have.
     known : (2, 2) int64

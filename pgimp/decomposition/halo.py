@@ -42,7 +42,7 @@ def _free(requests: list[Any]) -> None:
 class Halo:
     """Exchange between a rank and its two neighbours, by persistent requests.
 
-    Requests belong to a grid's arrays and are made anew when these are others, as when the window
+    Requests belong to a grid's arrays and are made again when these change, as when the window
     changes. A halo is cheap to make; make another when slabs change, and `close` the old one
     then. What is not closed is at the process's end, before MPI is.
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from pgimp.decomposition.population import Population, with_room
 from pgimp.decomposition.slabs import Slab
-from pgimp.kernels.movers import pack_rows, sort_out, unpack_rows
+from pgimp.kernels.layerchanges import pack_rows, partition_migrants, unpack_rows
 from pgimp.kernels.particles import Columns, Particles
 
 _TAG, _REST = 3, 6
@@ -34,12 +34,12 @@ def unpack(records: np.ndarray, particles: Particles, rows: np.ndarray) -> None:
 
 
 def _wire(records: int, columns: int) -> np.ndarray:
-    """A message's buffer: the number of particles, and room for so many records."""
+    """A message's buffer: the number of particles, and space for `records` records."""
     return np.zeros(1 + records * columns, np.int64)
 
 
 def _grown(number: int) -> int:
-    """Room for the next time, after so many particles had too little of it."""
+    """Capacity of a new buffer, after one was too small for `number` particles."""
     return number + number // 2
 
 
@@ -101,7 +101,7 @@ def _close(links: list[_Link]) -> None:
 class Migration:
     """Particles that come and go between a rank and its two neighbours.
 
-    Receives are persistent and buffers are kept. To be made anew, on all ranks in the same step,
+    Receives are persistent and buffers are kept. To be made again, on all ranks in the same step,
     when slabs change; `close` the old one then. What is not closed is at the process's end, before
     MPI is.
 
@@ -153,7 +153,7 @@ class Migration:
         if found:
             self._arrivals = with_room(self._arrivals, self._stay + found, self._stay)
             self._leaving = with_room(self._leaving, found)
-            stay, down, up = sort_out(
+            stay, down, up = partition_migrants(
                 population.particles.layer, population.order, places, population.first,
                 population.layers, self._arrivals[self._stay :], self._leaving,
             )  # fmt: skip

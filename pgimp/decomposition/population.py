@@ -5,7 +5,7 @@ from math import prod
 import numpy as np
 
 from pgimp.kernels.concepts import Order
-from pgimp.kernels.movers import sort_rows
+from pgimp.kernels.layerchanges import sort_rows
 from pgimp.kernels.order import locate, merge, reach_of
 from pgimp.kernels.particles import Columns, Frame, IntArray, Particles
 
@@ -70,7 +70,7 @@ class Population:
             self.start[:] = start
 
     @property
-    def movers(self) -> np.ndarray:
+    def changed(self) -> np.ndarray:
         """Room for as many rows as there are particles, between two changes of the order."""
         return self._spare
 
@@ -200,7 +200,7 @@ class Population:
             p, self.order, self.start, places, self.first, arrivals,
             self._spare, self._spare_start,
         )  # fmt: skip
-        # Also what is spare has room for all particles, see `movers`.
+        # Also what is spare has room for all particles, see `changed`.
         old, self.order = self._whole(self.order), self._spare[:count]
         self._spare = with_room(old, count)
         self.start, self._spare_start = self._spare_start, self.start

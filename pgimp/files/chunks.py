@@ -149,5 +149,5 @@ class Chunks:
 
 
 def chunk_rows(count: int) -> int:
-    """Rows of a chunk in a dataset of so many: HDF5 wants no chunk longer than the dataset."""
+    """Rows of a chunk in a dataset of `count` rows; HDF5 allows no chunk longer than that."""
     return min(ROWS, count)

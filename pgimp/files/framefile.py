@@ -12,7 +12,7 @@ rank that writes them.
 
 Every write is checked for its length, and the sync at the end for its error: that is where a
 kernel tells of what it could not bring to the disk. When all ranks have closed the file, each
-opens it anew and compares the checksums of what another rank has written.
+opens it again and compares the checksums of what another rank has written.
 """
 
 from __future__ import annotations
@@ -37,12 +37,12 @@ Array = np.ndarray
 #: Bytes of a block that one rank alone writes, counted from the file's first byte: the largest page
 #: that a kernel has, and so whole pages on every machine.
 BLOCK = 1 << 16
-# Rows are taken together and written in blocks of so many, which stay in the core's cache.
+# Rows are collected and written in blocks of this size, which fits into the core's cache.
 _ROWS = 1 << 14
 
 
 def blocks(count: int, size: int | None = None) -> Iterator[tuple[int, int]]:
-    """Yield begin and end of each block of so many rows; the last one may be shorter."""
+    """Yield begin and end of each block of `size` rows; the last one may be shorter."""
     size = size or _ROWS
     for start in range(0, count, size):
         yield start, min(start + size, count)

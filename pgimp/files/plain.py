@@ -74,7 +74,7 @@ def read_plain(name: str | os.PathLike[str], most: int) -> bytes:
 
 
 def read_some(name: str | os.PathLike[str], most: int) -> bytes:
-    """Return the content of a file, or what comes out of a pipe, but no more than so many bytes.
+    """Return the content of a file, or what comes out of a pipe, at most `most` bytes.
 
     Raises
     ------

@@ -67,7 +67,7 @@ class Unfinished:
 
 @contextmanager
 def explained_errors(what: str) -> Iterator[None]:
-    """Turn an error of the disk into one for people."""
+    """Turn an error of the disk into one that explains itself."""
     try:
         yield
     except OSError as error:

@@ -3,7 +3,7 @@
 Numba's own keeps an index of all types that a function was compiled for, which two processes that
 compile at once overwrite for each other, and loads whatever it finds. Here each kernel has a file
 of its own, named after its key and read only if its checksum holds (see `pgimp.jit.sealed`).
-A file that does not fit in any way is compiled anew and replaced.
+A file that does not fit in any way is compiled again and replaced.
 """
 
 import io
@@ -69,7 +69,7 @@ class Store:
             return None
         except sealed.UntrustedError as error:
             _damaged[str(path)] = str(error)
-        except Exception as error:  # whole, but of no use; it is compiled anew, whatever it was
+        except Exception as error:  # whole but unusable; it is compiled again
             _damaged[str(path)] = f"{type(error).__name__}: {error}"
         return None
 
@@ -186,7 +186,7 @@ def messages(found: Iterable[Problems] | None = None) -> list[str]:
     if damaged:
         path, why = next(iter(damaged.items()))
         more = f", and {len(damaged) - 1} more" if len(damaged) > 1 else ""
-        lines.append(f"compiled kernels were not used but compiled anew: {path}{more}: {why}")
+        lines.append(f"compiled kernels were not used but compiled again: {path}{more}: {why}")
     return lines + [
         f"compiled kernels could not be kept in {path}: {why}" for path, why in failures.items()
     ]

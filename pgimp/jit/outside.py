@@ -97,7 +97,7 @@ def digests(parameters: Iterable[Any]) -> dict[str, str]:
 
 
 def unchanged(before: Mapping[str, str]) -> bool:
-    """Return whether types that `digests` told of are still the same, in this process."""
+    """Return whether the types of `digests` are still the same in this process."""
     for name, known in before.items():
         module, _, path = name.rpartition(".")
         kind = getattr(sys.modules.get(module), path, None)

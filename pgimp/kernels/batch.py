@@ -3,7 +3,7 @@
 Weights, deformation and stress are computed for four particles in one vector register; the
 transfers, which go to other vertices for each, take one after the other. In between, what belongs
 to the four lies in a room on the stack. A batch that the end of a layer cuts short repeats its
-last particle: each particle's numbers are the same in whatever batch and place it is.
+last particle: each particle's numbers are the same in every batch and place.
 """
 
 from pgimp.jit.kernel import specialise

@@ -111,7 +111,7 @@ class Field(NamedTuple):
     owned : int
         Number of planes, from the first, whose sums this rank accounts for.
     bounds : tuple of D pairs of float
-        Coordinates within which a particle is sure to stay in the domain and in the window.
+        Coordinates between which a particle is certainly in the domain and in the window.
     """
 
     window: Window
@@ -140,10 +140,10 @@ class Forcing(NamedTuple):
         its gradient in full, however small its weight.
     loads : Loads
         See `pgimp.kernels.loads`.
-    grips : tuple of Grip
-        The constraints, see `pgimp.kernels.grips`.
-    marked : (grips, mask) or ()
-        The constraints and the vertices that they hold, see `ruled`.
+    constraints : tuple of Constraint
+        The constraints, see `pgimp.kernels.constraints`.
+    marked : (constraints, mask) or ()
+        The constraints and the vertices that they hold, see `constrained_velocity`.
     walls : (6, 3) float64
         The faces that hold particles in, see `pgimp.kernels.walls`.
     controlled : bool
@@ -154,7 +154,7 @@ class Forcing(NamedTuple):
     gravity: tuple[float, float, float]
     lightest: float
     loads: Any
-    grips: tuple
+    constraints: tuple
     marked: tuple
     walls: FloatArray
     controlled: bool
@@ -168,12 +168,12 @@ class Report(NamedTuple):
     reach : (2, 2) int64
         Grown to the first vertices (least, greatest; y, z) of particles, at least of those beyond
         the field's bounds.
-    movers : (n,) int32
+    changed : (n,) int32
         Filled with the places in the order of particles that changed their layer or left.
     faults : (room, 2) int64
         Filled with row and fault of particles at fault, of the first ones if there are more.
     """
 
     reach: IntArray
-    movers: NDArray[np.int32]
+    changed: NDArray[np.int32]
     faults: IntArray

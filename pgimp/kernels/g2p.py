@@ -56,11 +56,11 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
         Filled with what happened.
     ledger : Ledger
         Grows, layer by layer, by the work of loads, constraints and walls on particles, and by the
-        momentum that constraints (`grip_impulse`) and walls (`impulse`) give to them.
+        momentum that constraints (`constraint_impulse`) and walls (`impulse`) give to them.
 
     Returns
     -------
-    faults, leavers, movers : int
+    faults, leavers, changed : int
         Number of particles at fault, of those that left, of those that left or changed their layer.
     rate : float
         Largest (c_p + |v_p|)/L, if controlled.

@@ -18,7 +18,7 @@ class Ledger(NamedTuple):
         Impulse of each face with a condition.
     beyond : (planes, faces) float64
         Mass beyond each face in the last step.
-    grip_impulse : (planes, constraints, 3) float64
+    constraint_impulse : (planes, constraints, 3) float64
         Impulse of each constraint.
     escaped : (planes, bodies, SUMS) float64
         What particles that left took with them, as `layer_sums` has it; (planes, 0, 0) where
@@ -28,7 +28,7 @@ class Ledger(NamedTuple):
     work: np.ndarray
     impulse: np.ndarray
     beyond: np.ndarray
-    grip_impulse: np.ndarray
+    constraint_impulse: np.ndarray
     escaped: np.ndarray
 
     @classmethod

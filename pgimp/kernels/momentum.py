@@ -1,7 +1,7 @@
 """Momentum update (14) of the vertices, boundary conditions, and what the faces do."""
 
 from pgimp.jit.kernel import kernel, specialise
-from pgimp.kernels.grips import ruled
+from pgimp.kernels.constraints import constrained_velocity
 from pgimp.kernels.loads import given
 from pgimp.kernels.record import ACCELERATION, FORCE, HELD, MASS, MOMENTUM, RECORD, VELOCITY
 from pgimp.kernels.transfer import also_held
@@ -156,7 +156,7 @@ def _constrain_face(done, faces, frame, field, forcing, i, ledger):
             v, a = hold(
                 faces, len(done), relaxation, frame, number, u, b, mass, dt, ledger.impulse[i]
             )  # fmt: skip
-            last = ruled(forcing.marked, r, v)
+            last = constrained_velocity(forcing.marked, r, v)
             held = 0.0
             for d in range(3):
                 work[i] += given(relaxation, mass, dt, u[d], b[d], v[d], a[d]) * last[d]

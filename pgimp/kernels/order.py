@@ -16,7 +16,7 @@ _BREADTHS = 27
 
 
 def cell_numbers(vertices: tuple[int, ...]) -> int:
-    """Numbers that `locate` may give in a grid of so many vertices: 0 to one less than this."""
+    """Upper bound, exclusive, of the numbers that `locate` gives in a grid of `vertices`."""
     blocks = vertices[0] * prod((n >> BLOCK) + 1 for n in vertices[1:])
     return blocks * _BREADTHS << BLOCK * (len(vertices) - 1)
 

@@ -25,7 +25,7 @@ class Carried(NamedTuple):
     ----------
     dimensions : int
         1, 2 or 3.
-    origin, affine, viscous, grips : bool
+    origin, affine, viscous, constraints : bool
         Whether they keep their initial position, velocity gradient, viscous pressure, constraint.
     tractions, state : int
         Number of tractions, and of what the material with most state variables remembers.
@@ -36,7 +36,7 @@ class Carried(NamedTuple):
     affine: bool = False
     viscous: bool = False
     tractions: int = 0
-    grips: bool = False
+    constraints: bool = False
     state: int = 0
 
 
@@ -121,11 +121,11 @@ class Particles(NamedTuple):
         FloatArray,
         Column("area of each traction's patch", "area", lambda c: c.tractions, least=0.0),
     ]
-    grip: Annotated[
+    constraint: Annotated[
         NDArray[np.int32],
         Column(
             "number of the constraint that holds it, from 1; 0 is none",
-            width=lambda c: int(c.grips), dtype=np.int32, numbers="constraints",
+            width=lambda c: int(c.constraints), dtype=np.int32, numbers="constraints",
         ),
     ]  # fmt: skip
     state: Annotated[

@@ -17,7 +17,7 @@ from pgimp.kernels.record import RECORD
 #: greatest.
 _APART = 1e12
 
-#: Code of several components, and of whatever a constraint holds, which need not lie along a wall.
+#: Code of several components, and of what constraints hold, which need not lie along a wall.
 SEVERAL = _APART**3
 
 #: Least weight of a vertex that counts as being in a particle's reach; less is rounding.

@@ -15,19 +15,19 @@ from pgimp.jit.kernel import kernel, specialise
 FACE, PLACE, VELOCITY, WALL = 0, 1, 2, 3
 
 
-def prescribed_by(grips, grip, d):
-    """Whether constraint number `grip`, from 1, prescribes component `d`; 0 is no constraint."""
+def prescribed_by(constraints, number, d):
+    """Whether constraint `number`, from 1, prescribes component `d`; 0 is no constraint."""
 
 
 @specialise(prescribed_by)
-def _prescribed_by(grips, grip, d):
-    if len(grips) == 0:
-        return lambda grips, grip, d: False
-    return lambda grips, grip, d: grip > 0 and grips[grip - 1].held[d]
+def _prescribed_by(constraints, number, d):
+    if len(constraints) == 0:
+        return lambda constraints, number, d: False
+    return lambda constraints, number, d: number > 0 and constraints[number - 1].held[d]
 
 
 @kernel
-def hold_inside(walls, frame, grips, particles, p, impulse, work):
+def hold_inside(walls, frame, constraints, particles, p, impulse, work):
     """Set a particle that has passed walls back onto them.
 
     Parameters
@@ -35,7 +35,7 @@ def hold_inside(walls, frame, grips, particles, p, impulse, work):
     walls : (6, 3) float64
         For each face, x-min to z-max: its number among those with a condition, or -1 if it holds
         nothing in; the coordinate where it puts particles; its velocity along the normal.
-    grips : tuple of Grip
+    constraints : tuple of Constraint
         Constraints; a particle moves as its constraint says, also through a wall.
     impulse : (faces, 3) float64
         Grows by the momentum that the walls give.
@@ -53,8 +53,8 @@ def hold_inside(walls, frame, grips, particles, p, impulse, work):
         if not isfinite(xi) or (xi >= 0.0 and xi <= frame.cells[d]):
             continue
         wall = walls[2 * d + (xi > 0.0)]
-        grip = particles.grip[p, 0] if particles.grip.shape[1] > 0 else 0
-        if wall[FACE] < 0.0 or prescribed_by(grips, grip, d):
+        number = particles.constraint[p, 0] if particles.constraint.shape[1] > 0 else 0
+        if wall[FACE] < 0.0 or prescribed_by(constraints, number, d):
             continue
         held = 1
         particles.x[p, d] = wall[PLACE]

@@ -35,7 +35,7 @@ class Launcher(NamedTuple):
     Attributes
     ----------
     name : str
-        The launcher, in words for people.
+        The name of the launcher, for messages.
     size : int or None
         Number of ranks it started; None if it does not say.
     rank : int
@@ -145,7 +145,7 @@ def world() -> Any:
 
 
 def quiet_mpi() -> None:
-    """Keep MPI from being initialised in this process, whatever gets imported later.
+    """Keep imports from initialising MPI in this process.
 
     An h5py that is built with MPI imports ``mpi4py.MPI``, which initialises MPI unless told not
     to. To be called before h5py is imported, by every command except a run on several ranks.

@@ -18,7 +18,7 @@ class Limit(NamedTuple):
     shared_by : str
         The same for all processes that share it, unlike that of any others.
     name : str
-        What sets it, for people.
+        What sets it, as text.
     free : int
         Bytes.
     addresses : bool

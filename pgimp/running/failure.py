@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 
 Array = np.ndarray
 
-#: Neighbours are those within so many cells in each direction of one of the first particles at
-#: fault; less far where they would be too many.
+#: Distances in cells, in each direction, within which particles are neighbours of one of the first
+#: particles at fault; smaller where there would be too many.
 RADII = (3.0, 2.5, 2.0, 1.5, 1.0, 0.5)
 _MOST_CENTRES = 32
 _MOST_FAULTS = 1000
@@ -51,7 +51,7 @@ def write(directory: Path, sim: Simulation, text: str, history: Path) -> Path | 
     sim : Simulation
         After `advance` has raised the error.
     text : str
-        What the user is told.
+        The message to the user.
     history : Path
         history.csv.
 
@@ -66,7 +66,7 @@ def write(directory: Path, sim: Simulation, text: str, history: Path) -> Path | 
     try:
         with np.errstate(all="ignore"):
             _write(folder, sim, sim.failure, text, history)
-    except Exception:  # whatever it is, the error that stopped the run is to be told
+    except Exception:  # the error that stopped the run matters more
         if sim.comm.rank == 0:
             with suppress(OSError):
                 _clear(folder)
@@ -208,7 +208,7 @@ def _courant(sim: Simulation, found: _Found) -> float:
 
 
 def _state(sim: Simulation, found: _Found, i: int) -> str:
-    """The state of a particle at fault, in lines for people."""
+    """The state of a particle at fault, as lines of text."""
     p, row, D = sim.particles, int(found.rows[i]), sim.scene.dimension
     values = {
         "x": p.x[row],

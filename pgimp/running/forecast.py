@@ -15,7 +15,7 @@ _MANY = 10_000
 
 
 def frames(case: Any, steps: float) -> int:
-    """Frames of a run with so many steps, the first and the last included."""
+    """Frames of a run of `steps` steps, the first and the last included."""
     times = {0.0, case.time.end, *case.output.at}
     return int(min(steps + 1, len(times) + _between(case.output.every, case.time.end, steps)))
 

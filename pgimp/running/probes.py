@@ -68,8 +68,8 @@ def require_known(case: Any, records: Mapping[str, Record]) -> None:
         if record is None and body is not None:
             raise UsageError(
                 f"probes.{name}: the run began without it, and which particle was closest to the "
-                "place at the start is not known any more; leave it out, or begin anew with "
-                "--overwrite"
+                "place at the start is not known any more; leave it out, or start over "
+                "with --overwrite"
             )
         if record is not None and (record.body, record.at) != (body, at):
             raise UsageError(

@@ -13,7 +13,7 @@ from pgimp.mpi.comm import launcher
 from pgimp.running.log import Log
 from pgimp.terminal import unescaped
 
-# Looking at the clock after every step would be felt in tiny scenes: about this often is enough.
+# Reading the clock after every step would cost time in tiny scenes; this interval is enough.
 _LOOK_SECONDS = 0.1
 _BAR_SECONDS = 0.25
 _FIRST_LINE_SECONDS = 10.0
@@ -160,7 +160,7 @@ def _make_bar(columns: int, end: float) -> tuple[Any, Any]:
 
 
 def duration(seconds: float) -> str:
-    """Word a time span: 4.2 s, 3:05 min or 1:02:03 h.
+    """Format a time span: 4.2 s, 3:05 min or 1:02:03 h.
 
     Parameters
     ----------

@@ -92,7 +92,7 @@ def resume(case: Case, comm: Any, directory: RunDirectory, log: Log) -> Resumed 
     if paths:
         raise RunError(
             f"none of the {len(paths)} checkpoints in {folder} can be used (the newest is "
-            f"{paths[0].name}); --overwrite begins anew"
+            f"{paths[0].name}); --overwrite starts over"
         )
     if before:
         text = on_root(comm, lambda: _case_of(directory.path))
@@ -101,7 +101,7 @@ def resume(case: Case, comm: Any, directory: RunDirectory, log: Log) -> Resumed 
         if before["state"] == "done" or before["checkpoint"] is not None:
             raise RunError(
                 f"the run in {directory.path} has written checkpoints (the last one of step "
-                f"{before['checkpoint']}), but they have gone; --overwrite begins anew"
+                f"{before['checkpoint']}), but they have gone; --overwrite starts over"
             )
     log.say(f"no checkpoint in {directory.path} yet: starting afresh")
     return "afresh"
@@ -131,7 +131,7 @@ def _ended(case: Case, state: State) -> bool:
     if state.time > clock.end * (1.0 + 1e-12):
         raise UsageError(
             f"time.end: {clock.end:.6g} has passed, the run is at t = {state.time:.6g} already; "
-            "--overwrite begins anew"
+            "--overwrite starts over"
         )
     return clock.finished(clock.after(state.step, state.time, state.dt))
 

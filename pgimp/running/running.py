@@ -132,7 +132,7 @@ def _request(sim: Simulation, recorder: Recorder, stop: Stop, step: float) -> Re
 
 
 def amount(size: float) -> str:
-    """Word a number of bytes for people, in three digits."""
+    """Format a number of bytes with three digits."""
     for unit in ("B", "kB", "MB", "GB"):
         if size < 999.5:
             return f"{size:.3g} {unit}"

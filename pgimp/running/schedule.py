@@ -16,7 +16,7 @@ class Schedule:
     Parameters
     ----------
     every : float, object with ``steps``, or None
-        Every so much simulated time, every so many steps, or not regularly.
+        Interval in simulated time or in steps; None: not regularly.
     at : sequence of float
         Further times.
     """

@@ -22,7 +22,7 @@ from pgimp.mpi.node import one_rank_first
 from pgimp.scene.scene import LEAST, MOST
 from pgimp.schema.messages import dotted
 
-#: A body that is so many times as large as the grid was perhaps meant in another unit, by so much.
+#: Ratio of sizes of body and grid that suggests another unit, and the ratio of the units.
 _FAR_TOO_LARGE, _MILLI = 50.0, 0.001
 
 
@@ -172,7 +172,7 @@ def _read_points(case: Case, comm: Any) -> None:
 
 
 def _most_particles(case: Case, comm: Any) -> int | None:
-    """Particles that the memory of all ranks holds, whatever else they have; collective."""
+    """Particles that fit into the memory of all ranks, without anything else; collective."""
     row = Particles.empty(1, Carried(case.dimensions))
     mine = min(limits(), key=lambda limit: limit.free, default=None)
     # Some ranks share the memory of a node.
@@ -194,7 +194,7 @@ def do_without(case: Case, comm: Any) -> None:
 
 
 def release(case: Case) -> None:
-    """Let go of what was read; it will be read anew when it is needed."""
+    """Free what was read; it is read again when needed."""
     for _, mesh in _meshes(case):
         mesh.__dict__.pop("surface", None)
     for body in case.bodies.values():

@@ -3,7 +3,7 @@
 Particles are made slab by slab: first every rank counts those of its share of the lattice's
 planes, then, with the counts known to all, it makes the particles of its own layers only. No rank
 ever holds more. Ids number the particles by body, then by position (x first). What a particle at a
-body's surface has of the body is found by `pgimp.scene.filling`.
+body's surface has of the body is found by `pgimp.scene.latticebody`.
 """
 
 from collections.abc import Callable, Iterator
@@ -17,10 +17,10 @@ from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.geometry.measure import TangledError
 from pgimp.geometry.regions import Points
-from pgimp.scene.cloudmeetings import overlaps
-from pgimp.scene.filling import SLIVER, Filling
+from pgimp.scene.latticebody import SLIVER, LatticeBody
+from pgimp.scene.overlap import overlaps
 from pgimp.scene.pointscloud import Cloud
-from pgimp.scene.survey import Ranges, Survey
+from pgimp.scene.volumefractions import Ranges, VolumeFractions
 
 #: Particles that are made at a time.
 _BLOCK = 200_000
@@ -77,10 +77,10 @@ class Lattice:
             centres = (points[:-1] + 0.5) / per_cell[d] * grid.cell[d]
             self.coordinates.append(grid.origin[d] + centres)
         self.volume = float(np.prod(grid.cell)) / float(np.prod(per_cell))
-        self.fillings: list[Filling | Cloud] = [
+        self.bodies: list[LatticeBody | Cloud] = [
             Cloud(body.region, self.edges)
             if isinstance(body.region, Points)
-            else Filling(body.region, self.edges, self.coordinates, body.surface == "cut")
+            else LatticeBody(body.region, self.edges, self.coordinates, body.surface == "cut")
             for body in case.bodies.values()
         ]
 
@@ -96,16 +96,16 @@ class Lattice:
 
     def count(self, planes: tuple[int, int]) -> np.ndarray:
         """Particles of each body in each plane of a range, (bodies, planes) int64."""
-        counts = np.zeros((len(self.fillings), planes[1] - planes[0]), np.int64)
-        for body, filling in enumerate(self.fillings):
-            if isinstance(filling, Cloud):
-                counts[body] = filling.count(planes)
+        counts = np.zeros((len(self.bodies), planes[1] - planes[0]), np.int64)
+        for number, body in enumerate(self.bodies):
+            if isinstance(body, Cloud):
+                counts[number] = body.count(planes)
                 continue
-            with self._named(body):
-                for survey in filling.slabs(planes):
-                    begin, end = survey.ranges[0]
-                    here = survey.exists.reshape(end - begin, -1).sum(axis=1)
-                    counts[body, begin - planes[0] : end - planes[0]] = here
+            with self._named(number):
+                for volumes in body.slabs(planes):
+                    begin, end = volumes.ranges[0]
+                    here = volumes.exists.reshape(end - begin, -1).sum(axis=1)
+                    counts[number, begin - planes[0] : end - planes[0]] = here
         return counts
 
     @contextmanager
@@ -119,13 +119,13 @@ class Lattice:
     def close_pairs(self) -> Iterator[tuple[int, int, Ranges]]:
         """Pairs of bodies that may share a cell, with the part of the lattice where they may.
 
-        Those of a file's particles are looked at by `pgimp.scene.cloudmeetings`.
+        Those of a file's particles are looked at by `pgimp.scene.overlap`.
         """
-        for a, first in enumerate(self.fillings):
-            for b in range(a + 1, len(self.fillings)):
-                if isinstance(first, Cloud) or isinstance(self.fillings[b], Cloud):
+        for a, first in enumerate(self.bodies):
+            for b in range(a + 1, len(self.bodies)):
+                if isinstance(first, Cloud) or isinstance(self.bodies[b], Cloud):
                     continue
-                both = list(zip(first.box, self.fillings[b].box, strict=True))
+                both = list(zip(first.box, self.bodies[b].box, strict=True))
                 low = [max(begin for begin, _ in pair) for pair in both]
                 high = [min(end for _, end in pair) for pair in both]
                 near = [begin - end for begin, end in zip(low, high, strict=True)]
@@ -152,7 +152,7 @@ class Lattice:
         shared : set of pairs of names
             Bodies with particles in the same cell.
         """
-        errors, shared = list(overlaps(self.names, self.fillings, self.box, planes)), set()
+        errors, shared = list(overlaps(self.names, self.bodies, self.box, planes)), set()
         step = self.per_cell[0]
         for a, b, box in self.close_pairs():
             names = (self.names[a], self.names[b])
@@ -162,13 +162,13 @@ class Lattice:
             last = min(planes[1], box[0][1])
             for plane in range(begin, last, deep):
                 part = [(plane, min(plane + deep, last)), *box[1:]]
-                first, second = self.fillings[a], self.fillings[b]
-                assert isinstance(first, Filling)
-                assert isinstance(second, Filling)
+                first, second = self.bodies[a], self.bodies[b]
+                assert isinstance(first, LatticeBody)
+                assert isinstance(second, LatticeBody)
                 with self._named(a):
-                    both = [first.survey(part)]
+                    both = [first.volume_fractions(part)]
                 with self._named(b):
-                    both.append(second.survey(part))
+                    both.append(second.volume_fractions(part))
                 place = self._overlap(both, (first, second))
                 if place is not None:
                     message = (
@@ -183,28 +183,30 @@ class Lattice:
         return errors, shared
 
     @staticmethod
-    def _overlap(surveys: list[Survey], fillings: tuple[Filling, Filling]) -> str | None:
-        """The first point at which two bodies overlap, for people.
+    def _overlap(
+        both: list[VolumeFractions], bodies: tuple[LatticeBody, LatticeBody]
+    ) -> str | None:
+        """The first point at which two bodies overlap, as text.
 
         Bodies may share a box that a surface cuts as far as there is room: what is more, by more
         than their surfaces' curvature leaves uncertain, is an overlap.
         """
-        first, second = surveys
+        first, second = both
         places = np.flatnonzero(first.exists & second.exists)
         if len(places) == 0:
             return None
-        points = fillings[0].points(first.ranges, places)
+        points = bodies[0].points(first.ranges, places)
         over = first.fraction(places) + second.fraction(places) > 1.0 + SLIVER
-        over |= fillings[0].region.contains(points) & fillings[1].region.contains(points)
+        over |= bodies[0].region.contains(points) & bodies[1].region.contains(points)
         if not over.any():
             return None
         return ", ".join(f"{x:g}" for x in points[over.argmax()])
 
-    def _cells(self, survey: Survey) -> set[int]:
+    def _cells(self, volumes: VolumeFractions) -> set[int]:
         """Numbers of the cells, within whole cells, that hold more than slivers of a body."""
-        places = np.flatnonzero(survey.exists)
-        places = places[survey.fraction(places) >= SLIVER]
-        sizes = tuple(end - begin for begin, end in survey.ranges)
+        places = np.flatnonzero(volumes.exists)
+        places = places[volumes.fraction(places) >= SLIVER]
+        sizes = tuple(end - begin for begin, end in volumes.ranges)
         cell = np.zeros(len(places), np.int64)
         for i, size, n in zip(np.unravel_index(places, sizes), sizes, self.per_cell, strict=True):
             cell = cell * (size // n + 1) + i // n
@@ -232,26 +234,26 @@ class Lattice:
             default those within the planes.
         """
         ends = np.cumsum(counts.ravel()).reshape(counts.shape)
-        for body, filling in enumerate(self.fillings):
-            if only is not None and body != only:
+        for number, body in enumerate(self.bodies):
+            if only is not None and number != only:
                 continue
-            if isinstance(filling, Cloud):
-                first = int(ends[body, -1] - counts[body].sum())
-                for rows, block in filling.make(planes, own):
+            if isinstance(body, Cloud):
+                first = int(ends[number, -1] - counts[number].sum())
+                for rows, block in body.make(planes, own):
                     x = block.position
                     yield Made(
-                        body, x, first + rows, block.volume / self.volume, x, block.velocity,
+                        number, x, first + rows, block.volume / self.volume, x, block.velocity,
                         block.stress, block.gradient,
                     )  # fmt: skip
                 continue
-            for survey in filling.slabs(planes):
-                plane = survey.ranges[0][0]
-                first = int(ends[body, plane] - counts[body, plane])
-                places = np.flatnonzero(survey.exists)
+            for volumes in body.slabs(planes):
+                plane = volumes.ranges[0][0]
+                first = int(ends[number, plane] - counts[number, plane])
+                places = np.flatnonzero(volumes.exists)
                 for begin in range(0, len(places), _BLOCK):
                     part = places[begin : begin + _BLOCK]
-                    x = filling.points(survey.ranges, part)
-                    fractions = survey.fraction(part)
-                    centroids = x + survey.moment(part) / fractions[:, None]
+                    x = body.points(volumes.ranges, part)
+                    fractions = volumes.fraction(part)
+                    centroids = x + volumes.moment(part) / fractions[:, None]
                     ids = np.arange(first + begin, first + begin + len(part))
-                    yield Made(body, x, ids, fractions, centroids)
+                    yield Made(number, x, ids, fractions, centroids)

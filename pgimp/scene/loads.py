@@ -11,7 +11,7 @@ from pgimp.errors import CaseError
 from pgimp.kernels.loads import Loads
 from pgimp.kernels.particles import Particles
 from pgimp.kernels.viscosity import Viscosity
-from pgimp.scene.filling import SLIVER
+from pgimp.scene.latticebody import SLIVER
 
 
 def parts_of(low: float, high: float, edges: np.ndarray) -> np.ndarray:
@@ -66,9 +66,9 @@ class SceneLoads:
         self._patch = (2.0 * self.half, size, method.chi, method.follows)
         self._overlap = np.rint(size / (2.0 * self.half)).astype(int)
         self._varies = bool(exact) or any(entry.varies for entry in self.tractions)
-        self._grips_vary = any(entry.varies for entry in self.constraints)
+        self._constraints_vary = any(entry.varies for entry in self.constraints)
         self._loads = self._at(0.0)
-        self._grips = self._grips_at(0.0, 0.0)
+        self._constraints = self._constraints_at(0.0, 0.0)
 
     @property
     def carried(self) -> dict[str, Any]:
@@ -77,16 +77,16 @@ class SceneLoads:
             "affine": bool(self.affine),
             "viscous": bool(self.viscosity),
             "tractions": len(self.tractions),
-            "grips": bool(self.constraints),
+            "constraints": bool(self.constraints),
         }
 
     def at(self, t: float) -> Loads:
         """Loads of the step that begins at time `t`."""
         return self._at(t) if self._varies else self._loads
 
-    def grips(self, start: float, end: float) -> tuple:
+    def constraints_at(self, start: float, end: float) -> tuple:
         """Parameters of the constraints for a step."""
-        return self._grips_at(start, end) if self._grips_vary else self._grips
+        return self._constraints_at(start, end) if self._constraints_vary else self._constraints
 
     def _at(self, t: float) -> Loads:
         from pgimp.physics.exact.base import BodyForce
@@ -97,11 +97,11 @@ class SceneLoads:
         force = BodyForce(self.exact, t) if self.exact else ()
         return Loads(self.viscosity, tractions, force, self.relaxation, self.affine)
 
-    def _grips_at(self, start: float, end: float) -> tuple:
+    def _constraints_at(self, start: float, end: float) -> tuple:
         return tuple(entry.parameters(start, end) for entry in self.constraints)
 
     def attach(self, p: Particles, n: int) -> None:
-        """Give the first `n` particles, in their initial state, their patches and grips."""
+        """Give the first `n` particles, in their initial state, their patches and constraints."""
         rows = slice(0, n)
         for i, entry in enumerate(self.tractions):
             mine = np.flatnonzero(p.body[rows] == self.bodies.index(entry.body))
@@ -120,7 +120,7 @@ class SceneLoads:
         for name in {entry.body for entry in self.constraints}:
             number = self.bodies.index(name)
             mine = np.flatnonzero(p.body[rows] == number)
-            p.grip[mine, 0] = self.held(number, p.x[mine])
+            p.constraint[mine, 0] = self.held(number, p.x[mine])
 
     def held(self, body: int, x: np.ndarray) -> np.ndarray:
         """Which constraint holds each particle of a body, in its initial state, (n,) int64.
@@ -179,7 +179,7 @@ class SceneLoads:
         sums = np.zeros((len(start) - 1, len(self.tractions)))
         layer = np.repeat(np.arange(len(sums)), np.diff(start))
         np.add.at(sums, layer, p.patch[rows])  # one after the other, in canonical order
-        held = np.bincount(p.grip[rows].ravel(), minlength=len(self.constraints) + 1)
+        held = np.bincount(p.constraint[rows].ravel(), minlength=len(self.constraints) + 1)
         everywhere = comm.allgather((sums, held))
         total = np.add.reduce(np.concatenate([part[0] for part in everywhere]), axis=0)
         for i, (entry, area) in enumerate(zip(self.tractions, total, strict=True)):

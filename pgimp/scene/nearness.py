@@ -19,7 +19,7 @@ from pgimp.schema.tables import Table, VectorTable
 
 AXES = "xyz"
 
-#: Instants at which the bodies' places are looked at: so many, fewer with many bodies.
+#: Number of instants at which distances of bodies are checked; fewer if there are many bodies.
 _INSTANTS, _FEWEST_INSTANTS, _PLACES = 129, 9, 20_000
 #: Distances below this part of a cell are none: the bodies touch.
 _TOUCH = 1e-6
@@ -214,7 +214,7 @@ def _range(values: np.ndarray) -> str:
 def bonded(scene: Any, lattice: Any, counts: np.ndarray) -> Iterator[str]:
     """Return which bodies share vertices of the grid from the start, though no cell.
 
-    Those that share a cell are in the notes of `pgimp.scene.census`.
+    Those that share a cell are in the notes of `pgimp.scene.counts`.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""A body whose particles are the user's own: what `Filling` is to a body on the lattice."""
+"""A body whose particles are the user's own: what `LatticeBody` is to a body on the lattice."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from pgimp.geometry.points.block import Block
 from pgimp.geometry.regions.points import Points
-from pgimp.scene.survey import Ranges
+from pgimp.scene.volumefractions import Ranges
 
 Reals = NDArray[np.float64]
 Mask = NDArray[np.bool_]

@@ -18,8 +18,8 @@ from pgimp.kernels.particles import Carried, Frame, Particles
 from pgimp.physics.fields import EVERY
 from pgimp.physics.materials.outside import parameters_of
 from pgimp.physics.materials.states import States
-from pgimp.scene.census import census
 from pgimp.scene.cloudgradients import velocity_gradients
+from pgimp.scene.counts import count_all
 from pgimp.scene.faces import AXES, Face, walls
 from pgimp.scene.lattice import Lattice, Made
 from pgimp.scene.loads import SceneLoads
@@ -239,10 +239,10 @@ class Scene:
         """
         # Of particles in files nobody knows the number before they are read.
         files = [
-            self._from_file(lattice, filling, lattice.make(planes, counts, body, own))
-            if isinstance(filling, Cloud)
+            self._from_file(lattice, found, lattice.make(planes, counts, body, own))
+            if isinstance(found, Cloud)
             else None
-            for body, filling in enumerate(lattice.fillings)
+            for body, found in enumerate(lattice.bodies)
         ]
         n = sum(
             int(counts[body, planes[0] : planes[1]].sum())
@@ -293,11 +293,11 @@ def count_particles(scene: Scene, comm: Any) -> tuple[Lattice, np.ndarray, list[
     Raises
     ------
     CaseError
-        See `pgimp.scene.lattice.census`.
+        See `pgimp.scene.counts.count_all`.
     """
     lattice = Lattice(scene.case)
     with located(scene.case):
-        taken = census(lattice, comm)
+        taken = count_all(lattice, comm)
         if int(taken.counts.sum()) >= 2**53:
             raise CaseError("grid.cell: more particles than can be numbered; use larger cells")
     return lattice, taken.counts, taken.notes

@@ -1,1 +1,1 @@
-"""The language of case files: YAML with line numbers, typed entries, messages for people."""
+"""The language of case files: YAML with line numbers, typed entries, readable messages."""

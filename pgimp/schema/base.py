@@ -72,7 +72,7 @@ class Model(BaseModel):
     @model_validator(mode="wrap")
     @classmethod
     def _speak(cls, data: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
-        """Return what is wrong in words for people, while the model and its keys are at hand."""
+        """Reword validation errors here, where the model and its keys are still known."""
         try:
             return handler(data)
         except ValidationError as error:
@@ -110,13 +110,13 @@ def one_line(text: str) -> str:
 
 
 Label = Annotated[str, StringConstraints(strict=True, max_length=1000), AfterValidator(one_line)]
-"""A line of text for people: no line breaks, no control characters."""
+"""One line of text: no line breaks, no control characters."""
 
 
 class Steps(Model):
     """A number of time steps."""
 
-    steps: Count = Field(description="every so many steps")
+    steps: Count = Field(description="interval in steps")
 
 
 Interval = Annotated[

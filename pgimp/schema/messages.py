@@ -1,4 +1,4 @@
-"""What pydantic finds wrong, in words for people who write case files."""
+"""Errors from pydantic, reworded for authors of case files."""
 
 from __future__ import annotations
 
@@ -112,7 +112,7 @@ def keys_of(model: type[BaseModel]) -> dict[str, str]:
 
 
 def explain(model: type[BaseModel], error: ValidationError, value: Any) -> list[Problem]:
-    """Turn the errors that pydantic found in a value for `model` into problems for people.
+    """Turn the errors that pydantic found in a value for `model` into readable problems.
 
     Parameters
     ----------

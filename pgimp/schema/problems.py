@@ -1,4 +1,4 @@
-"""Problems of a case: where in the case, and what is wrong, in words for people."""
+"""Problems of a case: where in the case, and what is wrong, as text."""
 
 from __future__ import annotations
 

@@ -56,7 +56,7 @@ class FixedClock:
         return Step(number, (number - 1) * self._dt, dt, number * self._dt)
 
     def time(self, done: Step) -> float:
-        """Return the time at the end of a step, as it is told.
+        """Return the reported time at the end of a step.
 
         Only there the end is rounded to the case's: for the loads all steps are alike, so that a
         run that is prolonged has the bits of a longer one.
@@ -121,7 +121,7 @@ class CourantClock:
         return Step(number, time - dt, dt, time)
 
     def time(self, done: Step) -> float:
-        """Return the time at the end of a step, as it is told."""
+        """Return the reported time at the end of a step."""
         return done.end
 
 

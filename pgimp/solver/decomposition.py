@@ -72,7 +72,7 @@ def rebalance(rank: Rank, balance: Balance, step: int) -> None:
     cuts = None if counts is None else balance.decide(np.concatenate(counts), step)
     cuts, balance.pause, balance.price = comm.bcast((cuts, balance.pause, balance.price))
     if cuts is not None:
-        # Not by the clock: what others make of a shared core is no part of a move.
+        # CPU time, not wall time: other processes on a shared core do not count.
         agreed = thread_time()
         rank.move(balance.cuts, cuts)
         balance.cuts = cuts

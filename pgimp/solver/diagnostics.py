@@ -84,7 +84,7 @@ class Diagnostics:
         unit = 2.0 ** (HIGH - 2 - frexp(scene.most_mass)[1])  # see `Simulation.settle`
         exact_masses(population.particles, population.order, unit, masses)
         own = rank.booked()
-        impulse = np.concatenate([own.impulse, own.grip_impulse], axis=1)
+        impulse = np.concatenate([own.impulse, own.constraint_impulse], axis=1)
         errors = self._own_errors(rank, done.end)
         parts = rank.comm.gather(
             (sums, own.work, (impulse, own.beyond), errors, own.escaped, masses)

@@ -1,4 +1,4 @@
-"""Particles that stop the run: all ranks learn of them together, and what people are told."""
+"""Particles that stop the run: how all ranks learn of them, and the messages to the user."""
 
 from typing import NamedTuple
 
@@ -37,7 +37,7 @@ class Failure(NamedTuple):
     step, time, dt : int, float, float
         Number, end and length of the step.
     text : str
-        What to tell people.
+        The message to the user.
     """
 
     number: int

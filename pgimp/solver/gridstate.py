@@ -1,6 +1,6 @@
 """The part of the grid where there are particles, as output shows it.
 
-It is summed anew from the particles as they are, just as the next step will do it: what is left
+It is summed again from the particles as they are, just as the next step will do: what is left
 from the last step belongs to where they were. So a frame of the grid belongs to the particles of
 the same time, also at the start, and after a resume.
 """

@@ -15,7 +15,7 @@ from pgimp.kernels.sums import SUMS
 from pgimp.mpi.limits import Limit, limits
 from pgimp.physics.fields import ALWAYS
 from pgimp.scene.extent import Extent, extents, points
-from pgimp.scene.filling import _SLAB
+from pgimp.scene.latticebody import _SLAB
 from pgimp.scene.scene import Scene
 
 #: What a process takes besides after its start: kernels, HDF5, buffers of MPI.
@@ -33,7 +33,7 @@ class MemoryShortError(CaseError):
         self.estimate = estimate
 
     def __str__(self) -> str:
-        """Return the text for people."""
+        """Return the message."""
         return str(self.args[0])
 
 
@@ -43,7 +43,7 @@ class Part(NamedTuple):
     Attributes
     ----------
     what : str
-        For people.
+        Its name, for messages.
     size : float
         Bytes.
     advice : str
@@ -182,7 +182,7 @@ def estimate(
         )
 
     rows = [(prod(body.boxes[1:]), body.boxes[0]) for body in bodies]
-    survey = 24.0 * max(min(deep, _SLAB // max(row, 1) + 5) * row for row, deep in rows)
+    volumes = 24.0 * max(min(deep, _SLAB // max(row, 1) + 5) * row for row, deep in rows)
     measured = sum(
         body.surface for body, entry in zip(bodies, case.bodies.values(), strict=True)
         if entry.surface == "cut"
@@ -191,7 +191,7 @@ def estimate(
         "finding the particles on a lattice of "
         f"{' x '.join(f'{n:,}' for n in lattice)} boxes",
         lattice[0] * (32.0 * names + 40) + 32 * layers + 16.0 * sum(lattice) + 24.0 * max(lattice)
-        + survey + measured,
+        + volumes + measured,
         "a grid with fewer cells (grid.size, grid.cell), or fewer bodies",
     )  # fmt: skip
 
@@ -259,7 +259,7 @@ def require(scene: Scene, comm: Any, count: int | None = None) -> Estimate:
 
 
 def size_text(n: float) -> str:
-    """A number of bytes for people."""
+    """Format a number of bytes."""
     for unit in ("bytes", "kB", "MB", "GB", "TB"):
         if n < 999.5:
             return f"{n:.3g} {unit}"

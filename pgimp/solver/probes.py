@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from pgimp.solver.simulation import Simulation
 
 AXES = "xyz"
-#: Components of a symmetric tensor that a case of so many dimensions has.
+#: Components of a symmetric tensor by the number of dimensions.
 _COMPONENTS = ((0, 1, 2), (0, 1, 2, 3), range(6))
 #: Those of a strain.
 _STRAINS = ((0,), (0, 1, 3), range(6))

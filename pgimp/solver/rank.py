@@ -24,7 +24,7 @@ from pgimp.scene.scene import Scene
 #: Phases of a step, as `Rank.timings` names them.
 PHASES = ("P2G", "exchange", "momentum", "G2P", "migrate", "order")
 
-#: So many particles at fault are listed on each rank; the others are only counted.
+#: Particles at fault that are listed on each rank; further ones are only counted.
 ROOM = 1024
 
 

@@ -195,7 +195,7 @@ class Simulation:
 
     @property
     def now(self) -> Step:
-        """The last step done, whatever the other ranks say; its end is the time as it is told."""
+        """The last step done on this rank; its end is the reported time."""
         step = self.doing or self.done
         return step._replace(end=self.clock.time(step))
 
@@ -309,7 +309,7 @@ class Simulation:
         self.done = last
 
     def _sort(self) -> None:
-        """Sort the rows anew, report the load, and shrink a window that has become far too wide."""
+        """Sort the rows, report the load, and shrink a window that has become far too wide."""
         begin, rank = perf_counter(), self.rank
         rank.population.sort()
         rank.timings["sort"] += perf_counter() - begin

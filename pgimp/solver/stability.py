@@ -7,8 +7,8 @@ from pgimp.errors import CaseError
 #: More controlled steps than this before the next stop mean that a run would never end.
 MOST_STEPS = 1e12
 
-#: Waves that are so many times faster than at rest, with so many steps left, are no physics: a run
-#: whose controlled step collapses would go on for weeks.
+#: A wave speed that has grown by this factor, with this number of steps left, is not physical: a
+#: run whose controlled step collapses would go on for weeks.
 BLOWN_UP, BLOWN_UP_STEPS = 1e5, 1e5
 
 _MOST_ENERGY = 1e280

@@ -287,8 +287,8 @@ def _read_rows(scene: Scene, source: Any, first: int, n: int) -> Particles:
         if name == "origin" and name not in source.rows:
             raise UsageError(
                 "output.fields: the displacement needs the initial positions, which the checkpoint "
-                "does not hold because the run began without that field; leave it out, or begin "
-                "anew with --overwrite"
+                "does not hold because the run began without that field; leave it out, or start "
+                "over with --overwrite"
             )
         if source.rows.get(name) != (like.dtype, like.shape[1:]):
             raise DamagedError(f"its particles have no {name} of the scene's shape")

@@ -6,8 +6,8 @@ from time import perf_counter, thread_time
 import numpy as np
 
 from pgimp.kernels.concepts import Forcing, Report
+from pgimp.kernels.constraints import apply_constraints, mark_constrained_vertices
 from pgimp.kernels.g2p import grid_to_particles
-from pgimp.kernels.grips import hold_marked, mark
 from pgimp.kernels.loads import Loads
 from pgimp.kernels.mirror import fold, reflect
 from pgimp.kernels.momentum import update_momentum
@@ -45,7 +45,7 @@ def step(
         On every rank, as from `begin`. The particles are as they were.
     """
     scene, grid, population, migration = rank.scene, rank.grid, rank.population, rank.migration
-    field, order, movers = grid.field, population.ordered, population.movers
+    field, order, changed = grid.field, population.ordered, population.changed
     loads, ledger, call = scene.loads.at(start), rank.ledger, rank.call
     lap = _stopwatch(rank.timings, rank.worked)
 
@@ -56,10 +56,10 @@ def step(
     t = begin()
     lap("exchange")
 
-    grips = scene.loads.grips(t.start, t.end)
-    marked = (grips, grid.marks) if grips else ()
+    constraints = scene.loads.constraints_at(t.start, t.end)
+    marked = (constraints, grid.marks) if constraints else ()
     forcing = Forcing(
-        t.dt, scene.gravity(t.start), rank.lightest, loads, grips, marked, scene.walls(t.end),
+        t.dt, scene.gravity(t.start), rank.lightest, loads, constraints, marked, scene.walls(t.end),
         controlled,
     )  # fmt: skip
     faces, felt = scene.face_parameters(t.start, t.end), on_vertices(forcing)
@@ -67,14 +67,14 @@ def step(
         call(fold, scene.frame, field, mirror, felt, ledger)
     call(update_momentum, scene.frame, field, faces, felt, ledger)  # (14, 17)
     if marked:
-        call(hold_marked, field, felt, ledger)
+        call(apply_constraints, field, felt, ledger)
     for mirror in reversed(scene.mirrors):
         call(reflect, scene.frame, field, mirror, felt, ledger)
     lap("momentum")
 
     rate, failed, leavers, found = 0.0, [], 0, 0
     for half, layers in enumerate(rank.halo.halves(order.start)):  # first what neighbours wait for
-        report = Report(rank.reach, movers[found:], rank.fault_room[half])
+        report = Report(rank.reach, changed[found:], rank.fault_room[half])
         wrong, left, moved, fastest, clamped, held = call(  # (26, 27, 29, 30)
             grid_to_particles, scene.setting, field, population.particles, order, layers, forcing,
             report, ledger,
@@ -85,25 +85,25 @@ def step(
         rank.held += held
         lap("G2P")
         if moved or rank.slab.neighbours:
-            migration.proceed(population, movers[found : found + moved])
+            migration.proceed(population, changed[found : found + moved])
             found += moved
             lap("migrate")
     rank.particle_steps += len(order.rows)
     if sum(failed):
         rank.list_faults(failed)
 
-    movers = movers[:found]
+    changed = changed[:found]
     if len(failed) > 1:
-        movers.sort()
+        changed.sort()
     if leavers:
-        rank.remove_leavers(movers)
-    coming = movers
+        rank.remove_leavers(changed)
+    coming = changed
     if found or rank.slab.neighbours:
         coming = migration.receive(population)
     lap("migrate")
 
     if found or len(coming):
-        population.restore_order(movers, coming)
+        population.restore_order(changed, coming)
     lap("order")
     return t, rate
 
@@ -114,7 +114,7 @@ def on_vertices(forcing: Forcing) -> Forcing:
     Kernels that work on vertices are then compiled once for all kinds of loads.
     """
     loads = Loads(relaxation=forcing.loads.relaxation)
-    return forcing._replace(loads=loads, grips=())
+    return forcing._replace(loads=loads, constraints=())
 
 
 def sum_particles(rank: Rank, loads: Loads, marked: bool) -> None:
@@ -124,7 +124,7 @@ def sum_particles(rank: Rank, loads: Loads, marked: bool) -> None:
     if rank.failed:  # what others do not know yet; such particles may be anywhere
         order = order._replace(start=np.zeros_like(order.start))
     if marked:
-        rank.call(mark, setting, grid.window, particles, order, grid.marks)
+        rank.call(mark_constrained_vertices, setting, grid.window, particles, order, grid.marks)
     grid.active.fill(0)
     for part in rank.halo.parts(order.start):  # first what neighbours wait for
         rank.call(  # (16, 17, 18, 21, 22)
@@ -136,7 +136,7 @@ def sum_particles(rank: Rank, loads: Loads, marked: bool) -> None:
 def _stopwatch(timings: dict[str, float], worked: dict[str, float]) -> Callable[[str], None]:
     """Make what adds the time since it was last called to that of a phase.
 
-    `worked`, unless it is the same as `timings`, is by the clock of the rank's own work.
+    `worked`, unless it is the same as `timings`, gets the rank's own CPU time.
     """
     last = perf_counter()
     last_own = thread_time() if worked is not timings else 0.0

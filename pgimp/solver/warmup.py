@@ -9,13 +9,13 @@ import numpy as np
 from pgimp.decomposition.grid import Grid
 from pgimp.decomposition.slabs import Slab
 from pgimp.kernels.concepts import Forcing, Order, Report
+from pgimp.kernels.constraints import apply_constraints, mark_constrained_vertices
 from pgimp.kernels.errors import ERRORS, initial_velocities, layer_errors
 from pgimp.kernels.g2p import grid_to_particles
-from pgimp.kernels.grips import hold_marked, mark
+from pgimp.kernels.layerchanges import pack_rows, partition_migrants, sort_rows, unpack_rows
 from pgimp.kernels.ledger import Ledger
 from pgimp.kernels.mirror import fold, reflect
 from pgimp.kernels.momentum import update_momentum
-from pgimp.kernels.movers import pack_rows, sort_out, sort_rows, unpack_rows
 from pgimp.kernels.order import layers_of, locate, merge, reach_of
 from pgimp.kernels.p2g import complete, particles_to_grid
 from pgimp.kernels.particles import Particles
@@ -35,7 +35,7 @@ def _calls(scene: Scene) -> Iterator[Call]:
     setting, frame, shape, vertices = scene.setting, scene.frame, scene.shape, scene.vertices
     shaped, material = setting.without_materials(), setting.without_shape()
     p = Particles.empty(1, scene.carried)
-    loads, grips = scene.loads.at(0.0), scene.loads.grips(0.0, 0.0)
+    loads, constraints = scene.loads.at(0.0), scene.loads.constraints_at(0.0, 0.0)
     rows = np.empty(0, np.int32)
     start = np.zeros(2, np.int64)
     order = Order(rows, start)
@@ -44,13 +44,13 @@ def _calls(scene: Scene) -> Iterator[Call]:
     grid.cover(np.full((2, 2), vertices))
     wire = np.empty(0, np.int64)
     bodies, faces = len(scene.material_of), scene.face_parameters(0.0, 0.0)
-    marked = (grips, grid.marks) if grips else ()
+    marked = (constraints, grid.marks) if constraints else ()
     forcing = Forcing(
-        1.0, scene.gravity(0.0), 0.0, loads, grips, marked, scene.walls(0.0), False
+        1.0, scene.gravity(0.0), 0.0, loads, constraints, marked, scene.walls(0.0), False
     )
     felt = on_vertices(forcing)
     report = Report(reach, rows.copy(), np.zeros((1, 2), np.int64))
-    ledger = Ledger.empty(grid.planes, len(faces), len(grips), (0, 0))
+    ledger = Ledger.empty(grid.planes, len(faces), len(constraints), (0, 0))
     yield 10.4, lambda: grid_to_particles(
         setting, grid.field, p, order, np.zeros(0, np.int64), forcing, report, ledger
     )
@@ -68,14 +68,14 @@ def _calls(scene: Scene) -> Iterator[Call]:
     yield 0.4, lambda: reach_of(shape, frame, p, rows, reach)
     yield 0.4, lambda: exact_masses(p, rows, 1.0, np.zeros((bodies, 2), np.int64))
     yield 0.3, lambda: sort_rows(p.layer, p.cell, p.id, rows, rows.copy())
-    yield 0.3, lambda: sort_out(p.layer, rows, rows, 0, 1, rows.copy(), rows.copy())
+    yield 0.3, lambda: partition_migrants(p.layer, rows, rows, 0, 1, rows.copy(), rows.copy())
     yield 0.2, lambda: layers_of(shape, frame, scene.identity, np.empty(0), np.empty(0, np.int64))
     for mirror in scene.mirrors:
         yield 1.0, partial(fold, frame, grid.field, mirror, felt, ledger)
         yield 1.0, partial(reflect, frame, grid.field, mirror, felt, ledger)
     if marked:
-        yield 1.0, lambda: mark(shaped, grid.window, p, order, grid.marks)
-        yield 1.0, lambda: hold_marked(grid.field, felt, ledger)
+        yield 1.0, lambda: mark_constrained_vertices(shaped, grid.window, p, order, grid.marks)
+        yield 1.0, lambda: apply_constraints(grid.field, felt, ledger)
     if scene.exact:
         yield 2.0, lambda: layer_errors(
             scene.exact, 0.0, scene.follows, setting, p, order, np.zeros((1, ERRORS)),

@@ -12,7 +12,7 @@ def open_window(rank: Rank, reduction: StepReduction) -> None:
 
 
 def shrink_window(rank: Rank, reduction: StepReduction) -> None:
-    """Make it anew if it has become far too wide; collective, when nothing is to be agreed on."""
+    """Reallocate it if it has become far too wide; collective, between reductions."""
     reach = _reach_of_all(rank)
     needed = np.prod(np.maximum(reach[1] - reach[0], 0) + 4.0)
     stored = np.prod(rank.grid.base[1] - rank.grid.base[0] + 1.0)

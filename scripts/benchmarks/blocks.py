@@ -94,7 +94,7 @@ def start_velocity(dimension):
 
 
 def uniform(ids, dimension):
-    """Numbers in [0, 1) from each id, (n, D), the same whatever the ranks (splitmix64)."""
+    """Numbers in [0, 1) from each id, (n, D), independent of the ranks (splitmix64)."""
     numbers = []
     for d in range(dimension):
         z = ids.astype(np.uint64) * np.uint64(dimension) + np.uint64(d)

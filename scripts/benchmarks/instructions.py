@@ -149,7 +149,7 @@ def build(folder):
 
 
 def count(folder, calls):
-    """Instructions of the program with so many calls."""
+    """Instructions of the program with `calls` calls."""
     command = ["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null"]
     command += ["./calls", "data", str(calls)]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
@@ -165,7 +165,7 @@ def measure(name):
         folder = Path(made)
         calls, particles = record(name)
         (folder / "calls.pickle").write_bytes(pickle.dumps(calls))
-        # In a cache folder of its own: assembly is only given by what is compiled anew.
+        # In a cache folder of its own: only fresh compilation gives assembly.
         env = os.environ | CPU | {"PGIMP_CACHE_DIR": str(folder / "cache")}
         subprocess.run([sys.executable, __file__, "build", made], env=env, check=True)
         counts = [count(folder, number) for number in range(len(calls) + 1)]

@@ -19,8 +19,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 LIMIT = 0.15
 MPM = "method={shape: mpm, particles_per_cell: [2, 2]}"
-#: Name, and what is run: a block of so many cells along an edge at random or lattice positions, or
-#: on a lattice with another shape, or a case with changes.
+#: Name, and what is run: a block with this number of cells along an edge at random or lattice
+#: positions, or on a lattice with another shape, or a case with changes.
 CASES = {
     **{f"block, {n}^3 cells, random": ("random", n) for n in (8, 16, 32, 48, 64)},
     **{f"block, {n}^3 cells, lattice": ("lattice", n) for n in (16, 32)},

@@ -131,7 +131,7 @@ def main(folder, quick, prototype=None):
 
 
 def size(cells):
-    """Size of a block, for people."""
+    """Size of a block as text."""
     return " x ".join(map(str, cells))
 
 

@@ -71,17 +71,17 @@ def spread(values, digits=1):
 
 
 def number(value, digits=1):
-    """A number for people, empty if there is none."""
+    """Format a number; empty if there is none."""
     return "" if value is None else f"{value:.{digits}f}"
 
 
 def count(value):
-    """A count for people."""
+    """Format a count."""
     return "" if value is None else f"{value:,.0f}"
 
 
 def error(value):
-    """An error for people."""
+    """Format an error."""
     return "" if value is None else f"{value:.0e}"
 
 

@@ -34,7 +34,7 @@ def kept_at(name, changes, times, *names):
 
 
 def stretch():
-    """Force in the grip over the stretch, and where particles are when the bars tear."""
+    """Force of the constraint over the stretch, and where particles are when the bars tear."""
     figure, (force, bars) = plt.subplots(1, 2, figsize=(9, 3.6), width_ratios=(1.0, 1.2))
     times = (0.8, 2.0, 4.0)
     for place, (method, changes) in enumerate(METHODS.items()):

@@ -15,7 +15,7 @@ from pgimp.mpi.comm import quiet_mpi
 
 HERE = Path(__file__).parent
 
-#: A run that has not ended after so many seconds is taken for hung.
+#: Seconds after which a run is considered hung.
 PATIENCE = 90.0
 
 #: Memory that a child may take besides what it begins with; what asks for more gets an error.

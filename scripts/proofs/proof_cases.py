@@ -16,7 +16,7 @@ from harmful import TRACE
 from jobs import environment, scratch
 from mutants import KINDS, Mutator
 
-#: One mutant of so many is given to a process of its own, and to two ranks under mpirun.
+#: One mutant in this number is run in a process of its own, and by two ranks under mpirun.
 ALONE, RANKS = 25, 40
 
 #: How pgimp is told to handle it: the words before and after the name of the file.

@@ -176,7 +176,7 @@ def header_lies(path, chance):
 
 
 def state_lies(path, chance):
-    """Write a whole file anew with something in it that no run has."""
+    """Rewrite a whole file with something in it that no run has."""
     file = CheckpointFile(path)
     about = copy.deepcopy(file.about)
     rows = {name: file.read(name, 0, file.count).copy() for name in file.rows}

@@ -23,7 +23,7 @@ from pgimp.errors import PgimpError
 GROUP = 20
 #: Groups of `--short`: 1D to 3D, mpm, affine, relaxation, constraints, walls that move.
 SHORT = (360, 311, 189, 556, 270)
-#: One scene in so many is run by mpirun too.
+#: One scene in this number is run by mpirun too.
 MPIRUN = 25
 #: A run that fails at a face.
 _LOST = re.compile(r"of body '(\w+)' left the domain through (\S+)")

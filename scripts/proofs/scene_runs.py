@@ -82,7 +82,7 @@ def _ask(balance, worked, count, step):
 
 
 def _anywhere(balance, counts, step):
-    """Any boundaries that are allowed, the same for a step whatever was before."""
+    """Random allowed boundaries that depend on the step only."""
     layers, width, active = len(counts), balance._vertices - 1, len(balance.cuts) - 1
     ends = max(width, balance._ends)
     least = ends + width * np.arange(active - 1)
@@ -92,7 +92,7 @@ def _anywhere(balance, counts, step):
 
 
 def run(case, folder, ranks, resume=False, stop_at=None):
-    """Run a case file into a folder on so many ranks.
+    """Run a case file into a folder on `ranks` ranks.
 
     Parameters
     ----------
@@ -166,7 +166,7 @@ def compare(case, folder, rng, steps, ranks=(2, 3)):
     rng : random.Random
         Chooses numbers of ranks and steps.
     steps : int
-        About so many has the run.
+        Of the run, about.
     ranks : sequence of int
         Besides 1 and one of 5 to 9.
 

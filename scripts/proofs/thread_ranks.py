@@ -237,7 +237,7 @@ class Comm:
 
 
 def together(size, task):
-    """Run ``task(comm)`` on so many ranks.
+    """Run ``task(comm)`` on `size` ranks.
 
     Returns
     -------

@@ -85,15 +85,15 @@ class World:
         together([lambda r=rank: self.advance(*r) for rank in self.ranks])
 
     def advance(self, migration, slab, population):
-        p, order, movers, found = population.particles, population.order, population.movers, 0
+        p, order, changed, found = population.particles, population.order, population.changed, 0
         for place, row in enumerate(order):
             n = int(p.id[row])
             p.x[row] = self.x[n]
             if p.layer[row] != self.layer[n]:
                 p.layer[row] = self.layer[n]
-                movers[found] = place
+                changed[found] = place
                 found += 1
-        left = movers[:found]
+        left = changed[:found]
         migration.proceed(population, left)
         coming = migration.receive(population)
         if found or len(coming):
@@ -118,7 +118,7 @@ class World:
             assert p.x[order].tolist() == [self.x[n].tolist() for n in expected]
             beginnings = np.searchsorted(p.layer[order], slab.first + np.arange(slab.layers + 1))
             assert (population.start == beginnings).all()
-            assert len(population.movers) >= len(order)
+            assert len(population.changed) >= len(order)
             assert p.capacity >= len(order)
 
 

@@ -34,10 +34,10 @@ def test_the_order_is_canonical_whoever_comes_and_goes(seed, count, steps):
     members, next_id = {*range(count)}, count
     for newcomers, share in steps:
         order, p = population.order, population.particles
-        movers = np.flatnonzero(rng.random(len(order)) < share)
-        assert len(population.movers) >= len(order), "room for all, should all move"
-        p.layer[order[movers]] += rng.choice([-1, 1], len(movers)).astype(np.int32)
-        rows = order[movers]
+        changed = np.flatnonzero(rng.random(len(order)) < share)
+        assert len(population.changed) >= len(order), "room for all, should all move"
+        p.layer[order[changed]] += rng.choice([-1, 1], len(changed)).astype(np.int32)
+        rows = order[changed]
         gone = (p.layer[rows] < 3) | (p.layer[rows] > 5)
         # As `migrate` does it: rows are given up first, then newcomers get rows.
         population.release(rows[gone])
@@ -48,7 +48,7 @@ def test_the_order_is_canonical_whoever_comes_and_goes(seed, count, steps):
         p.layer[new] = rng.choice([3, 5], newcomers)
         members = members - {*p.id[rows[gone]].tolist()} | {*p.id[new].tolist()}
         next_id += newcomers
-        population.restore_order(movers.astype(np.int32), np.concatenate([rows[~gone], new]))
+        population.restore_order(changed.astype(np.int32), np.concatenate([rows[~gone], new]))
         found = keys(population)
         assert found == sorted(found)
         assert {number for _, _, number in found} == members and len(found) == len(members)

@@ -16,8 +16,8 @@ from pgimp.case.schema import Case
 from pgimp.cli import main
 from pgimp.errors import CaseError
 from pgimp.mpi.comm import Serial
-from pgimp.scene import cloudmeetings
-from pgimp.scene.census import census
+from pgimp.scene import overlap
+from pgimp.scene.counts import count_all
 from pgimp.scene.geometry import share
 from pgimp.scene.lattice import Lattice
 
@@ -151,8 +151,8 @@ def test_particles_in_another_body_are_refused(tmp_path):
 @pytest.mark.parametrize("block", [1, 7])
 def test_a_body_of_many_parts_is_looked_at_in_blocks_and_samples(tmp_path, monkeypatch, block):
     """Every third of 60 particles of a region of two parts, in blocks."""
-    monkeypatch.setattr(cloudmeetings, "_BLOCK", 2 * block)
-    monkeypatch.setattr(cloudmeetings, "_LOOKS", 50)
+    monkeypatch.setattr(overlap, "_BLOCK", 2 * block)
+    monkeypatch.setattr(overlap, "_LOOKS", 50)
     half = {"box": {"min": [-2.0, -2.0], "max": [2.0, 0.0]}}
     parts = {"union": [half, {"box": {"min": [-2.0, 0.0], "max": [0.0, 2.0]}}]}
     data = cloud()
@@ -230,7 +230,7 @@ def counted(model, ranks):
     lattice = Lattice(model)
     everything = [census_of(lattice, rank, ranks) for rank in range(ranks)]
     gathered = SimpleNamespace(rank=0, size=ranks, allgather=lambda mine: everything)
-    return census(lattice, gathered).counts.sum()
+    return count_all(lattice, gathered).counts.sum()
 
 
 def census_of(lattice, rank, ranks):
@@ -242,7 +242,7 @@ def census_of(lattice, rank, ranks):
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        census(lattice, SimpleNamespace(rank=rank, size=ranks, allgather=allgather))
+        count_all(lattice, SimpleNamespace(rank=rank, size=ranks, allgather=allgather))
     return told[0]
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from checkpoint_source import write_on
 
-from pgimp.io.checkpoints.checkpointfile import CheckpointFile, DamagedError
+from pgimp.io.checkpoints.checkpointfile import LAYOUT, CheckpointFile, DamagedError
 from pgimp.mpi.comm import Serial
 
 COUNT = 12
@@ -29,7 +29,7 @@ def parts(data):
     return line, text, data[begin:]
 
 
-def with_text(data, text, length=None, checksum=None, layout=1):
+def with_text(data, text, length=None, checksum=None, layout=LAYOUT):
     """The file with another header; its line fits the text unless told otherwise."""
     _, old, rest = parts(data)
     begin = json.loads(old)["pieces"][0][0]
@@ -217,7 +217,7 @@ def test_first_lines_that_lie(whole, open_bounded):
         ({"length": 10**12}, "does not begin like"),
         ({"length": 0}, "does not begin like"),
         ({"checksum": 0}, "its checksum"),
-        ({"layout": 2}, "it has layout 2, and this version of pgimp reads 1"),
+        ({"layout": 1}, f"it has layout 1, and this version of pgimp reads {LAYOUT}"),
         ({"layout": 10**20}, "does not begin like"),
         ({"layout": "1 "}, "does not begin like"),
         ({"layout": "\u0661"}, "does not begin like"),

@@ -110,7 +110,7 @@ def test_grid_to_particles_does_not_see_the_neighbours(name, D):
         for field in ADVANCED:
             assert bits(getattr(rank.particles, field)[rows]) == expected[field][chosen], field
         moved = before.layer[chosen] != whole.particles.layer[chosen]
-        assert (rank.population.movers[:found] == np.flatnonzero(moved)).all()
+        assert (rank.population.changed[:found] == np.flatnonzero(moved)).all()
         rates.append(rate)
     assert rates[0] <= rates[-1] and len(set(rates)) > 1
 

@@ -135,7 +135,7 @@ def test_no_place_that_is_none_becomes_a_number(value):
     ],
 )
 def test_particles_leave_through_faces_that_let_them_go(name, exits, directions, reason):
-    """One that leaves keeps its state, is listed with the movers, and has no layer any more."""
+    """One that leaves keeps its state, is listed as changed, and has no layer any more."""
     shape = entry(name, (2, 1, 3))
     p = Particles.empty(1, Carried(3))
     p.m[:] = p.V[:] = p.V0[:] = 1.0
@@ -148,7 +148,7 @@ def test_particles_leave_through_faces_that_let_them_go(name, exits, directions,
     fault, _, found, *_ = stepped(rank)
     if reason == OUTFLOW:
         assert (rank.failed, rank.leavers, found) == (0, 1, 1)
-        assert rank.particles.layer[0] == OUTFLOW and rank.population.movers[0] == 0
+        assert rank.particles.layer[0] == OUTFLOW and rank.population.changed[0] == 0
         np.testing.assert_allclose(rank.particles.v[0], 0.41 * np.array(directions) * CELL / DT)
     else:
         assert fault == reason and rank.leavers == found == 0

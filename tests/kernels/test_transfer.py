@@ -151,7 +151,7 @@ def test_grid_to_particles(name, D, tracked):
     assert (after.layer == np.floor(xi) + reference.frame.ghost).all()
     changed = after.layer != before.layer
     assert found == changed.sum() > 0
-    assert (rank.population.movers[:found] == np.flatnonzero(changed)).all()
+    assert (rank.population.changed[:found] == np.flatnonzero(changed)).all()
 
 
 @EVERY

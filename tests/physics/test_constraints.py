@@ -30,7 +30,7 @@ def at(table, t):
 def test_held_particles_move_exactly_as_the_table_says():
     sim = start(line())
     x = field(sim, "x")[:, 0]
-    grips = field(sim, "grip")[:, 0]
+    grips = field(sim, "constraint")[:, 0]
     np.testing.assert_array_equal(grips, np.where(x < 3.5, 1, np.where(x >= 9.0, 2, 0)))
     way = np.zeros_like(x)
     while not sim.finished:
@@ -50,7 +50,7 @@ def test_the_history_has_the_prescribed_displacement():
     for name, other, rate in (("left", grip([2.0], [3.5], 0.0), 0.0),
                               ("mid", grip([5], [6], -0.5), -0.5)):  # fmt: skip
         sim = start(line(constraints={name: other, "right": right}))
-        held, x = field(sim, "grip")[:, 0] == 2, field(sim, "x")[:, 0]
+        held, x = field(sim, "constraint")[:, 0] == 2, field(sim, "x")[:, 0]
         while not sim.finished:
             sim.advance()
             t = sim.time
@@ -82,7 +82,7 @@ def test_a_table_is_integrated_exactly(times, values, t):
 
 def test_components_that_are_null_stay_free():
     sim = start(loaded())
-    grips, x = field(sim, "grip")[:, 0], field(sim, "x")
+    grips, x = field(sim, "constraint")[:, 0], field(sim, "x")
     finish(sim)
     v, moved = field(sim, "v"), field(sim, "x") - x
     pull, lift = grips == 1, grips == 2

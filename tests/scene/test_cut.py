@@ -16,8 +16,8 @@ from pgimp.errors import CaseError
 from pgimp.geometry.measure import TangledError, measure
 from pgimp.geometry.regions import RegionEntry
 from pgimp.mpi.comm import Serial
-from pgimp.scene import filling
-from pgimp.scene.filling import SLIVER, Filling
+from pgimp.scene import latticebody
+from pgimp.scene.latticebody import SLIVER, LatticeBody
 from pgimp.scene.scene import Scene, count_particles
 
 ENTRY = TypeAdapter(RegionEntry)
@@ -124,7 +124,7 @@ def test_sums_over_boxes_are_exact_at_any_offset(data, dimension, kind):
     )
     p, _ = particles(case)
     # Up to 16 roundings of coordinates a box, in units of the thinnest that hold them: see
-    # Filling.rounding, which drops what is smaller. Volumes are at least 1e-6.
+    # LatticeBody.rounding, which drops what is smaller. Volumes are at least 1e-6.
     assert p.V.sum() == pytest.approx(volume, rel=1e-12, abs=1e-12 * 0.126)
     assert p.m.sum() == pytest.approx(volume, rel=1e-12, abs=1e-12 * 0.126)
     momentum = (p.m[:, None] * p.v).sum(axis=0)
@@ -452,7 +452,8 @@ def test_volumes_of_any_region_are_those_of_a_count(data, dimension, seed):
     limits = box([-4.0] * dimension, [4.0] * dimension)
     found = region({"intersection": [data.draw(entries(dimension)), limits]})
     edges, n = np.linspace(-4.1, 4.1, 42), {1: 100_000, 2: 700, 3: 100}[dimension]
-    body = Filling(found, [edges] * dimension, [0.5 * (edges[1:] + edges[:-1])] * dimension, True)
+    centres = 0.5 * (edges[1:] + edges[:-1])
+    body = LatticeBody(found, [edges] * dimension, [centres] * dimension, True)
     surveys = body.slabs((0, 41))
     try:
         volume = sum(s.fractions.sum() + np.delete(s.whole, s.places).sum() for s in surveys)
@@ -598,13 +599,13 @@ def test_of_many_parts_only_those_nearby_are_looked_at(monkeypatch):
     centres = [0.5 * (e[1:] + e[:-1]) for e in edges]
 
     def surveys(entry):
-        found = Filling(region(entry), edges, centres, True).slabs((0, 48))
+        found = LatticeBody(region(entry), edges, centres, True).slabs((0, 48))
         return [[np.asarray(part).tobytes() for part in survey] for survey in found]
 
     for entry in ({"union": balls}, holed):
         nearby = surveys(entry)
         with monkeypatch.context() as patched:
-            patched.setattr(filling, "_FEW", 10**6)
+            patched.setattr(latticebody, "_FEW", 10**6)
             assert surveys(entry) == nearby
 
 

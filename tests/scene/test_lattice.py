@@ -10,9 +10,9 @@ from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.geometry import measure
 from pgimp.mpi.comm import Serial
-from pgimp.scene import filling
 from pgimp.scene import lattice as lattice_module
-from pgimp.scene.census import census
+from pgimp.scene import latticebody
+from pgimp.scene.counts import count_all
 from pgimp.scene.lattice import Lattice
 from pgimp.scene.scene import Scene, count_particles
 
@@ -52,9 +52,9 @@ def particles(D, surface="cut"):
 def test_small_blocks_make_the_same_particles(monkeypatch, D, block, surface):
     whole, counts, notes = particles(D, surface)
     monkeypatch.setattr(lattice_module, "_BLOCK", block)
-    monkeypatch.setattr(filling, "_BLOCK", block)
-    monkeypatch.setattr(filling, "_SLAB", 3 * block)
-    monkeypatch.setattr(filling, "_BRICK", block)
+    monkeypatch.setattr(latticebody, "_BLOCK", block)
+    monkeypatch.setattr(latticebody, "_SLAB", 3 * block)
+    monkeypatch.setattr(latticebody, "_BRICK", block)
     monkeypatch.setattr(measure, "_BATCH", block)
     parts, counts_of_parts, notes_of_parts = particles(D, surface)
     assert (counts == counts_of_parts).all()
@@ -117,12 +117,12 @@ class Gathering:
 
 
 def refusal(case, size):
-    """What `census` says of a case on so many ranks."""
+    """What `count_all` says of a case on so many ranks."""
     shelf, barrier = [None] * size, Barrier(size)
 
     def ask(rank):
         with pytest.raises(CaseError) as error:
-            census(Lattice(case), Gathering(rank, size, shelf, barrier))
+            count_all(Lattice(case), Gathering(rank, size, shelf, barrier))
         return str(error.value)
 
     with ThreadPoolExecutor(size) as pool:

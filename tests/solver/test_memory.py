@@ -225,7 +225,7 @@ def test_particles_are_counted_from_the_outside(D, radius, at, kind, looks):
     except CaseError:
         return
     assert found.least <= counts.sum() <= found.most
-    assert list(zip(found.low, found.high, strict=True)) == lattice.fillings[0].box
+    assert list(zip(found.low, found.high, strict=True)) == lattice.bodies[0].box
 
 
 def test_a_run_that_would_never_end_is_refused(tmp_path, capsys):

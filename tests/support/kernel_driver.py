@@ -206,9 +206,9 @@ class Rank:
         )
 
     def grid_to_particles(self, dt: float, tracked: bool = True) -> tuple:
-        """First fault and its row, then as the kernel from the movers on.
+        """First fault and its row, then as the kernel from the changed layers on.
 
-        Rows and faults of all are in `faults`; the movers' places in ``population.movers``.
+        Rows and faults of all are in `faults`, places of changed layers in ``population.changed``.
         """
         grid, population = self.grid, self.population
         self.reach = grid.base.copy()
@@ -216,7 +216,7 @@ class Rank:
         self.failed, self.leavers, *rest = grid_to_particles(
             self.setting._replace(tracked=tracked, exits=self.exits), grid.field,
             population.particles, population.ordered, np.arange(len(population.start) - 1),
-            self.forcing(dt), Report(self.reach, population.movers, room),
+            self.forcing(dt), Report(self.reach, population.changed, room),
             Ledger.empty(grid.planes, 0, 0),
         )  # fmt: skip
         self.faults = room[: self.failed]

@@ -106,7 +106,7 @@ def _arrays(stream: IO[bytes]) -> list[np.ndarray] | None:
 
 
 def _cause(name: str, status: int, said: str) -> str:
-    """Word for people why a file could not be read."""
+    """Describe why a file could not be read."""
     if status < 0:
         return f"its reader was ended by signal {-status}: too much time or memory, or a crash"
     if "Could not deduce file format" in said or not Path(name).suffix:
@@ -115,4 +115,4 @@ def _cause(name: str, status: int, said: str) -> str:
             ".vtu, .vtk or another that meshio reads"
         )
     line = shorten(said.splitlines()[-1], 300) if said else "it is damaged"
-    return f"{line}; export it anew, or convert it (meshio convert FILE other.vtu)"
+    return f"{line}; export it again, or convert it (meshio convert FILE other.vtu)"

@@ -28,7 +28,7 @@ class Block(NamedTuple):
     gradient : (n, D * D) float64 or None
         Of the velocity, row by row: dv_x/dx, dv_x/dy, ...
     lines : callable
-        Gives the place of a row in the file for people, "row 0" or "line 2".
+        Gives the place of a row in the file as text, "row 0" or "line 2".
     """
 
     first: int
@@ -40,7 +40,7 @@ class Block(NamedTuple):
     lines: Any
 
     def place(self, row: int) -> str:
-        """Where a row of the block stands in the file, for people."""
+        """Place of a row of the block in the file, as text."""
         return self.lines(row)
 
     def take(self, rows: NDArray[np.int64]) -> Block:

@@ -56,5 +56,5 @@ def blocks(name: str, dimensions: int, most: int | None = None) -> Iterator[Bloc
         text = shorten(str(error), 200) or type(error).__name__
         raise CaseError(
             f"cannot read the particles {name}: {text}; it is damaged or no file of its kind: "
-            "write it anew"
+            "write it again"
         ) from None

@@ -79,7 +79,7 @@ class Region(ABC):
         yield self
 
     def facts(self) -> list[str]:
-        """What people should see of it before a run, a line each; none where the case says it."""
+        """Notes on it for the user before a run, a line each; none where the case says it."""
         return []
 
     def notes(self) -> list[str]:

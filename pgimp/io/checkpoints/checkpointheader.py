@@ -19,7 +19,7 @@ from pydantic import BaseModel, ConfigDict, Field, StringConstraints, Validation
 from pgimp.errors import DamagedError
 
 #: Version of the file's layout and of what a run keeps in it.
-LAYOUT = 1
+LAYOUT = 2
 
 Kind = Literal["<f8", "<i8", "<i4"]
 KINDS: tuple[str, ...] = get_args(Kind)
@@ -109,7 +109,7 @@ def parse(read: Callable[[int, int], bytes], size: int) -> tuple[Header, int]:
     Parameters
     ----------
     read : callable
-        ``read(start, length)`` gives so many bytes of the file, fewer where it ends.
+        ``read(start, length)`` gives `length` bytes of the file, fewer where it ends.
     size : int
         Bytes of the file.
 

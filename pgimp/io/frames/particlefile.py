@@ -29,7 +29,7 @@ CONNECTIVITY = Dataset(
 # What stands for time and step in the headers that all frames have in common: with characters that
 # no text of a case has.
 _TIME, _STEP = b"\x01time\x02\x03\x04", b"\x01step\x02\x03\x04"
-# Fields of which a rank has no more than so many bytes in all go to their rows together.
+# Fields are written together if a rank has at most this number of bytes of them in all.
 _TOGETHER = 4 << 20
 
 
@@ -135,7 +135,7 @@ class ParticleFile:
         ------
         RunError
             On every rank, if there is no room, or the file cannot be made; it is then not there.
-            Other errors are told at the end.
+            Other errors are raised at the end.
         """
         comm, part, scene = rows.comm, temporary(path), self._scene
         attributes = {"time": state[0], "step": np.int64(state[1])} | self._attributes

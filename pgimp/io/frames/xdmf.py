@@ -36,7 +36,7 @@ class Collection:
         self._grids.append(grid)
 
     def write(self, durable: bool = False) -> None:
-        """Write the file anew, with all frames so far.
+        """Rewrite the file with all frames so far.
 
         Parameters
         ----------

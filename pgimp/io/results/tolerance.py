@@ -76,7 +76,7 @@ class Worst(NamedTuple):
         return abs(self.first - self.second) if self.first != self.second else 0.0
 
     def __str__(self) -> str:
-        """Word the two values and their difference."""
+        """Format the two values and their difference."""
         return f"{self.first!r} and {self.second!r}, difference {self.difference:.3g}"
 
 
@@ -149,7 +149,7 @@ def tables(name: str, first: Array, second: Array, tolerance: Tolerance) -> Iter
     Parameters
     ----------
     name : str
-        The file's, for people.
+        The file's, for messages.
     first, second : ndarray
         As `pgimp.files.lines.read` gives them.
     tolerance : Tolerance

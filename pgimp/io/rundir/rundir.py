@@ -33,7 +33,7 @@ from pgimp.terminal import escape
 
 #: State of a run whose directory is not yet cleared of the one before.
 STARTING = "starting"
-# A name that can be no directory, whatever the disk is like.
+# A name that cannot be that of a directory on any disk.
 _NO_PLACE = (errno.ENOTDIR, errno.ENAMETOOLONG, errno.ELOOP)
 _LOCK = ".lock"
 # Of ranks that fail together the lowest speaks on the terminal; so it does here.

@@ -114,8 +114,8 @@ def _examine(setting, forcing, particles, batch, usual, found, report, ledger, c
             if fault == 0:
                 fault = _outside(frame, setting.exits, xj)
             if fault == OUTSIDE and hold_inside(
-                forcing.walls, frame, forcing.grips, particles, p, ledger.impulse[batch.layer],
-                ledger.work[batch.layer : batch.layer + 1],
+                forcing.walls, frame, forcing.constraints, particles, p,
+                ledger.impulse[batch.layer], ledger.work[batch.layer : batch.layer + 1],
             ):  # fmt: skip
                 held += 1
                 xj = read(particles.x, p, 0, frame.origin)
@@ -123,7 +123,7 @@ def _examine(setting, forcing, particles, batch, usual, found, report, ledger, c
                 fault = _outside(frame, setting.exits, xj)
             if fault == _LEAVES:
                 particles.layer[p] = OUTFLOW
-                report.movers[moved] = batch.first + j
+                report.changed[moved] = batch.first + j
                 moved += 1
                 leavers += 1
                 continue
@@ -141,7 +141,7 @@ def _examine(setting, forcing, particles, batch, usual, found, report, ledger, c
                 reach[1, d - 1] = max(reach[1, d - 1], i)
             if layer_now != number:
                 particles.layer[p] = layer_now
-                report.movers[moved] = batch.first + j
+                report.changed[moved] = batch.first + j
                 moved += 1
         return failed, leavers, moved, clamped, held
 

@@ -3,7 +3,7 @@
 from pgimp.jit.kernel import specialise
 from pgimp.jit.tuples import plus_scaled
 from pgimp.kernels.batch import take_row
-from pgimp.kernels.grips import gripped
+from pgimp.kernels.constraints import constrain_particles
 from pgimp.kernels.loads import relaxed
 
 
@@ -29,8 +29,8 @@ def _update_velocity(forcing, particles, batch, u, a, ledger):
     def update(forcing, particles, batch, u, a, ledger):
         v = plus_scaled(forcing.dt, a, take_row(particles.v, batch.rows, 0, u))  # (27)
         v = relaxed(forcing.loads.relaxation, forcing.dt, v, u)
-        return gripped(
-            forcing.grips, particles, batch.rows, batch.size, u, v, ledger.grip_impulse,
+        return constrain_particles(
+            forcing.constraints, particles, batch.rows, batch.size, u, v, ledger.constraint_impulse,
             ledger.work, batch.layer,
         )  # fmt: skip
 

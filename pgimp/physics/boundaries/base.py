@@ -18,7 +18,7 @@ class Boundary(Model):
 
     @property
     def varies(self) -> bool:
-        """Whether the parameters change in time, so that they are made anew for every step."""
+        """Whether the parameters change in time, so that they are computed for every step."""
         return False
 
     def speed(self, axis: int, end: float) -> float | None:

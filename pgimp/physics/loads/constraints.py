@@ -11,7 +11,7 @@ from pgimp.schema.base import Model, Name
 from pgimp.schema.tables import Component, Table, prescribed
 
 
-class Grip(NamedTuple):
+class Constraint(NamedTuple):
     """A constraint during one step: components held, velocity at its end, change over it by dt."""
 
     held: tuple[bool, bool, bool]
@@ -36,9 +36,9 @@ class ConstraintEntry(Model):
         """Whether the parameters change in time."""
         return any(isinstance(component, Table) for component in self.velocity)
 
-    def parameters(self, start: float, end: float) -> Grip:
+    def parameters(self, start: float, end: float) -> Constraint:
         """Parameters of the kernels for a step from `start` to `end`."""
-        return Grip(*prescribed(self.velocity, start, end))
+        return Constraint(*prescribed(self.velocity, start, end))
 
     def displacement(self, t: float) -> tuple[float | None, ...]:
         """Return the displacement prescribed from time 0 to `t`, None where it is free."""

@@ -11,7 +11,7 @@ from importlib.resources import files
 
 from pgimp.running.stop import clock
 
-# Part of a job's time by which it is told to stop ahead of its end; at least, at most (seconds).
+# Fraction of a job's time by which it is asked to stop early; at least, at most (seconds).
 _NOTICE_PART, _LEAST_NOTICE, _MOST_NOTICE = 0.05, 60.0, 300.0
 _MODULE = "type module >/dev/null 2>&1 || . /etc/profile"
 _SLURM_WORDS = {"submit": "sbatch", "cancel": "scancel", "number": "SLURM_JOB_ID"}
@@ -83,7 +83,7 @@ class Job:
 
     @property
     def notice(self) -> int:
-        """Seconds before the end of the job's time at which the run is told to stop."""
+        """Seconds before the end of the job's time at which the run is asked to stop."""
         part = min(max(_NOTICE_PART * self.seconds, _LEAST_NOTICE), _MOST_NOTICE)
         return int(min(part, 0.5 * self.seconds))
 

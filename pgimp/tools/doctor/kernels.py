@@ -56,7 +56,7 @@ def examine() -> Iterator[Finding]:
             "Numba",
             found,
             f"they belong into {tried['wanted']}, but {tried['why_not']}, so that they are "
-            "compiled anew on every fresh machine; export PGIMP_CACHE_DIR=FOLDER, one that only "
+            "compiled again on every fresh machine; export PGIMP_CACHE_DIR=FOLDER, one that only "
             "you can write to, from all nodes",
         )
     else:

@@ -1,6 +1,6 @@
 """The standard block: a neo-Hookean block, 8 particles a cell at random positions, in free fall.
 
-Its exact motion is rigid, so whatever stress and velocity differences appear are errors.
+Its exact motion is rigid, so that stresses and velocity differences are errors.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ class Block(Simulation):
 
 
 def _uniform(ids: np.ndarray) -> np.ndarray:
-    """Three numbers in [0, 1) from each id, the same whatever the ranks (splitmix64)."""
+    """Three numbers in [0, 1) from each id, independent of the ranks (splitmix64)."""
     numbers = []
     for d in range(3):
         z = (ids.astype(np.uint64) * np.uint64(3) + np.uint64(d)) * np.uint64(0x9E3779B97F4A7C15)
@@ -66,7 +66,7 @@ def _uniform(ids: np.ndarray) -> np.ndarray:
 def block_case(cells: int, steps: int, length: int = 1) -> dict[str, Any]:
     """The benchmark as a case: a block of `cells` cubed in a domain with four cells around.
 
-    With `length` it is a bar along x, so many times as long.
+    With `length` it is a bar along x, longer by that factor.
     """
     h, pad = 1.0 / cells, 4
     lam = YOUNG * POISSON / ((1 + POISSON) * (1 - 2 * POISSON))

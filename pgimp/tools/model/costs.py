@@ -59,7 +59,7 @@ class Costs(NamedTuple):
     fixed : float
         Seconds of a step without particles: Python, and the calls of the kernels.
     particles : tuple of (float, float)
-        Numbers of particles of a rank, ascending, and seconds of a particle-step with so many: the
+        Numbers of particles of a rank, ascending, and seconds of a particle-step for each: the
         kernels, changes of layer, and the step's share of the sort. In between and beyond, see
         `particle`.
     vertex : float

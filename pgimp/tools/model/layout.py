@@ -41,7 +41,7 @@ class Layout(NamedTuple):
     wide: int = 0
 
     def plane_on(self, ranks: int) -> int:
-        """Vertices of a plane on so many ranks."""
+        """Vertices of a plane on `ranks` ranks."""
         return self.wide if ranks > 1 and self.wide else self.plane
 
     @property

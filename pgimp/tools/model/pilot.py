@@ -20,7 +20,7 @@ from pgimp.tools.model.costs import Costs
 
 #: Seconds that a pilot run may take, about; it ends after twice as many.
 _SECONDS = 2.0
-#: Cells that remain across a body, if it has so many.
+#: Cells that remain across a body, unless it has fewer.
 _FEWEST_CELLS = 6.0
 #: Steps of a fixed length between two looks at the fastest wave.
 _LOOK = 10

@@ -57,11 +57,11 @@ class Step(NamedTuple):
         return (self.planes + self.calls + self.reduction) / self.seconds
 
     def efficiency(self, one: Step) -> float:
-        """Speed over that of so many ranks without any losses; `one` is the step on one rank."""
+        """Speed over that of as many ranks without any losses; `one` is the step on one rank."""
         return one.seconds / (self.ranks * self.seconds)
 
     def loss(self, one: Step) -> str:
-        """What costs most of the efficiency, for people."""
+        """What costs most of the efficiency, as text."""
         if self.slabs < self.ranks:
             return out_of_layers(self.slabs)
         losses = {
@@ -74,7 +74,7 @@ class Step(NamedTuple):
 
 
 def out_of_layers(slabs: int) -> str:
-    """Say that there are no more slabs than so many."""
+    """Message: there are only this number of slabs."""
     return f"the grid has layers for {slabs:,} {'rank' if slabs == 1 else 'ranks'}"
 
 
@@ -130,7 +130,7 @@ def predict(layout: Layout, costs: Costs, network: Network, ranks: int) -> Step:
     neighbours[:-1] += 1.0
 
     def behind(layers: int, part: float, least: int) -> np.ndarray:
-        """Seconds of work on all but so many outer layers; 0 with fewer particles than `least`."""
+        """Seconds of work on all but the outer `layers`; 0 with fewer particles than `least`."""
         inside = np.maximum(0.0, 1.0 - neighbours * layers / (end - first))
         return np.where(inside * n < least, 0.0, part * work * inside)
 
@@ -167,9 +167,9 @@ def pays_off(
     Returns
     -------
     one, best : Step
-        A step on one rank, and on so many.
+        A step on one rank, and on the number of ranks that pays off.
     limit : str
-        What costs most of the efficiency beyond that, for people; empty if it is `most`.
+        What costs most of the efficiency beyond that, as text; empty if it is `most`.
     """
     one = predict(layout, costs, network, 1)
     most = min(most, MOST_RANKS)

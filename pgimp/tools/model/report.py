@@ -1,4 +1,4 @@
-"""Tables of what the model predicts, for people and as plain data."""
+"""Predictions of the model, as tables of text and as plain data."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def scaling(
     -------
     dict
         ``particles``, ``slabs`` (the most that there can be), ``pays_off`` (ranks), ``limit`` (what
-        costs most of the efficiency beyond, for people) and ``steps``, see `entry`.
+        costs most of the efficiency beyond, as text) and ``steps``, see `entry`.
     """
     one, best, limit = pays_off(layout, costs, network)
     slabs = layout.most_ranks
@@ -69,7 +69,7 @@ def entry(step: Step, particles: int, efficiency: float, memory: float) -> dict[
 def lines(
     steps: Sequence[dict[str, Any]], remarks: Callable[[dict[str, Any]], str], indent: str = ""
 ) -> list[str]:
-    """The table for people; `remarks` stand behind its lines."""
+    """The table as text; `remarks` follow its lines."""
     rows = [
         (
             f"{step['ranks']:,}",
@@ -111,7 +111,7 @@ def remark(found: dict[str, Any]) -> Callable[[dict[str, Any]], str]:
 
 
 def verdict(found: dict[str, Any]) -> str:
-    """How many ranks pay off, and why not more do, for people."""
+    """How many ranks pay off, and why more do not, as text."""
     ranks = found["pays_off"]
     text = f"up to {ranks:,} pay off" if ranks > 1 else "1; more do not pay off"
     beyond = f"; beyond, {found['limit']}" if found["limit"] else ""
@@ -119,7 +119,7 @@ def verdict(found: dict[str, Any]) -> str:
 
 
 def assumptions(costs: Costs, network: Network) -> list[str]:
-    """What the figures rest on, for people."""
+    """The assumptions behind the figures, as text."""
     few, many = costs.particles[0], costs.particles[-1]
     return [
         f"a step: {seconds_text(costs.fixed)} without particles; {1e9 * few[1]:.3g} ns a particle "
@@ -131,7 +131,7 @@ def assumptions(costs: Costs, network: Network) -> list[str]:
 
 
 def on_node(costs: Costs) -> str:
-    """What messages between ranks of a node cost, for people."""
+    """Cost of messages between ranks of a node, as text."""
     m = costs.messages
     how = "measured" if m.measured else "assumed; `mpirun -n 2 pgimp bench --model` measures"
     return (
@@ -142,7 +142,7 @@ def on_node(costs: Costs) -> str:
 
 
 def between_nodes(network: Network) -> str:
-    """What is assumed of those between nodes, for people."""
+    """The assumed cost of messages between nodes, as text."""
     return (
         f"between nodes: {seconds_text(network.latency)}, {network.bandwidth / 1e9:.3g} GB/s a "
         f"node, {network.ranks_per_node} ranks a node (assumed)"
@@ -150,7 +150,7 @@ def between_nodes(network: Network) -> str:
 
 
 def seconds_text(seconds: float) -> str:
-    """A short time for people."""
+    """Format a short time."""
     for unit, size in (("us", 1e-6), ("ms", 1e-3)):
         if seconds < 999.5 * size:
             return f"{seconds / size:.3g} {unit}"

@@ -28,7 +28,7 @@ _STRAIN = 1e-3
 _WAVE = 0.6
 #: Cells a step by which particles move at least, on average: so much as to change layers at times.
 _DRIFT = 0.005
-#: A sample may have so many times the particles asked for.
+#: Greatest ratio of the particles of a sample to those asked for.
 _LARGER = 4.0
 #: Part of its particles that a sample must still have: of those left it would say too little.
 _KEPT = 0.98
@@ -83,7 +83,7 @@ class Sample:
     comm : communicator
         Of its ranks.
     whole : bool
-        Whether the whole of it is timed, at least once. Otherwise it soon begins anew, before its
+        Whether the whole of it is timed, at least once. Otherwise it soon starts over, before its
         scene has become another.
 
     Attributes
@@ -114,7 +114,7 @@ class Sample:
         self.sim.advance()  # touches its memory
 
     def _advance(self, steps: int) -> int:
-        """Steps done, fewer at the end; 0 if they are of no use and all begins anew.
+        """Steps done, fewer at the end; 0 if they are of no use and it starts over.
 
         The same on every rank. The whole of a run is of use, whatever it is; its error is raised.
         """
@@ -147,7 +147,7 @@ class Sample:
         begin = perf_counter()
         steps = self._advance(self._steps)
         if not steps:
-            self._steps = max(_FEWEST, self._steps // 2)  # it may fail before so many, every time
+            self._steps = max(_FEWEST, self._steps // 2)  # it may always fail before that many
             return
         spent = perf_counter() - begin
         block = {name: sim.rank.timings[name] - before[name] for name in before}
@@ -203,7 +203,7 @@ def _open(dimensions: int, boundaries: Collection[str]) -> dict[str, str]:
 
 
 def plain(case: Case, count: int) -> Case:
-    """A block of the first body's material, of about so many particles, whatever else there is."""
+    """A block of about `count` particles of the first body's material, without anything else."""
     D = case.dimensions
     each = prod(case.method.particles_per_cell)
     cells = max(2, round((count / each) ** (1.0 / D)))

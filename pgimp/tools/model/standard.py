@@ -51,7 +51,7 @@ def model_block(
     result : dict
         ``costs``, ``network``, ``measured``, ``strong`` and ``weak``; see `scaling`.
     text : str
-        The same for people.
+        The same as text.
     """
     kind = Simulation if lattice else Block
     edge = max(1, round((particles / 8) ** (1.0 / 3.0))) if particles else cells

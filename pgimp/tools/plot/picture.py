@@ -185,7 +185,7 @@ def _draw(
 
 
 def _panels(count: int, size: Array, wide: bool, labelled: bool) -> tuple[Any, Any]:
-    """Return a figure with so many axes, of a shape that suits pictures of this size.
+    """Return a figure with `count` axes, of a shape that suits pictures of this size.
 
     The scale of colours is below them if they are `wide`, else at their right; those that are not
     `labelled` have no ticks.

@@ -14,7 +14,7 @@ from pgimp.tools.plot.selection import Block, Selection
 Array = np.ndarray
 
 FEW = 20_000
-"""So many particles are all drawn."""
+"""Up to this number, all particles are drawn."""
 
 SPOTS = 1000
 """Spots along the longer side of a picture with more of them, of which each shows one."""

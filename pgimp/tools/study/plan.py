@@ -32,7 +32,7 @@ class Planned:
 
     name: str
     file: str
-    """The case's file, as a run is told it."""
+    """The path of the case's file that a run is given."""
     options: tuple[str, ...]
     """The changes, as ``--set`` takes them."""
     values: Mapping[str, str]

@@ -1,4 +1,4 @@
-"""What is found of a body in a part of the lattice."""
+"""The fraction of each lattice box that a body fills, in a part of the lattice."""
 
 from typing import NamedTuple
 
@@ -10,7 +10,7 @@ Places = NDArray[np.int64]
 Reals = NDArray[np.float64]
 
 
-class Survey(NamedTuple):
+class VolumeFractions(NamedTuple):
     """Boxes of a part of the lattice that lie in a body.
 
     Attributes

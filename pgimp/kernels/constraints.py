@@ -1,11 +1,11 @@
-"""Prescribed motion of a part of a body (``constraints``): grips that hold particles and vertices.
+"""Prescribed motion of a part of a body: constraints on its particles and on vertices near them.
 
-Particles that a constraint holds move exactly as it says. Each marks the vertices that it reaches;
-these are held too, so that the material moves with the particles where it touches them, and does
-not tear from them sooner than need be. A grip therefore acts up to a vertex near the region's edge:
-exactly there where the edge is a plane of vertices, else up to a cell further, and it jumps from
-vertex to vertex as it moves. What one rank marks in the planes it shares with another is united by
-``or``, so that no order can matter.
+A constrained particle moves exactly as prescribed. It also marks the vertices of its support; these
+are constrained too, so that the material around moves with the particles and does not tear from
+them prematurely. A constraint therefore acts up to a vertex near the edge of its region: exactly up
+to the edge where that is a plane of vertices, else up to a cell further, and this vertex changes as
+the region moves. Marks in planes that two ranks share are combined with ``or``, so that their order
+does not matter.
 """
 
 from pgimp.jit.kernel import kernel, specialise
@@ -23,8 +23,8 @@ def any_held(particles, rows):
 @specialise(any_held)
 def _any_held(particles, rows):
     def any_held(particles, rows):
-        grip = particles.grip
-        return (grip[rows[0], 0] | grip[rows[1], 0] | grip[rows[2], 0] | grip[rows[3], 0]) > 0
+        held = particles.constraint
+        return (held[rows[0], 0] | held[rows[1], 0] | held[rows[2], 0] | held[rows[3], 0]) > 0
 
     return any_held
 
@@ -52,8 +52,8 @@ def _mark_along(shape, mask, bit, place, room, j, d, stride, like):
 
 
 @kernel
-def mark(setting, window, particles, order, mask):
-    """Mark the vertices that the constraints' particles hold.
+def mark_constrained_vertices(setting, window, particles, order, mask):
+    """Mark the vertices in the supports of constrained particles.
 
     Parameters
     ----------
@@ -66,41 +66,41 @@ def mark(setting, window, particles, order, mask):
     mask[:] = 0
     room = stack(ROOM)
     for layer in range(len(start) - 1):
-        number = layer + window.lower[0]
+        plane = layer + window.lower[0]
         for k in range(start[layer], start[layer + 1], LANES):
             rows = four(rows_of_all, k, start[layer + 1])
             if not any_held(particles, rows):
                 continue
-            supports(shape, frame, window, particles, rows, number, room, ())
+            supports(shape, frame, window, particles, rows, plane, room, ())
             for j in range(min(LANES, start[layer + 1] - k)):
-                grip = particles.grip[rows_of_all[k + j], 0]
-                if grip > 0:
+                number = particles.constraint[rows_of_all[k + j], 0]
+                if number > 0:
                     place = first_place(room, j) + layer * window.stride[0]
-                    bit = 1 << (grip - 1)
+                    bit = 1 << (number - 1)
                     _mark(shape, mask, bit, place, room, j, 0, window.stride, frame.origin)
 
 
-def ruled(marked, r, v):
+def constrained_velocity(marked, r, v):
     """Velocity of the vertex at `r` when all constraints are applied to `v`.
 
     Parameters
     ----------
-    marked : (grips, mask) or ()
-        The constraints and the vertices that they hold, see `mark`. Where constraints share a
-        vertex, the later one rules.
+    marked : (constraints, mask) or ()
+        The constraints and the vertices that they hold, see
+        `mark_constrained_vertices`. Where constraints share a vertex, the later one applies.
     """
 
 
-@specialise(ruled)
-def _ruled(marked, r, v):
+@specialise(constrained_velocity)
+def _constrained_velocity(marked, r, v):
     if len(marked) == 0:
         return lambda marked, r, v: v
 
     def by_constraints(marked, r, v):
-        grips, mask = marked
-        for k in range(len(grips)):
+        constraints, mask = marked
+        for k in range(len(constraints)):
             if mask[r // RECORD] >> k & 1:
-                h, u = grips[k].held, grips[k].velocity
+                h, u = constraints[k].held, constraints[k].velocity
                 v = (u[0] if h[0] else v[0], u[1] if h[1] else v[1], u[2] if h[2] else v[2])
         return v
 
@@ -108,7 +108,7 @@ def _ruled(marked, r, v):
 
 
 @kernel
-def hold_marked(field, forcing, ledger):
+def apply_constraints(field, forcing, ledger):
     """Set velocity and acceleration of the marked vertices, after the momentum update.
 
     Parameters
@@ -116,13 +116,13 @@ def hold_marked(field, forcing, ledger):
     field, forcing
         As in `update_momentum`, which has counted gravity's work with the velocity before.
     ledger : Ledger
-        `grip_impulse` grows by the momentum that each constraint gives to the vertices, `work` by
-        that momentum times the velocity that the last constraint leaves.
+        `constraint_impulse` grows by the momentum that each constraint gives to the vertices,
+        `work` by that momentum times the velocity that the last constraint leaves.
     """
     G, active, owned, plane = field.G, field.active, field.owned, field.window.stride[0]
     marked, relaxation = forcing.marked, forcing.loads.relaxation
-    dt, gravity, work, impulse = forcing.dt, forcing.gravity, ledger.work, ledger.grip_impulse
-    grips, mask = marked
+    dt, gravity, work, impulse = forcing.dt, forcing.gravity, ledger.work, ledger.constraint_impulse
+    constraints, mask = marked
     for i in range(len(active)):
         if active[i] == 0:
             continue
@@ -132,13 +132,13 @@ def hold_marked(field, forcing, ledger):
                 continue
             mass = G[r + MASS] if i < owned else 0.0
             own = (G[r + VELOCITY], G[r + VELOCITY + 1], G[r + VELOCITY + 2])
-            last = ruled(marked, r, own)
-            for k in range(len(grips)):
+            last = constrained_velocity(marked, r, own)
+            for k in range(len(constraints)):
                 if held >> k & 1 == 0:
                     continue
                 for d in range(3):
-                    if grips[k].held[d]:
-                        v, a = grips[k].velocity[d], grips[k].rate[d]
+                    if constraints[k].held[d]:
+                        v, a = constraints[k].velocity[d], constraints[k].rate[d]
                         u, b = G[r + VELOCITY + d], G[r + ACCELERATION + d]
                         change = given(relaxation, mass, dt, u, b, v, a)
                         work[i] += mass * dt * gravity[d] * (v - u)
@@ -149,7 +149,7 @@ def hold_marked(field, forcing, ledger):
                         work[i] += change * last[d]
 
 
-def gripped(grips, particles, rows, count, u, v, impulse, work, plane):
+def constrain_particles(constraints, particles, rows, count, u, v, impulse, work, plane):
     """Velocities of a batch, and those at which it moves, after its constraints.
 
     Parameters
@@ -161,23 +161,23 @@ def gripped(grips, particles, rows, count, u, v, impulse, work, plane):
     """
 
 
-def _held(grips, k, grip, m, u, v, impulse, work, plane):
-    """Treat the constraints from number `k` on, those in `grips`.
+def _held(constraints, k, number, m, u, v, impulse, work, plane):
+    """Treat the constraints from number `k` on, those in `constraints`.
 
-    `grip` has the number of the constraint that holds each particle, from 1; `m` is zero for those
-    that do not count. No particle has branches of its own here: the loop over all would pay.
+    `number` is that of each particle's constraint, from 1; `m` is zero for particles that do not
+    count. There are no branches for single particles: they would slow down the loop over all.
     """
 
 
 @specialise(_held)
-def _held_by_each(grips, k, grip, m, u, v, impulse, work, plane):
-    if len(grips) == 0:
-        return lambda grips, k, grip, m, u, v, impulse, work, plane: (u, v)
+def _held_by_each(constraints, k, number, m, u, v, impulse, work, plane):
+    if len(constraints) == 0:
+        return lambda constraints, k, number, m, u, v, impulse, work, plane: (u, v)
 
-    def held(grips, k, grip, m, u, v, impulse, work, plane):
-        chosen = grip == k + 1.0
-        U, V = _hold(grips[0], 0, chosen, m, u, v, impulse[plane, k], work, plane)
-        return _held(grips[1:], k + 1, grip, m, U, V, impulse, work, plane)
+    def held(constraints, k, number, m, u, v, impulse, work, plane):
+        chosen = number == k + 1.0
+        U, V = _hold(constraints[0], 0, chosen, m, u, v, impulse[plane, k], work, plane)
+        return _held(constraints[1:], k + 1, number, m, U, V, impulse, work, plane)
 
     return held
 
@@ -205,20 +205,20 @@ def _hold_along(one, d, chosen, m, u, v, impulse, work, plane):
     return hold
 
 
-@specialise(gripped)
-def _gripped(grips, particles, rows, count, u, v, impulse, work, plane):
-    if len(grips) == 0:
-        return lambda grips, particles, rows, count, u, v, impulse, work, plane: (u, v)
+@specialise(constrain_particles)
+def _constrain_particles(constraints, particles, rows, count, u, v, impulse, work, plane):
+    if len(constraints) == 0:
+        return lambda constraints, particles, rows, count, u, v, impulse, work, plane: (u, v)
 
-    def gripped(grips, particles, rows, count, u, v, impulse, work, plane):
-        column = particles.grip
-        grip = pack(
+    def constrain_particles(constraints, particles, rows, count, u, v, impulse, work, plane):
+        column = particles.constraint
+        number = pack(
             float(column[rows[0], 0]), float(column[rows[1], 0]),
             float(column[rows[2], 0]), float(column[rows[3], 0]),
         )  # fmt: skip
-        if bits(grip > 0.0) == 0:
+        if bits(number > 0.0) == 0:
             return u, v
         m = where(pack(0.0, 1.0, 2.0, 3.0) < count, take(particles.m, rows), 0.0)
-        return _held(grips, 0, grip, m, u, v, impulse, work, plane)
+        return _held(constraints, 0, number, m, u, v, impulse, work, plane)
 
-    return gripped
+    return constrain_particles

@@ -1,7 +1,7 @@
-"""Particles that change their layer: sorted out by where they go, packed, unpacked, put in order.
+"""Particles that change their layer: partitioned by where they go, packed, unpacked, sorted.
 
-A particle's record holds all its columns, one after the other, as they are bit by bit; int32 takes
-the room of int64.
+A particle's record holds all its columns, one after the other, bit by bit; an int32 is stored as an
+int64.
 """
 
 from pgimp.jit.kernel import kernel
@@ -9,7 +9,7 @@ from pgimp.kernels.updates.checks import OUTFLOW
 
 
 @kernel
-def sort_out(layer, order, places, first, layers, staying, leaving):
+def partition_migrants(layer, order, places, first, layers, staying, leaving):
     """Sort the particles that have changed their layer by whether they leave the slab.
 
     Parameters
@@ -55,8 +55,8 @@ def pack_rows(words, halves, rows, wire, place, width):
     Parameters
     ----------
     words, halves : tuples of arrays
-        See `Particles.columns`: of one type each, whatever a scene uses, so that this is compiled
-        once for all; a loop made for the columns of each scene took longer than all other kernels.
+        See `Particles.columns`: of one type each in all scenes, so that this is compiled once; a
+        loop over the columns of each scene took longer to compile than all other kernels.
     rows : (k,) int32
     wire : int64
         A message.

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from pgimp.geometry.measure import measure
 from pgimp.geometry.regions.base import Region
-from pgimp.scene.survey import Places, Ranges, Reals, Survey
+from pgimp.scene.volumefractions import Places, Ranges, Reals, VolumeFractions
 
 #: Points that are looked at one by one at a time, and boxes at a time in slabs of planes.
 _BLOCK = 200_000
@@ -31,8 +31,8 @@ _SLAB = 4_000_000
 #: Part of a box below which what the surface leaves of it merges into a neighbour, if one has more.
 SLIVER = 1e-3
 
-#: Parts of a region that are looked at in all boxes; of more parts only those that reach a block
-#: of so many boxes along each direction.
+#: Up to this number, all parts of a region are tested on all boxes. Of more parts only those that
+#: reach a block of boxes are, which has this number of boxes along each direction.
 _FEW, _NEAR = 8, 16
 
 #: Points of a brick, for which one look may decide.
@@ -46,7 +46,7 @@ def _points(axes: list[Reals], ranges: Ranges, places: Places) -> NDArray[np.flo
     return np.stack(parts, axis=1)
 
 
-class Filling:
+class LatticeBody:
     """The boxes of the lattice that a body fills.
 
     Parameters
@@ -71,15 +71,17 @@ class Filling:
         self.radius = 0.5 * float(np.sqrt((self.size * self.size).sum())) * (1.0 + 1e-9)
         # Fractions and moments by the part of the lattice: one rank first counts and then makes.
         self._measured: dict[tuple[tuple[int, int], ...], tuple[Reals, Reals]] = {}
-        self._filled: dict[tuple[tuple[int, int], ...], tuple[NDArray[np.uint8], Survey]] = {}
+        self._filled: dict[
+            tuple[tuple[int, int], ...], tuple[NDArray[np.uint8], VolumeFractions]
+        ] = {}
         # What rounding of coordinates leaves of a box, or lacks of one.
         reach = max(
             float(np.abs(e[[0, -1]]).max() / h) for e, h in zip(edges, self.size, strict=True)
         )
         self.rounding = 1e-12 + 16.0 * float(np.finfo(float).eps) * reach
 
-    def slabs(self, planes: tuple[int, int]) -> Iterator[Survey]:
-        """Surveys of the body's boxes in a range of planes, slivers merged, in ascending order."""
+    def slabs(self, planes: tuple[int, int]) -> Iterator[VolumeFractions]:
+        """Volume fractions in a range of planes, slivers merged, in ascending order."""
         first, last = max(planes[0], self.box[0][0]), min(planes[1], self.box[0][1])
         if first >= last or any(begin >= end for begin, end in self.box):
             return
@@ -89,16 +91,16 @@ class Filling:
         for begin in range(first, last, deep):
             end = min(begin + deep, last)
             wide = (max(begin - halo, self.box[0][0]), min(end + halo, self.box[0][1]))
-            survey = self._merge(self.survey([wide, *self.box[1:]]))
+            volumes = self._merge(self.volume_fractions([wide, *self.box[1:]]))
             part = slice((begin - wide[0]) * row, (end - wide[0]) * row)
-            at = slice(*np.searchsorted(survey.places, (part.start, part.stop)))
-            yield Survey(
-                [(begin, end), *self.box[1:]], survey.whole[part], survey.places[at] - part.start,
-                survey.fractions[at], survey.moments[at],
+            at = slice(*np.searchsorted(volumes.places, (part.start, part.stop)))
+            yield VolumeFractions(
+                [(begin, end), *self.box[1:]], volumes.whole[part], volumes.places[at] - part.start,
+                volumes.fractions[at], volumes.moments[at],
             )  # fmt: skip
 
-    def survey(self, ranges: Ranges) -> Survey:
-        """Look at a part of the lattice, slivers as they are."""
+    def volume_fractions(self, ranges: Ranges) -> VolumeFractions:
+        """Volume fractions in a part of the lattice, slivers not merged."""
         if self.cut and (found := self._fill(ranges)) is not None:
             return found
         shape = tuple(end - begin for begin, end in ranges)
@@ -125,10 +127,10 @@ class Filling:
         fractions, moments = self._measured[key]
         whole[places] = fractions == 1.0
         keep = (fractions > 0.0) & (fractions != 1.0)
-        return Survey(ranges, whole, places[keep], fractions[keep], moments[keep])
+        return VolumeFractions(ranges, whole, places[keep], fractions[keep], moments[keep])
 
-    def _fill(self, ranges: Ranges) -> Survey | None:
-        """Survey of a region that measures all boxes itself; None of another."""
+    def _fill(self, ranges: Ranges) -> VolumeFractions | None:
+        """Volume fractions of a region that measures all boxes itself; None of another."""
         key = tuple(ranges)
         if key not in self._filled:
             found = self.region.fill(self.edges, ranges)
@@ -140,11 +142,11 @@ class Filling:
             keep = (fractions > 0.0) & (fractions != 1.0)
             # The boxes inside are many: kept as bits.
             none = np.zeros(0, bool)
-            survey = Survey(ranges, none, places[keep], fractions[keep], moments[keep])
-            self._filled[key] = np.packbits(whole), survey
-        bits, survey = self._filled[key]
+            volumes = VolumeFractions(ranges, none, places[keep], fractions[keep], moments[keep])
+            self._filled[key] = np.packbits(whole), volumes
+        bits, volumes = self._filled[key]
         number = int(np.prod([end - begin for begin, end in ranges]))
-        return survey._replace(whole=np.unpackbits(bits, count=number).view(bool))
+        return volumes._replace(whole=np.unpackbits(bits, count=number).view(bool))
 
     def _measure(
         self, ranges: Ranges, shape: tuple[int, ...], places: Places
@@ -216,16 +218,16 @@ class Filling:
             masks.append(np.ascontiguousarray(boxes))
         return masks[0], masks[1]
 
-    def _merge(self, survey: Survey) -> Survey:
+    def _merge(self, volumes: VolumeFractions) -> VolumeFractions:
         """Give each sliver to its fullest neighbour, of equals to the nearest, then to the first.
 
         Near means that few coordinates differ.
         """
-        small = np.flatnonzero(survey.fractions < SLIVER)
+        small = np.flatnonzero(volumes.fractions < SLIVER)
         if len(small) == 0:
-            return survey
-        slivers = survey.places[small]
-        shape = tuple(end - begin for begin, end in survey.ranges)
+            return volumes
+        slivers = volumes.places[small]
+        shape = tuple(end - begin for begin, end in volumes.ranges)
         index = np.unravel_index(slivers, shape)
         target = np.full(len(slivers), -1)
         fullest = np.full(len(slivers), np.nextafter(SLIVER, 0.0))
@@ -238,21 +240,21 @@ class Filling:
                 valid &= (0 <= i) & (i < n)
             rows = np.flatnonzero(valid)
             places = np.ravel_multi_index([i[rows] for i in there], shape)
-            fraction = survey.fraction(places)
+            fraction = volumes.fraction(places)
             better = fraction > fullest[rows]
             rows = rows[better]
             target[rows], fullest[rows] = places[better], fraction[better]
             away[rows] = -step * self.size
         goes = target >= 0
         small, target, away = small[goes], target[goes], away[goes]
-        kept = np.ones(len(survey.places), bool)
+        kept = np.ones(len(volumes.places), bool)
         kept[small] = False
-        places = np.union1d(survey.places[kept], target)
-        fractions, moments = survey.fraction(places), survey.moment(places)
-        whole = survey.whole.copy()
+        places = np.union1d(volumes.places[kept], target)
+        fractions, moments = volumes.fraction(places), volumes.moment(places)
+        whole = volumes.whole.copy()
         whole[places] = False
         at = np.searchsorted(places, target)
-        given = survey.fractions[small]
+        given = volumes.fractions[small]
         np.add.at(fractions, at, given)  # one after the other, in the order of the boxes
-        np.add.at(moments, at, survey.moments[small] + given[:, None] * away)
-        return survey._replace(whole=whole, places=places, fractions=fractions, moments=moments)
+        np.add.at(moments, at, volumes.moments[small] + given[:, None] * away)
+        return volumes._replace(whole=whole, places=places, fractions=fractions, moments=moments)

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pgimp.geometry.regions.base import Bounds
-from pgimp.scene.filling import Filling
+from pgimp.scene.latticebody import LatticeBody
 from pgimp.scene.pointscloud import Cloud
 
 Reals = NDArray[np.float64]
@@ -44,7 +44,7 @@ class _Some(NamedTuple):
 
 def overlaps(
     names: Sequence[str],
-    bodies: Sequence[Filling | Cloud],
+    bodies: Sequence[LatticeBody | Cloud],
     box: Sequence[float],
     planes: tuple[int, int],
 ) -> Iterator[tuple[tuple[int, int], str]]:
@@ -57,8 +57,7 @@ def overlaps(
     box : sequence of float
         Size of a box of the lattice by direction.
     planes : (int, int)
-        Range of the lattice's planes that is searched; whatever it is, what is found in it is the
-        same.
+        Range of the lattice's planes that is searched; findings in a plane do not depend on it.
 
     Yields
     ------
@@ -75,7 +74,7 @@ def overlaps(
             yield (a, a), f"bodies.{names[a]}.region: {found}; leave all but one out of the file"
     for a, b in combinations(range(len(bodies)), 2):
         first, second = bodies[a], bodies[b]
-        if isinstance(first, Filling) and isinstance(second, Filling):
+        if isinstance(first, LatticeBody) and isinstance(second, LatticeBody):
             continue
         low, high = _common(first.region.bounds(), second.region.bounds())
         if (low > high + min(box)).any() or planes[0] >= planes[1]:
@@ -83,7 +82,7 @@ def overlaps(
         if isinstance(first, Cloud) and isinstance(second, Cloud):
             found = _close(first, second, (low, high), planes, min(box))
         elif isinstance(first, Cloud):
-            assert isinstance(second, Filling)
+            assert isinstance(second, LatticeBody)
             found = _inside(first, second, (low, high), planes, min(box), names[b])
         else:
             assert isinstance(second, Cloud)
@@ -104,7 +103,7 @@ def _common(first: Bounds, second: Bounds) -> tuple[Reals, Reals]:
 
 def _inside(
     cloud: Cloud,
-    body: Filling,
+    body: LatticeBody,
     box: tuple[Reals, Reals],
     planes: tuple[int, int],
     size: float,

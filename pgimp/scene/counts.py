@@ -8,7 +8,7 @@ from pgimp.errors import CaseError
 from pgimp.scene.lattice import Lattice
 
 
-class Census(NamedTuple):
+class Counts(NamedTuple):
     """What all ranks know about the particles before any exists.
 
     `counts` holds the particles of each body in each plane, (bodies, planes); `notes` says which
@@ -19,7 +19,7 @@ class Census(NamedTuple):
     notes: list[str]
 
 
-def census(lattice: Lattice, comm: Any) -> Census:
+def count_all(lattice: Lattice, comm: Any) -> Counts:
     """Count all particles, each rank a share of the planes, and check what bodies contain.
 
     Raises
@@ -61,5 +61,5 @@ def census(lattice: Lattice, comm: Any) -> Census:
         f"bodies '{a}' and '{b}' have particles in the same cell: they start in contact, as one"
         for a, b in pairs
     ]
-    notes += [note for filling in lattice.fillings for note in filling.region.notes()]
-    return Census(counts, notes)
+    notes += [note for body in lattice.bodies for note in body.region.notes()]
+    return Counts(counts, notes)
