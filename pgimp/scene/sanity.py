@@ -21,7 +21,7 @@ _LEAST_COURANT = 0.01
 #: Cells across a body below which it is thin, and from a wall within which a face is at it.
 _THIN, _AT_WALL = 1.0 - 1e-9, 0.5
 #: Cells along a body's longest side below which `affine` makes a quarter of its energy and more
-#: (tests/test_affine.py).
+#: (tests/kernels/test_affine.py).
 _FEW = 3.0 - 1e-9
 #: Spacings of particles within which a probe's particle lies, with room for a file's.
 _FAR = 1.0
