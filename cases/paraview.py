@@ -344,7 +344,7 @@ def _colour(display, view, title, name, component, low, high, palette):
     bar.TitleColor = bar.LabelColor = INK
     bar.TitleFontSize, bar.LabelFontSize = 18, 16
     bar.WindowLocation = "Any Location"
-    number = "%.4g" if "%" in bar.RangeLabelFormat else "{:.4g}"  # ParaView 6 has the latter
+    number = "%.6g" if "%" in bar.RangeLabelFormat else "{:.6g}"  # ParaView 6 has the latter
     bar.RangeLabelFormat = number
     bar.Orientation, bar.Position, bar.ScalarBarLength = "Vertical", [0.83, 0.2], 0.6
 

@@ -190,7 +190,7 @@ def _import(arguments: argparse.Namespace) -> None:
 
 
 def _why_no_case(name: str) -> str:
-    """Return why there is no such file, and what was probably meant; empty if there is one."""
+    """Return why there is no such file, and a likely correction; empty if there is one."""
     path = Path(name)
     if os.path.isdir(name):
         return f"{name} is a directory; a case is a YAML file"

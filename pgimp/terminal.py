@@ -58,7 +58,7 @@ class Escaping:
     raw : text stream
         The stream behind it.
     last : bool
-        Whether it is the last one, so that nobody can be told when it breaks; it then goes silent.
+        Whether it is the last one, so that its failure cannot be reported; it then goes silent.
 
     Attributes
     ----------

@@ -40,6 +40,8 @@ from pgimp.tools.model.sample import samples_of
 _SMALLEST, _SMALL, _LARGE = 200, 5_000, 150_000
 #: For how long they are timed.
 _SECONDS = 1.0
+#: Error of a number of steps that is "about" right.
+_CLOSE = 0.1
 _YEAR = 365.25 * 86400.0
 
 
@@ -210,14 +212,25 @@ def _report_steps(case: Case, steps: float, tried: Pilot | None) -> float:
             "the material is compressed: no pilot run can be made of this case"
         )
         return steps
-    how = _size(tried)
-    if tried.done < 1.0:
-        how += f", which went to t = {tried.done * case.time.end:.3g}"
-    print(
-        f"steps            about {tried.steps:,.0f} to t = {case.time.end:g}, predicted by a pilot "
-        f"run of {how}; {start} if no wave became faster"
-    )
+    print(f"steps            {_predicted(case, tried)}; {start} if no wave became faster")
     return tried.steps
+
+
+def _predicted(case: Case, tried: Pilot) -> str:
+    """Return how many steps a pilot run predicts, and what that supposes."""
+    text = f"{tried.steps:,.0f} to t = {case.time.end:g}"
+    if tried.done < 1.0:
+        ended = "failed" if tried.failure else "ran out of time"
+        return (
+            f"{text} if waves stay as fast as at t = {tried.done * case.time.end:.3g}, where a "
+            f"pilot run of {_size(tried)} {ended}; more if they become faster"
+        )
+    if tried.error > _CLOSE:
+        return (
+            f"roughly {text}, predicted by a pilot run of {_size(tried)}, which are too coarse for "
+            f"an error below {100.0 * _CLOSE:g} %"
+        )
+    return f"about {text}, predicted by a pilot run of {_size(tried)}"
 
 
 def _size(tried: Pilot) -> str:

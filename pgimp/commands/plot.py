@@ -231,7 +231,7 @@ def _default_name(runs: Sequence[Shown], name: str) -> str:
 
 
 def _output(name: str, formats: Sequence[str] = (*_FORMATS, "csv")) -> Path:
-    """Return the path to write to, after a look at what is there."""
+    """Return the path to write to, after checking what exists there."""
     path = Path(name)
     kind = path.suffix[1:].lower()
     if kind not in formats:

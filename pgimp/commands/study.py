@@ -154,7 +154,7 @@ def _run_all(
 
 @contextmanager
 def _bar(log: Log, total: int) -> Iterator[Any]:
-    """Show how many runs are done, below the lines of the log; nothing if nobody watches."""
+    """Show how many runs are done, below the lines of the log; nothing without a terminal."""
     columns = 0 if log.quiet else terminal_columns()
     if not columns:
         yield lambda done, text: None

@@ -74,8 +74,8 @@ def hand_over(
 
     new_planes[places(gets, had, gets)] = planes[places(had, had, gets)]
     rows = {rank: [rows_of(after)]}
-    # To the ranks at one distance after those at another: so nobody waits in a circle, and there
-    # is never more than one message on its way out and one on its way in.
+    # One distance of ranks after the other, so that no ranks wait for each other in a circle, and
+    # there is never more than one message on its way out and one on its way in.
     for distance in _distances(old, new, extra):
         to, source = rank + distance, rank - distance
         going = planes[places(had, had, _planes(new, extra, to))]

@@ -48,7 +48,7 @@ def require_whole(path: Path, step: int, count: int | None) -> None:
     step : int
         Of the last line that belongs to what a run goes on from.
     count : int or None
-        How many lines there were then, that one among them; None if nobody knows.
+        How many lines there were then, that one among them; None if unknown.
 
     Raises
     ------

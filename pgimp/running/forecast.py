@@ -10,7 +10,7 @@ from pgimp.physics.fields import ALWAYS, Field
 
 #: Relative to the interval: rounding, by which the end is a multiple of it.
 _ROUNDING = 1e-9
-#: Frames that are hardly what was meant.
+#: A number of frames that is probably a mistake.
 _MANY = 10_000
 
 

@@ -34,7 +34,7 @@ class Record(BaseModel):
     line : int
         Step of the last line that is safe on disk.
     lines : int or None
-        Number of lines up to there; None if nobody knows.
+        Number of lines up to there; None if unknown.
     """
 
     model_config = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)

@@ -34,7 +34,7 @@ def terminal_columns() -> int:
     Returns
     -------
     int
-        0 if nobody watches.
+        0 without a terminal.
     """
     if os.environ.get("TERM", "dumb") == "dumb":
         return 0

@@ -182,7 +182,7 @@ class Recorder:
         self.seconds[what] += perf_counter() - began
 
     def kept(self) -> str:
-        """Say in a sentence what the run directory holds so far."""
+        """Describe in a sentence what the run directory holds so far."""
         folder = self.checkpoints.folder.parent
         frames = self.frames.written
         if not frames:

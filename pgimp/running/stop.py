@@ -81,7 +81,7 @@ def slurm_seconds_left() -> float | None:
     Returns
     -------
     float or None
-        Seconds; None outside of a job, if the job has no limit, and if nobody knows.
+        Seconds; None outside of a job, if the job has no limit, or if it is unknown.
     """
     job = os.environ.get("SLURM_JOB_ID", "")
     if not job:

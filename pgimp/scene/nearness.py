@@ -139,7 +139,7 @@ def _clear(case: Any, axis: int, side: int, low: np.ndarray, high: np.ndarray) -
 
 
 def _held(case: Any, low: np.ndarray, high: np.ndarray) -> Iterator[bool]:
-    """Tell for each face that the body lies at whether it holds the body in all directions."""
+    """For each face that the body touches: whether it holds the body in all directions."""
     for _, condition, axis, side in _faces(case):
         if _clear(case, axis, side, low[axis], high[axis]) <= _TOUCH:
             yield all(held_at(condition, axis, side)[: case.dimensions])

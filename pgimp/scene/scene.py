@@ -237,7 +237,7 @@ class Scene:
         own : callable, optional
             See `Lattice.make`; what it chooses need not be what the planes count.
         """
-        # Of particles in files nobody knows the number before they are read.
+        # The number of particles in files is only known once they are read.
         files = [
             self._from_file(lattice, found, lattice.make(planes, counts, body, own))
             if isinstance(found, Cloud)

@@ -59,7 +59,7 @@ class Model(BaseModel):
     """Dimensions of a case in which the entry may be used."""
 
     SPELLINGS: ClassVar[dict[str, str]] = {}
-    """Keys that are accepted for another one, unless that is there as well."""
+    """Keys that are accepted for another one, unless both are given."""
 
     @model_validator(mode="before")
     @classmethod

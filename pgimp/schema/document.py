@@ -76,7 +76,7 @@ def read(name: str | FilePath) -> bytes:
     Raises
     ------
     OSError
-        When it cannot be read, or is a pipe into which nobody writes.
+        If it cannot be read, or is a pipe without a writer.
     """
     return read_some(name, LARGEST_FILE + 1)
 

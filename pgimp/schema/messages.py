@@ -91,7 +91,7 @@ def nearest(name: str, known: Iterable[str]) -> str | None:
 
 
 def unknown(what: str, name: str, known: Iterable[str], label: str = "known") -> str:
-    """Say that `name` is unknown, which name may have been meant, and which are known."""
+    """Message: `name` is unknown; a similar name, and all known ones."""
     names = sorted(known)
     text = f"unknown {what}" if what == "key" else f"unknown {what} '{shorten(name)}'"
     match = _COLON.fullmatch(name)

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from pydantic_core import InitErrorDetails, PydanticCustomError, ValidationError
 
 MOST_PROBLEMS = 1000
-"""As many are looked at where a part of a case has more: nobody reads them all."""
+"""At most this number of problems is listed for a part of a case."""
 
 KIND, ABSENT = "problem", "absent"
 """Error types under which pydantic carries a `Problem`; absent: the last key is not there."""

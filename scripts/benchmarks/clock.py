@@ -1,6 +1,6 @@
 """The clock of the benchmarks: wall time, or on a machine that does other things the CPU's.
 
-The CPU's time is that of a process alone, whoever shares the core with it. It is of no use for
+CPU time is that of a process alone, even on a shared core. It is of no use for
 several ranks, which wait for each other without rest.
 """
 

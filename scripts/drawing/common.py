@@ -65,7 +65,9 @@ def shrink(path):
     image = Image.open(path).convert("RGB")
     image.save(path, optimize=True)
     if path.stat().st_size > LARGE:
-        image.quantize(256, Image.Quantize.MAXCOVERAGE, 0, dither=Image.Dither.NONE).save(
+        palette = image.quantize(256, Image.Quantize.MAXCOVERAGE, 3)
+        # Without dithering scales of colours have steps.
+        image.quantize(palette=palette, dither=Image.Dither.FLOYDSTEINBERG).save(
             path, optimize=True
         )
     print(f"pictures: {path.relative_to(ROOT)}, {path.stat().st_size // 1024} kB")

@@ -102,7 +102,7 @@ def stop_early():
 
 
 def name_of(result):
-    """Word how a command ended."""
+    """Describe how a command ended."""
     if result.status == 0:
         return "good"
     if result.status == 2:

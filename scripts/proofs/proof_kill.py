@@ -92,7 +92,7 @@ def wait_for(kind, job, directory, chance, length):
 
 
 def stage(directory):
-    """Say how far a killed run had come, by what it left."""
+    """How far a killed run had come, judged by its files."""
     if not (directory / "frames").exists():
         return "start-up"
     if list(directory.glob("checkpoints/.*.part")):

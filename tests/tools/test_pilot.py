@@ -1,8 +1,11 @@
 """Steps predicted by a pilot run against the steps that runs take, where waves become faster."""
 
+from math import inf
+
 import pytest
 
 from pgimp.case.schema import Case
+from pgimp.commands.check import _predicted
 from pgimp.errors import CaseError
 from pgimp.mpi.comm import Serial
 from pgimp.solver.simulation import Simulation
@@ -62,9 +65,80 @@ def test_a_pilot_run_that_takes_too_long_is_ended(run, monkeypatch):
     sim, expected = run
     ticks = iter(range(10**6))
     monkeypatch.setattr(pilots, "perf_counter", lambda: next(ticks) * 0.01)
-    found = pilot(sim.case, sim.count, expected, COSTS, 16.0)
+    found = pilot(sim.case, sim.count, expected, COSTS, 6.0)  # coarser cells are not allowed
     assert 0.0 < found.done < 1.0
     assert expected < found.steps < 1.2 * sim.step
+    said = _predicted(sim.case, found)
+    assert f"if waves stay as fast as at t = {found.done:.3g}, where a pilot run of" in said
+    assert "ran out of time; more if they become faster" in said
+
+
+def test_a_pilot_run_that_takes_too_long_is_repeated_on_coarser_cells(run, monkeypatch):
+    sim, expected = run
+    ticks = iter(range(10**6))
+    monkeypatch.setattr(pilots, "perf_counter", lambda: next(ticks) * 0.01)
+    found = pilot(sim.case, sim.count, expected, COSTS, 16.0)
+    assert found.done == 1.0 and found.factor > 1.2
+    assert found.steps == pytest.approx(sim.step, rel=0.1)
+
+
+HALF = {
+    "pressed to half its height": {
+        "gravity": [0.0, 0.0],
+        "constraints": {
+            "top": {
+                "body": "b",
+                "region": {"box": {"min": [0.0, 1.7], "max": [1.0, 2.0]}},
+                "velocity": [0.0, -1.0],
+            }
+        },
+    },
+    "falls at a third of its wave speed": {
+        "gravity": [0.0, 0.0],
+        "bodies": {
+            "b": {
+                "material": "m",
+                "region": {"box": {"min": [0.0, 0.25], "max": [1.0, 2.25]}},
+                "velocity": [0.0, -4.0],
+            }
+        },
+        "boundaries": {"x-min": "slip", "x-max": "slip", "y-min": "separating"},
+        "grid": {"size": [1.0, 4.0], "cell": [0.0625, 0.0625]},
+        "time": {"end": 0.5, "step": {"courant": 0.3}},
+    },
+}
+
+
+@pytest.mark.parametrize("kind", HALF)
+def test_steps_are_within_a_tenth_where_said(kind, monkeypatch):
+    """Waves become much faster, early or late; half of the cells, and fewer, predict the steps."""
+    case = squeezed(**HALF[kind])
+    sim = Simulation(case, Serial())
+    expected = case.time.end / sim.clock.next(sim.done, sim.rate).dt
+    while not sim.finished:
+        sim.advance()
+    assert sim.step > 1.04 * expected
+    monkeypatch.setattr(pilots, "perf_counter", lambda: 0.0)
+    for seconds in (0.1, 0.03):
+        monkeypatch.setattr(pilots, "_SECONDS", seconds)
+        found = pilot(case, sim.count, expected, COSTS, 16.0)
+        assert found.factor > 1.0 and found.done == 1.0 and 0.0 < found.error < 0.1
+        assert found.steps == pytest.approx(sim.step, rel=0.1)
+        assert _predicted(case, found).startswith(f"about {found.steps:,.0f} to t = ")
+
+
+def test_what_cells_do_to_the_prediction_is_said():
+    case = squeezed()
+    fine = pilots.Pilot(1000.0, 500, 2.0, 1.0, "", 0.3)
+    assert pilots._error(fine, fine._replace(steps=800.0, factor=2.5)) == pytest.approx(0.5)
+    assert pilots._error(fine, fine._replace(factor=2.6)) == pytest.approx(0.05)
+    for other in (None, fine, fine._replace(factor=2.6, done=0.9)):
+        assert pilots._error(fine, other) == inf
+    said = _predicted(case, fine._replace(error=0.2))
+    assert said.startswith("roughly 1,000 to t = 1, predicted by a pilot run of 500 particles in")
+    failed = fine._replace(done=0.5, failure="x")
+    assert "if waves stay as fast as at t = 0.5, where" in _predicted(case, failed)
+    assert "failed; more if they become faster" in _predicted(case, failed)
 
 
 def test_a_pilot_run_that_fails_says_so():

@@ -1,6 +1,6 @@
 """Reads a mesh file in a process of its own, ``pgimp.geometry.mesh.child FILE BYTES SECONDS``.
 
-Readers of dozens of formats meet files that nobody has checked: they print, exit, allocate what a
+Readers of dozens of formats get unchecked files: they print, exit, allocate what a
 damaged header asks for, or loop. Here they have limits of memory and time, and what goes wrong ends
 this process only. Other files that a mesh names are opened only where they are files on a disk:
 nobody may ever write to a pipe. Standard output gets the number of arrays and then arrays in

@@ -106,7 +106,7 @@ def _place(at: Reals) -> str:
 
 
 def _of(what: str, cells: Ints) -> str:
-    """Return which cells of the file are meant, at most a few; nothing where that is not known."""
+    """Return the numbers of the cells in the file, a few at most; nothing if unknown."""
     numbers = [str(number) for number in np.unique(cells[cells >= 0])[:5]]
     if not numbers:
         return ""

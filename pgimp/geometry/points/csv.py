@@ -68,7 +68,7 @@ def read_csv(name: str, D: int) -> Iterator[Block]:
 
 
 def _misnamed(head: list[str], D: int) -> str:
-    """Say all that is wrong with the names of the columns; empty if nothing is."""
+    """Errors in the names of the columns; empty if there are none."""
     groups = _groups(D)
     known = [key for keys in groups.values() for key in keys]
     spatial = {key for keys in _groups(3).values() for key in keys}

@@ -15,7 +15,7 @@ def find(h5py: Any, file: Any, key: str) -> Any:
     """Return the object at a path; None if the file has none.
 
     HDF5 would follow links into other files, and read data from them, which may be anything: a
-    pipe that nobody writes to, a device, a disk that is not there.
+    pipe without a writer, a device, a disk that is not there.
 
     Parameters
     ----------

@@ -30,7 +30,7 @@ _BLOCK = 4 << 20
 class CheckpointFile:
     """A checkpoint that is open for reading, with its header checked; `verify` checks the rest.
 
-    Every rank opens it for itself, without MPI. It is closed when nobody has it any more.
+    Every rank opens it for itself, without MPI. It is closed with its last reference.
 
     Parameters
     ----------

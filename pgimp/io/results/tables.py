@@ -67,7 +67,7 @@ class Tables(dict[str, Table]):
         raise KeyError(absent(f"probe {name!r}", str(name), self))
 
     def __repr__(self) -> str:
-        """Say of each table its name, how many lines it has, and its columns."""
+        """List each table with its name, number of lines and columns."""
         lines = [
             f"  {name}: {len(table)} lines of {', '.join(table.dtype.names or ('nothing',))}"
             for name, table in self.items()
@@ -76,7 +76,7 @@ class Tables(dict[str, Table]):
 
 
 def absent(what: str, name: str, known: Collection[str]) -> str:
-    """Say that something is not there, which name may have been meant, and which there are."""
+    """Message: there is no such name; a similar one, and all there are."""
     guess = nearest(name, known)
     hint = f"did you mean {guess!r}? " if guess else ""
     return escape(f"there is no {what}; {hint}there are: {', '.join(known) or 'none'}")

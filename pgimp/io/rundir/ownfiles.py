@@ -17,7 +17,7 @@ FRAME = re.compile(r"particles-(\d{6,})\.h5")
 GRID_FRAME = re.compile(r"grid-(\d{6,})\.h5")
 FOLDERS = ("frames", "checkpoints")
 FAILURE = "failure"
-#: A file that is there once the failure of a run is noted.
+#: A file that exists once the failure of a run is recorded.
 FAILED = ".failed"
 #: What is half written.
 PART = re.compile(
@@ -65,7 +65,7 @@ def require_room(directory: Path, resume: bool, probes: Collection[str]) -> None
     directory : Path
         The run directory.
     resume : bool
-        Whether the run that is there is to go on, so that its files stay.
+        Whether the existing run is continued, so that its files stay.
     probes : collection of str
         Names of the probes that the run is to have.
 

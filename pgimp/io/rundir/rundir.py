@@ -51,9 +51,9 @@ class RunDirectory:
     comm : communicator
         Of all ranks; creation is collective.
     overwrite : bool
-        Whether a run that is there may be replaced.
+        Whether an existing run may be replaced.
     resume : bool
-        Whether a run that is there is to go on.
+        Whether an existing run is continued.
     probes : collection of str
         Names of the case's probes.
 
@@ -176,7 +176,7 @@ class RunDirectory:
         start : dict
             What run.json says of this start.
         resume : bool
-            Whether to go on with the run that is there.
+            Whether to continue the existing run.
 
         Raises
         ------

@@ -37,7 +37,7 @@ _WHEEL = (
 
 
 def examine(mpi: Answer) -> Iterator[Finding]:
-    """Look at h5py.
+    """Check h5py.
 
     Parameters
     ----------

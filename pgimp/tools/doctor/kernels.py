@@ -34,7 +34,7 @@ _MOST_FILES = 200
 
 
 def examine() -> Iterator[Finding]:
-    """Look at Numba, at the folder of its kernels, and at what is in there."""
+    """Check Numba, the folder of its kernels, and the files in it."""
     try:
         wanted_folder()
     except UsageError as error:

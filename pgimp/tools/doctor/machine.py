@@ -23,7 +23,7 @@ _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 def examine() -> Iterator[Finding]:
-    """Look at the machine and at Python."""
+    """Check the machine and Python."""
     count = len(cores())
     yield Finding("machine", f"{cpu()}, {count} core{'' if count == 1 else 's'} for this process")
     yield python()

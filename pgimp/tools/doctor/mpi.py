@@ -61,7 +61,7 @@ _SRUN = (
 
 
 def examine() -> tuple[Answer, list[Finding]]:
-    """Look at mpi4py.
+    """Check mpi4py.
 
     Returns
     -------
@@ -89,12 +89,12 @@ def _mpi4py(mpi: Answer) -> Finding:
 
 
 def _launcher() -> str | None:
-    """Return the path of mpirun, or of mpiexec where only that is there."""
+    """Return the path of mpirun, or of mpiexec if there is no mpirun."""
     return shutil.which("mpirun") or shutil.which("mpiexec")
 
 
 def launchers(mpi: Answer) -> Iterator[Finding]:
-    """Look at mpirun and srun, and try two ranks with each.
+    """Check mpirun and srun, and try two ranks with each.
 
     Parameters
     ----------

@@ -114,7 +114,7 @@ class Sample:
         self.sim.advance()  # touches its memory
 
     def _advance(self, steps: int) -> int:
-        """Steps done, fewer at the end; 0 if they are of no use and it starts over.
+        """Steps done, fewer at the end; 0 if they are discarded and it starts over.
 
         The same on every rank. The whole of a run is of use, whatever it is; its error is raised.
         """
@@ -161,8 +161,8 @@ class Sample:
     def seconds(self, name: str = "step") -> float:
         """Seconds of a phase in a step, of the slowest rank; collective.
 
-        The median of all blocks; where the whole is timed, the mean of medians of some in a row:
-        so either is of a machine that nobody disturbs. "step" is all of it but the sort, "sort"
+        The median of all blocks; where the whole is timed, the mean of medians of some in a row,
+        so that either is that of an undisturbed machine. "step" is all of it but the sort, "sort"
         the step's part of a sort.
         """
         every = [block[name] for block in self._blocks]

@@ -74,7 +74,7 @@ def quantity(text: str | None, frame: Frame, dimension: int) -> Quantity:
     Parameters
     ----------
     text : str or None
-        ``FIELD`` or ``FIELD.COMPONENT``; None takes the first that is there of von Mises stress,
+        ``FIELD`` or ``FIELD.COMPONENT``; None takes the first available of von Mises stress,
         stress, velocity, displacement and volume.
     frame : Frame
         The frame.

@@ -45,7 +45,7 @@ class Shown:
 
     @cached_property
     def case(self) -> dict[str, Any]:
-        """The case as resolved, as plain data: a material from outside the package is no matter."""
+        """The case as resolved, as plain data, so that external materials need not be known."""
         path = self.path / "case.yaml"
         try:
             content = read_plain(path, LARGEST_FILE)

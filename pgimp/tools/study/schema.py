@@ -265,5 +265,5 @@ def measure_of(entry: str | Measure) -> Measure:
 
 
 def missing_file(value: Any) -> str:
-    """Say that a case's file is not named as one."""
+    """Message: the name is not that of a case file."""
     return f"expected the name of a case file, got {describe(value)}"

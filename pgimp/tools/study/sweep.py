@@ -85,7 +85,7 @@ def _choices(entry: Mapping[str, Any], number: int) -> list[Choice]:
 
 
 def _labels(sets: list[tuple[Change, ...]]) -> list[str]:
-    """Tell the choices apart by as few of their values as that takes."""
+    """Distinguish the choices by as few of their values as possible."""
     leaves = [
         {key: text for change in changes for key, text in _leaves(change.key, change.value)}
         for changes in sets

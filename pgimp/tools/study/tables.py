@@ -114,7 +114,7 @@ def _legend(plan: Plan) -> Iterator[str]:
 
 
 def _origin(outcomes: Sequence[Outcome]) -> Iterator[str]:
-    """Say on what and with what the runs were done; what differs between them is listed."""
+    """Describe machine and versions of the runs; lists what differs between them."""
     done = [one.info for one in outcomes if one.info]
     if done:
         ranks = " or ".join(_unlike(info["ranks"] for info in done))
