@@ -10,10 +10,10 @@
   with `volume: initial`, whose forces are those of the strain energy at small strains only. What
   an accelerated wall or constraint makes of that is known and subtracted: particles take on its
   acceleration A at their own velocity v, but the work is booked with the wall's velocity u, so that
-  m A (v - u) dt of energy comes from nothing. With `affine`, either the energy of what particles
-  carry of the velocity's variation becomes that of their velocity, or the power of forces on what
-  they carry explains it: the grid moves with m (v + L (x_v - x)), particles get the acceleration
-  for their m v alone, which near surfaces is not the same (see docs/methods.md for how much). With
+  m A (v - u) dt of energy comes from nothing. With `affine` likewise the power of forces on what
+  particles carry of the velocity's variation: the grid moves with m (v + L (x_v - x)), particles
+  get the acceleration for their m v alone, which near surfaces is not the same (docs/methods.md
+  says how much that is; tests/kernels/test_affine.py that walls and constraints add nothing). With
   `mpm` nothing is claimed: a particle that has just entered a cell gives its far vertices a force
   and hardly any mass, and what they then do to it can make some per cent of the energy at once.
 - Angular momentum of scenes without any load or condition is constant, but for what moving
@@ -24,7 +24,7 @@ import contextlib
 import math
 
 import numpy as np
-from scene_energy import accelerated, carried_momentum, unbalanced, vertex_sums
+from scene_energy import Seen
 
 from pgimp.errors import RunError
 from pgimp.schema.tables import prescribed
@@ -40,9 +40,6 @@ CREATED, LEFT = 0.03, 0.6
 #: What hooke may add: its energy is that of the stress, right at small strains only, and bodies
 #: here meet at a fifth of the wave speed.
 RATE = 0.15
-#: Mean square of the distance of a particle's vertices, weighted, in cells: about, by shape.
-SPREAD = {"fuzzy-constant": 0.5, "fuzzy-nearest": 0.4}
-USUAL_SPREAD = 0.25
 #: Of mass times speed times size.
 ANGULAR = 0.02
 
@@ -91,18 +88,7 @@ class Books:
         self._lines = [self._line]
         conditions = [*self.case.boundaries.values(), *self.case.constraints.values()]
         self._accelerates = any(each.varies for each in conditions)
-        self._explained, self._carried = [0.0], [self._carry()]
-        self._unbalanced = [0.0]
-
-    def _carry(self):
-        """Kinetic energy of the velocity's variation about the particles."""
-        sim, D = self.sim, self.D
-        if not self.case.method.affine:
-            return 0.0
-        rows, p = sim.live(), sim.particles
-        spread = SPREAD.get(self.case.method.shape, USUAL_SPREAD)
-        L = p.L[rows].reshape(-1, D, D) * np.array(sim.scene.frame.cell)
-        return 0.5 * spread * float((p.m[rows, None, None] * L**2).sum())
+        self._explained = [0.0]
 
     def run(self):
         """Take all steps, or those before one that fails, and close the books."""
@@ -123,18 +109,13 @@ class Books:
         impulse = last["mass"] * gravity + patch_forces(sim)
         before = dict(zip(sim.particles.id[rows].tolist(), sim.particles.x[rows], strict=True))
         mass = dict(zip(sim.particles.id[rows].tolist(), sim.particles.m[rows], strict=True))
-        sums, momenta = [], []
-        with contextlib.ExitStack() as stack:
-            if self._accelerates:
-                stack.enter_context(vertex_sums(sums))
-            if self.case.method.affine:
-                stack.enter_context(carried_momentum(momenta))
+        seen, affine = Seen(), self.case.method.affine
+        with seen.step() if self._accelerates or affine else contextlib.nullcontext():
             sim.advance()
-        lost = unbalanced(sim, momenta[0]) if momenta else 0.0
-        self._unbalanced.append(self._unbalanced[-1] - lost)
-        gained = accelerated(sim, *sums[0]) if sums else 0.0
+        gained = seen.accelerated() if self._accelerates else 0.0
+        if affine:
+            gained -= seen.unbalanced()
         self._explained.append(self._explained[-1] + gained)
-        self._carried.append(self._carry())
         line = self._line = sim.diagnostics()
         self._lines.append(line)
         forces = [f"reaction.{face}" for face in self.case.boundaries]
@@ -193,11 +174,7 @@ class Books:
         largest = energy.max() + np.abs(work).max()
         if largest > 0.0:
             gained = energy - energy[0] - work - np.array(self._explained)
-            carried, lost = np.array(self._carried), np.array(self._unbalanced)
-            least = min(
-                each.max() for each in (gained, gained + carried - carried[0], gained - lost)
-            )
-            self.created = float(max(0.0, least) / largest)
+            self.created = float(max(0.0, gained.max()) / largest)
         case = self.case
         held = case.boundaries or case.constraints or case.tractions or case.gravity
         if not held and self.D > 1 and len(self._lines) > 1:

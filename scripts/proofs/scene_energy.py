@@ -1,6 +1,7 @@
 """Energy that a step is known to make or to lose, from what it does at the vertices."""
 
 import contextlib
+from unittest import mock
 
 import numpy as np
 
@@ -11,68 +12,71 @@ from pgimp.solver import step as stepping
 ROUNDING = 1e-9
 
 
-@contextlib.contextmanager
-def vertex_sums(found):
-    """Append the vertices' sums of each step, before the momentum update, and gravity to a list."""
-    usual = stepping.update_momentum
+class Seen:
+    """Records of the vertices in one step on one rank, (n, RECORD).
 
-    def update(frame, field, faces, forcing, ledger):
-        sums = field.G.reshape(-1, RECORD).copy()
-        found.append((sums, forcing.gravity, forcing.lightest))
-        usual(frame, field, faces, forcing, ledger)
+    They are taken within the step: after it the window may be another one.
 
-    stepping.update_momentum = update
-    try:
-        yield
-    finally:
-        stepping.update_momentum = usual
-
-
-def accelerated(sim, sums, gravity, lightest):
-    """Energy that particles gain from vertices held at a rate, above the work that is booked.
-
-    Held is what the update of a free vertex would give another velocity or acceleration: the slot
-    `HELD` has one code for all vertices with several such components.
+    Attributes
+    ----------
+    carried
+        What vertices get of the velocity's variation that particles carry, in place of the momenta.
+    sums
+        Sums of the particles, before the momentum update; `forcing` is what acts then.
+    after
+        Velocities and accelerations, as particles take them.
+    active : (n,) bool
+        Whether the vertex has mass.
     """
-    G = sim.rank.grid.G.reshape(-1, RECORD)
-    active = np.repeat(sim.rank.grid.active != 0, sim.rank.grid.window.stride[0] // RECORD)
-    some = active & (sums[:, 0] > 0.0) & (G[:, 0] > 0.0)
-    G, sums = G[some], sums[some]
-    m = sums[:, :1]
-    own, V, A = sums[:, 1:4] / m, G[:, 1:4], G[:, 5:8]
-    free = np.where(m > lightest, sums[:, 5:8] / m + gravity, 0.0)
-    off = np.abs(V - own - sim.dt * free) + sim.dt * np.abs(A - free)
-    held = off > ROUNDING * (np.abs(own) + sim.dt * np.abs(free))
-    return sim.dt * float((m * A * (own - V))[held].sum())
 
+    @contextlib.contextmanager
+    def step(self):
+        """Look at the vertices in the one step that is done meanwhile."""
+        sum_particles, update = stepping.sum_particles, stepping.update_momentum
+        take = stepping.grid_to_particles
 
-@contextlib.contextmanager
-def carried_momentum(found):
-    """Append to a list, each step, what vertices get of the variation that particles carry."""
-    usual = stepping.sum_particles
+        def summed(rank, loads, marked):
+            v = rank.particles.v.copy()
+            rank.particles.v[:] = 0.0
+            sum_particles(rank, loads, False)
+            self.carried = rank.grid.G.reshape(-1, RECORD).copy()
+            rank.particles.v[:] = v
+            sum_particles(rank, loads, marked)
 
-    def summed(rank, loads, marked):
-        v = rank.particles.v.copy()
-        rank.particles.v[:] = 0.0
-        usual(rank, loads, False)
-        found.append(rank.grid.G.reshape(-1, RECORD).copy())
-        rank.particles.v[:] = v
-        usual(rank, loads, marked)
+        def updated(frame, field, faces, forcing, ledger):
+            self.sums, self.forcing = field.G.reshape(-1, RECORD).copy(), forcing
+            update(frame, field, faces, forcing, ledger)
 
-    stepping.sum_particles = summed
-    try:
-        yield
-    finally:
-        stepping.sum_particles = usual
+        def taken(setting, field, *rest):
+            self.after = field.G.reshape(-1, RECORD).copy()
+            planes = np.repeat(field.active != 0, field.window.stride[0] // RECORD)
+            self.active = planes & (self.sums[:, 0] > 0.0) & (self.after[:, 0] > 0.0)
+            return take(setting, field, *rest)
 
+        with mock.patch.multiple(
+            stepping, sum_particles=summed, update_momentum=updated, grid_to_particles=taken
+        ):
+            yield
 
-def unbalanced(sim, carried):
-    """Energy that the step's accelerations give to what particles carry, and that they never get.
+    def accelerated(self):
+        """Energy that particles gain from vertices held at a rate, above the work that is booked.
 
-    With carried momenta q_v the grid's energy grows by (p_v + q_v) A_v dt, the particles' by p_v
-    A_v dt.
-    """
-    G = sim.rank.grid.G.reshape(-1, RECORD)
-    active = np.repeat(sim.rank.grid.active != 0, sim.rank.grid.window.stride[0] // RECORD)
-    some = active & (carried[:, 0] > 0.0) & (G[:, 0] > 0.0)
-    return sim.dt * float((carried[some, 1:4] * G[some, 5:8]).sum())
+        Held is what the update of a free vertex would give another velocity or acceleration: the
+        slot `HELD` has one code for all vertices with several such components.
+        """
+        forcing, sums, G = self.forcing, self.sums[self.active], self.after[self.active]
+        dt, m = forcing.dt, sums[:, :1]
+        own, V, A = sums[:, 1:4] / m, G[:, 1:4], G[:, 5:8]
+        free = np.where(m > forcing.lightest, sums[:, 5:8] / m + forcing.gravity, 0.0)
+        off = np.abs(V - own - dt * free) + dt * np.abs(A - free)
+        held = off > ROUNDING * (np.abs(own) + dt * np.abs(free))
+        return dt * float((m * A * (own - V))[held].sum())
+
+    def unbalanced(self):
+        """Energy that accelerations give to what particles carry, and that they never get.
+
+        With carried momenta q_v the grid's energy grows by (p_v + q_v) A_v dt, the particles' by
+        p_v A_v dt.
+        """
+        q, G = self.carried[self.active], self.after[self.active]
+        return self.forcing.dt * float((q[:, 1:4] * G[:, 5:8]).sum())

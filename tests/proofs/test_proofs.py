@@ -5,10 +5,11 @@ import re
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 from outside_materials import SOFTENING, registered
 from processes import run
-from scenes import box, scene
+from scenes import box, scene, start, wall
 
 import pgimp
 from pgimp.errors import CaseError
@@ -194,3 +195,28 @@ def test_a_failing_scene_is_made_smaller():
 def test_wrong_words_are_answered(words):
     job = run([sys.executable, str(PROOFS), *words])
     assert job.returncode != 0 and "Traceback" not in job.stderr
+
+
+@pytest.mark.parametrize("affine", [True, False])
+def test_books_close_while_the_window_of_the_grid_grows(affine):
+    """What they see of the vertices belongs to the step; after it the window may be another.
+
+    A block of two cells, whose energy grows by an eighth with `affine`, flies through the grid; what
+    affine makes is counted. Without the option only the step's length makes energy.
+    """
+    step = {"courant": 0.05}
+    case = scene(2, box([1.2, 1.3], [3.2, 3.3], [0.0, 0.6]), cells=[8, 12], end=8.0, step=step)
+    case["method"]["affine"] = affine
+    case["boundaries"] = {"x-min": wall([[0.0, 0.0], [8.0, 0.1]], None)}
+    sim = start(case)
+    p, rows = sim.particles, sim.live()
+    stretch = 0.5 * (p.x[rows] - p.x[rows].mean(axis=0))
+    p.v[rows] += stretch
+    if affine:
+        p.L[rows] = 0.5 * np.eye(2).reshape(-1)
+    window = sim.rank.grid.window
+    books = scene_books.Books(sim)
+    books.run()
+    assert sim.rank.grid.window != window
+    assert not books.wrong
+    assert books.created < 0.02
