@@ -201,8 +201,8 @@ def test_wrong_words_are_answered(words):
 def test_books_close_while_the_window_of_the_grid_grows(affine):
     """What they see of the vertices belongs to the step; after it the window may be another.
 
-    A block of two cells, whose energy grows by an eighth with `affine`, flies through the grid; what
-    affine makes is counted. Without the option only the step's length makes energy.
+    A block of two cells, whose energy grows by an eighth with `affine`, flies through the grid;
+    what affine makes is counted. Without the option only the step's length makes energy.
     """
     step = {"courant": 0.05}
     case = scene(2, box([1.2, 1.3], [3.2, 3.3], [0.0, 0.6]), cells=[8, 12], end=8.0, step=step)
