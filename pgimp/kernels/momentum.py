@@ -2,6 +2,7 @@
 
 from pgimp.jit.kernel import kernel, specialise
 from pgimp.kernels.constraints import constrained_velocity
+from pgimp.kernels.fields import field_count, field_size
 from pgimp.kernels.loads import given
 from pgimp.kernels.record import ACCELERATION, FORCE, HELD, MASS, MOMENTUM, RECORD, VELOCITY
 from pgimp.kernels.transfer import also_held
@@ -141,28 +142,30 @@ def _constrain_face(done, faces, frame, field, forcing, i, ledger):
         k1 = min(k1, wall - window.lower[2] + 1)
     else:
         k0 = max(k0, wall - window.lower[2])
-    for j in range(j0, j1):
-        for k in range(k0, k1):
-            r = i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
-            m = G[r + MASS]
-            number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
-            if not m > 0.0 or beyond_any(done, frame, number):
-                continue
-            if number[face.axis] != wall:
-                ledger.beyond[i, len(done)] += m
-            mass = m if owned else 0.0
-            u = (G[r + VELOCITY], G[r + VELOCITY + 1], G[r + VELOCITY + 2])
-            b = (G[r + ACCELERATION], G[r + ACCELERATION + 1], G[r + ACCELERATION + 2])
-            v, a = hold(
-                faces, len(done), relaxation, frame, number, u, b, mass, dt, ledger.impulse[i]
-            )  # fmt: skip
-            last = constrained_velocity(forcing.marked, r, v)
-            held = 0.0
-            for d in range(3):
-                work[i] += given(relaxation, mass, dt, u[d], b[d], v[d], a[d]) * last[d]
-                if v[d] != u[d] or a[d] != b[d]:
-                    held = also_held(held, d)
-            G[r + HELD] = held
-            for d in range(3):
-                G[r + VELOCITY + d] = v[d]
-                G[r + ACCELERATION + d] = a[d]
+    for f in range(field_count(window)):
+        first = i * window.stride[0] + f * field_size(window)
+        for j in range(j0, j1):
+            for k in range(k0, k1):
+                r = first + j * window.stride[1] + k * window.stride[2]
+                m = G[r + MASS]
+                number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
+                if not m > 0.0 or beyond_any(done, frame, number):
+                    continue
+                if number[face.axis] != wall:
+                    ledger.beyond[i, len(done)] += m
+                mass = m if owned else 0.0
+                u = (G[r + VELOCITY], G[r + VELOCITY + 1], G[r + VELOCITY + 2])
+                b = (G[r + ACCELERATION], G[r + ACCELERATION + 1], G[r + ACCELERATION + 2])
+                v, a = hold(
+                    faces, len(done), relaxation, frame, number, u, b, mass, dt, ledger.impulse[i]
+                )  # fmt: skip
+                last = constrained_velocity(forcing.marked, r, v)
+                held = 0.0
+                for d in range(3):
+                    work[i] += given(relaxation, mass, dt, u[d], b[d], v[d], a[d]) * last[d]
+                    if v[d] != u[d] or a[d] != b[d]:
+                        held = also_held(held, d)
+                G[r + HELD] = held
+                for d in range(3):
+                    G[r + VELOCITY + d] = v[d]
+                    G[r + ACCELERATION + d] = a[d]
