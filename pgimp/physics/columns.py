@@ -75,6 +75,23 @@ HISTORY: dict[str, str] = {
         "`velocity` since the start; its particles move in steps by the velocity at each step's "
         "end, so that theirs differs from it by an error of first order in the step [length]"
     ),
+    "contact.NAME-AXIS": (
+        "for each entry of `contact` that names two bodies, NAME being their names with a + in "
+        "between: mean force of the second on the first since the last line [force]"
+    ),
+    "contact.NAME.normal-impulse": (
+        "for each entry of `contact`, `all` or the names of its bodies: sum, since the start and "
+        "over the vertices, of what bodies exchanged along normals [mass length/time]"
+    ),
+    "contact.NAME.tangential-impulse": "likewise across the normals [mass length/time]",
+    "contact.NAME.friction-heat": "energy that friction turned into heat since the start [energy]",
+    "contact.NAME.impact-loss": (
+        "energy that impulses along normals took since the start; numerical, it falls with the "
+        "cell size [energy]"
+    ),
+    "contact.NAME.area": (
+        "area on which bodies pressed on each other in the last step [length^(dimensions - 1)]"
+    ),
     "beyond.FACE": (
         "mass that particles carry past each named face in the last step, on vertices beyond it: a "
         "particle of fixed size does where the material is compressed against a wall, and what "

@@ -5,6 +5,15 @@ from typing import Any
 
 import numpy as np
 
+from pgimp.kernels.contact import (
+    BOOKED,
+    CONTACT_AREA,
+    HEAT,
+    IMPULSE,
+    LOSS,
+    NORMAL_IMPULSE,
+    TANGENTIAL_IMPULSE,
+)
 from pgimp.kernels.errors import (
     DISPLACEMENT,
     ERRORS,
@@ -32,6 +41,15 @@ from pgimp.solver.rank import Rank
 
 AXES = "xyz"
 
+#: Columns of what is booked of contact.
+CONTACT = {
+    "normal-impulse": NORMAL_IMPULSE,
+    "tangential-impulse": TANGENTIAL_IMPULSE,
+    "friction-heat": HEAT,
+    "impact-loss": LOSS,
+    "area": CONTACT_AREA,
+}
+
 
 def _mass(sums: np.ndarray, unit: float) -> float:
     """Mass in rows of `exact_masses`, rounded once."""
@@ -48,11 +66,12 @@ def column_names(scene: Any) -> list[str]:
         The scene of the run.
     """
     names = len(scene.body_names)
-    impulse = np.zeros((len(scene.faces) + len(scene.loads.constraints), 3))
+    contact = np.zeros((len(scene.pairs.law), BOOKED)) if scene.pairs else np.zeros((0, 0))
+    impulse = np.zeros((len(scene.faces) + len(scene.loads.constraints) + len(contact), 3))
     lines = Diagnostics()
     line = lines._columns(
         scene, START, np.zeros((names, SUMS)), 0.0, np.zeros(SUMS), 0.0, impulse,
-        np.zeros(len(scene.faces)),
+        np.zeros(len(scene.faces)), contact,
     )  # fmt: skip
     if scene.exact:
         line |= lines._errors(np.zeros(ERRORS), np.zeros(ERRORS), scene.exact.scale(0.0))
@@ -84,23 +103,25 @@ class Diagnostics:
         unit = 2.0 ** (HIGH - 2 - frexp(scene.most_mass)[1])  # see `Simulation.settle`
         exact_masses(population.particles, population.order, unit, masses)
         own = rank.booked()
-        impulse = np.concatenate([own.impulse, own.constraint_impulse], axis=1)
+        impulse = np.concatenate(
+            [own.impulse, own.constraint_impulse, own.contact[:, :, IMPULSE : IMPULSE + 3]], axis=1
+        )
         errors = self._own_errors(rank, done.end)
         parts = rank.comm.gather(
-            (sums, own.work, (impulse, own.beyond), errors, own.escaped, masses)
+            (sums, own.work, (impulse, own.beyond, own.contact), errors, own.escaped, masses)
         )
         if parts is None:
             return None
         bodies = np.add.reduce(np.concatenate([part[0] for part in parts]), axis=0)
         work = float(np.concatenate([part[1] for part in parts]).sum())
-        impulse, beyond = (
-            np.add.reduce(np.concatenate([part[2][i] for part in parts]), axis=0) for i in (0, 1)
+        impulse, beyond, contact = (
+            np.add.reduce(np.concatenate([part[2][i] for part in parts]), axis=0) for i in range(3)
         )
         escaped = np.add.reduce(np.concatenate([part[4] for part in parts]), axis=(0, 1))
         masses = np.stack([part[5] for part in parts])  # by rank and body
         bodies[:, MASS] = [_mass(masses[:, body], unit) for body in range(len(bodies))]
         mass = _mass(masses.reshape(-1, 2), unit)
-        line = self._columns(scene, done, bodies, mass, escaped, work, impulse, beyond)
+        line = self._columns(scene, done, bodies, mass, escaped, work, impulse, beyond, contact)
         if scene.exact:
             added = np.add.reduce(np.concatenate([part[3][0] for part in parts]), axis=0)
             most = np.concatenate([part[3][1] for part in parts]).max(axis=0)
@@ -144,6 +165,7 @@ class Diagnostics:
         work: float,
         impulse: np.ndarray,
         beyond: np.ndarray,
+        contact: np.ndarray,
     ) -> dict[str, float]:
         axes = AXES[: scene.dimension]
         total = np.add.reduce(bodies, axis=0)
@@ -170,7 +192,7 @@ class Diagnostics:
         force = self._reactions(done.end, impulse)
         names = [f"reaction.{face.name}" for face in scene.faces]
         names += [f"constraint.{name}" for name in scene.case.constraints]
-        for name, row in zip(names, force, strict=True):
+        for name, row in zip(names, force, strict=False):
             for i, axis in enumerate(axes):
                 line[f"{name}-{axis}"] = float(row[i])
         for name, entry in scene.case.constraints.items():
@@ -182,6 +204,13 @@ class Diagnostics:
             if total[MASS]:
                 part = float(mass / total[MASS])
                 self.beyond = max(self.beyond, (part, done.end, face.name))
+        meet = zip(scene.case.contact, force[len(names) :], contact, strict=False)
+        for entry, row, booked in meet:
+            for i, axis in enumerate(axes):
+                if len(entry.bodies) == 2:
+                    line[f"contact.{entry.name}-{axis}"] = float(row[i])
+            for name, column in CONTACT.items():
+                line[f"contact.{entry.name}.{name}"] = float(booked[column])
         return line
 
     @staticmethod
