@@ -361,29 +361,23 @@ def _give(first, second, row, d, J):
 def _book(contact, faces, frame, forcing, number, pair, ledger):
     """Book what a pair has exchanged in the last pass.
 
-    The kinetic energy of the grid falls by the impulse times the mean of the relative velocities
-    before and after.
+    Energy is impulse times the velocity that is left, as the work of all other forces is.
     """
     row, entry = contact.partners[pair], contact.ends[pair, 2] - 1
     a, b = contact.ends[pair, 0], contact.ends[pair, 1]
     booked = ledger[entry]
-    square, heat, loss = 0.0, 0.0, 0.0
-    mean = (0.0, 0.0, 0.0)
-    for column in (BEFORE, NOW):
-        u = _settled(contact, faces, frame, forcing, number, a, column)
-        v = _settled(contact, faces, frame, forcing, number, b, column)
-        mean = (
-            mean[0] + 0.5 * (v[0] - u[0]), mean[1] + 0.5 * (v[1] - u[1]),
-            mean[2] + 0.5 * (v[2] - u[2]),
-        )  # fmt: skip
+    u = _settled(contact, faces, frame, forcing, number, a, NOW)
+    v = _settled(contact, faces, frame, forcing, number, b, NOW)
+    square, heat, normal = 0.0, 0.0, 0.0
     for d in range(3):
+        w = v[d] - u[d]
+        normal += w * row[NORMAL + d]
         booked[IMPULSE + d] -= row[SLIP + d] + row[PUSH] * row[NORMAL + d]
         square += row[SLIP + d] ** 2
-        heat -= row[SLIP + d] * mean[d]
-        loss -= row[PUSH] * row[NORMAL + d] * mean[d]
+        heat -= row[SLIP + d] * w
     booked[NORMAL_IMPULSE] += row[PUSH]
     booked[TANGENTIAL_IMPULSE] += sqrt(square)
     booked[HEAT] += heat
-    booked[LOSS] += loss
+    booked[LOSS] -= row[PUSH] * normal
     if row[PUSH] > 0.0:
         booked[CONTACT_AREA] += row[AREA]

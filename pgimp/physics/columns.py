@@ -84,10 +84,12 @@ HISTORY: dict[str, str] = {
         "over the vertices, of what bodies exchanged along normals [mass length/time]"
     ),
     "contact.NAME.tangential-impulse": "likewise across the normals [mass length/time]",
-    "contact.NAME.friction-heat": "energy that friction turned into heat since the start [energy]",
+    "contact.NAME.friction-heat": (
+        "energy that friction turned into heat since the start: force times way [energy]"
+    ),
     "contact.NAME.impact-loss": (
-        "energy that impulses along normals took since the start; numerical, it falls with the "
-        "cell size [energy]"
+        "energy that forces along normals took since the start, force times way: what bodies lose "
+        "that still close a gap while they are stopped, of first order in the cell size [energy]"
     ),
     "contact.NAME.area": (
         "area on which bodies pressed on each other in the last step [length^(dimensions - 1)]"
