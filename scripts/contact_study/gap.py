@@ -108,7 +108,9 @@ def rows(quick):
             balls(2, radius, 30.0 * i, s) for i, s in enumerate(shifts[:4])
         ]
     if not quick:
-        found["balls, R = 4 cells, 3D"] = [balls(3, 4.0, 15.0 * i, s) for i, s in enumerate(shifts[:2])]
+        found["balls, R = 4 cells, 3D"] = [
+            balls(3, 4.0, 15.0 * i, s) for i, s in enumerate(shifts[:2])
+        ]
     found["a square's corner and a plane"] = [
         corner(angle, s) for angle in (45.0, 20.0) for s in shifts[:4]
     ]

@@ -11,9 +11,10 @@
   an accelerated wall or constraint makes of that is known and subtracted: particles take on its
   acceleration A at their own velocity v, but the work is booked with the wall's velocity u, so that
   m A (v - u) dt of energy comes from nothing; contact, whose heat and losses are counted, does
-  likewise to what the grid cannot resolve of the particles' velocities. With `affine` likewise the power of forces on what
-  particles carry of the velocity's variation: the grid moves with m (v + L (x_v - x)), particles
-  get the acceleration for their m v alone, which near surfaces is not the same (docs/methods.md
+  likewise to what the grid cannot resolve of the particles' velocities. With `affine` likewise the
+  power of forces on what particles carry of the velocity's variation: the grid moves with
+  m (v + L (x_v - x)), particles get the acceleration for their m v alone, which near surfaces is
+  not the same (docs/methods.md
   says how much that is; tests/kernels/test_affine.py that walls and constraints add nothing). With
   `mpm` nothing is claimed: a particle that has just entered a cell gives its far vertices a force
   and hardly any mass, and what they then do to it can make some per cent of the energy at once.
