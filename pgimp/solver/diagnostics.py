@@ -5,15 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from pgimp.kernels.contact import (
-    BOOKED,
-    CONTACT_AREA,
-    HEAT,
-    IMPULSE,
-    LOSS,
-    NORMAL_IMPULSE,
-    TANGENTIAL_IMPULSE,
-)
 from pgimp.kernels.errors import (
     DISPLACEMENT,
     ERRORS,
@@ -22,6 +13,15 @@ from pgimp.kernels.errors import (
     VELOCITY,
     VOLUME,
     layer_errors,
+)
+from pgimp.kernels.ledger import (
+    BOOKED,
+    CONTACT_AREA,
+    HEAT,
+    IMPULSE,
+    LOSS,
+    NORMAL_IMPULSE,
+    TANGENTIAL_IMPULSE,
 )
 from pgimp.kernels.sums import (
     ANGULAR,
@@ -66,7 +66,7 @@ def column_names(scene: Any) -> list[str]:
         The scene of the run.
     """
     names = len(scene.body_names)
-    contact = np.zeros((len(scene.pairs.law), BOOKED)) if scene.pairs else np.zeros((0, 0))
+    contact = np.zeros((len(scene.pairs.law) if scene.pairs else 0, BOOKED))
     impulse = np.zeros((len(scene.faces) + len(scene.loads.constraints) + len(contact), 3))
     lines = Diagnostics()
     line = lines._columns(
