@@ -228,13 +228,15 @@ def _find_pairs(contact, frame, count, dt):
             entry = contact.pairs.entry[min(first, second), max(first, second)]
             if entry < 0:
                 one, other, entry = other, one, -entry
-            least = min(fields[a, WEIGHT], fields[b, WEIGHT])
-            if entry == 0 or least < LEAST_MASS * (fields[a, WEIGHT] + fields[b, WEIGHT]):
+            if entry == 0:
                 continue
             row = partners[found]
             row[:] = 0.0
             if contact.pairs.law[entry - 1] == FRICTION:
                 part = min(fields[a, PART], fields[b, PART])
+                least = min(fields[a, WEIGHT], fields[b, WEIGHT])
+                if least < LEAST_MASS * (fields[a, WEIGHT] + fields[b, WEIGHT]):
+                    continue
                 if part < LEAST_FILLED or not _find_gap(frame, fields, one, other, row):
                     continue
                 # The neighbourhood is weighted with a tent, which has 1 - s at the distance s of
@@ -317,6 +319,11 @@ def _exchange(contact, faces, frame, forcing, number, held, pair):
     row = contact.partners[pair]
     a, b, entry = contact.ends[pair, 0], contact.ends[pair, 1], contact.ends[pair, 2] - 1
     first, second = contact.fields[a], contact.fields[b]
+    if contact.pairs.law[entry] == TIED:  # walls and constraints then do the same to both
+        for d in range(3):
+            mobility = 1.0 / first[WEIGHT] + 1.0 / second[WEIGHT]
+            _give(first, second, row, d, (first[NOW + d] - second[NOW + d]) / mobility)
+        return
     u = (first[NOW], first[NOW + 1], first[NOW + 2])
     v = (second[NOW], second[NOW + 1], second[NOW + 2])
     if held:
@@ -329,12 +336,6 @@ def _exchange(contact, faces, frame, forcing, number, held, pair):
         most = max(most, mobility)
         normal += (v[d] - u[d]) * row[NORMAL + d]
     if not most > 0.0:
-        return
-    if contact.pairs.law[entry] == TIED:
-        for d in range(3):
-            mobility = first[MOBILITY + d] + second[MOBILITY + d]
-            if mobility > 0.0:
-                _give(first, second, row, d, (u[d] - v[d]) / mobility)
         return
     push, square = row[PUSH], 0.0
     if answer > 0.0:
