@@ -147,13 +147,14 @@ def _read_points(case: Case, comm: Any) -> None:
         points = body.region
         if not isinstance(points, Points):
             continue
+        material = case.materials[body.material]
+        points.expect({state.name: state.tensor for state in material.STATE})
 
-        def read(name: str = name, points: Points = points) -> Any:
+        def read(name: str = name, points: Points = points, material: Any = material) -> Any:
             try:
                 found = points.read(room)
             except CaseError as error:
                 raise CaseError(f"bodies.{name}.region: {error}") from None
-            material = case.materials[case.bodies[name].material]
             if found.stress and not material.CARRIES_STRESS:
                 raise CaseError(
                     f"bodies.{name}.region: the particles {points.file} have a stress, but the "

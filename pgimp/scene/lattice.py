@@ -6,8 +6,9 @@ ever holds more. Ids number the particles by body, then by position (x first). W
 body's surface has of the body is found by `pgimp.scene.latticebody`.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -26,7 +27,7 @@ from pgimp.scene.volumefractions import Ranges, VolumeFractions
 _BLOCK = 200_000
 
 
-class Made(NamedTuple):
+class ParticleBlock(NamedTuple):
     """Some particles of one body.
 
     Attributes
@@ -42,7 +43,9 @@ class Made(NamedTuple):
     velocities : (n, D) float64 or None
     stresses : (n, 3, 4 or 6) float64 or None
     gradients : (n, D * D) float64 or None
-        Of the velocity. All three as a file of particles gives them.
+        Of the velocity.
+    states : dict of str to (n, k) float64
+        State variables of the material, by name. All four as a file of particles gives them.
     """
 
     body: int
@@ -53,6 +56,7 @@ class Made(NamedTuple):
     velocities: NDArray[np.float64] | None = None
     stresses: NDArray[np.float64] | None = None
     gradients: NDArray[np.float64] | None = None
+    states: Mapping[str, NDArray[np.float64]] = MappingProxyType({})
 
 
 class Lattice:
@@ -218,7 +222,7 @@ class Lattice:
         counts: np.ndarray,
         only: int | None = None,
         own: Callable[[np.ndarray], np.ndarray] | None = None,
-    ) -> Iterator[Made]:
+    ) -> Iterator[ParticleBlock]:
         """Particles of a range of planes, of all bodies or of one, in ascending id.
 
         Parameters
@@ -241,9 +245,9 @@ class Lattice:
                 first = int(ends[number, -1] - counts[number].sum())
                 for rows, block in body.make(planes, own):
                     x = block.position
-                    yield Made(
+                    yield ParticleBlock(
                         number, x, first + rows, block.volume / self.volume, x, block.velocity,
-                        block.stress, block.gradient,
+                        block.stress, block.gradient, block.states,
                     )  # fmt: skip
                 continue
             for volumes in body.slabs(planes):
@@ -256,4 +260,4 @@ class Lattice:
                     fractions = volumes.fraction(part)
                     centroids = x + volumes.moment(part) / fractions[:, None]
                     ids = np.arange(first + begin, first + begin + len(part))
-                    yield Made(number, x, ids, fractions, centroids)
+                    yield ParticleBlock(number, x, ids, fractions, centroids)

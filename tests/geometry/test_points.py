@@ -75,7 +75,7 @@ def damaged():
         "nan.csv": (good + "nan,0,0.1\n", "line 3: the position is not finite"),
         "inf.csv": (good + "0,0,inf\n", "line 3: the volume is not finite"),
         "zero.csv": (good + "\n0,1,0\n", "line 4: the volume must be above zero, is 0"),
-        "word.csv": (good + "0,one,0.1\n", "line 3: 'one' is no number"),
+        "word.csv": (good + "0,one,0.1\n", "line 3, column y: 'one' is no number"),
         "short.csv": (good + "0,0.1\n", "line 3: 2 values, expected 3"),
         "head.csv": ("0,0,0.1\n", "missing x, y, volume; unknown '0', '0.1'; '0' more than once"),
         "key.csv": ("x,y,volume,mass\n0,0,1,1\n", "unknown 'mass'. Expected x,y,volume and, if"),
@@ -87,7 +87,10 @@ def damaged():
             r"'\\x1b\[31mred'; 'x' more than once\. Expected x,y,volume and, if wanted, "
             r"velocity-x,velocity-y; stress-xx,stress-yy,stress-zz,stress-xy; velocity-grad",
         ),
-        "escape.csv": (good + "0,\x1b]0;title\x07,0.1\n", r"line 3: '\\x1b\]0;title\\x07' is no"),
+        "escape.csv": (
+            good + "0,\x1b]0;title\x07,0.1\n",
+            r"line 3, column y: '\\x1b\]0;title\\x07' is no",
+        ),
         "none.csv": ("x,y,volume\n", "holds no particle"),
         "out.csv": (
             good + "\n0,7,0.1\n",
