@@ -20,6 +20,7 @@ from pgimp.case.check_bodies import (
     check_velocities,
 )
 from pgimp.case.check_domain import (
+    check_body_force,
     check_boundaries,
     check_escape,
     check_fields,
@@ -103,6 +104,7 @@ _CHECKS = (
     check_velocities,
     check_regions,
     check_gravity,
+    check_body_force,
     check_boundaries,
     check_escape,
     check_fields,

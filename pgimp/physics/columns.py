@@ -22,7 +22,7 @@ GRID: dict[str, Vertex] = {
     "velocity": Vertex("x y z", "momentum over mass [length/time]"),
     "force": Vertex(
         "x y z",
-        "force by which the momentum will grow: of the stresses, of tractions and of gravity, "
+        "force by which the momentum will grow: of stresses, tractions, body forces and gravity, "
         "before faces and constraints act; at rest minus their reaction [force]",
     ),
 }

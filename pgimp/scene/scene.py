@@ -105,6 +105,8 @@ class Scene:
         self.exact: Any = case.exact.parameters(case) if case.exact else ()
         self.moves = bool(case.exact) and case.exact.moves
         force = self.exact if case.exact and case.exact.forced else ()
+        if case.body_force:
+            force = case.body_force.parameters()
         self.loads = SceneLoads(case, used, force)
         self.states = States(used, self.materials, self.dimension)
         self.fields = EVERY | self.states.fields

@@ -97,8 +97,8 @@ HISTORY = (
             ),
             Column(
                 "external-work", "energy",
-                "work of gravity, faces, tractions and constraints on the material since the "
-                "start: force times displacement",
+                "work of gravity, body forces, faces, tractions and constraints on the material "
+                "since the start: force times displacement",
                 lambda s, _: s.work,
             ),
         ),
