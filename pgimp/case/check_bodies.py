@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from pydantic import RootModel
@@ -156,3 +156,21 @@ def check_constraints(
         yield from _body_of(path, entry, bodies, body_names)
         yield from _region((*path, "region"), entry.region, dimensions)
         yield from length((*path, "velocity"), entry.velocity, dimensions)
+
+
+def check_contact(body_names: Sequence[str], contact: Sequence[Any]) -> Problems:
+    """Check that the entries of contact name bodies, and no pair twice."""
+    told: dict[frozenset[str], int] = {}
+    for i, entry in enumerate(contact):
+        path: tuple[str | int, ...] = ("contact", i, "bodies")
+        pairs = {frozenset(pair) for pair in entry.pairs()} or {frozenset(("all",))}
+        if entry.bodies != "all":
+            for k, name in enumerate(entry.bodies):
+                if name not in body_names:
+                    yield Problem((*path, k), unknown("body", name, body_names))
+        elif len(body_names) < 2:
+            yield Problem(path, "there is only one body, which meets no other")
+        for pair in sorted(pairs & set(told), key=sorted)[:1]:
+            names = " and ".join(sorted(pair))
+            yield Problem(path, f"entry {told[pair] + 1} has a law for {names} already")
+        told |= dict.fromkeys(pairs, i)

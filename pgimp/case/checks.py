@@ -14,6 +14,7 @@ from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from pgimp.case.check_bodies import (
     check_constraints,
+    check_contact,
     check_materials,
     check_regions,
     check_tractions,
@@ -110,6 +111,7 @@ _CHECKS = (
     check_fields,
     check_tractions,
     check_constraints,
+    check_contact,
     check_output,
     check_probes,
 )

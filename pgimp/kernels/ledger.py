@@ -20,6 +20,8 @@ class Ledger(NamedTuple):
         Mass beyond each face in the last step.
     constraint_impulse : (planes, constraints, 3) float64
         Impulse of each constraint.
+    contact : (planes, entries, BOOKED) float64
+        What is booked of contact, see `pgimp.kernels.contact`.
     escaped : (planes, bodies, SUMS) float64
         What particles that left took with them, as `layer_sums` has it; (planes, 0, 0) where
         nothing may leave.
@@ -29,11 +31,17 @@ class Ledger(NamedTuple):
     impulse: np.ndarray
     beyond: np.ndarray
     constraint_impulse: np.ndarray
+    contact: np.ndarray
     escaped: np.ndarray
 
     @classmethod
     def empty(
-        cls, planes: int, faces: int, constraints: int, leavers: tuple[int, int] = (0, 0)
+        cls,
+        planes: int,
+        faces: int,
+        constraints: int,
+        leavers: tuple[int, int] = (0, 0),
+        contacts: tuple[int, int] = (0, 0),
     ) -> Ledger:
         """Return that of `planes` planes before the first step.
 
@@ -43,8 +51,10 @@ class Ledger(NamedTuple):
             How many there are.
         leavers : (int, int)
             Bodies and `SUMS`, where particles may leave.
+        contacts : (int, int)
+            Entries of contact and `BOOKED`, where there are any.
         """
-        shapes = ((), (faces, 3), (faces,), (constraints, 3), leavers)
+        shapes = ((), (faces, 3), (faces,), (constraints, 3), contacts, leavers)
         return cls(*(np.zeros((planes, *shape)) for shape in shapes))
 
     def first(self, planes: int) -> Ledger:

@@ -15,6 +15,7 @@ from pgimp.kernels.errors import initial_velocities
 from pgimp.kernels.mirror import Mirror
 from pgimp.kernels.order import cell_numbers
 from pgimp.kernels.particles import Carried, Frame, Particles
+from pgimp.physics.contact import Pairs
 from pgimp.physics.fields import EVERY
 from pgimp.physics.materials.outside import parameters_of
 from pgimp.physics.materials.states import States
@@ -49,6 +50,8 @@ class Scene:
         Those that reflect what lies beyond.
     most_mass : float
         Mass that the domain can hold at most.
+    pairs : Pairs or None
+        What happens where two bodies meet; None where all share one velocity field.
     exact : NamedTuple or ()
         Parameters of the exact solution, if the case names one; `moves` if it gives the velocities.
     setting : Setting
@@ -108,6 +111,7 @@ class Scene:
         if case.body_force:
             force = case.body_force.parameters()
         self.loads = SceneLoads(case, used, force)
+        self.pairs = Pairs.of(case.contact, self.body_names) if case.contact else None
         self.states = States(used, self.materials, self.dimension)
         self.fields = EVERY | self.states.fields
         self.carried = Carried(

@@ -2,50 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
+from pgimp.kernels.contact import (
+    CONTACT_AREA,
+    HEAT,
+    LOSS,
+    NORMAL_IMPULSE,
+    TANGENTIAL_IMPULSE,
+)
 from pgimp.kernels.errors import DISPLACEMENT, STRESS, STRESS_VOLUME, VELOCITY
 from pgimp.kernels.sums import KINETIC, MASS, MOMENT, MOMENTUM, STRAIN
-from pgimp.solver.totals import Totals
-
-
-class Column(NamedTuple):
-    """A column of history.csv, or one for each axis.
-
-    Attributes
-    ----------
-    name : str
-        NAME or FACE stands for the group's names, AXIS for x, y, z.
-    unit, meaning : str
-        For the reference.
-    value : callable
-        Takes `Totals` and the number of the name in the group; returns a number, or with AXIS one
-        for each axis, None for those that have no column.
-    """
-
-    name: str
-    unit: str
-    meaning: str
-    value: Callable[[Totals, int], Any]
-
-
-class Group(NamedTuple):
-    """Columns that follow each other for each name.
-
-    Attributes
-    ----------
-    names : callable
-        Takes the scene; returns what NAME or FACE stands for. Columns without them are written
-        once if there is any, whatever it is.
-    columns : tuple of Column
-        In their order.
-    """
-
-    names: Callable[[Any], Sequence[str]]
-    columns: tuple[Column, ...]
+from pgimp.solver.totals import Column, Group, Totals
 
 
 def _faces(scene: Any) -> list[str]:
@@ -198,6 +169,44 @@ HISTORY = (
                 "beyond it: a particle of fixed size does where the material is compressed against "
                 "a wall, and what lies there the wall bears",
                 lambda s, k: s.beyond[k],
+            ),
+        ),
+    ),
+    Group(
+        lambda scene: [entry.name for entry in scene.case.contact],
+        (
+            Column(
+                "contact.NAME-AXIS", "force",
+                "for each entry of `contact` that names two bodies, NAME being their names with a "
+                "+ in between: mean force of the second on the first since the last line",
+                lambda s, k: s.contact_force(k),
+            ),
+            Column(
+                "contact.NAME.normal-impulse", "mass length/time",
+                "for each entry of `contact`, `all` or the names of its bodies: sum, since the "
+                "start and over the vertices, of what bodies exchanged along normals",
+                lambda s, k: s.contact[k, NORMAL_IMPULSE],
+            ),
+            Column(
+                "contact.NAME.tangential-impulse", "mass length/time",
+                "likewise across the normals", lambda s, k: s.contact[k, TANGENTIAL_IMPULSE],
+            ),
+            Column(
+                "contact.NAME.friction-heat", "energy",
+                "energy that friction turned into heat since the start: force times way",
+                lambda s, k: s.contact[k, HEAT],
+            ),
+            Column(
+                "contact.NAME.impact-loss", "energy",
+                "energy that forces along normals took since the start, force times way: what "
+                "bodies lose that still close a gap while they are stopped, of first order in the "
+                "cell size",
+                lambda s, k: s.contact[k, LOSS],
+            ),
+            Column(
+                "contact.NAME.area", "length^(dimensions - 1)",
+                "area on which bodies pressed on each other in the last step",
+                lambda s, k: s.contact[k, CONTACT_AREA],
             ),
         ),
     ),

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from pgimp.kernels.contact import BOOKED, IMPULSE
 from pgimp.kernels.errors import ERRORS, layer_errors
 from pgimp.kernels.sums import HIGH, KINETIC, LOW, MASS, STRAIN, SUMS, exact_masses, layer_sums
 from pgimp.solver.clock import START, Step
@@ -28,13 +29,15 @@ def column_names(scene: Any) -> list[str]:
         The scene of the run.
     """
     faces = len(scene.faces)
-    force = np.zeros((faces + len(scene.loads.constraints), 3))
+    contact = np.zeros((len(scene.pairs.law), BOOKED)) if scene.pairs else np.zeros((0, 0))
+    force = np.zeros((faces + len(scene.loads.constraints) + len(contact), 3))
     bodies, none = np.zeros((len(scene.body_names), SUMS)), np.zeros(SUMS)
     errors = np.zeros(ERRORS)
     return list(
         line_of(
             Totals(
-                scene, START, bodies, none, none, 0.0, 0.0, force, np.zeros(faces), errors, errors
+                scene, START, bodies, none, none, 0.0, 0.0, force, np.zeros(faces), contact,
+                errors, errors,
             )
         )
     )
@@ -65,17 +68,19 @@ class Diagnostics:
         unit = 2.0 ** (HIGH - 2 - frexp(scene.most_mass)[1])  # see `Simulation.settle`
         exact_masses(population.particles, population.order, unit, masses)
         own = rank.booked()
-        impulse = np.concatenate([own.impulse, own.constraint_impulse], axis=1)
+        impulse = np.concatenate(
+            [own.impulse, own.constraint_impulse, own.contact[:, :, IMPULSE : IMPULSE + 3]], axis=1
+        )
         errors = self._own_errors(rank, done.end)
         parts = rank.comm.gather(
-            (sums, own.work, (impulse, own.beyond), errors, own.escaped, masses)
+            (sums, own.work, (impulse, own.beyond, own.contact), errors, own.escaped, masses)
         )
         if parts is None:
             return None
         bodies = np.add.reduce(np.concatenate([part[0] for part in parts]), axis=0)
         work = float(np.concatenate([part[1] for part in parts]).sum())
-        impulse, beyond = (
-            np.add.reduce(np.concatenate([part[2][i] for part in parts]), axis=0) for i in (0, 1)
+        impulse, beyond, contact = (
+            np.add.reduce(np.concatenate([part[2][i] for part in parts]), axis=0) for i in range(3)
         )
         masses = np.stack([part[5] for part in parts])  # by rank and body
         bodies[:, MASS] = [_mass(masses[:, body], unit) for body in range(len(bodies))]
@@ -96,8 +101,8 @@ class Diagnostics:
         force = self._forces(done.end, impulse)
         return line_of(
             Totals(
-                scene, done, bodies, total, escaped, self.first_energy, work, force, beyond, added,
-                most,
+                scene, done, bodies, total, escaped, self.first_energy, work, force, beyond,
+                contact, added, most,
             )
         )  # fmt: skip
 

@@ -14,15 +14,17 @@ from pgimp.decomposition.population import Population
 from pgimp.decomposition.slabs import Slab, slab_of
 from pgimp.jit.bound import Bound
 from pgimp.kernels.concepts import Order
+from pgimp.kernels.contact import BOOKED
 from pgimp.kernels.ledger import Ledger
 from pgimp.kernels.particles import Particles
 from pgimp.kernels.sums import SUMS, layer_sums
 from pgimp.kernels.updates.checks import OUTFLOW
 from pgimp.mpi.node import shares_cores
 from pgimp.scene.scene import Scene
+from pgimp.solver.meetings import Meetings
 
 #: Phases of a step, as `Rank.timings` names them.
-PHASES = ("P2G", "exchange", "momentum", "G2P", "migrate", "order")
+PHASES = ("P2G", "exchange", "contact", "momentum", "G2P", "migrate", "order")
 
 #: Particles at fault that are listed on each rank; further ones are only counted.
 ROOM = 1024
@@ -54,6 +56,8 @@ class Rank:
         The slab's planes, and the messages to the neighbours.
     ledger : Ledger
         What is booked by plane.
+    meetings : Meetings or None
+        Where bodies meet, in scenes with contact.
     call : Bound
         Calls the kernels of a step.
     lightest : float
@@ -93,18 +97,24 @@ class Rank:
         self.fault_room = np.zeros((2, ROOM, 2), np.int64)
         self.faults, self.failed = self.fault_room[0, :0], 0
         self.reach = np.zeros((2, 2), np.int64)
+        self.meetings = Meetings(scene, comm) if scene.pairs else None
         self._occupy(slab)
 
     def _occupy(self, slab: Slab) -> None:
         """Make grid, messages and books for a slab; the window is still to be set."""
         scene, comm = self.scene, self.comm
         self.slab = slab
-        self.grid = Grid(scene.frame, scene.vertices, slab, LATE if comm.size > 1 else 0)
+        late = LATE if comm.size > 1 else 0
+        fields = self.meetings.fields if self.meetings else ()
+        self.grid = Grid(scene.frame, scene.vertices, slab, late, fields)
         self.halo = Halo(comm, slab, scene.vertices - 1)
         self.migration = Migration(comm, slab, self.particles)
         leavers = (len(scene.body_names), SUMS) if scene.exits else (0, 0)
         constraints = len(scene.loads.constraints)
-        self.ledger = Ledger.empty(self.grid.planes, len(scene.faces), constraints, leavers)
+        contacts = (len(scene.pairs.law), BOOKED) if scene.pairs else (0, 0)
+        self.ledger = Ledger.empty(
+            self.grid.planes, len(scene.faces), constraints, leavers, contacts
+        )
 
     @property
     def particles(self) -> Particles:

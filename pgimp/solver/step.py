@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from time import perf_counter, thread_time
+from typing import Any
 
 import numpy as np
 
@@ -45,16 +46,23 @@ def step(
         On every rank, as from `begin`. The particles are as they were.
     """
     scene, grid, population, migration = rank.scene, rank.grid, rank.population, rank.migration
-    field, order, changed = grid.field, population.ordered, population.changed
+    order, changed = population.ordered, population.changed
     loads, ledger, call = scene.loads.at(start), rank.ledger, rank.call
     lap = _stopwatch(rank.timings, rank.worked)
 
+    if rank.meetings:
+        rank.meetings.regroup(rank.grid, population)
+        lap("contact")
     sum_particles(rank, loads, bool(scene.loads.constraints))
     lap("P2G")
 
     rank.halo.finish(grid)
-    t = begin()
+    field, t = grid.field, begin()
     lap("exchange")
+    contact: Any = ()
+    if rank.meetings:
+        contact = rank.meetings.find(rank.grid, population, ledger)
+        lap("contact")
 
     constraints = scene.loads.constraints_at(t.start, t.end)
     marked = (constraints, grid.marks) if constraints else ()
@@ -65,7 +73,7 @@ def step(
     faces, felt = scene.face_parameters(t.start, t.end), on_vertices(forcing)
     for mirror in scene.mirrors:
         call(fold, scene.frame, field, mirror, felt, ledger)
-    call(update_momentum, scene.frame, field, faces, felt, ledger)  # (14, 17)
+    call(update_momentum, scene.frame, field, faces, felt, ledger, contact)  # (14, 17)
     if marked:
         call(apply_constraints, field, felt, ledger)
     for mirror in reversed(scene.mirrors):

@@ -196,7 +196,7 @@ class Rank:
         forcing = self.forcing(dt)._replace(gravity=b, lightest=lightest)
         for mirror in mirrors:
             fold(self.frame, field, mirror, forcing, ledger)
-        update_momentum(self.frame, field, faces, forcing, ledger)
+        update_momentum(self.frame, field, faces, forcing, ledger, ())
         for mirror in reversed(mirrors):
             reflect(self.frame, field, mirror, forcing, ledger)
 
