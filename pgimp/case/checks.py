@@ -50,8 +50,8 @@ def check(parts: Mapping[str, Any]) -> list[Problem]:
         names = inspect.signature(run).parameters
         if all(name in parts for name in names):
             problems.extend(run(**{name: parts[name] for name in names}))
-    told = {item.path for item in problems}
-    problems += [item for item in check_numbers(parts) if item.path not in told]
+    known = {item.path for item in problems}
+    problems += [item for item in check_numbers(parts) if item.path not in known]
     return problems
 
 

@@ -33,7 +33,15 @@ from pgimp.tools.model.layout import layout_now, layout_of
 from pgimp.tools.model.measure import costs_of, run_in_turn
 from pgimp.tools.model.pilot import Pilot, pilot
 from pgimp.tools.model.predict import Step
-from pgimp.tools.model.report import between_nodes, ladder, lines, on_node, remark, scaling, verdict
+from pgimp.tools.model.report import (
+    between_nodes,
+    lines,
+    on_node,
+    rank_counts,
+    remark,
+    scaling,
+    verdict,
+)
 from pgimp.tools.model.sample import samples_of
 
 #: Particles of the samples that are timed; the last are more than caches hold.
@@ -184,7 +192,9 @@ def _report_cost(
         f"{'':<16} there {_time_text(steps * best['seconds'])}, {size_text(best['memory'])} a rank"
     )
     shown = [
-        step for step in scaled["steps"] if step["ranks"] in (*ladder((), ranks), scaled["slabs"])
+        step
+        for step in scaled["steps"]
+        if step["ranks"] in (*rank_counts((), ranks), scaled["slabs"])
     ]
     for line in lines(shown, remark(scaled), f"{'':<17}"):
         print(line)

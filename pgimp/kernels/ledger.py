@@ -40,7 +40,7 @@ class Ledger(NamedTuple):
         planes: int,
         faces: int,
         constraints: int,
-        leavers: tuple[int, int] = (0, 0),
+        escaped: tuple[int, int] = (0, 0),
         contacts: tuple[int, int] = (0, 0),
     ) -> Ledger:
         """Return that of `planes` planes before the first step.
@@ -49,12 +49,12 @@ class Ledger(NamedTuple):
         ----------
         planes, faces, constraints : int
             How many there are.
-        leavers : (int, int)
+        escaped : (int, int)
             Bodies and `SUMS`, where particles may leave.
         contacts : (int, int)
             Entries of contact and `BOOKED`, where there are any.
         """
-        shapes = ((), (faces, 3), (faces,), (constraints, 3), contacts, leavers)
+        shapes = ((), (faces, 3), (faces,), (constraints, 3), contacts, escaped)
         return cls(*(np.zeros((planes, *shape)) for shape in shapes))
 
     def first(self, planes: int) -> Ledger:

@@ -18,7 +18,7 @@ from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.geometry.measure import TangledError
 from pgimp.geometry.regions import Points
-from pgimp.scene.latticebody import SLIVER, LatticeBody
+from pgimp.scene.latticebody import LEAST_FRACTION, LatticeBody
 from pgimp.scene.overlap import overlaps
 from pgimp.scene.pointscloud import Cloud
 from pgimp.scene.volumefractions import Ranges, VolumeFractions
@@ -200,16 +200,16 @@ class Lattice:
         if len(places) == 0:
             return None
         points = bodies[0].points(first.ranges, places)
-        over = first.fraction(places) + second.fraction(places) > 1.0 + SLIVER
+        over = first.fraction(places) + second.fraction(places) > 1.0 + LEAST_FRACTION
         over |= bodies[0].region.contains(points) & bodies[1].region.contains(points)
         if not over.any():
             return None
         return ", ".join(f"{x:g}" for x in points[over.argmax()])
 
     def _cells(self, volumes: VolumeFractions) -> set[int]:
-        """Numbers of the cells, within whole cells, that hold more than slivers of a body."""
+        """Numbers of the cells, within whole cells, that hold more than small parts of a body."""
         places = np.flatnonzero(volumes.exists)
-        places = places[volumes.fraction(places) >= SLIVER]
+        places = places[volumes.fraction(places) >= LEAST_FRACTION]
         sizes = tuple(end - begin for begin, end in volumes.ranges)
         cell = np.zeros(len(places), np.int64)
         for i, size, n in zip(np.unravel_index(places, sizes), sizes, self.per_cell, strict=True):

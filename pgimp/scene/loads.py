@@ -11,23 +11,23 @@ from pgimp.errors import CaseError
 from pgimp.kernels.loads import Loads
 from pgimp.kernels.particles import Particles
 from pgimp.kernels.viscosity import Viscosity
-from pgimp.scene.latticebody import SLIVER
+from pgimp.scene.latticebody import LEAST_FRACTION
 
 
 def parts_of(low: float, high: float, edges: np.ndarray) -> np.ndarray:
     """Fraction of each of the lattice's columns, given by their `edges`, that [low, high] covers.
 
-    Slivers merge inwards, as those of particles do.
+    Small parts merge inwards, as those of particles do.
     """
     begin, end = edges[:-1], edges[1:]
     part = (np.minimum(end, high) - np.maximum(begin, low)) / (end - begin)
     part = np.maximum(part, 0.0)
     inside = np.flatnonzero(part)
     if len(inside) > 1:
-        for sliver, target in ((inside[0], inside[1]), (inside[-1], inside[-2])):
-            if part[sliver] < SLIVER <= part[target]:
-                part[target] += part[sliver]
-                part[sliver] = 0.0
+        for small, target in ((inside[0], inside[1]), (inside[-1], inside[-2])):
+            if part[small] < LEAST_FRACTION <= part[target]:
+                part[target] += part[small]
+                part[small] = 0.0
     return part
 
 
@@ -165,7 +165,7 @@ class SceneLoads:
     def settle(self, population: Population, comm: Any) -> None:
         """Let the patches of each traction have the whole area of its face; collective.
 
-        Slivers that were merged into other particles leave a small part without a carrier.
+        Small parts that were merged into other particles leave a little without a carrier.
 
         Raises
         ------

@@ -70,7 +70,7 @@ def overlaps(
         If a file cannot be read any more.
     """
     for a, cloud in enumerate(bodies):
-        if isinstance(cloud, Cloud) and (found := _twins(cloud, planes, _SAME * min(box))):
+        if isinstance(cloud, Cloud) and (found := _coincident(cloud, planes, _SAME * min(box))):
             yield (a, a), f"bodies.{names[a]}.region: {found}; leave all but one out of the file"
     for a, b in combinations(range(len(bodies)), 2):
         first, second = bodies[a], bodies[b]
@@ -165,7 +165,7 @@ def _close(
     return f"two particles are at nearly the same place ({'; '.join(pair_of)})"
 
 
-def _twins(cloud: Cloud, planes: tuple[int, int], limit: float) -> str:
+def _coincident(cloud: Cloud, planes: tuple[int, int], limit: float) -> str:
     """Name the particles of a file at one place, the first that several share.
 
     No distance between particles of a file is too short but none: how they are made is not known.

@@ -215,7 +215,7 @@ class Rank:
         grid, population = self.grid, self.population
         self.reach = grid.base.copy()
         room = np.zeros((self.room, 2), np.int64)
-        self.failed, self.leavers, *rest = grid_to_particles(
+        self.failed, self.outflow, *rest = grid_to_particles(
             self.setting._replace(tracked=tracked, exits=self.exits), grid.field,
             population.particles, population.ordered, np.arange(len(population.start) - 1),
             self.forcing(dt), Report(self.reach, population.changed, room),
