@@ -123,7 +123,7 @@ class Pairs(NamedTuple):
         coefficient = np.array([*(each.coefficients for each in entries), (0.0, 0.0)], float)
         return cls(entry, law, coefficient)
 
-    def meet(self, a: int, b: int) -> int | None:
-        """Law of two bodies, `IGNORE` where they pass through each other."""
-        found = abs(int(self.entry[min(a, b), max(a, b)]))
-        return int(self.law[found - 1]) if found else IGNORE
+
+def sharing(entries: Sequence[ContactEntry], bodies: Sequence[str]) -> np.ndarray:
+    """Return which pairs of bodies, (bodies, bodies), no entry is for; i < j counts."""
+    return np.abs(Pairs.of(entries, bodies).entry) > len(entries)

@@ -71,6 +71,7 @@ class Lattice:
     def __init__(self, case: Case) -> None:
         grid, per_cell = case.grid, case.method.particles_per_cell
         self.names = list(case.bodies)
+        self.contact = case.contact
         self.per_cell = per_cell
         self.coordinates = []
         self.edges: list[NDArray[np.float64]] = []

@@ -14,6 +14,7 @@ import numpy as np
 
 from pgimp.kernels.boxes import grow_boxes
 from pgimp.kernels.particles import Frame
+from pgimp.scene.scene import Scene
 
 #: Steps for which bodies must be out of reach at least to share a field, and the most after which
 #: all is found anew. In a step a particle moves by a cell at most, or the run ends.
@@ -34,6 +35,12 @@ def body_boxes(frame: Frame, particles: Any, rows: np.ndarray, bodies: int, comm
     return boxes
 
 
+def reach(scene: Scene) -> float:
+    """Distance in cells, of two particles along a direction, from which they share no vertex."""
+    half = scene.vertices - 2.0 if scene.follows else max(scene.shape.half)
+    return 2.0 * (1.0 + half) + 1e-6
+
+
 def assign(boxes: np.ndarray, reach: float) -> tuple[tuple[int, ...], int]:
     """Give each body the lowest field that none has which it may meet soon.
 
@@ -42,7 +49,7 @@ def assign(boxes: np.ndarray, reach: float) -> tuple[tuple[int, ...], int]:
     boxes : (2, bodies, D) float64
         See `body_boxes`.
     reach : float
-        Distance in cells, of two particles along a direction, from which they share no vertex.
+        See `reach`.
 
     Returns
     -------

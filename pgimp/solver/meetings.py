@@ -15,7 +15,7 @@ from pgimp.kernels.contribution import VolumeSums
 from pgimp.kernels.ledger import Ledger
 from pgimp.kernels.p2g import particles_to_grid
 from pgimp.scene.scene import Scene
-from pgimp.solver.groups import assign, body_boxes
+from pgimp.solver.groups import assign, body_boxes, reach
 
 
 class Meetings:
@@ -42,8 +42,7 @@ class Meetings:
         assert scene.pairs is not None
         self.scene, self.comm, self.pairs, self.call = scene, comm, scene.pairs, Bound()
         self.fields: tuple[int, ...] = (0,) * len(scene.body_names)
-        half = max(scene.shape.half)
-        self._reach = 2.0 * (scene.vertices - 1 if scene.follows else 1.0 + half) + 1e-6
+        self._reach = reach(scene)
         self._steps = 0
         self._known: Any = None
         self._halos: dict[tuple[bool, bool], Halo] = {}
