@@ -29,7 +29,7 @@ def column_names(scene: Any) -> list[str]:
         The scene of the run.
     """
     faces = len(scene.faces)
-    contact = np.zeros((len(scene.pairs.law), BOOKED)) if scene.pairs else np.zeros((0, 0))
+    contact = np.zeros((len(scene.pairs.law) if scene.pairs else 0, BOOKED))
     force = np.zeros((faces + len(scene.loads.constraints) + len(contact), 3))
     bodies, none = np.zeros((len(scene.body_names), SUMS)), np.zeros(SUMS)
     errors = np.zeros(ERRORS)

@@ -111,7 +111,7 @@ class Rank:
         self.migration = Migration(comm, slab, self.particles)
         outflow = (len(scene.body_names), SUMS) if scene.exits else (0, 0)
         constraints = len(scene.loads.constraints)
-        contacts = (len(scene.pairs.law), BOOKED) if scene.pairs else (0, 0)
+        contacts = (len(scene.pairs.law) if scene.pairs else 0, BOOKED)
         self.ledger = Ledger.empty(
             self.grid.planes, len(scene.faces), constraints, outflow, contacts
         )
