@@ -24,7 +24,7 @@ from pgimp.scene.extent import extents
 from pgimp.scene.facts import BodyFacts, examine
 from pgimp.scene.geometry import share
 from pgimp.scene.lattice import Lattice
-from pgimp.scene.sanity import body_warnings, case_warnings, idle_step, strains
+from pgimp.scene.sanity import body_warnings, case_warnings, small_step_warning, strains
 from pgimp.scene.scene import Scene, count_particles
 from pgimp.solver.memory import Estimate, MemoryShortError, estimate, require, size_text
 from pgimp.solver.stability import require_end, require_stable, stability_warning
@@ -119,8 +119,9 @@ def report(case: Case) -> None:
     for note in (*notes, *nearness.notes(case)):
         print(f"note: {note}")
     for text in chain(
-        filter(None, [stability_warning(dt, rate, case.method.stable), idle_step(dt, rate)]),
-        _pilot_doubts(case, dt * rate, tried),
+        filter(None, [stability_warning(dt, rate, case.method.stable)]),
+        filter(None, [small_step_warning(dt, rate)]),
+        _pilot_warnings(case, dt * rate, tried),
         *(body_warnings(case, body, case.time.end) for body in bodies),
         case_warnings(case, found),
         nearness.bonded(scene, lattice, counts),
@@ -251,7 +252,7 @@ def _size(tried: Pilot) -> str:
     return text
 
 
-def _pilot_doubts(case: Case, courant: float, tried: Pilot | None) -> Iterator[str]:
+def _pilot_warnings(case: Case, courant: float, tried: Pilot | None) -> Iterator[str]:
     """Return what a pilot run came to that a run may come to as well."""
     if tried is None:
         return

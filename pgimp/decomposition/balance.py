@@ -31,7 +31,7 @@ _EVIDENCE, _MOST_EVIDENCE = 4, 64
 _REMEMBERED, _SECONDS = 8, 1.0
 #: Cost of a move until it is measured, in steps of the particles that move and of some more;
 #: and the greatest cost.
-_MOVE_COST, _BESIDES, _MOST_MOVE_COST = 2.0, 8000.0, 200.0
+_MOVE_COST, _FIXED_COST, _MOST_MOVE_COST = 2.0, 8000.0, 200.0
 
 
 class Balance:
@@ -166,9 +166,10 @@ class Balance:
 
     def _may_pay(self, excess: float, step: int) -> bool:
         """Whether moving boundaries may pay off if a rank has `excess` particles too many."""
-        return excess > 0.0 and excess * self._lasts(step) > self.move_cost * (excess + _BESIDES)
+        cost = self.move_cost * (excess + _FIXED_COST)
+        return excess > 0.0 and excess * self._lifetime(step) > cost
 
-    def _lasts(self, step: int) -> int:
+    def _lifetime(self, step: int) -> int:
         """Steps for which a move would help: as many as the imbalance took to build up."""
         return min(step - self._changed, _LONGEST)
 
@@ -232,7 +233,7 @@ class Balance:
         work = counts + self._plane * planes
         differences = self._differences()
         density = self._density * np.repeat(differences, np.diff(self.cuts))
-        new, gain, move_cost = self._offer(counts, work * density, step)
+        new, gain, move_cost = self._propose(counts, work * density, step)
         if gain <= move_cost:
             self._refused = imbalance_of(work * density, self.cuts)
             self._patience = min(2 * self._patience + 1, 32)
@@ -244,7 +245,7 @@ class Balance:
             return None
         # Was it for what had been known before?
         if (differences != 1.0).any():
-            _, plain, move_cost = self._offer(counts, work * self._density, step)
+            _, plain, move_cost = self._propose(counts, work * self._density, step)
             if plain <= move_cost:
                 self._doubted = float(np.median(self._imbalances))
         self._density = density
@@ -255,7 +256,7 @@ class Balance:
         below = np.maximum(np.add.reduceat(work, edges), 1e-300)
         self._expected = np.add.reduceat(costs, edges) / below / mean
         self._expected[np.add.reduceat(work, edges) == 0.0] = 1.0
-        self._moved += self._moving(counts, new) + _BESIDES
+        self._moved += self._moving(counts, new) + _FIXED_COST
         self._patience = self._wait = self.pause = 0
         self._forget()
         return new
@@ -268,7 +269,7 @@ class Balance:
         times = f"{len(self.moves)} times" if len(self.moves) > 1 else "once"
         return f"slab boundaries moved {times}: imbalance {before} before a move, {after} after it"
 
-    def _offer(
+    def _propose(
         self, counts: np.ndarray, costs: np.ndarray, step: int
     ) -> tuple[list[int], float, float]:
         """The best boundaries, what they save, and what moving costs, in particle-steps."""
@@ -277,8 +278,8 @@ class Balance:
         now, then = (np.add.reduceat(costs, cuts[:-1]).max() for cuts in (self.cuts, new))
         if now - then < _LEAST_GAIN * costs.sum() / ranks:
             return new, 0.0, 0.0
-        move_cost = self.move_cost * (self._moving(counts, new) + _BESIDES)
-        return new, float(now - then) * self._lasts(step), move_cost
+        move_cost = self.move_cost * (self._moving(counts, new) + _FIXED_COST)
+        return new, float(now - then) * self._lifetime(step), move_cost
 
     def _moving(self, counts: np.ndarray, new: list[int]) -> float:
         """Particles that the rank with most of them must send and receive."""

@@ -145,7 +145,7 @@ class Lattice:
             for (a, b), n, x in zip(box, self.per_cell, self.coordinates, strict=True)
         ]
 
-    def meetings(
+    def find_overlaps(
         self, planes: tuple[int, int]
     ) -> tuple[list[tuple[tuple[int, int], str]], set[tuple[str, str]]]:
         """Where bodies come together, among the points of a range of planes.

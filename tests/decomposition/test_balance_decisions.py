@@ -158,7 +158,7 @@ def test_a_rank_asks_for_nothing_that_cannot_pay():
         balance.note(timings, 530, step)
         if balance.asks:
             break
-    move_cost = balance_module._MOVE_COST * (30 + balance_module._BESIDES)
+    move_cost = balance_module._MOVE_COST * (30 + balance_module._FIXED_COST)
     assert 30 * (step - 1) <= move_cost < 30 * step
     balance.moved(0.0, step)
     balance.watch(530)

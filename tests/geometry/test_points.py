@@ -231,22 +231,22 @@ def counted(model, ranks):
     model = Case.model_validate(model)
     share(model, Serial())
     lattice = Lattice(model)
-    everything = [census_of(lattice, rank, ranks) for rank in range(ranks)]
+    everything = [counts_of(lattice, rank, ranks) for rank in range(ranks)]
     gathered = SimpleNamespace(rank=0, size=ranks, allgather=lambda mine: everything)
     return count_all(lattice, gathered).counts.sum()
 
 
-def census_of(lattice, rank, ranks):
-    """What a rank tells the others in a census."""
-    told = []
+def counts_of(lattice, rank, ranks):
+    """The counts that a rank sends to the others."""
+    sent = []
 
     def allgather(mine):
-        told.append(mine)
+        sent.append(mine)
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
         count_all(lattice, SimpleNamespace(rank=rank, size=ranks, allgather=allgather))
-    return told[0]
+    return sent[0]
 
 
 def test_wrong_datasets_are_refused(tmp_path):
