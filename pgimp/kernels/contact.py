@@ -20,6 +20,14 @@ from pgimp.jit.kernel import kernel, specialise
 from pgimp.kernels.constraints import constrained_velocity
 from pgimp.kernels.faces import hold, on_walls
 from pgimp.kernels.fields import field_count, field_size
+from pgimp.kernels.ledger import (
+    CONTACT_AREA,
+    HEAT,
+    IMPULSE,
+    LOSS,
+    NORMAL_IMPULSE,
+    TANGENTIAL_IMPULSE,
+)
 from pgimp.kernels.record import ACCELERATION, FORCE, MASS, MOMENTUM, RECORD, VELOCITY
 from pgimp.physics.contact import FRICTION, TIED, Pairs
 
@@ -45,10 +53,6 @@ WEIGHT, PART, OUTWARD, NOW, BEFORE, MOBILITY, FIELDS = 0, 1, 2, 5, 8, 11, 14
 #: Columns of `Contact.partners`: normal, velocity at which the gap closes in the step, impulse
 #: along the normal and across it so far, area.
 NORMAL, CLOSING, PUSH, SLIP, AREA, PARTNERS = 0, 3, 4, 5, 8, 9
-
-#: What is booked of each entry in a step, columns of `Ledger.contact`: impulse on the first body;
-#: impulse along normals and across them; heat of friction; energy lost in impacts; area.
-IMPULSE, NORMAL_IMPULSE, TANGENTIAL_IMPULSE, HEAT, LOSS, CONTACT_AREA, BOOKED = 0, 3, 4, 5, 6, 7, 8
 
 
 class Contact(NamedTuple):

@@ -6,6 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+#: What is booked of each entry in a step, columns of `Ledger.contact`: impulse on the first body;
+#: impulse along normals and across them; heat of friction; energy lost in impacts; area.
+IMPULSE, NORMAL_IMPULSE, TANGENTIAL_IMPULSE, HEAT, LOSS, CONTACT_AREA, BOOKED = 0, 3, 4, 5, 6, 7, 8
+
 
 class Ledger(NamedTuple):
     """Sums by plane; those of the planes that a rank owns count.
@@ -21,7 +25,7 @@ class Ledger(NamedTuple):
     constraint_impulse : (planes, constraints, 3) float64
         Impulse of each constraint.
     contact : (planes, entries, BOOKED) float64
-        What is booked of contact, see `pgimp.kernels.contact`.
+        What is booked of each entry of contact.
     escaped : (planes, bodies, SUMS) float64
         What particles that left took with them, as `layer_sums` has it; (planes, 0, 0) where
         nothing may leave.
@@ -41,7 +45,7 @@ class Ledger(NamedTuple):
         faces: int,
         constraints: int,
         escaped: tuple[int, int] = (0, 0),
-        contacts: tuple[int, int] = (0, 0),
+        contacts: int = 0,
     ) -> Ledger:
         """Return that of `planes` planes before the first step.
 
@@ -51,10 +55,10 @@ class Ledger(NamedTuple):
             How many there are.
         escaped : (int, int)
             Bodies and `SUMS`, where particles may leave.
-        contacts : (int, int)
-            Entries of contact and `BOOKED`, where there are any.
+        contacts : int
+            Entries of contact.
         """
-        shapes = ((), (faces, 3), (faces,), (constraints, 3), contacts, escaped)
+        shapes = ((), (faces, 3), (faces,), (constraints, 3), (contacts, BOOKED), escaped)
         return cls(*(np.zeros((planes, *shape)) for shape in shapes))
 
     def first(self, planes: int) -> Ledger:

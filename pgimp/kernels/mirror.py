@@ -95,6 +95,36 @@ def fold(frame, field, mirror, forcing, ledger):
 
 
 @kernel
+def fold_volumes(frame, field, volumes, mirror):
+    """Add the sums of `VolumeSums` beyond a face to those of the mirror images.
+
+    Parameters
+    ----------
+    frame, field, mirror
+        As in `fold`, after it; vertices that it has not folded stay.
+    volumes : (planes * plane,) float64
+        The sums.
+    """
+    window, G, active = field.window, field.G, field.active
+    i0, i1 = _beyond(frame, window, mirror, 0)
+    j0, j1 = _beyond(frame, window, mirror, 1)
+    k0, k1 = _beyond(frame, window, mirror, 2)
+    for f in range(field_count(window)):
+        begin = f * field_size(window)
+        for i in range(i0, i1):
+            if active[i] == 0:
+                continue
+            for j in range(j0, j1):
+                for k in range(k0, k1):
+                    g, r, _ = _places(frame, window, active, mirror, begin, i, j, k)
+                    if r < 0 or G[g + MASS] != -1.0 - mirror.number:
+                        continue
+                    for d in range(RECORD):
+                        sign = -1.0 if d == FORCE + mirror.axis else 1.0
+                        volumes[r + d] += sign * volumes[g + d]
+
+
+@kernel
 def reflect(frame, field, mirror, forcing, ledger):
     """Set velocity and acceleration beyond a face from the mirror images.
 

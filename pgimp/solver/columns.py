@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from pgimp.kernels.contact import (
+from pgimp.kernels.errors import DISPLACEMENT, STRESS, STRESS_VOLUME, VELOCITY
+from pgimp.kernels.ledger import (
     CONTACT_AREA,
     HEAT,
     LOSS,
     NORMAL_IMPULSE,
     TANGENTIAL_IMPULSE,
 )
-from pgimp.kernels.errors import DISPLACEMENT, STRESS, STRESS_VOLUME, VELOCITY
 from pgimp.kernels.sums import KINETIC, MASS, MOMENT, MOMENTUM, STRAIN
 from pgimp.solver.totals import Column, Group, Totals
 

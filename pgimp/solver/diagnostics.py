@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from pgimp.kernels.contact import BOOKED, IMPULSE
 from pgimp.kernels.errors import ERRORS, layer_errors
+from pgimp.kernels.ledger import BOOKED, IMPULSE
 from pgimp.kernels.sums import HIGH, KINETIC, LOW, MASS, STRAIN, SUMS, exact_masses, layer_sums
 from pgimp.solver.clock import START, Step
 from pgimp.solver.columns import line_of

@@ -12,7 +12,7 @@ import numpy as np
 
 from pgimp.decomposition.grid import LATE, MARGIN
 from pgimp.errors import CaseError
-from pgimp.kernels.contact import BOOKED
+from pgimp.kernels.ledger import BOOKED
 from pgimp.kernels.particles import Particles
 from pgimp.kernels.sums import SUMS
 from pgimp.mpi.limits import Limit, limits

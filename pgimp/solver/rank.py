@@ -14,7 +14,6 @@ from pgimp.decomposition.redistribute import redistribute
 from pgimp.decomposition.slabs import Slab, slab_of
 from pgimp.jit.bound import Bound
 from pgimp.kernels.concepts import Order
-from pgimp.kernels.contact import BOOKED
 from pgimp.kernels.ledger import Ledger
 from pgimp.kernels.particles import Particles
 from pgimp.kernels.sums import SUMS, layer_sums
@@ -111,7 +110,7 @@ class Rank:
         self.migration = Migration(comm, slab, self.particles)
         outflow = (len(scene.body_names), SUMS) if scene.exits else (0, 0)
         constraints = len(scene.loads.constraints)
-        contacts = (len(scene.pairs.law) if scene.pairs else 0, BOOKED)
+        contacts = len(scene.pairs.law) if scene.pairs else 0
         self.ledger = Ledger.empty(
             self.grid.planes, len(scene.faces), constraints, outflow, contacts
         )

@@ -10,7 +10,7 @@ from pgimp.kernels.concepts import Forcing, Report
 from pgimp.kernels.constraints import apply_constraints, mark_constrained_vertices
 from pgimp.kernels.g2p import grid_to_particles
 from pgimp.kernels.loads import Loads
-from pgimp.kernels.mirror import fold, reflect
+from pgimp.kernels.mirror import fold, fold_volumes, reflect
 from pgimp.kernels.momentum import update_momentum
 from pgimp.kernels.p2g import particles_to_grid
 from pgimp.solver.clock import Step
@@ -73,6 +73,8 @@ def step(
     faces, felt = scene.face_parameters(t.start, t.end), on_vertices(forcing)
     for mirror in scene.mirrors:
         call(fold, scene.frame, field, mirror, felt, ledger)
+        if contact:
+            call(fold_volumes, scene.frame, field, contact.volumes, mirror)
     call(update_momentum, scene.frame, field, faces, felt, ledger, contact)  # (14, 17)
     if marked:
         call(apply_constraints, field, felt, ledger)

@@ -17,7 +17,7 @@ from pgimp.kernels.errors import ERRORS, initial_velocities, layer_errors
 from pgimp.kernels.g2p import grid_to_particles
 from pgimp.kernels.layerchanges import pack_rows, partition_migrants, sort_rows, unpack_rows
 from pgimp.kernels.ledger import Ledger
-from pgimp.kernels.mirror import fold, reflect
+from pgimp.kernels.mirror import fold, fold_volumes, reflect
 from pgimp.kernels.momentum import update_momentum
 from pgimp.kernels.order import layers_of, locate, merge, reach_of
 from pgimp.kernels.p2g import complete, particles_to_grid
@@ -84,6 +84,8 @@ def _calls(scene: Scene) -> Iterator[Call]:
     yield 0.2, lambda: layers_of(shape, frame, scene.identity, np.empty(0), np.empty(0, np.int64))
     for mirror in scene.mirrors:
         yield 1.0, partial(fold, frame, grid.field, mirror, felt, ledger)
+        if contact:
+            yield 0.5, partial(fold_volumes, frame, grid.field, grid.G, mirror)
         yield 1.0, partial(reflect, frame, grid.field, mirror, felt, ledger)
     if marked:
         yield 1.0, lambda: mark_constrained_vertices(shaped, grid.window, p, order, grid.marks)
