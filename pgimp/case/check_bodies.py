@@ -10,6 +10,7 @@ from pydantic import RootModel
 
 from pgimp.case.check_domain import check_grid
 from pgimp.geometry.regions import REGIONS
+from pgimp.physics.loads.motion import check_rotation
 from pgimp.schema.dispatch import name_of
 from pgimp.schema.messages import unknown
 from pgimp.schema.problems import Problem
@@ -36,17 +37,9 @@ def check_velocities(dimensions: int, bodies: Mapping[str, Any]) -> Problems:
             continue
         rotation = body.velocity.rotation
         yield from length((*path, "translation"), body.velocity.translation, dimensions)
-        yield from length((*path, "rotation", "about"), rotation.about, dimensions)
+        yield from check_rotation((*path, "rotation"), rotation, dimensions)
         if dimensions == 1:
             yield Problem((*path, "rotation"), "there is no rotation in one dimension")
-        elif dimensions == 2 and isinstance(rotation.rate, tuple):
-            text = f"expected a number in 2D, got a list of {len(rotation.rate)}"
-            yield Problem((*path, "rotation", "rate"), text)
-        elif dimensions == 3 and not isinstance(rotation.rate, tuple):
-            text = f"expected a vector along the axis in 3D, got {rotation.rate:.15g}"
-            yield Problem((*path, "rotation", "rate"), text)
-        elif dimensions == 3:
-            yield from length((*path, "rotation", "rate"), rotation.rate, dimensions)
 
 
 def _region(path: tuple[str | int, ...], region: Any, dimensions: int) -> Problems:

@@ -81,6 +81,12 @@ def _solutions() -> Mapping[str, type[BaseModel]]:
     return EXACT
 
 
+def _body_forces() -> Mapping[str, type[BaseModel]]:
+    from pgimp.physics.loads import BODY_FORCES
+
+    return BODY_FORCES
+
+
 class Grid(Model):
     """Regular grid; its faces are the boundary of the domain."""
 
@@ -184,6 +190,11 @@ class Case(Model):
         default=None,
         description="body force per mass: a vector, or a table over time, linear in between and "
         "held at both ends; null: none [length/time^2]",
+    )
+    body_force: Annotated[Any, ByName(_body_forces, "body force")] = Field(
+        default=None,
+        description="body force that depends on place, velocity or time, besides gravity; null: "
+        "none",
     )
     boundaries: dict[str, Annotated[Any, ByWord(_boundaries, "boundary condition")]] = Field(
         default={},

@@ -44,7 +44,7 @@ class Ledger(NamedTuple):
         planes: int,
         faces: int,
         constraints: int,
-        leavers: tuple[int, int] = (0, 0),
+        escaped: tuple[int, int] = (0, 0),
         contacts: int = 0,
     ) -> Ledger:
         """Return that of `planes` planes before the first step.
@@ -53,12 +53,12 @@ class Ledger(NamedTuple):
         ----------
         planes, faces, constraints : int
             How many there are.
-        leavers : (int, int)
+        escaped : (int, int)
             Bodies and `SUMS`, where particles may leave.
         contacts : int
             Entries of contact.
         """
-        shapes = ((), (faces, 3), (faces,), (constraints, 3), (contacts, BOOKED), leavers)
+        shapes = ((), (faces, 3), (faces,), (constraints, 3), (contacts, BOOKED), escaped)
         return cls(*(np.zeros((planes, *shape)) for shape in shapes))
 
     def first(self, planes: int) -> Ledger:

@@ -21,7 +21,7 @@ _APART = 1e12
 SEVERAL = _APART**3
 
 #: Least weight of a vertex that counts as being in a particle's reach; less is rounding.
-FIRM = 1e-9
+LEAST_WEIGHT = 1e-9
 
 
 @kernel
@@ -35,10 +35,10 @@ def also_held(code, d):
 def held_codes(d):
     """Between what a weighted sum of codes lies whose greatest is that of component d; 3: several.
 
-    A weight below `FIRM` of the next code falls to this one, which then may be missed.
+    A weight below `LEAST_WEIGHT` of the next code falls to this one, which then may be missed.
     """
     one = (1.0, _APART, _APART * _APART, SEVERAL)[d]
-    return FIRM * one, FIRM * _APART * one
+    return LEAST_WEIGHT * one, LEAST_WEIGHT * _APART * one
 
 
 def _sloped(w, A, e, C):

@@ -37,7 +37,7 @@ def count_all(lattice: Lattice, comm: Any) -> Counts:
     )
     mine: Any
     try:
-        mine = (lattice.count(share), *lattice.meetings(share))
+        mine = (lattice.count(share), *lattice.find_overlaps(share))
     except CaseError as error:
         mine = str(error)
     results = comm.allgather(mine)

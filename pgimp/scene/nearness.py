@@ -281,8 +281,8 @@ def _marks(
     cell, origin, half = scene.frame.cell, scene.frame.origin, np.array(scene.shape.half)
     n = lattice.per_cell[0]
     planes = max(0, int(first[0]) * n), min(lattice.planes, int(first[0] + shape[0]) * n)
-    for made in lattice.make(planes, counts, body):
-        x = (made.positions - origin) / cell - first
+    for block in lattice.make(planes, counts, body):
+        x = (block.positions - origin) / cell - first
         _mark(cells, np.floor(x).astype(int))
         low = np.floor(x - 1.0 - half + _TOUCH).astype(int) + 1
         high = np.ceil(x + 1.0 + half - _TOUCH).astype(int) - 1

@@ -82,15 +82,15 @@ def step(
         call(reflect, scene.frame, field, mirror, felt, ledger)
     lap("momentum")
 
-    rate, failed, leavers, found = 0.0, [], 0, 0
+    rate, failed, outflow, found = 0.0, [], 0, 0
     for half, layers in enumerate(rank.halo.halves(order.start)):  # first what neighbours wait for
-        report = Report(rank.reach, changed[found:], rank.fault_room[half])
+        report = Report(rank.reach, changed[found:], rank.fault_buffer[half])
         wrong, left, moved, fastest, clamped, held = call(  # (26, 27, 29, 30)
             grid_to_particles, scene.setting, field, population.particles, order, layers, forcing,
             report, ledger,
         )  # fmt: skip
         failed.append(wrong)
-        rate, leavers = max(rate, fastest), leavers + left
+        rate, outflow = max(rate, fastest), outflow + left
         rank.clamped += clamped
         rank.held += held
         lap("G2P")
@@ -105,8 +105,8 @@ def step(
     changed = changed[:found]
     if len(failed) > 1:
         changed.sort()
-    if leavers:
-        rank.remove_leavers(changed)
+    if outflow:
+        rank.remove_outflow(changed)
     coming = changed
     if found or rank.slab.neighbours:
         coming = migration.receive(population)
