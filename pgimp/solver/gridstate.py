@@ -58,7 +58,7 @@ def active_grid(rank: Rank, time: float) -> ActiveGrid:
     rank.halo.finish(grid)
     own, D = grid.owned, scene.dimension
     extent = grid.window.extent
-    fields = grid.G.reshape(grid.planes, -1, *extent[1:], RECORD)[:own]
+    fields = grid.G.reshape(grid.planes, 1 + max(grid.fields, default=0), *extent[1:], RECORD)[:own]
     fields[grid.active[:own] == 0] = 0.0
     records = fields.sum(axis=1) if fields.shape[1] > 1 else fields[:, 0]
 

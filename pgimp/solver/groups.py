@@ -65,7 +65,8 @@ def assign(boxes: np.ndarray, reach: float) -> tuple[tuple[int, ...], int]:
         with np.errstate(invalid="ignore"):  # bodies without particles
             apart = np.maximum(low[b] - high[:b], low[:b] - high[b]).max(axis=1, initial=-np.inf)
         apart = np.where(np.isnan(apart), np.inf, apart)
-        alone = np.maximum(apart - reach, 0.0) // 2.0  # steps until they may share a vertex
+        # Steps until they may share a vertex.
+        alone = np.floor(0.5 * np.maximum(apart - reach, 0.0))
         taken = {fields[a] for a in np.flatnonzero(alone < FEWEST)}
         own = next(f for f in range(b + 1) if f not in taken)
         shared = [int(min(alone[a], MOST)) for a in range(b) if fields[a] == own]
