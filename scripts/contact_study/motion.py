@@ -1,6 +1,7 @@
 """How bodies that meet move: against exact solutions, on cells of one size and of half of it."""
 
 from math import cos, radians, sin
+from pathlib import Path
 from statistics import median
 from time import perf_counter
 
@@ -8,6 +9,7 @@ import numpy as np
 
 import pgimp
 
+ROOT = Path(__file__).resolve().parents[2]
 SOLID = {"model": "neo-hookean", "young": 100.0, "poisson": 0.3, "density": 1.0}
 
 
@@ -75,3 +77,144 @@ def edges(cell):
     }
     first, last = _run(_case(bodies, [14.0, 8.0], cell, 1.2, contact=[{"bodies": "all"}]))
     return abs(last["body.a.momentum-y"] / first["body.a.momentum-y"] - 1.0)
+
+
+def tied(steps=1000):
+    """A block in two tied parts and in one: greatest difference of place and velocity."""
+    step = 0.008
+    time = {"end": steps * step, "step": step}
+    parts = {"gravity": [0.0, -1.0], "boundaries": {"y-min": "separating", "x-max": "slip"}}
+    motion = {"rotation": {"about": [4.0, 2.5], "rate": 0.3}, "translation": [0.3, 0.1]}
+    whole = {"a": (_box([2.0, 1.0], [6.0, 4.0]), motion)}
+    halves = {
+        "a": (_box([2.0, 1.0], [4.0, 4.0]), motion), "b": (_box([4.0, 1.0], [6.0, 4.0]), motion)
+    }  # fmt: skip
+    law = [{"bodies": "all", "law": "tied"}]
+    found = []
+    for bodies, contact in ((whole, []), (halves, law)):
+        case = _case(bodies, [12.0, 8.0], 1.0, 1.0, contact=contact, time=time, **parts)
+        simulation = pgimp.Simulation(case)
+        before = simulation.particles["position"]
+        order = np.lexsort(np.round(before, 6).T)
+        simulation.advance()
+        particles = simulation.particles
+        found.append(np.hstack([particles["position"], particles["velocity"]])[order])
+    return np.abs(found[0] - found[1]).max()
+
+
+def parting():
+    """Part of the momentum that a resting block takes from one that touches it and moves away."""
+    bodies = {
+        "a": (_box([2.0, 2.0], [5.0, 5.0]), [0.0, 0.0]),
+        "b": (_box([5.0, 2.0], [8.0, 5.0]), [1.0, 0.2]),
+    }
+    _, last = _run(_case(bodies, [14.0, 8.0], 1.0, 0.5, contact=[{"bodies": "all"}]))
+    return abs(last["body.a.momentum-x"]) / last["momentum-x"]
+
+
+def collision(cell):
+    """Blocks that meet with friction: greatest change of momentum, and of angular momentum.
+
+    In parts of the momentum of one, and of that times the size of the blocks.
+    """
+    bodies = {
+        "a": (_box([1.5, 1.5], [4.5, 4.5]), [2.0, 0.7]),
+        "b": (_box([5.0, 2.5], [8.0, 5.5]), [-1.0, 0.1]),
+    }
+    contact = [{"bodies": "all", "friction": 0.5}]
+    first, last = _run(_case(bodies, [10.0, 8.0], cell, 1.0, contact=contact))
+    scale = 9.0 * 2.1
+    moved = max(abs(last[f"momentum-{axis}"] - first[f"momentum-{axis}"]) for axis in "xy")
+    turned = abs(last["angular-momentum-z"] - first["angular-momentum-z"])
+    return moved / scale, turned / (3.0 * scale)
+
+
+def incline(cell, angle=24.0, friction=0.3):
+    """A block slides down a held slab: acceleration and heat over the exact ones, way sunk in.
+
+    The velocity is taken between two times, as at the beginning the weight sets in at once.
+    """
+    g = 10.0
+    slope = (sin(radians(angle)), cos(radians(angle)))
+    bodies = {
+        "slab": (_box([0.0, 0.0], [9.0, 0.5]), [0.0, 0.0]),
+        "block": (_box([0.5, 0.5], [1.5, 1.0]), [0.0, 0.0]),
+    }
+    case = _case(
+        bodies, [9.0, 1.6], cell, 2.2, gravity=[g * slope[0], -g * slope[1]],
+        boundaries={"y-min": "fixed", "x-min": "slip", "x-max": "slip"},
+        contact=[{"bodies": ["slab", "block"], "friction": friction}],
+    )  # fmt: skip
+    case["materials"]["solid"] = SOLID | {"young": 1e4, "density": 10.0}
+    simulation = pgimp.Simulation(case)
+    lines = [simulation.diagnostics()]
+    for time in (0.6, 2.2):
+        simulation.advance(time)
+        lines.append(simulation.diagnostics())
+    begin, end = lines[1], lines[2]
+    change = end["body.block.momentum-x"] - begin["body.block.momentum-x"]
+    exact = g * (slope[0] - friction * slope[1]) if slope[0] > friction * slope[1] else 0.0
+    way = [line["body.block.centre-x"] for line in lines]
+    sunk = (end["body.block.centre-y"] - lines[0]["body.block.centre-y"]) / cell
+    if not exact:
+        return (way[2] - way[0]) / cell, sunk
+    heat = end["contact.slab+block.friction-heat"] - begin["contact.slab+block.friction-heat"]
+    press = 5.0 * g * slope[1]
+    acceleration = change / 5.0 / (end["time"] - begin["time"])
+    return acceleration / exact, heat / (friction * press * (way[2] - way[1])), sunk
+
+
+def rolling(cell, angle=10.0, friction=0.5):
+    """A cylinder with a radius of 1 rolls down a held slab: acceleration over 2/3 g sin."""
+    g = 1.0
+    slope = (sin(radians(angle)), cos(radians(angle)))
+    bodies = {
+        "slab": (_box([0.0, 0.0], [9.0, 0.6]), [0.0, 0.0]),
+        "wheel": ({"ball": {"centre": [1.5, 1.6], "radius": 1.0}}, [0.0, 0.0]),
+    }
+    case = _case(
+        bodies, [9.0, 3.0], cell, 8.0, gravity=[g * slope[0], -g * slope[1]],
+        boundaries={"y-min": "fixed", "x-min": "slip", "x-max": "slip"},
+        contact=[{"bodies": ["slab", "wheel"], "friction": friction}],
+    )  # fmt: skip
+    case["materials"]["solid"] = SOLID | {"young": 1e3}
+    case["method"]["affine"] = True
+    simulation = pgimp.Simulation(case)
+    lines = []
+    for time in (2.0, 8.0):
+        simulation.advance(time)
+        lines.append(simulation.diagnostics())
+    begin, end = lines
+    change = end["body.wheel.momentum-x"] - begin["body.wheel.momentum-x"]
+    mass = end["body.wheel.mass"]
+    return change / mass / (end["time"] - begin["time"]) / (2.0 / 3.0 * g * slope[0])
+
+
+def cost(apart, dimensions, rounds=5):
+    """Time of a step with contact over that without, by turns; bodies touch unless `apart`."""
+    cells = {2: 200, 3: 40}[dimensions]
+    high = [float(cells // 5)] * dimensions
+    low = [2.0] * dimensions
+    gap = 20.0 if apart else 0.0
+    shift = [high[0] - 2.0 + gap, *[0.0] * (dimensions - 1)]
+    second = [[a + b for a, b in zip(end, shift, strict=True)] for end in (low, high)]
+    bodies = {
+        "a": (_box(low, high), [0.0] * dimensions),
+        "b": (_box(*second), [0.0] * dimensions),
+    }
+    size = [2.0 * high[0] + gap + 4.0, *[high[0] + 4.0] * (dimensions - 1)]
+    simulations = [
+        pgimp.Simulation(_case(bodies, size, 1.0, 1e9, contact=contact))
+        for contact in ([], [{"bodies": "all", "friction": 0.3}])
+    ]
+    ratios = []
+    for simulation in simulations:
+        simulation.step(3)
+    for _ in range(rounds):
+        times = []
+        for simulation in simulations:
+            began = perf_counter()
+            simulation.step(20)
+            times.append(perf_counter() - began)
+        ratios.append(times[1] / times[0])
+    return median(ratios)

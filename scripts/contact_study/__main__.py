@@ -1,0 +1,116 @@
+"""Measures contact against exact results and writes its tables; see scripts/contact."""
+
+import argparse
+import os
+import subprocess
+import sys
+from concurrent.futures import ProcessPoolExecutor
+from datetime import date
+from importlib.metadata import version
+from multiprocessing import get_context
+
+import gap
+import motion
+
+from pgimp.io.rundir.runinfo import cpu
+
+PAGES = motion.ROOT / "scripts" / "pages"
+OUT = motion.ROOT / "contact.out"
+
+
+def _figures(quick):
+    """What is measured, by name, as functions and arguments."""
+    cells = (0.2,) if quick else (0.2, 0.1)
+    jobs = {("tied",): (motion.tied, 100 if quick else 1000), ("parting",): (motion.parting,)}
+    for cell in cells:
+        jobs["bars", cell] = (motion.bars, 2.5 * cell)
+        jobs["disks", cell] = (motion.disks, 0.2 * cell)
+        jobs["edges", cell] = (motion.edges, 5.0 * cell)
+        jobs["collision", cell] = (motion.collision, 5.0 * cell)
+        jobs["incline", cell] = (motion.incline, 0.5 * cell)
+        jobs["rolling", cell] = (motion.rolling, cell)
+    jobs["stuck", cells[0]] = (motion.incline, 0.5 * cells[0], 24.0, 0.7)
+    return jobs
+
+
+def _table(found, cells):
+    """Rows of the movements."""
+
+    def at(name, place=None, form="{:.3f}"):
+        values = [found[name, cell] for cell in cells if (name, cell) in found]
+        return [form.format(v if place is None else v[place]) for v in values]
+
+    rows = [
+        ("tied bodies and one body, difference after 1,000 steps", "0", [f"{found['tied',]:.0e}"]),
+        ("a block at rest, of one that touches it and moves away: momentum taken", "0",
+         [f"{found['parting',]:.0e}"]),
+        ("bars of 20 and 40 cells meet: rebound", "1", at("bars", 0)),
+        ("the same: energy lost", "0", at("bars", 1)),
+        ("Sulsky's disks, R = 5 and 10 cells: energy lost when they have parted", "0",
+         at("disks")),
+        ("blocks of 3 and 6 cells meet with friction: momentum that changes", "0",
+         at("collision", 0, "{:.0e}")),
+        ("the same: angular momentum", "0", at("collision", 1, "{:.0e}")),
+        ("they slide over each other's edges without: momentum along the faces that changes", "0",
+         at("edges")),
+        ("block of 10 and 20 cells on an incline of 24 degrees, friction 0.3: acceleration", "1",
+         at("incline", 0)),
+        ("the same: heat of friction", "1", at("incline", 1)),
+        ("the same: cells by which it has sunk in, also by its weight", "0", at("incline", 2)),
+        ("friction 0.7, where it sticks: cells by which it slips, bending of the slab included",
+         "0", at("stuck", 0)),
+        ("cylinder that rolls, R = 5 and 10 cells: acceleration", "1", at("rolling")),
+    ]  # fmt: skip
+    text = "| test | exact | measured | on half the cells |\n|---|---|---|---|\n"
+    for what, exact, values in rows:
+        text += f"| {what} | {exact} | {' | '.join((*values, '', '')[:2])} |\n"
+    return text
+
+
+def _gaps(rows):
+    """Table of the gaps."""
+    text = "| what meets | least gap | greatest |\n|---|---|---|\n"
+    return text + "".join(f"| {what} | {low:.3f} | {high:.3f} |\n" for what, _, low, high in rows)
+
+
+def _costs(quick):
+    """Table of what contact costs."""
+    text = "| two blocks | dimensions | time of a step, without contact: 1 |\n|---|---|---|\n"
+    for dimensions in (2, 3):
+        for apart in (True, False):
+            ratio = motion.cost(apart, dimensions, 3 if quick else 9)
+            text += f"| {'20 cells apart' if apart else 'in touch'} | {dimensions} | {ratio:.2f} |\n"
+    return text
+
+
+def main():
+    """Measure all, write contact.out/contact.md and, unless --quick, docs/contact.md."""
+    parser = argparse.ArgumentParser(prog="scripts/contact")
+    parser.add_argument("--quick", action="store_true", help="fewer and coarser; writes no page")
+    options = parser.parse_args()
+    jobs, cells = _figures(options.quick), (0.2, 0.1)
+    with ProcessPoolExecutor(min(2, os.cpu_count()), get_context("spawn")) as pool:
+        waiting = {name: pool.submit(*job) for name, job in jobs.items()}
+        gaps = pool.submit(gap.rows, options.quick)
+        found = {name: future.result() for name, future in waiting.items()}
+        gaps = gaps.result()
+    where = (
+        f"Measured by `scripts/contact` on one core of {cpu()}, pgimp {version('pgimp')}, numba "
+        f"{version('numba')}, {date.today()}.\n"
+    )
+    texts = {
+        "contact-motion": _table(found, cells) + "\n" + where,
+        "contact-gaps": _gaps(gaps),
+        "contact-costs": _costs(options.quick),
+    }
+    OUT.mkdir(exist_ok=True)
+    (OUT / "contact.md").write_text("\n".join(texts.values()), encoding="utf-8")
+    print("\n".join(texts.values()))
+    if not options.quick:
+        for name, text in texts.items():
+            (PAGES / "tables" / f"{name}.md").write_text(text, encoding="utf-8")
+        subprocess.run([sys.executable, str(PAGES)], check=True)
+
+
+if __name__ == "__main__":
+    main()
