@@ -79,7 +79,8 @@ def _costs(quick):
     for dimensions in (2, 3):
         for apart in (True, False):
             ratio = motion.cost(apart, dimensions, 3 if quick else 9)
-            text += f"| {'20 cells apart' if apart else 'in touch'} | {dimensions} | {ratio:.2f} |\n"
+            where = "20 cells apart" if apart else "in touch"
+            text += f"| {where} | {dimensions} | {ratio:.2f} |\n"
     return text
 
 

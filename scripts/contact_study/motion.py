@@ -50,9 +50,9 @@ def bars(cell):
     """Two bars meet head on: the rebound over the speed before, and the energy lost."""
     bodies = {
         "a": (_box([2.0], [12.0]), [0.05]),
-        "b": (_box([12.0 + cell], [22.0 + cell]), [-0.05]),
+        "b": (_box([12.0 + 0.5 * cell], [22.0 + 0.5 * cell]), [-0.05]),
     }
-    case = _case(bodies, [25.0], cell, 4.0, contact=[{"bodies": "all"}])
+    case = _case(bodies, [25.0], cell, 7.0, contact=[{"bodies": "all"}])
     case["materials"]["solid"] = {"model": "linear-1d", "young": 100.0, "density": 1.0}
     first, last = _run(case)
     return (
