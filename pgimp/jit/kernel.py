@@ -30,13 +30,18 @@ import numba  # noqa: E402
 from numba.extending import overload  # noqa: E402
 
 from pgimp.jit.cache import KernelCache  # noqa: E402
+from pgimp.jit.compiler import Compiler  # noqa: E402
 
 #: Options of every kernel and of everything it inlines. Contraction only: full fastmath would let
-#: LLVM reorder sums and delete the checks for NaN.
+#: LLVM reorder sums and delete the checks for NaN. The others save time in compiling:
+#: no entry for programs in C, and no reference counts, of which tuples of arrays need very many.
 _OPTIONS: dict[str, Any] = {
     "fastmath": {"contract"},
     "error_model": "numpy",
     "boundscheck": False,
+    "no_cfunc_wrapper": True,
+    "_nrt": False,
+    "pipeline_class": Compiler,
 }
 
 
@@ -45,8 +50,23 @@ INLINE_OPTIONS: Any = {**_OPTIONS, "forceinline": True}
 
 
 def kernel(function: Callable) -> Callable:
-    """Compile a function on first call, with pgimp's options, and cache it on disk."""
-    compiled = numba.njit(**_OPTIONS)(function)
+    """Compile a function on first call, with pgimp's options, and cache it on disk.
+
+    It cannot make arrays, unlike an `allocating_kernel`.
+    """
+    return _kernel(function, _OPTIONS)
+
+
+def allocating_kernel(function: Callable) -> Callable:
+    """As `kernel`, for a function that makes arrays, or calls one that does.
+
+    What it calls may be given arrays but must not return them: `kernel` counts no references.
+    """
+    return _kernel(function, {**_OPTIONS, "_nrt": True})
+
+
+def _kernel(function: Callable, options: dict[str, Any]) -> Callable:
+    compiled = numba.njit(**options)(function)
     compiled._cache = KernelCache(function, FOLDER.path)  # instead of Numba's own, as by cache=True
     return compiled
 
