@@ -52,7 +52,8 @@ INLINE_OPTIONS: Any = {**_OPTIONS, "forceinline": True}
 def kernel(function: Callable) -> Callable:
     """Compile a function on first call, with pgimp's options, and cache it on disk.
 
-    It cannot make arrays, unlike an `allocating_kernel`.
+    It cannot make arrays ("Only accept returning of array passed into the function as argument"),
+    unlike an `allocating_kernel`.
     """
     return _kernel(function, _OPTIONS)
 
