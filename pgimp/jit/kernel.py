@@ -66,7 +66,21 @@ def allocating_kernel(function: Callable) -> Callable:
     return _kernel(function, {**_OPTIONS, "_nrt": True})
 
 
-def _kernel(function: Callable, options: dict[str, Any]) -> Callable:
+def inner_kernel(function: Callable) -> Callable:
+    """As `kernel`, for a function that only other kernels call: without an entry for Python."""
+    compiled = _kernel(function, {**_OPTIONS, "no_cpython_wrapper": True})
+
+    def refuse(*args: Any, **options: Any) -> None:
+        raise TypeError(f"{function.__qualname__} is for other kernels to call")
+
+    # Called from Python, the dispatcher asks for what is not in its own table of entries. Those
+    # of this function would be null.
+    compiled.add_overload = lambda done: compiled.overloads.update({done.signature.args: done})
+    compiled._compile_for_args = refuse
+    return compiled
+
+
+def _kernel(function: Callable, options: dict[str, Any]) -> Any:
     compiled = numba.njit(**options)(function)
     compiled._cache = KernelCache(function, FOLDER.path)  # instead of Numba's own, as by cache=True
     return compiled

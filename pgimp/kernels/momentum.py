@@ -1,6 +1,6 @@
 """Momentum update (14) of the vertices, boundary conditions, and what the faces do."""
 
-from pgimp.jit.kernel import kernel, specialise
+from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.kernels.constraints import constrained_velocity
 from pgimp.kernels.loads import given
 from pgimp.kernels.record import ACCELERATION, FORCE, HELD, MASS, MOMENTUM, RECORD, VELOCITY
@@ -71,7 +71,7 @@ def _constrain_plane(done, faces, frame, field, forcing, i, ledger):
     return constrain_all if len(faces) else constrain_none
 
 
-@kernel
+@inner_kernel
 def _beyond(face, frame, number):
     """Whether a vertex, given by its numbers, is on a face or beyond it."""
     wall = frame.ghost if face.side < 0 else frame.ghost + frame.cells[face.axis]
@@ -116,7 +116,7 @@ def _hold(faces, n, relaxation, frame, number, v, a, mass, dt, impulse):
     return hold_first
 
 
-@kernel
+@inner_kernel
 def _constrain_face(done, faces, frame, field, forcing, i, ledger):
     """Treat the vertices of plane `i` on or beyond the first of `faces` but none of `done`.
 
