@@ -93,7 +93,7 @@ def test_reading_the_first_line_is_enough():
 def test_a_log_without_stdout_goes_on(tmp_path, monkeypatch):
     monkeypatch.setattr(sys, "stdout", None)
     log = Log(True)
-    log.keep_in(tmp_path / "log.txt")
+    log.write_to(tmp_path / "log.txt")
     log.say(f"with {NASTY} and \udc80")
     log.close()
     text = (tmp_path / "log.txt").read_text()

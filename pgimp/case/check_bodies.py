@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from pydantic import RootModel
 
 from pgimp.case.check_domain import check_grid
 from pgimp.geometry.regions import REGIONS
+from pgimp.physics.loads.motion import check_rotation
 from pgimp.schema.dispatch import name_of
 from pgimp.schema.messages import unknown
 from pgimp.schema.problems import Problem
@@ -36,17 +37,9 @@ def check_velocities(dimensions: int, bodies: Mapping[str, Any]) -> Problems:
             continue
         rotation = body.velocity.rotation
         yield from length((*path, "translation"), body.velocity.translation, dimensions)
-        yield from length((*path, "rotation", "about"), rotation.about, dimensions)
+        yield from check_rotation((*path, "rotation"), rotation, dimensions)
         if dimensions == 1:
             yield Problem((*path, "rotation"), "there is no rotation in one dimension")
-        elif dimensions == 2 and isinstance(rotation.rate, tuple):
-            text = f"expected a number in 2D, got a list of {len(rotation.rate)}"
-            yield Problem((*path, "rotation", "rate"), text)
-        elif dimensions == 3 and not isinstance(rotation.rate, tuple):
-            text = f"expected a vector along the axis in 3D, got {rotation.rate:.15g}"
-            yield Problem((*path, "rotation", "rate"), text)
-        elif dimensions == 3:
-            yield from length((*path, "rotation", "rate"), rotation.rate, dimensions)
 
 
 def _region(path: tuple[str | int, ...], region: Any, dimensions: int) -> Problems:
@@ -163,3 +156,21 @@ def check_constraints(
         yield from _body_of(path, entry, bodies, body_names)
         yield from _region((*path, "region"), entry.region, dimensions)
         yield from length((*path, "velocity"), entry.velocity, dimensions)
+
+
+def check_contact(body_names: Sequence[str], contact: Sequence[Any]) -> Problems:
+    """Check that the entries of contact name bodies, and no pair twice."""
+    told: dict[frozenset[str], int] = {}
+    for i, entry in enumerate(contact):
+        path: tuple[str | int, ...] = ("contact", i, "bodies")
+        pairs = {frozenset(pair) for pair in entry.pairs()} or {frozenset(("all",))}
+        if entry.bodies != "all":
+            for k, name in enumerate(entry.bodies):
+                if name not in body_names:
+                    yield Problem((*path, k), unknown("body", name, body_names))
+        elif len(body_names) < 2:
+            yield Problem(path, "there is only one body, which meets no other")
+        for pair in sorted(pairs & set(told), key=sorted)[:1]:
+            names = " and ".join(sorted(pair))
+            yield Problem(path, f"entry {told[pair] + 1} has a law for {names} already")
+        told |= dict.fromkeys(pairs, i)

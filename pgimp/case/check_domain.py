@@ -7,6 +7,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from pgimp.physics.fields import OPTIONAL
+from pgimp.physics.loads import BODY_FORCES
+from pgimp.schema.dispatch import name_of
 from pgimp.schema.messages import unknown
 from pgimp.schema.problems import Problem
 from pgimp.schema.sizes import Problems, faces, length, nearest_whole, whole
@@ -90,6 +92,20 @@ def check_fields(
         if name not in OPTIONAL and name not in states:
             known = [*OPTIONAL, *sorted(states)]
             yield Problem(("output", "fields", i), unknown("field", name, known))
+
+
+def check_body_force(dimensions: int, body_force: Any) -> Problems:
+    """Check that a body force exists in these dimensions and fits them."""
+    if body_force is None:
+        return
+    name = name_of(body_force, BODY_FORCES)
+    if dimensions not in body_force.DIMENSIONS:
+        allowed = " and ".join(f"{d}D" for d in body_force.DIMENSIONS)
+        text = f"{name} exists in {allowed} only, but the case has {dimensions}D"
+        yield Problem(("body_force", name), text)
+        return
+    for found in body_force.check(dimensions):
+        yield found._replace(path=("body_force", name, *found.path))
 
 
 def check_gravity(dimensions: int, gravity: Any) -> Problems:

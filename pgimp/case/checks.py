@@ -14,12 +14,14 @@ from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from pgimp.case.check_bodies import (
     check_constraints,
+    check_contact,
     check_materials,
     check_regions,
     check_tractions,
     check_velocities,
 )
 from pgimp.case.check_domain import (
+    check_body_force,
     check_boundaries,
     check_escape,
     check_fields,
@@ -48,8 +50,8 @@ def check(parts: Mapping[str, Any]) -> list[Problem]:
         names = inspect.signature(run).parameters
         if all(name in parts for name in names):
             problems.extend(run(**{name: parts[name] for name in names}))
-    told = {item.path for item in problems}
-    problems += [item for item in check_numbers(parts) if item.path not in told]
+    known = {item.path for item in problems}
+    problems += [item for item in check_numbers(parts) if item.path not in known]
     return problems
 
 
@@ -103,11 +105,13 @@ _CHECKS = (
     check_velocities,
     check_regions,
     check_gravity,
+    check_body_force,
     check_boundaries,
     check_escape,
     check_fields,
     check_tractions,
     check_constraints,
+    check_contact,
     check_output,
     check_probes,
 )

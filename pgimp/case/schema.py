@@ -21,6 +21,7 @@ from pydantic import (
 from pgimp.case.checks import check, sound_parts
 from pgimp.case.output import Checkpoint, History, Output, ProbeEntry
 from pgimp.geometry.regions import RegionEntry
+from pgimp.physics.contact import ContactEntry
 from pgimp.physics.loads.constraints import ConstraintEntry
 from pgimp.physics.loads.motion import RigidMotion, zero_vector
 from pgimp.physics.loads.tractions import TractionEntry
@@ -78,6 +79,12 @@ def _solutions() -> Mapping[str, type[BaseModel]]:
     from pgimp.physics.exact import EXACT
 
     return EXACT
+
+
+def _body_forces() -> Mapping[str, type[BaseModel]]:
+    from pgimp.physics.loads import BODY_FORCES
+
+    return BODY_FORCES
 
 
 class Grid(Model):
@@ -184,6 +191,11 @@ class Case(Model):
         description="body force per mass: a vector, or a table over time, linear in between and "
         "held at both ends; null: none [length/time^2]",
     )
+    body_force: Annotated[Any, ByName(_body_forces, "body force")] = Field(
+        default=None,
+        description="body force that depends on place, velocity or time, besides gravity; null: "
+        "none",
+    )
     boundaries: dict[str, Annotated[Any, ByWord(_boundaries, "boundary condition")]] = Field(
         default={},
         description="conditions on faces of the domain, x-min to z-max. A face with a condition "
@@ -212,6 +224,13 @@ class Case(Model):
         max_length=60,
         description="prescribed motion of parts of bodies, by a name of their own",
         json_schema_extra={"additionalProperties": False},
+    )
+    contact: tuple[ContactEntry, ...] = Field(
+        default=(),
+        max_length=60,
+        description="what happens where bodies meet. Bodies of a pair that an entry is for have "
+        "velocity fields of their own; all others share one, so that they feel each other up to "
+        "two cells before they touch, and stick together",
     )
     exact: Annotated[Any, ByName(_solutions, "solution")] = Field(
         default=None,

@@ -24,7 +24,7 @@ from pgimp.scene.extent import extents
 from pgimp.scene.facts import BodyFacts, examine
 from pgimp.scene.geometry import share
 from pgimp.scene.lattice import Lattice
-from pgimp.scene.sanity import body_warnings, case_warnings, idle_step, strains
+from pgimp.scene.sanity import body_warnings, case_warnings, small_step_warning, strains
 from pgimp.scene.scene import Scene, count_particles
 from pgimp.solver.memory import Estimate, MemoryShortError, estimate, require, size_text
 from pgimp.solver.stability import require_end, require_stable, stability_warning
@@ -33,7 +33,15 @@ from pgimp.tools.model.layout import layout_now, layout_of
 from pgimp.tools.model.measure import costs_of, run_in_turn
 from pgimp.tools.model.pilot import Pilot, pilot
 from pgimp.tools.model.predict import Step
-from pgimp.tools.model.report import between_nodes, ladder, lines, on_node, remark, scaling, verdict
+from pgimp.tools.model.report import (
+    between_nodes,
+    lines,
+    on_node,
+    rank_counts,
+    remark,
+    scaling,
+    verdict,
+)
 from pgimp.tools.model.sample import samples_of
 
 #: Particles of the samples that are timed; the last are more than caches hold.
@@ -111,8 +119,9 @@ def report(case: Case) -> None:
     for note in (*notes, *nearness.notes(case)):
         print(f"note: {note}")
     for text in chain(
-        filter(None, [stability_warning(dt, rate, case.method.stable), idle_step(dt, rate)]),
-        _pilot_doubts(case, dt * rate, tried),
+        filter(None, [stability_warning(dt, rate, case.method.stable)]),
+        filter(None, [small_step_warning(dt, rate)]),
+        _pilot_warnings(case, dt * rate, tried),
         *(body_warnings(case, body, case.time.end) for body in bodies),
         case_warnings(case, found),
         nearness.bonded(scene, lattice, counts),
@@ -184,7 +193,9 @@ def _report_cost(
         f"{'':<16} there {_time_text(steps * best['seconds'])}, {size_text(best['memory'])} a rank"
     )
     shown = [
-        step for step in scaled["steps"] if step["ranks"] in (*ladder((), ranks), scaled["slabs"])
+        step
+        for step in scaled["steps"]
+        if step["ranks"] in (*rank_counts((), ranks), scaled["slabs"])
     ]
     for line in lines(shown, remark(scaled), f"{'':<17}"):
         print(line)
@@ -241,7 +252,7 @@ def _size(tried: Pilot) -> str:
     return text
 
 
-def _pilot_doubts(case: Case, courant: float, tried: Pilot | None) -> Iterator[str]:
+def _pilot_warnings(case: Case, courant: float, tried: Pilot | None) -> Iterator[str]:
     """Return what a pilot run came to that a run may come to as well."""
     if tried is None:
         return

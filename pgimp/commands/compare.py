@@ -127,11 +127,11 @@ def differences(first: Run, second: Run, tolerance: Tolerance | None = None) -> 
         {frame.number: frame for frame in run.frames} for run in (first, second)
     ]
     yield from _missing("frames", (first, second), frames)
-    told = False
+    noted = False
     for number in sorted(set(frames[0]) & set(frames[1])):
         one, two = frames[0][number], frames[1][number]
-        if (kinds := _precisions(one, two)) and tolerance == Tolerance() and not told:
-            told = True  # not again in each frame
+        if (kinds := _precisions(one, two)) and tolerance == Tolerance() and not noted:
+            noted = True  # not again in each frame
             yield (
                 f"frame {number} has numbers of {kinds[0]} in {first.path}, of {kinds[1]} in "
                 f"{second.path} (output.precision), which have no bits in common; --rtol 1e-6 "

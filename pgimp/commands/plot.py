@@ -12,7 +12,7 @@ from typing import Any
 from pgimp.errors import UsageError, explain
 from pgimp.files import atomic
 from pgimp.files.plain import open_plain
-from pgimp.tools.plot.runs import AXES, Shown, open_runs, shots
+from pgimp.tools.plot.runs import AXES, PlotRun, open_runs, shots
 from pgimp.tools.plot.tables import Table
 
 _FORMATS = ("png", "pdf", "svg")
@@ -158,7 +158,7 @@ def _check(args: argparse.Namespace) -> None:
                 raise UsageError(f"--{name} is for curves over time, the other options for a frame")
 
 
-def _frame(args: argparse.Namespace, runs: Sequence[Shown]) -> tuple[Any, Table, list[str], str]:
+def _frame(args: argparse.Namespace, runs: Sequence[PlotRun]) -> tuple[Any, Table, list[str], str]:
     from pgimp.tools.plot.along import along
     from pgimp.tools.plot.camera import camera
     from pgimp.tools.plot.picture import picture
@@ -223,7 +223,7 @@ def _limits(text: str | None) -> tuple[float, float] | None:
     return found[0], found[1]
 
 
-def _default_name(runs: Sequence[Shown], name: str) -> str:
+def _default_name(runs: Sequence[PlotRun], name: str) -> str:
     names = "-".join(Path(shown.name).name for shown in runs)
     if len(names) > _LONGEST_NAME:
         names = f"{Path(runs[0].name).name}-and-{len(runs) - 1}-more"

@@ -231,7 +231,7 @@ def _run(
         if step is not None:
             _warn_of_edited(materials, directory, log)
         directory.prepare(texts, about, resumed is not None)
-        log.keep_in(output / "log.txt")
+        log.write_to(output / "log.txt")
         return advance(case, sim, resumed and resumed.about, directory, log, stop)
     finally:
         directory.release()

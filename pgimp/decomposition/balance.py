@@ -21,7 +21,7 @@ _MEANING = "keeps slab boundaries where they are", "lets them follow the load"
 
 #: Imbalance, as a part of the mean cost of a rank, below which slabs stay as they are.
 _SMALL = 0.03
-#: Parts of the mean cost by which a move must lower the dearest rank's.
+#: Parts of the mean cost by which a move must lower the most expensive rank's.
 _LEAST_GAIN = 0.02
 #: Greatest lifetime, in steps, that is expected of an imbalance.
 _LONGEST = 1000
@@ -31,7 +31,7 @@ _EVIDENCE, _MOST_EVIDENCE = 4, 64
 _REMEMBERED, _SECONDS = 8, 1.0
 #: Cost of a move until it is measured, in steps of the particles that move and of some more;
 #: and the greatest cost.
-_PRICE, _BESIDES, _DEAREST = 2.0, 8000.0, 200.0
+_MOVE_COST, _FIXED_COST, _MOST_MOVE_COST = 2.0, 8000.0, 200.0
 
 
 class Balance:
@@ -58,8 +58,8 @@ class Balance:
         Whether this rank wants a decision.
     pause : int
         Steps until a rank may ask again because of particles that it had at the last decision.
-    price : float
-        Steps of the particles that move which a move costs, see `_PRICE`; learned on rank 0.
+    move_cost : float
+        Steps of the particles that move which a move costs, see `_MOVE_COST`; learned on rank 0.
     total : int
         Particles of all ranks at the last report.
     imbalance : float or None
@@ -84,7 +84,7 @@ class Balance:
         self._clear, self._known = 2**62, 0
         self._had: int | None = None
         self._changed, self._seconds = -1, 0.0
-        self.price = _PRICE
+        self.move_cost = _MOVE_COST
         self._cold = True
         # What follows is of use on rank 0 only.
         self._density = np.ones(cuts[-1])
@@ -166,9 +166,10 @@ class Balance:
 
     def _may_pay(self, excess: float, step: int) -> bool:
         """Whether moving boundaries may pay off if a rank has `excess` particles too many."""
-        return excess > 0.0 and excess * self._lasts(step) > self.price * (excess + _BESIDES)
+        cost = self.move_cost * (excess + _FIXED_COST)
+        return excess > 0.0 and excess * self._lifetime(step) > cost
 
-    def _lasts(self, step: int) -> int:
+    def _lifetime(self, step: int) -> int:
         """Steps for which a move would help: as many as the imbalance took to build up."""
         return min(step - self._changed, _LONGEST)
 
@@ -178,10 +179,10 @@ class Balance:
         particle = max(every[:, 0].sum() / counts.sum(), 1e-12)
         self._plane = every[:, 1].sum() / max(planes.sum(), 1.0) / particle
         if self._moved and every[:, 4].any():
-            price = float(every[:, 4].max() / particle / self._moved)
+            move_cost = float(every[:, 4].max() / particle / self._moved)
             # An interrupted move took long: a step towards it, and a larger one back.
-            price = min(max(price, 0.5 * self.price), 1.5 * self.price)
-            self.price = min(price, _DEAREST)
+            move_cost = min(max(move_cost, 0.5 * self.move_cost), 1.5 * self.move_cost)
+            self.move_cost = min(move_cost, _MOST_MOVE_COST)
             self._moved = 0.0
         work = counts + self._plane * planes
         self._watched += self._interval * float(busy.max())
@@ -232,20 +233,20 @@ class Balance:
         work = counts + self._plane * planes
         differences = self._differences()
         density = self._density * np.repeat(differences, np.diff(self.cuts))
-        new, gain, price = self._offer(counts, work * density, step)
-        if gain <= price:
+        new, gain, move_cost = self._propose(counts, work * density, step)
+        if gain <= move_cost:
             self._refused = imbalance_of(work * density, self.cuts)
             self._patience = min(2 * self._patience + 1, 32)
             self._wait = self._patience
             # What grows evenly with time has a gain that grows with its square.
             since = step - self._changed
-            growth = (price / gain) ** 0.5 if gain else 1.5
+            growth = (move_cost / gain) ** 0.5 if gain else 1.5
             self.pause = max(since // 8, int(since * min(growth - 1.0, 1.0)))
             return None
         # Was it for what had been known before?
         if (differences != 1.0).any():
-            _, plain, price = self._offer(counts, work * self._density, step)
-            if plain <= price:
+            _, plain, move_cost = self._propose(counts, work * self._density, step)
+            if plain <= move_cost:
                 self._doubted = float(np.median(self._imbalances))
         self._density = density
         costs = work * density
@@ -255,7 +256,7 @@ class Balance:
         below = np.maximum(np.add.reduceat(work, edges), 1e-300)
         self._expected = np.add.reduceat(costs, edges) / below / mean
         self._expected[np.add.reduceat(work, edges) == 0.0] = 1.0
-        self._moved += self._moving(counts, new) + _BESIDES
+        self._moved += self._moving(counts, new) + _FIXED_COST
         self._patience = self._wait = self.pause = 0
         self._forget()
         return new
@@ -268,7 +269,7 @@ class Balance:
         times = f"{len(self.moves)} times" if len(self.moves) > 1 else "once"
         return f"slab boundaries moved {times}: imbalance {before} before a move, {after} after it"
 
-    def _offer(
+    def _propose(
         self, counts: np.ndarray, costs: np.ndarray, step: int
     ) -> tuple[list[int], float, float]:
         """The best boundaries, what they save, and what moving costs, in particle-steps."""
@@ -277,8 +278,8 @@ class Balance:
         now, then = (np.add.reduceat(costs, cuts[:-1]).max() for cuts in (self.cuts, new))
         if now - then < _LEAST_GAIN * costs.sum() / ranks:
             return new, 0.0, 0.0
-        price = self.price * (self._moving(counts, new) + _BESIDES)
-        return new, float(now - then) * self._lasts(step), price
+        move_cost = self.move_cost * (self._moving(counts, new) + _FIXED_COST)
+        return new, float(now - then) * self._lifetime(step), move_cost
 
     def _moving(self, counts: np.ndarray, new: list[int]) -> float:
         """Particles that the rank with most of them must send and receive."""

@@ -1,5 +1,7 @@
 """A rank's part of the grid: storage for its planes, only as wide as where particles are."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from pgimp.decomposition.slabs import Slab
@@ -38,6 +40,8 @@ class Grid:
         The rank's layers; it stores ``vertices - 1`` planes more, those that ranks share.
     late : int
         Cells by which a particle may be farther out than where all ranks know it to be.
+    fields : sequence of int
+        Number of each body's velocity field; () if all bodies share one.
 
     Attributes
     ----------
@@ -65,9 +69,12 @@ class Grid:
         Those that need not be reported: `late` cells less, but for the ends of the grid.
     """
 
-    def __init__(self, frame: Frame, vertices: int, slab: Slab, late: int = 0) -> None:
+    def __init__(
+        self, frame: Frame, vertices: int, slab: Slab, late: int = 0, fields: Sequence[int] = ()
+    ) -> None:
         self.frame = frame
         self.late = late
+        self.fields = tuple(fields)
         self.vertices = vertices
         self.slab = slab
         self.planes = slab.layers + vertices - 1 if slab.layers else 0
@@ -110,7 +117,9 @@ class Grid:
             self.known[0, d - 1] = min(low + self.late, last) if low else 0
             self.known[1, d - 1] = max(high - self.late, 0) if high < last else last
             lower[d], extent[d] = low, high - low + self.vertices
-        self.window = Window.over((lower[0], lower[1], lower[2]), (extent[0], extent[1], extent[2]))
+        self.window = Window.over(
+            (lower[0], lower[1], lower[2]), (extent[0], extent[1], extent[2]), self.fields
+        )
         plane = self.window.stride[0]
         self.G = aligned(self.planes * plane)
         self.scratch = aligned(self.vertices * plane)

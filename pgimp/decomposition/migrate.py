@@ -18,7 +18,7 @@ from pgimp.kernels.particles import Columns, Particles
 _TAG, _REST = 3, 6
 
 #: Records for which there is room in a message at first.
-ROOM = 32
+CAPACITY = 32
 
 
 def pack(particles: Particles, rows: np.ndarray) -> np.ndarray:
@@ -48,8 +48,8 @@ class _Link:
 
     def __init__(self, comm: Any, neighbour: int, columns: int) -> None:
         self.comm, self.neighbour, self.columns = comm, neighbour, columns
-        self.to_send, self.to_receive = ROOM, ROOM  # records in the first message
-        self.outgoing, self.incoming = _wire(ROOM, columns), _wire(ROOM, columns)
+        self.to_send, self.to_receive = CAPACITY, CAPACITY  # records in the first message
+        self.outgoing, self.incoming = _wire(CAPACITY, columns), _wire(CAPACITY, columns)
         self.receipt = comm.Recv_init(self.incoming, neighbour, _TAG)
         self.requests: list[Any] = []
 
@@ -183,7 +183,7 @@ class Migration:
             if number:
                 self._arrivals = with_room(self._arrivals, count + number, count)
                 rows = self._arrivals[count : count + number]
-                population.admit(number, rows)
+                population.insert(number, rows)
                 unpack_rows(*population.columns, rows, link.incoming, 1, link.columns)
                 count += number
         for link in self._links:

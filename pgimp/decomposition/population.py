@@ -142,7 +142,7 @@ class Population:
         self._left[self._left_count : count] = rows
         self._left_count = count
 
-    def vacate(self, rows: np.ndarray) -> None:
+    def free(self, rows: np.ndarray) -> None:
         """Give up rows between two steps: newcomers may have them at once.
 
         They stay in the old order until `take_layers`.
@@ -158,7 +158,7 @@ class Population:
         self.order, self._spare = order, np.empty_like(order)
         self.start, self._spare_start = start, np.empty_like(start)
 
-    def admit(self, count: int, rows: np.ndarray | None = None) -> np.ndarray:
+    def insert(self, count: int, rows: np.ndarray | None = None) -> np.ndarray:
         """Rows for `count` newcomers: holes first, then new ones; in `rows` if that is given."""
         if self._used + count - self._holes_count > self.particles.capacity:
             self._grow(max(count, self.particles.capacity // 8))
@@ -205,7 +205,7 @@ class Population:
         self._spare = with_room(old, count)
         self.start, self._spare_start = self._spare_start, self.start
         if self._left_count:
-            self.vacate(self._left[: self._left_count])
+            self.free(self._left[: self._left_count])
             self._left_count = 0
 
     @staticmethod

@@ -31,7 +31,7 @@ def most_slabs(layers: int, width: int, ends: int = 0) -> int:
 
 
 def cut(costs: ArrayLike, ranks: int, width: int, ends: int = 0) -> list[int]:
-    """Cut the layers into runs, of which the dearest costs as little as it can.
+    """Cut the layers into runs, of which the most expensive costs as little as it can.
 
     Of several ways to that, the one with the least sum of squares. A boundary is at most
     `_NEARBY` layers from where the shares below and above it are right, or from the middle of
@@ -76,14 +76,14 @@ def cut(costs: ArrayLike, ranks: int, width: int, ends: int = 0) -> list[int]:
     inner = [np.arange(a, b + 1) for a, b in zip(low + least, high + least, strict=True)]
     places = [np.array([0]), *inner, np.array([layers])]
     widths = [ends, *[width] * (active - 2), ends]
-    dearest = _cheapest(total, places, widths, np.inf)[1]
-    return [0, *_cheapest(total, places, widths, dearest)[0], layers]
+    most = _best_cuts(total, places, widths, np.inf)[1]
+    return [0, *_best_cuts(total, places, widths, most)[0], layers]
 
 
-def _cheapest(
+def _best_cuts(
     total: np.ndarray, places: list[np.ndarray], widths: Sequence[int], bound: float
 ) -> tuple[list[int], float]:
-    """Boundaries whose dearest run is cheapest or, with a bound for that, of least squares.
+    """Boundaries whose most expensive run costs least or, with a bound for that, of least squares.
 
     Parameters
     ----------
@@ -99,7 +99,7 @@ def _cheapest(
     boundaries : list of int
         Without the first and the last.
     value : float
-        Cost of the dearest run, or the sum of squares.
+        Cost of the most expensive run, or the sum of squares.
     """
     value, choices = np.zeros(1), []
     for below, above, width in zip(places, places[1:], widths, strict=False):
@@ -121,7 +121,7 @@ def _cheapest(
 
 
 def imbalance_of(costs: np.ndarray, cuts: list[int]) -> float:
-    """Cost of the dearest rank over the mean, less one."""
+    """Cost of the most expensive rank over the mean, less one."""
     parts = np.add.reduceat(costs, cuts[:-1])
     return float(parts.max() / parts.mean()) - 1.0 if parts.any() else 0.0
 

@@ -125,16 +125,16 @@ def digest(entry: type) -> str:
         found = getattr(found, part, None)
     if found is not entry or entry.__module__ == "__main__":
         return ""
-    walk = _Walk()
-    walk.take(_name(entry))
+    hasher = _Hasher()
+    hasher.take(_name(entry))
     try:
-        walk.take(entry)
+        hasher.take(entry)
     except (pickle.PicklingError, TypeError, AttributeError, OSError):
         return ""
-    return walk.hash.hexdigest()
+    return hasher.hash.hexdigest()
 
 
-class _Walk:
+class _Hasher:
     """Takes in objects and what they refer to, each once, in an order that does not vary."""
 
     def __init__(self) -> None:

@@ -10,6 +10,7 @@ from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import lane, number, pack, store, vector
 from pgimp.jit.simdrows import load_row, store_row, transpose
 from pgimp.jit.tuples import scaled
+from pgimp.kernels.fields import in_fields
 from pgimp.kernels.place import first_vertex
 from pgimp.physics.shapes.base import size, weights
 
@@ -209,7 +210,8 @@ def _supports(shape, frame, window, particles, rows, layer, room, arms):
         half = size(shape, frame.cell, deformations(frame, particles, rows))[0]
         x = take_row(particles.x, rows, 0, like)
         _along(shape, frame, room, arms, 0, half[0], x[0], layer)
-        store(room, _PLACE, _across(shape, frame, window, room, arms, 1, half[1:], x[1:]))
+        place = _across(shape, frame, window, room, arms, 1, half[1:], x[1:])
+        store(room, _PLACE, in_fields(place, window, particles, rows))
 
     return supports
 

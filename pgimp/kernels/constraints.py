@@ -13,7 +13,7 @@ from pgimp.jit.simd import bits, lane, pack, stack, where
 from pgimp.kernels.batch import LANES, ROOM, entry, extent, first_place, four, supports, take
 from pgimp.kernels.loads import given
 from pgimp.kernels.record import ACCELERATION, HELD, MASS, RECORD, VELOCITY
-from pgimp.kernels.transfer import FIRM, SEVERAL
+from pgimp.kernels.transfer import LEAST_WEIGHT, SEVERAL
 
 
 def any_held(particles, rows):
@@ -44,7 +44,7 @@ def _mark_along(shape, mask, bit, place, room, j, d, stride, like):
 
     def line(shape, mask, bit, place, room, j, d, stride, like):
         for i in range(extent(shape, room, d, j)):
-            if entry(room, d, 0, i, j) >= FIRM:
+            if entry(room, d, 0, i, j) >= LEAST_WEIGHT:
                 at = place + i * stride[0]
                 _mark(shape, mask, bit, at, room, j, d + 1, stride[1:], like[1:])
 

@@ -1,11 +1,30 @@
 """What one particle adds to the sums of the grid: mass, momentum, stress."""
 
+from typing import NamedTuple
+
+from pgimp.jit.algebra import determinant
 from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import pack
+from pgimp.kernels.place import deformation
 from pgimp.kernels.viscosity import viscous_pressure
 
 
-def contribution(frame, viscosity, particles, p):
+class VolumeSums(NamedTuple):
+    """What stands for the loads where volumes are summed in place of masses.
+
+    The sums are then V_p and V_p (b + 1), b being the number of the particle's body, and those of
+    the forces V_p grad S, the integral of S over the surface with its outward normal. The fields
+    are those of `Loads`.
+    """
+
+    viscosity: tuple[()] = ()
+    tractions: tuple[()] = ()
+    force: tuple[()] = ()
+    relaxation: tuple[()] = ()
+    affine: tuple[()] = ()
+
+
+def contribution(loads, frame, particles, p):
     """What a particle adds to the sums of vertices, times its weights, as vectors.
 
     Returns
@@ -18,15 +37,34 @@ def contribution(frame, viscosity, particles, p):
     """
 
 
+def _outward(V, like):
+    """Vectors V (0, e_i) of as many directions as `like` has."""
+
+
+@specialise(_outward)
+def _outward_along(V, like):
+    one = lambda V, like: (pack(0.0, V, 0.0, 0.0),)  # noqa: E731
+    two = lambda V, like: (*_outward(V, like[:1]), pack(0.0, 0.0, V, 0.0))  # noqa: E731
+    three = lambda V, like: (*_outward(V, like[:2]), pack(0.0, 0.0, 0.0, V))  # noqa: E731
+    return (one, two, three)[len(like) - 1]
+
+
 @specialise(contribution)
-def _contribution(frame, viscosity, particles, p):
+def _contribution(loads, frame, particles, p):
     D = len(frame.types[0])
+    if loads.instance_class is VolumeSums:
+
+        def volumes(loads, frame, particles, p):
+            V = particles.V0[p] * determinant(deformation(frame, particles, p))
+            return pack(V, V * (particles.body[p] + 1), 0.0, 0.0), _outward(V, frame.origin)
+
+        return volumes
     if D == 1:
 
-        def contribution1(frame, viscosity, particles, p):
+        def contribution1(loads, frame, particles, p):
             m = particles.m[p]
             V = -particles.V[p]
-            q = viscous_pressure(viscosity, particles, p)
+            q = viscous_pressure(loads.viscosity, particles, p)
             return pack(m, m * particles.v[p, 0], 0.0, 0.0), (
                 pack(0.0, V * (particles.sigma[p, 0] - q), 0.0, 0.0),
             )
@@ -34,10 +72,10 @@ def _contribution(frame, viscosity, particles, p):
         return contribution1
     if D == 2:
 
-        def contribution2(frame, viscosity, particles, p):
+        def contribution2(loads, frame, particles, p):
             m = particles.m[p]
             V = -particles.V[p]
-            q = viscous_pressure(viscosity, particles, p)
+            q = viscous_pressure(loads.viscosity, particles, p)
             s = particles.sigma
             xy = V * s[p, 3]
             return pack(m, m * particles.v[p, 0], m * particles.v[p, 1], 0.0), (
@@ -47,10 +85,10 @@ def _contribution(frame, viscosity, particles, p):
 
         return contribution2
 
-    def contribution3(frame, viscosity, particles, p):
+    def contribution3(loads, frame, particles, p):
         m = particles.m[p]
         V = -particles.V[p]
-        q = viscous_pressure(viscosity, particles, p)
+        q = viscous_pressure(loads.viscosity, particles, p)
         v = particles.v
         s = particles.sigma
         xy = V * s[p, 3]

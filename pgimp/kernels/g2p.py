@@ -60,7 +60,7 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
 
     Returns
     -------
-    faults, leavers, changed : int
+    faults, outflow, changed : int
         Number of particles at fault, of those that left, of those that left or changed their layer.
     rate : float
         Largest (c_p + |v_p|)/L, if controlled.
@@ -132,6 +132,6 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
                     report, ledger, counts,
                 )  # fmt: skip
         work[layer] += dt * power
-    failed, leavers, moved, clamped, held = counts
+    failed, outflow, moved, clamped, held = counts
     rate = max(max(lane(fastest, 0), lane(fastest, 1)), max(lane(fastest, 2), lane(fastest, 3)))
-    return failed, leavers, moved, rate, clamped, held
+    return failed, outflow, moved, rate, clamped, held

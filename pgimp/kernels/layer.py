@@ -47,7 +47,7 @@ def _sum_layer(setting, field, particles, loads, rows, span, number):
             for j in range(min(LANES, end - k)):
                 p = rows[k + j]
                 place = first_place(room, j)
-                A, S = contribution(frame, loads.viscosity, particles, p)
+                A, S = contribution(loads, frame, particles, p)
                 B = weight(loads.force, frame, particles, p)
                 C = affine_momentum(loads.affine, frame, particles, p)
                 scatter(shape, scratch, room, j, place, window.stride, A, B, S, C)

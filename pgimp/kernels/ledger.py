@@ -6,6 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+#: What is booked of each entry in a step, columns of `Ledger.contact`: impulse on the first body;
+#: impulse along normals and across them; heat of friction; energy lost in impacts; area.
+IMPULSE, NORMAL_IMPULSE, TANGENTIAL_IMPULSE, HEAT, LOSS, CONTACT_AREA, BOOKED = 0, 3, 4, 5, 6, 7, 8
+
 
 class Ledger(NamedTuple):
     """Sums by plane; those of the planes that a rank owns count.
@@ -20,6 +24,8 @@ class Ledger(NamedTuple):
         Mass beyond each face in the last step.
     constraint_impulse : (planes, constraints, 3) float64
         Impulse of each constraint.
+    contact : (planes, entries, BOOKED) float64
+        What is booked of each entry of contact.
     escaped : (planes, bodies, SUMS) float64
         What particles that left took with them, as `layer_sums` has it; (planes, 0, 0) where
         nothing may leave.
@@ -29,11 +35,17 @@ class Ledger(NamedTuple):
     impulse: np.ndarray
     beyond: np.ndarray
     constraint_impulse: np.ndarray
+    contact: np.ndarray
     escaped: np.ndarray
 
     @classmethod
     def empty(
-        cls, planes: int, faces: int, constraints: int, leavers: tuple[int, int] = (0, 0)
+        cls,
+        planes: int,
+        faces: int,
+        constraints: int,
+        escaped: tuple[int, int] = (0, 0),
+        contacts: int = 0,
     ) -> Ledger:
         """Return that of `planes` planes before the first step.
 
@@ -41,10 +53,12 @@ class Ledger(NamedTuple):
         ----------
         planes, faces, constraints : int
             How many there are.
-        leavers : (int, int)
+        escaped : (int, int)
             Bodies and `SUMS`, where particles may leave.
+        contacts : int
+            Entries of contact.
         """
-        shapes = ((), (faces, 3), (faces,), (constraints, 3), leavers)
+        shapes = ((), (faces, 3), (faces,), (constraints, 3), (contacts, BOOKED), escaped)
         return cls(*(np.zeros((planes, *shape)) for shape in shapes))
 
     def first(self, planes: int) -> Ledger:

@@ -10,6 +10,7 @@ from pgimp.jit.simd import pack
 from pgimp.jit.tuples import plus_scaled, read, scaled
 from pgimp.kernels.tractions import scatter_tractions, traction_power
 from pgimp.physics.exact.base import body_force
+from pgimp.physics.loads.bodyforce import acceleration
 
 
 class Loads(NamedTuple):
@@ -36,6 +37,15 @@ class Loads(NamedTuple):
     affine: Any = ()
 
 
+def _three(V):
+    """A vector of the scene as three numbers, zero in the directions that it does not have."""
+
+
+@specialise(_three)
+def _three_of(V):
+    return (lambda V: (V[0], 0.0, 0.0), lambda V: (V[0], V[1], 0.0), lambda V: V)[len(V) - 1]
+
+
 def _force(force, frame, particles, p):
     """Body force per mass of particle `p` as three numbers, (17)."""
 
@@ -43,25 +53,33 @@ def _force(force, frame, particles, p):
 @specialise(_force)
 def _force_of(force, frame, particles, p):
     D = len(frame.types[0])
+    if hasattr(force.types[0].instance_class, "acceleration"):
+
+        def force_here(force, frame, particles, p):
+            x = _three(read(particles.x, p, 0, frame.origin))
+            v = _three(read(particles.v, p, 0, frame.origin))
+            return acceleration(force.source, x, v, force.time)
+
+        return force_here
 
     def force1(force, frame, particles, p):
         X = read(particles.origin, p, 0, frame.origin)
-        return body_force(force.solution, X, force.time)[0], 0.0, 0.0
+        return body_force(force.source, X, force.time)[0], 0.0, 0.0
 
     def force2(force, frame, particles, p):
         X = read(particles.origin, p, 0, frame.origin)
-        b = body_force(force.solution, X, force.time)
+        b = body_force(force.source, X, force.time)
         return b[0], b[1], 0.0
 
     def force3(force, frame, particles, p):
         X = read(particles.origin, p, 0, frame.origin)
-        return body_force(force.solution, X, force.time)
+        return body_force(force.source, X, force.time)
 
     return (force1, force2, force3)[D - 1]
 
 
 def weight(force, frame, particles, p):
-    """Vector (0, m_p b(X_p)), which (17) adds to the force on the support's vertices, or ()."""
+    """Vector (0, m_p b_p), which (17) adds to the force on the support's vertices, or ()."""
 
 
 @specialise(weight)

@@ -14,6 +14,7 @@ particles take on of the grid's velocity (`relaxed`) it likewise gives -2 (p' + 
 from typing import NamedTuple
 
 from pgimp.jit.kernel import inner_kernel, kernel
+from pgimp.kernels.fields import field_count, field_size
 from pgimp.kernels.loads import given, relaxed_part
 from pgimp.kernels.record import ACCELERATION, FORCE, HELD, MASS, MOMENTUM, RECORD, VELOCITY
 from pgimp.kernels.transfer import also_held
@@ -59,36 +60,68 @@ def fold(frame, field, mirror, forcing, ledger):
     i0, i1 = _beyond(frame, window, mirror, 0)
     j0, j1 = _beyond(frame, window, mirror, 1)
     k0, k1 = _beyond(frame, window, mirror, 2)
-    for i in range(i0, i1):
-        if active[i] == 0:
-            continue
-        for j in range(j0, j1):
-            for k in range(k0, k1):
-                g, r, wall = _places(frame, window, active, mirror, i, j, k)
-                if r < 0 or not G[g + MASS] > 0.0 or G[r + MASS] < 0.0:
-                    continue
-                if mirror.releases:
-                    push = G[wall + FORCE + axis] + G[wall + MASS] * gravity[axis]
-                    into = (G[wall + MOMENTUM + axis] + dt * push) * mirror.side
-                    if not (G[wall + MASS] > 0.0 and into > 0.0):
+    for f in range(field_count(window)):
+        begin = f * field_size(window)
+        for i in range(i0, i1):
+            if active[i] == 0:
+                continue
+            for j in range(j0, j1):
+                for k in range(k0, k1):
+                    g, r, wall = _places(frame, window, active, mirror, begin, i, j, k)
+                    if r < 0 or not G[g + MASS] > 0.0 or G[r + MASS] < 0.0:
                         continue
-                # Gravity will act on all mass of the image alike; on this part it acts against it.
-                weight = G[g + MASS] * gravity[axis]
-                G[r + FORCE + axis] -= 2.0 * weight
-                if i < owned:
-                    part = relaxed_part(relaxation, dt)
-                    force, momentum = G[g + FORCE + axis] + weight, G[g + MOMENTUM + axis]
-                    impulse[i, mirror.number, axis] -= 2.0 * dt * force + 2.0 * part * momentum
-                G[r + MASS] += G[g + MASS]
-                for d in range(3):
-                    sign = -1.0 if d == axis else 1.0
-                    G[r + MOMENTUM + d] += sign * G[g + MOMENTUM + d]
-                    G[r + FORCE + d] += sign * G[g + FORCE + d]
-                mass = G[g + MASS]
-                for d in range(RECORD):
-                    G[g + d] = 0.0
-                G[g + MASS] = -1.0 - mirror.number
-                G[g + HELD] = mass
+                    if mirror.releases:
+                        push = G[wall + FORCE + axis] + G[wall + MASS] * gravity[axis]
+                        into = (G[wall + MOMENTUM + axis] + dt * push) * mirror.side
+                        if not (G[wall + MASS] > 0.0 and into > 0.0):
+                            continue
+                    # Gravity will act on all mass of the image alike, on this part against it.
+                    weight = G[g + MASS] * gravity[axis]
+                    G[r + FORCE + axis] -= 2.0 * weight
+                    if i < owned:
+                        part = relaxed_part(relaxation, dt)
+                        force, momentum = G[g + FORCE + axis] + weight, G[g + MOMENTUM + axis]
+                        impulse[i, mirror.number, axis] -= 2.0 * dt * force + 2.0 * part * momentum
+                    G[r + MASS] += G[g + MASS]
+                    for d in range(3):
+                        sign = -1.0 if d == axis else 1.0
+                        G[r + MOMENTUM + d] += sign * G[g + MOMENTUM + d]
+                        G[r + FORCE + d] += sign * G[g + FORCE + d]
+                    mass = G[g + MASS]
+                    for d in range(RECORD):
+                        G[g + d] = 0.0
+                    G[g + MASS] = -1.0 - mirror.number
+                    G[g + HELD] = mass
+
+
+@kernel
+def fold_volumes(frame, field, volumes, mirror):
+    """Add the sums of `VolumeSums` beyond a face to those of the mirror images.
+
+    Parameters
+    ----------
+    frame, field, mirror
+        As in `fold`, after it; vertices that it has not folded stay.
+    volumes : (planes * plane,) float64
+        The sums.
+    """
+    window, G, active = field.window, field.G, field.active
+    i0, i1 = _beyond(frame, window, mirror, 0)
+    j0, j1 = _beyond(frame, window, mirror, 1)
+    k0, k1 = _beyond(frame, window, mirror, 2)
+    for f in range(field_count(window)):
+        begin = f * field_size(window)
+        for i in range(i0, i1):
+            if active[i] == 0:
+                continue
+            for j in range(j0, j1):
+                for k in range(k0, k1):
+                    g, r, _ = _places(frame, window, active, mirror, begin, i, j, k)
+                    if r < 0 or G[g + MASS] != -1.0 - mirror.number:
+                        continue
+                    for d in range(RECORD):
+                        sign = -1.0 if d == FORCE + mirror.axis else 1.0
+                        volumes[r + d] += sign * volumes[g + d]
 
 
 @kernel
@@ -112,27 +145,29 @@ def reflect(frame, field, mirror, forcing, ledger):
     i0, i1 = _beyond(frame, window, mirror, 0)
     j0, j1 = _beyond(frame, window, mirror, 1)
     k0, k1 = _beyond(frame, window, mirror, 2)
-    for i in range(i0, i1):
-        if active[i] == 0:
-            continue
-        for j in range(j0, j1):
-            for k in range(k0, k1):
-                g, r, _ = _places(frame, window, active, mirror, i, j, k)
-                if r < 0 or G[g + MASS] != -1.0 - mirror.number:
-                    continue
-                if i < owned:
-                    v, a = G[r + VELOCITY + axis], G[r + ACCELERATION + axis]
-                    twice = 2.0 * G[g + HELD]
-                    impulse[i, mirror.number, axis] -= given(
-                        relaxation, twice, dt, 0.0, 0.0, v, a
-                    )  # fmt: skip
-                    work[i] -= twice * dt * gravity[axis] * v
-                G[r + HELD] = also_held(G[r + HELD], axis)
-                G[g + HELD] = G[r + HELD]
-                for d in range(3):
-                    sign = -1.0 if d == axis else 1.0
-                    G[g + VELOCITY + d] = sign * G[r + VELOCITY + d]
-                    G[g + ACCELERATION + d] = sign * G[r + ACCELERATION + d]
+    for f in range(field_count(window)):
+        begin = f * field_size(window)
+        for i in range(i0, i1):
+            if active[i] == 0:
+                continue
+            for j in range(j0, j1):
+                for k in range(k0, k1):
+                    g, r, _ = _places(frame, window, active, mirror, begin, i, j, k)
+                    if r < 0 or G[g + MASS] != -1.0 - mirror.number:
+                        continue
+                    if i < owned:
+                        v, a = G[r + VELOCITY + axis], G[r + ACCELERATION + axis]
+                        twice = 2.0 * G[g + HELD]
+                        impulse[i, mirror.number, axis] -= given(
+                            relaxation, twice, dt, 0.0, 0.0, v, a
+                        )  # fmt: skip
+                        work[i] -= twice * dt * gravity[axis] * v
+                    G[r + HELD] = also_held(G[r + HELD], axis)
+                    G[g + HELD] = G[r + HELD]
+                    for d in range(3):
+                        sign = -1.0 if d == axis else 1.0
+                        G[g + VELOCITY + d] = sign * G[r + VELOCITY + d]
+                        G[g + ACCELERATION + d] = sign * G[r + ACCELERATION + d]
 
 
 @inner_kernel
@@ -147,10 +182,11 @@ def _beyond(frame, window, mirror, d):
 
 
 @inner_kernel
-def _places(frame, window, active, mirror, i, j, k):
+def _places(frame, window, active, mirror, begin, i, j, k):
     """Places of a vertex beyond the face, of its mirror image, and of the one between on the face.
 
-    All are -1 for other vertices, and where the image is not stored: then the vertex has no weight.
+    They are in the velocity field that starts at `begin` in each plane. All are -1 for other
+    vertices, and where the image is not stored: then the vertex has no weight.
     """
     axis, side = mirror.axis, mirror.side
     number = window.lower[axis] + (i if axis == 0 else (j if axis == 1 else k))
@@ -164,6 +200,6 @@ def _places(frame, window, active, mirror, i, j, k):
         return -1, -1, -1
     if axis == 0 and active[image] == 0:
         return -1, -1, -1
-    place = i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
+    place = begin + i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
     step = shift * window.stride[axis]
     return place, place + step, place + step // 2

@@ -2,14 +2,16 @@
 
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.kernels.constraints import constrained_velocity
+from pgimp.kernels.contact import meet
+from pgimp.kernels.faces import beyond_any, hold
+from pgimp.kernels.fields import field_count, field_size
 from pgimp.kernels.loads import given
 from pgimp.kernels.record import ACCELERATION, FORCE, HELD, MASS, MOMENTUM, RECORD, VELOCITY
 from pgimp.kernels.transfer import also_held
-from pgimp.physics.boundaries.base import constrain
 
 
 @kernel
-def update_momentum(frame, field, faces, forcing, ledger):
+def update_momentum(frame, field, faces, forcing, ledger, contact):
     """Turn the sums of a rank's active planes into velocities and accelerations.
 
     Parameters
@@ -24,6 +26,8 @@ def update_momentum(frame, field, faces, forcing, ledger):
         the weight times the way of the centre of mass. Kinetic energy differs from that by an
         amount of order dt, also in free fall. `beyond` is set to the mass on the vertices beyond
         each face: what particles carry past it.
+    contact : Contact or ()
+        Where bodies meet.
     """
     G, active, owned, plane = field.G, field.active, field.owned, field.window.stride[0]
     dt, gravity, lightest, work = forcing.dt, forcing.gravity, forcing.lightest, ledger.work
@@ -32,6 +36,7 @@ def update_momentum(frame, field, faces, forcing, ledger):
     for i in range(len(active)):
         if active[i] == 0:
             continue
+        meet(contact, faces, frame, field, forcing, i, ledger, False)
         for r in range(i * plane, (i + 1) * plane, RECORD):
             m = G[r + MASS]
             if m > lightest:
@@ -45,6 +50,7 @@ def update_momentum(frame, field, faces, forcing, ledger):
                 for d in range(3):
                     G[r + ACCELERATION + d] = 0.0
                     G[r + VELOCITY + d] *= inverse
+        meet(contact, faces, frame, field, forcing, i, ledger, True)
         constrain_plane((), faces, frame, field, forcing, i, ledger)
         if heavy and i < owned:
             power = 0.0
@@ -72,51 +78,6 @@ def _constrain_plane(done, faces, frame, field, forcing, i, ledger):
 
 
 @inner_kernel
-def _beyond(face, frame, number):
-    """Whether a vertex, given by its numbers, is on a face or beyond it."""
-    wall = frame.ghost if face.side < 0 else frame.ghost + frame.cells[face.axis]
-    return (number[face.axis] - wall) * face.side >= 0
-
-
-def beyond_any(faces, frame, number):
-    """Whether a vertex is on one of the faces or beyond it."""
-
-
-@specialise(beyond_any)
-def _beyond_any(faces, frame, number):
-    if len(faces) == 0:
-        return lambda faces, frame, number: False
-    return lambda faces, frame, number: (
-        _beyond(faces[0], frame, number) or beyond_any(faces[1:], frame, number)
-    )
-
-
-def hold(faces, n, relaxation, frame, number, v, a, mass, dt, impulse):
-    """Apply the conditions of all faces that a vertex is on or beyond, one after the other.
-
-    A face's part of the momentum that the particles gain in a step is what its condition adds to
-    it, see `given`; `impulse`, (faces, 3), grows by that, from row `n` on. Returns the vertex's
-    velocity and acceleration.
-    """
-
-
-@specialise(hold)
-def _hold(faces, n, relaxation, frame, number, v, a, mass, dt, impulse):
-    if len(faces) == 0:
-        return lambda faces, n, relaxation, frame, number, v, a, mass, dt, impulse: (v, a)
-
-    def hold_first(faces, n, relaxation, frame, number, v, a, mass, dt, impulse):
-        if _beyond(faces[0], frame, number):
-            u, b = v, a
-            v, a = constrain(faces[0], v, a)
-            for d in range(3):
-                impulse[n, d] += given(relaxation, mass, dt, u[d], b[d], v[d], a[d])
-        return hold(faces[1:], n + 1, relaxation, frame, number, v, a, mass, dt, impulse)
-
-    return hold_first
-
-
-@inner_kernel
 def _constrain_face(done, faces, frame, field, forcing, i, ledger):
     """Treat the vertices of plane `i` on or beyond the first of `faces` but none of `done`.
 
@@ -141,28 +102,30 @@ def _constrain_face(done, faces, frame, field, forcing, i, ledger):
         k1 = min(k1, wall - window.lower[2] + 1)
     else:
         k0 = max(k0, wall - window.lower[2])
-    for j in range(j0, j1):
-        for k in range(k0, k1):
-            r = i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
-            m = G[r + MASS]
-            number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
-            if not m > 0.0 or beyond_any(done, frame, number):
-                continue
-            if number[face.axis] != wall:
-                ledger.beyond[i, len(done)] += m
-            mass = m if owned else 0.0
-            u = (G[r + VELOCITY], G[r + VELOCITY + 1], G[r + VELOCITY + 2])
-            b = (G[r + ACCELERATION], G[r + ACCELERATION + 1], G[r + ACCELERATION + 2])
-            v, a = hold(
-                faces, len(done), relaxation, frame, number, u, b, mass, dt, ledger.impulse[i]
-            )  # fmt: skip
-            last = constrained_velocity(forcing.marked, r, v)
-            held = 0.0
-            for d in range(3):
-                work[i] += given(relaxation, mass, dt, u[d], b[d], v[d], a[d]) * last[d]
-                if v[d] != u[d] or a[d] != b[d]:
-                    held = also_held(held, d)
-            G[r + HELD] = held
-            for d in range(3):
-                G[r + VELOCITY + d] = v[d]
-                G[r + ACCELERATION + d] = a[d]
+    for f in range(field_count(window)):
+        first = i * window.stride[0] + f * field_size(window)
+        for j in range(j0, j1):
+            for k in range(k0, k1):
+                r = first + j * window.stride[1] + k * window.stride[2]
+                m = G[r + MASS]
+                number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
+                if not m > 0.0 or beyond_any(done, frame, number):
+                    continue
+                if number[face.axis] != wall:
+                    ledger.beyond[i, len(done)] += m
+                mass = m if owned else 0.0
+                u = (G[r + VELOCITY], G[r + VELOCITY + 1], G[r + VELOCITY + 2])
+                b = (G[r + ACCELERATION], G[r + ACCELERATION + 1], G[r + ACCELERATION + 2])
+                v, a = hold(
+                    faces, len(done), relaxation, frame, number, u, b, mass, dt, ledger.impulse[i]
+                )  # fmt: skip
+                last = constrained_velocity(forcing.marked, r, v)
+                held = 0.0
+                for d in range(3):
+                    work[i] += given(relaxation, mass, dt, u[d], b[d], v[d], a[d]) * last[d]
+                    if v[d] != u[d] or a[d] != b[d]:
+                        held = also_held(held, d)
+                G[r + HELD] = held
+                for d in range(3):
+                    G[r + VELOCITY + d] = v[d]
+                    G[r + ACCELERATION + d] = a[d]

@@ -6,7 +6,7 @@ in `Population`; rows of particles that have left stay as holes until the next r
 """
 
 from collections.abc import Callable
-from typing import Annotated, NamedTuple, get_type_hints
+from typing import Annotated, Any, NamedTuple, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -191,13 +191,31 @@ class Window(NamedTuple):
 
     `lower` is the first vertex of each of three directions, `extent` the number of vertices (1
     where the scene has no such direction), `stride` the distance of neighbours in float64.
+
+    Where bodies have velocity fields of their own, those of a plane follow each other. `bodies`,
+    (bodies,) int64, then tells how far behind the plane's first vertex each body's field begins,
+    in float64; () where all share one field.
     """
 
     lower: tuple[int, int, int]
     extent: tuple[int, int, int]
     stride: tuple[int, int, int]
+    bodies: Any = ()
 
     @classmethod
-    def over(cls, lower: tuple[int, int, int], extent: tuple[int, int, int]) -> "Window":
-        """Window of records, planes outermost."""
-        return cls(lower, extent, (RECORD * extent[1] * extent[2], RECORD * extent[2], RECORD))
+    def over(
+        cls, lower: tuple[int, int, int], extent: tuple[int, int, int], fields: Any = ()
+    ) -> "Window":
+        """Window of records, planes outermost.
+
+        Parameters
+        ----------
+        lower, extent
+            See `Window`.
+        fields : (bodies,) int64, optional
+            Number of each body's velocity field.
+        """
+        size = RECORD * extent[1] * extent[2]
+        count = 1 + max(fields) if len(fields) else 1
+        bodies = np.array(fields, np.int64) * size if len(fields) else ()
+        return cls(lower, extent, (count * size, RECORD * extent[2], RECORD), bodies)

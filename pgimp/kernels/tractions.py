@@ -18,6 +18,7 @@ from math import sqrt
 from pgimp.jit.kernel import inner_kernel, specialise
 from pgimp.jit.simd import lane, pack, stack
 from pgimp.kernels.batch import ROOM, keep_support
+from pgimp.kernels.fields import field_of
 from pgimp.kernels.place import deformation, first_vertex, half_widths
 from pgimp.kernels.transfer import gather, scatter
 
@@ -183,6 +184,7 @@ def scatter_tractions(tractions, setting, field, particles, rows, span, layer):
             F = deformation(frame, particles, p)
             f = patch_force(tractions[t], F, area)
             place = _support(tractions[t], shape, frame, window, particles, p, layer, F, room)
+            place += field_of(window, particles, p)
             force = pack(0.0, f[0], f[1], f[2])
             scatter(shape, scratch, room, 0, place, window.stride, zero, force, nothing, ())
 
@@ -206,6 +208,7 @@ def traction_power(tractions, setting, field, particles, rows, span, layer):
             F = deformation(frame, particles, p)
             f = patch_force(tractions[t], F, area)
             place = _support(tractions[t], shape, frame, window, particles, p, layer, F, room)
+            place += field_of(window, particles, p)
             U = gather(shape, G, room, 0, start + place, window.stride, frame.origin)[0]
             power += f[0] * lane(U, 1) + f[1] * lane(U, 2) + f[2] * lane(U, 3)
     return power

@@ -21,7 +21,7 @@ _APART = 1e12
 SEVERAL = _APART**3
 
 #: Least weight of a vertex that counts as being in a particle's reach; less is rounding.
-FIRM = 1e-9
+LEAST_WEIGHT = 1e-9
 
 
 @inner_kernel
@@ -35,10 +35,10 @@ def also_held(code, d):
 def held_codes(d):
     """Between what a weighted sum of codes lies whose greatest is that of component d; 3: several.
 
-    A weight below `FIRM` of the next code falls to this one, which then may be missed.
+    A weight below `LEAST_WEIGHT` of the next code falls to this one, which then may be missed.
     """
     one = (1.0, _APART, _APART * _APART, SEVERAL)[d]
-    return FIRM * one, FIRM * _APART * one
+    return LEAST_WEIGHT * one, LEAST_WEIGHT * _APART * one
 
 
 def _sloped(w, A, e, C):
@@ -63,23 +63,35 @@ def _force_of(w, B, g, S):
     return lambda w, B, g, S: w * B + g * S
 
 
-def _scatter_line(G, place, w, g, e, A, B, S, C):
-    """Add a particle to a line of vertices."""
+def _step(stride):
+    """Distance of neighbours along the last direction, given its stride and those behind it.
+
+    In 1D that is the distance of planes, which may hold several fields; else it is known.
+    """
+
+
+@specialise(_step)
+def _step_of(stride):
+    return (lambda stride: stride[0]) if len(stride) == 3 else (lambda stride: RECORD)
+
+
+def _scatter_line(G, place, step, w, g, e, A, B, S, C):
+    """Add a particle to a line of vertices, which are `step` apart."""
 
 
 @specialise(_scatter_line)
-def _scatter_vertices(G, place, w, g, e, A, B, S, C):
-    def vertex(G, place, w, g, e, A, B, S, C):
+def _scatter_vertices(G, place, step, w, g, e, A, B, S, C):
+    def vertex(G, place, step, w, g, e, A, B, S, C):
         store(G, place, load(G, place) + _sloped(w[0], A, e[0], C))
         store(G, place + 4, load(G, place + 4) + _force(w[0], B, g[0], S))
 
     if len(w) == 1:
         return vertex
 
-    def vertices(G, place, w, g, e, A, B, S, C):
+    def vertices(G, place, step, w, g, e, A, B, S, C):
         store(G, place, load(G, place) + _sloped(w[0], A, e[0], C))
         store(G, place + 4, load(G, place + 4) + _force(w[0], B, g[0], S))
-        _scatter_line(G, place + RECORD, w[1:], g[1:], e[1:], A, B, S, C)
+        _scatter_line(G, place + step, step, w[1:], g[1:], e[1:], A, B, S, C)
 
     return vertices
 
@@ -108,7 +120,7 @@ def _scatter_lines(G, room, j, d, place, counts, stride, Z, A, B, S, C):
 def _scatter_all(G, room, j, d, place, counts, stride, Z, A, B, S, C):
     if len(counts) == 0:
         return lambda G, room, j, d, place, counts, stride, Z, A, B, S, C: _scatter_line(
-            G, place, Z[0], Z[1], Z[2], A, B, S[0], C
+            G, place, _step(stride), Z[0], Z[1], Z[2], A, B, S[0], C
         )
 
     def lines(G, room, j, d, place, counts, stride, Z, A, B, S, C):
@@ -192,21 +204,21 @@ def _scatter(shape, G, room, j, place, stride, A, B, S, C):
     return scatter
 
 
-def _gather_line(G, place, w, g):
-    """Sums over a line of vertices."""
+def _gather_line(G, place, step, w, g):
+    """Sums over a line of vertices, which are `step` apart."""
 
 
 @specialise(_gather_line)
-def _gather_vertices(G, place, w, g):
-    def vertex(G, place, w, g):
+def _gather_vertices(G, place, step, w, g):
+    def vertex(G, place, step, w, g):
         u = load(G, place)
         return w[0] * u, w[0] * load(G, place + 4), (g[0] * u,)
 
     if len(w) == 1:
         return vertex
 
-    def vertices(G, place, w, g):
-        U, A, D = _gather_line(G, place + RECORD, w[1:], g[1:])
+    def vertices(G, place, step, w, g):
+        U, A, D = _gather_line(G, place + step, step, w[1:], g[1:])
         u = load(G, place)
         return w[0] * u + U, w[0] * load(G, place + 4) + A, (g[0] * u + D[0],)
 
@@ -231,7 +243,9 @@ def _gather_lines(G, room, j, d, place, counts, stride, Z):
 @specialise(_gather_lines)
 def _gather_all(G, room, j, d, place, counts, stride, Z):
     if len(counts) == 0:
-        return lambda G, room, j, d, place, counts, stride, Z: _gather_line(G, place, Z[0], Z[1])
+        return lambda G, room, j, d, place, counts, stride, Z: _gather_line(
+            G, place, _step(stride), Z[0], Z[1]
+        )
 
     def lines(G, room, j, d, place, counts, stride, Z):
         U, A, D = vector(0.0), vector(0.0), _nothing(counts)

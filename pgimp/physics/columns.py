@@ -1,4 +1,4 @@
-"""Quantities of vertices, and columns of the history and of probes: names and meaning."""
+"""Quantities of vertices, and columns of probes: names and meaning."""
 
 from __future__ import annotations
 
@@ -22,79 +22,11 @@ GRID: dict[str, Vertex] = {
     "velocity": Vertex("x y z", "momentum over mass [length/time]"),
     "force": Vertex(
         "x y z",
-        "force by which the momentum will grow: of the stresses, of tractions and of gravity, "
+        "force by which the momentum will grow: of stresses, tractions, body forces and gravity, "
         "before faces and constraints act; at rest minus their reaction [force]",
     ),
 }
 """What ``output.grid`` may name, at the vertices."""
-
-HISTORY: dict[str, str] = {
-    "time": "simulated time [time]",
-    "step": "steps done",
-    "dt": "length of the last step, 0 before the first [time]",
-    "mass": "mass of all particles [mass]",
-    "momentum-AXIS": "linear momentum [mass length/time]",
-    "angular-momentum-AXIS": (
-        "angular momentum about the origin of the coordinates, counter-clockwise positive; "
-        "about z alone in 2D, none in 1D [mass length^2/time]"
-    ),
-    "kinetic-energy": "kinetic energy of the particles [energy]",
-    "strain-energy": "strain energy [energy]",
-    "dissipated-energy": (
-        "what closes the balance: energy at the start plus external work less kinetic and strain "
-        "energy, and less that of particles that were removed; of the order of the time step also "
-        "where nothing is lost, for instance in free fall, because work is force times "
-        "displacement [energy]"
-    ),
-    "external-work": "work of gravity, faces, tractions and constraints on the material since the "
-    "start: force times displacement [energy]",
-    "escaped.mass": (
-        "only where `escape` removes particles, as all columns of this name: mass of those that "
-        "were removed since the start, so that with `mass` it is constant [mass]"
-    ),
-    "escaped.momentum-AXIS": "their momentum when they were removed [mass length/time]",
-    "escaped.angular-momentum-AXIS": "their angular momentum then [mass length^2/time]",
-    "escaped.kinetic-energy": "their kinetic energy then [energy]",
-    "escaped.strain-energy": "their strain energy then [energy]",
-    "body.NAME.mass": "mass of each body [mass]",
-    "body.NAME.centre-AXIS": (
-        "centre of mass of each body; nan when all its particles were removed [length]"
-    ),
-    "body.NAME.momentum-AXIS": "linear momentum of each body [mass length/time]",
-    "body.NAME.kinetic-energy": "kinetic energy of each body [energy]",
-    "body.NAME.strain-energy": "strain energy of each body [energy]",
-    "reaction.FACE-AXIS": (
-        "mean force of each named face on the material since the last line; compression at x-min "
-        "gives a positive reaction.x-min-x [force]"
-    ),
-    "constraint.NAME-AXIS": (
-        "mean force of each constraint on the material since the last line [force]"
-    ),
-    "displacement.NAME-AXIS": (
-        "displacement that each constraint prescribes, none where it is free: the integral of its "
-        "`velocity` since the start; its particles move in steps by the velocity at each step's "
-        "end, so that theirs differs from it by an error of first order in the step [length]"
-    ),
-    "beyond.FACE": (
-        "mass that particles carry past each named face in the last step, on vertices beyond it: a "
-        "particle of fixed size does where the material is compressed against a wall, and what "
-        "lies there the wall bears [mass]"
-    ),
-    "error": (
-        "only with `exact`, as all that follows: error of the stress, the sum of |exact - s| times "
-        "volume over the particles, over the initial volume times a reference stress: the column's "
-        "weight, the stress behind the shock [1]"
-    ),
-    "error.displacement-l2": (
-        "root of the mean square error of the displacement, by initial volume [length]"
-    ),
-    "error.displacement-max": "greatest error of the displacement of a particle [length]",
-    "error.velocity-l2": "as for the displacement [length/time]",
-    "error.velocity-max": "as for the displacement [length/time]",
-    "error.stress-l2": "as for the displacement, of the Cauchy stress (Frobenius norm) [stress]",
-    "error.stress-max": "as for the displacement, of the Cauchy stress [stress]",
-}
-"""Columns of ``history.csv``, in their order; AXIS stands for x, y, z, as many as there are."""
 
 #: Fields of the particle that a material point follows, after time and step; states come to them.
 FOLLOWED = (

@@ -32,7 +32,7 @@ RADII = (3.0, 2.5, 2.0, 1.5, 1.0, 0.5)
 _MOST_CENTRES = 32
 _MOST_FAULTS = 1000
 _MOST_NEIGHBOURS = 4000
-_MOST_TOLD = 20
+_MOST_STATES = 20
 _LINES = 20
 _TAIL = 1 << 18
 
@@ -87,8 +87,8 @@ def _write(folder: Path, sim: Simulation, failure: Failure, text: str, history: 
     file = ParticleFile(sim.case, scene, fields)
     shown = file.rows(comm, sim.particles.id[chosen], chosen, sim.count, complete=False)
     courant = _courant(sim, found)
-    states = [_state(sim, found, i) for i in range(min(len(found.rows), _MOST_TOLD))]
-    told = comm.gather((states, set(found.kinds.tolist())))
+    states = [_state(sim, found, i) for i in range(min(len(found.rows), _MOST_STATES))]
+    gathered = comm.gather((states, set(found.kinds.tolist())))
 
     def begin() -> None:
         try:
@@ -104,8 +104,8 @@ def _write(folder: Path, sim: Simulation, failure: Failure, text: str, history: 
         collection = Collection(folder / "particles.xdmf")
         collection.add(particles(path, failure.time, shown.count, file.types, file.kinds))
         collection.write()
-        states = [state for part, _ in told or () for state in part][:_MOST_TOLD]
-        kinds = set().union(*(part for _, part in told or ()))
+        states = [state for part, _ in gathered or () for state in part][:_MOST_STATES]
+        kinds = set().union(*(part for _, part in gathered or ()))
         number = f"first {len(states)} of {failure.number}" if failure.number > len(states) else ""
         parts = [
             text,

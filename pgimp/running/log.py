@@ -66,7 +66,7 @@ class Log:
             # A disk too full for this line stops the run at the next frame, with its message.
             self.close()
 
-    def keep_in(self, path: Path) -> None:
+    def write_to(self, path: Path) -> None:
         """Keep the lines in a file from now on, with those from before."""
         if self.speaks:
             with suppress(OSError):

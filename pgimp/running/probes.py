@@ -82,15 +82,15 @@ class _Probe(NamedTuple):
     """A probe of the case, what it sees, and its file."""
 
     entry: Any
-    eye: Point | Place
+    target: Point | Place
     file: LineFile
 
     def record(self) -> Record:
         """What a checkpoint is to keep."""
         body, at = _what(self.entry)
         number, origin = -1, at
-        if isinstance(self.eye, Point):
-            number, origin = self.eye.number, list(self.eye.origin)
+        if isinstance(self.target, Point):
+            number, origin = self.target.number, list(self.target.origin)
         return Record(
             body=body,
             at=at,
@@ -169,14 +169,14 @@ class Probes:
     def _open(self, records: Mapping[str, Record]) -> None:
         for name, entry in self._case.probes.items():
             body, at = _what(entry)
-            eye: Point | Place
+            target: Point | Place
             if body is None:
-                eye = Place(at)
+                target = Place(at)
             elif name in records:
-                eye = Point(records[name].number, records[name].origin)
+                target = Point(records[name].number, records[name].origin)
             else:
-                eye = nearest(self._sim, self._sim.scene.body_names.index(body), at)
-            self._probes[name] = _Probe(entry, eye, LineFile(probe_file(self._directory, name)))
+                target = nearest(self._sim, self._sim.scene.body_names.index(body), at)
+            self._probes[name] = _Probe(entry, target, LineFile(probe_file(self._directory, name)))
         if self._probes:
             on_root(self._sim.comm, self._make_folder)
 
@@ -205,7 +205,7 @@ class Probes:
         wanted = [probe for probe in wanted if probe.file.step != sim.step]
         if not wanted:
             return
-        lines = sample(sim, [probe.eye for probe in wanted])
+        lines = sample(sim, [probe.target for probe in wanted])
         for probe in wanted:
             probe.file.step = sim.step
 

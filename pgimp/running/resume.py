@@ -47,7 +47,7 @@ def resume(case: Case, comm: Any, directory: RunDirectory, log: Log) -> Resumed 
     directory : RunDirectory
         Claimed for this run.
     log : Log
-        Told of what is found.
+        Receives what is found.
 
     Returns
     -------
@@ -76,8 +76,8 @@ def resume(case: Case, comm: Any, directory: RunDirectory, log: Log) -> Resumed 
             require_known(case, about.probes)
             on_root(comm, partial(_require_lines, directory.path, case, about))
             clock = clock_of(began_as)
-            told = clock.time(clock.after(state.step, state.time, state.dt))
-            if state.time > clock.end * (1.0 + 1e-12) or told != state.time:
+            expected = clock.time(clock.after(state.step, state.time, state.dt))
+            if state.time > clock.end * (1.0 + 1e-12) or expected != state.time:
                 raise DamagedError("its time is not that of its step, or past the end of its case")
             if _ended(case, state) and before.get("state") == "done":
                 return "done"

@@ -39,7 +39,7 @@ def advance(
     directory : RunDirectory
         Prepared for the run.
     log : Log
-        Told how it goes.
+        Receives what there is to say.
     stop : Stop
         Tells when to stop before the end, with a checkpoint.
 
@@ -85,11 +85,11 @@ def advance(
         state = "stopped" if isinstance(error, KeyboardInterrupt) else "failed"
         directory.record_failure(state, sim.step, sim.time, describe(error))
         if isinstance(error, RunError):
-            told = f"{error}\n  {recorder.kept()}"
+            text = f"{error}\n  {recorder.kept()}"
             bundle = failure.write(directory.path, sim, str(error), recorder.history.path)
             if bundle:
-                told += f"\n  {bundle} shows the particles: report.txt, particles.xdmf for ParaView"
-            raise RunError(told) from error
+                text += f"\n  {bundle} shows the particles: report.txt, particles.xdmf for ParaView"
+            raise RunError(text) from error
         raise
     finally:
         progress.close()
@@ -105,8 +105,8 @@ def advance(
     seconds = recorder.seconds
     table = timing_table(sim.comm, dict(sim.rank.timings) | seconds, total)
     log.note(f"\n{table}")
-    if told := sim.balance.summary():
-        log.note(told)
+    if text := sim.balance.summary():
+        log.note(text)
     directory.finish(
         "done" if ended else "stopped",
         sim.step,

@@ -196,12 +196,12 @@ class Stop:
             now = time.monotonic()
             began = signals.BEGAN if signals.installed else now
             if wall_time is not None:
-                self._mind(began + wall_time, wall_time, f"the wall time {clock(wall_time)}")
+                self._stop_before(began + wall_time, wall_time, f"the wall time {clock(wall_time)}")
             left = slurm_seconds_left()
             if left is not None:
-                self._mind(now + left, left, "Slurm's limit")
+                self._stop_before(now + left, left, "Slurm's limit")
 
-    def _mind(self, end: float, whole: float, name: str) -> None:
+    def _stop_before(self, end: float, whole: float, name: str) -> None:
         margin = max(_SHORTEST_MARGIN, min(_MARGIN_PART * whole, _LONGEST_MARGIN))
         latest = end - margin
         if latest < self._latest:

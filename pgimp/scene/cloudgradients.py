@@ -13,6 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from pgimp.scene.lattice import ParticleBlock
 from pgimp.scene.pointscloud import Cloud
 
 Reals = NDArray[np.float64]
@@ -27,27 +28,33 @@ _SMALLEST, _LARGEST = 0.25, 4.0
 _MOST_CELLS = 2**20
 
 
-def velocity_gradients(
-    cloud: Cloud, box: Sequence[float], positions: Reals, velocities: Reals
-) -> Reals:
-    """Gradients at some of a cloud's particles, (n, D * D); row by row: dv_x/dx, dv_x/dy, ...
+def with_gradients(
+    cloud: Cloud, box: Sequence[float], blocks: list[ParticleBlock]
+) -> list[ParticleBlock]:
+    """Give some of a cloud's particles the gradients of their velocity, where the file lacks them.
 
     They do not depend on which particles are asked for together.
 
     Parameters
     ----------
     cloud : Cloud
-        All particles, whose file gives velocities.
+        All particles.
     box : sequence of float
         Size of a lattice box by direction.
-    positions, velocities : (n, D) float64
-        Of the particles in question, at least one.
+    blocks : list of ParticleBlock
+        The particles in question; returned as they are if the file gives no velocities.
 
     Raises
     ------
     CaseError
         If the file cannot be read any more.
     """
+    if not blocks or blocks[0].velocities is None or blocks[0].gradients is not None:
+        return blocks
+    positions, velocities = (
+        np.concatenate([getattr(block, name) for block in blocks])
+        for name in ("positions", "velocities")
+    )
     from pgimp.kernels.neighbours import fit_gradients
 
     about, size, D = cloud.region.summary, np.array(box), len(box)
@@ -77,4 +84,8 @@ def velocity_gradients(
         x[order], v[order], keys[order], np.ascontiguousarray(positions),
         np.ascontiguousarray(velocities), (own * strides).sum(axis=1), strides, reach, out,
     )  # fmt: skip
-    return out
+    ends = np.cumsum([len(block.ids) for block in blocks])
+    gradients = np.split(out, ends[:-1])
+    return [
+        block._replace(gradients=part) for block, part in zip(blocks, gradients, strict=True)
+    ]

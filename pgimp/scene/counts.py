@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pgimp.errors import CaseError
+from pgimp.physics.contact import sharing
 from pgimp.scene.lattice import Lattice
 
 
@@ -36,7 +37,7 @@ def count_all(lattice: Lattice, comm: Any) -> Counts:
     )
     mine: Any
     try:
-        mine = (lattice.count(share), *lattice.meetings(share))
+        mine = (lattice.count(share), *lattice.find_overlaps(share))
     except CaseError as error:
         mine = str(error)
     results = comm.allgather(mine)
@@ -57,9 +58,11 @@ def count_all(lattice: Lattice, comm: Any) -> Counts:
     if problems:
         raise CaseError("\n".join(problems))
     pairs = sorted(set().union(*(result[2] for result in results)))
+    alone, number = sharing(lattice.contact, lattice.names), lattice.names.index
     notes = [
         f"bodies '{a}' and '{b}' have particles in the same cell: they start in contact, as one"
         for a, b in pairs
+        if alone[tuple(sorted((number(a), number(b))))]
     ]
     notes += [note for body in lattice.bodies for note in body.region.notes()]
     return Counts(counts, notes)

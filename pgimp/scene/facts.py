@@ -11,7 +11,7 @@ from pgimp.case.output import PlaceProbe
 from pgimp.geometry.regions import Points
 from pgimp.kernels.particles import Particles
 from pgimp.kernels.sums import fastest_rate
-from pgimp.scene.lattice import Lattice, Made
+from pgimp.scene.lattice import Lattice, ParticleBlock
 from pgimp.scene.scene import Scene
 
 _Reals = np.ndarray[Any, np.dtype[np.float64]]
@@ -108,17 +108,17 @@ def _examine(
     low, high = np.full(D, np.inf), np.full(D, -np.inf)
     speeds = _Speeds(D)
     motion = scene.case.bodies[scene.body_names[body]].velocity
-    for made in lattice.make((0, lattice.planes), counts, body):
-        if made.velocities is not None:
-            speeds.add(made.velocities, made.fractions)
+    for block in lattice.make((0, lattice.planes), counts, body):
+        if block.velocities is not None:
+            speeds.add(block.velocities, block.fractions)
         elif scene.moves or not isinstance(motion, tuple):
-            speeds.add(scene.velocities(body, made.centroids), made.fractions)
+            speeds.add(scene.velocities(body, block.centroids), block.fractions)
         elif not speeds.mass:  # one for all
             speeds.add(np.array([motion], float), np.ones(1))
-        ends = made.positions.min(axis=0), made.positions.max(axis=0)
+        ends = block.positions.min(axis=0), block.positions.max(axis=0)
         low, high = np.minimum(low, ends[0]), np.maximum(high, ends[1])
-        _count_held(scene, made, ends, found)
-        _measure_probes(scene, made, ends, found)
+        _count_held(scene, block, ends, found)
+        _measure_probes(scene, block, ends, found)
     # Boxes round the particles, where the region itself does not say less.
     half = 0.5 * np.array(scene.frame.cell) / lattice.per_cell
     low, high = low - half, high + half
@@ -170,16 +170,20 @@ def _gap(ends: tuple[_Reals, _Reals], low: Any, high: Any) -> _Reals:
     return np.maximum(0.0, np.maximum(ends[0] - high, np.array(low) - ends[1]))
 
 
-def _count_held(scene: Scene, made: Made, ends: tuple[_Reals, _Reals], found: Findings) -> None:
+def _count_held(
+    scene: Scene, block: ParticleBlock, ends: tuple[_Reals, _Reals], found: Findings
+) -> None:
     entries = scene.loads.constraints
-    name = scene.body_names[made.body]
+    name = scene.body_names[block.body]
     if any(c.body == name and not _gap(ends, *c.region.bounds()).any() for c in entries):
-        numbers = scene.loads.held(made.body, made.positions)
+        numbers = scene.loads.held(block.body, block.positions)
         found.held += np.bincount(numbers, minlength=len(found.held))
 
 
-def _measure_probes(scene: Scene, made: Made, ends: tuple[_Reals, _Reals], found: Findings) -> None:
-    cell = np.array(scene.frame.cell)
+def _measure_probes(
+    scene: Scene, block: ParticleBlock, ends: tuple[_Reals, _Reals], found: Findings
+) -> None:
+    cell, name_of_body = np.array(scene.frame.cell), scene.body_names[block.body]
     for name, probe in scene.case.probes.items():
         place = isinstance(probe, PlaceProbe)
         at = np.array(probe.place if place else probe.at, float)
@@ -188,9 +192,9 @@ def _measure_probes(scene: Scene, made: Made, ends: tuple[_Reals, _Reals], found
         if place:
             if found.away[name] < 1.0 or (apart / cell).max() >= 1.0:
                 continue
-            least = float((np.abs(made.positions - at) / cell).max(axis=1).min())
-        elif probe.body != scene.body_names[made.body] or np.hypot.reduce(apart) > found.away[name]:
+            least = float((np.abs(block.positions - at) / cell).max(axis=1).min())
+        elif probe.body != name_of_body or np.hypot.reduce(apart) > found.away[name]:
             continue
         else:
-            least = float(np.sqrt(((made.positions - at) ** 2).sum(axis=1).min()))
+            least = float(np.sqrt(((block.positions - at) ** 2).sum(axis=1).min()))
         found.away[name] = min(found.away[name], least)

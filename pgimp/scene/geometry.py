@@ -80,14 +80,14 @@ def _from_files(case: Case) -> dict[str, Region]:
 
 def _beyond(case: Case) -> list[str]:
     """Return what of bodies in files lies beyond the domain, and if another unit explains it."""
-    told = []
+    messages = []
     for name, region in _from_files(case).items():
         path = ("bodies", name, "region")
         problems = list(check_bounds(path, region, case.dimensions, case.grid))
-        told += [f"{dotted(problem.path)}: {problem.text}" for problem in problems]
+        messages += [f"{dotted(problem.path)}: {problem.text}" for problem in problems]
         hints = dict.fromkeys(_unit(case, part) for part in region.simple()) if problems else {}
-        told += [f"{dotted(path)}: {hint}" for hint in hints if hint]
-    return told
+        messages += [f"{dotted(path)}: {hint}" for hint in hints if hint]
+    return messages
 
 
 def _unit(case: Case, region: Region) -> str:
@@ -115,16 +115,16 @@ def _unit(case: Case, region: Region) -> str:
 
 def _away(case: Case) -> list[str]:
     """Return which probes are not in their bodies."""
-    told, regions = [], _from_files(case)
+    messages, regions = [], _from_files(case)
     for name, probe in case.probes.items():
         region = regions.get(getattr(probe, "body", None) or "")
         if region is not None:
             path = ("probes", name, "at")
-            told += [
+            messages += [
                 f"{dotted(problem.path)}: {problem.text}"
                 for problem in check_near(path, probe, region, case.grid)
             ]
-    return told
+    return messages
 
 
 def _warm_up() -> None:
@@ -147,13 +147,14 @@ def _read_points(case: Case, comm: Any) -> None:
         points = body.region
         if not isinstance(points, Points):
             continue
+        material = case.materials[body.material]
+        points.expect({state.name: state.tensor for state in material.STATE})
 
-        def read(name: str = name, points: Points = points) -> Any:
+        def read(name: str = name, points: Points = points, material: Any = material) -> Any:
             try:
                 found = points.read(room)
             except CaseError as error:
                 raise CaseError(f"bodies.{name}.region: {error}") from None
-            material = case.materials[case.bodies[name].material]
             if found.stress and not material.CARRIES_STRESS:
                 raise CaseError(
                     f"bodies.{name}.region: the particles {points.file} have a stress, but the "
@@ -184,7 +185,7 @@ def _most_particles(case: Case, comm: Any) -> int | None:
     return int(sum(pools.values())) // sum(column.nbytes for column in row)
 
 
-def do_without(case: Case, comm: Any) -> None:
+def take_as_empty(case: Case, comm: Any) -> None:
     """Take the bodies in files for empty, where their particles exist already."""
     for _, mesh in _meshes(case):
         mesh.__dict__["surface"] = nothing(case.dimensions)

@@ -6,8 +6,9 @@ ever holds more. Ids number the particles by body, then by position (x first). W
 body's surface has of the body is found by `pgimp.scene.latticebody`.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -17,7 +18,7 @@ from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.geometry.measure import TangledError
 from pgimp.geometry.regions import Points
-from pgimp.scene.latticebody import SLIVER, LatticeBody
+from pgimp.scene.latticebody import LEAST_FRACTION, LatticeBody
 from pgimp.scene.overlap import overlaps
 from pgimp.scene.pointscloud import Cloud
 from pgimp.scene.volumefractions import Ranges, VolumeFractions
@@ -26,7 +27,7 @@ from pgimp.scene.volumefractions import Ranges, VolumeFractions
 _BLOCK = 200_000
 
 
-class Made(NamedTuple):
+class ParticleBlock(NamedTuple):
     """Some particles of one body.
 
     Attributes
@@ -42,7 +43,9 @@ class Made(NamedTuple):
     velocities : (n, D) float64 or None
     stresses : (n, 3, 4 or 6) float64 or None
     gradients : (n, D * D) float64 or None
-        Of the velocity. All three as a file of particles gives them.
+        Of the velocity.
+    states : dict of str to (n, k) float64
+        State variables of the material, by name. All four as a file of particles gives them.
     """
 
     body: int
@@ -53,6 +56,7 @@ class Made(NamedTuple):
     velocities: NDArray[np.float64] | None = None
     stresses: NDArray[np.float64] | None = None
     gradients: NDArray[np.float64] | None = None
+    states: Mapping[str, NDArray[np.float64]] = MappingProxyType({})
 
 
 class Lattice:
@@ -67,6 +71,7 @@ class Lattice:
     def __init__(self, case: Case) -> None:
         grid, per_cell = case.grid, case.method.particles_per_cell
         self.names = list(case.bodies)
+        self.contact = case.contact
         self.per_cell = per_cell
         self.coordinates = []
         self.edges: list[NDArray[np.float64]] = []
@@ -140,7 +145,7 @@ class Lattice:
             for (a, b), n, x in zip(box, self.per_cell, self.coordinates, strict=True)
         ]
 
-    def meetings(
+    def find_overlaps(
         self, planes: tuple[int, int]
     ) -> tuple[list[tuple[tuple[int, int], str]], set[tuple[str, str]]]:
         """Where bodies come together, among the points of a range of planes.
@@ -196,16 +201,16 @@ class Lattice:
         if len(places) == 0:
             return None
         points = bodies[0].points(first.ranges, places)
-        over = first.fraction(places) + second.fraction(places) > 1.0 + SLIVER
+        over = first.fraction(places) + second.fraction(places) > 1.0 + LEAST_FRACTION
         over |= bodies[0].region.contains(points) & bodies[1].region.contains(points)
         if not over.any():
             return None
         return ", ".join(f"{x:g}" for x in points[over.argmax()])
 
     def _cells(self, volumes: VolumeFractions) -> set[int]:
-        """Numbers of the cells, within whole cells, that hold more than slivers of a body."""
+        """Numbers of the cells, within whole cells, that hold more than small parts of a body."""
         places = np.flatnonzero(volumes.exists)
-        places = places[volumes.fraction(places) >= SLIVER]
+        places = places[volumes.fraction(places) >= LEAST_FRACTION]
         sizes = tuple(end - begin for begin, end in volumes.ranges)
         cell = np.zeros(len(places), np.int64)
         for i, size, n in zip(np.unravel_index(places, sizes), sizes, self.per_cell, strict=True):
@@ -218,7 +223,7 @@ class Lattice:
         counts: np.ndarray,
         only: int | None = None,
         own: Callable[[np.ndarray], np.ndarray] | None = None,
-    ) -> Iterator[Made]:
+    ) -> Iterator[ParticleBlock]:
         """Particles of a range of planes, of all bodies or of one, in ascending id.
 
         Parameters
@@ -241,9 +246,9 @@ class Lattice:
                 first = int(ends[number, -1] - counts[number].sum())
                 for rows, block in body.make(planes, own):
                     x = block.position
-                    yield Made(
+                    yield ParticleBlock(
                         number, x, first + rows, block.volume / self.volume, x, block.velocity,
-                        block.stress, block.gradient,
+                        block.stress, block.gradient, block.states,
                     )  # fmt: skip
                 continue
             for volumes in body.slabs(planes):
@@ -256,4 +261,4 @@ class Lattice:
                     fractions = volumes.fraction(part)
                     centroids = x + volumes.moment(part) / fractions[:, None]
                     ids = np.arange(first + begin, first + begin + len(part))
-                    yield Made(number, x, ids, fractions, centroids)
+                    yield ParticleBlock(number, x, ids, fractions, centroids)

@@ -3,7 +3,7 @@
 A lattice box is the box of a particle's full size round a lattice point. One that the surface
 cuts takes the share of volume, mass and momentum of its part inside (3-5), so that the sums over a
 body are those of the body (7, 8); it keeps its full size and its place at the lattice point. A part
-below `SLIVER` of a box merges inwards: it goes to the fullest of the neighbours.
+below `LEAST_FRACTION` of a box merges inwards: it goes to the fullest of the neighbours.
 
 The sums are exact to rounding for boxes, their unions and differences. The mass of a ball
 converges with fourth order: its error is 2e-4, 2e-5, 9e-7, 7e-8 where the radius is 2, 4, 8, 16
@@ -29,7 +29,7 @@ _BLOCK = 200_000
 _SLAB = 4_000_000
 
 #: Part of a box below which what the surface leaves of it merges into a neighbour, if one has more.
-SLIVER = 1e-3
+LEAST_FRACTION = 1e-3
 
 #: Up to this number, all parts of a region are tested on all boxes. Of more parts only those that
 #: reach a block of boxes are, which has this number of boxes along each direction.
@@ -81,13 +81,13 @@ class LatticeBody:
         self.rounding = 1e-12 + 16.0 * float(np.finfo(float).eps) * reach
 
     def slabs(self, planes: tuple[int, int]) -> Iterator[VolumeFractions]:
-        """Volume fractions in a range of planes, slivers merged, in ascending order."""
+        """Volume fractions in a range of planes, small cut boxes merged, in ascending order."""
         first, last = max(planes[0], self.box[0][0]), min(planes[1], self.box[0][1])
         if first >= last or any(begin >= end for begin, end in self.box):
             return
         row = int(np.prod([end - begin for begin, end in self.box[1:]], initial=1))
         deep = max(1, _SLAB // row)
-        halo = 2 if self.cut else 0  # a sliver's neighbour, and of that the slivers around
+        halo = 2 if self.cut else 0  # a small box's neighbour, and the small ones around that
         for begin in range(first, last, deep):
             end = min(begin + deep, last)
             wide = (max(begin - halo, self.box[0][0]), min(end + halo, self.box[0][1]))
@@ -100,7 +100,7 @@ class LatticeBody:
             )  # fmt: skip
 
     def volume_fractions(self, ranges: Ranges) -> VolumeFractions:
-        """Volume fractions in a part of the lattice, slivers not merged."""
+        """Volume fractions in a part of the lattice, small cut boxes not merged."""
         if self.cut and (found := self._fill(ranges)) is not None:
             return found
         shape = tuple(end - begin for begin, end in ranges)
@@ -219,23 +219,23 @@ class LatticeBody:
         return masks[0], masks[1]
 
     def _merge(self, volumes: VolumeFractions) -> VolumeFractions:
-        """Give each sliver to its fullest neighbour, of equals to the nearest, then to the first.
+        """Merge small cut boxes into the fullest neighbour, of equals the nearest, then the first.
 
         Near means that few coordinates differ.
         """
-        small = np.flatnonzero(volumes.fractions < SLIVER)
+        small = np.flatnonzero(volumes.fractions < LEAST_FRACTION)
         if len(small) == 0:
             return volumes
-        slivers = volumes.places[small]
+        origins = volumes.places[small]
         shape = tuple(end - begin for begin, end in volumes.ranges)
-        index = np.unravel_index(slivers, shape)
-        target = np.full(len(slivers), -1)
-        fullest = np.full(len(slivers), np.nextafter(SLIVER, 0.0))
-        away = np.zeros((len(slivers), len(shape)))
+        index = np.unravel_index(origins, shape)
+        target = np.full(len(origins), -1)
+        fullest = np.full(len(origins), np.nextafter(LEAST_FRACTION, 0.0))
+        away = np.zeros((len(origins), len(shape)))
         steps = np.array(list(np.ndindex(*(3,) * len(shape)))) - 1
         for step in steps[np.argsort(np.abs(steps).sum(axis=1), kind="stable")]:
             there = [i + s for i, s in zip(index, step, strict=True)]
-            valid = np.ones(len(slivers), bool)
+            valid = np.ones(len(origins), bool)
             for i, n in zip(there, shape, strict=True):
                 valid &= (0 <= i) & (i < n)
             rows = np.flatnonzero(valid)

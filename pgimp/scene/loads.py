@@ -11,28 +11,28 @@ from pgimp.errors import CaseError
 from pgimp.kernels.loads import Loads
 from pgimp.kernels.particles import Particles
 from pgimp.kernels.viscosity import Viscosity
-from pgimp.scene.latticebody import SLIVER
+from pgimp.scene.latticebody import LEAST_FRACTION
 
 
 def parts_of(low: float, high: float, edges: np.ndarray) -> np.ndarray:
     """Fraction of each of the lattice's columns, given by their `edges`, that [low, high] covers.
 
-    Slivers merge inwards, as those of particles do.
+    Small parts merge inwards, as those of particles do.
     """
     begin, end = edges[:-1], edges[1:]
     part = (np.minimum(end, high) - np.maximum(begin, low)) / (end - begin)
     part = np.maximum(part, 0.0)
     inside = np.flatnonzero(part)
     if len(inside) > 1:
-        for sliver, target in ((inside[0], inside[1]), (inside[-1], inside[-2])):
-            if part[sliver] < SLIVER <= part[target]:
-                part[target] += part[sliver]
-                part[sliver] = 0.0
+        for small, target in ((inside[0], inside[1]), (inside[-1], inside[-2])):
+            if part[small] < LEAST_FRACTION <= part[target]:
+                part[target] += part[small]
+                part[small] = 0.0
     return part
 
 
 class SceneLoads:
-    """Viscosity, tractions, constraints and the body force of an exact solution.
+    """Viscosity, tractions, constraints and the body force.
 
     Parameters
     ----------
@@ -40,11 +40,11 @@ class SceneLoads:
         The case.
     materials : list of str
         Names of the materials in use, in the order of their parameters.
-    exact : NamedTuple or ()
-        Parameters of the exact solution whose body force acts, if it has one.
+    force : NamedTuple or ()
+        Parameters of the body force, or of the exact solution that needs one.
     """
 
-    def __init__(self, case: Case, materials: list[str], exact: Any = ()) -> None:
+    def __init__(self, case: Case, materials: list[str], force: Any = ()) -> None:
         self.case = case
         self.bodies = list(case.bodies)
         entries = [case.materials[name].viscosity for name in materials]
@@ -57,7 +57,7 @@ class SceneLoads:
             )
         self.relaxation: Any = float(case.method.relaxation) or ()
         self.affine: Any = 1.0 if case.method.affine else ()
-        self.exact = exact
+        self.force = force
         self.tractions = list(case.tractions.values())
         self.constraints = list(case.constraints.values())
         grid, method = case.grid, case.method
@@ -65,7 +65,7 @@ class SceneLoads:
         size = np.array(method.parameters(tuple(grid.cell)).half) * np.array(grid.cell)
         self._patch = (2.0 * self.half, size, method.chi, method.follows)
         self._overlap = np.rint(size / (2.0 * self.half)).astype(int)
-        self._varies = bool(exact) or any(entry.varies for entry in self.tractions)
+        self._varies = bool(force) or any(entry.varies for entry in self.tractions)
         self._constraints_vary = any(entry.varies for entry in self.constraints)
         self._loads = self._at(0.0)
         self._constraints = self._constraints_at(0.0, 0.0)
@@ -94,7 +94,7 @@ class SceneLoads:
         tractions = tuple(
             entry.parameters(i, *self._patch, t) for i, entry in enumerate(self.tractions)
         )
-        force = BodyForce(self.exact, t) if self.exact else ()
+        force = BodyForce(self.force, t) if self.force else ()
         return Loads(self.viscosity, tractions, force, self.relaxation, self.affine)
 
     def _constraints_at(self, start: float, end: float) -> tuple:
@@ -165,7 +165,7 @@ class SceneLoads:
     def settle(self, population: Population, comm: Any) -> None:
         """Let the patches of each traction have the whole area of its face; collective.
 
-        Slivers that were merged into other particles leave a small part without a carrier.
+        Small parts that were merged into other particles leave a little without a carrier.
 
         Raises
         ------

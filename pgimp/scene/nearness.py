@@ -1,9 +1,9 @@
-"""Bodies that come near each other, or a wall: there is one velocity field, and no contact.
+"""Bodies that come near each other, or a wall, and share a velocity field: they stick together.
 
 A particle shares vertices of the grid with whatever is within its reach. Between the surfaces of
 two bodies, whose outermost particles lie half a particle's spacing inside, that is
 2 (1 + d) - 1/n cells, with the half-width d of chi_p in cells and n particles a cell: 2 with boxes.
-From a wall it is half of that.
+From a wall it is half of that. Pairs of bodies that an entry of `contact` is for do what it says.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from pgimp.physics.contact import sharing
 from pgimp.scene.supports import held_at
 from pgimp.schema.tables import Table, VectorTable
 
@@ -162,6 +163,7 @@ def _pairs(case: Any, boxes: list[Box], times: np.ndarray) -> Iterator[str]:
     cell, near = np.array(case.grid.cell), reach(case)
     low, high = (np.array([getattr(box, end) for box in boxes]) for end in ("low", "high"))
     met: list[tuple[float, str]] = []
+    shared = sharing(case.contact, list(case.bodies))
     for i, a in enumerate(boxes):
         gap = np.maximum(low[i] - high[i + 1 :], low[i + 1 :] - high[i]) / cell
         step = np.abs(np.diff(gap, axis=1, append=gap[:, -1:]))
@@ -169,7 +171,7 @@ def _pairs(case: Any, boxes: list[Box], times: np.ndarray) -> Iterator[str]:
         apart = gap.max(axis=2)
         nearer = apart.min(axis=1) < apart[:, 0] - _TOUCH
         later = close.any(axis=1) & nearer & (apart[:, 0] > _TOUCH)
-        for j in np.flatnonzero(later):
+        for j in np.flatnonzero(later & shared[i, i + 1 :]):
             when = float(times[close[j].argmax()])
             names = f"'{a.name}' and '{boxes[i + 1 + j].name}'"
             met.append((when, f"{names} (from t = {when:.2g} at the earliest)"))
@@ -177,9 +179,10 @@ def _pairs(case: Any, boxes: list[Box], times: np.ndarray) -> Iterator[str]:
         names = ", ".join(text for _, text in sorted(met)[:_NAMED])
         more = f" and {len(met) - _NAMED} more pairs" if len(met) > _NAMED else ""
         yield (
-            f"bodies: {names}{more} may meet. There is no contact yet: bodies share one velocity "
-            f"field, feel each other when their surfaces are {_range(near)} cells apart, and stick "
-            "together when closer, in tension and shear too"
+            f"bodies: {names}{more} may meet, and no entry of `contact` says how: they share one "
+            f"velocity field, feel each other when their surfaces are {_range(near)} cells apart, "
+            "and stick together when closer, in tension and shear too; "
+            "with contact: [{bodies: all}] they touch when they meet, slide and part"
         )
 
 
@@ -229,9 +232,12 @@ def bonded(scene: Any, lattice: Any, counts: np.ndarray) -> Iterator[str]:
     near = reach(case) + 1.0 / np.array(lattice.per_cell)
     lows, highs = (np.array([getattr(box, end)[0] for box in boxes]) for end in ("low", "high"))
     found: list[str] = []
+    shared = sharing(case.contact, list(case.bodies))
     for i, j in _close(lows, highs, near * cell):
         if len(found) > _NAMED:
             break
+        if not shared[i, j]:
+            continue
         low, high = np.maximum(lows[i], lows[j]), np.minimum(highs[i], highs[j])
         # Cells in which particles of both may share vertices.
         first = np.floor((np.minimum(low, high) - origin) / cell - near).astype(int)
@@ -275,8 +281,8 @@ def _marks(
     cell, origin, half = scene.frame.cell, scene.frame.origin, np.array(scene.shape.half)
     n = lattice.per_cell[0]
     planes = max(0, int(first[0]) * n), min(lattice.planes, int(first[0] + shape[0]) * n)
-    for made in lattice.make(planes, counts, body):
-        x = (made.positions - origin) / cell - first
+    for block in lattice.make(planes, counts, body):
+        x = (block.positions - origin) / cell - first
         _mark(cells, np.floor(x).astype(int))
         low = np.floor(x - 1.0 - half + _TOUCH).astype(int) + 1
         high = np.ceil(x + 1.0 + half - _TOUCH).astype(int) - 1

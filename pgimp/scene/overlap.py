@@ -34,7 +34,7 @@ _LOOKS, _BLOCK = 100_000_000, 1_000_000
 _MIX = np.int64(0x1E3779B97F4A7C15)
 
 
-class _Some(NamedTuple):
+class _CloudParticles(NamedTuple):
     """Particles of a file: their rows, positions (n, D) and volumes."""
 
     rows: Ints
@@ -70,7 +70,7 @@ def overlaps(
         If a file cannot be read any more.
     """
     for a, cloud in enumerate(bodies):
-        if isinstance(cloud, Cloud) and (found := _twins(cloud, planes, _SAME * min(box))):
+        if isinstance(cloud, Cloud) and (found := _coincident(cloud, planes, _SAME * min(box))):
             yield (a, a), f"bodies.{names[a]}.region: {found}; leave all but one out of the file"
     for a, b in combinations(range(len(bodies)), 2):
         first, second = bodies[a], bodies[b]
@@ -113,7 +113,7 @@ def _inside(
     here = _taken(cloud, box, planes, None)
     # Of many particles and many parts some must do, the same ones on any ranks.
     some = here.rows % (1 + cloud.region.summary.number * body.region.parts // _LOOKS) == 0
-    here = _Some(*(column[some] for column in here))
+    here = _CloudParticles(*(column[some] for column in here))
     found = [np.zeros(0, np.int64)]
     block = max(1, _BLOCK // body.region.parts)
     for begin in range(0, len(here.x), block):
@@ -165,7 +165,7 @@ def _close(
     return f"two particles are at nearly the same place ({'; '.join(pair_of)})"
 
 
-def _twins(cloud: Cloud, planes: tuple[int, int], limit: float) -> str:
+def _coincident(cloud: Cloud, planes: tuple[int, int], limit: float) -> str:
     """Name the particles of a file at one place, the first that several share.
 
     No distance between particles of a file is too short but none: how they are made is not known.
@@ -208,7 +208,7 @@ def _pairs(x: Reals, reach: float) -> Iterator[tuple[Ints, Ints]]:
 
 def _taken(
     cloud: Cloud, box: Bounds | tuple[Reals, Reals], planes: tuple[int, int], beyond: float | None
-) -> _Some:
+) -> _CloudParticles:
     """Particles in a box and in a range of planes, or up to a distance beyond these along x."""
     edges = cloud.edges[0]
 
@@ -218,11 +218,11 @@ def _taken(
             return inside & cloud.between(x, planes)
         return inside & (edges[planes[0]] - beyond <= x) & (x <= edges[planes[1]] + beyond)
 
-    parts = [_Some(np.zeros(0, np.int64), np.zeros((0, len(cloud.edges))), np.zeros(0))]
+    parts = [_CloudParticles(np.zeros(0, np.int64), np.zeros((0, len(cloud.edges))), np.zeros(0))]
     for rows, block in cloud.region.chosen(wanted):
         keep = ((box[0] <= block.position) & (block.position <= box[1])).all(axis=1)
-        parts.append(_Some(rows[keep], block.position[keep], block.volume[keep]))
-    return _Some(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+        parts.append(_CloudParticles(rows[keep], block.position[keep], block.volume[keep]))
+    return _CloudParticles(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
 
 def _first(x: Reals) -> int:

@@ -77,7 +77,7 @@ def _greatest(load: Any) -> float:
 
 
 def body_warnings(case: Any, body: BodyFacts, duration: float) -> Iterator[str]:
-    """Yield what is doubtful about a body.
+    """Yield warnings about a body.
 
     Parameters
     ----------
@@ -154,10 +154,10 @@ def case_warnings(case: Any, found: Findings) -> Iterator[str]:
                 f"probes.{name}.at: the closest particle of '{probe.body}' is {away:.3g} away, "
                 f"where particles are {spacing:.3g} apart"
             )
-    yield from _idle_tractions(case)
+    yield from _ineffective_tractions(case)
 
 
-def _idle_tractions(case: Any) -> Iterator[str]:
+def _ineffective_tractions(case: Any) -> Iterator[str]:
     """Yield the tractions that a wall takes up whole."""
     for name, entry in case.tractions.items():
         condition = case.boundaries.get(entry.face)
@@ -212,7 +212,7 @@ def _outside(
         )
 
 
-def idle_step(dt: float, rate: float) -> str:
+def small_step_warning(dt: float, rate: float) -> str:
     """Warning about a step far below what is stable, empty where there is nothing to say.
 
     Parameters

@@ -1,6 +1,6 @@
 """The scene: a case turned into what the solver works with, the same on every rank."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from itertools import chain
 from math import prod
 from typing import Any
@@ -15,13 +15,14 @@ from pgimp.kernels.errors import initial_velocities
 from pgimp.kernels.mirror import Mirror
 from pgimp.kernels.order import cell_numbers
 from pgimp.kernels.particles import Carried, Frame, Particles
+from pgimp.physics.contact import Pairs
 from pgimp.physics.fields import EVERY
 from pgimp.physics.materials.outside import parameters_of
 from pgimp.physics.materials.states import States
-from pgimp.scene.cloudgradients import velocity_gradients
+from pgimp.scene.cloudgradients import with_gradients
 from pgimp.scene.counts import count_all
 from pgimp.scene.faces import AXES, Face, walls
-from pgimp.scene.lattice import Lattice, Made
+from pgimp.scene.lattice import Lattice, ParticleBlock
 from pgimp.scene.loads import SceneLoads
 from pgimp.scene.pointscloud import Cloud
 from pgimp.schema.tables import VectorTable
@@ -49,6 +50,8 @@ class Scene:
         Those that reflect what lies beyond.
     most_mass : float
         Mass that the domain can hold at most.
+    pairs : Pairs or None
+        What happens where two bodies meet; None where all share one velocity field.
     exact : NamedTuple or ()
         Parameters of the exact solution, if the case names one; `moves` if it gives the velocities.
     setting : Setting
@@ -76,7 +79,8 @@ class Scene:
         if cell_numbers(self.frame.vertices) >= 2**62:
             raise CaseError("grid.cell: more cells than can be numbered; use larger ones")
         self.body_names = list(case.bodies)
-        used = [name for name in case.materials if name in self._materials_in_use()]
+        in_use = {body.material for body in case.bodies.values()}
+        used = [name for name in case.materials if name in in_use]
         self.material_names = used
         self.body_material = tuple(used.index(b.material) for b in case.bodies.values())
         self.material_of = np.array(self.body_material, np.int64)
@@ -104,7 +108,10 @@ class Scene:
         self.exact: Any = case.exact.parameters(case) if case.exact else ()
         self.moves = bool(case.exact) and case.exact.moves
         force = self.exact if case.exact and case.exact.forced else ()
+        if case.body_force:
+            force = case.body_force.parameters()
         self.loads = SceneLoads(case, used, force)
+        self.pairs = Pairs.of(case.contact, self.body_names) if case.contact else None
         self.states = States(used, self.materials, self.dimension)
         self.fields = EVERY | self.states.fields
         self.carried = Carried(
@@ -141,9 +148,6 @@ class Scene:
     def origins(self) -> bool:
         """Whether particles keep their initial position."""
         return bool(self.exact) or "displacement" in self.case.output.fields
-
-    def _materials_in_use(self) -> set[str]:
-        return {body.material for body in self.case.bodies.values()}
 
     def gravity(self, t: float) -> tuple[float, float, float]:
         """Body force per mass at a time; zero in directions that the scene does not have."""
@@ -202,23 +206,6 @@ class Scene:
         )
         return v + turn[:, :D]
 
-    def _from_file(self, lattice: Lattice, cloud: Cloud, found: Iterable[Made]) -> list[Made]:
-        """Particles of a file, with gradients of their velocity where they need some."""
-        made = list(found)
-        if not made or not self.loads.affine or made[0].velocities is None:
-            return made
-        if made[0].gradients is not None:
-            return made
-        x, v = (
-            np.concatenate([getattr(some, name) for some in made])
-            for name in ("positions", "velocities")
-        )
-        ends = np.cumsum([len(some.ids) for some in made])
-        gradients = np.split(velocity_gradients(cloud, lattice.box, x, v), ends[:-1])
-        return [
-            some._replace(gradients=part) for some, part in zip(made, gradients, strict=True)
-        ]
-
     def populate(
         self,
         lattice: Lattice,
@@ -238,49 +225,54 @@ class Scene:
             See `Lattice.make`; what it chooses need not be what the planes count.
         """
         # The number of particles in files is only known once they are read.
-        files = [
-            self._from_file(lattice, found, lattice.make(planes, counts, body, own))
-            if isinstance(found, Cloud)
-            else None
-            for body, found in enumerate(lattice.bodies)
-        ]
+        files: list[list[ParticleBlock] | None] = []
+        for body, found in enumerate(lattice.bodies):
+            blocks = None
+            if isinstance(found, Cloud):
+                blocks = list(lattice.make(planes, counts, body, own))
+                if self.loads.affine:
+                    blocks = with_gradients(found, lattice.box, blocks)
+            files.append(blocks)
         n = sum(
             int(counts[body, planes[0] : planes[1]].sum())
-            if found is None
-            else sum(len(made.ids) for made in found)
-            for body, found in enumerate(files)
+            if blocks is None
+            else sum(len(block.ids) for block in blocks)
+            for body, blocks in enumerate(files)
         )
         p = Particles.empty(max(n, 1), self.carried)
         row = 0
         every = (
-            lattice.make(planes, counts, body) if found is None else found
-            for body, found in enumerate(files)
+            lattice.make(planes, counts, body) if blocks is None else blocks
+            for body, blocks in enumerate(files)
         )
-        for made in chain.from_iterable(every):
-            rows = slice(row, row + len(made.ids))
-            p.x[rows] = made.positions
+        for block in chain.from_iterable(every):
+            rows = slice(row, row + len(block.ids))
+            p.x[rows] = block.positions
             # A field linear in space has its mean over a part (5) at the part's centroid; an exact
             # solution refers to the particle's place.
-            places = made.positions if self.moves else made.centroids
-            if made.velocities is None:
-                p.v[rows] = self.velocities(made.body, places)
+            places = block.positions if self.moves else block.centroids
+            if block.velocities is None:
+                p.v[rows] = self.velocities(block.body, places)
             else:
-                p.v[rows] = made.velocities
-            if made.stresses is not None:
-                p.sigma[rows] = made.stresses[:, : p.sigma.shape[1]]
+                p.v[rows] = block.velocities
+            if block.stresses is not None:
+                p.sigma[rows] = block.stresses[:, : p.sigma.shape[1]]
             if p.L.shape[1]:
                 p.L[rows] = (
-                    self._velocity_gradients(made.body, places)
-                    if made.gradients is None
-                    else made.gradients
+                    self._velocity_gradients(block.body, places)
+                    if block.gradients is None
+                    else block.gradients
                 )
-            p.id[rows] = made.ids
-            p.body[rows] = made.body
-            p.V0[rows] = p.V[rows] = lattice.volume * made.fractions  # (3)
-            material = self.body_material[made.body]
+            p.id[rows] = block.ids
+            p.body[rows] = block.body
+            p.V0[rows] = p.V[rows] = lattice.volume * block.fractions  # (3)
+            material = self.body_material[block.body]
             p.m[rows] = p.V0[rows] * self.materials[material].density  # (4)
             p.state[rows] = self.states.initial[material]
-            row += len(made.ids)
+            for name, values in block.states.items():
+                first = self.states.kept[name].first[material]
+                p.state[rows, first : first + values.shape[1]] = values
+            row += len(block.ids)
         if p.origin.shape[1]:
             p.origin[:] = p.x
         self.loads.attach(p, row)

@@ -111,7 +111,7 @@ class CourantClock:
                 f"that the end would take {steps:.0e} steps more: the solution has blown up\n"
                 "  try: a smaller time.step: {courant: ...}, slower loading, finer cells"
             )
-        # Rounding must not leave a sliver of a step before a stop.
+        # Rounding must not leave a tiny step before a stop.
         count = max(1, ceil(left * rate / self._courant * (1.0 - 1e-12)))
         dt = left / count
         return Step(done.number + 1, start, dt, stop if count == 1 else start + dt)

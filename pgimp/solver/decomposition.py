@@ -13,7 +13,7 @@ from pgimp.scene.scene import Scene
 from pgimp.solver.rank import Rank
 
 
-def share_out(
+def partition(
     scene: Scene, comm: Any, counts: np.ndarray, interval: int
 ) -> tuple[Slab, Balance, list[str]]:
     """Give each rank its layers at the start, so that none has more particles than need be.
@@ -70,7 +70,7 @@ def rebalance(rank: Rank, balance: Balance, step: int) -> None:
     begin, comm = perf_counter(), rank.comm
     counts = comm.gather(np.diff(rank.population.start))
     cuts = None if counts is None else balance.decide(np.concatenate(counts), step)
-    cuts, balance.pause, balance.price = comm.bcast((cuts, balance.pause, balance.price))
+    cuts, balance.pause, balance.move_cost = comm.bcast((cuts, balance.pause, balance.move_cost))
     if cuts is not None:
         # CPU time, not wall time: other processes on a shared core do not count.
         agreed = thread_time()

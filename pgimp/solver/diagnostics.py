@@ -1,36 +1,17 @@
-"""The columns of history.csv: sums over the particles, work and reactions, in layer order."""
+"""The sums of which history.csv shows columns: over particles, work, reactions, in layer order."""
 
 from math import frexp, ldexp
 from typing import Any
 
 import numpy as np
 
-from pgimp.kernels.errors import (
-    DISPLACEMENT,
-    ERRORS,
-    STRESS,
-    STRESS_VOLUME,
-    VELOCITY,
-    VOLUME,
-    layer_errors,
-)
-from pgimp.kernels.sums import (
-    ANGULAR,
-    HIGH,
-    KINETIC,
-    LOW,
-    MASS,
-    MOMENT,
-    MOMENTUM,
-    STRAIN,
-    SUMS,
-    exact_masses,
-    layer_sums,
-)
+from pgimp.kernels.errors import ERRORS, layer_errors
+from pgimp.kernels.ledger import BOOKED, IMPULSE
+from pgimp.kernels.sums import HIGH, KINETIC, LOW, MASS, STRAIN, SUMS, exact_masses, layer_sums
 from pgimp.solver.clock import START, Step
+from pgimp.solver.columns import line_of
 from pgimp.solver.rank import Rank
-
-AXES = "xyz"
+from pgimp.solver.totals import Totals
 
 
 def _mass(sums: np.ndarray, unit: float) -> float:
@@ -47,16 +28,19 @@ def column_names(scene: Any) -> list[str]:
     scene : Scene
         The scene of the run.
     """
-    names = len(scene.body_names)
-    impulse = np.zeros((len(scene.faces) + len(scene.loads.constraints), 3))
-    lines = Diagnostics()
-    line = lines._columns(
-        scene, START, np.zeros((names, SUMS)), 0.0, np.zeros(SUMS), 0.0, impulse,
-        np.zeros(len(scene.faces)),
-    )  # fmt: skip
-    if scene.exact:
-        line |= lines._errors(np.zeros(ERRORS), np.zeros(ERRORS), scene.exact.scale(0.0))
-    return list(line)
+    faces = len(scene.faces)
+    contact = np.zeros((len(scene.pairs.law) if scene.pairs else 0, BOOKED))
+    force = np.zeros((faces + len(scene.loads.constraints) + len(contact), 3))
+    bodies, none = np.zeros((len(scene.body_names), SUMS)), np.zeros(SUMS)
+    errors = np.zeros(ERRORS)
+    return list(
+        line_of(
+            Totals(
+                scene, START, bodies, none, none, 0.0, 0.0, force, np.zeros(faces), contact,
+                errors, errors,
+            )
+        )
+    )
 
 
 class Diagnostics:
@@ -84,28 +68,43 @@ class Diagnostics:
         unit = 2.0 ** (HIGH - 2 - frexp(scene.most_mass)[1])  # see `Simulation.settle`
         exact_masses(population.particles, population.order, unit, masses)
         own = rank.booked()
-        impulse = np.concatenate([own.impulse, own.constraint_impulse], axis=1)
+        impulse = np.concatenate(
+            [own.impulse, own.constraint_impulse, own.contact[:, :, IMPULSE : IMPULSE + 3]], axis=1
+        )
         errors = self._own_errors(rank, done.end)
         parts = rank.comm.gather(
-            (sums, own.work, (impulse, own.beyond), errors, own.escaped, masses)
+            (sums, own.work, (impulse, own.beyond, own.contact), errors, own.escaped, masses)
         )
         if parts is None:
             return None
         bodies = np.add.reduce(np.concatenate([part[0] for part in parts]), axis=0)
         work = float(np.concatenate([part[1] for part in parts]).sum())
-        impulse, beyond = (
-            np.add.reduce(np.concatenate([part[2][i] for part in parts]), axis=0) for i in (0, 1)
+        impulse, beyond, contact = (
+            np.add.reduce(np.concatenate([part[2][i] for part in parts]), axis=0) for i in range(3)
         )
-        escaped = np.add.reduce(np.concatenate([part[4] for part in parts]), axis=(0, 1))
         masses = np.stack([part[5] for part in parts])  # by rank and body
         bodies[:, MASS] = [_mass(masses[:, body], unit) for body in range(len(bodies))]
-        mass = _mass(masses.reshape(-1, 2), unit)
-        line = self._columns(scene, done, bodies, mass, escaped, work, impulse, beyond)
+        total = np.add.reduce(bodies, axis=0)
+        total[MASS] = _mass(masses.reshape(-1, 2), unit)
+        if self.first_energy is None:
+            self.first_energy = float(total[KINETIC] + total[STRAIN])
+        escaped, added, most = np.zeros(SUMS), np.zeros(ERRORS), np.zeros(ERRORS)
+        if scene.exits:
+            escaped = np.add.reduce(np.concatenate([part[4] for part in parts]), axis=(0, 1))
         if scene.exact:
             added = np.add.reduce(np.concatenate([part[3][0] for part in parts]), axis=0)
             most = np.concatenate([part[3][1] for part in parts]).max(axis=0)
-            line |= self._errors(added, most, scene.exact.scale(done.end))
-        return line
+        for face, mass in zip(scene.faces, beyond, strict=True):
+            if total[MASS]:
+                share = (float(mass / total[MASS]), done.end, face.name)
+                self.beyond = max(self.beyond, share)
+        force = self._forces(done.end, impulse)
+        return line_of(
+            Totals(
+                scene, done, bodies, total, escaped, self.first_energy, work, force, beyond,
+                contact, added, most,
+            )
+        )  # fmt: skip
 
     @staticmethod
     def _own_errors(rank: Rank, time: float) -> tuple[np.ndarray, ...]:
@@ -120,83 +119,7 @@ class Diagnostics:
         )  # fmt: skip
         return sums, most
 
-    @staticmethod
-    def _errors(sums: np.ndarray, most: np.ndarray, scale: float) -> dict[str, float]:
-        """Columns of the errors; `scale` is the stress that (47) refers to."""
-        if not sums[VOLUME]:  # all particles were removed
-            sums = np.full_like(sums, np.nan)
-        error = float(sums[STRESS_VOLUME] / sums[VOLUME])
-        # Before the load sets in there is nothing to refer to, and no error.
-        line = {"error": error / scale if scale else error}
-        names = {"displacement": DISPLACEMENT, "velocity": VELOCITY, "stress": STRESS}
-        for name, column in names.items():
-            line[f"error.{name}-l2"] = float(np.sqrt(sums[column] / sums[VOLUME]))
-            line[f"error.{name}-max"] = float(most[column])
-        return line
-
-    def _columns(
-        self,
-        scene: Any,
-        done: Step,
-        bodies: np.ndarray,
-        mass: float,
-        escaped: np.ndarray,
-        work: float,
-        impulse: np.ndarray,
-        beyond: np.ndarray,
-    ) -> dict[str, float]:
-        axes = AXES[: scene.dimension]
-        total = np.add.reduce(bodies, axis=0)
-        total[MASS] = mass
-        kinetic, strain = float(total[KINETIC]), float(total[STRAIN])
-        if self.first_energy is None:
-            self.first_energy = kinetic + strain
-        line = {"time": done.end, "step": done.number, "dt": done.dt}
-        line |= self._totals("", total, scene.dimension)
-        left = float(escaped[KINETIC] + escaped[STRAIN]) if scene.exits else 0.0
-        line["dissipated-energy"] = self.first_energy + work - kinetic - strain - left
-        line["external-work"] = work
-        if scene.exits:
-            line |= self._totals("escaped.", escaped, scene.dimension)
-        for name, sums in zip(scene.body_names, bodies, strict=True):
-            line[f"body.{name}.mass"] = float(sums[MASS])
-            for i, axis in enumerate(axes):
-                centre = sums[MOMENT + i] / sums[MASS] if sums[MASS] else np.nan
-                line[f"body.{name}.centre-{axis}"] = float(centre)
-            for i, axis in enumerate(axes):
-                line[f"body.{name}.momentum-{axis}"] = float(sums[MOMENTUM + i])
-            line[f"body.{name}.kinetic-energy"] = float(sums[KINETIC])
-            line[f"body.{name}.strain-energy"] = float(sums[STRAIN])
-        force = self._reactions(done.end, impulse)
-        names = [f"reaction.{face.name}" for face in scene.faces]
-        names += [f"constraint.{name}" for name in scene.case.constraints]
-        for name, row in zip(names, force, strict=True):
-            for i, axis in enumerate(axes):
-                line[f"{name}-{axis}"] = float(row[i])
-        for name, entry in scene.case.constraints.items():
-            for axis, way in zip(axes, entry.displacement(done.end), strict=True):
-                if way is not None:
-                    line[f"displacement.{name}-{axis}"] = way
-        for face, mass in zip(scene.faces, beyond, strict=True):
-            line[f"beyond.{face.name}"] = float(mass)
-            if total[MASS]:
-                part = float(mass / total[MASS])
-                self.beyond = max(self.beyond, (part, done.end, face.name))
-        return line
-
-    @staticmethod
-    def _totals(prefix: str, sums: np.ndarray, dimension: int) -> dict[str, float]:
-        """Columns of mass, momentum, angular momentum and energies."""
-        line = {"mass": sums[MASS]}
-        for i, axis in enumerate(AXES[:dimension]):
-            line[f"momentum-{axis}"] = sums[MOMENTUM + i]
-        # A motion along x alone has no moment about the origin, one in the plane only that about z.
-        for i in ((), (2,), (0, 1, 2))[dimension - 1]:
-            line[f"angular-momentum-{AXES[i]}"] = sums[ANGULAR + i]
-        line |= {"kinetic-energy": sums[KINETIC], "strain-energy": sums[STRAIN]}
-        return {prefix + name: float(value) for name, value in line.items()}
-
-    def _reactions(self, time: float, impulse: np.ndarray) -> np.ndarray:
+    def _forces(self, time: float, impulse: np.ndarray) -> np.ndarray:
         """Mean forces of faces and constraints since the last line, (faces + constraints, 3)."""
         if self.last is None:
             force = np.zeros_like(impulse)

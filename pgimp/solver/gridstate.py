@@ -58,8 +58,9 @@ def active_grid(rank: Rank, time: float) -> ActiveGrid:
     rank.halo.finish(grid)
     own, D = grid.owned, scene.dimension
     extent = grid.window.extent
-    records = grid.G.reshape(*extent, RECORD)[:own]
-    records[grid.active[:own] == 0] = 0.0
+    fields = grid.G.reshape(grid.planes, -1, *extent[1:], RECORD)[:own]
+    fields[grid.active[:own] == 0] = 0.0
+    records = fields.sum(axis=1) if fields.shape[1] > 1 else fields[:, 0]
 
     cells, below = _cells(rank)
     vertices = records[..., MASS] > 0.0

@@ -8,8 +8,11 @@ when bodies spread or many particles move to another rank at once, is not forese
 from math import prod
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from pgimp.decomposition.grid import LATE, MARGIN
 from pgimp.errors import CaseError
+from pgimp.kernels.ledger import BOOKED
 from pgimp.kernels.particles import Particles
 from pgimp.kernels.sums import SUMS
 from pgimp.mpi.limits import Limit, limits
@@ -17,6 +20,7 @@ from pgimp.physics.fields import ALWAYS
 from pgimp.scene.extent import Extent, extents, points
 from pgimp.scene.latticebody import _SLAB
 from pgimp.scene.scene import Scene
+from pgimp.solver.groups import assign, reach
 
 #: What a process takes besides after its start: kernels, HDF5, buffers of MPI.
 BASE = 100_000_000
@@ -112,6 +116,16 @@ def window(scene: Scene, bodies: list[Extent], ranks: int) -> list[int]:
     return extent
 
 
+def _fields(scene: Scene, bodies: list[Extent]) -> float:
+    """Velocity fields at the beginning, those with the sums of volumes where bodies meet."""
+    if not scene.pairs:
+        return 1
+    per_cell = np.array(scene.case.method.particles_per_cell)
+    ends = [np.array([getattr(body, end) for body in bodies]) / per_cell for end in ("low", "high")]
+    fields = 1 + max(assign(np.stack(ends), reach(scene))[0])
+    return fields * (2 if fields > 1 else 1)
+
+
 def estimate(
     scene: Scene,
     ranks: int,
@@ -157,7 +171,8 @@ def estimate(
     columns, kept, most = bytes_each(scene, ranks)
 
     extent = window(scene, bodies, ranks)
-    plane = prod(extent[1:]) * (64 + (8 if scene.loads.constraints else 0))
+    fields = _fields(scene, bodies)
+    plane = prod(extent[1:]) * fields * (64 + (8 if scene.loads.constraints else 0))
     occupied = min(extent[0], sum(body.boxes[0] / per_cell[0] + s for body in bodies))
     # A layer's own planes; what is put aside at both ends, and received.
     beside = s + (1.5 * s * (s - 1) if ranks > 1 else 0)
@@ -170,6 +185,7 @@ def estimate(
     names, faces = len(scene.body_names), len(scene.faces)
     line = 8 * SUMS * names
     plane_sums = 40 + 32 * faces + 24 * len(scene.loads.constraints) + line * bool(scene.exits)
+    plane_sums += 8 * BOOKED * len(scene.pairs.law) if scene.pairs else 0
     # The first rank gathers them all, through messages.
     gathered = (line if ranks == 1 else 2 * (line + plane_sums)) if first else 0
 

@@ -8,9 +8,9 @@ import numpy as np
 
 from pgimp.decomposition.grid import LATE, Grid
 from pgimp.decomposition.halo import Halo
-from pgimp.decomposition.handover import hand_over
 from pgimp.decomposition.migrate import Migration
 from pgimp.decomposition.population import Population
+from pgimp.decomposition.redistribute import redistribute
 from pgimp.decomposition.slabs import Slab, slab_of
 from pgimp.jit.bound import Bound
 from pgimp.kernels.concepts import Order
@@ -20,12 +20,13 @@ from pgimp.kernels.sums import SUMS, layer_sums
 from pgimp.kernels.updates.checks import OUTFLOW
 from pgimp.mpi.node import shares_cores
 from pgimp.scene.scene import Scene
+from pgimp.solver.meetings import Meetings
 
 #: Phases of a step, as `Rank.timings` names them.
-PHASES = ("P2G", "exchange", "momentum", "G2P", "migrate", "order")
+PHASES = ("P2G", "exchange", "contact", "momentum", "G2P", "migrate", "order")
 
 #: Particles at fault that are listed on each rank; further ones are only counted.
-ROOM = 1024
+MOST_LISTED = 1024
 
 
 class Rank:
@@ -54,6 +55,8 @@ class Rank:
         The slab's planes, and the messages to the neighbours.
     ledger : Ledger
         What is booked by plane.
+    meetings : Meetings or None
+        Where bodies meet, in scenes with contact.
     call : Bound
         Calls the kernels of a step.
     lightest : float
@@ -70,7 +73,7 @@ class Rank:
     faults, failed : (n, 2) int64, int
         Rows and faults of particles at fault in the last step, and their number, which may be
         greater.
-    fault_room : (2, room, 2) int64
+    fault_buffer : (2, room, 2) int64
         Where the kernels write them.
     """
 
@@ -90,21 +93,27 @@ class Rank:
         self.timings = dict.fromkeys((*PHASES, "sort", "balance"), 0.0)
         self.worked = dict.fromkeys(PHASES, 0.0) if shares_cores(comm) else self.timings
         self.particle_steps = self.clamped = self.held = 0
-        self.fault_room = np.zeros((2, ROOM, 2), np.int64)
-        self.faults, self.failed = self.fault_room[0, :0], 0
+        self.fault_buffer = np.zeros((2, MOST_LISTED, 2), np.int64)
+        self.faults, self.failed = self.fault_buffer[0, :0], 0
         self.reach = np.zeros((2, 2), np.int64)
+        self.meetings = Meetings(scene, comm) if scene.pairs else None
         self._occupy(slab)
 
     def _occupy(self, slab: Slab) -> None:
         """Make grid, messages and books for a slab; the window is still to be set."""
         scene, comm = self.scene, self.comm
         self.slab = slab
-        self.grid = Grid(scene.frame, scene.vertices, slab, LATE if comm.size > 1 else 0)
+        late = LATE if comm.size > 1 else 0
+        fields = self.meetings.fields if self.meetings else ()
+        self.grid = Grid(scene.frame, scene.vertices, slab, late, fields)
         self.halo = Halo(comm, slab, scene.vertices - 1)
         self.migration = Migration(comm, slab, self.particles)
-        leavers = (len(scene.body_names), SUMS) if scene.exits else (0, 0)
+        outflow = (len(scene.body_names), SUMS) if scene.exits else (0, 0)
         constraints = len(scene.loads.constraints)
-        self.ledger = Ledger.empty(self.grid.planes, len(scene.faces), constraints, leavers)
+        contacts = len(scene.pairs.law) if scene.pairs else 0
+        self.ledger = Ledger.empty(
+            self.grid.planes, len(scene.faces), constraints, outflow, contacts
+        )
 
     @property
     def particles(self) -> Particles:
@@ -135,13 +144,13 @@ class Rank:
             As from `pgimp.decomposition.slabs.cut`, the same on every rank.
         """
         window, extra = self.grid.base, self.scene.vertices - 1
-        sums = hand_over(self.comm, old, new, extra, self.population, self.booked())
+        sums = redistribute(self.comm, old, new, extra, self.population, self.booked())
         self._occupy(slab_of(new, self.comm.rank))
         self.grid.store(window)
         for booked, values in zip(self.booked(), sums, strict=True):
             booked[:] = values
 
-    def remove_leavers(self, left: np.ndarray) -> None:
+    def remove_outflow(self, left: np.ndarray) -> None:
         """Book the particles that have left the domain, and give up their rows.
 
         What they take with them is added to the sums of the layer in which they were, in canonical
@@ -162,17 +171,17 @@ class Rank:
         population.release(leaving)
 
     def list_faults(self, numbers: list[int]) -> None:
-        """List the particles at fault in this step in canonical order, at most `ROOM`.
+        """List the particles at fault in this step in canonical order, at most `MOST_LISTED`.
 
         Parameters
         ----------
         numbers : list of int
-            How many have been found by each call; the first ones are in `fault_room`.
+            How many have been found by each call; the first ones are in `fault_buffer`.
         """
         found = np.concatenate(
-            [room[:n] for room, n in zip(self.fault_room, numbers, strict=False)]
+            [room[:n] for room, n in zip(self.fault_buffer, numbers, strict=False)]
         )
         place = np.empty(self.particles.capacity, np.int64)
         place[self.population.order] = np.arange(self.count)
         self.failed = sum(numbers)
-        self.faults = found[np.argsort(place[found[:, 0]])][:ROOM]
+        self.faults = found[np.argsort(place[found[:, 0]])][:MOST_LISTED]

@@ -18,11 +18,11 @@ from pgimp.kernels.particles import Particles
 from pgimp.kernels.sums import fastest_rate
 from pgimp.scene import nearness
 from pgimp.scene.facts import wave_speed
-from pgimp.scene.geometry import do_without, release, share
+from pgimp.scene.geometry import release, share, take_as_empty
 from pgimp.scene.lattice import Lattice
 from pgimp.scene.scene import Scene, count_particles
 from pgimp.solver.clock import START, Step, clock_of
-from pgimp.solver.decomposition import owned, rebalance, share_out
+from pgimp.solver.decomposition import owned, partition, rebalance
 from pgimp.solver.diagnostics import Diagnostics
 from pgimp.solver.faults import Failure, collect
 from pgimp.solver.memory import require
@@ -106,7 +106,7 @@ class Simulation:
         self.request = self.agreed_request = Request.NONE
         self.reduction = StepReduction(comm)
         self.diagnostic_sums = Diagnostics()
-        (share if source is None else do_without)(case, comm)
+        (share if source is None else take_as_empty)(case, comm)
         require(scene, comm, None if source is None else source.count)
         warm_up(scene, comm)
         speed = max(wave_speed(scene, body) for body in range(len(scene.body_names)))
@@ -153,7 +153,7 @@ class Simulation:
 
     def decompose(self, counts: np.ndarray) -> Slab:
         """Give each rank its layers, so that no rank has more particles than need be."""
-        slab, self.balance, notes = share_out(self.scene, self.comm, counts, RESORT)
+        slab, self.balance, notes = partition(self.scene, self.comm, counts, RESORT)
         self.notes += notes
         return slab
 

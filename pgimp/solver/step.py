@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from time import perf_counter, thread_time
+from typing import Any
 
 import numpy as np
 
@@ -9,7 +10,7 @@ from pgimp.kernels.concepts import Forcing, Report
 from pgimp.kernels.constraints import apply_constraints, mark_constrained_vertices
 from pgimp.kernels.g2p import grid_to_particles
 from pgimp.kernels.loads import Loads
-from pgimp.kernels.mirror import fold, reflect
+from pgimp.kernels.mirror import fold, fold_volumes, reflect
 from pgimp.kernels.momentum import update_momentum
 from pgimp.kernels.p2g import particles_to_grid
 from pgimp.solver.clock import Step
@@ -45,16 +46,23 @@ def step(
         On every rank, as from `begin`. The particles are as they were.
     """
     scene, grid, population, migration = rank.scene, rank.grid, rank.population, rank.migration
-    field, order, changed = grid.field, population.ordered, population.changed
+    order, changed = population.ordered, population.changed
     loads, ledger, call = scene.loads.at(start), rank.ledger, rank.call
     lap = _stopwatch(rank.timings, rank.worked)
 
+    if rank.meetings:
+        rank.meetings.regroup(rank.grid, population)
+        lap("contact")
     sum_particles(rank, loads, bool(scene.loads.constraints))
     lap("P2G")
 
     rank.halo.finish(grid)
-    t = begin()
+    field, t = grid.field, begin()
     lap("exchange")
+    contact: Any = ()
+    if rank.meetings:
+        contact = rank.meetings.find(rank.grid, population, ledger)
+        lap("contact")
 
     constraints = scene.loads.constraints_at(t.start, t.end)
     marked = (constraints, grid.marks) if constraints else ()
@@ -65,22 +73,24 @@ def step(
     faces, felt = scene.face_parameters(t.start, t.end), on_vertices(forcing)
     for mirror in scene.mirrors:
         call(fold, scene.frame, field, mirror, felt, ledger)
-    call(update_momentum, scene.frame, field, faces, felt, ledger)  # (14, 17)
+        if contact:
+            call(fold_volumes, scene.frame, field, contact.volumes, mirror)
+    call(update_momentum, scene.frame, field, faces, felt, ledger, contact)  # (14, 17)
     if marked:
         call(apply_constraints, field, felt, ledger)
     for mirror in reversed(scene.mirrors):
         call(reflect, scene.frame, field, mirror, felt, ledger)
     lap("momentum")
 
-    rate, failed, leavers, found = 0.0, [], 0, 0
+    rate, failed, outflow, found = 0.0, [], 0, 0
     for half, layers in enumerate(rank.halo.halves(order.start)):  # first what neighbours wait for
-        report = Report(rank.reach, changed[found:], rank.fault_room[half])
+        report = Report(rank.reach, changed[found:], rank.fault_buffer[half])
         wrong, left, moved, fastest, clamped, held = call(  # (26, 27, 29, 30)
             grid_to_particles, scene.setting, field, population.particles, order, layers, forcing,
             report, ledger,
         )  # fmt: skip
         failed.append(wrong)
-        rate, leavers = max(rate, fastest), leavers + left
+        rate, outflow = max(rate, fastest), outflow + left
         rank.clamped += clamped
         rank.held += held
         lap("G2P")
@@ -95,8 +105,8 @@ def step(
     changed = changed[:found]
     if len(failed) > 1:
         changed.sort()
-    if leavers:
-        rank.remove_leavers(changed)
+    if outflow:
+        rank.remove_outflow(changed)
     coming = changed
     if found or rank.slab.neighbours:
         coming = migration.receive(population)

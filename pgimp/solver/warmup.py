@@ -8,13 +8,16 @@ import numpy as np
 
 from pgimp.decomposition.grid import Grid
 from pgimp.decomposition.slabs import Slab
+from pgimp.kernels.boxes import grow_boxes
 from pgimp.kernels.concepts import Forcing, Order, Report
 from pgimp.kernels.constraints import apply_constraints, mark_constrained_vertices
+from pgimp.kernels.contact import Contact, find_meetings
+from pgimp.kernels.contribution import VolumeSums
 from pgimp.kernels.errors import ERRORS, initial_velocities, layer_errors
 from pgimp.kernels.g2p import grid_to_particles
 from pgimp.kernels.layerchanges import pack_rows, partition_migrants, sort_rows, unpack_rows
 from pgimp.kernels.ledger import Ledger
-from pgimp.kernels.mirror import fold, reflect
+from pgimp.kernels.mirror import fold, fold_volumes, reflect
 from pgimp.kernels.momentum import update_momentum
 from pgimp.kernels.order import layers_of, locate, merge, reach_of
 from pgimp.kernels.p2g import complete, particles_to_grid
@@ -40,7 +43,8 @@ def _calls(scene: Scene) -> Iterator[Call]:
     start = np.zeros(2, np.int64)
     order = Order(rows, start)
     reach = np.array([[2**62] * 2, [-(2**62)] * 2])
-    grid = Grid(frame, vertices, Slab(0, 1, None, None))
+    fields = (0,) * len(scene.body_names) if scene.pairs else ()
+    grid = Grid(frame, vertices, Slab(0, 1, None, None), fields=fields)
     grid.cover(np.full((2, 2), vertices))
     wire = np.empty(0, np.int64)
     bodies, faces = len(scene.material_of), scene.face_parameters(0.0, 0.0)
@@ -50,14 +54,22 @@ def _calls(scene: Scene) -> Iterator[Call]:
     )
     felt = on_vertices(forcing)
     report = Report(reach, rows.copy(), np.zeros((1, 2), np.int64))
-    ledger = Ledger.empty(grid.planes, len(faces), len(constraints), (0, 0))
+    ledger = Ledger.empty(grid.planes, len(faces), len(constraints))
+    contact: Any = ()
+    if scene.pairs:
+        contact = Contact.empty(scene.pairs, grid.G, grid.planes, 1, len(faces))
+        yield 0.3, lambda: find_meetings(grid.field, contact.met)
+        yield 0.3, lambda: grow_boxes(frame, p, rows, np.zeros((2, len(fields), len(frame.cell))))
+        yield 6.0, lambda: particles_to_grid(
+            shaped, grid.field, p, VolumeSums(), order, np.zeros((0, 3), np.int64)
+        )
     yield 10.4, lambda: grid_to_particles(
         setting, grid.field, p, order, np.zeros(0, np.int64), forcing, report, ledger
     )
     yield 6.3, lambda: particles_to_grid(
         shaped, grid.field, p, loads, order, np.zeros((0, 3), np.int64)
     )
-    yield 2.8, lambda: update_momentum(frame, grid.field, faces, felt, ledger)
+    yield 2.8, lambda: update_momentum(frame, grid.field, faces, felt, ledger, contact)
     yield 1.4, lambda: locate(shape, frame, p, rows, frame.vertices)
     yield 1.4, lambda: layer_sums(material, p, order, np.zeros((1, bodies, SUMS)))
     yield 1.0, lambda: fastest_rate(material, p, rows)
@@ -72,6 +84,8 @@ def _calls(scene: Scene) -> Iterator[Call]:
     yield 0.2, lambda: layers_of(shape, frame, scene.identity, np.empty(0), np.empty(0, np.int64))
     for mirror in scene.mirrors:
         yield 1.0, partial(fold, frame, grid.field, mirror, felt, ledger)
+        if contact:
+            yield 0.5, partial(fold_volumes, frame, grid.field, grid.G, mirror)
         yield 1.0, partial(reflect, frame, grid.field, mirror, felt, ledger)
     if marked:
         yield 1.0, lambda: mark_constrained_vertices(shaped, grid.window, p, order, grid.marks)

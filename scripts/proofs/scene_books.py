@@ -10,9 +10,11 @@
   with `volume: initial`, whose forces are those of the strain energy at small strains only. What
   an accelerated wall or constraint makes of that is known and subtracted: particles take on its
   acceleration A at their own velocity v, but the work is booked with the wall's velocity u, so that
-  m A (v - u) dt of energy comes from nothing. With `affine` likewise the power of forces on what
-  particles carry of the velocity's variation: the grid moves with m (v + L (x_v - x)), particles
-  get the acceleration for their m v alone, which near surfaces is not the same (docs/methods.md
+  m A (v - u) dt of energy comes from nothing; contact, whose heat and losses are counted, does
+  likewise to what the grid cannot resolve of the particles' velocities. With `affine` likewise the
+  power of forces on what particles carry of the velocity's variation: the grid moves with
+  m (v + L (x_v - x)), particles get the acceleration for their m v alone, which near surfaces is
+  not the same (docs/methods.md
   says how much that is; tests/kernels/test_affine.py that walls and constraints add nothing). With
   `mpm` nothing is claimed: a particle that has just entered a cell gives its far vertices a force
   and hardly any mass, and what they then do to it can make some per cent of the energy at once.
@@ -87,7 +89,7 @@ class Books:
         self._work = [(0.0, 0, "")]
         self._lines = [self._line]
         conditions = [*self.case.boundaries.values(), *self.case.constraints.values()]
-        self._accelerates = any(each.varies for each in conditions)
+        self._accelerates = bool(self.case.contact) or any(each.varies for each in conditions)
         self._explained = [0.0]
 
     def run(self):
@@ -174,6 +176,9 @@ class Books:
         largest = energy.max() + np.abs(work).max()
         if largest > 0.0:
             gained = energy - energy[0] - work - np.array(self._explained)
+            for name, values in every.items():
+                if name.endswith((".friction-heat", ".impact-loss")):
+                    gained += values
             self.created = float(max(0.0, gained.max()) / largest)
         case = self.case
         held = case.boundaries or case.constraints or case.tractions or case.gravity

@@ -43,9 +43,9 @@ class Seen:
             rank.particles.v[:] = v
             sum_particles(rank, loads, marked)
 
-        def updated(frame, field, faces, forcing, ledger):
+        def updated(frame, field, faces, forcing, ledger, contact):
             self.sums, self.forcing = field.G.reshape(-1, RECORD).copy(), forcing
-            update(frame, field, faces, forcing, ledger)
+            update(frame, field, faces, forcing, ledger, contact)
 
         def taken(setting, field, *rest):
             self.after = field.G.reshape(-1, RECORD).copy()

@@ -227,6 +227,29 @@ def constraint(rng, scene):
     grips[f"grip{len(grips)}"] = entry
 
 
+def contact(rng, scene):
+    """A law for all pairs of bodies, or for some; with two bodies or more."""
+    names = [*scene.case["bodies"]]
+    if len(names) < 2:
+        return
+
+    def entry(bodies):
+        law = rng.choice(("friction", "friction", "friction", "tied", "ignore"))
+        found = {"bodies": bodies, "law": law}
+        if law == "friction" and rng.random() < 0.7:
+            most = number(rng, 0.0, 1.0)
+            kinetic = number(rng, 0.0, 0.9) * most
+            found["friction"] = most if rng.random() < 0.5 else {
+                "static": most, "kinetic": kinetic
+            }  # fmt: skip
+        return found
+
+    entries = [entry("all")] if rng.random() < 0.7 else []
+    if not entries or rng.random() < 0.4:
+        entries.append(entry(rng.sample(names, rng.randint(2, len(names)))))
+    scene.case["contact"] = entries
+
+
 class Feature(NamedTuple):
     """A line of the table: see the head of this file."""
 
@@ -252,6 +275,7 @@ FEATURES = (
     Feature("traction", traction, 0.25, compiled=True),
     Feature("constraint", constraint, 0.25, compiled=True),
     Feature("second constraint", constraint, 0.05, compiled=True),
+    Feature("contact", contact, 0.35, compiled=True),
     Feature("frames", frames),
     Feature("grid frames", grid_frames, 0.4),
     Feature("precision and compression", small_files, 0.4),

@@ -45,7 +45,7 @@ def prepare():
 
     import_file(str(SOFTENING))
     from pgimp.commands import run
-    from pgimp.decomposition import halo, handover, migrate
+    from pgimp.decomposition import halo, migrate, redistribute
     from pgimp.decomposition.balance import Balance
     from pgimp.jit.bound import Bound
     from pgimp.running import running
@@ -53,7 +53,7 @@ def prepare():
 
     Bound.__call__ = _checked
     run.abort_on_error = lambda comm: contextlib.nullcontext()
-    handover._PIECE, halo.PIECE, migrate.ROOM = 200, 5, 2
+    redistribute._PIECE, halo.PIECE, migrate.CAPACITY = 200, 5, 2
     usual = running._request
 
     def request(sim, *others):

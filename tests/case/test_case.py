@@ -150,6 +150,7 @@ def test_the_resolved_case_reads_like_one_written_by_hand():
         "  bar: {material: bar, region: {box: {min: [0.0], max: [50.0]}}, surface: cut, "
         "velocity: [0.0]}\n"
         "gravity: null\n"
+        "body_force: null\n"
         "boundaries: {}\n"
         "escape: {}\n"
         "tractions: {}\n"

@@ -10,7 +10,7 @@ from pgimp.mpi.comm import Serial
 from pgimp.running import forecast
 from pgimp.running.schedule import Schedule
 from pgimp.scene.facts import examine
-from pgimp.scene.sanity import body_warnings, case_warnings, idle_step, strains
+from pgimp.scene.sanity import body_warnings, case_warnings, small_step_warning, strains
 from pgimp.scene.scene import Scene, count_particles
 
 # A steel block of 0.1 m on a floor, in each of two consistent sets of units, and mixed up.
@@ -126,7 +126,7 @@ def test_durations(end, expected):
 
 @pytest.mark.parametrize(("dt", "fewer"), [(1.0e-3, "300 times fewer"), (0.02, "")])
 def test_step_that_is_far_too_short(dt, fewer):
-    text = idle_step(dt, 1.0)
+    text = small_step_warning(dt, 1.0)
     assert (fewer in text) and bool(text) == bool(fewer)
 
 

@@ -18,7 +18,7 @@ from run_files import digests, go_back
 from scenes import write_case
 
 import pgimp
-from pgimp.decomposition import handover
+from pgimp.decomposition import redistribute
 from pgimp.decomposition.population import Population
 from pgimp.decomposition.slabs import Slab, cut, imbalance_of, slab_of
 from pgimp.kernels.particles import Carried, Frame, Particles
@@ -35,7 +35,7 @@ from pgimp.physics.shapes.mpm import MpmParameters
     ends=st.integers(0, 4),
 )
 def test_cuts_are_the_best_there_are(costs, ranks, width, ends):
-    """Against all ways to cut: the dearest rank, then the sum of squares."""
+    """Against all ways to cut: the most expensive rank, then the sum of squares."""
     costs = np.array(costs)
     cuts = cut(costs, ranks, width, ends)
     active, layers, ends = len(cuts) - 1, len(costs), max(width, ends)
@@ -110,8 +110,9 @@ def test_layers_go_to_any_rank_with_all_they_have(data, seed, piece):
         planes = owned(old, rank, EXTRA)
         ranks.append((Comm(rank, boxes), population, [part[planes] for part in sums]))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(handover, "_PIECE", piece)
-        jobs = [lambda r=rank: handover.hand_over(r[0], old, new, EXTRA, *r[1:]) for rank in ranks]
+        patch.setattr(redistribute, "_PIECE", piece)
+        move = redistribute.redistribute
+        jobs = [lambda r=rank: move(r[0], old, new, EXTRA, *r[1:]) for rank in ranks]
         results = together(jobs)
 
     for rank, (_, population, _) in enumerate(ranks):
@@ -126,7 +127,7 @@ def test_layers_go_to_any_rank_with_all_they_have(data, seed, piece):
         had = owned(old, rank)
         share = everyone.start[had.stop] - everyone.start[had.start]
         assert population._used <= share + len(mine)
-        rows = population.admit(5)  # none that is in use
+        rows = population.insert(5)  # none that is in use
         assert not set(rows) & set(population.order) and len(set(rows)) == 5
 
 
@@ -174,7 +175,7 @@ def test_ranks_that_share_a_core_go_by_the_time_they_had_it(tmp_path, mpirun):
 
 PROBE = SUPPORT / "balance_probe.py"
 FOLLOWED = {"column": column(30, 5.5), "crossing": crossing(30, 6.0)}
-#: Mirrors; leavers and space, with all of the grid, and probes; tractions, viscosity, constraints.
+#: Mirrors; outflow and space, with all of the grid, and probes; tractions, viscosity, constraints.
 MORE = {
     "mirrored": SIZED["plane_finite"],
     "leaves": SCENES["plane_leaves"] | {"probes": PROBES},

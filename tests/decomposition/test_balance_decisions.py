@@ -131,7 +131,7 @@ def test_a_move_must_pay():
     """One that takes as long as a thousand steps does not, for a gain of a few per cent."""
     machine = Machine(body(), 4)
     machine.balance.cuts = [0, 110, 200, 300, 400]
-    machine.balance.price = 3000.0
+    machine.balance.move_cost = 3000.0
     assert machine.run(10) == 0
     machine = Machine(body(), 4)
     machine.balance.cuts = [0, 110, 200, 300, 400]
@@ -158,8 +158,8 @@ def test_a_rank_asks_for_nothing_that_cannot_pay():
         balance.note(timings, 530, step)
         if balance.asks:
             break
-    price = balance_module._PRICE * (30 + balance_module._BESIDES)
-    assert 30 * (step - 1) <= price < 30 * step
+    move_cost = balance_module._MOVE_COST * (30 + balance_module._FIXED_COST)
+    assert 30 * (step - 1) <= move_cost < 30 * step
     balance.moved(0.0, step)
     balance.watch(530)
     balance.note(timings, 560, step + 1)

@@ -212,9 +212,9 @@ def test_rows_of_those_that_left_are_used_again():
     population.release(np.array([1, 4], np.int32))
     population.restore_order(np.array([1, 4], np.int32), np.empty(0, np.int32))
     assert population.particles.id[population.order].tolist() == [0, 2, 3, 5]
-    assert sorted(population.admit(2).tolist()) == [1, 4]
+    assert sorted(population.insert(2).tolist()) == [1, 4]
     assert population.particles.capacity == 6
-    assert population.admit(3).tolist() == [6, 7, 8]
+    assert population.insert(3).tolist() == [6, 7, 8]
     assert population.particles.capacity >= 9
     assert population.particles.id[[0, 2, 3, 5]].tolist() == [0, 2, 3, 5]
     assert population.particles.origin.shape == (population.particles.capacity, 1)

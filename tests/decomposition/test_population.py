@@ -41,7 +41,7 @@ def test_the_order_is_canonical_whoever_comes_and_goes(seed, count, steps):
         gone = (p.layer[rows] < 3) | (p.layer[rows] > 5)
         # As `migrate` does it: rows are given up first, then newcomers get rows.
         population.release(rows[gone])
-        new = population.admit(newcomers)
+        new = population.insert(newcomers)
         p = population.particles
         p.id[new] = rng.permutation(newcomers) + next_id
         p.cell[new] = rng.integers(2, 7, newcomers)

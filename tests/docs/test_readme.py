@@ -1,58 +1,33 @@
-"""README.md and docs/ keep their word: commands, cases and materials work as printed."""
+"""README.md and docs/ keep their word: commands, cases and programs work as printed."""
 
 import ast
 import inspect
-import os
 import re
 import shlex
 import shutil
 import sys
-from pathlib import Path
 
 import pytest
+from pages import (
+    ACTIVATE,
+    BLOCKS,
+    DOCS,
+    ENVIRONMENT,
+    FENCE,
+    LINKED,
+    NAVIGATION,
+    PAGES,
+    ROOT,
+    TEXT,
+    block_of,
+    blocks,
+)
 from processes import run
-from ruamel.yaml import YAML
-from two_blocks import CASE
 
 from pgimp.case.reader import read_case
 from pgimp.jit import algebra
 from pgimp.tools.study.plan import read_plan
 
-ROOT = Path(__file__).resolve().parents[2]
-DOCS = ROOT / "docs"
-CONFIGURATION = ROOT / "scripts" / "pages" / "mkdocs.yml"
-
-
-def listed_pages(entry):
-    """File names of the pages of the site, in the order of its navigation."""
-    if isinstance(entry, str):
-        return [entry]
-    values = entry.values() if isinstance(entry, dict) else entry
-    return [name for value in values for name in listed_pages(value)]
-
-
-NAVIGATION = listed_pages(YAML(typ="safe").load(CONFIGURATION)["nav"])
-#: README.md and the pages, in the order in which they are read, and their commands run.
-PAGES = {"README.md": (ROOT / "README.md").read_text(encoding="utf-8")} | {
-    f"docs/{name}": (DOCS / name).read_text(encoding="utf-8")
-    for name in NAVIGATION
-    if not name.startswith("cases/")
-}
-#: Those, and what they link to.
-LINKED = PAGES | {
-    name: (ROOT / name).read_text(encoding="utf-8")
-    for name in ("cases/README.md", "cases/reference.md", "CHANGELOG.md")
-}
-TEXT = "\n".join(PAGES.values())
-FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-BLOCKS = FENCE.findall(TEXT)
-ACTIVATE = ". .venv/bin/activate"
-# Root may use mpirun, and more ranks than cores, also where the command does not say so.
-ENVIRONMENT = {
-    "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}",
-    "OMPI_MCA_rmaps_base_oversubscribe": "1",
-    "OMPI_MCA_hwloc_base_binding_policy": "none",
-}
 SHORT = "--set time.end=0.004 --set output.every=null --quiet"
 INSTEAD = {
     "pgimp study cases/studies/compaction.yaml": "pgimp study cases/studies/compaction.yaml --list",
@@ -75,16 +50,6 @@ INSTEAD = {
     "pip install .": "python -m pip install -qq --no-deps --no-build-isolation --target installed "
     "./source",
 }
-
-
-def blocks(language):
-    return [text for kind, text in BLOCKS if kind == language]
-
-
-def block_of(beginning):
-    """The only block of code that begins like this."""
-    (found,) = [text for _, text in BLOCKS if text.startswith(beginning)]
-    return found
 
 
 def commands():
@@ -262,82 +227,6 @@ def test_all_operations_on_tensors_are_listed():
         if not name.startswith("_")
     ]
     assert listed == there
-
-
-def apply(difference, path):
-    """Apply a difference printed without line numbers: its old lines must be there, once."""
-    lines = difference.splitlines(keepends=True)
-    old = "".join(line[1:] for line in lines if line[0] in " -")
-    new = "".join(line[1:] for line in lines if line[0] in " +")
-    text = path.read_text()
-    assert text.count(old) == 1, f"{path.name} has changed: {old}"
-    path.write_text(text.replace(old, new))
-
-
-def test_material_works_as_printed(folder):
-    """The file, the registration and the test of the page, in a copy of the package."""
-    package, tests = folder / "source" / "pgimp", folder / "source" / "tests"
-    materials = package / "physics" / "materials"
-    (materials / "fluid.py").write_text(block_of('"""Slightly compressible'))
-    differences = [each for each in blocks("diff") if "Fluid" in each]
-    assert len(differences) == 2
-    for difference in differences:
-        apply(difference, materials / "__init__.py")
-    shutil.copytree(ROOT / "tests", tests, ignore=shutil.ignore_patterns("__pycache__"))
-    (tests / "physics" / "test_fluid.py").write_text(block_of('"""The fluid'))
-    source = folder / "source"
-    env = ENVIRONMENT | {"PYTHONPATH": str(source), "PGIMP_CACHE_DIR": str(folder / "cache")}
-    tested = run([sys.executable, "-m", "pytest", "tests/physics/test_fluid.py"], 100, source, env)
-    assert tested.returncode == 0, tested.stdout
-    assert "5 passed" in tested.stdout
-    water = "materials.jelly={model: fluid, bulk: 1.0e3, shear_viscosity: 1.0, density: 1.0e3}"
-    ruff = ["-m", "ruff", "check", "pgimp/physics/materials", "tests/physics/test_fluid.py"]
-    style = run([sys.executable, *ruff], cwd=source)
-    assert style.returncode == 0, style.stdout
-    words = [sys.executable, "-m", "pgimp", "cases/disks.yaml", "-o", "water.out"]
-    done = run([*words, "--set", water, "--set", "time.end=0.05"], 100, folder, env)
-    assert done.returncode == 0, done.stderr
-
-
-#: Two blocks fall and slide at the same speed.
-SLIDING = """
-import numpy as np
-import pgimp
-
-velocity = [1.0, -1.0]
-changes = {"boundaries": {"y-min": FLOOR}, "time.end": 1.2}
-changes |= {f"bodies.{name}.velocity": velocity for name in ("left", "right")}
-sim = pgimp.Simulation("case.yaml", overrides=changes)
-first = sim.diagnostics()
-sim.advance()
-last = sim.diagnostics()
-J = np.linalg.det(sim.particles["deformation"].reshape(-1, 3, 3))
-np.testing.assert_allclose(sim.particles["jacobian"], J, rtol=1e-12)
-print(last["momentum-x"] / first["momentum-x"])
-"""
-
-
-def test_boundary_condition_and_field_work_as_printed(tmp_path):
-    """In a copy of the package: blocks that fall are slowed down by the rough floor alone."""
-    package = tmp_path / "pgimp"
-    shutil.copytree(ROOT / "pgimp", package, ignore=shutil.ignore_patterns("__pycache__"))
-    boundaries = package / "physics/boundaries"
-    (boundaries / "rough.py").write_text(block_of('"""A rough wall'))
-    for difference in blocks("diff"):
-        if "Rough" in difference:
-            apply(difference, boundaries / "__init__.py")
-        elif "jacobian" in difference:
-            apply(difference, package / "physics/fields.py")
-    (tmp_path / "case.yaml").write_text(CASE)
-    env = ENVIRONMENT | {"PYTHONPATH": str(tmp_path), "PGIMP_CACHE_DIR": str(tmp_path / "cache")}
-    found = {}
-    for floor in ("separating", "rough"):
-        program = SLIDING.replace("FLOOR", repr(floor))
-        done = run([sys.executable, "-c", program], 300, tmp_path, env)
-        assert done.returncode == 0, done.stderr
-        found[floor] = float(done.stdout)
-    assert found["separating"] == pytest.approx(1.0, abs=1e-12)
-    assert found["rough"] < 0.9
 
 
 def anchors(text):

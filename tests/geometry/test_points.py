@@ -75,7 +75,7 @@ def damaged():
         "nan.csv": (good + "nan,0,0.1\n", "line 3: the position is not finite"),
         "inf.csv": (good + "0,0,inf\n", "line 3: the volume is not finite"),
         "zero.csv": (good + "\n0,1,0\n", "line 4: the volume must be above zero, is 0"),
-        "word.csv": (good + "0,one,0.1\n", "line 3: 'one' is no number"),
+        "word.csv": (good + "0,one,0.1\n", "line 3, column y: 'one' is no number"),
         "short.csv": (good + "0,0.1\n", "line 3: 2 values, expected 3"),
         "head.csv": ("0,0,0.1\n", "missing x, y, volume; unknown '0', '0.1'; '0' more than once"),
         "key.csv": ("x,y,volume,mass\n0,0,1,1\n", "unknown 'mass'. Expected x,y,volume and, if"),
@@ -87,7 +87,10 @@ def damaged():
             r"'\\x1b\[31mred'; 'x' more than once\. Expected x,y,volume and, if wanted, "
             r"velocity-x,velocity-y; stress-xx,stress-yy,stress-zz,stress-xy; velocity-grad",
         ),
-        "escape.csv": (good + "0,\x1b]0;title\x07,0.1\n", r"line 3: '\\x1b\]0;title\\x07' is no"),
+        "escape.csv": (
+            good + "0,\x1b]0;title\x07,0.1\n",
+            r"line 3, column y: '\\x1b\]0;title\\x07' is no",
+        ),
         "none.csv": ("x,y,volume\n", "holds no particle"),
         "out.csv": (
             good + "\n0,7,0.1\n",
@@ -228,22 +231,22 @@ def counted(model, ranks):
     model = Case.model_validate(model)
     share(model, Serial())
     lattice = Lattice(model)
-    everything = [census_of(lattice, rank, ranks) for rank in range(ranks)]
+    everything = [counts_of(lattice, rank, ranks) for rank in range(ranks)]
     gathered = SimpleNamespace(rank=0, size=ranks, allgather=lambda mine: everything)
     return count_all(lattice, gathered).counts.sum()
 
 
-def census_of(lattice, rank, ranks):
-    """What a rank tells the others in a census."""
-    told = []
+def counts_of(lattice, rank, ranks):
+    """The counts that a rank sends to the others."""
+    sent = []
 
     def allgather(mine):
-        told.append(mine)
+        sent.append(mine)
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
         count_all(lattice, SimpleNamespace(rank=rank, size=ranks, allgather=allgather))
-    return told[0]
+    return sent[0]
 
 
 def test_wrong_datasets_are_refused(tmp_path):

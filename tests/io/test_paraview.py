@@ -159,7 +159,7 @@ def test_colours_follow_the_field_with_one_range_for_all_times(drawn):
     assert (drawn / "last.png").read_bytes() == (drawn / "all/frame-000001.png").read_bytes()
 
 
-def test_colours_leave_a_sliver_out(pvpython, tmp_path):
+def test_colours_leave_a_few_particles_out(pvpython, tmp_path):
     """One particle of a thousand times the stress of the others leaves them their colours."""
     (tmp_path / "frames").mkdir()
     sim, _ = make_sim(Serial(), 400, 2)

@@ -116,7 +116,7 @@ def test_no_place_that_is_none_becomes_a_number(value):
     rank.particles.v[:] = value
     layers = rank.particles.layer.copy()
     _, _, found, *_ = stepped(rank)
-    assert rank.failed == len(rank.population.order) and found == rank.leavers == 0
+    assert rank.failed == len(rank.population.order) and found == rank.outflow == 0
     assert (rank.particles.layer == layers).all() and (rank.reach == rank.grid.base).all()
 
 
@@ -147,8 +147,8 @@ def test_particles_leave_through_faces_that_let_them_go(name, exits, directions,
     rank.exits = sum(1 << (2 * "xyz".index(face[0]) + (face[2:] == "max")) for face in exits)
     fault, _, found, *_ = stepped(rank)
     if reason == OUTFLOW:
-        assert (rank.failed, rank.leavers, found) == (0, 1, 1)
+        assert (rank.failed, rank.outflow, found) == (0, 1, 1)
         assert rank.particles.layer[0] == OUTFLOW and rank.population.changed[0] == 0
         np.testing.assert_allclose(rank.particles.v[0], 0.41 * np.array(directions) * CELL / DT)
     else:
-        assert fault == reason and rank.leavers == found == 0
+        assert fault == reason and rank.outflow == found == 0

@@ -50,7 +50,7 @@ def test_patches_make_up_the_face(shape, dimension, per_cell, places):
     for n, traction in enumerate(given_):
         d = traction.axis
         area = np.prod([b - a for i, (a, b) in enumerate(zip(low, high, strict=True)) if i != d])
-        # At edges, slivers of a thousandth may have gone to where no patch is.
+        # At edges, parts of a thousandth may have gone to where no patch is.
         assert p.patch[:, n].sum() == pytest.approx(area, rel=3e-3)
         place = p.x[:, d] + traction.side * traction.reach
         face = (low if traction.side < 0 else high)[d]
@@ -205,7 +205,7 @@ def test_wrong_entries_are_named():
 
 @pytest.mark.parametrize("more", [0.0, 1e-14, 5e-4])
 def test_no_patch_is_below_zero(more):
-    """Of a box that ends where a column does, but for rounding or a sliver; resuming needs it."""
+    """Of a box that ends where a column does, but for rounding or a little; resuming needs it."""
     rng = np.random.default_rng(3)
     for _ in range(10):
         cell, low = float(rng.uniform(0.6, 1.3)), float(rng.uniform(0.0, 2.0))

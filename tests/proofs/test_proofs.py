@@ -109,14 +109,14 @@ from pathlib import Path
 sys.path.insert(0, sys.argv[1])
 import scene_features, scene_runs
 scene_runs.prepare()
-from pgimp.decomposition import handover
+from pgimp.decomposition import redistribute
 
-unpack = handover.unpack
+unpack = redistribute.unpack
 def flipped(records, particles, rows):
     unpack(records, particles, rows)
     particles.v[rows[:1], 0] *= 1.0 + 3e-16
 if sys.argv[2] == "flipped":
-    handover.unpack = flipped
+    redistribute.unpack = flipped
 case, files, _ = scene_features.make(1, 3380, 169)
 for name, text in (files | {"case.yaml": json.dumps(case)}).items():
     Path(name).write_text(text)

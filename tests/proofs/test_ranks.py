@@ -23,7 +23,7 @@ RESUMED = {(3, 2): 0.2, (5, 4): 0.5}
 #: control, all loads, probes and frames of the grid, particles that leave, and those that carry
 #: gradients. A checkpoint of the others holds nothing else.
 GO_ON = ("line_mpm", "line_leaves", "plane_gimp", "plane_leaves", "plane_fuzzy", "loaded", "affine",
-         "space_finite", "narrow")  # fmt: skip
+         "meeting", "space_finite", "narrow")  # fmt: skip
 #: On 4 ranks messages go as between machines, otherwise through shared memory.
 TCP = {"OMPI_MCA_btl": "tcp,self", "OMPI_MCA_btl_tcp_if_include": "lo"}
 

@@ -48,7 +48,7 @@ def test_schedule_with_steps_of_any_size():
 def test_the_log_keeps_what_was_said(tmp_path, capsys):
     log = Log(speaks=True)
     log.say("before there is a directory")
-    log.keep_in(tmp_path / "log.txt")
+    log.write_to(tmp_path / "log.txt")
     log.say("after")
     log.note("only in the file")
     log.close()

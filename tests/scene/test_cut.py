@@ -17,7 +17,7 @@ from pgimp.geometry.measure import TangledError, measure
 from pgimp.geometry.regions import RegionEntry
 from pgimp.mpi.comm import Serial
 from pgimp.scene import latticebody
-from pgimp.scene.latticebody import SLIVER, LatticeBody
+from pgimp.scene.latticebody import LEAST_FRACTION, LatticeBody
 from pgimp.scene.scene import Scene, count_particles
 
 ENTRY = TypeAdapter(RegionEntry)
@@ -469,10 +469,10 @@ def test_volumes_of_any_region_are_those_of_a_count(data, dimension, seed):
     assert volume == pytest.approx(counted, abs=0.2, rel=2e-3)
 
 
-# -- slivers
+# -- small cut boxes
 
 
-def test_slivers_go_to_the_neighbour_inwards():
+def test_small_parts_go_to_the_neighbour_inwards():
     """Boxes of 0.5: the part beyond 3 is 5e-4 of one, in a corner 2.5e-7."""
     end = 3.0 + 0.5 * 5e-4
     p, _ = particles(scene(2, body(box([1.0, 1.0], [end, end]))))
@@ -484,17 +484,17 @@ def test_slivers_go_to_the_neighbour_inwards():
     np.testing.assert_allclose(f[sides == 0], 1.0, rtol=0, atol=0)
     np.testing.assert_allclose(f[sides == 1], 1.0 + 5e-4, rtol=1e-9)
     np.testing.assert_allclose(f[sides == 2], 1.0 + 2 * 5e-4 + 2.5e-7, rtol=1e-9)
-    assert f.min() >= SLIVER
+    assert f.min() >= LEAST_FRACTION
 
 
-@pytest.mark.parametrize(("part", "count"), [(0.9 * SLIVER, 4), (1.1 * SLIVER, 5)])
+@pytest.mark.parametrize(("part", "count"), [(0.9 * LEAST_FRACTION, 4), (1.1 * LEAST_FRACTION, 5)])
 def test_parts_above_a_thousandth_stay(part, count):
     p, _ = particles(scene(1, body(box([1.0], [3.0 + 0.5 * part])), per_cell=2))
     assert len(p.V) == count
     assert p.V.sum() == pytest.approx(2.0 + 0.5 * part, rel=1e-13)
 
 
-def test_a_sliver_without_a_neighbour_stays():
+def test_a_small_part_without_a_neighbour_stays():
     p, _ = particles(scene(1, body(box([1.1], [1.1 + 1e-5]))))
     assert len(p.V) == 1
     assert p.V[0] == pytest.approx(1e-5, rel=1e-9)
@@ -558,7 +558,7 @@ def test_a_free_disk_flies_on(shape):
     disk = body(ball(CENTRE, RADIUS), velocity=[1.5, 1.1])
     case = scene(2, disk, cells=[24, 20], shape=shape, end=8.0, step={"courant": 0.3})
     sim = start(case)
-    assert SLIVER < field(sim, "V").min() / 0.25 < 1.01 * SLIVER
+    assert LEAST_FRACTION < field(sim, "V").min() / 0.25 < 1.01 * LEAST_FRACTION
     before = (field(sim, "m")[:, None] * field(sim, "v")).sum(axis=0)
     finish(sim)
     assert sim.step > 300

@@ -77,7 +77,7 @@ def test_controlled_steps_meet_the_stops_and_divide_the_way_to_them_evenly(
     speeds=st.lists(st.floats(1.0, 20.0), min_size=1, max_size=30),
     stops=st.lists(st.floats(0.01, 0.99), max_size=3),
 )
-def test_controlled_steps_follow_the_speed_without_slivers(speeds, stops):
+def test_controlled_steps_follow_the_speed_without_tiny_steps(speeds, stops):
     sequence = iter(speeds * 1000)
     done = ticks(CourantClock(0.5, 1.0, tuple(stops)), lambda time: next(sequence) * 10.0)
     assert done[-1][2] == 1.0

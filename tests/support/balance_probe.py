@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from pgimp import run
-from pgimp.decomposition import balance, handover
+from pgimp.decomposition import balance, redistribute
 from pgimp.decomposition.balance import Balance
 from pgimp.mpi.comm import abort_on_error, world
 from pgimp.solver.simulation import Simulation
@@ -50,7 +50,7 @@ def random_cuts(mine, counts, step):
 if how in ("shuffled", "short"):
     Balance.note, Balance.decide = ask, random_cuts
     Balance.moved = lambda mine, seconds, step: None
-    handover._PIECE = 500  # so that what moves is sent in several messages
+    redistribute._PIECE = 500  # so that what moves is sent in several messages
 if how == "counted":
     noted = Balance.note
 
@@ -61,7 +61,7 @@ if how == "counted":
     moved = Balance.moved
     Balance.note = alike
     Balance.moved = lambda mine, seconds, step: moved(mine, 0.0, step)
-    balance._PRICE = 0.01
+    balance._MOVE_COST = 0.01
 
 watched: dict = {}
 advance = Simulation.advance
@@ -80,12 +80,12 @@ def watch(sim, agree=True):
 Simulation.advance = watch
 with abort_on_error(world()):
     if how == "short" and world().rank == 1:
-        unpack = handover.unpack
+        unpack = redistribute.unpack
 
         def fail(*args):
             raise MemoryError("Unable to allocate 3 EiB")
 
-        handover.unpack = fail
+        redistribute.unpack = fail
     for case in cases:
         watched.clear()
         name = Path(case).stem

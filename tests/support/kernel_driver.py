@@ -67,12 +67,14 @@ def initial_half(name: str, per_cell: int) -> float:
         return 0.0
     if name.startswith("fuzzy"):
         return 1.0 if "constant" in name else 1.0 / per_cell
-    return 0.5 / per_cell
+    if name.endswith("gimp"):
+        return 0.5 / per_cell
+    return entry(name, [per_cell]).parameters((1.0,)).half[0]
 
 
 def follows(name: str) -> bool:
     """Whether the half-widths follow the deformation."""
-    return name not in ("mpm", "gimp") and not name.endswith("-fixed")
+    return name == "finite-gimp" or (name.startswith("fuzzy") and not name.endswith("-fixed"))
 
 
 def make_frame(shape: Any, origin: Sequence[float], cell: Sequence[float], cells: Sequence[int]):
@@ -194,7 +196,7 @@ class Rank:
         forcing = self.forcing(dt)._replace(gravity=b, lightest=lightest)
         for mirror in mirrors:
             fold(self.frame, field, mirror, forcing, ledger)
-        update_momentum(self.frame, field, faces, forcing, ledger)
+        update_momentum(self.frame, field, faces, forcing, ledger, ())
         for mirror in reversed(mirrors):
             reflect(self.frame, field, mirror, forcing, ledger)
 
@@ -213,7 +215,7 @@ class Rank:
         grid, population = self.grid, self.population
         self.reach = grid.base.copy()
         room = np.zeros((self.room, 2), np.int64)
-        self.failed, self.leavers, *rest = grid_to_particles(
+        self.failed, self.outflow, *rest = grid_to_particles(
             self.setting._replace(tracked=tracked, exits=self.exits), grid.field,
             population.particles, population.ordered, np.arange(len(population.start) - 1),
             self.forcing(dt), Report(self.reach, population.changed, room),

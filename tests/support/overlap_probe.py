@@ -25,7 +25,7 @@ TURN, WARM, LAST = 60, 1200, 3000
 
 def runs(folder, *cases):
     """With and without overlap; what was used is checked here."""
-    halo.PIECE, migrate.ROOM = 1, 2
+    halo.PIECE, migrate.CAPACITY = 1, 2
     seen = {"on": set(), "off": set()}
     rooms = [0]
     parts, send = halo.Halo.parts, migrate.Migration.proceed

@@ -8,6 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pgimp.physics.shapes import SHAPES
+
 
 class Chi(NamedTuple):
     """A characteristic function of half-width 1 and integral 1.
@@ -27,14 +29,8 @@ class Chi(NamedTuple):
 BOX = Chi(lambda s: 0.5 + 0.0 * s, (-1.0, 1.0))
 TENT = Chi(lambda s: 1.0 - np.abs(s), (-1.0, 0.0, 1.0))
 
-#: None is Dirac's delta (34).
-CHI = {
-    "mpm": None,
-    "gimp": BOX,
-    "finite-gimp": BOX,
-    "fuzzy-nearest": TENT,
-    "fuzzy-constant": TENT,
-}
+#: By the kind that a shape declares; None is Dirac's delta (34).
+CHI = {"point": None, "box": BOX, "tent": TENT}
 
 #: Exact for polynomials up to the degree 7; a tent times a tent has 2.
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(4)
@@ -42,7 +38,7 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(4)
 
 def chi_of(name):
     """Characteristic function of a shape, also of one with a fixed size."""
-    return CHI[name.removesuffix("-fixed")]
+    return CHI[SHAPES[name.removesuffix("-fixed")].chi]
 
 
 def tent(r):

@@ -281,6 +281,36 @@ def affine():
     return case
 
 
+def meeting():
+    """Bodies that come near each other and part, with friction, tied, at walls and constraints."""
+    bodies = {
+        "flies": box([1.0, 2.0], [4.0, 5.0], [6.0, 0.4]),
+        "meets": box([12.0, 2.5], [15.0, 5.5], [-5.0, -0.4], "stiff"),
+        "lies": box([7.0, 0.0], [10.0, 2.0]),
+        "glued": box([7.0, 2.0], [9.0, 3.5]),
+        "ghost": box([5.0, 6.0], [6.0, 7.0], [3.0, -4.0]),
+    }
+    grip = {"body": "lies", "region": {"box": {"min": [7.0, 0.0], "max": [8.0, 2.0]}}}
+    return scene(
+        2,
+        bodies,
+        cells=[20, 8],
+        end=1.0,
+        step={"courant": 0.3},
+        materials=PAIR,
+        gravity=[0.0, -2.0],
+        boundaries={"y-min": "separating", "y-max": "slip"},
+        constraints={"grip": grip | {"velocity": [0.0, None]}},
+        contact=[
+            {"bodies": "all", "friction": {"static": 0.5, "kinetic": 0.3}},
+            {"bodies": ["lies", "glued"], "law": "tied"},
+            {"bodies": ["ghost", "meets"], "law": "ignore"},
+        ],
+        output={"every": 0.25, "fields": EVERYTHING, "grid": GRID},
+        history={"every": {"steps": 10}},
+    )
+
+
 def cut():
     """A tilted cylinder and a ball, which the lattice cuts, spinning."""
     motion = {
@@ -331,6 +361,7 @@ SCENES = (
             plane_leaves,
             loaded,
             affine,
+            meeting,
             cut,
         )
     }

@@ -24,7 +24,7 @@ from pgimp.tools.model.costs import Costs, Messages, Network
 from pgimp.tools.model.layout import Layout, layout_now, layout_of
 from pgimp.tools.model.measure import costs_of, run_in_turn
 from pgimp.tools.model.predict import EFFICIENT, pays_off, predict
-from pgimp.tools.model.report import ladder, lines, scaling
+from pgimp.tools.model.report import lines, rank_counts, scaling
 from pgimp.tools.model.sample import Sample, resized, samples_of
 
 US = 1e-6
@@ -173,8 +173,8 @@ def test_ten_billion_particles_on_ten_thousand_ranks():
 
 
 def test_a_ladder_of_ranks():
-    assert ladder((3,), 8) == [1, 2, 3, 4, 8]
-    assert ladder((22, 99), 20) == [1, 2, 4, 8, 16, 20]
+    assert rank_counts((3,), 8) == [1, 2, 3, 4, 8]
+    assert rank_counts((22, 99), 20) == [1, 2, 4, 8, 16, 20]
 
 
 def test_the_layout_is_that_of_the_run():

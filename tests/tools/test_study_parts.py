@@ -17,7 +17,7 @@ from pgimp.errors import CaseError, UsageError
 from pgimp.schema.document import parse
 from pgimp.tools.plot.style import STYLE
 from pgimp.tools.reference.jsonschema import study_schema
-from pgimp.tools.study.measures import Unmeasured, measure, orders, pareto
+from pgimp.tools.study.measures import MeasureError, measure, orders, pareto
 from pgimp.tools.study.plan import read_plan
 from pgimp.tools.study.plot import _guides
 from pgimp.tools.study.runs import last_words
@@ -250,9 +250,9 @@ def test_a_measure_is_a_line_of_a_column():
         ({"column": "b"}, "b is inf"),
         ({"column": "b", "at": "max"}, "b@max is nan"),
     ):
-        with pytest.raises(Unmeasured, match=re.escape(why)):
+        with pytest.raises(MeasureError, match=re.escape(why)):
             value(**wanted)
-    with pytest.raises(Unmeasured, match="no lines"):
+    with pytest.raises(MeasureError, match="no lines"):
         measure(history[:0], Measure(column="a"))
 
 

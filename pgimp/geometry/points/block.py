@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,8 +13,12 @@ Reals = NDArray[np.float64]
 #: Rows that are read at a time.
 BLOCK = 200_000
 
-#: Components of the stress by dimension, the first of xx, yy, zz, xy, yz, xz.
+#: Components of a symmetric tensor, and how many of them each dimension has.
+PAIRS = ("xx", "yy", "zz", "xy", "yz", "xz")
 STRESS = {1: 3, 2: 4, 3: 6}
+
+#: State variables of a material by name, and whether they are symmetric tensors or one number.
+States = Mapping[str, bool]
 
 
 class Block(NamedTuple):
@@ -27,6 +32,8 @@ class Block(NamedTuple):
         Those of xx, yy, zz, xy, yz, xz that the dimension has.
     gradient : (n, D * D) float64 or None
         Of the velocity, row by row: dv_x/dx, dv_x/dy, ...
+    states : dict of str to (n, k) float64
+        State variables of the material, by name: one number, or as many components as `stress`.
     lines : callable
         Gives the place of a row in the file as text, "row 0" or "line 2".
     """
@@ -37,6 +44,7 @@ class Block(NamedTuple):
     velocity: Reals | None
     stress: Reals | None
     gradient: Reals | None
+    states: dict[str, Reals]
     lines: Any
 
     def place(self, row: int) -> str:
@@ -55,4 +63,5 @@ class Block(NamedTuple):
             velocity=of(self.velocity),
             stress=of(self.stress),
             gradient=of(self.gradient),
+            states={name: values[rows] for name, values in self.states.items()},
         )

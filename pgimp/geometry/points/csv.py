@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pgimp.errors import CaseError
-from pgimp.geometry.points.block import STRESS, Block
+from pgimp.geometry.points.block import PAIRS, STRESS, Block, States
 from pgimp.schema.messages import shorten
 
 Reals = NDArray[np.float64]
@@ -21,21 +21,31 @@ _TEXT = 8_000_000
 _AXES = "xyz"
 
 
-def _groups(D: int) -> dict[str, list[str]]:
+#: Before the names of the groups that are state variables.
+_STATE = "state "
+
+
+def _groups(D: int, states: States) -> dict[str, list[str]]:
     """Names of the columns that belong together, in the order of a `Block`."""
-    axes, pairs = _AXES[:D], ("xx", "yy", "zz", "xy", "yz", "xz")
-    return {
+    axes, pairs = _AXES[:D], PAIRS[: STRESS[D]]
+    groups = {
         "position": list(axes),
         "volume": ["volume"],
         "velocity": [f"velocity-{axis}" for axis in axes],
-        "stress": [f"stress-{pair}" for pair in pairs[: STRESS[D]]],
+        "stress": [f"stress-{pair}" for pair in pairs],
         "gradient": [f"velocity-gradient-{a}{b}" for a in axes for b in axes],
     }
+    used = {key for keys in groups.values() for key in keys}
+    for name, tensor in states.items():
+        keys = [f"{name}-{pair}" for pair in pairs] if tensor else [name]
+        if used.isdisjoint(keys):
+            groups[_STATE + name] = keys
+    return groups
 
 
-def read_csv(name: str, D: int) -> Iterator[Block]:
+def read_csv(name: str, D: int, states: States) -> Iterator[Block]:
     """Yield the particles of a file; see `pgimp.geometry.points.file.blocks`."""
-    groups = _groups(D)
+    groups = _groups(D, states)
     head: list[str] | None = None
     first = 0
     for line, text in _text(name):
@@ -45,12 +55,12 @@ def read_csv(name: str, D: int) -> Iterator[Block]:
         ]
         if head is None and kept:
             head = [word.strip().lower() for word in kept[0][1].split(",")]
-            if problem := _misnamed(head, D):
+            if problem := _misnamed(head, D, states):
                 raise CaseError(f"line {kept[0][0]}, the names of its columns: {problem}")
             kept = kept[1:]
         if not kept or head is None:
             continue
-        values = _numbers(kept, len(head))
+        values = _numbers(kept, head)
         column = {key: values[:, i] for i, key in enumerate(head)}
         table = {
             group: np.stack([column[key] for key in keys], axis=1) if keys[0] in column else None
@@ -60,18 +70,24 @@ def read_csv(name: str, D: int) -> Iterator[Block]:
         assert position is not None
         yield Block(
             first, position, column["volume"], table["velocity"], table["stress"],
-            table["gradient"], lambda row, kept=kept: f"line {kept[row][0]}",
+            table["gradient"],
+            {
+                group.removeprefix(_STATE): values
+                for group, values in table.items()
+                if group.startswith(_STATE) and values is not None
+            },
+            lambda row, kept=kept: f"line {kept[row][0]}",
         )  # fmt: skip
         first += len(values)
     if head is None:
         raise CaseError("it has no line of names, such as x,y,z,volume")
 
 
-def _misnamed(head: list[str], D: int) -> str:
+def _misnamed(head: list[str], D: int, states: States) -> str:
     """Errors in the names of the columns; empty if there are none."""
-    groups = _groups(D)
+    groups = _groups(D, states)
     known = [key for keys in groups.values() for key in keys]
-    spatial = {key for keys in _groups(3).values() for key in keys}
+    spatial = {key for keys in _groups(3, states).values() for key in keys}
     needed = groups["position"] + groups["volume"]
     missing = [
         key
@@ -120,8 +136,9 @@ def _text(name: str) -> Iterator[tuple[int, str]]:
         yield line, rest.decode("utf-8-sig")
 
 
-def _numbers(kept: list[tuple[int, str]], columns: int) -> Reals:
+def _numbers(kept: list[tuple[int, str]], head: list[str]) -> Reals:
     """Numbers of lines, (n, columns)."""
+    columns = len(head)
     try:
         source = io.StringIO("\n".join(row for _, row in kept))
         values = np.loadtxt(source, delimiter=",", ndmin=2, comments=None)
@@ -133,9 +150,10 @@ def _numbers(kept: list[tuple[int, str]], columns: int) -> Reals:
         words = row.split(",")
         if len(words) != columns:
             raise CaseError(f"line {number}: {len(words)} values, expected {columns}")
-        for word in words:
+        for column, word in zip(head, words, strict=True):
             try:
                 float(word)
             except ValueError:
-                raise CaseError(f"line {number}: '{shorten(word, 40)}' is no number") from None
+                text = f"line {number}, column {column}: '{shorten(word, 40)}' is no number"
+                raise CaseError(text) from None
     raise CaseError(f"line {kept[0][0]} and those after it are no numbers")

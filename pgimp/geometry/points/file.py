@@ -4,7 +4,7 @@ HDF5: datasets `position` (n, D), `volume` (n,), and if wanted `velocity` (n, D)
 `velocity-gradient` (n, D, D); vectors and tensors may be those of 3D in any dimension, as in the
 frames of a run. CSV: a line of names, `x, y, z, volume, velocity-x, ..., stress-xx, ...,
 velocity-gradient-xx, -xy, ...`, then a line for each particle; empty lines and those that begin
-with # do not count.
+with # do not count. Either may have the state variables of the body's material by their names.
 """
 
 from __future__ import annotations
@@ -14,13 +14,15 @@ from pathlib import Path
 
 from pgimp.errors import CaseError
 from pgimp.geometry.mesh.file import check_file
-from pgimp.geometry.points.block import Block
+from pgimp.geometry.points.block import Block, States
 from pgimp.geometry.points.csv import read_csv
 from pgimp.geometry.points.hdf5 import read_hdf5
 from pgimp.schema.messages import shorten
 
 
-def blocks(name: str, dimensions: int, most: int | None = None) -> Iterator[Block]:
+def blocks(
+    name: str, dimensions: int, most: int | None = None, states: States | None = None
+) -> Iterator[Block]:
     """Yield the particles of a file.
 
     Parameters
@@ -31,6 +33,8 @@ def blocks(name: str, dimensions: int, most: int | None = None) -> Iterator[Bloc
         Of the case.
     most : int, optional
         Particles that memory can hold; a file that claims more is refused before it is read.
+    states : mapping of str to bool, optional
+        State variables of the material that it may give, see `pgimp.geometry.points.block`.
 
     Raises
     ------
@@ -40,9 +44,9 @@ def blocks(name: str, dimensions: int, most: int | None = None) -> Iterator[Bloc
     check_file(name, "the particles")
     ending = Path(name).suffix.lower()
     if ending in (".h5", ".hdf5"):
-        found = read_hdf5(name, dimensions, most)
+        found = read_hdf5(name, dimensions, most, states or {})
     elif ending in (".csv", ".txt"):
-        found = read_csv(name, dimensions)
+        found = read_csv(name, dimensions, states or {})
     else:
         raise CaseError(
             f"cannot read the particles {name}: its name must end in .h5, .hdf5 or .csv, not "

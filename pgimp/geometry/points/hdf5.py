@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pgimp.errors import CaseError
-from pgimp.geometry.points.block import BLOCK, STRESS, Block
+from pgimp.geometry.points.block import BLOCK, STRESS, Block, States
 from pgimp.geometry.points.plainhdf5 import find
 
 Reals = NDArray[np.float64]
@@ -26,26 +26,28 @@ class _Kind(NamedTuple):
     kept: list[int]
 
 
-def _kinds(D: int) -> dict[str, _Kind]:
+def _kinds(D: int, states: States) -> dict[str, _Kind]:
     """Kinds of the datasets; vectors and tensors may be those of 3D, as in the frames of a run."""
     vector = _Kind(((D,), (3,)) if D > 1 else ((), (1,), (3,)), list(range(D)))
     square = [3 * i + j for i in range(D) for j in range(D)]
-    return {
+    number = _Kind(((), (1,)), [0])
+    tensor = _Kind(((STRESS[D],), (6,)), list(range(STRESS[D])))
+    return {name: tensor if states[name] else number for name in states} | {
         "position": vector,
-        "volume": _Kind(((), (1,)), [0]),
+        "volume": number,
         "velocity": vector,
-        "stress": _Kind(((STRESS[D],), (6,)), list(range(STRESS[D]))),
+        "stress": tensor,
         "velocity-gradient": _Kind(((D, D), (D * D,), (3, 3), (9,)), square),
     }
 
 
-def read_hdf5(name: str, D: int, most: int | None) -> Iterator[Block]:
+def read_hdf5(name: str, D: int, most: int | None, states: States) -> Iterator[Block]:
     """Yield the particles of a file; see `pgimp.geometry.points.file.blocks`."""
     from pgimp.files.hdf5 import load_h5py, open_file
 
     h5py = load_h5py()
     with open_file(Path(name), "r") as file:
-        kinds = _kinds(D)
+        kinds, own = _kinds(D, states), _kinds(D, {})
         found = {key: find(h5py, file, key) for key in kinds}
         if missing := [key for key in ("position", "volume") if found[key] is None]:
             raise CaseError(f"it has no dataset {', '.join(map(repr, missing))}")
@@ -68,6 +70,7 @@ def read_hdf5(name: str, D: int, most: int | None) -> Iterator[Block]:
             yield Block(
                 first, rows["position"], rows["volume"].reshape(-1), rows.get("velocity"),
                 rows.get("stress"), rows.get("velocity-gradient"),
+                {name: rows[name] for name in states if name in rows and name not in own},
                 lambda row, first=first: f"row {first + row} (from 0)",
             )  # fmt: skip
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from pgimp.errors import CaseError
-from pgimp.geometry.points.block import Block
+from pgimp.geometry.points.block import PAIRS, Block, States
 from pgimp.geometry.points.file import blocks
 from pgimp.geometry.regions.base import Bounds, Lengths, Mask, Plane, Region
 from pgimp.geometry.regions.base import Points as Positions
@@ -35,6 +35,7 @@ class Summary(NamedTuple):
     velocity: bool
     stress: bool
     gradient: bool
+    states: tuple[str, ...]
 
 
 class Points(Model, Region):
@@ -46,7 +47,8 @@ class Points(Model, Region):
     file: FileName = Field(
         description="file of the particles, from the folder of the case: .csv with a line of names "
         "(x,y,z,volume,velocity-x,...,stress-xx,...,velocity-gradient-xx,...), or .h5 with "
-        "datasets position, volume, velocity, stress, velocity-gradient"
+        "datasets position, volume, velocity, stress, velocity-gradient; either also with the "
+        "state variables of the body's material, by their names"
     )
 
     def belong(self, dimensions: int) -> None:
@@ -58,10 +60,18 @@ class Points(Model, Region):
         """Directions of the case."""
         return self.__dict__.get("dimensions_of_case", 3)
 
+    def expect(self, states: States) -> None:
+        """Learn the state variables of the body's material, which the file may give."""
+        self.__dict__["states_of_material"] = states
+
+    def _blocks(self, most: int | None = None) -> Iterator[Block]:
+        states = self.__dict__.get("states_of_material")
+        return blocks(self.file, self.dimensions, most, states)
+
     def nothing(self) -> Summary:
         """Return what stands for the file where its particles exist already."""
         D = self.dimensions
-        return Summary(0, (np.inf,) * D, (-np.inf,) * D, 0.0, 0.0, 0.0, False, False, False)
+        return Summary(0, (np.inf,) * D, (-np.inf,) * D, 0.0, 0.0, 0.0, False, False, False, ())
 
     @cached_property
     def summary(self) -> Summary:
@@ -86,7 +96,8 @@ class Points(Model, Region):
         low, high = np.full(D, np.inf), np.full(D, -np.inf)
         least, largest = np.inf, 0.0
         velocity = stress = gradient = False
-        for block in blocks(self.file, D, most):
+        states: tuple[str, ...] = ()
+        for block in self._blocks(most):
             self._check(block)
             count += len(block.volume)
             volume += float(block.volume.sum())
@@ -94,7 +105,7 @@ class Points(Model, Region):
             high = np.maximum(high, block.position.max(axis=0))
             least, largest = min(least, block.volume.min()), max(largest, block.volume.max())
             velocity, stress = block.velocity is not None, block.stress is not None
-            gradient = block.gradient is not None
+            gradient, states = block.gradient is not None, tuple(block.states)
         if not count:
             raise CaseError(f"the file {self.file} holds no particle")
         if gradient and not velocity:
@@ -103,17 +114,20 @@ class Points(Model, Region):
             )
         ends = tuple(low.tolist()), tuple(high.tolist())
         sizes = float(least), float(largest)
-        return Summary(count, *ends, volume, *sizes, velocity, stress, gradient)
+        return Summary(count, *ends, volume, *sizes, velocity, stress, gradient, states)
 
     def _check(self, block: Block) -> None:
         """Refuse what is no particle, with its row."""
-        columns = (
+        columns = [
             ("position", block.position),
             ("volume", block.volume),
             ("velocity", block.velocity),
             ("stress", block.stress),
             ("velocity gradient", block.gradient),
-        )
+        ]
+        for name, table in block.states.items():
+            names = [name] if table.shape[1] == 1 else [f"{name}-{pair}" for pair in PAIRS]
+            columns += zip(names, table.T, strict=False)
         for what, values in columns:
             if values is None:
                 continue
@@ -132,7 +146,7 @@ class Points(Model, Region):
 
     def chosen(self, which: Callable[[Lengths], Mask]) -> Iterator[tuple[NDArray, Block]]:
         """Yield the particles whose coordinate along x is wanted, with their rows in the file."""
-        for block in blocks(self.file, self.dimensions):
+        for block in self._blocks():
             rows = np.flatnonzero(which(np.ascontiguousarray(block.position[:, 0])))
             if len(rows):
                 yield block.first + rows, block.take(rows)
@@ -140,7 +154,7 @@ class Points(Model, Region):
     def lines(self, rows: Sequence[int]) -> list[str]:
         """Return where in the file rows stand, given ascending; fewer if it has become shorter."""
         found: list[str] = []
-        for block in blocks(self.file, self.dimensions):
+        for block in self._blocks():
             while len(found) < len(rows) and rows[len(found)] < block.first + len(block.volume):
                 found.append(block.place(rows[len(found)] - block.first))
             if len(found) == len(rows):
@@ -149,7 +163,7 @@ class Points(Model, Region):
 
     def at(self, axis: int, reach: float) -> str:
         """See `Region.at`; the file is read once more."""
-        for block in blocks(self.file, self.dimensions):
+        for block in self._blocks():
             rows = np.flatnonzero(block.position[:, axis] == reach)
             if len(rows):
                 x = ", ".join(f"{value:.6g}" for value in block.position[rows[0]])
@@ -189,6 +203,7 @@ class Points(Model, Region):
 
         names = {"velocity": "velocity", "stress": "stress", "gradient": "velocity gradient"}
         more = [name for key, name in names.items() if getattr(found, key)]
+        more += found.states
         given = f"; with {', '.join(more)}" if more else ""
         return [
             f"{found.number:,} particles of a file, from {place(found.low)} to "

@@ -100,7 +100,7 @@ def _examine(setting, forcing, particles, batch, usual, found, report, ledger, c
     def examine(setting, forcing, particles, batch, usual, found, report, ledger, counts):
         frame, number, reach = setting.frame, batch.number, report.reach
         u, v, x, J, state, half, now, most = found
-        failed, leavers, moved, clamped, held = counts
+        failed, outflow, moved, clamped, held = counts
         for j in range(batch.size):
             if usual >> j & 1:
                 continue
@@ -125,7 +125,7 @@ def _examine(setting, forcing, particles, batch, usual, found, report, ledger, c
                 particles.layer[p] = OUTFLOW
                 report.changed[moved] = batch.first + j
                 moved += 1
-                leavers += 1
+                outflow += 1
                 continue
             if fault == 0 and abs(layer_now - number) > 1:
                 fault = TOO_FAST  # a cell, but for rounding: past a slab of one layer
@@ -143,6 +143,6 @@ def _examine(setting, forcing, particles, batch, usual, found, report, ledger, c
                 particles.layer[p] = layer_now
                 report.changed[moved] = batch.first + j
                 moved += 1
-        return failed, leavers, moved, clamped, held
+        return failed, outflow, moved, clamped, held
 
     return examine

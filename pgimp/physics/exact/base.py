@@ -49,7 +49,7 @@ class Solution(Model):
         if self.moves and any(body.velocity if isinstance(body.velocity, tuple) else (True,)):
             text = "the exact solution gives the initial velocity; leave this out"
             yield Problem(("bodies", name, "velocity"), text)
-        for key in ("tractions", "constraints"):
+        for key in ("body_force", "tractions", "constraints"):
             if getattr(case, key, None):
                 yield Problem((key,), "the exact solution has none; leave this out")
         yield from self.mismatches(case, name, body)
@@ -83,9 +83,9 @@ def no_gravity(case: Any) -> Iterator[Problem]:
 
 
 class BodyForce(NamedTuple):
-    """Body force of a manufactured solution at a time."""
+    """Body force at a time: of a manufactured solution, or of `pgimp.physics.loads`."""
 
-    solution: Any
+    source: Any
     time: float
 
 

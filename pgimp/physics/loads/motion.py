@@ -8,6 +8,8 @@ from pydantic import Field
 
 from pgimp.schema.base import Model, Number, Vector
 from pgimp.schema.dispatch import Either
+from pgimp.schema.problems import Problem
+from pgimp.schema.sizes import Problems, length
 
 
 def _zeros(schema: dict[str, Any]) -> None:
@@ -33,6 +35,21 @@ class Rotation(Model):
         description="angular velocity: a number in 2D, counter-clockwise positive; "
         "a vector along the axis in 3D [1/time]"
     )
+
+
+def check_rotation(
+    path: tuple[str | int, ...], rotation: Rotation, dimensions: int
+) -> Problems:
+    """Check that a rotation fits the dimensions."""
+    yield from length((*path, "about"), rotation.about, dimensions)
+    if dimensions == 2 and isinstance(rotation.rate, tuple):
+        text = f"expected a number in 2D, got a list of {len(rotation.rate)}"
+        yield Problem((*path, "rate"), text)
+    elif dimensions == 3 and not isinstance(rotation.rate, tuple):
+        text = f"expected a vector along the axis in 3D, got {rotation.rate:.15g}"
+        yield Problem((*path, "rate"), text)
+    elif dimensions == 3:
+        yield from length((*path, "rate"), rotation.rate, dimensions)
 
 
 class RigidMotion(Model):

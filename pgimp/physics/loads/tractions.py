@@ -12,7 +12,7 @@ from pgimp.schema.dispatch import Either
 from pgimp.schema.problems import Problem, raise_problems
 from pgimp.schema.tables import Table, VaryingVector, VectorTable
 
-#: Less of a column's area is rounding, or below zero where a sliver has been merged into the next.
+#: Less of a column's area is rounding, or below zero where a small part was merged into the next.
 _LEAST = 1e-9
 
 

@@ -14,7 +14,7 @@ from pgimp.tools.model.predict import EFFICIENT, MOST_RANKS, Step, pays_off, pre
 _HEADINGS = ("ranks", "time a step", "million/s", "efficiency", "messages", "memory a rank")
 
 
-def ladder(marks: Iterable[int], most: int = MOST_RANKS) -> list[int]:
+def rank_counts(marks: Iterable[int], most: int = MOST_RANKS) -> list[int]:
     """Numbers of ranks 1, 2, 4, ..., `most`, with `marks` among them, ascending."""
     powers = {2**k for k in range(most.bit_length())}
     return sorted(n for n in {*powers, most, *marks} if n <= most)
@@ -39,7 +39,7 @@ def scaling(
     one, best, limit = pays_off(layout, costs, network)
     slabs = layout.most_ranks
     # Beyond the last slab every line would be the same.
-    numbers = [n for n in ladder((best.ranks, slabs)) if n <= slabs or n == MOST_RANKS]
+    numbers = [n for n in rank_counts((best.ranks, slabs)) if n <= slabs or n == MOST_RANKS]
     steps = [predict(layout, costs, network, n) for n in numbers]
     return {
         "particles": layout.particles,

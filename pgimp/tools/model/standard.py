@@ -15,8 +15,8 @@ from pgimp.tools.model.predict import Step, predict
 from pgimp.tools.model.report import (
     assumptions,
     entry,
-    ladder,
     lines,
+    rank_counts,
     remark,
     scaling,
     seconds_text,
@@ -83,7 +83,7 @@ def model_block(
 
     strong = scaling(layout, costs, network, memory)
     weak: list[dict[str, Any]] = []
-    for ranks in ladder(()):
+    for ranks in rank_counts(()):
         scene, bodies, layout = block_layout(cells, ranks, not lattice)
         step = predict(layout, costs, network, ranks)
         efficiency = weak[0]["seconds"] / step.seconds if weak else 1.0

@@ -9,7 +9,7 @@ import numpy as np
 
 from pgimp.errors import UsageError
 from pgimp.tools.plot.quantity import Quantity
-from pgimp.tools.plot.runs import AXES, Shot
+from pgimp.tools.plot.runs import AXES, PlotFrame
 from pgimp.tools.plot.selection import Selection, empty
 from pgimp.tools.plot.style import COLOURS, DASHES, MARKERS, log_ticks, plain
 from pgimp.tools.plot.tables import Table
@@ -24,7 +24,7 @@ _MARKED = 400
 
 
 def along(
-    shots: Sequence[Shot],
+    shots: Sequence[PlotFrame],
     quantities: Sequence[Quantity],
     selection: Selection,
     axis: int,
@@ -34,7 +34,7 @@ def along(
 
     Parameters
     ----------
-    shots : sequence of Shot
+    shots : sequence of PlotFrame
         The frames.
     quantities : sequence of Quantity
         What is drawn of each.
@@ -107,7 +107,7 @@ def along(
     return figure, table, remarks
 
 
-def _means(shot: Shot, quantity: Quantity, selection: Selection, axis: int) -> tuple[Any, ...]:
+def _means(shot: PlotFrame, quantity: Quantity, selection: Selection, axis: int) -> tuple[Any, ...]:
     """Return places, means and numbers of particles of the strips that have any."""
     case = shot.shown.case
     grid, each = case["grid"], case["method"]["particles_per_cell"]
@@ -129,7 +129,9 @@ def _means(shot: Shot, quantity: Quantity, selection: Selection, axis: int) -> t
     return place / volume, value / volume, counts.astype(np.int64)
 
 
-def _points(shot: Shot, quantity: Quantity, selection: Selection, axis: int) -> tuple[Any, ...]:
+def _points(
+    shot: PlotFrame, quantity: Quantity, selection: Selection, axis: int
+) -> tuple[Any, ...]:
     """Return numbers, places and values of particles in order along the axis, and how many."""
     blocks = list(selection.blocks(shot.frame, quantity))
     ids = np.concatenate([block.id for block in blocks])
@@ -148,13 +150,13 @@ def _described(quantity: Quantity, selection: Selection, means: bool) -> str:
     return f"{quantity.label} at {at}" if at else quantity.label
 
 
-def _legend(shot: Shot, shots: Sequence[Shot]) -> str:
+def _legend(shot: PlotFrame, shots: Sequence[PlotFrame]) -> str:
     names = {one.shown.name for one in shots}
     times = {one.frame.time for one in shots}
     parts = [plain(shot.shown.name)] if len(names) > 1 else []
     return ", ".join([*parts, *([shot.title] if len(times) > 1 or not parts else [])])
 
 
-def _title(shots: Sequence[Shot]) -> str:
+def _title(shots: Sequence[PlotFrame]) -> str:
     times = {shot.frame.time for shot in shots}
     return shots[0].title if len(times) == 1 else ""

@@ -11,7 +11,7 @@ import numpy as np
 
 from pgimp.errors import UsageError
 from pgimp.schema.messages import unknown
-from pgimp.tools.plot.runs import AXES, Shown
+from pgimp.tools.plot.runs import AXES, PlotRun
 from pgimp.tools.plot.series import Series, open_series
 from pgimp.tools.plot.style import COLOURS, DASHES, log_ticks, plain
 from pgimp.tools.plot.tables import Table
@@ -33,7 +33,7 @@ _FEW = 3  # points that a line alone would not show
 
 
 def curves(
-    runs: Sequence[Shown],
+    runs: Sequence[PlotRun],
     probes: Sequence[str],
     columns: Sequence[str],
     across: str,
@@ -43,7 +43,7 @@ def curves(
 
     Parameters
     ----------
-    runs : sequence of Shown
+    runs : sequence of PlotRun
         The runs, overlaid.
     probes : sequence of str
         The probes; the history alone if empty.

@@ -10,7 +10,7 @@ import numpy as np
 from pgimp.io.results.reader import Frame
 from pgimp.tools.plot.camera import Camera
 from pgimp.tools.plot.quantity import Quantity
-from pgimp.tools.plot.runs import AXES, Shot
+from pgimp.tools.plot.runs import AXES, PlotFrame
 from pgimp.tools.plot.selection import Block, Selection, empty
 from pgimp.tools.plot.style import MAP, plain
 from pgimp.tools.plot.tables import Table
@@ -33,7 +33,7 @@ _MOST_NAMES = 12
 
 
 def picture(
-    shots: Sequence[Shot],
+    shots: Sequence[PlotFrame],
     quantities: Sequence[Quantity],
     selection: Selection,
     camera: Camera,
@@ -43,7 +43,7 @@ def picture(
 
     Parameters
     ----------
-    shots : sequence of Shot
+    shots : sequence of PlotFrame
         The frames.
     quantities : sequence of Quantity
         What is drawn of each.
@@ -131,7 +131,7 @@ def scale(values: Array, limits: tuple[float, float] | None) -> tuple[float, flo
 
 
 def _draw(
-    shots: Sequence[Shot],
+    shots: Sequence[PlotFrame],
     quantity: Quantity,
     drawn: Sequence[Block],
     camera: Camera,
@@ -206,7 +206,7 @@ def _panels(count: int, size: Array, wide: bool, labelled: bool) -> tuple[Any, A
     return figure, axes.ravel()
 
 
-def _label(axis: Any, shot: Shot, camera: Camera, columns: int, *, lowest: bool) -> None:
+def _label(axis: Any, shot: PlotFrame, camera: Camera, columns: int, *, lowest: bool) -> None:
     """Name the axes at the left and below; `lowest` says that no picture is below this one."""
     from matplotlib.ticker import FuncFormatter, MaxNLocator
 

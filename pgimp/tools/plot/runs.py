@@ -20,7 +20,7 @@ _MOST_PANELS = 12
 _LATE = 1.0e-6
 
 
-class Shown:
+class PlotRun:
     """A run that is drawn.
 
     Parameters
@@ -76,7 +76,7 @@ class Shown:
         return f"t = {time:.4g} {second}".rstrip()
 
 
-def open_runs(directories: Sequence[str]) -> list[Shown]:
+def open_runs(directories: Sequence[str]) -> list[PlotRun]:
     """Open the runs, each with a name that tells it from the others.
 
     Raises
@@ -91,7 +91,8 @@ def open_runs(directories: Sequence[str]) -> list[Shown]:
     short = [_short(path) for path in paths]
     unique = len(set(short)) == len(short)
     return [
-        Shown(path, name if unique else str(path)) for path, name in zip(paths, short, strict=True)
+        PlotRun(path, name if unique else str(path))
+        for path, name in zip(paths, short, strict=True)
     ]
 
 
@@ -99,18 +100,18 @@ def _short(path: Path) -> str:
     return path.resolve().name.removesuffix(".out") or str(path)
 
 
-class Shot:
+class PlotFrame:
     """A frame of a run that is drawn.
 
     Attributes
     ----------
-    shown : Shown
+    shown : PlotRun
         The run.
     frame : Frame
         The frame.
     """
 
-    def __init__(self, shown: Shown, frame: Frame) -> None:
+    def __init__(self, shown: PlotRun, frame: Frame) -> None:
         self.shown = shown
         self.frame = frame
 
@@ -120,12 +121,14 @@ class Shot:
         return self.shown.instant(self.frame.time)
 
 
-def shots(runs: Sequence[Shown], frames: Sequence[int], times: Sequence[float]) -> list[Shot]:
+def shots(
+    runs: Sequence[PlotRun], frames: Sequence[int], times: Sequence[float]
+) -> list[PlotFrame]:
     """Find the frames to draw.
 
     Parameters
     ----------
-    runs : sequence of Shown
+    runs : sequence of PlotRun
         The runs.
     frames : sequence of int
         Places among the frames of each run; -1 is the last.
@@ -134,7 +137,7 @@ def shots(runs: Sequence[Shown], frames: Sequence[int], times: Sequence[float]) 
 
     Returns
     -------
-    list of Shot
+    list of PlotFrame
         Run by run.
 
     Raises
@@ -155,7 +158,7 @@ def shots(runs: Sequence[Shown], frames: Sequence[int], times: Sequence[float]) 
                         f"{shown.path} has no frame {number}: it has {len(every)}, "
                         f"0 to {len(every) - 1} (or -1, the last)"
                     )
-                found.append(Shot(shown, every[number]))
+                found.append(PlotFrame(shown, every[number]))
         for time in times if not frames else ():
             first, last = every[0].time, every[-1].time
             slack = _LATE * max(abs(last), abs(first), 1e-300)
@@ -164,7 +167,7 @@ def shots(runs: Sequence[Shown], frames: Sequence[int], times: Sequence[float]) 
                     f"{shown.path} has no frame at time {time:g}: its frames go from "
                     f"{first:g} to {last:g}"
                 )
-            found.append(Shot(shown, min(every, key=lambda frame: abs(frame.time - time))))
+            found.append(PlotFrame(shown, min(every, key=lambda frame: abs(frame.time - time))))
     if len(found) > _MOST_PANELS:
         raise UsageError(f"{len(found)} frames in one figure; {_MOST_PANELS} is the most")
     dimensions = {shot.shown.dimension for shot in found}

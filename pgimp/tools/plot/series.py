@@ -9,7 +9,7 @@ import numpy as np
 
 from pgimp.errors import UsageError
 from pgimp.schema.messages import unknown
-from pgimp.tools.plot.runs import Shown
+from pgimp.tools.plot.runs import PlotRun
 
 Array = np.ndarray
 
@@ -19,7 +19,7 @@ class Series:
 
     Parameters
     ----------
-    shown : Shown
+    shown : PlotRun
         The run.
     probe : str
         The probe; empty for the history alone.
@@ -32,7 +32,7 @@ class Series:
         If there is no such probe, or no line yet.
     """
 
-    def __init__(self, shown: Shown, probe: str, label: str) -> None:
+    def __init__(self, shown: PlotRun, probe: str, label: str) -> None:
         self.shown, self.probe, self.label = shown, probe, label
         history = shown.run.history
         self._files = [_lines(shown, probe), history] if probe else [history]
@@ -85,7 +85,7 @@ class Series:
         return values, max(len(file) for file in used) - count
 
 
-def open_series(runs: Sequence[Shown], probes: Sequence[str]) -> list[Series]:
+def open_series(runs: Sequence[PlotRun], probes: Sequence[str]) -> list[Series]:
     """Return what the curves are of: the probes of all runs, or their histories."""
     found = []
     for shown in runs:
@@ -100,7 +100,7 @@ def _columns(lines: Array) -> tuple[str, ...]:
     return lines.dtype.names or ()
 
 
-def _lines(shown: Shown, probe: str) -> Array:
+def _lines(shown: PlotRun, probe: str) -> Array:
     there = shown.run.probes
     if not there:
         raise UsageError(f"{shown.path} has no probes; the case's probes makes them")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 from pgimp.physics import columns, fields
+from pgimp.solver.columns import HISTORY
 
 _BASE = ("length", "mass", "time")
 # Those of consistent sets of length, mass and time that have a name of their own.
@@ -75,10 +76,13 @@ def kind_of_field(name: str) -> str:
 
 def kind_of_column(name: str) -> str:
     """Return the kind of a column of the history or of a probe, empty if it has none."""
-    for key, meaning in (columns.HISTORY | columns.POINT | columns.PLACE).items():
+    units = {column.name: column.unit for group in HISTORY for column in group.columns}
+    probes = columns.POINT | columns.PLACE
+    units |= {key: _bracketed(meaning) for key, meaning in probes.items()}
+    for key, kind in units.items():
         pattern = re.sub("|".join(_PLACES), lambda found: _PLACES[found[0]], re.escape(key))
         if re.fullmatch(pattern.replace(r"\-(", "-("), name):
-            return _bracketed(meaning)
+            return kind
     return ""
 
 

@@ -7,9 +7,10 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple
 
 from pgimp.case.writer import flow
-from pgimp.physics.columns import GRID, HISTORY, PLACE, POINT, Vertex
+from pgimp.physics.columns import GRID, PLACE, POINT, Vertex
 from pgimp.physics.fields import ALWAYS, FAILURE, OPTIONAL, Field
 from pgimp.schema.base import LARGEST_COUNT
+from pgimp.solver.columns import HISTORY
 from pgimp.tools.reference.jsonschema import Schema, json_schema, study_schema
 
 _UNIT = re.compile(
@@ -18,6 +19,7 @@ _UNIT = re.compile(
 Rows = Iterator[tuple[str, ...]]
 
 _HEAD = ("key", "meaning", "unit", "allowed", "default")
+_COLUMN = ("column", "meaning", "unit")
 
 _INTRODUCTION = """\
 # Reference
@@ -71,7 +73,14 @@ def reference() -> str:
         "## History\n",
         "The columns of `history.csv`, in their order. AXIS is `x`, `y`, `z`, as many as the case "
         "has dimensions; NAME is each body, FACE each face that the case names.\n",
-        _columns(HISTORY),
+        _table(
+            _COLUMN,
+            (
+                (_code(column.name), column.meaning, column.unit)
+                for group in HISTORY
+                for column in group.columns
+            ),
+        ),
         "## Probes\n",
         "`probes/NAME.csv` of a material point. After a particle was removed (`escape`), all but\n"
         "time and step are empty.\n",
@@ -99,7 +108,7 @@ def _number(names: list[str]) -> str:
 
 def _columns(columns: Mapping[str, str]) -> str:
     rows = [(_code(name), *_split(text)) for name, text in columns.items()]
-    return _table(("column", "meaning", "unit"), rows)
+    return _table(_COLUMN, rows)
 
 
 def _fields(fields: Mapping[str, Field] | Mapping[str, Vertex]) -> str:

@@ -16,7 +16,7 @@ SAME_TIME = 1e-9
 """Relative to the time that is asked for."""
 
 
-class Unmeasured(Exception):
+class MeasureError(Exception):
     """A run's history does not have what is to be measured; the message says why."""
 
 
@@ -37,17 +37,17 @@ def measure(history: np.ndarray, wanted: Measure) -> float:
 
     Raises
     ------
-    Unmeasured
+    MeasureError
         If there is no such column or line, or it holds no finite number.
     """
     names = history.dtype.names or ()
     if wanted.column not in names:
-        raise Unmeasured(f"history.csv: {unknown('column', wanted.column, names, 'it has')}")
+        raise MeasureError(f"history.csv: {unknown('column', wanted.column, names, 'it has')}")
     values = np.abs(history[wanted.column] - wanted.reference)
     if wanted.relative:
         values = values / abs(wanted.reference)
     if len(values) == 0:
-        raise Unmeasured("history.csv has no lines")
+        raise MeasureError("history.csv has no lines")
     if wanted.at == "end":
         value = values[-1]
     elif wanted.at == "max":
@@ -56,10 +56,11 @@ def measure(history: np.ndarray, wanted: Measure) -> float:
         at = float(wanted.at)
         row = int(np.searchsorted(history["time"], at - SAME_TIME * at))
         if row == len(values):
-            raise Unmeasured(f"history.csv ends before t = {at:.9g}, at {history['time'][-1]:.9g}")
+            last = history["time"][-1]
+            raise MeasureError(f"history.csv ends before t = {at:.9g}, at {last:.9g}")
         value = values[row]
     if not isfinite(value):
-        raise Unmeasured(f"{wanted.label} is {value:g}")
+        raise MeasureError(f"{wanted.label} is {value:g}")
     return float(value)
 
 

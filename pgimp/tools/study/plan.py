@@ -79,11 +79,11 @@ def read_plan(name: str | Path) -> Plan:
     made = _Cases(str(name), study, document)
     found = variants(study)
     cases = [made.make(variant) for variant in found]
-    made.complain()
+    made.raise_problems()
     complete = [(file, case) for file, case in cases if case is not None]
     made.check_measures(found, [case for _, case in complete])
     runs = made.arrange(found, complete)
-    made.complain()
+    made.raise_problems()
     return Plan(study, text, Path(name).stem, tuple(runs))
 
 
@@ -97,7 +97,7 @@ class _Cases:
         self.documents: dict[str, Document | OSError | CaseError] = {}
         self.wrong: dict[str, list[str]] = defaultdict(list)
 
-    def complain(self) -> None:
+    def raise_problems(self) -> None:
         """Raise what is wrong, each message once, with the runs that it is about."""
         lines = [
             f"{text} (run {runs[0]}{f' and {len(runs) - 1} more' if len(runs) > 1 else ''})"

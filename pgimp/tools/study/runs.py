@@ -25,7 +25,7 @@ from pgimp.io.rundir.ownfiles import RUN
 from pgimp.jit.outside import unchanged
 from pgimp.physics.materials.registry import imported
 from pgimp.schema.document import LARGEST_FILE
-from pgimp.tools.study.measures import Unmeasured, costs, measure
+from pgimp.tools.study.measures import MeasureError, costs, measure
 from pgimp.tools.study.plan import Planned
 from pgimp.tools.study.schema import Study, measure_of
 
@@ -226,7 +226,7 @@ def _measure(study: Study, output: Path, outcome: Outcome) -> None:
     try:
         lines = history.read(output / "history.csv")
         outcome.error = measure(lines, study.measure)
-    except (Unmeasured, PgimpError) as error:
+    except (MeasureError, PgimpError) as error:
         outcome.state, outcome.message = FAILED, str(error)
         return
     outcome.state = DONE
@@ -234,6 +234,6 @@ def _measure(study: Study, output: Path, outcome: Outcome) -> None:
     for wanted in map(measure_of, study.columns):
         try:
             outcome.columns[wanted.label] = measure(lines, wanted)
-        except Unmeasured as error:
+        except MeasureError as error:
             lacking.append(str(error))
     outcome.message = "; ".join(lacking)

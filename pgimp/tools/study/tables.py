@@ -72,9 +72,9 @@ def as_markdown(plan: Plan, outcomes: Sequence[Outcome]) -> str:
         for one in runs:
             lines.append(_row([*([curve] if many else []), *_cells(one, extra, columns)]))
     lines += ["", *_legend(plan), ""]
-    told = [one for one in outcomes if one.message or one.state != DONE]
-    if told:
-        lines += [f"- {one.plan.name}: {one.state}; {one.message}".rstrip("; ") for one in told]
+    notable = [one for one in outcomes if one.message or one.state != DONE]
+    if notable:
+        lines += [f"- {one.plan.name}: {one.state}; {one.message}".rstrip("; ") for one in notable]
         lines.append("")
     lines += [f"- {line}" for line in _origin(outcomes)]
     return "\n".join(lines) + "\n"

@@ -18,7 +18,7 @@ _PIECE = 2**19
 _NONE = np.empty(0, np.int32)
 
 
-def hand_over(
+def redistribute(
     comm: Any,
     old: list[int],
     new: list[int],
@@ -93,11 +93,11 @@ def hand_over(
             if len(piece):
                 message = pack(population.particles, piece)
                 request = comm.Isend(message, to, _TAG)
-                population.vacate(piece)
+                population.free(piece)
             if done < number:
                 records = np.empty((min(each, number - done), columns), np.int64)
                 comm.Recv(records, source, _TAG)
-                rows[source].append(population.admit(len(records)))
+                rows[source].append(population.insert(len(records)))
                 unpack(records, population.particles, rows[source][-1])
             if request:
                 request.Wait()

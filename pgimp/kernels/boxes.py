@@ -1,0 +1,20 @@
+"""Boxes round the particles of each body."""
+
+from pgimp.jit.kernel import kernel
+
+
+@kernel
+def grow_boxes(frame, particles, rows, boxes):
+    """Grow the boxes round bodies so that they hold the particles in `rows`.
+
+    Parameters
+    ----------
+    boxes : (2, bodies, D) float64
+        Least and greatest coordinates by body, in cells from the grid's origin.
+    """
+    for p in rows:
+        body = particles.body[p]
+        for d in range(len(frame.origin)):
+            x = (particles.x[p, d] - frame.origin[d]) * frame.inverse[d]
+            boxes[0, body, d] = min(boxes[0, body, d], x)
+            boxes[1, body, d] = max(boxes[1, body, d], x)

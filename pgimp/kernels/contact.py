@@ -1,0 +1,388 @@
+"""Contact at the vertices where the velocity fields of several bodies meet.
+
+Bodies that touch, and whose surfaces are flat, fill the neighbourhood of a vertex between them:
+the parts that they fill, sum_p S_vp V_p over the volume of a cell, add up to 1, wherever the
+surfaces lie and however they are inclined. What is missing tells the gap that is left. Its normal
+is that of the surfaces, the sum of V_p grad S_vp.
+
+Two passes: the momenta that particles bring are projected before forces act on them, and the
+velocities after that. Of the second the particles take on the change as an acceleration; of the
+first not, else what the grid cannot resolve of their velocities would become a force. Together they
+make two bodies that are tied move as one, to rounding.
+"""
+
+from math import sqrt
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from pgimp.jit.kernel import kernel, specialise
+from pgimp.kernels.constraints import constrained_velocity
+from pgimp.kernels.faces import hold, on_walls
+from pgimp.kernels.fields import field_count, field_size
+from pgimp.kernels.ledger import (
+    CONTACT_AREA,
+    HEAT,
+    IMPULSE,
+    LOSS,
+    NORMAL_IMPULSE,
+    TANGENTIAL_IMPULSE,
+)
+from pgimp.kernels.record import ACCELERATION, FORCE, MASS, MOMENTUM, RECORD, VELOCITY
+from pgimp.physics.contact import FRICTION, TIED, Pairs
+
+#: Least part of a vertex's neighbourhood that either body must fill: less is too little to tell a
+#: gap by, of which it is a part that strain changes.
+LEAST_FILLED = 0.02
+
+#: Least part of the mass of two fields that either must have.
+LEAST_MASS = 1e-5
+
+#: Least length of a normal's sum, as part of the side of a cell with the neighbourhood's volume:
+#: deep inside of bodies there is no surface, and it is rounding.
+LEAST_NORMAL = 1e-4
+
+#: Sweeps over the pairs of a vertex where one is not enough: where more than two fields meet, or
+#: where walls or constraints hold some of them.
+SWEEPS = 8
+
+#: Columns of `Contact.fields`: mass, part filled, normal, velocity, that before, inverse of mass by
+#: component, which is 0 where it is held.
+WEIGHT, PART, OUTWARD, NOW, BEFORE, MOBILITY, FIELDS = 0, 1, 2, 5, 8, 11, 14
+
+#: Columns of `Contact.partners`: normal, velocity at which the gap closes in the step, impulse
+#: along the normal and across it so far, area.
+NORMAL, CLOSING, PUSH, SLIP, AREA, PARTNERS = 0, 3, 4, 5, 8, 9
+
+
+class Contact(NamedTuple):
+    """What kernels get of contact.
+
+    Attributes
+    ----------
+    pairs : Pairs
+        The law of each pair of bodies.
+    volumes : (planes * plane,) float64
+        The sums of `VolumeSums`, for the planes where bodies meet.
+    met : (planes,) int64
+        Number of the vertices at which bodies meet, in each plane.
+    places, bodies : (fields,) int64
+        Room: where the fields at a vertex have their records, and whose they are.
+    fields : (fields, FIELDS) float64
+        Room: what is known of them.
+    ends : (pairs, 3) int64
+        Room: the two fields of each pair at a vertex, and the entry.
+    partners : (pairs, PARTNERS) float64
+        Room: what is known of the pair.
+    unbooked : (faces, 3) float64
+        Room for what faces would book.
+    """
+
+    pairs: Pairs
+    volumes: np.ndarray
+    met: np.ndarray
+    places: np.ndarray
+    bodies: np.ndarray
+    fields: np.ndarray
+    ends: np.ndarray
+    partners: np.ndarray
+    unbooked: np.ndarray
+
+    @classmethod
+    def empty(cls, pairs: Pairs, volumes: Any, planes: int, fields: int, faces: int) -> "Contact":
+        """Make room for `planes` planes, where at most `fields` bodies meet at a vertex."""
+        count = fields * (fields - 1) // 2
+        return cls(
+            pairs, volumes, np.zeros(planes, np.int64), np.zeros(fields, np.int64),
+            np.zeros(fields, np.int64), np.zeros((fields, FIELDS)), np.zeros((count, 3), np.int64),
+            np.zeros((count, PARTNERS)), np.zeros((faces, 3)),
+        )  # fmt: skip
+
+
+@kernel
+def find_meetings(field, met):
+    """Count, in each of a rank's planes, the vertices at which several fields have mass.
+
+    Parameters
+    ----------
+    field : Field
+        After the halo exchange, so that ranks find the same in planes that they share.
+    met : (planes,) int64
+        Set here.
+    """
+    window, G = field.window, field.G
+    size, count = field_size(window), field_count(window)
+    met[:] = 0
+    for i in range(len(met)):
+        if field.active[i] == 0:
+            continue
+        first = i * window.stride[0]
+        for r in range(first, first + size, RECORD):
+            found = 0
+            for f in range(count):
+                found += G[r + f * size + MASS] > 0.0
+            met[i] += found > 1
+
+
+def meet(contact, faces, frame, field, forcing, i, ledger, last):
+    """Let bodies meet at the vertices of plane `i`.
+
+    Parameters
+    ----------
+    contact : Contact or ()
+        () in scenes without contact.
+    faces, frame, field, forcing, ledger
+        As in `update_momentum`; `contact` of the ledger grows by what happens in the last pass.
+    last : bool
+        Whether the grid holds velocities and accelerations; else it holds momenta.
+    """
+
+
+@specialise(meet)
+def _meet(contact, faces, frame, field, forcing, i, ledger, last):
+    if not hasattr(contact, "instance_class"):
+        return lambda contact, faces, frame, field, forcing, i, ledger, last: None
+
+    def meet_in_plane(contact, faces, frame, field, forcing, i, ledger, last):
+        if contact.met[i] > 0:
+            _meet_in_plane(contact, faces, frame, field, forcing, i, ledger, last)
+
+    return meet_in_plane
+
+
+@kernel
+def _meet_in_plane(contact, faces, frame, field, forcing, i, ledger, last):
+    """See `meet`."""
+    window, dt = field.window, forcing.dt
+    for j in range(window.extent[1]):
+        for k in range(window.extent[2]):
+            r = i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
+            number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
+            count = _find_fields(contact, frame, field, r, 0.5 ** on_walls(faces, frame, number))
+            if count < 2:
+                continue
+            pairs = _find_pairs(contact, frame, count, dt)
+            if pairs == 0:
+                continue
+            for a in range(count):
+                place = contact.places[a]
+                inverse = 1.0 if last else 1.0 / contact.fields[a, WEIGHT]
+                for d in range(3):
+                    v = field.G[place + VELOCITY + d] * inverse
+                    contact.fields[a, NOW + d] = contact.fields[a, BEFORE + d] = v
+            held = _find_held(contact, faces, frame, forcing, number, count)
+            for _ in range(SWEEPS if held or pairs > 1 else 1):
+                for pair in range(pairs):
+                    _exchange(contact, faces, frame, forcing, number, held, pair)
+            for a in range(count):
+                place = contact.places[a]
+                for d in range(3):
+                    change = contact.fields[a, NOW + d] - contact.fields[a, BEFORE + d]
+                    if last:
+                        field.G[place + VELOCITY + d] += change
+                        field.G[place + ACCELERATION + d] += change / dt
+                    else:
+                        field.G[place + MOMENTUM + d] += contact.fields[a, WEIGHT] * change
+            if last and i < field.owned:
+                for pair in range(pairs):
+                    _book(contact, faces, frame, forcing, number, pair, ledger.contact[i])
+
+
+@kernel
+def _find_fields(contact, frame, field, r, room):
+    """Find the fields at the vertex whose first record is at `r`; returns their number.
+
+    `room` is the part of its neighbourhood that walls leave to bodies.
+    """
+    G, V, size = field.G, contact.volumes, field_size(field.window)
+    cell = room
+    for d in range(len(frame.cell)):
+        cell *= frame.cell[d]
+    count = 0
+    for f in range(field_count(field.window)):
+        place = r + f * size
+        if not (G[place + MASS] > 0.0 and V[place + MASS] > 0.0):
+            continue
+        contact.places[count] = place
+        contact.bodies[count] = int(V[place + MOMENTUM] / V[place + MASS] + 0.5) - 1
+        contact.fields[count, WEIGHT] = G[place + MASS]
+        contact.fields[count, PART] = V[place + MASS] / cell
+        for d in range(3):
+            contact.fields[count, OUTWARD + d] = V[place + FORCE + d]
+        count += 1
+    return count
+
+
+@kernel
+def _find_pairs(contact, frame, count, dt):
+    """Find the pairs of fields that act on each other at a vertex; returns their number."""
+    fields, ends, partners = contact.fields, contact.ends, contact.partners
+    missing = 1.0
+    for a in range(count):
+        missing -= fields[a, PART]
+    found = 0
+    for a in range(count):
+        for b in range(a + 1, count):
+            first, second = contact.bodies[a], contact.bodies[b]
+            one, other = (a, b) if first < second else (b, a)
+            entry = contact.pairs.entry[min(first, second), max(first, second)]
+            if entry < 0:
+                one, other, entry = other, one, -entry
+            if entry == 0:
+                continue
+            row = partners[found]
+            row[:] = 0.0
+            if contact.pairs.law[entry - 1] == FRICTION:
+                part = min(fields[a, PART], fields[b, PART])
+                least = min(fields[a, WEIGHT], fields[b, WEIGHT])
+                if least < LEAST_MASS * (fields[a, WEIGHT] + fields[b, WEIGHT]):
+                    continue
+                if part < LEAST_FILLED or not _find_gap(frame, fields, one, other, row):
+                    continue
+                # The neighbourhood is weighted with a tent, which has 1 - s at the distance s of
+                # the surface, where the smaller part is (1 - s)^2 / 2.
+                row[CLOSING] *= max(missing, 0.0) / (sqrt(min(2.0 * part, 1.0)) * dt)
+            ends[found, 0], ends[found, 1], ends[found, 2] = one, other, entry
+            found += 1
+    return found
+
+
+@kernel
+def _find_gap(frame, fields, a, b, row):
+    """Set normal, from `a` to `b`, area and, as CLOSING, the cell's length along the normal.
+
+    Returns whether there is a surface.
+    """
+    square, along, side, first, second = 0.0, 0.0, 1.0, 0.0, 0.0
+    for d in range(len(frame.cell)):
+        n = fields[a, OUTWARD + d] - fields[b, OUTWARD + d]
+        row[NORMAL + d] = n
+        square += n * n
+        along += (n * frame.inverse[d]) ** 2
+        side *= frame.cell[d]
+        first += fields[a, OUTWARD + d] ** 2
+        second += fields[b, OUTWARD + d] ** 2
+    length = sqrt(square)
+    if not sqrt(along) > LEAST_NORMAL * side:
+        return False
+    for d in range(3):
+        row[NORMAL + d] /= length
+    row[AREA] = sqrt(min(first, second))
+    row[CLOSING] = length / sqrt(along)
+    return True
+
+
+def _after(faces, frame, forcing, contact, number, r, v):
+    """Velocity v of the vertex at `r` after faces and constraints."""
+
+
+@specialise(_after)
+def _after_all(faces, frame, forcing, contact, number, r, v):
+    def after(faces, frame, forcing, contact, number, r, v):
+        u, _ = hold(
+            faces, 0, forcing.loads.relaxation, frame, number, v, v, 0.0, forcing.dt,
+            contact.unbooked,
+        )  # fmt: skip
+        return constrained_velocity(forcing.marked, r, u)
+
+    return after
+
+
+@kernel
+def _settled(contact, faces, frame, forcing, number, a, column):
+    """Velocity of a field, in `column`, as faces and constraints will leave it."""
+    row = contact.fields[a]
+    v = (row[column], row[column + 1], row[column + 2])
+    return _after(faces, frame, forcing, contact, number, contact.places[a], v)
+
+
+@kernel
+def _find_held(contact, faces, frame, forcing, number, count):
+    """Set the mobilities of the fields at a vertex; returns whether any component is held."""
+    held = False
+    for a in range(count):
+        row = contact.fields[a]
+        v = _settled(contact, faces, frame, forcing, number, a, NOW)
+        for d in range(3):
+            own = row[NOW + d]
+            row[NOW + d] = own + 1.0
+            free = _settled(contact, faces, frame, forcing, number, a, NOW)[d] != v[d]
+            row[NOW + d] = own
+            row[MOBILITY + d] = 1.0 / row[WEIGHT] if free else 0.0
+            held = held or not free or v[d] != own
+    return held
+
+
+@kernel
+def _exchange(contact, faces, frame, forcing, number, held, pair):
+    """Let the fields of a pair exchange what impulse the law still wants."""
+    row = contact.partners[pair]
+    a, b, entry = contact.ends[pair, 0], contact.ends[pair, 1], contact.ends[pair, 2] - 1
+    first, second = contact.fields[a], contact.fields[b]
+    if contact.pairs.law[entry] == TIED:  # walls and constraints then do the same to both
+        for d in range(3):
+            mobility = 1.0 / first[WEIGHT] + 1.0 / second[WEIGHT]
+            _give(first, second, row, d, (first[NOW + d] - second[NOW + d]) / mobility)
+        return
+    u = (first[NOW], first[NOW + 1], first[NOW + 2])
+    v = (second[NOW], second[NOW + 1], second[NOW + 2])
+    if held:
+        u = _settled(contact, faces, frame, forcing, number, a, NOW)
+        v = _settled(contact, faces, frame, forcing, number, b, NOW)
+    normal, most, answer = 0.0, 0.0, 0.0
+    for d in range(3):
+        mobility = first[MOBILITY + d] + second[MOBILITY + d]
+        answer += row[NORMAL + d] ** 2 * mobility
+        most = max(most, mobility)
+        normal += (v[d] - u[d]) * row[NORMAL + d]
+    if not most > 0.0:
+        return
+    push, square = row[PUSH], 0.0
+    if answer > 0.0:
+        row[PUSH] = max(0.0, push - (normal + row[CLOSING]) / answer)
+    for d in range(3):
+        stick = row[SLIP + d] - ((v[d] - u[d]) - normal * row[NORMAL + d]) / most
+        square += stick * stick
+    static, kinetic = contact.pairs.coefficient[entry, 0], contact.pairs.coefficient[entry, 1]
+    length = sqrt(square)
+    part = 1.0 if length <= static * row[PUSH] else kinetic * row[PUSH] / length
+    for d in range(3):
+        stick = row[SLIP + d] - ((v[d] - u[d]) - normal * row[NORMAL + d]) / most
+        J = (row[PUSH] - push) * row[NORMAL + d]
+        first[NOW + d] -= J / first[WEIGHT]
+        second[NOW + d] += J / second[WEIGHT]
+        _give(first, second, row, d, part * stick - row[SLIP + d])
+
+
+@kernel
+def _give(first, second, row, d, J):
+    """Change component `d` of two fields' velocities by an impulse across the normal."""
+    row[SLIP + d] += J
+    first[NOW + d] -= J / first[WEIGHT]
+    second[NOW + d] += J / second[WEIGHT]
+
+
+@kernel
+def _book(contact, faces, frame, forcing, number, pair, ledger):
+    """Book what a pair has exchanged in the last pass.
+
+    Energy is impulse times the velocity that is left, as the work of all other forces is.
+    """
+    row, entry = contact.partners[pair], contact.ends[pair, 2] - 1
+    a, b = contact.ends[pair, 0], contact.ends[pair, 1]
+    booked = ledger[entry]
+    u = _settled(contact, faces, frame, forcing, number, a, NOW)
+    v = _settled(contact, faces, frame, forcing, number, b, NOW)
+    square, heat, normal = 0.0, 0.0, 0.0
+    for d in range(3):
+        w = v[d] - u[d]
+        normal += w * row[NORMAL + d]
+        booked[IMPULSE + d] -= row[SLIP + d] + row[PUSH] * row[NORMAL + d]
+        square += row[SLIP + d] ** 2
+        heat -= row[SLIP + d] * w
+    booked[NORMAL_IMPULSE] += row[PUSH]
+    booked[TANGENTIAL_IMPULSE] += sqrt(square)
+    booked[HEAT] += heat
+    booked[LOSS] -= row[PUSH] * normal
+    if row[PUSH] > 0.0:
+        booked[CONTACT_AREA] += row[AREA]

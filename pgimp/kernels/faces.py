@@ -1,0 +1,67 @@
+"""The conditions of all faces at one vertex."""
+
+from pgimp.jit.kernel import inner_kernel, specialise
+from pgimp.kernels.loads import given
+from pgimp.physics.boundaries.base import constrain
+
+
+@inner_kernel
+def _beyond(face, frame, number):
+    """Whether a vertex, given by its numbers, is on a face or beyond it."""
+    wall = frame.ghost if face.side < 0 else frame.ghost + frame.cells[face.axis]
+    return (number[face.axis] - wall) * face.side >= 0
+
+
+def beyond_any(faces, frame, number):
+    """Whether a vertex is on one of the faces or beyond it."""
+
+
+@specialise(beyond_any)
+def _beyond_any(faces, frame, number):
+    if len(faces) == 0:
+        return lambda faces, frame, number: False
+    return lambda faces, frame, number: (
+        _beyond(faces[0], frame, number) or beyond_any(faces[1:], frame, number)
+    )
+
+
+def hold(faces, n, relaxation, frame, number, v, a, mass, dt, impulse):
+    """Apply the conditions of all faces that a vertex is on or beyond, one after the other.
+
+    A face's part of the momentum that the particles gain in a step is what its condition adds to
+    it, see `given`; `impulse`, (faces, 3), grows by that, from row `n` on. Returns the vertex's
+    velocity and acceleration.
+    """
+
+
+@specialise(hold)
+def _hold(faces, n, relaxation, frame, number, v, a, mass, dt, impulse):
+    if len(faces) == 0:
+        return lambda faces, n, relaxation, frame, number, v, a, mass, dt, impulse: (v, a)
+
+    def hold_first(faces, n, relaxation, frame, number, v, a, mass, dt, impulse):
+        if _beyond(faces[0], frame, number):
+            u, b = v, a
+            v, a = constrain(faces[0], v, a)
+            for d in range(3):
+                impulse[n, d] += given(relaxation, mass, dt, u[d], b[d], v[d], a[d])
+        return hold(faces[1:], n + 1, relaxation, frame, number, v, a, mass, dt, impulse)
+
+    return hold_first
+
+
+def on_walls(faces, frame, number):
+    """On how many of the faces a vertex is."""
+
+
+@specialise(on_walls)
+def _on_walls(faces, frame, number):
+    if len(faces) == 0:
+        return lambda faces, frame, number: 0
+
+    def count(faces, frame, number):
+        face = faces[0]
+        wall = frame.ghost if face.side < 0 else frame.ghost + frame.cells[face.axis]
+        return on_walls(faces[1:], frame, number) + int(number[face.axis] == wall)
+
+    return count

@@ -1,0 +1,53 @@
+"""Velocity fields: how many there are in a plane, and where that of a particle's body begins.
+
+Bodies that may meet have fields of their own, one behind the other in each plane of the grid. So
+layers, planes and messages are those of one field, and only what takes a plane apart knows more.
+"""
+
+from pgimp.jit.kernel import kernel, specialise
+from pgimp.jit.simd import pack
+from pgimp.kernels.record import RECORD
+
+
+@kernel
+def field_size(window):
+    """Distance of the fields of a plane, in float64."""
+    return RECORD * window.extent[1] * window.extent[2]
+
+
+def field_count(window):
+    """Number of fields."""
+
+
+@specialise(field_count)
+def _field_count(window):
+    if hasattr(window.types[3], "count"):  # ()
+        return lambda window: 1
+    return lambda window: window.stride[0] // field_size(window)
+
+
+def field_of(window, particles, p):
+    """Where the field of particle `p` begins in a plane, in float64."""
+
+
+@specialise(field_of)
+def _field_of(window, particles, p):
+    if hasattr(window.types[3], "count"):  # ()
+        return lambda window, particles, p: 0
+    return lambda window, particles, p: window.bodies[particles.body[p]]
+
+
+def in_fields(place, window, particles, rows):
+    """Places in a plane, a vector, of four particles' vertices in the fields of their bodies."""
+
+
+@specialise(in_fields)
+def _in_fields(place, window, particles, rows):
+    if hasattr(window.types[3], "count"):  # ()
+        return lambda place, window, particles, rows: place
+    return lambda place, window, particles, rows: place + pack(
+        float(window.bodies[particles.body[rows[0]]]),
+        float(window.bodies[particles.body[rows[1]]]),
+        float(window.bodies[particles.body[rows[2]]]),
+        float(window.bodies[particles.body[rows[3]]]),
+    )

@@ -1,0 +1,30 @@
+"""What the entries of all body forces have in common, and the kernels' view of one."""
+
+from abc import abstractmethod
+from typing import Any
+
+from pgimp.jit.kernel import specialise
+from pgimp.schema.base import Model
+from pgimp.schema.sizes import Problems, length
+
+
+class BodyForceEntry(Model):
+    """Base of the entries ``body_force``."""
+
+    @abstractmethod
+    def parameters(self) -> Any:
+        """Parameters of the kernels, see `pgimp.physics.loads`."""
+
+    def check(self, dimensions: int) -> Problems:
+        """Yield what does not fit the dimensions of the case; paths from the entry."""
+        for name in type(self).model_fields:
+            yield from length((name,), getattr(self, name), dimensions)
+
+
+def acceleration(force, x, v, t):
+    """Force per mass on the particle at x that moves at v: tuples of three numbers."""
+
+
+@specialise(acceleration)
+def _acceleration(force, x, v, t):
+    return force.instance_class.acceleration

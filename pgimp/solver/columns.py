@@ -1,0 +1,274 @@
+"""The columns of history.csv, each said once: name, unit, meaning, and the value in a line."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from pgimp.kernels.errors import DISPLACEMENT, STRESS, STRESS_VOLUME, VELOCITY
+from pgimp.kernels.ledger import (
+    CONTACT_AREA,
+    HEAT,
+    LOSS,
+    NORMAL_IMPULSE,
+    TANGENTIAL_IMPULSE,
+)
+from pgimp.kernels.sums import KINETIC, MASS, MOMENT, MOMENTUM, STRAIN
+from pgimp.solver.totals import Column, Group, Totals
+
+
+def _faces(scene: Any) -> list[str]:
+    return [face.name for face in scene.faces]
+
+
+def _constraints(scene: Any) -> list[str]:
+    return [*scene.case.constraints]
+
+
+HISTORY = (
+    Group(
+        lambda scene: [""],
+        (
+            Column("time", "time", "simulated time", lambda s, _: s.done.end),
+            Column("step", "", "steps done", lambda s, _: s.done.number),
+            Column(
+                "dt", "time", "length of the last step, 0 before the first",
+                lambda s, _: s.done.dt,
+            ),
+            Column("mass", "mass", "mass of all particles", lambda s, _: s.total[MASS]),
+            Column(
+                "momentum-AXIS", "mass length/time", "linear momentum",
+                lambda s, _: s.along(s.total, MOMENTUM),
+            ),
+            Column(
+                "angular-momentum-AXIS", "mass length^2/time",
+                "angular momentum about the origin of the coordinates, counter-clockwise positive; "
+                "about z alone in 2D, none in 1D",
+                lambda s, _: s.moment(s.total),
+            ),
+            Column(
+                "kinetic-energy", "energy", "kinetic energy of the particles",
+                lambda s, _: s.total[KINETIC],
+            ),
+            Column(
+                "strain-energy", "energy", "strain energy", lambda s, _: s.total[STRAIN]
+            ),
+            Column(
+                "dissipated-energy", "energy",
+                "what closes the balance: energy at the start plus external work less kinetic and "
+                "strain energy, and less that of particles that were removed; of the order of the "
+                "time step also where nothing is lost, for instance in free fall, because work is "
+                "force times displacement",
+                lambda s, _: (
+                    s.first_energy + s.work - s.total[KINETIC] - s.total[STRAIN]
+                    - (s.escaped[KINETIC] + s.escaped[STRAIN])
+                ),
+            ),
+            Column(
+                "external-work", "energy",
+                "work of gravity, body forces, faces, tractions and constraints on the material "
+                "since the start: force times displacement",
+                lambda s, _: s.work,
+            ),
+        ),
+    ),
+    Group(
+        lambda scene: [""] if scene.exits else [],
+        (
+            Column(
+                "escaped.mass", "mass",
+                "only where `escape` removes particles, as all columns of this name: mass of those "
+                "that were removed since the start, so that with `mass` it is constant",
+                lambda s, _: s.escaped[MASS],
+            ),
+            Column(
+                "escaped.momentum-AXIS", "mass length/time",
+                "their momentum when they were removed", lambda s, _: s.along(s.escaped, MOMENTUM),
+            ),
+            Column(
+                "escaped.angular-momentum-AXIS", "mass length^2/time",
+                "their angular momentum then", lambda s, _: s.moment(s.escaped),
+            ),
+            Column(
+                "escaped.kinetic-energy", "energy", "their kinetic energy then",
+                lambda s, _: s.escaped[KINETIC],
+            ),
+            Column(
+                "escaped.strain-energy", "energy", "their strain energy then",
+                lambda s, _: s.escaped[STRAIN],
+            ),
+        ),
+    ),
+    Group(
+        lambda scene: scene.body_names,
+        (
+            Column(
+                "body.NAME.mass", "mass", "mass of each body", lambda s, k: s.bodies[k, MASS]
+            ),
+            Column(
+                "body.NAME.centre-AXIS", "length",
+                "centre of mass of each body; nan when all its particles were removed",
+                lambda s, k: s.along(s.bodies[k], MOMENT) / (s.bodies[k, MASS] or np.nan),
+            ),
+            Column(
+                "body.NAME.momentum-AXIS", "mass length/time", "linear momentum of each body",
+                lambda s, k: s.along(s.bodies[k], MOMENTUM),
+            ),
+            Column(
+                "body.NAME.kinetic-energy", "energy", "kinetic energy of each body",
+                lambda s, k: s.bodies[k, KINETIC],
+            ),
+            Column(
+                "body.NAME.strain-energy", "energy", "strain energy of each body",
+                lambda s, k: s.bodies[k, STRAIN],
+            ),
+        ),
+    ),
+    Group(
+        _faces,
+        (
+            Column(
+                "reaction.FACE-AXIS", "force",
+                "mean force of each named face on the material since the last line; compression at "
+                "x-min gives a positive reaction.x-min-x",
+                lambda s, k: s.along(s.force[k], 0),
+            ),
+        ),
+    ),
+    Group(
+        _constraints,
+        (
+            Column(
+                "constraint.NAME-AXIS", "force",
+                "mean force of each constraint on the material since the last line",
+                lambda s, k: s.along(s.force[len(s.scene.faces) + k], 0),
+            ),
+        ),
+    ),
+    Group(
+        _constraints,
+        (
+            Column(
+                "displacement.NAME-AXIS", "length",
+                "displacement that each constraint prescribes, none where it is free: the integral "
+                "of its `velocity` since the start; its particles move in steps by the velocity at "
+                "each step's end, so that theirs differs from it by an error of first order in the "
+                "step",
+                lambda s, k: s.scene.loads.constraints[k].displacement(s.done.end),
+            ),
+        ),
+    ),
+    Group(
+        _faces,
+        (
+            Column(
+                "beyond.FACE", "mass",
+                "mass that particles carry past each named face in the last step, on vertices "
+                "beyond it: a particle of fixed size does where the material is compressed against "
+                "a wall, and what lies there the wall bears",
+                lambda s, k: s.beyond[k],
+            ),
+        ),
+    ),
+    Group(
+        lambda scene: [entry.name for entry in scene.case.contact],
+        (
+            Column(
+                "contact.NAME-AXIS", "force",
+                "for each entry of `contact` that names two bodies, NAME being their names with a "
+                "+ in between: mean force of the second on the first since the last line",
+                lambda s, k: s.contact_force(k),
+            ),
+            Column(
+                "contact.NAME.normal-impulse", "mass length/time",
+                "for each entry of `contact`, `all` or the names of its bodies: sum, since the "
+                "start and over the vertices, of what bodies exchanged along normals",
+                lambda s, k: s.contact[k, NORMAL_IMPULSE],
+            ),
+            Column(
+                "contact.NAME.tangential-impulse", "mass length/time",
+                "likewise across the normals", lambda s, k: s.contact[k, TANGENTIAL_IMPULSE],
+            ),
+            Column(
+                "contact.NAME.friction-heat", "energy",
+                "energy that friction turned into heat since the start: force times way",
+                lambda s, k: s.contact[k, HEAT],
+            ),
+            Column(
+                "contact.NAME.impact-loss", "energy",
+                "energy that forces along normals took since the start, force times way: what "
+                "bodies lose that still close a gap while they are stopped, of first order in the "
+                "cell size",
+                lambda s, k: s.contact[k, LOSS],
+            ),
+            Column(
+                "contact.NAME.area", "length^(dimensions - 1)",
+                "area on which bodies pressed on each other in the last step",
+                lambda s, k: s.contact[k, CONTACT_AREA],
+            ),
+        ),
+    ),
+    Group(
+        lambda scene: [""] if scene.exact else [],
+        (
+            Column(
+                "error", "1",
+                "only with `exact`, as all that follows: error of the stress, the sum of |exact - "
+                "s| times volume over the particles, over the initial volume times a reference "
+                "stress: the column's weight, the stress behind the shock",
+                lambda s, _: s.mean(STRESS_VOLUME) / s.reference_stress(),
+            ),
+            Column(
+                "error.displacement-l2", "length",
+                "root of the mean square error of the displacement, by initial volume",
+                lambda s, _: np.sqrt(s.mean(DISPLACEMENT)),
+            ),
+            Column(
+                "error.displacement-max", "length",
+                "greatest error of the displacement of a particle",
+                lambda s, _: s.greatest[DISPLACEMENT],
+            ),
+            Column(
+                "error.velocity-l2", "length/time", "as for the displacement",
+                lambda s, _: np.sqrt(s.mean(VELOCITY)),
+            ),
+            Column(
+                "error.velocity-max", "length/time", "as for the displacement",
+                lambda s, _: s.greatest[VELOCITY],
+            ),
+            Column(
+                "error.stress-l2", "stress",
+                "as for the displacement, of the Cauchy stress (Frobenius norm)",
+                lambda s, _: np.sqrt(s.mean(STRESS)),
+            ),
+            Column(
+                "error.stress-max", "stress", "as for the displacement, of the Cauchy stress",
+                lambda s, _: s.greatest[STRESS],
+            ),
+        ),
+    ),
+)
+"""Columns of ``history.csv``, in their order; AXIS stands for x, y, z, as many as there are."""
+
+
+def line_of(totals: Totals) -> dict[str, float]:
+    """Return a line of the history by the names of its columns."""
+    line: dict[str, float] = {}
+    for group in HISTORY:
+        for number, name in enumerate(group.names(totals.scene)):
+            for column in group.columns:
+                label = column.name.replace("NAME", name).replace("FACE", name)
+                line |= _cells(label, column.value(totals, number))
+    return line
+
+
+def _cells(label: str, value: Any) -> Iterator[tuple[str, float]]:
+    """Yield the columns that a declared one stands for, with their values."""
+    if not label.endswith("AXIS"):
+        yield label, value if isinstance(value, int) else float(value)
+        return
+    for axis, one in zip("xyz", value, strict=False):
+        if one is not None:
+            yield label.removesuffix("AXIS") + axis, float(one)

@@ -1,0 +1,74 @@
+"""Which bodies share a velocity field: those that cannot meet within the next steps.
+
+A body has a field of its own only near one that it may meet, so that a scene of bodies that are
+apart, or of a hundred grains, needs a handful. Sharing changes no bit: bodies that share a field
+share none of its vertices. How far they are apart is found as minima and maxima over all ranks,
+which depend on no order.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from pgimp.kernels.boxes import grow_boxes
+from pgimp.kernels.particles import Frame
+from pgimp.scene.scene import Scene
+
+#: Steps for which bodies must be out of reach at least to share a field, and the most after which
+#: all is found anew. In a step a particle moves by a cell at most, or the run ends.
+FEWEST, MOST = 2, 64
+
+
+def body_boxes(frame: Frame, particles: Any, rows: np.ndarray, bodies: int, comm: Any) -> Any:
+    """Least and greatest coordinates of each body's particles, (2, bodies, D) in cells; collective.
+
+    Bodies without particles have infinite ones.
+    """
+    boxes = np.full((2, bodies, len(frame.cell)), np.inf)
+    boxes[1] = -np.inf
+    grow_boxes(frame, particles, rows, boxes)
+    if comm.size > 1:
+        every = np.array(comm.allgather(boxes))
+        boxes = np.stack([every[:, 0].min(axis=0), every[:, 1].max(axis=0)])
+    return boxes
+
+
+def reach(scene: Scene) -> float:
+    """Distance in cells, of two particles along a direction, from which they share no vertex."""
+    half = scene.vertices - 2.0 if scene.follows else max(scene.shape.half)
+    return 2.0 * (1.0 + half) + 1e-6
+
+
+def assign(boxes: np.ndarray, reach: float) -> tuple[tuple[int, ...], int]:
+    """Give each body the lowest field that none has which it may meet soon.
+
+    Parameters
+    ----------
+    boxes : (2, bodies, D) float64
+        See `body_boxes`.
+    reach : float
+        See `reach`.
+
+    Returns
+    -------
+    fields : tuple of int
+        Number of each body's field.
+    steps : int
+        Steps for which this holds.
+    """
+    low, high = boxes
+    fields: list[int] = []
+    steps = MOST
+    for b in range(low.shape[0]):
+        with np.errstate(invalid="ignore"):  # bodies without particles
+            apart = np.maximum(low[b] - high[:b], low[:b] - high[b]).max(axis=1, initial=-np.inf)
+        apart = np.where(np.isnan(apart), np.inf, apart)
+        alone = np.maximum(apart - reach, 0.0) // 2.0  # steps until they may share a vertex
+        taken = {fields[a] for a in np.flatnonzero(alone < FEWEST)}
+        own = next(f for f in range(b + 1) if f not in taken)
+        shared = [int(min(alone[a], MOST)) for a in range(b) if fields[a] == own]
+        steps = min([steps, *shared])
+        fields.append(own)
+    return tuple(fields), steps

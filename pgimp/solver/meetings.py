@@ -1,0 +1,115 @@
+"""Where bodies meet: their velocity fields, and the sums that tell the gaps between them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from pgimp.decomposition.grid import Grid
+from pgimp.decomposition.halo import Halo
+from pgimp.decomposition.population import Population
+from pgimp.jit.bound import Bound
+from pgimp.kernels.contact import Contact, find_meetings
+from pgimp.kernels.contribution import VolumeSums
+from pgimp.kernels.ledger import CONTACT_AREA, Ledger
+from pgimp.kernels.p2g import particles_to_grid
+from pgimp.scene.scene import Scene
+from pgimp.solver.groups import assign, body_boxes, reach
+
+
+class Meetings:
+    """Contact on one rank.
+
+    Volumes are summed only for planes in which several fields have mass: by the same layered sums
+    and the same exchange as masses, so that all ranks get the same bits. A neighbour takes part
+    if such a plane is shared with it, which both sides see alike.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene, which has contact.
+    comm : communicator
+        Of all ranks.
+
+    Attributes
+    ----------
+    fields : tuple of int
+        Number of each body's velocity field.
+    """
+
+    def __init__(self, scene: Scene, comm: Any) -> None:
+        assert scene.pairs is not None
+        self.scene, self.comm, self.pairs, self.call = scene, comm, scene.pairs, Bound()
+        self.fields: tuple[int, ...] = (0,) * len(scene.body_names)
+        self._reach = reach(scene)
+        self._steps = 0
+        self._known: Any = None
+        self._halos: dict[tuple[bool, bool], Halo] = {}
+
+    def regroup(self, grid: Grid, population: Population) -> None:
+        """Find out, when it is time, which bodies need fields of their own; collective."""
+        if self._steps > 0:
+            self._steps -= 1
+            return
+        scene = self.scene
+        boxes = body_boxes(
+            scene.frame, population.particles, population.order, len(self.fields), self.comm
+        )
+        self.fields, steps = assign(boxes, self._reach)
+        self._steps = steps - 1
+        if self.fields != grid.fields:
+            grid.fields = self.fields
+            grid.store(grid.base)
+
+    def find(self, grid: Grid, population: Population, ledger: Ledger) -> Contact:
+        """Find where bodies meet, after the halo exchange; collective."""
+        if self._known is not grid.field:
+            self._connect(grid)
+        contact = self._contact
+        ledger.contact[:, :, CONTACT_AREA] = 0.0
+        self.call(find_meetings, grid.field, contact.met)
+        found = np.flatnonzero(contact.met)
+        if len(found):
+            self._sum_volumes(grid, population, found)
+        return contact
+
+    def _connect(self, grid: Grid) -> None:
+        """Make room for the sums in the planes of `grid`."""
+        for halo in self._halos.values():
+            halo.close()
+        self._halos.clear()
+        self._known, scene = grid.field, self.scene
+        self._volumes = Grid(scene.frame, scene.vertices, grid.slab, grid.late, self.fields)
+        self._volumes.store(grid.base)
+        most = 1 + max(self.fields)
+        self._contact = Contact.empty(
+            self.pairs, self._volumes.G, grid.planes, most, len(scene.faces)
+        )
+
+    def _sum_volumes(self, grid: Grid, population: Population, planes: np.ndarray) -> None:
+        """Sum volumes into some of the planes."""
+        slab, shared, volumes = grid.slab, grid.vertices - 1, self._volumes
+        order, layers = population.ordered, grid.slab.layers
+        near = np.zeros(layers + shared, bool)
+        for i in range(shared + 1):
+            near[np.maximum(planes - i, 0)] = True
+        edges = np.flatnonzero(np.diff(near[:layers], prepend=False, append=False)).reshape(-1, 2)
+        runs = np.concatenate([edges, np.zeros((len(edges), 1), np.int64)], axis=1)
+        volumes.active.fill(0)
+        self.call(
+            particles_to_grid, self.scene.setting.without_materials(), volumes.field,
+            population.particles, VolumeSums(), order, runs,
+        )  # fmt: skip
+        below = slab.below is not None and bool(planes[0] < shared)
+        above = slab.above is not None and bool(planes[-1] >= layers)
+        if not (below or above):
+            return
+        halo = self._halos.get((below, above))
+        if halo is None:
+            part = slab._replace(
+                below=slab.below if below else None, above=slab.above if above else None
+            )
+            halo = self._halos[below, above] = Halo(self.comm, part, shared)
+        halo.proceed(volumes)
+        halo.finish(volumes)

@@ -1,0 +1,124 @@
+"""The gap that is left, in cells, when bodies that approach each other first feel it."""
+
+from math import cos, radians, sin
+
+import numpy as np
+
+import pgimp
+
+#: Closing speed in cells a step; what a step leaves out is of this size.
+SPEED = 0.002
+#: Cells of the domain along each direction, by dimension.
+CELLS = {2: 48, 3: 20}
+
+
+def _case(bodies, way):
+    """Case of stiff bodies in cells of 1, of which `a` moves along `way`."""
+    D = len(way)
+    return {
+        "format": 1,
+        "dimensions": D,
+        "grid": {"size": [float(CELLS[D])] * D, "cell": [1.0] * D},
+        "method": {"shape": "gimp", "particles_per_cell": [2] * D},
+        "time": {"end": 2000.0, "step": 1.0},
+        "materials": {
+            "solid": {"model": "neo-hookean", "young": 0.02, "poisson": 0.0, "density": 1.0}
+        },
+        "bodies": {
+            "a": {"material": "solid", "region": bodies["a"], "velocity": (SPEED * way).tolist()},
+            "b": {"material": "solid", "region": bodies["b"]},
+        },
+        "contact": [{"bodies": ["a", "b"]}],
+    }
+
+
+def _direction(dimensions, angle):
+    return np.array([cos(radians(angle)), sin(radians(angle)), 0.0][:dimensions])
+
+
+def _turned(middle, half, angle):
+    """A rectangle, or a cuboid, turned by `angle` about z."""
+    c, s = cos(radians(angle)), sin(radians(angle))
+    axes = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])[:, : len(middle)]
+    planes = []
+    for d in range(len(middle)):
+        for normal in (axes[d], -axes[d]):
+            point = middle + half[d] * normal
+            planes.append({"half-space": {"point": point.tolist(), "normal": normal.tolist()}})
+    return {"intersection": planes}
+
+
+def _first(case, gap):
+    """Gap that is left before the step in which bodies first exchange an impulse."""
+    simulation = pgimp.Simulation(case)
+    while not simulation.finished:
+        simulation.step()
+        if simulation.diagnostics()["contact.a+b.normal-impulse"] > 0.0:
+            return gap - SPEED * (simulation.steps - 1)
+    raise RuntimeError("the bodies never met")
+
+
+def flat(dimensions, angle, shift):
+    """Gap of two flat faces, turned by `angle`, that meet at any place in a cell."""
+    way, gap = _direction(dimensions, angle), 1.5
+    middle = np.full(dimensions, 0.5 * CELLS[dimensions]) + shift * way
+    half = [3.0, 4.0, 4.0][:dimensions]
+    bodies = {
+        "a": _turned(middle - (3.0 + 0.5 * gap) * way, half, angle),
+        "b": _turned(middle + (3.0 + 0.5 * gap) * way, half, angle),
+    }
+    return _first(_case(bodies, way), gap)
+
+
+def balls(dimensions, radius, angle, shift):
+    """Gap of two disks or balls that meet head on."""
+    way, gap = _direction(dimensions, angle), 1.0
+    middle = np.full(dimensions, 0.5 * CELLS[dimensions]) + shift
+
+    def ball(side):
+        centre = middle + side * (radius + 0.5 * gap) * way
+        return {"ball": {"centre": centre.tolist(), "radius": radius}}
+
+    return _first(_case({"a": ball(-1.0), "b": ball(1.0)}, way), gap)
+
+
+def corner(angle, shift):
+    """Gap of the corner of a square, turned by `angle`, that comes down on a plane."""
+    way, gap, half = np.array([0.0, -1.0]), 1.0, 3.0
+    middle = np.array([15.0 + shift, 12.0 + shift])
+    up = np.array([0.0, gap + half * (cos(radians(angle)) + sin(radians(angle)))])
+    bodies = {
+        "a": _turned(middle + up, [half, half], angle),
+        "b": {"box": {"min": [5.0, 6.0], "max": [25.0, float(middle[1])]}},
+    }
+    return _first(_case(bodies, way), gap)
+
+
+def rows(quick):
+    """Rows of the table: what meets, and the least and greatest gap over places in a cell."""
+    shifts = np.random.default_rng(1).random(2 if quick else 8)
+    radii = (5.0,) if quick else (5.0, 10.0)
+    found = {}
+    for angle in (0.0, 20.0, 45.0):
+        found[f"flat faces at {angle:.0f} degrees, 2D"] = [flat(2, angle, s) for s in shifts]
+    for angle in () if quick else (0.0, 30.0):
+        found[f"flat faces at {angle:.0f} degrees, 3D"] = [flat(3, angle, s) for s in shifts[:4]]
+    for radius in radii:
+        found[f"disks, R = {radius:.0f} cells"] = [
+            balls(2, radius, 30.0 * i, s) for i, s in enumerate(shifts[:4])
+        ]
+    if not quick:
+        found["balls, R = 4 cells, 3D"] = [
+            balls(3, 4.0, 15.0 * i, s) for i, s in enumerate(shifts[:2])
+        ]
+    found["a square's corner and a plane"] = [
+        corner(angle, s) for angle in (45.0, 20.0) for s in shifts[:4]
+    ]
+    return [(what, 0.0, min(gaps), max(gaps)) for what, gaps in found.items()]
+
+
+if __name__ == "__main__":
+    import sys
+
+    for row in rows("--quick" in sys.argv):
+        print(row, flush=True)
