@@ -30,13 +30,18 @@ import numba  # noqa: E402
 from numba.extending import overload  # noqa: E402
 
 from pgimp.jit.cache import KernelCache  # noqa: E402
+from pgimp.jit.compiler import Compiler  # noqa: E402
 
 #: Options of every kernel and of everything it inlines. Contraction only: full fastmath would let
-#: LLVM reorder sums and delete the checks for NaN.
+#: LLVM reorder sums and delete the checks for NaN. The others save time in compiling:
+#: no entry for programs in C, and no reference counts, of which tuples of arrays need very many.
 _OPTIONS: dict[str, Any] = {
     "fastmath": {"contract"},
     "error_model": "numpy",
     "boundscheck": False,
+    "no_cfunc_wrapper": True,
+    "_nrt": False,
+    "pipeline_class": Compiler,
 }
 
 
@@ -45,8 +50,38 @@ INLINE_OPTIONS: Any = {**_OPTIONS, "forceinline": True}
 
 
 def kernel(function: Callable) -> Callable:
-    """Compile a function on first call, with pgimp's options, and cache it on disk."""
-    compiled = numba.njit(**_OPTIONS)(function)
+    """Compile a function on first call, with pgimp's options, and cache it on disk.
+
+    It cannot make arrays ("Only accept returning of array passed into the function as argument"),
+    unlike an `allocating_kernel`.
+    """
+    return _kernel(function, _OPTIONS)
+
+
+def allocating_kernel(function: Callable) -> Callable:
+    """As `kernel`, for a function that makes arrays, or calls one that does.
+
+    What it calls may be given arrays but must not return them: `kernel` counts no references.
+    """
+    return _kernel(function, {**_OPTIONS, "_nrt": True})
+
+
+def inner_kernel(function: Callable) -> Callable:
+    """As `kernel`, for a function that only other kernels call: without an entry for Python."""
+    compiled = _kernel(function, {**_OPTIONS, "no_cpython_wrapper": True})
+
+    def refuse(*args: Any, **options: Any) -> None:
+        raise TypeError(f"{function.__qualname__} is for other kernels to call")
+
+    # Called from Python, the dispatcher asks for what is not in its own table of entries. Those
+    # of this function would be null.
+    compiled.add_overload = lambda done: compiled.overloads.update({done.signature.args: done})
+    compiled._compile_for_args = refuse
+    return compiled
+
+
+def _kernel(function: Callable, options: dict[str, Any]) -> Any:
+    compiled = numba.njit(**options)(function)
     compiled._cache = KernelCache(function, FOLDER.path)  # instead of Numba's own, as by cache=True
     return compiled
 

@@ -1,11 +1,11 @@
 """The conditions of all faces at one vertex."""
 
-from pgimp.jit.kernel import kernel, specialise
+from pgimp.jit.kernel import inner_kernel, specialise
 from pgimp.kernels.loads import given
 from pgimp.physics.boundaries.base import constrain
 
 
-@kernel
+@inner_kernel
 def _beyond(face, frame, number):
     """Whether a vertex, given by its numbers, is on a face or beyond it."""
     wall = frame.ghost if face.side < 0 else frame.ghost + frame.cells[face.axis]

@@ -13,7 +13,7 @@ particles take on of the grid's velocity (`relaxed`) it likewise gives -2 (p' + 
 
 from typing import NamedTuple
 
-from pgimp.jit.kernel import kernel
+from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.kernels.fields import field_count, field_size
 from pgimp.kernels.loads import given, relaxed_part
 from pgimp.kernels.record import ACCELERATION, FORCE, HELD, MASS, MOMENTUM, RECORD, VELOCITY
@@ -170,7 +170,7 @@ def reflect(frame, field, mirror, forcing, ledger):
                         G[g + ACCELERATION + d] = sign * G[r + ACCELERATION + d]
 
 
-@kernel
+@inner_kernel
 def _beyond(frame, window, mirror, d):
     """Range of the window's vertices along direction `d` that may lie beyond the face."""
     if d != mirror.axis:
@@ -181,7 +181,7 @@ def _beyond(frame, window, mirror, d):
     return max(0, wall + 1 - window.lower[d]), window.extent[d]
 
 
-@kernel
+@inner_kernel
 def _places(frame, window, active, mirror, begin, i, j, k):
     """Places of a vertex beyond the face, of its mirror image, and of the one between on the face.
 

@@ -1,6 +1,6 @@
 """Momentum update (14) of the vertices, boundary conditions, and what the faces do."""
 
-from pgimp.jit.kernel import kernel, specialise
+from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.kernels.constraints import constrained_velocity
 from pgimp.kernels.contact import meet
 from pgimp.kernels.faces import beyond_any, hold
@@ -77,7 +77,7 @@ def _constrain_plane(done, faces, frame, field, forcing, i, ledger):
     return constrain_all if len(faces) else constrain_none
 
 
-@kernel
+@inner_kernel
 def _constrain_face(done, faces, frame, field, forcing, i, ledger):
     """Treat the vertices of plane `i` on or beyond the first of `faces` but none of `done`.
 

@@ -7,7 +7,7 @@ cells, found by halving. Every particle is computed for itself, the others in th
 
 import numpy as np
 
-from pgimp.jit.kernel import kernel
+from pgimp.jit.kernel import allocating_kernel, kernel
 
 #: Candidates that are looked at for a particle; of more, every second, third, ... one.
 MOST = 4096
@@ -65,7 +65,7 @@ def diagonalise(A, V, D):
                 A[p, q] = A[q, p] = 0.0
 
 
-@kernel
+@allocating_kernel
 def fit_gradients(x, v, keys, at, speed, own, strides, reach, out):
     """Fit a linear field to the velocities around particles: weighted least squares.
 

@@ -4,7 +4,7 @@ from math import prod
 
 import numpy as np
 
-from pgimp.jit.kernel import kernel, specialise
+from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.jit.memory import copy
 from pgimp.kernels.place import first_vertex, half_widths
 from pgimp.physics.shapes.base import size, weights
@@ -144,7 +144,7 @@ def merge(particles, order, start, left, first, arrivals, order_out, start_out):
     return n
 
 
-@kernel
+@inner_kernel
 def _place(particles, order, low, high, arrival):
     """First place in ``order[low:high]`` of a particle that comes after `arrival` by (cell, id)."""
     cell, number = particles.cell[arrival], particles.id[arrival]

@@ -8,7 +8,7 @@ In time the layers may follow each other otherwise: what neighbours wait for com
 a layer then has to add later is put aside.
 """
 
-from pgimp.jit.kernel import kernel
+from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.jit.simd import load, pack, store
 from pgimp.kernels.layer import sum_layer
 
@@ -57,13 +57,13 @@ def particles_to_grid(setting, field, particles, loads, order, runs):
                 _flush(scratch, i * plane, G, target * plane, low, high)
 
 
-@kernel
+@inner_kernel
 def _slot(k, shared):
     """Place, in planes, of the sums of the k-th of `shared` layers that are put aside."""
     return k * shared - k * (k - 1) // 2
 
 
-@kernel
+@inner_kernel
 def _flush(scratch, source, G, target, low, high):
     """Add places `low` to `high` of a plane of `scratch` to a plane of `G`, leaving zeros."""
     zero = pack(0.0, 0.0, 0.0, 0.0)
@@ -72,7 +72,7 @@ def _flush(scratch, source, G, target, low, high):
         store(scratch, source + i, zero)
 
 
-@kernel
+@inner_kernel
 def _set_aside(scratch, source, aside, target, low, high, plane):
     """Move a plane of `scratch`, which is zero but from `low` to `high`, leaving zeros."""
     aside[target : target + low] = 0.0
@@ -109,7 +109,7 @@ def complete(field, shared, layers, kept, received):
         _add(G, layers, received, 0, shared, plane)
 
 
-@kernel
+@inner_kernel
 def _add(G, first, sums, slot, shared, plane):
     """Add sums that were put aside, from `slot` on, to planes from `first` on, in layer order."""
     for layer in range(shared):

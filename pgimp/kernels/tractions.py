@@ -15,7 +15,7 @@ between they have the right second moments. Points (mpm) carry the force where t
 
 from math import sqrt
 
-from pgimp.jit.kernel import kernel, specialise
+from pgimp.jit.kernel import inner_kernel, specialise
 from pgimp.jit.simd import lane, pack, stack
 from pgimp.kernels.batch import ROOM, keep_support
 from pgimp.kernels.fields import field_of
@@ -36,7 +36,7 @@ def _columns(F):
     return lambda F: ((F[0], F[3], F[6]), (F[1], F[4], F[7]), (F[2], F[5], F[8]))
 
 
-@kernel
+@inner_kernel
 def patch_force(traction, F, area):
     """Force on a patch: per area, with the area vector J F^-T N A by Nanson's formula."""
     C = columns(F)
@@ -50,7 +50,7 @@ def patch_force(traction, F, area):
     return t[0] * size - q * n0, t[1] * size - q * n1, t[2] * size - q * n2
 
 
-@kernel
+@inner_kernel
 def _rounding(tent, half, u):
     """What the mean of abs(u + x), over x in a box or tent about 0, has more than abs(u)."""
     r = half - abs(u)
@@ -59,7 +59,7 @@ def _rounding(tent, half, u):
     return r * r * r / (3.0 * half * half) if tent else r * r / (2.0 * half)
 
 
-@kernel
+@inner_kernel
 def _mean(tent, half, g):
     """Mean of the tent function of a vertex over a box or tent about g, in cells from the vertex.
 
@@ -82,7 +82,7 @@ def _means_of(tent, half, g, like):
     )  # fmt: skip
 
 
-@kernel
+@inner_kernel
 def _along(traction, frame, F, x, d, vertex, like):
     """Weights of the support's vertices along direction `d`; the patch stays within the support."""
     D = len(frame.origin)
@@ -156,7 +156,7 @@ def _nothing_of(like):
     return lambda like: (pack(0.0, 0.0, 0.0, 0.0), *_nothing(like[1:]))
 
 
-@kernel
+@inner_kernel
 def scatter_tractions(tractions, setting, field, particles, rows, span, layer):
     """Add the forces on the patches of a layer's particles, in canonical order, to its own planes.
 
@@ -189,7 +189,7 @@ def scatter_tractions(tractions, setting, field, particles, rows, span, layer):
             scatter(shape, scratch, room, 0, place, window.stride, zero, force, nothing, ())
 
 
-@kernel
+@inner_kernel
 def traction_power(tractions, setting, field, particles, rows, span, layer):
     """Power of the tractions on a layer: the patches' forces times the vertices' velocities.
 

@@ -7,7 +7,7 @@ support's end are left out; the innermost direction, along which records follow 
 unrolled for each number of vertices, the others are loops.
 """
 
-from pgimp.jit.kernel import kernel, specialise
+from pgimp.jit.kernel import inner_kernel, specialise
 from pgimp.jit.simd import load, store, vector
 from pgimp.jit.tuples import joined, plus_scaled, scaled
 from pgimp.kernels.batch import entries, entry, extent, extents
@@ -24,14 +24,14 @@ SEVERAL = _APART**3
 LEAST_WEIGHT = 1e-9
 
 
-@kernel
+@inner_kernel
 def also_held(code, d):
     """Code of the components that are held, of which `code` is 0 for none yet, with component d."""
     one = (1.0, _APART, _APART * _APART)[d]
     return one if code == 0.0 or code == one else SEVERAL
 
 
-@kernel
+@inner_kernel
 def held_codes(d):
     """Between what a weighted sum of codes lies whose greatest is that of component d; 3: several.
 

@@ -9,7 +9,7 @@ the wall, as in an inelastic impact. What it loses by that is the wall's impulse
 
 from math import isfinite
 
-from pgimp.jit.kernel import kernel, specialise
+from pgimp.jit.kernel import inner_kernel, specialise
 
 #: Columns of `walls`: the face's number or -1, where particles are put, the wall's velocity.
 FACE, PLACE, VELOCITY, WALL = 0, 1, 2, 3
@@ -26,7 +26,7 @@ def _prescribed_by(constraints, number, d):
     return lambda constraints, number, d: number > 0 and constraints[number - 1].held[d]
 
 
-@kernel
+@inner_kernel
 def hold_inside(walls, frame, constraints, particles, p, impulse, work):
     """Set a particle that has passed walls back onto them.
 

@@ -376,7 +376,8 @@ def test_a_temporary_folder_that_others_can_write_to_is_not_used(tmp_path, monke
 
 
 def test_all_that_numba_compiles_is_part_of_the_cache_name():
+    marks = r"^ *@((allocating_|inner_)?kernel|specialise|overload|njit|intrinsic)"
     for path in PACKAGE.rglob("*.py"):
         name = str(path.relative_to(PACKAGE))
-        if re.search(r"^ *@(kernel|specialise|overload|njit|intrinsic)", path.read_text(), re.M):
+        if re.search(marks, path.read_text(), re.M):
             assert name.startswith(COMPILED), f"{name} compiles kernels: name it in folder.COMPILED"

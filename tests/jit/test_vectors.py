@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from material_driver import COMPONENTS, YOUNG, deformations, material, response, row
 
 from pgimp.jit.algebra import determinant
-from pgimp.jit.kernel import kernel
+from pgimp.jit.kernel import allocating_kernel, kernel
 from pgimp.jit.simd import bits, lane, number, pack, stack, store, vector, where
 from pgimp.kernels.batch import put_row, take, take_row
 from pgimp.physics.materials.base import evaluate, evaluate_four
@@ -20,7 +20,7 @@ NUMBERS = st.floats(-1e6, 1e6)
 FOUR = st.tuples(NUMBERS, NUMBERS, NUMBERS, NUMBERS)
 
 
-@kernel
+@allocating_kernel
 def functions(a, b):
     x, y = pack(a[0], a[1], a[2], a[3]), pack(b[0], b[1], b[2], b[3])
     found = np.empty((9, 4))

@@ -7,7 +7,7 @@ sign of its upward direction. What lies above a roof cancels against what lies a
 
 import numpy as np
 
-from pgimp.jit.kernel import kernel
+from pgimp.jit.kernel import allocating_kernel, kernel
 
 #: Corners of a triangle after cuts by six planes, some of them doubled where they lie on one.
 _CORNERS = 16
@@ -88,7 +88,7 @@ def _first(edges, x):
     return low
 
 
-@kernel
+@allocating_kernel
 def clip_plane(T, chosen, x0, x1, ey, ez, sums, touched):
     """Sum what the boxes of one plane of a lattice have of the body.
 

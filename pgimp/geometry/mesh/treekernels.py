@@ -10,7 +10,7 @@ triangles at an edge always agree: no line slips through between them, or meets 
 
 import numpy as np
 
-from pgimp.jit.kernel import exact, kernel
+from pgimp.jit.kernel import allocating_kernel, exact, kernel
 
 LEAF = 4
 _DEEP = 64
@@ -59,7 +59,7 @@ def height(T, t, i, j, k, u, v):
     return min(max(at, least), most)
 
 
-@kernel
+@allocating_kernel
 def count_above(T, low, high, leaves, component, own, x, y, z):
     """Signed number of surfaces above a point, those of the component `own` left out."""
     stack = np.empty(_DEEP, np.int64)
@@ -85,7 +85,7 @@ def count_above(T, low, high, leaves, component, own, x, y, z):
     return total
 
 
-@kernel
+@allocating_kernel
 def inside(T, low, high, leaves, component, own, points, out):
     """Set `out`, (n,) int64, to the signed numbers of surfaces above the points, (n, 3)."""
     for p in range(len(points)):
@@ -93,7 +93,7 @@ def inside(T, low, high, leaves, component, own, points, out):
         out[p] = count_above(T, low, high, leaves, component, own[p], x, y, z)
 
 
-@kernel
+@allocating_kernel
 def lines(T, low, high, leaves, axis, points, heights, signs):
     """Where lines along an axis meet the surface, and how often at most.
 
@@ -165,7 +165,7 @@ def _to_triangle(T, t, x, y, z):
     return best
 
 
-@kernel
+@allocating_kernel
 def distances(T, low, high, leaves, points, out):
     """Set `out` to the distances of points, (n, 3), to the nearest triangle."""
     stack = np.empty(_DEEP, np.int64)
@@ -194,7 +194,7 @@ def distances(T, low, high, leaves, points, out):
         out[p] = np.sqrt(best)
 
 
-@kernel
+@allocating_kernel
 def unite(pairs, turned, parent, parity):
     """Join triangles at common edges into components, of one orientation each.
 

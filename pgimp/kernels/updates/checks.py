@@ -2,7 +2,7 @@
 
 from math import isfinite
 
-from pgimp.jit.kernel import kernel, specialise
+from pgimp.jit.kernel import inner_kernel, specialise
 from pgimp.jit.lanes import of_lane
 from pgimp.jit.simd import lane, vector
 from pgimp.jit.tuples import read
@@ -44,7 +44,7 @@ def _and_finite(mask, values):
     return lambda mask, values: and_finite(mask & (values[0] - values[0] == 0.0), values[1:])
 
 
-@kernel
+@inner_kernel
 def _unsound(frame, x, v, u, J, state, dt):
     """Name the fault of a particle that failed the combined check, wherever it is; 0 for none."""
     for d in range(len(x)):
@@ -60,7 +60,7 @@ def _unsound(frame, x, v, u, J, state, dt):
     return 0
 
 
-@kernel
+@inner_kernel
 def _outside(frame, exits, x):
     """Return whether a particle has left the domain, and if it may."""
     fault = 0

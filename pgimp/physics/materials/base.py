@@ -12,6 +12,7 @@ from pydantic import Field
 
 from pgimp.jit.kernel import INLINE_OPTIONS
 from pgimp.jit.lanes import has_vectors, of_lane, vectors, where_all, with_lanes
+from pgimp.jit.outside import is_outside
 from pgimp.jit.simd import bits, pack
 from pgimp.schema.base import Model, NonNegative, Number, Positive
 
@@ -112,7 +113,8 @@ def state_width(parameters: type, dimensions: int) -> int:
 
 @cache
 def _compiled(parameters: type, quantity: str):
-    return numba.njit(**INLINE_OPTIONS)(getattr(parameters, quantity))
+    options = {**INLINE_OPTIONS, "_nrt": is_outside(parameters)}  # a user's may make arrays
+    return numba.njit(**options)(getattr(parameters, quantity))
 
 
 def evaluate(quantity, materials, k, args, state):
