@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pgimp.jit.kernel import kernel, specialise
+from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.kernels.constraints import constrained_velocity
 from pgimp.kernels.faces import hold, on_walls
 from pgimp.kernels.fields import field_count, field_size
@@ -150,7 +150,7 @@ def _meet(contact, faces, frame, field, forcing, i, ledger, last):
     return meet_in_plane
 
 
-@kernel
+@inner_kernel
 def _meet_in_plane(contact, faces, frame, field, forcing, i, ledger, last):
     """See `meet`."""
     window, dt = field.window, forcing.dt
@@ -188,7 +188,7 @@ def _meet_in_plane(contact, faces, frame, field, forcing, i, ledger, last):
                     _book(contact, faces, frame, forcing, number, pair, ledger.contact[i])
 
 
-@kernel
+@inner_kernel
 def _find_fields(contact, frame, field, r, room):
     """Find the fields at the vertex whose first record is at `r`; returns their number.
 
@@ -213,7 +213,7 @@ def _find_fields(contact, frame, field, r, room):
     return count
 
 
-@kernel
+@inner_kernel
 def _find_pairs(contact, frame, count, dt):
     """Find the pairs of fields that act on each other at a vertex; returns their number."""
     fields, ends, partners = contact.fields, contact.ends, contact.partners
@@ -247,7 +247,7 @@ def _find_pairs(contact, frame, count, dt):
     return found
 
 
-@kernel
+@inner_kernel
 def _find_gap(frame, fields, a, b, row):
     """Set normal, from `a` to `b`, area and, as CLOSING, the cell's length along the normal.
 
@@ -288,7 +288,7 @@ def _after_all(faces, frame, forcing, contact, number, r, v):
     return after
 
 
-@kernel
+@inner_kernel
 def _settled(contact, faces, frame, forcing, number, a, column):
     """Velocity of a field, in `column`, as faces and constraints will leave it."""
     row = contact.fields[a]
@@ -296,7 +296,7 @@ def _settled(contact, faces, frame, forcing, number, a, column):
     return _after(faces, frame, forcing, contact, number, contact.places[a], v)
 
 
-@kernel
+@inner_kernel
 def _find_held(contact, faces, frame, forcing, number, count):
     """Set the mobilities of the fields at a vertex; returns whether any component is held."""
     held = False
@@ -313,7 +313,7 @@ def _find_held(contact, faces, frame, forcing, number, count):
     return held
 
 
-@kernel
+@inner_kernel
 def _exchange(contact, faces, frame, forcing, number, held, pair):
     """Let the fields of a pair exchange what impulse the law still wants."""
     row = contact.partners[pair]
@@ -354,7 +354,7 @@ def _exchange(contact, faces, frame, forcing, number, held, pair):
         _give(first, second, row, d, part * stick - row[SLIP + d])
 
 
-@kernel
+@inner_kernel
 def _give(first, second, row, d, J):
     """Change component `d` of two fields' velocities by an impulse across the normal."""
     row[SLIP + d] += J
@@ -362,7 +362,7 @@ def _give(first, second, row, d, J):
     second[NOW + d] += J / second[WEIGHT]
 
 
-@kernel
+@inner_kernel
 def _book(contact, faces, frame, forcing, number, pair, ledger):
     """Book what a pair has exchanged in the last pass.
 

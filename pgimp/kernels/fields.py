@@ -4,12 +4,12 @@ Bodies that may meet have fields of their own, one behind the other in each plan
 layers, planes and messages are those of one field, and only what takes a plane apart knows more.
 """
 
-from pgimp.jit.kernel import kernel, specialise
+from pgimp.jit.kernel import inner_kernel, specialise
 from pgimp.jit.simd import pack
 from pgimp.kernels.record import RECORD
 
 
-@kernel
+@inner_kernel
 def field_size(window):
     """Distance of the fields of a plane, in float64."""
     return RECORD * window.extent[1] * window.extent[2]
