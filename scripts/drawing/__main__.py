@@ -6,13 +6,14 @@ from column import compaction
 from cost import error_and_cost
 from exact import shock, spinning_block, vortex
 from looking import block3d, paraview
-from scenes import bar_vibration, disks
+from scenes import bar_vibration, disks, rolling
 
 PICTURES = {
     "compaction": compaction,
     "block3d": block3d,
     "block3d-paraview": paraview,
     "disks": disks,
+    "rolling": rolling,
     "bar-vibration": bar_vibration,
     "shock": shock,
     "vortex": vortex,

@@ -36,6 +36,7 @@ COARSER = {
         "output.every=0.25",
     ],
     "disks": ["grid.cell=[0.05,0.05]", "output.every=0.5"],
+    "rolling": ["grid.cell=[0.05,0.05]", "time.end=0.5", "output.every=0.25"],
 }
 
 
@@ -151,6 +152,23 @@ def test_disks_collide_and_part(runs):
     frame = results.frame(-1)  # no particle of one disk is left with the other
     along = frame["position"][:, 0] + frame["position"][:, 1]
     assert along[frame["body"] == 0].max() < along[frame["body"] == 1].min()
+
+
+def test_cylinder_slides_and_rolls(runs):
+    """A radius of four cells: a third of the velocity goes, and a third of the energy is heat."""
+    history = runs("rolling").history
+    speed = history["body.cylinder.momentum-x"] / history["body.cylinder.mass"]
+    late = history["time"] > 0.35
+    assert speed[late].mean() == pytest.approx(1.0, abs=0.06)
+    assert np.abs(np.diff(speed[late])).max() < 0.05
+    heat = history["contact.cylinder+plate.friction-heat"]
+    assert heat[-1] == pytest.approx(1000.0 * np.pi * 0.2**2 * 1.5**2 / 6.0, rel=0.06)
+    assert (np.diff(heat) > -1e-9).all()
+    # Where it slides, friction is its coefficient times what presses.
+    slides = history["time"] < 0.1
+    push = history["contact.cylinder+plate.normal-impulse"][slides]
+    slip = history["contact.cylinder+plate.tangential-impulse"][slides]
+    assert slip[-1] == pytest.approx(0.3 * push[-1], rel=0.02)
 
 
 def test_block_bounces(runs):
