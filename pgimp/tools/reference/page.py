@@ -149,9 +149,11 @@ def _below(path: str, value: Schema, definitions: Schema, sections: list[_Sectio
     forms = _forms(value, definitions)
     for form in forms:
         word = _word(form)
-        if word is None:
+        if "properties" in (item := _resolve(form.get("items", {}), definitions)):
+            yield from _rows(f"{path}.ENTRY", item, definitions, sections)
+        elif word is None:
             yield from _rows(path, form, definitions, sections, optional=len(forms) > 1)
-        else:
+        elif "description" in form:  # else a word that is no type
             entry = f"{{{_key_of(form)}: {word}, ...}}" if "properties" in form else word
             section = _Section(f"`{path}: {entry}`", path, form)
             if section not in sections:
@@ -205,6 +207,8 @@ def _form(form: Schema, definitions: Schema) -> str:
     if kind == "array":
         if "prefixItems" in form:
             return f"[{', '.join(_allowed(item, definitions) for item in form['prefixItems'])}]"
+        if "properties" in _resolve(form["items"], definitions):
+            return "list of entries"
         if "$ref" in form["items"]:
             return f"list of {form['items']['$ref'].rpartition('/')[2]}s"
         return "list of " + re.sub(
