@@ -10,7 +10,6 @@ from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import lane, number, pack, store, vector
 from pgimp.jit.simdrows import load_row, store_row, transpose
 from pgimp.jit.tuples import scaled
-from pgimp.kernels.fields import in_fields
 from pgimp.kernels.place import first_vertex
 from pgimp.physics.shapes.base import size, weights
 
@@ -210,8 +209,7 @@ def _supports(shape, frame, window, particles, rows, layer, room, arms):
         half = size(shape, frame.cell, deformations(frame, particles, rows))[0]
         x = take_row(particles.x, rows, 0, like)
         _along(shape, frame, room, arms, 0, half[0], x[0], layer)
-        place = _across(shape, frame, window, room, arms, 1, half[1:], x[1:])
-        store(room, _PLACE, in_fields(place, window, particles, rows))
+        store(room, _PLACE, _across(shape, frame, window, room, arms, 1, half[1:], x[1:]))
 
     return supports
 
@@ -230,7 +228,7 @@ def _keep_support(room, d, w, g):
 
 
 def first_place(room, j):
-    """Place of the first vertex of the batch's particle `j` within its plane, in float64."""
+    """Place of the first vertex of the batch's particle `j` within a field's part of its plane."""
 
 
 @specialise(first_place)

@@ -11,6 +11,7 @@ does not matter.
 from pgimp.jit.kernel import kernel, specialise
 from pgimp.jit.simd import bits, lane, pack, stack, where
 from pgimp.kernels.batch import LANES, ROOM, entry, extent, first_place, four, supports, take
+from pgimp.kernels.fields import field_of
 from pgimp.kernels.loads import given
 from pgimp.kernels.record import ACCELERATION, HELD, MASS, RECORD, VELOCITY
 from pgimp.kernels.transfer import LEAST_WEIGHT, SEVERAL
@@ -73,9 +74,11 @@ def mark_constrained_vertices(setting, window, particles, order, mask):
                 continue
             supports(shape, frame, window, particles, rows, plane, room, ())
             for j in range(min(LANES, start[layer + 1] - k)):
-                number = particles.constraint[rows_of_all[k + j], 0]
+                p = rows_of_all[k + j]
+                number = particles.constraint[p, 0]
                 if number > 0:
                     place = first_place(room, j) + layer * window.stride[0]
+                    place += field_of(window, particles, p)
                     bit = 1 << (number - 1)
                     _mark(shape, mask, bit, place, room, j, 0, window.stride, frame.origin)
 
@@ -105,6 +108,17 @@ def _constrained_velocity(marked, r, v):
         return v
 
     return by_constraints
+
+
+def is_marked(marked, r):
+    """Whether a constraint holds the vertex at `r`."""
+
+
+@specialise(is_marked)
+def _is_marked(marked, r):
+    if len(marked) == 0:
+        return lambda marked, r: False
+    return lambda marked, r: marked[1][r // RECORD] != 0
 
 
 @kernel

@@ -17,8 +17,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
-from pgimp.kernels.constraints import constrained_velocity
-from pgimp.kernels.faces import hold, on_walls
+from pgimp.kernels.constraints import constrained_velocity, is_marked
+from pgimp.kernels.faces import beyond_any, hold, on_walls
 from pgimp.kernels.fields import field_count, field_size
 from pgimp.kernels.ledger import (
     CONTACT_AREA,
@@ -299,18 +299,23 @@ def _settled(contact, faces, frame, forcing, number, a, column):
 @inner_kernel
 def _find_held(contact, faces, frame, forcing, number, count):
     """Set the mobilities of the fields at a vertex; returns whether any component is held."""
-    held = False
+    some = False
+    near = beyond_any(faces, frame, number)
     for a in range(count):
         row = contact.fields[a]
+        row[MOBILITY : MOBILITY + 3] = 1.0 / row[WEIGHT]
+        if not (near or is_marked(forcing.marked, contact.places[a])):
+            continue
         v = _settled(contact, faces, frame, forcing, number, a, NOW)
         for d in range(3):
             own = row[NOW + d]
             row[NOW + d] = own + 1.0
-            free = _settled(contact, faces, frame, forcing, number, a, NOW)[d] != v[d]
+            held = _settled(contact, faces, frame, forcing, number, a, NOW)[d] == v[d]
             row[NOW + d] = own
-            row[MOBILITY + d] = 1.0 / row[WEIGHT] if free else 0.0
-            held = held or not free or v[d] != own
-    return held
+            if held:
+                row[MOBILITY + d] = 0.0
+            some = some or held or v[d] != own
+    return some
 
 
 @inner_kernel

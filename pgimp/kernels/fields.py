@@ -5,7 +5,6 @@ layers, planes and messages are those of one field, and only what takes a plane 
 """
 
 from pgimp.jit.kernel import inner_kernel, specialise
-from pgimp.jit.simd import pack
 from pgimp.kernels.record import RECORD
 
 
@@ -34,20 +33,7 @@ def field_of(window, particles, p):
 def _field_of(window, particles, p):
     if hasattr(window.types[3], "count"):  # ()
         return lambda window, particles, p: 0
-    return lambda window, particles, p: window.bodies[particles.body[p]]
-
-
-def in_fields(place, window, particles, rows):
-    """Places in a plane, a vector, of four particles' vertices in the fields of their bodies."""
-
-
-@specialise(in_fields)
-def _in_fields(place, window, particles, rows):
-    if hasattr(window.types[3], "count"):  # ()
-        return lambda place, window, particles, rows: place
-    return lambda place, window, particles, rows: place + pack(
-        float(window.bodies[particles.body[rows[0]]]),
-        float(window.bodies[particles.body[rows[1]]]),
-        float(window.bodies[particles.body[rows[2]]]),
-        float(window.bodies[particles.body[rows[3]]]),
+    # As long as there is one field, nothing is read.
+    return lambda window, particles, p: (
+        0 if window.stride[0] == field_size(window) else window.bodies[particles.body[p]]
     )

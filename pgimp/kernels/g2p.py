@@ -9,6 +9,7 @@ from pgimp.jit.tuples import squared
 from pgimp.kernels.affine import keep_gradients
 from pgimp.kernels.batch import LANES, ROOM, first_place, four, put, put_row, supports, take
 from pgimp.kernels.concepts import Batch
+from pgimp.kernels.fields import field_of
 from pgimp.kernels.gathered import (
     SUMS,
     collected,
@@ -90,11 +91,12 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
             batch = Batch(rows, count, k, layer, number)
             supports(shape, frame, window, particles, rows, number, room, ())
             for j in range(count):
-                place = begin + first_place(room, j)
+                p = order.rows[k + j]
+                place = begin + first_place(room, j) + field_of(window, particles, p)
                 U, A, D = gather(shape, G, room, j, place, window.stride, frame.origin)
                 keep_sums(sums, j, U, A, D)
                 w = components(frame.origin, U)
-                power += force_power(loads.force, frame, particles, rows[j], w)
+                power += force_power(loads.force, frame, particles, p, w)
             repeat_sums(sums, count, frame.origin)
             u = collected(sums, 0, frame.origin)
             a = collected(sums, 1, frame.origin)

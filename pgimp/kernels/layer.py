@@ -5,6 +5,7 @@ from pgimp.jit.simd import stack
 from pgimp.kernels.affine import affine_momentum
 from pgimp.kernels.batch import LANES, ROOM, first_place, four, supports
 from pgimp.kernels.contribution import contribution
+from pgimp.kernels.fields import field_of
 from pgimp.kernels.loads import scatter_loads, weight
 from pgimp.kernels.record import RECORD
 from pgimp.kernels.transfer import scatter
@@ -46,7 +47,7 @@ def _sum_layer(setting, field, particles, loads, rows, span, number):
             supports(shape, frame, window, particles, batch, number, room, loads.affine)
             for j in range(min(LANES, end - k)):
                 p = rows[k + j]
-                place = first_place(room, j)
+                place = first_place(room, j) + field_of(window, particles, p)
                 A, S = contribution(loads, frame, particles, p)
                 B = weight(loads.force, frame, particles, p)
                 C = affine_momentum(loads.affine, frame, particles, p)

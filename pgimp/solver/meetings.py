@@ -68,6 +68,8 @@ class Meetings:
             self._connect(grid)
         contact = self._contact
         ledger.contact[:, :, CONTACT_AREA] = 0.0
+        if max(self.fields) == 0:
+            return contact
         self.call(find_meetings, grid.field, contact.met)
         found = np.flatnonzero(contact.met)
         if len(found):
