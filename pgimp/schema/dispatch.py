@@ -109,6 +109,16 @@ class ByField(Dispatch):
         return {"oneOf": [handler(entry.__pydantic_core_schema__) for entry in entries]}
 
 
+def _below(what: str, name: str, entry: type[BaseModel], content: Any) -> BaseModel:
+    """Return the typed content of the key `name`."""
+    try:
+        return entry.model_validate(content)
+    except ValidationError as error:
+        found = explain(entry, error, content)
+        below = [Problem((name, *item.path), item.text, item.absent) for item in found]
+        return raise_problems(what, below, content)
+
+
 class ByKey(Dispatch):
     """A mapping with one key, its type's name in a registry: ``{box: {...}}``."""
 
@@ -129,12 +139,7 @@ class ByKey(Dispatch):
             texts = [Problem((), f"expected exactly one of {names}, {got(value)}")]
         raise_problems(self.what, texts, value)
         ((name, content),) = value.items()
-        try:
-            return known[name].model_validate(content)
-        except ValidationError as error:
-            found = explain(known[name], error, content)
-            below = [Problem((name, *item.path), item.text, item.absent) for item in found]
-            return raise_problems(self.what, below, content)
+        return _below(self.what, name, known[name], content)
 
     def write(self, value: BaseModel) -> dict[str, Any]:
         """See `Dispatch`."""
@@ -146,7 +151,11 @@ class ByKey(Dispatch):
 
 
 class ByWord(Dispatch):
-    """The name of a type in a registry, ``fixed``, or a mapping with it: ``{velocity: [...]}``."""
+    """The name of a type in a registry, ``fixed``, or a mapping with it: ``{velocity: [...]}``.
+
+    Where the name is no key of the type, its keys stand below: ``{separating: {friction: 0.3}}``;
+    the plain name is the type with its defaults.
+    """
 
     def __init__(self, registry: Registry, what: str):
         self.registry, self.what = registry, what
@@ -159,7 +168,7 @@ class ByWord(Dispatch):
         if isinstance(value, str):
             if value not in known:
                 raise problem(unknown(self.what, value, known))
-            if not _is_word(known[value]):
+            if value in known[value].model_fields:
                 raise problem(f"expected {{{value}: ...}}, {got(value)}")
             return known[value].model_validate({})
         if not isinstance(value, Mapping) or not value:
@@ -170,21 +179,42 @@ class ByWord(Dispatch):
             raise_problems(self.what, found, value)
         if _is_word(known[names[0]]):
             raise problem(f"write the plain word '{names[0]}', {got(value)}")
-        return known[names[0]].model_validate(value)
+        if names[0] in known[names[0]].model_fields:
+            return known[names[0]].model_validate(value)
+        strange = [key for key in value if key != names[0]]
+        texts = [Problem((key,), f"does not belong beside '{names[0]}'") for key in strange]
+        raise_problems(self.what, texts, value)
+        return _below(self.what, names[0], known[names[0]], value[names[0]])
 
     def write(self, value: BaseModel) -> Any:
         """See `Dispatch`."""
-        return name_of(value, self.registry()) if _is_word(type(value)) else plain(value)
+        name = name_of(value, self.registry())
+        content = plain(value)
+        if name in type(value).model_fields:
+            return content
+        return {name: content} if value != type(value)() and content else name
 
     def document(self, handler: GetJsonSchemaHandler) -> dict[str, Any]:
         """See `Dispatch`."""
-        forms = [
-            {"const": name, "description": inspect.getdoc(entry)}
-            if _is_word(entry)
-            else handler(entry.__pydantic_core_schema__)
-            for name, entry in self.registry().items()
-        ]
+        forms: list[dict[str, Any]] = []
+        for name, entry in self.registry().items():
+            if name in entry.model_fields:
+                forms.append(handler(entry.__pydantic_core_schema__))
+                continue
+            forms.append({"const": name, "description": inspect.getdoc(entry)})
+            if not _is_word(entry):
+                forms.append(_nested(name, handler(entry.__pydantic_core_schema__)))
         return {"oneOf": forms}
+
+
+def _nested(name: str, content: dict[str, Any]) -> dict[str, Any]:
+    """Return the JSON schema of a mapping with the one key `name`."""
+    return {
+        "type": "object",
+        "properties": {name: content},
+        "required": [name],
+        "additionalProperties": False,
+    }
 
 
 class ByName(ByKey):
@@ -220,15 +250,7 @@ class ByName(ByKey):
             if not _required(entry):
                 forms.append({"const": name, "description": inspect.getdoc(entry)})
             if not _is_word(entry):
-                content = handler(entry.__pydantic_core_schema__)
-                forms.append(
-                    {
-                        "type": "object",
-                        "properties": {name: content},
-                        "required": [name],
-                        "additionalProperties": False,
-                    }
-                )
+                forms.append(_nested(name, handler(entry.__pydantic_core_schema__)))
         return {"oneOf": [*forms, {"type": "null"}]}
 
 

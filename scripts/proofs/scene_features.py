@@ -173,6 +173,15 @@ def walls(rng, scene):
             scene.case["boundaries"][face] = kind
 
 
+def rough(rng, scene):
+    """Separating walls have friction."""
+    for face, kind in scene.case["boundaries"].items():
+        if kind == "separating":
+            most = number(rng, 0.05, 1.0)
+            friction = most if rng.random() < 0.6 else {"static": most, "kinetic": 0.5 * most}
+            scene.case["boundaries"][face] = {"separating": {"friction": friction}}
+
+
 def escape(rng, scene):
     """Most faces that are open let particles out; one that does not may end the run."""
     open_faces = [face for face in scene.faces if face not in scene.case["boundaries"]]
@@ -270,6 +279,7 @@ FEATURES = (
     Feature("time", time),
     Feature("bodies", add_bodies),
     Feature("walls", walls, 0.7, compiled=True),
+    Feature("rough walls", rough, 0.3, compiled=True),
     Feature("escape", escape, 0.95),
     Feature("gravity", gravity, 0.5),
     Feature("traction", traction, 0.25, compiled=True),

@@ -9,8 +9,8 @@ import time
 ENTRIES = ("probes", "tractions", "constraints", "boundaries", "escape", "bodies")
 #: Keys by path that may go. First come those that do not change what is compiled.
 OPTIONAL = ("output.at", "output.grid", "output.fields", "output.precision", "output.compression",
-            "output.every", "history", "gravity", "method.volume", "method.size", "method.wall",
-            "method.relaxation", "method.affine")  # fmt: skip
+            "output.every", "history", "gravity", "contact", "method.volume", "method.size",
+            "method.wall", "method.relaxation", "method.affine")  # fmt: skip
 
 
 def _without(case, path):
@@ -56,6 +56,10 @@ def _bodiless(case, name):
     for kind in ("probes", "tractions", "constraints"):
         entries = found.get(kind, {})
         found[kind] = {key: each for key, each in entries.items() if each.get("body") != name}
+    laws = found.pop("contact", [])
+    if len(found["bodies"]) > 1:
+        kept = [law for law in laws if name not in law["bodies"]]
+        found |= {"contact": kept} if kept else {}
     used = {body["material"] for body in found["bodies"].values()}
     found["materials"] = {key: each for key, each in found["materials"].items() if key in used}
     return found

@@ -155,6 +155,7 @@ def test_the_resolved_case_reads_like_one_written_by_hand():
         "escape: {}\n"
         "tractions: {}\n"
         "constraints: {}\n"
+        "contact: []\n"
         "exact: null\n"
         "output:\n"
         "  every: null\n"

@@ -255,6 +255,13 @@ MISTAKES = [
     ("{steps: 10}}", "{steps: 10}", "31:1", "the closing '}' is missing"),
     ("Two bodies", "two \x07 bodies", "2", "U+0007 does not belong in a text file"),
     ("Two bodies", "[" * 100_000, "2:", "nested deeper than 32 levels"),
+    # Walls
+    ("x-min: fixed", "x-min: {separating: {friction: -1}}", "27: boundaries.x-min.separating.fric",
+     "at least 0"),
+    ("x-min: fixed", "x-min: {separating: {frictio: 1}}", "27: boundaries.x-min.separating.frictio",
+     "did you mean 'friction'"),
+    ("x-min: fixed", "x-min: {separating: {}, slip: {}}", "27: boundaries.x-min.slip",
+     "does not belong beside 'separating'"),
     # Contact
     ("history:", "contact: [{bodies: [left, up]}]\nhistory:", "30: contact.0.bodies.1",
      "unknown body 'up'", "left, right"),

@@ -1,8 +1,14 @@
-"""A frictionless wall that lets go: the normal part is held only when moving into the wall."""
+"""A wall that lets go: the normal part is held only when moving into the wall; with friction."""
 
-from typing import ClassVar, NamedTuple
+from math import sqrt
+from typing import Annotated, ClassVar, NamedTuple
 
+from pydantic import Field
+
+from pgimp.jit.kernel import kernel
 from pgimp.physics.boundaries.base import Boundary
+from pgimp.physics.contact import Coefficient, Friction
+from pgimp.schema.dispatch import Either
 
 
 class SeparatingParameters(NamedTuple):
@@ -24,11 +30,76 @@ class SeparatingParameters(NamedTuple):
         )
 
 
+class FrictionParameters(NamedTuple):
+    """The face, static and kinetic coefficient, and the step's length."""
+
+    axis: int
+    side: int
+    static: float
+    kinetic: float
+    dt: float
+
+    @staticmethod
+    def constrain(face, v, a):
+        """Stop what moves into the wall, and brake what slides on it, as far as it is pressed.
+
+        As where bodies meet: first the velocity that particles bring, then that after forces have
+        acted; of the second the acceleration changes, too.
+        """
+        dt = face.dt
+        u = _brake(face, (v[0] - dt * a[0], v[1] - dt * a[1], v[2] - dt * a[2]))
+        u = (u[0] + dt * a[0], u[1] + dt * a[1], u[2] + dt * a[2])
+        w = _brake(face, u)
+        return w, (
+            a[0] + (w[0] - u[0]) / dt, a[1] + (w[1] - u[1]) / dt, a[2] + (w[2] - u[2]) / dt
+        )  # fmt: skip
+
+
+@kernel
+def _brake(face, v):
+    """Velocity of a vertex after the wall's impulse."""
+    k = face.axis
+    into = (v[0] if k == 0 else (v[1] if k == 1 else v[2])) * face.side
+    if not into > 0.0:
+        return v
+    x, y, z = (0.0 if k == 0 else v[0]), (0.0 if k == 1 else v[1]), (0.0 if k == 2 else v[2])
+    speed = sqrt(x * x + y * y + z * z)
+    part = 0.0
+    if speed > face.static * into:
+        part = max(0.0, 1.0 - face.kinetic * into / speed)
+    return part * x, part * y, part * z
+
+
 class Separating(Boundary):
-    """Frictionless wall from which the material lifts off freely: a floor, a stop."""
+    """Wall from which the material lifts off freely: a floor, a stop. It may have friction."""
+
+    friction: Annotated[
+        float | Friction,
+        Either(
+            "a coefficient or {static: ..., kinetic: ...}", {float: Coefficient, dict: Friction}
+        ),
+    ] = Field(default=0.0, description="coefficient of Coulomb's friction [1]")
 
     releases: ClassVar[bool] = True
 
-    def parameters(self, axis: int, side: int, start: float, end: float) -> SeparatingParameters:
+    @property
+    def varies(self) -> bool:
+        """See `Boundary.varies`: with friction, as it needs the length of the step."""
+        return self.coefficients[0] > 0.0
+
+    @property
+    def coefficients(self) -> tuple[float, float]:
+        """Static and kinetic coefficient."""
+        if isinstance(self.friction, Friction):
+            return self.friction.static, self.friction.kinetic
+        return self.friction, self.friction
+
+    def parameters(
+        self, axis: int, side: int, start: float, end: float
+    ) -> SeparatingParameters | FrictionParameters:
         """See `Boundary.parameters`."""
-        return SeparatingParameters(axis, side)
+        if not self.varies:
+            return SeparatingParameters(axis, side)
+        static, kinetic = self.coefficients
+        dt = max(end - start, 1e-300)  # none where nothing is computed but what is held
+        return FrictionParameters(axis, side, float(static), float(kinetic), dt)

@@ -1,0 +1,113 @@
+"""Friction at walls: a block on an incline, and what the case says and writes."""
+
+from math import cos, radians, sin
+
+import numpy as np
+import pytest
+from scenes import box, field, finish, scene, start, stir
+
+from pgimp.case.reader import dump_case, read_case
+from pgimp.case.schema import Case
+
+#: Gravity, and the block's mass.
+G, MASS = 1.0, 12.0
+
+
+def sliding(friction, angle, **parts):
+    """A block of 6 by 2 cells on an incline, which begins at rest."""
+    slope = radians(angle)
+    case = scene(
+        2,
+        box([2.0, 0.0], [8.0, 2.0]),
+        cells=[30, 5],
+        end=6.0,
+        step={"courant": 0.3},
+        gravity=[G * sin(slope), -G * cos(slope)],
+        boundaries={"y-min": {"separating": {"friction": friction}}},
+        **parts,
+    )
+    case["materials"]["soft"] = {**case["materials"]["soft"], "young": 1000.0}
+    return case
+
+
+@pytest.mark.parametrize(("friction", "angle"), [(0.3, 24.0), (0.1, 24.0), (0.4, 35.0)])
+def test_a_block_slides_as_coulomb_says(friction, angle):
+    """The reaction is the weight and its friction; acceleration within the bounce's 3 %."""
+    sim = start(sliding(friction, angle))
+    lines = [sim.diagnostics()]
+    for time in (1.0, 6.0):
+        while sim.time < time and not sim.finished:
+            sim.advance()
+        lines.append(sim.diagnostics())
+    _, begin, end = lines
+    press = end["reaction.y-min-y"]
+    slope = radians(angle)
+    assert press == pytest.approx(MASS * G * cos(slope), rel=0.03)
+    assert end["reaction.y-min-x"] == pytest.approx(-friction * press, rel=0.01)
+    gained = (end["momentum-x"] - begin["momentum-x"]) / (end["time"] - begin["time"])
+    exact = MASS * G * (sin(slope) - friction * cos(slope))
+    assert gained == pytest.approx(exact, rel=0.03)
+    # What gravity gives and friction takes away is the work that is booked.
+    way = end["body.body.centre-x"] - begin["body.body.centre-x"]
+    work = end["external-work"] - begin["external-work"]
+    assert work == pytest.approx(exact * way, rel=0.05)
+
+
+@pytest.mark.parametrize("friction", [0.6, {"static": 0.6, "kinetic": 0.5}])
+def test_a_block_sticks(friction):
+    """Below the static coefficient: it shears, by less than a tenth of a cell, and stays."""
+    line = finish(start(sliding(friction, 24.0))).diagnostics()
+    assert abs(line["body.body.centre-x"] - 5.0) < 0.1
+    assert abs(line["momentum-x"]) < 0.05 * MASS
+
+
+def test_static_friction_is_less_than_what_pulls():
+    """Above it the block slides, with the kinetic coefficient."""
+    line = finish(start(sliding({"static": 0.4, "kinetic": 0.1}, 24.0))).diagnostics()
+    exact = 0.5 * G * (sin(radians(24.0)) - 0.1 * cos(radians(24.0))) * 36.0
+    assert line["body.body.centre-x"] - 5.0 == pytest.approx(exact, rel=0.08)
+
+
+def test_without_friction_it_is_the_plain_wall():
+    """The same bits as the plain word."""
+    plain, other = (
+        start(
+            scene(2, box([2.0, 0.5], [5.0, 3.0], [0.3, -1.0]), end=0.6, boundaries={"y-min": wall})
+        )
+        for wall in ("separating", {"separating": {"friction": 0.0}})
+    )
+    for sim in (plain, other):
+        stir(sim, 0.3)
+        finish(sim)
+    for name in ("x", "v", "F"):
+        assert np.array_equal(field(plain, name), field(other, name))
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_friction_takes_no_more_than_there_is(dimension):
+    """Thrown along a wall: it stops, all along its surface, and never goes back."""
+    D = dimension
+    gravity = [0.0] * (D - 1) + [-4.0]
+    body = box([1.0] * (D - 1) + [0.0], [3.0] * D, [1.0, *[0.0] * (D - 2), 0.0])
+    face = f"{'xyz'[D - 1]}-min"
+    case = scene(D, body, end=1.5, gravity=gravity, per_cell=2 if D == 2 else 1,
+                 boundaries={face: {"separating": {"friction": 0.5}}})  # fmt: skip
+    case["materials"]["soft"] = {**case["materials"]["soft"], "young": 1000.0}
+    sim = start(case)
+    first = sim.diagnostics()
+    last = finish(sim).diagnostics()
+    assert abs(last["momentum-x"]) < 0.15 * first["momentum-x"]
+    if D == 3:
+        assert abs(last["momentum-y"]) < 1e-9
+    # All of its kinetic energy has become heat of friction, but for what is left of waves.
+    assert last["kinetic-energy"] < 0.05 * first["kinetic-energy"]
+
+
+def test_a_case_writes_the_wall_as_it_is_read():
+    case = sliding(0.3, 24.0)
+    typed = Case.model_validate(case)
+    assert "separating: {friction: 0.3}" in dump_case(typed)
+    assert read_case(dump_case(typed), "case.yaml") == typed
+    plain = Case.model_validate(case | {"boundaries": {"y-min": "separating"}})
+    assert "y-min: separating" in dump_case(plain)
+    assert Case.model_validate(case | {"boundaries": {"y-min": {"separating": {}}}}) == plain
