@@ -11,9 +11,9 @@ from pydantic import RootModel
 from pgimp.case.check_domain import check_grid
 from pgimp.geometry.regions import REGIONS
 from pgimp.physics.loads.motion import check_rotation
-from pgimp.schema.dispatch import name_of
 from pgimp.schema.messages import unknown
 from pgimp.schema.problems import Problem
+from pgimp.schema.registries import name_of
 from pgimp.schema.sizes import AXES, WHOLE, Problems, faces, length
 
 MOST_PARTS = 5000

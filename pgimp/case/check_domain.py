@@ -8,9 +8,9 @@ from typing import Any
 
 from pgimp.physics.fields import OPTIONAL
 from pgimp.physics.loads import BODY_FORCES
-from pgimp.schema.dispatch import name_of
 from pgimp.schema.messages import unknown
 from pgimp.schema.problems import Problem
+from pgimp.schema.registries import name_of
 from pgimp.schema.sizes import Problems, faces, length, nearest_whole, whole
 
 MOST_CELLS = 10_000_000

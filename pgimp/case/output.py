@@ -10,9 +10,10 @@ from pydantic import AfterValidator, BaseModel, Field
 from pgimp.physics.columns import GRID
 from pgimp.physics.fields import OPTIONAL
 from pgimp.schema.base import Count, Interval, Model, Name, NonNegative, Positive, Steps, Vector
-from pgimp.schema.dispatch import ByWord, Either
+from pgimp.schema.dispatch import Either
 from pgimp.schema.messages import unknown
 from pgimp.schema.problems import Problem, problem, raise_problems
+from pgimp.schema.registries import ByWord
 
 
 def _states() -> list[str]:

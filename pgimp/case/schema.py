@@ -34,9 +34,10 @@ from pgimp.schema.base import (
     Positive,
     Vector,
 )
-from pgimp.schema.dispatch import ByField, ByName, ByWord, Either
+from pgimp.schema.dispatch import Either
 from pgimp.schema.messages import explain
 from pgimp.schema.problems import problem, raise_problems
+from pgimp.schema.registries import ByField, ByName, ByWord
 from pgimp.schema.sizes import faces, whole
 from pgimp.schema.tables import VaryingVector
 

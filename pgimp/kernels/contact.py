@@ -16,10 +16,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pgimp.jit.kernel import inner_kernel, kernel, specialise
+from pgimp.jit.kernel import inner_kernel, specialise
 from pgimp.kernels.constraints import constrained_velocity, is_marked
-from pgimp.kernels.faces import beyond_any, hold, on_walls
-from pgimp.kernels.fields import field_count, field_size
+from pgimp.kernels.faces import beyond_any, hold
 from pgimp.kernels.ledger import (
     CONTACT_AREA,
     HEAT,
@@ -28,7 +27,6 @@ from pgimp.kernels.ledger import (
     NORMAL_IMPULSE,
     TANGENTIAL_IMPULSE,
 )
-from pgimp.kernels.record import ACCELERATION, FORCE, MASS, MOMENTUM, RECORD, VELOCITY
 from pgimp.physics.contact import FRICTION, TIED, Pairs
 
 #: Least part of a vertex's neighbourhood that either body must fill: less is too little to tell a
@@ -99,122 +97,8 @@ class Contact(NamedTuple):
         )  # fmt: skip
 
 
-@kernel
-def find_meetings(field, met):
-    """Count, in each of a rank's planes, the vertices at which several fields have mass.
-
-    Parameters
-    ----------
-    field : Field
-        After the halo exchange, so that ranks find the same in planes that they share.
-    met : (planes,) int64
-        Set here.
-    """
-    window, G = field.window, field.G
-    size, count = field_size(window), field_count(window)
-    met[:] = 0
-    for i in range(len(met)):
-        if field.active[i] == 0:
-            continue
-        first = i * window.stride[0]
-        for r in range(first, first + size, RECORD):
-            found = 0
-            for f in range(count):
-                found += G[r + f * size + MASS] > 0.0
-            met[i] += found > 1
-
-
-def meet(contact, faces, frame, field, forcing, i, ledger, last):
-    """Let bodies meet at the vertices of plane `i`.
-
-    Parameters
-    ----------
-    contact : Contact or ()
-        () in scenes without contact.
-    faces, frame, field, forcing, ledger
-        As in `update_momentum`; `contact` of the ledger grows by what happens in the last pass.
-    last : bool
-        Whether the grid holds velocities and accelerations; else it holds momenta.
-    """
-
-
-@specialise(meet)
-def _meet(contact, faces, frame, field, forcing, i, ledger, last):
-    if not hasattr(contact, "instance_class"):
-        return lambda contact, faces, frame, field, forcing, i, ledger, last: None
-
-    def meet_in_plane(contact, faces, frame, field, forcing, i, ledger, last):
-        if contact.met[i] > 0:
-            _meet_in_plane(contact, faces, frame, field, forcing, i, ledger, last)
-
-    return meet_in_plane
-
-
 @inner_kernel
-def _meet_in_plane(contact, faces, frame, field, forcing, i, ledger, last):
-    """See `meet`."""
-    window, dt = field.window, forcing.dt
-    for j in range(window.extent[1]):
-        for k in range(window.extent[2]):
-            r = i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
-            number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
-            count = _find_fields(contact, frame, field, r, 0.5 ** on_walls(faces, frame, number))
-            if count < 2:
-                continue
-            pairs = _find_pairs(contact, frame, count, dt)
-            if pairs == 0:
-                continue
-            for a in range(count):
-                place = contact.places[a]
-                inverse = 1.0 if last else 1.0 / contact.fields[a, WEIGHT]
-                for d in range(3):
-                    v = field.G[place + VELOCITY + d] * inverse
-                    contact.fields[a, NOW + d] = contact.fields[a, BEFORE + d] = v
-            held = _find_held(contact, faces, frame, forcing, number, count)
-            for _ in range(SWEEPS if held or pairs > 1 else 1):
-                for pair in range(pairs):
-                    _exchange(contact, faces, frame, forcing, number, held, pair)
-            for a in range(count):
-                place = contact.places[a]
-                for d in range(3):
-                    change = contact.fields[a, NOW + d] - contact.fields[a, BEFORE + d]
-                    if last:
-                        field.G[place + VELOCITY + d] += change
-                        field.G[place + ACCELERATION + d] += change / dt
-                    else:
-                        field.G[place + MOMENTUM + d] += contact.fields[a, WEIGHT] * change
-            if last and i < field.owned:
-                for pair in range(pairs):
-                    _book(contact, faces, frame, forcing, number, pair, ledger.contact[i])
-
-
-@inner_kernel
-def _find_fields(contact, frame, field, r, room):
-    """Find the fields at the vertex whose first record is at `r`; returns their number.
-
-    `room` is the part of its neighbourhood that walls leave to bodies.
-    """
-    G, V, size = field.G, contact.volumes, field_size(field.window)
-    cell = room
-    for d in range(len(frame.cell)):
-        cell *= frame.cell[d]
-    count = 0
-    for f in range(field_count(field.window)):
-        place = r + f * size
-        if not (G[place + MASS] > 0.0 and V[place + MASS] > 0.0):
-            continue
-        contact.places[count] = place
-        contact.bodies[count] = int(V[place + MOMENTUM] / V[place + MASS] + 0.5) - 1
-        contact.fields[count, WEIGHT] = G[place + MASS]
-        contact.fields[count, PART] = V[place + MASS] / cell
-        for d in range(3):
-            contact.fields[count, OUTWARD + d] = V[place + FORCE + d]
-        count += 1
-    return count
-
-
-@inner_kernel
-def _find_pairs(contact, frame, count, dt):
+def find_pairs(contact, frame, count, dt):
     """Find the pairs of fields that act on each other at a vertex; returns their number."""
     fields, ends, partners = contact.fields, contact.ends, contact.partners
     missing = 1.0
@@ -297,7 +181,7 @@ def _settled(contact, faces, frame, forcing, number, a, column):
 
 
 @inner_kernel
-def _find_held(contact, faces, frame, forcing, number, count):
+def find_held(contact, faces, frame, forcing, number, count):
     """Set the mobilities of the fields at a vertex; returns whether any component is held."""
     some = False
     near = beyond_any(faces, frame, number)
@@ -319,7 +203,7 @@ def _find_held(contact, faces, frame, forcing, number, count):
 
 
 @inner_kernel
-def _exchange(contact, faces, frame, forcing, number, held, pair):
+def exchange(contact, faces, frame, forcing, number, held, pair):
     """Let the fields of a pair exchange what impulse the law still wants."""
     row = contact.partners[pair]
     a, b, entry = contact.ends[pair, 0], contact.ends[pair, 1], contact.ends[pair, 2] - 1
@@ -368,7 +252,7 @@ def _give(first, second, row, d, J):
 
 
 @inner_kernel
-def _book(contact, faces, frame, forcing, number, pair, ledger):
+def book(contact, faces, frame, forcing, number, pair, ledger):
     """Book what a pair has exchanged in the last pass.
 
     Energy is impulse times the velocity that is left, as the work of all other forces is.

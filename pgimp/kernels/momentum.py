@@ -2,10 +2,10 @@
 
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.kernels.constraints import constrained_velocity
-from pgimp.kernels.contact import meet
 from pgimp.kernels.faces import beyond_any, hold
 from pgimp.kernels.fields import field_count, field_size
 from pgimp.kernels.loads import given
+from pgimp.kernels.meet import meet
 from pgimp.kernels.record import ACCELERATION, FORCE, HELD, MASS, MOMENTUM, RECORD, VELOCITY
 from pgimp.kernels.transfer import also_held
 

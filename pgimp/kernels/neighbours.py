@@ -66,7 +66,7 @@ def diagonalise(A, V, D):
 
 
 @allocating_kernel
-def fit_gradients(x, v, keys, at, speed, own, strides, reach, out):
+def fit_gradients(around, chosen, strides, reach, out):
     """Fit a linear field to the velocities around particles: weighted least squares.
 
     A neighbour at the distance s, over the reach, has the weight (1 - s^2)^2. Directions in which
@@ -74,14 +74,10 @@ def fit_gradients(x, v, keys, at, speed, own, strides, reach, out):
 
     Parameters
     ----------
-    x, v : (n, D) float64
-        Particles around, in the order of their cells.
-    keys : (n,) int64
-        Numbers of their cells, ascending.
-    at, speed : (m, D) float64
-        The particles in question.
-    own : (m,) int64
-        Their cells.
+    around : ((n, D) float64, (n, D) float64, (n,) int64)
+        Positions and velocities of particles, and the numbers of their cells, ascending.
+    chosen : ((m, D) float64, (m, D) float64, (m,) int64)
+        Likewise those of the particles in question, in any order.
     strides : (D,) int64
         What the number of a cell grows by along each direction; 1 along the last.
     reach : (D,) float64
@@ -89,6 +85,7 @@ def fit_gradients(x, v, keys, at, speed, own, strides, reach, out):
     out : (m, D * D) float64
         dv_i/dx_j, row by row.
     """
+    (x, v, keys), (at, speed, own) = around, chosen
     D = x.shape[1]
     runs = 3 ** (D - 1)
     begin, end = np.empty(9, np.int64), np.empty(9, np.int64)

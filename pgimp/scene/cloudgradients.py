@@ -80,10 +80,9 @@ def with_gradients(
     keys = (cells(x) * strides).sum(axis=1)
     order = np.argsort(keys, kind="stable")  # of a cell in the order of the file
     out = np.empty((len(positions), D * D))
-    fit_gradients(
-        x[order], v[order], keys[order], np.ascontiguousarray(positions),
-        np.ascontiguousarray(velocities), (own * strides).sum(axis=1), strides, reach, out,
-    )  # fmt: skip
+    chosen = np.ascontiguousarray(positions), np.ascontiguousarray(velocities)
+    own = (own * strides).sum(axis=1)
+    fit_gradients((x[order], v[order], keys[order]), (*chosen, own), strides, reach, out)
     ends = np.cumsum([len(block.ids) for block in blocks])
     gradients = np.split(out, ends[:-1])
     return [

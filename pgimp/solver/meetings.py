@@ -10,9 +10,10 @@ from pgimp.decomposition.grid import Grid
 from pgimp.decomposition.halo import Halo
 from pgimp.decomposition.population import Population
 from pgimp.jit.bound import Bound
-from pgimp.kernels.contact import Contact, find_meetings
+from pgimp.kernels.contact import Contact
 from pgimp.kernels.contribution import VolumeSums
 from pgimp.kernels.ledger import CONTACT_AREA, Ledger
+from pgimp.kernels.meet import find_meetings
 from pgimp.kernels.p2g import particles_to_grid
 from pgimp.scene.scene import Scene
 from pgimp.solver.groups import assign, body_boxes, reach

@@ -11,12 +11,13 @@ from pgimp.decomposition.slabs import Slab
 from pgimp.kernels.boxes import grow_boxes
 from pgimp.kernels.concepts import Forcing, Order, Report
 from pgimp.kernels.constraints import apply_constraints, mark_constrained_vertices
-from pgimp.kernels.contact import Contact, find_meetings
+from pgimp.kernels.contact import Contact
 from pgimp.kernels.contribution import VolumeSums
 from pgimp.kernels.errors import ERRORS, initial_velocities, layer_errors
 from pgimp.kernels.g2p import grid_to_particles
 from pgimp.kernels.layerchanges import pack_rows, partition_migrants, sort_rows, unpack_rows
 from pgimp.kernels.ledger import Ledger
+from pgimp.kernels.meet import find_meetings
 from pgimp.kernels.mirror import fold, fold_volumes, reflect
 from pgimp.kernels.momentum import update_momentum
 from pgimp.kernels.order import layers_of, locate, merge, reach_of

@@ -46,8 +46,9 @@ def _split(source, n, axis, at, below, above):
 
 
 @kernel
-def _add(polygon, n, x0, y0, z0, xc, yc, zc, sums):
-    """Add a piece in a box with its floor at z0, and its centre at c relative to its low corner."""
+def _add(polygon, n, corner, centre, sums):
+    """Add a piece in a box with its low corner, and its centre relative to that."""
+    (x0, y0, z0), (xc, yc, zc) = corner, centre
     ax, ay, az = polygon[0, 0] - x0, polygon[0, 1] - y0, polygon[0, 2] - z0
     for k in range(1, n - 1):
         bx, by, bz = polygon[k, 0] - x0, polygon[k, 1] - y0, polygon[k, 2] - z0
@@ -113,7 +114,7 @@ def clip_plane(T, chosen, x0, x1, ey, ez, sums, touched):
     spare = np.empty((_CORNERS, 3))
     rest = np.empty((_CORNERS, 3))
     xc = 0.5 * (x1 - x0)
-    ny, nz = len(ey) - 1, len(ez) - 1
+    ny = len(ey) - 1
     for t in chosen:
         n = 3
         for a in range(3):
@@ -151,14 +152,20 @@ def clip_plane(T, chosen, x0, x1, ey, ez, sums, touched):
                 _take(column, whole, n)
                 m, n = n, 0
             if m >= 3:
-                _column(column, m, x0, xc, ey[j], 0.5 * (ey[j + 1] - ey[j]), ez, nz, near, box,
-                        rest, sums[j], touched[j])  # fmt: skip
+                place = (x0, ey[j]), (xc, 0.5 * (ey[j + 1] - ey[j]))
+                _column(column, m, place, ez, near, (box, rest), sums[j], touched[j])
             j += 1
 
 
 @kernel
-def _column(column, m, x0, xc, y0, yc, ez, nz, near, box, rest, sums, touched):
-    """Share out what a column of boxes has of a triangle."""
+def _column(column, m, place, ez, near, room, sums, touched):
+    """Share out what a column of boxes has of a triangle.
+
+    `place` has their low corner, and their centre relative to that; `room` two further polygons.
+    """
+    (x0, y0), (xc, yc) = place
+    box, rest = room
+    nz = len(ez) - 1
     # Rounding must not take a piece along a plane across it and back: its parts would overlap.
     for a in range(m):
         k = _first(ez, column[a, 2])
@@ -183,7 +190,7 @@ def _column(column, m, x0, xc, y0, yc, ez, nz, near, box, rest, sums, touched):
             n, m = m, 0
         if n >= 3:
             zc = 0.5 * (ez[k + 1] - ez[k]) if k + 1 < nz else 0.0
-            _add(box, n, x0, y0, ez[k], xc, yc, zc, sums[k])
+            _add(box, n, (x0, y0, ez[k]), (xc, yc, zc), sums[k])
             touched[k] = True
         k += 1
 

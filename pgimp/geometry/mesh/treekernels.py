@@ -60,8 +60,9 @@ def height(T, t, i, j, k, u, v):
 
 
 @allocating_kernel
-def count_above(T, low, high, leaves, component, own, x, y, z):
+def count_above(T, low, high, leaves, component, own, point):
     """Signed number of surfaces above a point, those of the component `own` left out."""
+    x, y, z = point
     stack = np.empty(_DEEP, np.int64)
     stack[0], top, total = 1, 1, 0
     while top:
@@ -89,8 +90,8 @@ def count_above(T, low, high, leaves, component, own, x, y, z):
 def inside(T, low, high, leaves, component, own, points, out):
     """Set `out`, (n,) int64, to the signed numbers of surfaces above the points, (n, 3)."""
     for p in range(len(points)):
-        x, y, z = points[p, 0], points[p, 1], points[p, 2]
-        out[p] = count_above(T, low, high, leaves, component, own[p], x, y, z)
+        point = points[p, 0], points[p, 1], points[p, 2]
+        out[p] = count_above(T, low, high, leaves, component, own[p], point)
 
 
 @allocating_kernel

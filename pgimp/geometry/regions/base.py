@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel
 
-from pgimp.schema.dispatch import ByKey
+from pgimp.schema.registries import ByKey
 
 Points = NDArray[np.float64]
 Mask = NDArray[np.bool_]

@@ -7,8 +7,8 @@ from typing import Any, ClassVar, NamedTuple
 from pgimp.jit.kernel import specialise
 from pgimp.physics.boundaries import BOUNDARIES
 from pgimp.schema.base import Model
-from pgimp.schema.dispatch import name_of
 from pgimp.schema.problems import Problem
+from pgimp.schema.registries import name_of
 
 
 class Solution(Model):

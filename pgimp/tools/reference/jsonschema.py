@@ -6,7 +6,7 @@ from typing import Any
 
 from pgimp.case.schema import Case
 from pgimp.geometry.regions import REGION
-from pgimp.schema.dispatch import COMMENT, ByKey
+from pgimp.schema.registries import COMMENT, ByKey
 
 Schema = dict[str, Any]
 
