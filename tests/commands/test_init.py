@@ -45,7 +45,7 @@ def test_every_file_of_cases_is_listed_with_a_line(capsys):
     assert sorted(line.split()[0] for line in listed) == sorted(NAMES)
     assert all(re.fullmatch(r"  [\w/-]+ +([123]D|study) +\w.*[^.]", line) for line in listed)
     dimensions = [line.split()[1] for line in listed]
-    assert dimensions[:7] == ["1D", "1D", "1D", "2D", "2D", "3D", "3D"]
+    assert dimensions[:8] == [*["1D"] * 3, *["2D"] * 3, *["3D"] * 2]
 
 
 @pytest.mark.parametrize("name", ONLY_CASES)

@@ -133,11 +133,12 @@ def test_first_case_is_printed_as_it_is():
     assert printed == read_case(there, "block3d.yaml", [])
 
 
-def test_short_case_of_the_readme_is_the_first_case():
-    """It is complete, and but for labels and output it says the same."""
-    short = read_case(block_of("format: 1\ndimensions"), "README.md", [])
-    there = (ROOT / "cases/block3d.yaml").read_text(encoding="utf-8")
-    whole = read_case(there, "block3d.yaml", [])
+@pytest.mark.parametrize(("dimensions", "case"), [(3, "block3d"), (2, "rolling")])
+def test_short_cases_of_the_pages_are_those_in_cases(dimensions, case):
+    """They are complete, and but for labels and output they say the same."""
+    short = read_case(block_of(f"format: 1\ndimensions: {dimensions}"), "README.md", [])
+    there = (ROOT / f"cases/{case}.yaml").read_text(encoding="utf-8")
+    whole = read_case(there, f"{case}.yaml", [])
     for name in type(whole).model_fields:
         if name not in ("title", "units", "output", "history"):
             assert getattr(short, name) == getattr(whole, name), name
