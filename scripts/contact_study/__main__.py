@@ -75,14 +75,16 @@ def _gaps(rows):
 
 def _costs(quick):
     """Table of what contact costs."""
-    text = "| two blocks | | time of a step, without contact: 1 |\n|---|---|---|\n"
+    text = "| scene | | time of a step, without contact: 1 |\n|---|---|---|\n"
     for dimensions in (2, 3):
         for apart in (True, False):
             ratio = motion.cost(apart, dimensions, 3 if quick else 9)
             where = "20 cells apart" if apart else "in touch"
             size = {2: "120 x 120 cells each, 2D", 3: "20 x 20 x 20 cells each, 3D"}[dimensions]
-            text += f"| {where} | {size} | {ratio:.2f} |\n"
-    return text
+            text += f"| two blocks {where} | {size} | {ratio:.2f} |\n"
+    ratio, fields = motion.heap(steps=100 if quick else 800)
+    what = f"R = 4 cells, 2D, up to {fields} velocity fields"
+    return text + f"| 48 disks that fall into a heap | {what} | {ratio:.1f} |\n"
 
 
 def main():

@@ -221,3 +221,31 @@ def cost(apart, dimensions, rounds=5):
             times.append(perf_counter() - began)
         ratios.append(times[1] / times[0])
     return median(ratios)
+
+
+def heap(count=48, steps=800, radius=4.0):
+    """Disks that fall into a box: time of a step over that without contact, most fields in use."""
+    bodies = {
+        f"disk{k}": (
+            {"ball": {"centre": [6.0 + 9.0 * (k % 8), 6.0 + 9.0 * (k // 8)], "radius": radius}},
+            [0.5 * sin(7.0 * k), 0.0],
+        )
+        for k in range(count)
+    }
+    times, fields = [], 0
+    for contact in ([{"bodies": "all", "friction": 0.3}], []):
+        case = _case(
+            bodies, [78.0, 9.0 * (count // 8) + 6.0], 1.0, 1e3, gravity=[0.0, -1.0],
+            boundaries={"y-min": "separating", "x-min": "separating", "x-max": "separating"},
+            contact=contact,
+        )  # fmt: skip
+        case["materials"]["solid"] = SOLID | {"young": 1e3}
+        simulation = pgimp.Simulation(case)
+        simulation.step(3)
+        began = perf_counter()
+        for _ in range(steps // 20):
+            simulation.step(20)
+            if contact:
+                fields = max(fields, 1 + max(simulation.core.rank.meetings.fields))
+        times.append(perf_counter() - began)
+    return times[0] / times[1], fields

@@ -1,0 +1,36 @@
+"""The study of contact: what it measures, in short, and that the page shows all of it."""
+
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.append(str(ROOT / "scripts" / "contact_study"))
+
+import gap  # noqa: E402
+import motion  # noqa: E402
+
+
+def test_gaps_of_flat_and_round_bodies():
+    """Flat faces within 0.03 of a cell; disks enter by a third of a cell over their radius."""
+    assert abs(gap.flat(2, 20.0, 0.3)) < 0.03
+    assert -0.08 < gap.balls(2, 5.0, 30.0, 0.3) < 0.0
+
+
+def test_what_is_exact():
+    assert motion.tied(100) < 1e-12
+    assert motion.parting() == 0.0
+
+
+def test_impacts_converge():
+    """Rebound and loss of bars, and what edges turn, are better on finer cells."""
+    (coarse, lost), (fine, less) = motion.bars(0.5), motion.bars(0.25)
+    assert 0.9 < coarse < fine < 1.0
+    assert 0.0 < less < lost < 0.1
+    assert motion.edges(0.5) < 0.6 * motion.edges(1.0)
+
+
+def test_the_page_shows_all_tables():
+    page = (ROOT / "docs" / "contact.md").read_text(encoding="utf-8")
+    for name in ("motion", "gaps", "costs"):
+        table = ROOT / "scripts" / "pages" / "tables" / f"contact-{name}.md"
+        assert table.read_text(encoding="utf-8").strip() in page
