@@ -34,6 +34,19 @@ class Friction(Model):
         return self
 
 
+AnyFriction = Annotated[
+    float | Friction,
+    Either("a coefficient or {static: ..., kinetic: ...}", {float: Coefficient, dict: Friction}),
+]
+
+
+def coefficients(friction: float | Friction) -> tuple[float, float]:
+    """Static and kinetic coefficient."""
+    if isinstance(friction, Friction):
+        return friction.static, friction.kinetic
+    return friction, friction
+
+
 class ContactEntry(Model):
     """What happens where bodies meet."""
 
@@ -53,12 +66,7 @@ class ContactEntry(Model):
         "tied: they move as one body where they share vertices of the grid, from the beginning or "
         "from when they meet; ignore: they pass through each other",
     )
-    friction: Annotated[
-        float | Friction,
-        Either(
-            "a coefficient or {static: ..., kinetic: ...}", {float: Coefficient, dict: Friction}
-        ),
-    ] = Field(default=0.0, description="coefficient of Coulomb's friction [1]")
+    friction: AnyFriction = Field(default=0.0, description="coefficient of Coulomb's friction [1]")
 
     @model_validator(mode="after")
     def _check(self) -> ContactEntry:
@@ -74,13 +82,6 @@ class ContactEntry(Model):
     def name(self) -> str:
         """What the columns of the history call it."""
         return self.bodies if isinstance(self.bodies, str) else "+".join(self.bodies)
-
-    @property
-    def coefficients(self) -> tuple[float, float]:
-        """Static and kinetic coefficient."""
-        if isinstance(self.friction, Friction):
-            return self.friction.static, self.friction.kinetic
-        return self.friction, self.friction
 
     def pairs(self) -> Iterator[tuple[str, str]]:
         """Names of the pairs, in the order of the entry; none for all."""
@@ -120,7 +121,8 @@ class Pairs(NamedTuple):
                 entry[min(a, b), max(a, b)] = i if a < b else -i
         law = np.array([*(LAWS.index(each.law) for each in entries), TIED], np.int64)
         entry[law[np.abs(entry) - 1] == IGNORE] = 0
-        coefficient = np.array([*(each.coefficients for each in entries), (0.0, 0.0)], float)
+        pairs = [coefficients(given.friction) for given in entries]
+        coefficient = np.array([*pairs, (0.0, 0.0)], float)
         return cls(entry, law, coefficient)
 
 

@@ -116,9 +116,3 @@ def rows(quick):
     ]
     return [(what, 0.0, min(gaps), max(gaps)) for what, gaps in found.items()]
 
-
-if __name__ == "__main__":
-    import sys
-
-    for row in rows("--quick" in sys.argv):
-        print(row, flush=True)

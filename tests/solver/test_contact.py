@@ -8,6 +8,7 @@ from scenes import box, energy, field, finish, scene, start, stir, tracked
 
 from pgimp.physics.contact import ContactEntry, Pairs
 from pgimp.solver.groups import assign
+from pgimp.solver.meetings import Meetings
 
 
 def blocks(first=(0.0, 0.0), second=(0.0, 0.0), gap=0.0, **parts):
@@ -271,3 +272,26 @@ def test_walls_and_constraints_hold_bodies_that_meet():
     assert ends[0][1] < ends[1][0] < ends[1][1] < ends[2][0]
     line = sim.diagnostics()
     assert line["reaction.x-min-x"] > 1.0
+
+
+def test_sums_of_earlier_steps_do_not_matter(monkeypatch):
+    """Two bodies at mirrors, which fold sums beyond them: those must be of this step, too."""
+    bodies = {
+        "a": box([0.0, 1.0], [2.5, 3.0], [-1.0, 0.3]),
+        "b": box([0.0, 3.2], [3.0, 5.0], [-0.8, -2.0]),
+    }
+    case = scene(
+        2, bodies, cells=[16, 8], shape="finite-gimp", end=0.5,
+        boundaries={"x-min": "slip", "y-min": "slip"}, contact=[{"bodies": "all", "friction": 0.3}],
+    )  # fmt: skip
+    plain, other = finish(start(case)), start(case)
+    sum_volumes = Meetings._sum_volumes
+
+    def after_others(self, *args):
+        self._volumes.G[:] = np.nan
+        sum_volumes(self, *args)
+
+    monkeypatch.setattr(Meetings, "_sum_volumes", after_others)
+    finish(other)
+    assert other.diagnostics()["contact.all.normal-impulse"] > 0.0
+    assert np.array_equal(field(plain, "x"), field(other, "x"))

@@ -1,14 +1,13 @@
 """A wall that lets go: the normal part is held only when moving into the wall; with friction."""
 
 from math import sqrt
-from typing import Annotated, ClassVar, NamedTuple
+from typing import ClassVar, NamedTuple
 
 from pydantic import Field
 
 from pgimp.jit.kernel import kernel
 from pgimp.physics.boundaries.base import Boundary
-from pgimp.physics.contact import Coefficient, Friction
-from pgimp.schema.dispatch import Either
+from pgimp.physics.contact import AnyFriction, coefficients
 
 
 class SeparatingParameters(NamedTuple):
@@ -73,26 +72,14 @@ def _brake(face, v):
 class Separating(Boundary):
     """Wall from which the material lifts off freely: a floor, a stop. It may have friction."""
 
-    friction: Annotated[
-        float | Friction,
-        Either(
-            "a coefficient or {static: ..., kinetic: ...}", {float: Coefficient, dict: Friction}
-        ),
-    ] = Field(default=0.0, description="coefficient of Coulomb's friction [1]")
+    friction: AnyFriction = Field(default=0.0, description="coefficient of Coulomb's friction [1]")
 
     releases: ClassVar[bool] = True
 
     @property
     def varies(self) -> bool:
         """See `Boundary.varies`: with friction, as it needs the length of the step."""
-        return self.coefficients[0] > 0.0
-
-    @property
-    def coefficients(self) -> tuple[float, float]:
-        """Static and kinetic coefficient."""
-        if isinstance(self.friction, Friction):
-            return self.friction.static, self.friction.kinetic
-        return self.friction, self.friction
+        return coefficients(self.friction)[0] > 0.0
 
     def parameters(
         self, axis: int, side: int, start: float, end: float
@@ -100,6 +87,6 @@ class Separating(Boundary):
         """See `Boundary.parameters`."""
         if not self.varies:
             return SeparatingParameters(axis, side)
-        static, kinetic = self.coefficients
+        static, kinetic = coefficients(self.friction)
         dt = max(end - start, 1e-300)  # none where nothing is computed but what is held
         return FrictionParameters(axis, side, float(static), float(kinetic), dt)
