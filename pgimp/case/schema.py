@@ -264,7 +264,7 @@ class Case(Model):
         else:
             problems = check({name: getattr(case, name) for name in cls.model_fields})
             if case.exact is not None and not problems:
-                problems = list(case.exact.misfits(case))
+                problems = list(case.exact.problems(case))
         raise_problems(cls.__name__, problems, data)
         return case
 

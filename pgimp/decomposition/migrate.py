@@ -56,15 +56,15 @@ class _Link:
     def send(self, columns: Columns, rows: np.ndarray) -> int:
         """Begin to exchange; send `rows` of the particles. The number of messages sent."""
         self.receipt.Start()
-        number, room = len(rows), self.to_send
-        if number > room:
+        number, capacity = len(rows), self.to_send
+        if number > capacity:
             self.to_send = _grown(number)
             self.outgoing = _wire(self.to_send, self.columns)
         self.outgoing[0] = number
         if number:
             pack_rows(*columns, rows, self.outgoing, 1, self.columns)
         end = 1 + number * self.columns
-        full = 1 + room * self.columns
+        full = 1 + capacity * self.columns
         requests = self.requests
         requests.append(self.comm.Isend(self.outgoing[: min(end, full)], self.neighbour, _TAG))
         if end > full:

@@ -101,7 +101,7 @@ class FrameFile:
     def write(self, place: int, block: Any) -> None:
         """Write to a place of the file, no byte of which is written twice.
 
-        Some of it is kept until `settle`.
+        Some of it is kept until `flush`.
 
         Parameters
         ----------
@@ -155,7 +155,7 @@ class FrameFile:
                 start, size, checksum = self.written.pop()
         self.written.append(Written(start, size + len(data), zlib.crc32(data, checksum)))
 
-    def settle(self) -> None:
+    def flush(self) -> None:
         """Write what has been kept, each block on one rank; collective, after all of `write`."""
         if self._comm.size == 1:
             return

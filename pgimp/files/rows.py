@@ -64,7 +64,7 @@ class Rows:
         unit: int = 1,
     ) -> None:
         self.comm = comm
-        self._room: tuple[Array, ...] = (np.empty(0, np.uint8), np.empty(0, np.uint8))
+        self._buffers: tuple[Array, ...] = (np.empty(0, np.uint8), np.empty(0, np.uint8))
         known = bool(((ids >= 0) & (ids < count)).all())
         lengths = comm.allgather(len(ids) if known else -1)
         self.count = sum(lengths)
@@ -122,11 +122,12 @@ class Rows:
             return
         # The same memory for every call: new pages would cost more than what is done with them.
         lengths = (len(self.storage), self.last - self.first)
-        if any(len(room) < n * dtype.itemsize for room, n in zip(self._room, lengths, strict=True)):
-            self._room = tuple(np.empty(n * dtype.itemsize, np.uint8) for n in lengths)
+        needed = [n * dtype.itemsize for n in lengths]
+        if any(len(buffer) < n for buffer, n in zip(self._buffers, needed, strict=True)):
+            self._buffers = tuple(np.empty(n * dtype.itemsize, np.uint8) for n in lengths)
         leaving, arrived = (
-            room[: n * dtype.itemsize].view(dtype)
-            for room, n in zip(self._room, lengths, strict=True)
+            buffer[: n * dtype.itemsize].view(dtype)
+            for buffer, n in zip(self._buffers, lengths, strict=True)
         )
         for begin, end in blocks(lengths[0]):
             leaving[begin:end] = fill(begin, end)

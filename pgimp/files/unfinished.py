@@ -30,7 +30,7 @@ class Unfinished:
     def __init__(self, part: Path, path: Path, file: FrameFile, comm: Any, what: str) -> None:
         self.path = path
         self._part, self._file, self._comm, self._what = part, file, comm, what
-        file.settle()
+        file.flush()
         file.close_later()
 
     @property

@@ -62,7 +62,7 @@ def splat(builder, kind, value):
 
 
 def _address(context, builder, kind, array, index):
-    """Address of a float64 in an array, or in a room on the stack."""
+    """Address of a float64 in an array, or in a buffer on the stack."""
     if isinstance(kind, types.CPointer):
         return builder.gep(array, [index])
     return builder.gep(context.make_array(kind)(context, builder, array).data, [index])
@@ -151,21 +151,21 @@ def stack(typing_context, size):
     vectors = -(-size.literal_value // 4)
 
     def generate(context, builder, sig, args):
-        room = cgutils.alloca_once(builder, DOUBLES, vectors)
-        room.align = 32
-        return builder.bitcast(room, ir.DoubleType().as_pointer())
+        buffer = cgutils.alloca_once(builder, DOUBLES, vectors)
+        buffer.align = 32
+        return builder.bitcast(buffer, ir.DoubleType().as_pointer())
 
     return types.CPointer(types.float64)(size), generate
 
 
 @intrinsic
-def number(typing_context, room, index):
-    """Read one float64 of a room on the stack."""
+def number(typing_context, buffer, index):
+    """Read one float64 of a buffer on the stack."""
 
     def generate(context, builder, sig, args):
         return builder.load(builder.gep(args[0], [args[1]]))
 
-    return types.float64(room, types.int64), generate
+    return types.float64(buffer, types.int64), generate
 
 
 def _register(operation, result, instruction):

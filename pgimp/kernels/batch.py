@@ -2,7 +2,7 @@
 
 Weights, deformation and stress are computed for four particles in one vector register; the
 transfers, which go to other vertices for each, take one after the other. In between, what belongs
-to the four lies in a room on the stack. A batch that the end of a layer cuts short repeats its
+to the four lies in a buffer on the stack. A batch that the end of a layer cuts short repeats its
 last particle: each particle's numbers are the same in every batch and place.
 """
 
@@ -16,9 +16,10 @@ from pgimp.physics.shapes.base import size, weights
 #: Particles in a batch.
 LANES = 4
 
-#: Room for the supports of a batch: for each direction weights (19), gradients (20) and weights
-#: times arms, each of up to four vertices, then the place of the first vertex; each four times.
-ROOM = 152
+#: Numbers in the buffer for the supports of a batch: for each direction weights (19), gradients
+#: (20) and weights times arms, each of up to four vertices, then the place of the first vertex;
+#: each four times.
+SUPPORT_SIZE = 152
 _DIRECTION, _QUANTITY, _PLACE = 48, 16, 144
 
 
@@ -140,150 +141,150 @@ def _arms_of(w, f, cell):
     return lambda w, f, cell: (-w[0] * f * cell, *_arms(w[1:], f - 1.0, cell))
 
 
-def _keep(room, at, V):
-    """Put vectors into a room, one after the other."""
+def _keep(buffer, at, V):
+    """Put vectors into a buffer, one after the other."""
 
 
 @specialise(_keep)
-def _keep_all(room, at, V):
+def _keep_all(buffer, at, V):
     if len(V) == 1:
-        return lambda room, at, V: store(room, at, vector(V[0]))
+        return lambda buffer, at, V: store(buffer, at, vector(V[0]))
 
-    def keep(room, at, V):
-        store(room, at, vector(V[0]))
-        _keep(room, at + 4, V[1:])
+    def keep(buffer, at, V):
+        store(buffer, at, vector(V[0]))
+        _keep(buffer, at + 4, V[1:])
 
     return keep
 
 
-def _along(shape, frame, room, arms, d, half, x, vertex):
-    """Put weights, gradients and, if asked for, arms along direction `d` into the room."""
+def _along(shape, frame, buffer, arms, d, half, x, vertex):
+    """Put weights, gradients and, if asked for, arms along direction `d` into the buffer."""
 
 
 @specialise(_along)
-def _along_direction(shape, frame, room, arms, d, half, x, vertex):
+def _along_direction(shape, frame, buffer, arms, d, half, x, vertex):
     armed = not hasattr(arms, "count")  # ()
 
-    def along(shape, frame, room, arms, d, half, x, vertex):
+    def along(shape, frame, buffer, arms, d, half, x, vertex):
         f = (x - frame.origin[d]) * frame.inverse[d] - (vertex - frame.ghost)
         w, g = weights(shape, half, f)
         at = d * _DIRECTION
-        _keep(room, at, w)
-        _keep(room, at + _QUANTITY, scaled(frame.inverse[d], g))
+        _keep(buffer, at, w)
+        _keep(buffer, at + _QUANTITY, scaled(frame.inverse[d], g))
         if armed:
-            _keep(room, at + 2 * _QUANTITY, _arms(w, f, frame.cell[d]))
+            _keep(buffer, at + 2 * _QUANTITY, _arms(w, f, frame.cell[d]))
 
     return along
 
 
-def _across(shape, frame, window, room, arms, d, half, x):
-    """Put the weights along the directions from `d` on into the room; places in float64."""
+def _across(shape, frame, window, buffer, arms, d, half, x):
+    """Put the weights along the directions from `d` on into the buffer; places in float64."""
 
 
 @specialise(_across)
-def _across_directions(shape, frame, window, room, arms, d, half, x):
+def _across_directions(shape, frame, window, buffer, arms, d, half, x):
     if len(x) == 0:
-        return lambda shape, frame, window, room, arms, d, half, x: vector(0.0)
+        return lambda shape, frame, window, buffer, arms, d, half, x: vector(0.0)
 
-    def across(shape, frame, window, room, arms, d, half, x):
+    def across(shape, frame, window, buffer, arms, d, half, x):
         vertex = first_vertex(frame, d, half[0], x[0])
-        _along(shape, frame, room, arms, d, half[0], x[0], vertex)
+        _along(shape, frame, buffer, arms, d, half[0], x[0], vertex)
         place = (vertex - window.lower[d]) * window.stride[d]
-        return place + _across(shape, frame, window, room, arms, d + 1, half[1:], x[1:])
+        return place + _across(shape, frame, window, buffer, arms, d + 1, half[1:], x[1:])
 
     return across
 
 
-def supports(shape, frame, window, particles, rows, layer, room, arms):
-    """Put the supports of four particles, whose layer is known, into a room of `ROOM` float64.
+def supports(shape, frame, window, particles, rows, layer, buffer, arms):
+    """Put the supports of four particles, whose layer is known, into a buffer.
 
-    They come with arms unless `arms` is ().
+    The buffer is of `SUPPORT_SIZE` float64. They come with arms unless `arms` is ().
     """
 
 
 @specialise(supports)
-def _supports(shape, frame, window, particles, rows, layer, room, arms):
+def _supports(shape, frame, window, particles, rows, layer, buffer, arms):
     like = (0.0,) * len(frame.types[0])
 
-    def supports(shape, frame, window, particles, rows, layer, room, arms):
+    def supports(shape, frame, window, particles, rows, layer, buffer, arms):
         half = size(shape, frame.cell, deformations(frame, particles, rows))[0]
         x = take_row(particles.x, rows, 0, like)
-        _along(shape, frame, room, arms, 0, half[0], x[0], layer)
-        store(room, _PLACE, _across(shape, frame, window, room, arms, 1, half[1:], x[1:]))
+        _along(shape, frame, buffer, arms, 0, half[0], x[0], layer)
+        store(buffer, _PLACE, _across(shape, frame, window, buffer, arms, 1, half[1:], x[1:]))
 
     return supports
 
 
-def keep_support(room, d, w, g):
-    """Put weights and gradients of one particle along direction `d` into a room, for j = 0."""
+def keep_support(buffer, d, w, g):
+    """Put weights and gradients of one particle along direction `d` into a buffer, for j = 0."""
 
 
 @specialise(keep_support)
-def _keep_support(room, d, w, g):
-    def keep(room, d, w, g):
-        _keep(room, d * _DIRECTION, w)
-        _keep(room, d * _DIRECTION + _QUANTITY, g)
+def _keep_support(buffer, d, w, g):
+    def keep(buffer, d, w, g):
+        _keep(buffer, d * _DIRECTION, w)
+        _keep(buffer, d * _DIRECTION + _QUANTITY, g)
 
     return keep
 
 
-def first_place(room, j):
+def first_place(buffer, j):
     """Place of the first vertex of the batch's particle `j` within a field's part of its plane."""
 
 
 @specialise(first_place)
-def _first_place(room, j):
-    return lambda room, j: int(number(room, _PLACE + j))
+def _first_place(buffer, j):
+    return lambda buffer, j: int(number(buffer, _PLACE + j))
 
 
-def entry(room, d, quantity, i, j):
+def entry(buffer, d, quantity, i, j):
     """Weight (0), gradient (1) or arm (2) of vertex `i` along direction `d` of particle `j`."""
 
 
 @specialise(entry)
-def _entry(room, d, quantity, i, j):
-    return lambda room, d, quantity, i, j: number(
-        room, d * _DIRECTION + quantity * _QUANTITY + 4 * i + j
+def _entry(buffer, d, quantity, i, j):
+    return lambda buffer, d, quantity, i, j: number(
+        buffer, d * _DIRECTION + quantity * _QUANTITY + 4 * i + j
     )
 
 
-def entries(room, d, quantity, i, j, like):
+def entries(buffer, d, quantity, i, j, like):
     """The entries of the vertices i, i+1, ..., as many as `like` has."""
 
 
 @specialise(entries)
-def _entries(room, d, quantity, i, j, like):
+def _entries(buffer, d, quantity, i, j, like):
     if len(like) == 1:
-        return lambda room, d, quantity, i, j, like: (entry(room, d, quantity, i, j),)
-    return lambda room, d, quantity, i, j, like: (
-        entry(room, d, quantity, i, j), *entries(room, d, quantity, i + 1, j, like[1:]),
+        return lambda buffer, d, quantity, i, j, like: (entry(buffer, d, quantity, i, j),)
+    return lambda buffer, d, quantity, i, j, like: (
+        entry(buffer, d, quantity, i, j), *entries(buffer, d, quantity, i + 1, j, like[1:]),
     )  # fmt: skip
 
 
-def extent(shape, room, d, j):
+def extent(shape, buffer, d, j):
     """Number of vertices along direction `d` that particle `j` has weight on; at least two."""
 
 
 @specialise(extent)
-def _extent(shape, room, d, j):
+def _extent(shape, buffer, d, j):
     vertices = shape.instance_class.vertices()
     if vertices == 2:
-        return lambda shape, room, d, j: 2
+        return lambda shape, buffer, d, j: 2
     if vertices == 3:
-        return lambda shape, room, d, j: 3 if entry(room, d, 0, 2, j) != 0.0 else 2
-    return lambda shape, room, d, j: (
-        4 if entry(room, d, 0, 3, j) != 0.0 else (3 if entry(room, d, 0, 2, j) != 0.0 else 2)
+        return lambda shape, buffer, d, j: 3 if entry(buffer, d, 0, 2, j) != 0.0 else 2
+    return lambda shape, buffer, d, j: (
+        4 if entry(buffer, d, 0, 3, j) != 0.0 else (3 if entry(buffer, d, 0, 2, j) != 0.0 else 2)
     )
 
 
-def extents(shape, room, d, j, like):
+def extents(shape, buffer, d, j, like):
     """Numbers of vertices along the directions from `d` on, as many as `like` has."""
 
 
 @specialise(extents)
-def _extents(shape, room, d, j, like):
+def _extents(shape, buffer, d, j, like):
     if len(like) == 0:
-        return lambda shape, room, d, j, like: ()
-    return lambda shape, room, d, j, like: (
-        extent(shape, room, d, j), *extents(shape, room, d + 1, j, like[1:]),
+        return lambda shape, buffer, d, j, like: ()
+    return lambda shape, buffer, d, j, like: (
+        extent(shape, buffer, d, j), *extents(shape, buffer, d + 1, j, like[1:]),
     )  # fmt: skip

@@ -10,7 +10,16 @@ does not matter.
 
 from pgimp.jit.kernel import kernel, specialise
 from pgimp.jit.simd import bits, lane, pack, stack, where
-from pgimp.kernels.batch import LANES, ROOM, entry, extent, first_place, four, supports, take
+from pgimp.kernels.batch import (
+    LANES,
+    SUPPORT_SIZE,
+    entry,
+    extent,
+    first_place,
+    four,
+    supports,
+    take,
+)
 from pgimp.kernels.fields import field_of
 from pgimp.kernels.loads import given
 from pgimp.kernels.record import ACCELERATION, HELD, MASS, RECORD, VELOCITY
@@ -30,24 +39,24 @@ def _any_held(particles, rows):
     return any_held
 
 
-def _mark(shape, mask, bit, place, room, j, d, stride, like):
+def _mark(shape, mask, bit, place, buffer, j, d, stride, like):
     """Set a bit at the vertices that a particle reaches; as many directions as `like` has."""
 
 
 @specialise(_mark)
-def _mark_along(shape, mask, bit, place, room, j, d, stride, like):
+def _mark_along(shape, mask, bit, place, buffer, j, d, stride, like):
     if len(like) == 0:
 
-        def vertex(shape, mask, bit, place, room, j, d, stride, like):
+        def vertex(shape, mask, bit, place, buffer, j, d, stride, like):
             mask[place // RECORD] |= bit
 
         return vertex
 
-    def line(shape, mask, bit, place, room, j, d, stride, like):
-        for i in range(extent(shape, room, d, j)):
-            if entry(room, d, 0, i, j) >= LEAST_WEIGHT:
+    def line(shape, mask, bit, place, buffer, j, d, stride, like):
+        for i in range(extent(shape, buffer, d, j)):
+            if entry(buffer, d, 0, i, j) >= LEAST_WEIGHT:
                 at = place + i * stride[0]
-                _mark(shape, mask, bit, at, room, j, d + 1, stride[1:], like[1:])
+                _mark(shape, mask, bit, at, buffer, j, d + 1, stride[1:], like[1:])
 
     return line
 
@@ -65,22 +74,22 @@ def mark_constrained_vertices(setting, window, particles, order, mask):
     """
     shape, frame, rows_of_all, start = setting.shape, setting.frame, order.rows, order.start
     mask[:] = 0
-    room = stack(ROOM)
+    buffer = stack(SUPPORT_SIZE)
     for layer in range(len(start) - 1):
         plane = layer + window.lower[0]
         for k in range(start[layer], start[layer + 1], LANES):
             rows = four(rows_of_all, k, start[layer + 1])
             if not any_held(particles, rows):
                 continue
-            supports(shape, frame, window, particles, rows, plane, room, ())
+            supports(shape, frame, window, particles, rows, plane, buffer, ())
             for j in range(min(LANES, start[layer + 1] - k)):
                 p = rows_of_all[k + j]
                 number = particles.constraint[p, 0]
                 if number > 0:
-                    place = first_place(room, j) + layer * window.stride[0]
+                    place = first_place(buffer, j) + layer * window.stride[0]
                     place += field_of(window, particles, p)
                     bit = 1 << (number - 1)
-                    _mark(shape, mask, bit, place, room, j, 0, window.stride, frame.origin)
+                    _mark(shape, mask, bit, place, buffer, j, 0, window.stride, frame.origin)
 
 
 def constrained_velocity(marked, r, v):

@@ -7,7 +7,7 @@ from pgimp.jit.kernel import kernel
 from pgimp.jit.simd import bits, lane, stack, vector
 from pgimp.jit.tuples import squared
 from pgimp.kernels.affine import keep_gradients
-from pgimp.kernels.batch import LANES, ROOM, first_place, four, put, put_row, supports, take
+from pgimp.kernels.batch import LANES, SUPPORT_SIZE, first_place, four, put, put_row, supports, take
 from pgimp.kernels.concepts import Batch
 from pgimp.kernels.fields import field_of
 from pgimp.kernels.gathered import (
@@ -78,7 +78,7 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
         inverse = max(inverse, frame.inverse[d])
     limit = (dt * inverse) ** 2
     fastest = vector(0.0)
-    room = stack(ROOM)
+    buffer = stack(SUPPORT_SIZE)
     sums = stack(SUMS)
     for layer in layers:
         number = layer + window.lower[0]
@@ -89,11 +89,11 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
             rows = four(order.rows, k, start[layer + 1])
             count = min(LANES, start[layer + 1] - k)
             batch = Batch(rows, count, k, layer, number)
-            supports(shape, frame, window, particles, rows, number, room, ())
+            supports(shape, frame, window, particles, rows, number, buffer, ())
             for j in range(count):
                 p = order.rows[k + j]
-                place = begin + first_place(room, j) + field_of(window, particles, p)
-                U, A, D = gather(shape, G, room, j, place, window.stride, frame.origin)
+                place = begin + first_place(buffer, j) + field_of(window, particles, p)
+                U, A, D = gather(shape, G, buffer, j, place, window.stride, frame.origin)
                 keep_sums(sums, j, U, A, D)
                 w = components(frame.origin, U)
                 power += force_power(loads.force, frame, particles, p, w)

@@ -3,7 +3,7 @@
 from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import stack
 from pgimp.kernels.affine import affine_momentum
-from pgimp.kernels.batch import LANES, ROOM, first_place, four, supports
+from pgimp.kernels.batch import LANES, SUPPORT_SIZE, first_place, four, supports
 from pgimp.kernels.contribution import contribution
 from pgimp.kernels.fields import field_of
 from pgimp.kernels.loads import scatter_loads, weight
@@ -41,17 +41,17 @@ def _sum_layer(setting, field, particles, loads, rows, span, number):
         vertices = len(scratch) // plane
         low = plane
         high = 0
-        room = stack(ROOM)
+        buffer = stack(SUPPORT_SIZE)
         for k in range(begin, end, LANES):
             batch = four(rows, k, end)
-            supports(shape, frame, window, particles, batch, number, room, loads.affine)
+            supports(shape, frame, window, particles, batch, number, buffer, loads.affine)
             for j in range(min(LANES, end - k)):
                 p = rows[k + j]
-                place = first_place(room, j) + field_of(window, particles, p)
+                place = first_place(buffer, j) + field_of(window, particles, p)
                 A, S = contribution(loads, frame, particles, p)
                 B = weight(loads.force, frame, particles, p)
                 C = affine_momentum(loads.affine, frame, particles, p)
-                scatter(shape, scratch, room, j, place, window.stride, A, B, S, C)
+                scatter(shape, scratch, buffer, j, place, window.stride, A, B, S, C)
                 low = min(low, place)
                 high = max(high, place)
         scatter_loads(loads, setting, field, particles, rows, span, number)

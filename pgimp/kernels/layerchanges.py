@@ -89,8 +89,8 @@ def unpack_rows(words, halves, rows, wire, place, width):
 
 
 @kernel
-def sort_rows(layer, cell, number, rows, room):
-    """Sort rows by (layer, cell, number), with `room` for as many.
+def sort_rows(layer, cell, number, rows, buffer):
+    """Sort rows by (layer, cell, number); `buffer` holds as many.
 
     Merges pieces twice as long each time, and only where they are not in order: rows come as a few
     runs, each of which is.
@@ -103,11 +103,11 @@ def sort_rows(layer, cell, number, rows, room):
             if not _after(layer, cell, number, rows[middle - 1], rows[middle]):
                 continue
             for k in range(low, middle):  # an assignment of slices takes seconds to compile
-                room[k] = rows[k]
+                buffer[k] = rows[k]
             i, j = low, middle
             for k in range(low, high):
-                if i < middle and (j == high or _after(layer, cell, number, rows[j], room[i])):
-                    rows[k] = room[i]
+                if i < middle and (j == high or _after(layer, cell, number, rows[j], buffer[i])):
+                    rows[k] = buffer[i]
                     i += 1
                 else:
                     rows[k] = rows[j]

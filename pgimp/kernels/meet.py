@@ -108,13 +108,13 @@ def _meet_in_plane(contact, faces, frame, field, forcing, i, ledger, last):
 
 
 @inner_kernel
-def _find_fields(contact, frame, field, r, room):
+def _find_fields(contact, frame, field, r, open_part):
     """Find the fields at the vertex whose first record is at `r`; returns their number.
 
-    `room` is the part of its neighbourhood that walls leave to bodies.
+    `open_part` is the part of its neighbourhood that walls leave to bodies.
     """
     G, V, size = field.G, contact.volumes, field_size(field.window)
-    cell = room
+    cell = open_part
     for d in range(len(frame.cell)):
         cell *= frame.cell[d]
     count = 0

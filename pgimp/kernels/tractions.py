@@ -17,7 +17,7 @@ from math import sqrt
 
 from pgimp.jit.kernel import inner_kernel, specialise
 from pgimp.jit.simd import lane, pack, stack
-from pgimp.kernels.batch import ROOM, keep_support
+from pgimp.kernels.batch import SUPPORT_SIZE, keep_support
 from pgimp.kernels.fields import field_of
 from pgimp.kernels.place import deformation, first_vertex, half_widths
 from pgimp.kernels.transfer import gather, scatter
@@ -107,39 +107,39 @@ def _along(traction, frame, F, x, d, vertex, like):
     return _means(tent, half, min(max(g, half), last - half), like)
 
 
-def _support(traction, shape, frame, window, particles, p, layer, F, room):
-    """Put the weights of the vertices that get a patch's force into a room; place of the first."""
+def _support(traction, shape, frame, window, particles, p, layer, F, buffer):
+    """Put the weights of the vertices that get a patch's force into a buffer; first place."""
 
 
 @specialise(_support)
-def _support_of(traction, shape, frame, window, particles, p, layer, F, room):
+def _support_of(traction, shape, frame, window, particles, p, layer, F, buffer):
     D = len(frame.types[0])
     like = (0.0,) * shape.instance_class.vertices()
 
-    def support1(traction, shape, frame, window, particles, p, layer, F, room):
+    def support1(traction, shape, frame, window, particles, p, layer, F, buffer):
         w = _along(traction, frame, F, particles.x[p, 0], 0, layer, like)
-        keep_support(room, 0, w, w)
+        keep_support(buffer, 0, w, w)
         return 0
 
-    def support2(traction, shape, frame, window, particles, p, layer, F, room):
+    def support2(traction, shape, frame, window, particles, p, layer, F, buffer):
         x, y = particles.x[p, 0], particles.x[p, 1]
         j = first_vertex(frame, 1, half_widths(shape, frame, particles, p)[1], y)
         w = _along(traction, frame, F, x, 0, layer, like)
         v = _along(traction, frame, F, y, 1, j, like)
-        keep_support(room, 0, w, w)
-        keep_support(room, 1, v, v)
+        keep_support(buffer, 0, w, w)
+        keep_support(buffer, 1, v, v)
         return (j - window.lower[1]) * window.stride[1]
 
-    def support3(traction, shape, frame, window, particles, p, layer, F, room):
+    def support3(traction, shape, frame, window, particles, p, layer, F, buffer):
         x, y, z = particles.x[p, 0], particles.x[p, 1], particles.x[p, 2]
         half = half_widths(shape, frame, particles, p)
         j, k = first_vertex(frame, 1, half[1], y), first_vertex(frame, 2, half[2], z)
         w = _along(traction, frame, F, x, 0, layer, like)
         v = _along(traction, frame, F, y, 1, j, like)
         u = _along(traction, frame, F, z, 2, k, like)
-        keep_support(room, 0, w, w)
-        keep_support(room, 1, v, v)
-        keep_support(room, 2, u, u)
+        keep_support(buffer, 0, w, w)
+        keep_support(buffer, 1, v, v)
+        keep_support(buffer, 2, u, u)
         return (j - window.lower[1]) * window.stride[1] + (k - window.lower[2]) * window.stride[2]
 
     return (support1, support2, support3)[D - 1]
@@ -172,7 +172,7 @@ def scatter_tractions(tractions, setting, field, particles, rows, span, layer):
         As in `sum_layer`, with the layer's number.
     """
     shape, frame, window, scratch = setting.shape, setting.frame, field.window, field.scratch
-    room = stack(ROOM)
+    buffer = stack(SUPPORT_SIZE)
     zero = pack(0.0, 0.0, 0.0, 0.0)
     nothing = _nothing(frame.origin)
     for k in range(span[0], span[1]):
@@ -183,10 +183,10 @@ def scatter_tractions(tractions, setting, field, particles, rows, span, layer):
                 continue
             F = deformation(frame, particles, p)
             f = patch_force(tractions[t], F, area)
-            place = _support(tractions[t], shape, frame, window, particles, p, layer, F, room)
+            place = _support(tractions[t], shape, frame, window, particles, p, layer, F, buffer)
             place += field_of(window, particles, p)
             force = pack(0.0, f[0], f[1], f[2])
-            scatter(shape, scratch, room, 0, place, window.stride, zero, force, nothing, ())
+            scatter(shape, scratch, buffer, 0, place, window.stride, zero, force, nothing, ())
 
 
 @inner_kernel
@@ -197,7 +197,7 @@ def traction_power(tractions, setting, field, particles, rows, span, layer):
     """
     shape, frame, window, G = setting.shape, setting.frame, field.window, field.G
     start = (layer - window.lower[0]) * window.stride[0]
-    room = stack(ROOM)
+    buffer = stack(SUPPORT_SIZE)
     power = 0.0
     for k in range(span[0], span[1]):
         p = rows[k]
@@ -207,8 +207,8 @@ def traction_power(tractions, setting, field, particles, rows, span, layer):
                 continue
             F = deformation(frame, particles, p)
             f = patch_force(tractions[t], F, area)
-            place = _support(tractions[t], shape, frame, window, particles, p, layer, F, room)
+            place = _support(tractions[t], shape, frame, window, particles, p, layer, F, buffer)
             place += field_of(window, particles, p)
-            U = gather(shape, G, room, 0, start + place, window.stride, frame.origin)[0]
+            U = gather(shape, G, buffer, 0, start + place, window.stride, frame.origin)[0]
             power += f[0] * lane(U, 1) + f[1] * lane(U, 2) + f[2] * lane(U, 3)
     return power

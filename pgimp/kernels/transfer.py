@@ -96,7 +96,7 @@ def _scatter_vertices(G, place, step, w, g, e, A, B, S, C):
     return vertices
 
 
-def _scatter_lines(G, room, j, d, place, counts, stride, Z, A, B, S, C):
+def _scatter_lines(G, buffer, j, d, place, counts, stride, Z, A, B, S, C):
     """Add a particle to the lines of its support, from direction `d` on.
 
     Parameters
@@ -117,37 +117,38 @@ def _scatter_lines(G, room, j, d, place, counts, stride, Z, A, B, S, C):
 
 
 @specialise(_scatter_lines)
-def _scatter_all(G, room, j, d, place, counts, stride, Z, A, B, S, C):
+def _scatter_all(G, buffer, j, d, place, counts, stride, Z, A, B, S, C):
     if len(counts) == 0:
-        return lambda G, room, j, d, place, counts, stride, Z, A, B, S, C: _scatter_line(
+        return lambda G, buffer, j, d, place, counts, stride, Z, A, B, S, C: _scatter_line(
             G, place, _step(stride), Z[0], Z[1], Z[2], A, B, S[0], C
         )
 
-    def lines(G, room, j, d, place, counts, stride, Z, A, B, S, C):
+    def lines(G, buffer, j, d, place, counts, stride, Z, A, B, S, C):
         for i in range(counts[0]):
-            w, g, e = entry(room, d, 0, i, j), entry(room, d, 1, i, j), entry(room, d, 2, i, j)
+            w, g = entry(buffer, d, 0, i, j), entry(buffer, d, 1, i, j)
+            e = entry(buffer, d, 2, i, j)
             _scatter_lines(
-                G, room, j, d + 1, place + i * stride[0], counts[1:], stride[1:], Z,
+                G, buffer, j, d + 1, place + i * stride[0], counts[1:], stride[1:], Z,
                 _sloped(w, A, e, C), _force(w, B, g, S[0]), scaled(w, S[1:]), scaled(w, C[1:]),
             )  # fmt: skip
 
     return lines
 
 
-def _last(room, d, j, like):
+def _last(buffer, d, j, like):
     """Weights, gradients and arms along the last direction, as many as `like` has."""
 
 
 @specialise(_last)
-def _last_of(room, d, j, like):
-    return lambda room, d, j, like: (
-        entries(room, d, 0, 0, j, like),
-        entries(room, d, 1, 0, j, like),
-        entries(room, d, 2, 0, j, like),
+def _last_of(buffer, d, j, like):
+    return lambda buffer, d, j, like: (
+        entries(buffer, d, 0, 0, j, like),
+        entries(buffer, d, 1, 0, j, like),
+        entries(buffer, d, 2, 0, j, like),
     )
 
 
-def _scatter_some(like, count, G, room, j, place, counts, stride, A, B, S, C):
+def _scatter_some(like, count, G, buffer, j, place, counts, stride, A, B, S, C):
     """Add a particle that has weight on `count` vertices along the last direction.
 
     There are no more than `like` has; each number has code of its own.
@@ -155,32 +156,32 @@ def _scatter_some(like, count, G, room, j, place, counts, stride, A, B, S, C):
 
 
 @specialise(_scatter_some)
-def _scatter_number(like, count, G, room, j, place, counts, stride, A, B, S, C):
+def _scatter_number(like, count, G, buffer, j, place, counts, stride, A, B, S, C):
     last = len(S) - 1
 
-    def exactly(like, count, G, room, j, place, counts, stride, A, B, S, C):
-        Z = _last(room, last, j, like)
-        _scatter_lines(G, room, j, 0, place, counts, stride, Z, A, B, S, C)
+    def exactly(like, count, G, buffer, j, place, counts, stride, A, B, S, C):
+        Z = _last(buffer, last, j, like)
+        _scatter_lines(G, buffer, j, 0, place, counts, stride, Z, A, B, S, C)
 
     if len(like) == 2:
         return exactly
 
-    def at_most(like, count, G, room, j, place, counts, stride, A, B, S, C):
+    def at_most(like, count, G, buffer, j, place, counts, stride, A, B, S, C):
         if count < len(like):
-            _scatter_some(like[1:], count, G, room, j, place, counts, stride, A, B, S, C)
+            _scatter_some(like[1:], count, G, buffer, j, place, counts, stride, A, B, S, C)
         else:
-            Z = _last(room, last, j, like)
-            _scatter_lines(G, room, j, 0, place, counts, stride, Z, A, B, S, C)
+            Z = _last(buffer, last, j, like)
+            _scatter_lines(G, buffer, j, 0, place, counts, stride, Z, A, B, S, C)
 
     return at_most
 
 
-def scatter(shape, G, room, j, place, stride, A, B, S, C):
+def scatter(shape, G, buffer, j, place, stride, A, B, S, C):
     """Add a particle to its support: A times S_vp, and the sum of S_i dS_vp/dx_i to the force.
 
     Parameters
     ----------
-    room, j
+    buffer, j
         The supports of a batch (see `pgimp.kernels.batch`), and the particle's number in it.
     place : int
         Of the first vertex in `G`.
@@ -192,14 +193,14 @@ def scatter(shape, G, room, j, place, stride, A, B, S, C):
 
 
 @specialise(scatter)
-def _scatter(shape, G, room, j, place, stride, A, B, S, C):
+def _scatter(shape, G, buffer, j, place, stride, A, B, S, C):
     outer, last = (0,) * (len(S) - 1), len(S) - 1
     like = (0.0,) * shape.instance_class.vertices()
 
-    def scatter(shape, G, room, j, place, stride, A, B, S, C):
-        counts = extents(shape, room, 0, j, outer)
-        count = extent(shape, room, last, j)
-        _scatter_some(like, count, G, room, j, place, counts, stride, A, B, S, C)
+    def scatter(shape, G, buffer, j, place, stride, A, B, S, C):
+        counts = extents(shape, buffer, 0, j, outer)
+        count = extent(shape, buffer, last, j)
+        _scatter_some(like, count, G, buffer, j, place, counts, stride, A, B, S, C)
 
     return scatter
 
@@ -236,23 +237,23 @@ def _nothing_of(counts):
     return lambda counts: (vector(0.0), *_nothing(counts[1:]))
 
 
-def _gather_lines(G, room, j, d, place, counts, stride, Z):
+def _gather_lines(G, buffer, j, d, place, counts, stride, Z):
     """Sums over the lines of a support, from direction `d` on; see `gather`, `_scatter_lines`."""
 
 
 @specialise(_gather_lines)
-def _gather_all(G, room, j, d, place, counts, stride, Z):
+def _gather_all(G, buffer, j, d, place, counts, stride, Z):
     if len(counts) == 0:
-        return lambda G, room, j, d, place, counts, stride, Z: _gather_line(
+        return lambda G, buffer, j, d, place, counts, stride, Z: _gather_line(
             G, place, _step(stride), Z[0], Z[1]
         )
 
-    def lines(G, room, j, d, place, counts, stride, Z):
+    def lines(G, buffer, j, d, place, counts, stride, Z):
         U, A, D = vector(0.0), vector(0.0), _nothing(counts)
         for i in range(counts[0]):
-            w, g = entry(room, d, 0, i, j), entry(room, d, 1, i, j)
+            w, g = entry(buffer, d, 0, i, j), entry(buffer, d, 1, i, j)
             u, a, b = _gather_lines(
-                G, room, j, d + 1, place + i * stride[0], counts[1:], stride[1:], Z
+                G, buffer, j, d + 1, place + i * stride[0], counts[1:], stride[1:], Z
             )
             U, A = w * u + U, w * a + A
             D = joined(g * u + D[0], plus_scaled(w, b, D[1:]))
@@ -261,34 +262,34 @@ def _gather_all(G, room, j, d, place, counts, stride, Z):
     return lines
 
 
-def _gather_some(like, count, G, room, j, place, counts, stride):
+def _gather_some(like, count, G, buffer, j, place, counts, stride):
     """Sums over the support of a particle that has weight on `count` vertices; `_scatter_some`."""
 
 
 @specialise(_gather_some)
-def _gather_number(like, count, G, room, j, place, counts, stride):
+def _gather_number(like, count, G, buffer, j, place, counts, stride):
     last = len(counts)
 
-    def exactly(like, count, G, room, j, place, counts, stride):
-        return _gather_lines(G, room, j, 0, place, counts, stride, _last(room, last, j, like))
+    def exactly(like, count, G, buffer, j, place, counts, stride):
+        return _gather_lines(G, buffer, j, 0, place, counts, stride, _last(buffer, last, j, like))
 
     if len(like) == 2:
         return exactly
 
-    def at_most(like, count, G, room, j, place, counts, stride):
+    def at_most(like, count, G, buffer, j, place, counts, stride):
         if count < len(like):
-            return _gather_some(like[1:], count, G, room, j, place, counts, stride)
-        return _gather_lines(G, room, j, 0, place, counts, stride, _last(room, last, j, like))
+            return _gather_some(like[1:], count, G, buffer, j, place, counts, stride)
+        return _gather_lines(G, buffer, j, 0, place, counts, stride, _last(buffer, last, j, like))
 
     return at_most
 
 
-def gather(shape, G, room, j, place, stride, like):
+def gather(shape, G, buffer, j, place, stride, like):
     """Sums over a particle's support.
 
     Parameters
     ----------
-    shape, G, room, j, place, stride
+    shape, G, buffer, j, place, stride
         As in `scatter`.
     like : tuple
         One entry a direction of the scene.
@@ -303,13 +304,13 @@ def gather(shape, G, room, j, place, stride, like):
 
 
 @specialise(gather)
-def _gather(shape, G, room, j, place, stride, like):
+def _gather(shape, G, buffer, j, place, stride, like):
     outer, last = (0,) * (len(like) - 1), len(like) - 1
     most = (0.0,) * shape.instance_class.vertices()
 
-    def gather(shape, G, room, j, place, stride, like):
-        counts = extents(shape, room, 0, j, outer)
-        count = extent(shape, room, last, j)
-        return _gather_some(most, count, G, room, j, place, counts, stride)
+    def gather(shape, G, buffer, j, place, stride, like):
+        counts = extents(shape, buffer, 0, j, outer)
+        count = extent(shape, buffer, last, j)
+        return _gather_some(most, count, G, buffer, j, place, counts, stride)
 
     return gather

@@ -162,7 +162,7 @@ class SceneLoads:
         low, cell = grid.origin[d], grid.cell[d]
         return low + points / n * cell, low + (points[:-1] + 0.5) / n * cell
 
-    def settle(self, population: Population, comm: Any) -> None:
+    def scale_patches(self, population: Population, comm: Any) -> None:
         """Let the patches of each traction have the whole area of its face; collective.
 
         Small parts that were merged into other particles leave a little without a carrier.

@@ -65,7 +65,7 @@ class Diagnostics:
         setting = scene.setting.without_shape()
         layer_sums(setting, population.particles, population.ordered, sums)
         masses = np.zeros((len(scene.body_names), 2), np.int64)
-        unit = 2.0 ** (HIGH - 2 - frexp(scene.most_mass)[1])  # see `Simulation.settle`
+        unit = 2.0 ** (HIGH - 2 - frexp(scene.most_mass)[1])  # see `Simulation.initialise`
         exact_masses(population.particles, population.order, unit, masses)
         own = rank.booked()
         impulse = np.concatenate(

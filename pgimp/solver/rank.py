@@ -73,7 +73,7 @@ class Rank:
     faults, failed : (n, 2) int64, int
         Rows and faults of particles at fault in the last step, and their number, which may be
         greater.
-    fault_buffer : (2, room, 2) int64
+    fault_buffer : (2, size, 2) int64
         Where the kernels write them.
     """
 
@@ -97,9 +97,9 @@ class Rank:
         self.faults, self.failed = self.fault_buffer[0, :0], 0
         self.reach = np.zeros((2, 2), np.int64)
         self.meetings = Meetings(scene, comm) if scene.pairs else None
-        self._occupy(slab)
+        self._allocate(slab)
 
-    def _occupy(self, slab: Slab) -> None:
+    def _allocate(self, slab: Slab) -> None:
         """Make grid, messages and books for a slab; the window is still to be set."""
         scene, comm = self.scene, self.comm
         self.slab = slab
@@ -145,7 +145,7 @@ class Rank:
         """
         window, extra = self.grid.base, self.scene.vertices - 1
         sums = redistribute(self.comm, old, new, extra, self.population, self.booked())
-        self._occupy(slab_of(new, self.comm.rank))
+        self._allocate(slab_of(new, self.comm.rank))
         self.grid.store(window)
         for booked, values in zip(self.booked(), sums, strict=True):
             booked[:] = values
@@ -179,7 +179,7 @@ class Rank:
             How many have been found by each call; the first ones are in `fault_buffer`.
         """
         found = np.concatenate(
-            [room[:n] for room, n in zip(self.fault_buffer, numbers, strict=False)]
+            [buffer[:n] for buffer, n in zip(self.fault_buffer, numbers, strict=False)]
         )
         place = np.empty(self.particles.capacity, np.int64)
         place[self.population.order] = np.arange(self.count)

@@ -28,8 +28,8 @@ from pgimp.solver.faults import Failure, collect
 from pgimp.solver.memory import require
 from pgimp.solver.rank import Rank
 from pgimp.solver.reduction import Request, StepReduction
+from pgimp.solver.restore import outline, read_books, read_particles
 from pgimp.solver.stability import check_first_step, require_end
-from pgimp.solver.state import outline, read_books, read_particles
 from pgimp.solver.step import step
 from pgimp.solver.warmup import warm_up
 from pgimp.solver.window import open_window, shrink_window
@@ -133,7 +133,7 @@ class Simulation:
         layer = np.empty(len(lattice.coordinates[0]), np.int64)
         layers_of(scene.shape, scene.frame, scene.identity, lattice.coordinates[0], layer)
         slab = self.decompose(np.bincount(layer, counts.sum(axis=0), scene.frame.vertices[0]))
-        self.settle(slab, *self._create(slab, lattice, counts, layer))
+        self.initialise(slab, *self._create(slab, lattice, counts, layer))
         self.warnings += nearness.warnings(self.case)
         release(self.case)
         require_end(scene, self.rate)
@@ -146,7 +146,7 @@ class Simulation:
         state, layers = outline(scene, source, comm)
         self.count = state.count
         slab = self.decompose(layers)
-        self.settle(slab, *read_particles(scene, slab, source, state, layers, comm))
+        self.initialise(slab, *read_particles(scene, slab, source, state, layers, comm))
         read_books(self.rank, source, state, self.diagnostic_sums)
         self.done = self.clock.after(state.step, state.time, state.dt)
         self.rate = state.rate
@@ -166,7 +166,7 @@ class Simulation:
         particles = self.scene.populate(lattice, counts, (begin, end), owned(self.scene, slab))
         return particles, int(np.count_nonzero(particles.m))
 
-    def settle(
+    def initialise(
         self, slab: Slab, particles: Particles, count: int, start: np.ndarray | None = None
     ) -> None:
         """Put this rank's particles in order, and make what it needs besides; collective.
@@ -188,7 +188,7 @@ class Simulation:
         self.balance.watch(count)
         open_window(rank, self.reduction)
         if start is None:
-            scene.loads.settle(rank.population, comm)
+            scene.loads.scale_patches(rank.population, comm)
         setting = scene.setting.without_shape()
         fastest = fastest_rate(setting, rank.particles, rank.population.order)
         self.rate = max(comm.allgather(fastest))

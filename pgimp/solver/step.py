@@ -70,16 +70,16 @@ def step(
         t.dt, scene.gravity(t.start), rank.lightest, loads, constraints, marked, scene.walls(t.end),
         controlled,
     )  # fmt: skip
-    faces, felt = scene.face_parameters(t.start, t.end), on_vertices(forcing)
+    faces, vertex_forcing = scene.face_parameters(t.start, t.end), on_vertices(forcing)
     for mirror in scene.mirrors:
-        call(fold, scene.frame, field, mirror, felt, ledger)
+        call(fold, scene.frame, field, mirror, vertex_forcing, ledger)
         if contact:
             call(fold_volumes, scene.frame, field, contact.volumes, mirror)
-    call(update_momentum, scene.frame, field, faces, felt, ledger, contact)  # (14, 17)
+    call(update_momentum, scene.frame, field, faces, vertex_forcing, ledger, contact)  # (14, 17)
     if marked:
-        call(apply_constraints, field, felt, ledger)
+        call(apply_constraints, field, vertex_forcing, ledger)
     for mirror in reversed(scene.mirrors):
-        call(reflect, scene.frame, field, mirror, felt, ledger)
+        call(reflect, scene.frame, field, mirror, vertex_forcing, ledger)
     lap("momentum")
 
     rate, failed, outflow, found = 0.0, [], 0, 0

@@ -53,7 +53,7 @@ def _calls(scene: Scene) -> Iterator[Call]:
     forcing = Forcing(
         1.0, scene.gravity(0.0), 0.0, loads, constraints, marked, scene.walls(0.0), False
     )
-    felt = on_vertices(forcing)
+    vertex_forcing = on_vertices(forcing)
     report = Report(reach, rows.copy(), np.zeros((1, 2), np.int64))
     ledger = Ledger.empty(grid.planes, len(faces), len(constraints))
     contact: Any = ()
@@ -70,7 +70,7 @@ def _calls(scene: Scene) -> Iterator[Call]:
     yield 6.3, lambda: particles_to_grid(
         shaped, grid.field, p, loads, order, np.zeros((0, 3), np.int64)
     )
-    yield 2.8, lambda: update_momentum(frame, grid.field, faces, felt, ledger, contact)
+    yield 2.8, lambda: update_momentum(frame, grid.field, faces, vertex_forcing, ledger, contact)
     yield 1.4, lambda: locate(shape, frame, p, rows, frame.vertices)
     yield 1.4, lambda: layer_sums(material, p, order, np.zeros((1, bodies, SUMS)))
     yield 1.0, lambda: fastest_rate(material, p, rows)
@@ -84,13 +84,13 @@ def _calls(scene: Scene) -> Iterator[Call]:
     yield 0.3, lambda: partition_migrants(p.layer, rows, rows, 0, 1, rows.copy(), rows.copy())
     yield 0.2, lambda: layers_of(shape, frame, scene.identity, np.empty(0), np.empty(0, np.int64))
     for mirror in scene.mirrors:
-        yield 1.0, partial(fold, frame, grid.field, mirror, felt, ledger)
+        yield 1.0, partial(fold, frame, grid.field, mirror, vertex_forcing, ledger)
         if contact:
             yield 0.5, partial(fold_volumes, frame, grid.field, grid.G, mirror)
-        yield 1.0, partial(reflect, frame, grid.field, mirror, felt, ledger)
+        yield 1.0, partial(reflect, frame, grid.field, mirror, vertex_forcing, ledger)
     if marked:
         yield 1.0, lambda: mark_constrained_vertices(shaped, grid.window, p, order, grid.marks)
-        yield 1.0, lambda: apply_constraints(grid.field, felt, ledger)
+        yield 1.0, lambda: apply_constraints(grid.field, vertex_forcing, ledger)
     if scene.exact:
         yield 2.0, lambda: layer_errors(
             scene.exact, 0.0, scene.follows, setting, p, order, np.zeros((1, ERRORS)),

@@ -120,7 +120,7 @@ def shake(sim):
     if half == 0.0:
         places = 0.25 + 0.5 * places
     p.x[rows] = origin + (corner + places) * cell
-    sim.settle(sim.rank.slab, p, len(rows))
+    sim.initialise(sim.rank.slab, p, len(rows))
 
 
 def create(case, comm=None, random=False):

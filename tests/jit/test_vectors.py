@@ -24,15 +24,15 @@ FOUR = st.tuples(NUMBERS, NUMBERS, NUMBERS, NUMBERS)
 def functions(a, b):
     x, y = pack(a[0], a[1], a[2], a[3]), pack(b[0], b[1], b[2], b[3])
     found = np.empty((9, 4))
-    room = stack(4)
+    buffer = stack(4)
     for i in range(9):
         value = (
             max(x, y), min(x, 0.5), abs(x), math.floor(x), math.sqrt(abs(y)), -x,
             where(x > y, x, 1.0), x / 4.0 - 2 * y, vector(float(bits(x <= y))),
         )[i]  # fmt: skip
-        store(room, 0, value)
+        store(buffer, 0, value)
         for j in range(4):
-            found[i, j] = number(room, j)
+            found[i, j] = number(buffer, j)
     return found
 
 

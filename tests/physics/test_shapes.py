@@ -12,7 +12,7 @@ from quadrature import chi_of, integrals
 from pgimp.jit.kernel import kernel
 from pgimp.jit.simd import stack
 from pgimp.kernels import batch
-from pgimp.kernels.batch import ROOM
+from pgimp.kernels.batch import SUPPORT_SIZE
 from pgimp.kernels.particles import Carried, Particles, Window
 from pgimp.kernels.place import first_vertex, half_widths
 from pgimp.physics.shapes import SHAPES
@@ -32,20 +32,20 @@ EPS = np.finfo(float).eps
 @kernel
 def collect(shape, frame, window, particles, order, lowest, place, weight, slope, extent):
     """What `batch.supports` says of every particle, its layer as the solver finds it."""
-    room = stack(ROOM)
+    buffer = stack(SUPPORT_SIZE)
     for k in range(len(order)):
         p = order[k]
         half = half_widths(shape, frame, particles, p)
         layer = first_vertex(frame, 0, half[0], particles.x[p, 0])
         rows = batch.four(order, k, k + 1 + p % 4 if k + 4 < len(order) else k + 1)
-        batch.supports(shape, frame, window, particles, rows, layer, room, ())
-        place[p] = batch.first_place(room, 0)
+        batch.supports(shape, frame, window, particles, rows, layer, buffer, ())
+        place[p] = batch.first_place(buffer, 0)
         for d in range(lowest.shape[1]):
             lowest[p, d] = first_vertex(frame, d, half[d], particles.x[p, d])
-            extent[p, d] = batch.extent(shape, room, d, 0)
+            extent[p, d] = batch.extent(shape, buffer, d, 0)
             for i in range(weight.shape[2]):
-                weight[p, d, i] = batch.entry(room, d, 0, i, 0)
-                slope[p, d, i] = batch.entry(room, d, 1, i, 0)
+                weight[p, d, i] = batch.entry(buffer, d, 0, i, 0)
+                slope[p, d, i] = batch.entry(buffer, d, 1, i, 0)
 
 
 def supports(shape, frame, x, F):

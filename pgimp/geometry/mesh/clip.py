@@ -158,13 +158,13 @@ def clip_plane(T, chosen, x0, x1, ey, ez, sums, touched):
 
 
 @kernel
-def _column(column, m, place, ez, near, room, sums, touched):
+def _column(column, m, place, ez, near, buffers, sums, touched):
     """Share out what a column of boxes has of a triangle.
 
-    `place` has their low corner, and their centre relative to that; `room` two further polygons.
+    `place` has their low corner, and their centre relative to that; `buffers` two further polygons.
     """
     (x0, y0), (xc, yc) = place
-    box, rest = room
+    box, rest = buffers
     nz = len(ez) - 1
     # Rounding must not take a piece along a plane across it and back: its parts would overlap.
     for a in range(m):

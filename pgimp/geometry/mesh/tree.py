@@ -111,16 +111,16 @@ class Surface(NamedTuple):
         """As `crossings` in the surface's directions, and for each whether it leads out (1)."""
         from pgimp.geometry.mesh.treekernels import lines
 
-        room = 8
+        capacity = 8
         while True:
-            heights = np.full((len(points), room), np.nan)
-            signs = np.zeros((len(points), room), np.int64)
+            heights = np.full((len(points), capacity), np.nan)
+            signs = np.zeros((len(points), capacity), np.int64)
             most = lines(
                 self.triangles, self.low, self.high, self.leaves, axis, points, heights, signs
             )
-            if most <= room:
+            if most <= capacity:
                 return heights[:, :most], signs[:, :most]
-            room = most
+            capacity = most
 
     def fill(
         self, edges: list[Reals], ranges: list[tuple[int, int]]

@@ -70,8 +70,8 @@ class CheckpointFile:
         weakref.finalize(self, stream.close)
         self._descriptor = stream.fileno()
         self.size = os.fstat(self._descriptor).st_size
-        header, room = parse(self._read, self.size)
-        for start in range(room, header.begin, _BLOCK):
+        header, length = parse(self._read, self.size)
+        for start in range(length, header.begin, _BLOCK):
             if self._read(start, min(_BLOCK, header.begin - start)).strip(b"\0"):
                 raise DamagedError("something was written between its header and its data")
         self.about = header.about

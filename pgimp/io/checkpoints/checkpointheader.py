@@ -117,7 +117,7 @@ def parse(read: Callable[[int, int], bytes], size: int) -> tuple[Header, int]:
     -------
     header : Header
         The header.
-    room : int
+    length : int
         Bytes that it takes at the beginning of the file.
 
     Raises
@@ -180,9 +180,9 @@ def _check_depth(tree: Any) -> None:
     raise DamagedError("its header is nested too deeply")
 
 
-def _check_pieces(header: Header, room: int) -> None:
+def _check_pieces(header: Header, length: int) -> None:
     end = header.begin if header.pieces else 0
-    if end < max(room, 512) or end & (end - 1) or end > 4 * _LARGEST:
+    if end < max(length, 512) or end & (end - 1) or end > 4 * _LARGEST:
         raise DamagedError("its header does not say where the data begin")
     for start, size, checksum in header.pieces:
         if start != end or size == 0 or checksum >= 2**32:

@@ -88,20 +88,20 @@ def write(
             for name, (dtype, tail) in shapes.items():
                 array = rows[name]
                 place = offsets[name] + first * Dataset(name, dtype, tail).row_bytes
-                room = None
+                buffer = None
                 for begin, end in blocks(count):
                     block = array[begin:end]
                     if order is not None:
                         # Always the same memory: new pages would cost as much as the rest.
-                        room = np.empty_like(block) if room is None else room[: end - begin]
+                        buffer = np.empty_like(block) if buffer is None else buffer[: end - begin]
                         # Without "clip" NumPy would not take the memory it is given.
-                        block = array.take(order[begin:end], 0, room, "clip")
+                        block = array.take(order[begin:end], 0, buffer, "clip")
                     file.write(place, np.asarray(block, dtype, order="C"))
                     place += block.nbytes
             agree(comm, what, file.error)
             written = comm.gather(file.written)
             on_root(comm, lambda: plan.head(file, written, what))
-            file.settle()
+            file.flush()
             file.close()
             agree(comm, what, file.error)
             file.verify()
@@ -168,8 +168,8 @@ class _Plan:
             for place in places.values():
                 if place["dtype"] not in KINDS:
                     raise ValueError(f"no checkpoint holds numbers of type {place['dtype']}")
-            room = len(encode(self.content)) + _NUMBER * (len(places) + 2) + _PIECE_TEXT * pieces
-            self.begin = max(512, 1 << (room - 1).bit_length())
+            most = len(encode(self.content)) + _NUMBER * (len(places) + 2) + _PIECE_TEXT * pieces
+            self.begin = max(512, 1 << (most - 1).bit_length())
             layout = lay_out(self.datasets, self.count, whole=arrays, user_block=self.begin)
             layout.create(self.part)
         except OSError as error:

@@ -26,7 +26,7 @@ class Solution(Model):
         """The faces that need a condition, and which may be named; all others must be open."""
         return {}
 
-    def misfits(self, case: Any) -> Iterator[Problem]:
+    def problems(self, case: Any) -> Iterator[Problem]:
         """Yield what in a case, sound otherwise, the solution does not fit; paths from its top."""
         if case.dimensions not in self.DIMENSIONS:
             allowed = " and ".join(f"{d}D" for d in self.DIMENSIONS)
@@ -69,7 +69,7 @@ class Solution(Model):
 
     @abstractmethod
     def mismatches(self, case: Any, name: str, body: Any) -> Iterator[Problem]:
-        """As `misfits`, for what is particular to the solution; `name` is that of the body."""
+        """As `problems`, for what is particular to the solution; `name` is that of the body."""
 
     @abstractmethod
     def parameters(self, case: Any) -> Any:
