@@ -148,6 +148,8 @@ class Forcing(NamedTuple):
         The faces that hold particles in, see `pgimp.kernels.walls`.
     controlled : bool
         Whether the next step depends on the particles' speeds.
+    clearances : (faces, vertices) float64 or ()
+        How far bodies are from walls that let go, see `find_clearances`.
     """
 
     dt: float
@@ -158,6 +160,7 @@ class Forcing(NamedTuple):
     marked: tuple
     walls: FloatArray
     controlled: bool
+    clearances: Any = ()
 
 
 class Report(NamedTuple):

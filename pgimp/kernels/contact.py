@@ -163,10 +163,8 @@ def _after(faces, frame, forcing, contact, number, r, v):
 @specialise(_after)
 def _after_all(faces, frame, forcing, contact, number, r, v):
     def after(faces, frame, forcing, contact, number, r, v):
-        u, _ = hold(
-            faces, 0, forcing.loads.relaxation, frame, number, v, v, 0.0, forcing.dt,
-            contact.unbooked,
-        )  # fmt: skip
+        rest = (0.0, 0.0, 0.0)
+        u, _ = hold(faces, 0, forcing, frame, number, r, v, rest, 0.0, contact.unbooked)
         return constrained_velocity(forcing.marked, r, u)
 
     return after

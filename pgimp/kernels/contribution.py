@@ -5,6 +5,7 @@ from typing import NamedTuple
 from pgimp.jit.algebra import determinant
 from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import pack
+from pgimp.kernels.clearance import moment, wall
 from pgimp.kernels.place import deformation
 from pgimp.kernels.viscosity import viscous_pressure
 
@@ -22,6 +23,7 @@ class VolumeSums(NamedTuple):
     force: tuple[()] = ()
     relaxation: tuple[()] = ()
     affine: tuple[()] = ()
+    walls: tuple[()] = ()
 
 
 def contribution(loads, frame, particles, p):
@@ -32,8 +34,8 @@ def contribution(loads, frame, particles, p):
     A : Vec4
         (m_p, m_p v_p), for (21) and (22).
     S : tuple of Vec4
-        For each direction i the column -V_p (0, sigma_xi, sigma_yi, sigma_zi), for (16), the
-        stress less the viscous pressure (45).
+        For each direction i the column (m_p w_i, -V_p (sigma_xi, sigma_yi, sigma_zi)), for (16),
+        the stress less the viscous pressure (45); w is what `pgimp.kernels.clearance` wants.
     """
 
 
@@ -65,8 +67,9 @@ def _contribution(loads, frame, particles, p):
             m = particles.m[p]
             V = -particles.V[p]
             q = viscous_pressure(loads.viscosity, particles, p)
+            mx = moment(wall(loads.walls, 0), particles, p, 0)
             return pack(m, m * particles.v[p, 0], 0.0, 0.0), (
-                pack(0.0, V * (particles.sigma[p, 0] - q), 0.0, 0.0),
+                pack(mx, V * (particles.sigma[p, 0] - q), 0.0, 0.0),
             )
 
         return contribution1
@@ -79,8 +82,8 @@ def _contribution(loads, frame, particles, p):
             s = particles.sigma
             xy = V * s[p, 3]
             return pack(m, m * particles.v[p, 0], m * particles.v[p, 1], 0.0), (
-                pack(0.0, V * (s[p, 0] - q), xy, 0.0),
-                pack(0.0, xy, V * (s[p, 1] - q), 0.0),
+                pack(moment(wall(loads.walls, 0), particles, p, 0), V * (s[p, 0] - q), xy, 0.0),
+                pack(moment(wall(loads.walls, 1), particles, p, 1), xy, V * (s[p, 1] - q), 0.0),
             )
 
         return contribution2
@@ -95,9 +98,9 @@ def _contribution(loads, frame, particles, p):
         yz = V * s[p, 4]
         xz = V * s[p, 5]
         return pack(m, m * v[p, 0], m * v[p, 1], m * v[p, 2]), (
-            pack(0.0, V * (s[p, 0] - q), xy, xz),
-            pack(0.0, xy, V * (s[p, 1] - q), yz),
-            pack(0.0, xz, yz, V * (s[p, 2] - q)),
+            pack(moment(wall(loads.walls, 0), particles, p, 0), V * (s[p, 0] - q), xy, xz),
+            pack(moment(wall(loads.walls, 1), particles, p, 1), xy, V * (s[p, 1] - q), yz),
+            pack(moment(wall(loads.walls, 2), particles, p, 2), xz, yz, V * (s[p, 2] - q)),
         )
 
     return contribution3

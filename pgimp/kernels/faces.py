@@ -1,6 +1,7 @@
 """The conditions of all faces at one vertex."""
 
 from pgimp.jit.kernel import inner_kernel, specialise
+from pgimp.kernels.clearance import clearance_at
 from pgimp.kernels.loads import given
 from pgimp.physics.boundaries.base import constrain
 
@@ -25,27 +26,27 @@ def _beyond_any(faces, frame, number):
     )
 
 
-def hold(faces, n, relaxation, frame, number, v, a, mass, dt, impulse):
+def hold(faces, n, forcing, frame, number, r, v, a, mass, impulse):
     """Apply the conditions of all faces that a vertex is on or beyond, one after the other.
 
     A face's part of the momentum that the particles gain in a step is what its condition adds to
-    it, see `given`; `impulse`, (faces, 3), grows by that, from row `n` on. Returns the vertex's
-    velocity and acceleration.
+    it, see `given`; `impulse`, (faces, 3), grows by that, from row `n` on. The vertex's record is
+    at `r`. Returns its velocity and acceleration.
     """
 
 
 @specialise(hold)
-def _hold(faces, n, relaxation, frame, number, v, a, mass, dt, impulse):
+def _hold(faces, n, forcing, frame, number, r, v, a, mass, impulse):
     if len(faces) == 0:
-        return lambda faces, n, relaxation, frame, number, v, a, mass, dt, impulse: (v, a)
+        return lambda faces, n, forcing, frame, number, r, v, a, mass, impulse: (v, a)
 
-    def hold_first(faces, n, relaxation, frame, number, v, a, mass, dt, impulse):
+    def hold_first(faces, n, forcing, frame, number, r, v, a, mass, impulse):
         if _beyond(faces[0], frame, number):
-            u, b = v, a
-            v, a = constrain(faces[0], v, a)
+            u, b, relaxation, dt = v, a, forcing.loads.relaxation, forcing.dt
+            v, a = constrain(faces[0], v, a, clearance_at(forcing.clearances, n, r))
             for d in range(3):
                 impulse[n, d] += given(relaxation, mass, dt, u[d], b[d], v[d], a[d])
-        return hold(faces[1:], n + 1, relaxation, frame, number, v, a, mass, dt, impulse)
+        return hold(faces[1:], n + 1, forcing, frame, number, r, v, a, mass, impulse)
 
     return hold_first
 

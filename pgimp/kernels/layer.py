@@ -49,7 +49,7 @@ def _sum_layer(setting, field, particles, loads, rows, span, number):
                 p = rows[k + j]
                 place = first_place(buffer, j) + field_of(window, particles, p)
                 A, S = contribution(loads, frame, particles, p)
-                B = weight(loads.force, frame, particles, p)
+                B = weight(loads.force, loads.walls, frame, particles, p)
                 C = affine_momentum(loads.affine, frame, particles, p)
                 scatter(shape, scratch, buffer, j, place, window.stride, A, B, S, C)
                 low = min(low, place)

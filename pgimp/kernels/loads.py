@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import pack
 from pgimp.jit.tuples import plus_scaled, read, scaled
+from pgimp.kernels.clearance import divergence
 from pgimp.kernels.tractions import scatter_tractions, traction_power
 from pgimp.physics.exact.base import body_force
 from pgimp.physics.loads.bodyforce import acceleration
@@ -28,6 +29,8 @@ class Loads(NamedTuple):
         Rate at which particles take on the grid's velocity, see `relaxed`.
     affine : float or ()
         A number where particles carry their velocity gradient, see `pgimp.kernels.affine`.
+    walls : tuple of Sides or (), or ()
+        For each direction, Sides if walls across it want clearances; () if none does at all.
     """
 
     viscosity: Any = ()
@@ -35,6 +38,7 @@ class Loads(NamedTuple):
     force: Any = ()
     relaxation: Any = ()
     affine: Any = ()
+    walls: Any = ()
 
 
 def _three(V):
@@ -78,21 +82,36 @@ def _force_of(force, frame, particles, p):
     return (force1, force2, force3)[D - 1]
 
 
-def weight(force, frame, particles, p):
-    """Vector (0, m_p b_p), which (17) adds to the force on the support's vertices, or ()."""
+def weight(force, walls, frame, particles, p):
+    """Vector (0, m_p b_p), which (17) adds to the force on the support's vertices, or ().
+
+    With walls its first component is what `pgimp.kernels.clearance` wants.
+    """
 
 
 @specialise(weight)
-def _weight(force, frame, particles, p):
-    if not hasattr(force, "instance_class"):
-        return lambda force, frame, particles, p: ()
+def _weight(force, walls, frame, particles, p):
+    forced, near = hasattr(force, "instance_class"), len(walls) > 0
+    if not forced and not near:
+        return lambda force, walls, frame, particles, p: ()
 
-    def weight_of(force, frame, particles, p):
+    def near_walls(force, walls, frame, particles, p):
+        return pack(particles.m[p] * divergence(walls, particles, p, 0), 0.0, 0.0, 0.0)
+
+    def weight_of(force, walls, frame, particles, p):
         m = particles.m[p]
         b = _force(force, frame, particles, p)
         return pack(0.0, m * b[0], m * b[1], m * b[2])
 
-    return weight_of
+    def weight_near_walls(force, walls, frame, particles, p):
+        m = particles.m[p]
+        b = _force(force, frame, particles, p)
+        div = divergence(walls, particles, p, 0)
+        return pack(m * div, m * b[0], m * b[1], m * b[2])
+
+    if not forced:
+        return near_walls
+    return weight_near_walls if near else weight_of
 
 
 def relaxed_part(rate, dt):

@@ -14,6 +14,7 @@ particles take on of the grid's velocity (`relaxed`) it likewise gives -2 (p' + 
 from typing import NamedTuple
 
 from pgimp.jit.kernel import inner_kernel, kernel
+from pgimp.kernels.clearance import clearance_at
 from pgimp.kernels.fields import field_count, field_size
 from pgimp.kernels.loads import given, relaxed_part
 from pgimp.kernels.record import ACCELERATION, FORCE, HELD, MASS, MOMENTUM, RECORD, VELOCITY
@@ -73,7 +74,9 @@ def fold(frame, field, mirror, forcing, ledger):
                     if mirror.releases:
                         push = G[wall + FORCE + axis] + G[wall + MASS] * gravity[axis]
                         into = (G[wall + MOMENTUM + axis] + dt * push) * mirror.side
-                        if not (G[wall + MASS] > 0.0 and into > 0.0):
+                        near = clearance_at(forcing.clearances, mirror.number, wall)
+                        closing = G[wall + MASS] * near / dt
+                        if not (G[wall + MASS] > 0.0 and into > closing):
                             continue
                     # Gravity will act on all mass of the image alike, on this part against it.
                     weight = G[g + MASS] * gravity[axis]

@@ -1,6 +1,7 @@
 """Momentum update (14) of the vertices, boundary conditions, and what the faces do."""
 
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
+from pgimp.kernels.clearance import clear
 from pgimp.kernels.constraints import constrained_velocity
 from pgimp.kernels.faces import beyond_any, hold
 from pgimp.kernels.fields import field_count, field_size
@@ -50,6 +51,8 @@ def update_momentum(frame, field, faces, forcing, ledger, contact):
                 for d in range(3):
                     G[r + ACCELERATION + d] = 0.0
                     G[r + VELOCITY + d] *= inverse
+            if m >= 0.0:
+                clear(forcing.clearances, G, r)
         meet(contact, faces, frame, field, forcing, i, ledger, True)
         constrain_plane((), faces, frame, field, forcing, i, ledger)
         if heavy and i < owned:
@@ -117,8 +120,8 @@ def _constrain_face(done, faces, frame, field, forcing, i, ledger):
                 u = (G[r + VELOCITY], G[r + VELOCITY + 1], G[r + VELOCITY + 2])
                 b = (G[r + ACCELERATION], G[r + ACCELERATION + 1], G[r + ACCELERATION + 2])
                 v, a = hold(
-                    faces, len(done), relaxation, frame, number, u, b, mass, dt, ledger.impulse[i]
-                )  # fmt: skip
+                    faces, len(done), forcing, frame, number, r, u, b, mass, ledger.impulse[i]
+                )
                 last = constrained_velocity(forcing.marked, r, v)
                 held = 0.0
                 for d in range(3):

@@ -125,6 +125,12 @@ class Pairs(NamedTuple):
         coefficient = np.array([*pairs, (0.0, 0.0)], float)
         return cls(entry, law, coefficient)
 
+    @property
+    def ties(self) -> bool:
+        """Whether there are bodies that are tied."""
+        pairs = np.abs(self.entry[np.triu_indices(len(self.entry), 1)])
+        return bool((self.law[pairs[pairs > 0] - 1] == TIED).any())
+
 
 def sharing(entries: Sequence[ContactEntry], bodies: Sequence[str]) -> np.ndarray:
     """Return which pairs of bodies, (bodies, bodies), no entry is for; i < j counts."""

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from pgimp.kernels.clearance import Sides, Wall
 from pgimp.kernels.particles import Frame
 from pgimp.kernels.walls import WALL
 
@@ -58,3 +59,29 @@ def walls(faces: Sequence[Face], frame: Frame, end: float) -> np.ndarray:
         if wall is not None:
             found[2 * face.axis + (face.side > 0)] = number, *wall
     return found
+
+
+def walls_approached(faces: Sequence[Face]) -> list[Wall]:
+    """Make what `find_clearances` wants of the faces that let bodies come near."""
+    return [
+        Wall(face.axis, face.side, number)
+        for number, face in enumerate(faces)
+        if face.condition.approaches
+    ]
+
+
+def sides_approached(faces: Sequence[Face], frame: Frame) -> tuple[Any, ...]:
+    """Make what particles are told of them; () if there is none."""
+    sides: list[Any] = []
+    for d, cell in enumerate(frame.cell):
+        ends = frame.origin[d], frame.origin[d] + frame.cells[d] * cell
+        own = [
+            ends[face.side > 0] for face in faces if face.axis == d and face.condition.approaches
+        ]
+        if not own:
+            sides.append(())
+            continue
+        # What vertices on the wall feel is not farther; two walls share what is between them.
+        peak = min(1.25, 0.25 * frame.cells[d] if len(own) > 1 else 1.25) * cell
+        sides.append(Sides(min(own), max(own), 0.5 * (min(own) + max(own)), peak))
+    return tuple(sides) if any(sides) else ()

@@ -42,9 +42,13 @@ class SceneLoads:
         Names of the materials in use, in the order of their parameters.
     force : NamedTuple or ()
         Parameters of the body force, or of the exact solution that needs one.
+    walls : tuple of Sides or ()
+        The walls whose clearances are wanted, see `Loads`.
     """
 
-    def __init__(self, case: Case, materials: list[str], force: Any = ()) -> None:
+    def __init__(
+        self, case: Case, materials: list[str], force: Any = (), walls: Any = ()
+    ) -> None:
         self.case = case
         self.bodies = list(case.bodies)
         entries = [case.materials[name].viscosity for name in materials]
@@ -57,7 +61,7 @@ class SceneLoads:
             )
         self.relaxation: Any = float(case.method.relaxation) or ()
         self.affine: Any = 1.0 if case.method.affine else ()
-        self.force = force
+        self.force, self.walls = force, walls
         self.tractions = list(case.tractions.values())
         self.constraints = list(case.constraints.values())
         grid, method = case.grid, case.method
@@ -95,7 +99,7 @@ class SceneLoads:
             entry.parameters(i, *self._patch, t) for i, entry in enumerate(self.tractions)
         )
         force = BodyForce(self.force, t) if self.force else ()
-        return Loads(self.viscosity, tractions, force, self.relaxation, self.affine)
+        return Loads(self.viscosity, tractions, force, self.relaxation, self.affine, self.walls)
 
     def _constraints_at(self, start: float, end: float) -> tuple:
         return tuple(entry.parameters(start, end) for entry in self.constraints)

@@ -190,6 +190,8 @@ def _walls(case: Any, boxes: list[Box], at_once: bool) -> Iterator[str]:
     """Return which bodies are within a wall's reach without touching it, or will come there."""
     near = 0.5 * reach(case)
     for face, condition, axis, side in _faces(case):
+        if condition.approaches:
+            continue
         names = []
         for box in boxes:
             gap = _clear(case, axis, side, box.low[:, axis], box.high[:, axis])
@@ -205,8 +207,8 @@ def _walls(case: Any, boxes: list[Box], at_once: bool) -> Iterator[str]:
             what = f"may come near the wall, and {feel} it from {far} away"
             if at_once:
                 what = f"{does} not touch the wall, but {feel} it from {far} away"
-            holds = "" if condition.releases else f"; the wall holds {them} when pulled away, too"
-            yield f"boundaries.{face}: {', '.join(names[:_NAMED])}{more} {what}{holds}"
+            holds = f"the wall holds {them} when pulled away, too"
+            yield f"boundaries.{face}: {', '.join(names[:_NAMED])}{more} {what}; {holds}"
 
 
 def _range(values: np.ndarray) -> str:

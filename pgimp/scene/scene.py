@@ -21,7 +21,7 @@ from pgimp.physics.materials.outside import parameters_of
 from pgimp.physics.materials.states import States
 from pgimp.scene.cloudgradients import with_gradients
 from pgimp.scene.counts import count_all
-from pgimp.scene.faces import AXES, Face, walls
+from pgimp.scene.faces import AXES, Face, sides_approached, walls, walls_approached
 from pgimp.scene.lattice import Lattice, ParticleBlock
 from pgimp.scene.loads import SceneLoads
 from pgimp.scene.pointscloud import Cloud
@@ -105,12 +105,13 @@ class Scene:
             ),
             key=lambda mirror: mirror.releases,
         )
+        self.approached = walls_approached(self.faces)
         self.exact: Any = case.exact.parameters(case) if case.exact else ()
         self.moves = bool(case.exact) and case.exact.moves
         force = self.exact if case.exact and case.exact.forced else ()
         if case.body_force:
             force = case.body_force.parameters()
-        self.loads = SceneLoads(case, used, force)
+        self.loads = SceneLoads(case, used, force, sides_approached(self.faces, self.frame))
         self.pairs = Pairs.of(case.contact, self.body_names) if case.contact else None
         self.states = States(used, self.materials, self.dimension)
         self.fields = EVERY | self.states.fields

@@ -70,7 +70,11 @@ def held_at(condition: Any, axis: int, side: int) -> tuple[bool, ...]:
     """Return which components of a motion out of the domain a face's condition holds, (3,) bool."""
     v = (side * 1e300,) * 3
     face = condition.parameters(axis, side, 0.0, 0.0)
-    held, _ = face.constrain(face, v, (0.0,) * 3)
+    a = (0.0,) * 3
+    if condition.approaches:
+        held, _ = face.approach(face, v, a, 0.0)
+    else:
+        held, _ = face.constrain(face, v, a)
     return tuple(bool(a != b) for a, b in zip(held, v, strict=True))
 
 

@@ -20,6 +20,7 @@ from pgimp.kernels.sums import SUMS, layer_sums
 from pgimp.kernels.updates.checks import OUTFLOW
 from pgimp.mpi.node import shares_cores
 from pgimp.scene.scene import Scene
+from pgimp.solver.clearances import Clearances
 from pgimp.solver.meetings import Meetings
 
 #: Phases of a step, as `Rank.timings` names them.
@@ -97,6 +98,7 @@ class Rank:
         self.faults, self.failed = self.fault_buffer[0, :0], 0
         self.reach = np.zeros((2, 2), np.int64)
         self.meetings = Meetings(scene, comm) if scene.pairs else None
+        self.clearances = Clearances(scene)
         self._allocate(slab)
 
     def _allocate(self, slab: Slab) -> None:

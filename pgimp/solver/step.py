@@ -68,7 +68,7 @@ def step(
     marked = (constraints, grid.marks) if constraints else ()
     forcing = Forcing(
         t.dt, scene.gravity(t.start), rank.lightest, loads, constraints, marked, scene.walls(t.end),
-        controlled,
+        controlled, rank.clearances.find(grid),
     )  # fmt: skip
     faces, vertex_forcing = scene.face_parameters(t.start, t.end), on_vertices(forcing)
     for mirror in scene.mirrors:

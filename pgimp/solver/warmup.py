@@ -9,6 +9,7 @@ import numpy as np
 from pgimp.decomposition.grid import Grid
 from pgimp.decomposition.slabs import Slab
 from pgimp.kernels.boxes import grow_boxes
+from pgimp.kernels.clearance import find_clearances
 from pgimp.kernels.concepts import Forcing, Order, Report
 from pgimp.kernels.constraints import apply_constraints, mark_constrained_vertices
 from pgimp.kernels.contact import Contact
@@ -50,8 +51,10 @@ def _calls(scene: Scene) -> Iterator[Call]:
     wire = np.empty(0, np.int64)
     bodies, faces = len(scene.material_of), scene.face_parameters(0.0, 0.0)
     marked = (constraints, grid.marks) if constraints else ()
+    clearances = np.empty((len(faces), 0)) if scene.approached else ()
     forcing = Forcing(
-        1.0, scene.gravity(0.0), 0.0, loads, constraints, marked, scene.walls(0.0), False
+        1.0, scene.gravity(0.0), 0.0, loads, constraints, marked, scene.walls(0.0), False,
+        clearances,
     )
     vertex_forcing = on_vertices(forcing)
     report = Report(reach, rows.copy(), np.zeros((1, 2), np.int64))
@@ -83,6 +86,8 @@ def _calls(scene: Scene) -> Iterator[Call]:
     yield 0.3, lambda: sort_rows(p.layer, p.cell, p.id, rows, rows.copy())
     yield 0.3, lambda: partition_migrants(p.layer, rows, rows, 0, 1, rows.copy(), rows.copy())
     yield 0.2, lambda: layers_of(shape, frame, scene.identity, np.empty(0), np.empty(0, np.int64))
+    for wall in scene.approached[:1]:
+        yield 0.5, partial(find_clearances, frame, grid.field, wall, False, clearances)
     for mirror in scene.mirrors:
         yield 1.0, partial(fold, frame, grid.field, mirror, vertex_forcing, ledger)
         if contact:

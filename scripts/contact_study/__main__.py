@@ -11,6 +11,7 @@ from multiprocessing import get_context
 
 import gap
 import motion
+import walls
 
 from pgimp.io.rundir.runinfo import cpu
 
@@ -29,6 +30,9 @@ def _figures(quick):
         jobs["collision", cell] = (motion.collision, 5.0 * cell)
         jobs["incline", cell] = (motion.incline, 0.5 * cell)
         jobs["rolling", cell] = (motion.rolling, cell)
+        jobs["bar", cell] = (walls.bar, 2.5 * cell)
+        jobs["wall", cell] = (walls.incline, 5.0 * cell)
+        jobs["held", cell] = (walls.incline, 5.0 * cell, 24.0, 0.6)
     jobs["stuck", cells[0]] = (motion.incline, 0.5 * cells[0], 24.0, 0.7)
     return jobs
 
@@ -59,6 +63,13 @@ def _table(found, cells):
         ("the same: cells by which it has sunk in, also by its weight", "0", at("incline", 2)),
         ("friction 0.7, where it sticks: cells by which it slips, bending of the slab included",
          "0", at("stuck", 0)),
+        ("a bar of 20 and 40 cells hits a wall: rebound", "1", at("bar", 0)),
+        ("the same: energy lost", "0", at("bar", 1)),
+        ("block of 6 and 12 cells on a wall inclined by 24 degrees, friction 0.3: acceleration",
+         "1", at("wall", 0)),
+        ("the same: cells by which it has sunk in, also by its weight", "0", at("wall", 1)),
+        ("friction 0.6, where it sticks: cells by which it slips, shear included", "0",
+         at("held", 0)),
         ("cylinder that rolls, R = 5 and 10 cells: acceleration", "1", at("rolling")),
     ]  # fmt: skip
     text = "| test | exact | measured | on half the cells |\n|---|---|---|---|\n"
@@ -82,6 +93,10 @@ def _costs(quick):
             where = "20 cells apart" if apart else "in touch"
             size = {2: "120 x 120 cells each, 2D", 3: "20 x 20 x 20 cells each, 3D"}[dimensions]
             text += f"| two blocks {where} | {size} | {ratio:.2f} |\n"
+    for dimensions in (2, 3):
+        ratio = walls.cost(dimensions, 3 if quick else 9)
+        size = {2: "120 x 120 cells, 2D", 3: "20 x 20 x 20 cells, 3D"}[dimensions]
+        text += f"| block on a `separating` floor, against `slip` | {size} | {ratio:.2f} |\n"
     ratio, fields = motion.heap(steps=100 if quick else 800)
     what = f"R = 4 cells, 2D, up to {fields} velocity fields"
     return text + f"| 48 disks that fall into a heap | {what} | {ratio:.1f} |\n"
@@ -95,9 +110,10 @@ def main():
     jobs, cells = _figures(options.quick), (0.2, 0.1)
     with ProcessPoolExecutor(min(2, os.cpu_count()), get_context("spawn")) as pool:
         waiting = {name: pool.submit(*job) for name, job in jobs.items()}
+        near = pool.submit(walls.gaps, options.quick)
         gaps = pool.submit(gap.rows, options.quick)
         found = {name: future.result() for name, future in waiting.items()}
-        gaps = gaps.result()
+        gaps = gaps.result() + near.result()
     where = (
         f"Measured by `scripts/contact` on one core of {cpu()}, pgimp {version('pgimp')}, numba "
         f"{version('numba')}, {date.today()}.\n"

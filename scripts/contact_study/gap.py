@@ -12,8 +12,8 @@ SPEED = 0.002
 CELLS = {2: 48, 3: 20}
 
 
-def _case(bodies, way):
-    """Case of stiff bodies in cells of 1, of which `a` moves along `way`."""
+def stiff(bodies, way):
+    """Case of stiff bodies in cells of 1, of which `a` moves along `way`; with a contact of two."""
     D = len(way)
     return {
         "format": 1,
@@ -25,10 +25,14 @@ def _case(bodies, way):
             "solid": {"model": "neo-hookean", "young": 0.02, "poisson": 0.0, "density": 1.0}
         },
         "bodies": {
-            "a": {"material": "solid", "region": bodies["a"], "velocity": (SPEED * way).tolist()},
-            "b": {"material": "solid", "region": bodies["b"]},
+            name: {
+                "material": "solid",
+                "region": region,
+                "velocity": (SPEED * way * (name == "a")).tolist(),
+            }
+            for name, region in bodies.items()
         },
-        "contact": [{"bodies": ["a", "b"]}],
+        "contact": [{"bodies": list(bodies)}] if len(bodies) > 1 else [],
     }
 
 
@@ -36,7 +40,7 @@ def _direction(dimensions, angle):
     return np.array([cos(radians(angle)), sin(radians(angle)), 0.0][:dimensions])
 
 
-def _turned(middle, half, angle):
+def turned(middle, half, angle):
     """A rectangle, or a cuboid, turned by `angle` about z."""
     c, s = cos(radians(angle)), sin(radians(angle))
     axes = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])[:, : len(middle)]
@@ -64,10 +68,10 @@ def flat(dimensions, angle, shift):
     middle = np.full(dimensions, 0.5 * CELLS[dimensions]) + shift * way
     half = [3.0, 4.0, 4.0][:dimensions]
     bodies = {
-        "a": _turned(middle - (3.0 + 0.5 * gap) * way, half, angle),
-        "b": _turned(middle + (3.0 + 0.5 * gap) * way, half, angle),
+        "a": turned(middle - (3.0 + 0.5 * gap) * way, half, angle),
+        "b": turned(middle + (3.0 + 0.5 * gap) * way, half, angle),
     }
-    return _first(_case(bodies, way), gap)
+    return _first(stiff(bodies, way), gap)
 
 
 def balls(dimensions, radius, angle, shift):
@@ -79,7 +83,7 @@ def balls(dimensions, radius, angle, shift):
         centre = middle + side * (radius + 0.5 * gap) * way
         return {"ball": {"centre": centre.tolist(), "radius": radius}}
 
-    return _first(_case({"a": ball(-1.0), "b": ball(1.0)}, way), gap)
+    return _first(stiff({"a": ball(-1.0), "b": ball(1.0)}, way), gap)
 
 
 def corner(angle, shift):
@@ -88,10 +92,10 @@ def corner(angle, shift):
     middle = np.array([15.0 + shift, 12.0 + shift])
     up = np.array([0.0, gap + half * (cos(radians(angle)) + sin(radians(angle)))])
     bodies = {
-        "a": _turned(middle + up, [half, half], angle),
+        "a": turned(middle + up, [half, half], angle),
         "b": {"box": {"min": [5.0, 6.0], "max": [25.0, float(middle[1])]}},
     }
-    return _first(_case(bodies, way), gap)
+    return _first(stiff(bodies, way), gap)
 
 
 def rows(quick):

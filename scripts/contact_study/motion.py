@@ -13,7 +13,7 @@ ROOT = Path(__file__).resolve().parents[2]
 SOLID = {"model": "neo-hookean", "young": 100.0, "poisson": 0.3, "density": 1.0}
 
 
-def _case(bodies, size, cell, end, **parts):
+def case_of(bodies, size, cell, end, **parts):
     """A case of soft bodies."""
     D = len(size)
     return {
@@ -30,11 +30,12 @@ def _case(bodies, size, cell, end, **parts):
     } | parts
 
 
-def _box(low, high):
+def box(low, high):
+    """Entry of a region."""
     return {"box": {"min": low, "max": high}}
 
 
-def _run(case):
+def run(case):
     """First and last line of the history."""
     simulation = pgimp.Simulation(case)
     first = simulation.diagnostics()
@@ -42,22 +43,23 @@ def _run(case):
     return first, simulation.diagnostics()
 
 
-def _energy(line):
+def energy(line):
+    """Energy in a line of the history."""
     return line["kinetic-energy"] + line["strain-energy"]
 
 
 def bars(cell):
     """Two bars meet head on: the rebound over the speed before, and the energy lost."""
     bodies = {
-        "a": (_box([2.0], [12.0]), [0.05]),
-        "b": (_box([12.0 + 0.5 * cell], [22.0 + 0.5 * cell]), [-0.05]),
+        "a": (box([2.0], [12.0]), [0.05]),
+        "b": (box([12.0 + 0.5 * cell], [22.0 + 0.5 * cell]), [-0.05]),
     }
-    case = _case(bodies, [25.0], cell, 7.0, contact=[{"bodies": "all"}])
+    case = case_of(bodies, [25.0], cell, 7.0, contact=[{"bodies": "all"}])
     case["materials"]["solid"] = {"model": "linear-1d", "young": 100.0, "density": 1.0}
-    first, last = _run(case)
+    first, last = run(case)
     return (
         -last["body.a.momentum-x"] / first["body.a.momentum-x"],
-        1.0 - _energy(last) / _energy(first),
+        1.0 - energy(last) / energy(first),
     )
 
 
@@ -65,17 +67,17 @@ def disks(cell):
     """Sulsky's disks: energy lost when they have parted."""
     with open(ROOT / "cases" / "disks.yaml", encoding="utf-8") as file:
         case = pgimp.load(file.name, {"contact": [{"bodies": "all"}], "grid.cell": [cell, cell]})
-    first, last = _run(case)
-    return 1.0 - _energy(last) / _energy(first)
+    first, last = run(case)
+    return 1.0 - energy(last) / energy(first)
 
 
 def edges(cell):
     """Blocks pressed together slide past each other without friction: change of their momentum."""
     bodies = {
-        "a": (_box([2.0, 2.0], [5.0, 5.0]), [0.5, 1.0]),
-        "b": (_box([5.0, 2.0], [8.0, 5.0]), [-0.5, -1.0]),
+        "a": (box([2.0, 2.0], [5.0, 5.0]), [0.5, 1.0]),
+        "b": (box([5.0, 2.0], [8.0, 5.0]), [-0.5, -1.0]),
     }
-    first, last = _run(_case(bodies, [14.0, 8.0], cell, 1.2, contact=[{"bodies": "all"}]))
+    first, last = run(case_of(bodies, [14.0, 8.0], cell, 1.2, contact=[{"bodies": "all"}]))
     return abs(last["body.a.momentum-y"] / first["body.a.momentum-y"] - 1.0)
 
 
@@ -85,14 +87,14 @@ def tied(steps=1000):
     time = {"end": steps * step, "step": step}
     parts = {"gravity": [0.0, -1.0], "boundaries": {"y-min": "separating", "x-max": "slip"}}
     motion = {"rotation": {"about": [4.0, 2.5], "rate": 0.3}, "translation": [0.3, 0.1]}
-    whole = {"a": (_box([2.0, 1.0], [6.0, 4.0]), motion)}
+    whole = {"a": (box([2.0, 1.0], [6.0, 4.0]), motion)}
     halves = {
-        "a": (_box([2.0, 1.0], [4.0, 4.0]), motion), "b": (_box([4.0, 1.0], [6.0, 4.0]), motion)
+        "a": (box([2.0, 1.0], [4.0, 4.0]), motion), "b": (box([4.0, 1.0], [6.0, 4.0]), motion)
     }  # fmt: skip
     law = [{"bodies": "all", "law": "tied"}]
     found = []
     for bodies, contact in ((whole, []), (halves, law)):
-        case = _case(bodies, [12.0, 8.0], 1.0, 1.0, contact=contact, time=time, **parts)
+        case = case_of(bodies, [12.0, 8.0], 1.0, 1.0, contact=contact, time=time, **parts)
         simulation = pgimp.Simulation(case)
         before = simulation.particles["position"]
         order = np.lexsort(np.round(before, 6).T)
@@ -105,10 +107,10 @@ def tied(steps=1000):
 def parting():
     """Part of the momentum that a resting block takes from one that touches it and moves away."""
     bodies = {
-        "a": (_box([2.0, 2.0], [5.0, 5.0]), [0.0, 0.0]),
-        "b": (_box([5.0, 2.0], [8.0, 5.0]), [1.0, 0.2]),
+        "a": (box([2.0, 2.0], [5.0, 5.0]), [0.0, 0.0]),
+        "b": (box([5.0, 2.0], [8.0, 5.0]), [1.0, 0.2]),
     }
-    _, last = _run(_case(bodies, [14.0, 8.0], 1.0, 0.5, contact=[{"bodies": "all"}]))
+    _, last = run(case_of(bodies, [14.0, 8.0], 1.0, 0.5, contact=[{"bodies": "all"}]))
     return abs(last["body.a.momentum-x"]) / last["momentum-x"]
 
 
@@ -118,11 +120,11 @@ def collision(cell):
     In parts of the momentum of one, and of that times the size of the blocks.
     """
     bodies = {
-        "a": (_box([1.5, 1.5], [4.5, 4.5]), [2.0, 0.7]),
-        "b": (_box([5.0, 2.5], [8.0, 5.5]), [-1.0, 0.1]),
+        "a": (box([1.5, 1.5], [4.5, 4.5]), [2.0, 0.7]),
+        "b": (box([5.0, 2.5], [8.0, 5.5]), [-1.0, 0.1]),
     }
     contact = [{"bodies": "all", "friction": 0.5}]
-    first, last = _run(_case(bodies, [10.0, 8.0], cell, 1.0, contact=contact))
+    first, last = run(case_of(bodies, [10.0, 8.0], cell, 1.0, contact=contact))
     scale = 9.0 * 2.1
     moved = max(abs(last[f"momentum-{axis}"] - first[f"momentum-{axis}"]) for axis in "xy")
     turned = abs(last["angular-momentum-z"] - first["angular-momentum-z"])
@@ -137,10 +139,10 @@ def incline(cell, angle=24.0, friction=0.3):
     g = 10.0
     slope = (sin(radians(angle)), cos(radians(angle)))
     bodies = {
-        "slab": (_box([0.0, 0.0], [9.0, 0.5]), [0.0, 0.0]),
-        "block": (_box([0.5, 0.5], [1.5, 1.0]), [0.0, 0.0]),
+        "slab": (box([0.0, 0.0], [9.0, 0.5]), [0.0, 0.0]),
+        "block": (box([0.5, 0.5], [1.5, 1.0]), [0.0, 0.0]),
     }
-    case = _case(
+    case = case_of(
         bodies, [9.0, 1.6], cell, 2.2, gravity=[g * slope[0], -g * slope[1]],
         boundaries={"y-min": "fixed", "x-min": "slip", "x-max": "slip"},
         contact=[{"bodies": ["slab", "block"], "friction": friction}],
@@ -169,10 +171,10 @@ def rolling(cell, angle=10.0, friction=0.5):
     g = 1.0
     slope = (sin(radians(angle)), cos(radians(angle)))
     bodies = {
-        "slab": (_box([0.0, 0.0], [9.0, 0.6]), [0.0, 0.0]),
+        "slab": (box([0.0, 0.0], [9.0, 0.6]), [0.0, 0.0]),
         "wheel": ({"ball": {"centre": [1.5, 1.6], "radius": 1.0}}, [0.0, 0.0]),
     }
-    case = _case(
+    case = case_of(
         bodies, [9.0, 3.0], cell, 8.0, gravity=[g * slope[0], -g * slope[1]],
         boundaries={"y-min": "fixed", "x-min": "slip", "x-max": "slip"},
         contact=[{"bodies": ["slab", "wheel"], "friction": friction}],
@@ -202,12 +204,12 @@ def cost(apart, dimensions, rounds=5):
     shift = [high[0] - 2.0 + gap, *[0.0] * (dimensions - 1)]
     second = [[a + b for a, b in zip(end, shift, strict=True)] for end in (low, high)]
     bodies = {
-        "a": (_box(low, high), [0.0] * dimensions),
-        "b": (_box(*second), [0.0] * dimensions),
+        "a": (box(low, high), [0.0] * dimensions),
+        "b": (box(*second), [0.0] * dimensions),
     }
     size = [2.0 * high[0] + gap + 4.0, *[high[0] + 4.0] * (dimensions - 1)]
     simulations = [
-        pgimp.Simulation(_case(bodies, size, 1.0, 1e9, contact=contact))
+        pgimp.Simulation(case_of(bodies, size, 1.0, 1e9, contact=contact))
         for contact in ([], [{"bodies": "all", "friction": 0.3}])
     ]
     ratios = []
@@ -234,7 +236,7 @@ def heap(count=48, steps=800, radius=4.0):
     }
     times, fields = [], 0
     for contact in ([{"bodies": "all", "friction": 0.3}], []):
-        case = _case(
+        case = case_of(
             bodies, [78.0, 9.0 * (count // 8) + 6.0], 1.0, 1e3, gravity=[0.0, -1.0],
             boundaries={"y-min": "separating", "x-min": "separating", "x-max": "separating"},
             contact=contact,

@@ -1,13 +1,14 @@
 """Presses an elastic half-cylinder onto a separating wall, and compares the contact with Hertz's.
 
-    python scripts/hard_cases/hertz.py [--cells 2 4 8] [--shape gimp] [--per-cell 2] [--docs]
+    python scripts/hard_cases/hertz.py [--cells 2 4 8] [--shape gimp] [--per-cell 2 4] [--docs]
 
 In 2D the upper face of a half-cylinder of radius R moves slowly towards the wall until the force
 per thickness is P = pi E* a^2/(4 R), for which Hertz's line contact has the half-width a and the
 greatest pressure p0 = E* a/(2 R), with E* = E/(1 - nu^2) on a rigid wall. Here a = R/10; --cells
-gives the cells in a. The pressure at a vertex of the wall is the force that the material exerts on
-it and on those beyond it, over the cell. With --docs the table goes into docs/hard-cases.md. 2, 4
-and 8 cells take about two minutes on one core.
+gives the cells in a, --per-cell the particles in a cell along each direction. The pressure at a
+vertex of the wall is the force that the material exerts on it and on those beyond it, over the
+cell. With --docs the table goes into docs/hard-cases.md. 2, 4 and 8 cells take about four minutes
+on one core.
 """
 
 import argparse
@@ -97,8 +98,8 @@ def pressed(cells, shape, per_cell):
     middle = p[np.abs(x).argmin()] / p0
     top = p.argmax()
     return (
-        f"| {cells} | {sim.count:,} | {half / a:.2f} | {equal / a:.2f} | {middle:.2f} "
-        f"| {p[top] / p0:.2f} at {abs(x[top]) / a:.2f} a |"
+        f"| {cells} | {per_cell} x {per_cell} | {sim.count:,} | {half / a:.2f} "
+        f"| {equal / a:.2f} | {middle:.2f} | {p[top] / p0:.2f} at {abs(x[top]) / a:.2f} a |"
     )
 
 
@@ -110,15 +111,22 @@ def main():
     )  # fmt: skip
     parser.add_argument("--cells", type=int, nargs="+", default=[2, 4, 8], help="across a")
     parser.add_argument("--shape", default="gimp")
-    parser.add_argument("--per-cell", type=int, default=2, help="particles, by direction")
+    parser.add_argument(
+        "--per-cell", type=int, nargs="+", default=[2, 4], help="particles, by direction"
+    )
     parser.add_argument("--docs", action="store_true", help="write the page too")
     options = parser.parse_args()
     versions = ", ".join(f"{name} {version(name)}" for name in ("pgimp", "numba", "numpy"))
     lines = [
-        "| cells in a | particles | half-width, over a | from the moment, over a "
+        "| cells in a | particles a cell | particles | half-width, over a "
+        "| from the moment, over a "
         "| pressure in the middle, over p0 | greatest pressure, over p0 |",
-        "|---" * 6 + "|",
-        *(pressed(cells, options.shape, options.per_cell) for cells in options.cells),
+        "|---" * 7 + "|",
+        *(
+            pressed(cells, options.shape, per_cell)
+            for per_cell in options.per_cell
+            for cells in options.cells
+        ),
         "",
         f"Measured with `{options.shape}` on one core of {cpu()}, {versions}, {date.today()}.",
         "",

@@ -1,5 +1,6 @@
 """A step gives the same bits however the layers are cut into slabs."""
 
+from functools import partial
 from itertools import combinations
 
 import numpy as np
@@ -83,7 +84,7 @@ def agrees_on(shape, frame, particles, faces, mirrors, every_cut):
     whole = Rank(shape, frame, copy_of(particles))
     reach = whole.population.reach()
     sums = sums_of(whole, D, 2, MATERIAL_OF)
-    whole.particles_to_grid()
+    whole.particles_to_grid(faces)
     added = [plane.copy() for plane in planes(whole)]
     whole.update_momentum(DT, GRAVITY[:D], faces, mirrors=mirrors)
     done = planes(whole)
@@ -97,7 +98,7 @@ def agrees_on(shape, frame, particles, faces, mirrors, every_cut):
         assert sum(len(rank.population.order) for rank in ranks) == 60
         parts = [sums_of(rank, D, 2, MATERIAL_OF) for rank in ranks]
         assert np.concatenate(parts).tobytes() == sums.tobytes()
-        together([rank.particles_to_grid for rank in ranks])
+        together([partial(rank.particles_to_grid, faces) for rank in ranks])
         agree(ranks, added)
         for rank in ranks:
             rank.update_momentum(DT, GRAVITY[:D], faces, mirrors=mirrors)

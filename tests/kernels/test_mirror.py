@@ -28,11 +28,11 @@ def walls(D, kinds):
 def test_a_step_between_mirrors(name, D, kinds):
     """All faces at once, corners included: vertices and particles as in plain NumPy."""
     rank, reference, p = setting(name, D)
-    rank.particles_to_grid()
-    reference.particles_to_grid(p)
-    matter = reference.m > 0
     chosen, kernel, mirrors = walls(D, kinds)
     conditions = tuple(condition for condition, _ in chosen)
+    rank.particles_to_grid(conditions)
+    reference.particles_to_grid(p)
+    matter = reference.m > 0
     rank.update_momentum(DT, GRAVITY[:D], conditions, LIGHTEST, kernel)
     reference.update_momentum(DT, GRAVITY, [f for _, f in chosen], LIGHTEST, mirrors)
     G = rank.records()[matter]
@@ -51,11 +51,16 @@ def test_particles_get_what_mirrors_say_they_give(kinds, D):
     """(28); walls that stand still do no work, and gravity's is the weight times the way."""
     rank, _, before = setting("fuzzy-constant-fixed", D)
     chosen, kernel, _ = walls(D, kinds)
-    rank.particles_to_grid()
-    rank.update_momentum(DT, GRAVITY[:D], tuple(condition for condition, _ in chosen), 0.0, kernel)
+    conditions = tuple(condition for condition, _ in chosen)
+    rank.particles_to_grid(conditions)
+    rank.update_momentum(DT, GRAVITY[:D], conditions, 0.0, kernel)
     assert rank.grid_to_particles(DT)[0] == 0
     after = copied(rank)
     m, b = before.m[:, None], np.array(GRAVITY[:D])
     gained = (m * (after.v - before.v)).sum(axis=0) - DT * m.sum() * b
     assert close(rank.impulse.sum(axis=(0, 1))[:D], gained, 1e-10)
-    assert close(rank.work.sum(), (m * b * (after.x - before.x)).sum(), 1e-10)
+    weight = (m * b * (after.x - before.x)).sum()
+    if kinds == KINDS:
+        assert close(rank.work.sum(), weight, 1e-10)
+    else:  # what comes near is slowed down
+        assert rank.work.sum() < weight * (1.0 + 1e-10)

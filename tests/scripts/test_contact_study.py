@@ -8,6 +8,7 @@ sys.path.append(str(ROOT / "scripts" / "contact_study"))
 
 import gap  # noqa: E402
 import motion  # noqa: E402
+import walls  # noqa: E402
 
 
 def test_gaps_of_flat_and_round_bodies():
@@ -27,6 +28,25 @@ def test_impacts_converge():
     assert 0.9 < coarse < fine < 1.0
     assert 0.0 < less < lost < 0.1
     assert motion.edges(0.5) < 0.6 * motion.edges(1.0)
+
+
+def test_gaps_at_a_wall():
+    """On the lattice exact but for the way of a step, cut by the surface within 0.07 of a cell."""
+    for low in (0.5, 1.0):
+        region = {"box": {"min": [4.0, low], "max": [8.0, low + 3.0]}}
+        assert abs(walls.first(region, 2, low)) < 1.5 * gap.SPEED
+    region = {"box": {"min": [4.0, 1.13], "max": [8.0, 4.0]}}
+    assert -0.01 < walls.first(region, 2, 1.13) < 0.07
+    ball = {"ball": {"centre": [8.3, 5.2], "radius": 4.0}}
+    assert -0.05 < walls.first(ball, 2, 1.2) < 0.05
+
+
+def test_a_block_slides_down_a_wall():
+    """To half a per cent, and it stays on the wall; with enough friction it sticks."""
+    acceleration, sunk = walls.incline(1.0)
+    assert abs(acceleration - 1.0) < 0.005 and -0.01 < sunk < 0.001
+    slip, sunk = walls.incline(1.0, 24.0, 0.6)
+    assert abs(slip) < 0.05 and abs(sunk) < 0.01
 
 
 def test_the_page_shows_all_tables():

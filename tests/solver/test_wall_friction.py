@@ -32,7 +32,7 @@ def sliding(friction, angle, **parts):
 
 @pytest.mark.parametrize(("friction", "angle"), [(0.3, 24.0), (0.1, 24.0), (0.4, 35.0)])
 def test_a_block_slides_as_coulomb_says(friction, angle):
-    """The reaction is the weight and its friction; acceleration within the bounce's 3 %."""
+    """The reaction is the weight and its friction; acceleration within a per cent."""
     sim = start(sliding(friction, angle))
     lines = [sim.diagnostics()]
     for time in (1.0, 6.0):
@@ -42,11 +42,14 @@ def test_a_block_slides_as_coulomb_says(friction, angle):
     _, begin, end = lines
     press = end["reaction.y-min-y"]
     slope = radians(angle)
-    assert press == pytest.approx(MASS * G * cos(slope), rel=0.03)
+    assert press == pytest.approx(MASS * G * cos(slope), rel=0.03)  # and the waves of the start
     assert end["reaction.y-min-x"] == pytest.approx(-friction * press, rel=0.01)
     gained = (end["momentum-x"] - begin["momentum-x"]) / (end["time"] - begin["time"])
     exact = MASS * G * (sin(slope) - friction * cos(slope))
-    assert gained == pytest.approx(exact, rel=0.03)
+    assert gained == pytest.approx(exact, rel=0.01)
+    # It lies on the wall: what it sinks in is its own weight's strain.
+    sunk = end["body.body.centre-y"] - begin["body.body.centre-y"]
+    assert abs(sunk) < 0.005
     # What gravity gives and friction takes away is the work that is booked.
     way = end["body.body.centre-x"] - begin["body.body.centre-x"]
     work = end["external-work"] - begin["external-work"]

@@ -1,6 +1,7 @@
 """Slabs of a small scene, driven kernel by kernel without a case and without MPI."""
 
 from collections.abc import Sequence
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ from pgimp.decomposition.grid import Grid
 from pgimp.decomposition.halo import Halo
 from pgimp.decomposition.population import Population
 from pgimp.decomposition.slabs import Slab, slab_of
+from pgimp.kernels.clearance import find_clearances
 from pgimp.kernels.concepts import Forcing, Report, Setting
 from pgimp.kernels.g2p import grid_to_particles
 from pgimp.kernels.ledger import Ledger
@@ -18,12 +20,14 @@ from pgimp.kernels.mirror import Mirror, fold, reflect
 from pgimp.kernels.momentum import update_momentum
 from pgimp.kernels.p2g import particles_to_grid
 from pgimp.kernels.particles import Carried, Frame, Particles
+from pgimp.kernels.record import RECORD
 from pgimp.kernels.sums import SUMS, fastest_rate, layer_sums
 from pgimp.kernels.walls import WALL
 from pgimp.physics.materials.hooke import HookeParameters
 from pgimp.physics.materials.neo_hookean import NeoHookeanParameters
 from pgimp.physics.shapes import SHAPES
 from pgimp.physics.shapes.gimp import GimpParameters
+from pgimp.scene.faces import sides_approached, walls_approached
 
 #: Two bodies of different models.
 MATERIALS = (NeoHookeanParameters(3.0, 2.0, 1.5), HookeParameters(1.0, 4.0, 0.8))
@@ -164,15 +168,28 @@ class Rank:
     def particles(self) -> Particles:
         return self.population.particles
 
-    def particles_to_grid(self) -> None:
-        """All layers, and the exchange with the neighbours if there are any."""
+    def particles_to_grid(self, faces: tuple = ()) -> None:
+        """All layers, and the exchange with the neighbours if there are any.
+
+        Those of `faces` that want clearances will have them in the momentum update.
+        """
+        near: Any = [
+            SimpleNamespace(
+                axis=face.axis,
+                side=face.side,
+                condition=SimpleNamespace(approaches=hasattr(face, "approach")),
+            )
+            for face in faces
+        ]
+        self.approached = walls_approached(near)
+        loads = Loads(walls=sides_approached(near, self.frame))
         grid, population = self.grid, self.population
         for array in (grid.G, grid.aside):
             array.fill(np.nan)  # only what the kernel sets may be used
         grid.active.fill(0)
         for part in self.halo.parts(population.start):
             particles_to_grid(
-                self.setting.without_materials(), grid.field, population.particles, Loads(),
+                self.setting.without_materials(), grid.field, population.particles, loads,
                 population.ordered, part,
             )  # fmt: skip
             assert not grid.scratch.any()
@@ -194,6 +211,11 @@ class Rank:
         self.impulse, self.work, self.beyond = ledger.impulse, ledger.work, ledger.beyond
         b = (*gravity, 0.0, 0.0, 0.0)[:3]
         forcing = self.forcing(dt)._replace(gravity=b, lightest=lightest)
+        if self.approached:
+            near = np.empty((len(faces), len(self.grid.G) // RECORD))
+            for wall in self.approached:
+                find_clearances(self.frame, field, wall, False, near)
+            forcing = forcing._replace(clearances=near)
         for mirror in mirrors:
             fold(self.frame, field, mirror, forcing, ledger)
         update_momentum(self.frame, field, faces, forcing, ledger, ())

@@ -131,6 +131,37 @@ class Reference:
             self.m += particles.m[k] * S
             self.p += particles.m[k] * S[..., None] * particles.v[k]
             self.f -= particles.V[k] * grad @ sigma
+        self.particles = particles
+
+    def clearances(self, faces):
+        """How far bodies are from each face that lets go, (vertices), by its axis and side.
+
+        The distance z of a face along the wall, for which sum m (w . grad S + S div w) is
+        -2 z/(h - z) of sum m S, on and beyond the wall. w is the distance from the wall up to 1.25
+        cells, or a quarter of what is between two walls, and falls to zero at twice that.
+        """
+        near = [(axis, side) for kind, axis, side, _, _ in faces if kind == "separating"]
+        frame, found = self.frame, {}
+        low = np.array(frame.origin)
+        high = low + np.array(frame.cells) * frame.cell
+        total = np.zeros(self.shape)
+        for axis in {axis for axis, _ in near}:
+            walls = [(low, high)[side > 0][axis] for d, side in near if d == axis]
+            peak = frame.cell[axis] * min(1.25, frame.cells[axis] / 4 if len(walls) > 1 else 1.25)
+            p = self.particles
+            for x, F, m in zip(p.x, p.F, p.m, strict=True):
+                z = x[axis] - min(walls, key=lambda wall: abs(x[axis] - wall))
+                w = np.sign(z) * np.interp(abs(z), [0.0, peak, 2.0 * peak], [0.0, peak, 0.0])
+                slope = float(abs(z) < peak) - float(peak <= abs(z) < 2.0 * peak)
+                S, grad = self.of(x, F)
+                total += m * (w * grad[..., axis] + slope * S)
+        for axis, side in near:
+            face = frame.ghost + (frame.cells[axis] if side > 0 else 0)
+            m, lack = (np.take(field, [face], axis) for field in (self.m, -total))
+            lack = np.maximum(lack, 0.0)
+            way = np.where(m > 0, lack / np.where(m > 0, 2 * m + lack, 1.0), 0.0)
+            found[axis, side] = np.broadcast_to(frame.cell[axis] * way, self.shape)
+        return found
 
     def update_momentum(self, dt, gravity, faces, lightest, mirrors=()):
         """(14) with (17), then the conditions of `faces`: (kind, axis, side, velocity, rate).
@@ -138,9 +169,10 @@ class Reference:
         Sets the impulse of each face, (faces, D), and the work of gravity and faces; with
         `mirrors`, see `fold`, both are only those of the vertices that are left.
         """
-        gone = np.zeros(self.shape, bool)
+        gone, closing = np.zeros(self.shape, bool), self.clearances(faces)
+        closing = {face: way / dt for face, way in closing.items()}
         force = self.f + self.m[..., None] * np.asarray(gravity[: self.D], float)  # (14)
-        folded = [self.fold(force, dt, gone, *mirror) for mirror in mirrors]
+        folded = [self.fold(force, dt, gone, closing, *mirror) for mirror in mirrors]
         heavy = self.m > lightest
         m = np.where(heavy, self.m, 1.0)[..., None]
         b = np.asarray(gravity[: self.D], float)
@@ -159,13 +191,20 @@ class Reference:
             )
             behind = behind & (self.m > 0)
             before = self.a.copy()
+            if kind == "separating":  # first what particles bring, then that after forces
+                most = closing[axis, side]
+                brought = side * (self.v - dt * self.a)[..., axis]
+                late = np.minimum(brought, most) + side * dt * self.a[..., axis]
+                last = np.minimum(late, most)
+                self.v[behind, axis] = side * last[behind]
+                self.a[behind, axis] += side * (last - late)[behind] / dt
             for d in range(self.D):
                 where = behind.copy()
                 v, a = 0.0, 0.0
                 if kind == "slip":
                     where &= d == axis
                 elif kind == "separating":
-                    where &= (d == axis) & (self.v[..., d] * side > 0)
+                    where[:] = False
                 elif kind == "velocity":
                     where &= velocity[d] is not None
                     v, a = velocity[d], rate[d]
@@ -191,7 +230,7 @@ class Reference:
         pairs = [(wall + side * k, wall - side * k) for k in range(1, ghost + 1)]
         return [(g, r) for g, r in pairs if 0 <= r < self.shape[axis]]
 
-    def fold(self, force, dt, gone, axis, side, releases):
+    def fold(self, force, dt, gone, closing, axis, side, releases):
         """Add what is beyond a face to the mirror images, but not where the face lets go.
 
         `gone` becomes true for vertices that have given away what they had: at edges, where faces
@@ -205,7 +244,10 @@ class Reference:
         wall = self.frame.ghost + (side > 0) * self.frame.cells[axis]
         m, p, f = (np.moveaxis(field, axis, 0) for field in (self.m, self.p, force))
         into = p[wall][..., axis] + dt * f[wall][..., axis]
-        taken = into * side > 0 if releases else np.ones(m[wall].shape, bool)
+        taken = np.ones(m[wall].shape, bool)
+        if releases:
+            most = np.moveaxis(closing[axis, side], axis, 0)[wall]
+            taken = into * side > most * m[wall]
         sign = np.where(np.arange(self.D) == axis, -1.0, 1.0)
         lost, folded = np.moveaxis(gone, axis, 0), []
         for beyond, image in self.images(axis, side):

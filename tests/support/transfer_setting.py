@@ -60,9 +60,9 @@ def faces_of(kind, D):
                 values = [*velocity]
                 if side > 0:
                     values[axis] = {"table": [[0.0, 1.0], [2.0, 5.0]]}
-                    velocity[axis], rate = 1 + 2 * 0.51, [2.0 * (d == axis) for d in range(3)]
+                    velocity[axis], rate = 1 + 2 * (0.5 + DT), [2.0 * (d == axis) for d in range(3)]
                 entries = {"velocity": values[:D]}
             condition = BOUNDARIES[kind].model_validate(entries)
-            kernel = condition.parameters(axis, side, 0.5, 0.51)
+            kernel = condition.parameters(axis, side, 0.5, 0.5 + DT)
             made.append((kernel, (kind, axis, side, velocity, rate)))
     return made

@@ -16,6 +16,10 @@ class Boundary(Model):
     #: Whether the material may leave the face.
     releases: ClassVar[bool] = False
 
+    #: Whether the parameters have a static method ``approach(face, v, a, clearance)`` in place of
+    #: ``constrain(face, v, a)``: it is told how far bodies still are from the face [m].
+    approaches: ClassVar[bool] = False
+
     @property
     def varies(self) -> bool:
         """Whether the parameters change in time, so that they are computed for every step."""
@@ -41,10 +45,24 @@ class Boundary(Model):
         """
 
 
-def constrain(face, v, a):
-    """Velocity and acceleration of a vertex on the face or beyond, as the condition wants them."""
+def constrain(face, v, a, clearance):
+    """Velocity and acceleration of a vertex on the face or beyond, as the condition wants them.
+
+    `clearance`, a length, is for those that let bodies come near, see `Boundary.approaches`.
+    """
 
 
 @specialise(constrain)
-def _constrain(face, v, a):
+def _constrain(face, v, a, clearance):
+    if hasattr(face.instance_class, "approach"):
+        return face.instance_class.approach
+    return lambda face, v, a, clearance: _constrain_all(face, v, a)
+
+
+def _constrain_all(face, v, a):
+    """As `constrain`, where the clearance does not matter."""
+
+
+@specialise(_constrain_all)
+def _constrain_vertices(face, v, a):
     return face.instance_class.constrain

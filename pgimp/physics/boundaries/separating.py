@@ -1,4 +1,4 @@
-"""A wall that lets go: the normal part is held only when moving into the wall; with friction."""
+"""A wall that lets go: bodies that reach it are held while they move into it; with friction."""
 
 from math import sqrt
 from typing import ClassVar, NamedTuple
@@ -11,26 +11,7 @@ from pgimp.physics.contact import AnyFriction, coefficients
 
 
 class SeparatingParameters(NamedTuple):
-    """The face."""
-
-    axis: int
-    side: int
-
-    @staticmethod
-    def constrain(face, v, a):
-        """Hold the normal component of a vertex whose new velocity points out of the domain."""
-        k = face.axis
-        normal = v[0] if k == 0 else (v[1] if k == 1 else v[2])
-        hold = normal * face.side > 0.0
-        x, y, z = hold and k == 0, hold and k == 1, hold and k == 2
-        return (
-            (0.0 if x else v[0], 0.0 if y else v[1], 0.0 if z else v[2]),
-            (0.0 if x else a[0], 0.0 if y else a[1], 0.0 if z else a[2]),
-        )
-
-
-class FrictionParameters(NamedTuple):
-    """The face, static and kinetic coefficient, and the step's length."""
+    """The face, static and kinetic coefficient of friction, and the step's length."""
 
     axis: int
     side: int
@@ -39,26 +20,28 @@ class FrictionParameters(NamedTuple):
     dt: float
 
     @staticmethod
-    def constrain(face, v, a):
+    def approach(face, v, a, clearance):
         """Stop what moves into the wall, and brake what slides on it, as far as it is pressed.
 
         As where bodies meet: first the velocity that particles bring, then that after forces have
-        acted; of the second the acceleration changes, too.
+        acted; of the second the acceleration changes, too. What is left of the way to the wall may
+        be closed within the step.
         """
         dt = face.dt
-        u = _brake(face, (v[0] - dt * a[0], v[1] - dt * a[1], v[2] - dt * a[2]))
+        closing = clearance / dt
+        u = _brake(face, (v[0] - dt * a[0], v[1] - dt * a[1], v[2] - dt * a[2]), closing)
         u = (u[0] + dt * a[0], u[1] + dt * a[1], u[2] + dt * a[2])
-        w = _brake(face, u)
+        w = _brake(face, u, closing)
         return w, (
             a[0] + (w[0] - u[0]) / dt, a[1] + (w[1] - u[1]) / dt, a[2] + (w[2] - u[2]) / dt
         )  # fmt: skip
 
 
 @kernel
-def _brake(face, v):
+def _brake(face, v, closing):
     """Velocity of a vertex after the wall's impulse."""
     k = face.axis
-    into = (v[0] if k == 0 else (v[1] if k == 1 else v[2])) * face.side
+    into = (v[0] if k == 0 else (v[1] if k == 1 else v[2])) * face.side - closing
     if not into > 0.0:
         return v
     x, y, z = (0.0 if k == 0 else v[0]), (0.0 if k == 1 else v[1]), (0.0 if k == 2 else v[2])
@@ -66,7 +49,11 @@ def _brake(face, v):
     part = 0.0
     if speed > face.static * into:
         part = max(0.0, 1.0 - face.kinetic * into / speed)
-    return part * x, part * y, part * z
+    normal = closing * face.side
+    return (
+        normal if k == 0 else part * x, normal if k == 1 else part * y,
+        normal if k == 2 else part * z,
+    )  # fmt: skip
 
 
 class Separating(Boundary):
@@ -75,18 +62,15 @@ class Separating(Boundary):
     friction: AnyFriction = Field(default=0.0, description="coefficient of Coulomb's friction [1]")
 
     releases: ClassVar[bool] = True
+    approaches: ClassVar[bool] = True
 
     @property
     def varies(self) -> bool:
-        """See `Boundary.varies`: with friction, as it needs the length of the step."""
-        return coefficients(self.friction)[0] > 0.0
+        """See `Boundary.varies`: by the length of the step."""
+        return True
 
-    def parameters(
-        self, axis: int, side: int, start: float, end: float
-    ) -> SeparatingParameters | FrictionParameters:
+    def parameters(self, axis: int, side: int, start: float, end: float) -> SeparatingParameters:
         """See `Boundary.parameters`."""
-        if not self.varies:
-            return SeparatingParameters(axis, side)
         static, kinetic = coefficients(self.friction)
         dt = max(end - start, 1e-300)  # none where nothing is computed but what is held
-        return FrictionParameters(axis, side, float(static), float(kinetic), dt)
+        return SeparatingParameters(axis, side, float(static), float(kinetic), dt)

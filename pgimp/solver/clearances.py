@@ -1,0 +1,31 @@
+"""The clearances of a rank's vertices from the walls that let go."""
+
+from typing import Any
+
+import numpy as np
+
+from pgimp.decomposition.grid import Grid
+from pgimp.jit.bound import Bound
+from pgimp.kernels.clearance import find_clearances
+from pgimp.kernels.record import RECORD
+from pgimp.scene.scene import Scene
+
+
+class Clearances:
+    """How far bodies are from the walls, step by step; nothing where no wall asks for it."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene, self.call = scene, Bound()
+        self.joint = scene.pairs is not None and scene.pairs.ties
+        self.values: Any = np.empty((0, 0)) if scene.approached else ()
+
+    def find(self, grid: Grid) -> Any:
+        """Find them after the halo exchange; what `Forcing` wants."""
+        scene = self.scene
+        if scene.approached:
+            shape = (len(scene.faces), len(grid.G) // RECORD)
+            if self.values.shape != shape:
+                self.values = np.empty(shape)
+            for wall in scene.approached:
+                self.call(find_clearances, scene.frame, grid.field, wall, self.joint, self.values)
+        return self.values

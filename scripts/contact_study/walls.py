@@ -1,0 +1,135 @@
+"""Bodies that meet a wall of the domain: the gap at which they feel it, impact, friction, cost."""
+
+from math import cos, radians, sin
+from statistics import median
+from time import perf_counter
+
+import gap
+import motion
+import numpy as np
+
+import pgimp
+
+
+def _case(region, way, cells=24):
+    """Case of a stiff body in cells of 1 that moves along `way` towards y-min or z-min."""
+    case = gap.stiff({"a": region}, way)
+    face = f"{'xyz'[len(way) - 1]}-min"
+    case["grid"]["size"] = [float(cells)] * len(way)
+    return case | {"boundaries": {face: "separating"}}, f"reaction.{face}-{face[0]}"
+
+
+def first(region, dimensions, distance):
+    """Gap that is left before the step in which a body first feels the wall."""
+    way = np.zeros(dimensions)
+    way[-1] = -1.0
+    case, name = _case(region, way)
+    simulation = pgimp.Simulation(case)
+    while not simulation.finished:
+        simulation.step()
+        if abs(simulation.diagnostics()[name]) > 1e-14:
+            return distance - gap.SPEED * (simulation.steps - 1)
+    raise RuntimeError("the body never met the wall")
+
+
+def _ball(dimensions, radius, shift):
+    centre = [12.0 + shift] * (dimensions - 1) + [1.0 + radius]
+    return first({"ball": {"centre": centre, "radius": radius}}, dimensions, 1.0)
+
+
+def _corner(angle, shift):
+    high = 3.0 * (cos(radians(angle)) + sin(radians(angle)))
+    region = gap.turned(np.array([12.0 + shift, 1.0 + high]), [3.0, 3.0], angle)
+    return first(region, 2, 1.0)
+
+
+def gaps(quick):
+    """Rows of the table: what meets the wall, and the least and greatest gap."""
+    shifts = np.random.default_rng(2).random(2 if quick else 6)
+    found = {
+        "a box on the particles' lattice and a wall": [
+            first({"box": {"min": [4.0, low], "max": [8.0, low + 3.0]}}, 2, low)
+            for low in (0.5, 1.0)
+        ],
+        "a box anywhere and a wall": [
+            first({"box": {"min": [4.0, 0.5 + s], "max": [8.0, 3.0 + s]}}, 2, 0.5 + s)
+            for s in shifts
+        ],
+    }
+    for radius in (5.0,) if quick else (5.0, 10.0):
+        found[f"disks, R = {radius:.0f} cells, and a wall"] = [
+            _ball(2, radius, s) for s in shifts[:4]
+        ]
+    if not quick:
+        found["balls, R = 4 cells, and a wall, 3D"] = [_ball(3, 4.0, s) for s in shifts[:2]]
+    found["a square's corner and a wall"] = [
+        _corner(angle, s) for angle in (45.0, 20.0) for s in shifts[:3]
+    ]
+    return [(what, 0.0, min(values), max(values)) for what, values in found.items()]
+
+
+def bar(cell):
+    """A bar of a length of 10 hits a wall: rebound, energy lost, time in touch over the exact."""
+    case = motion.case_of(
+        {"a": (motion.box([0.5 * cell], [10.0 + 0.5 * cell]), [-0.05])}, [15.0], cell, 7.0,
+        boundaries={"x-min": "separating"},
+    )  # fmt: skip
+    case["materials"]["solid"] = {"model": "linear-1d", "young": 100.0, "density": 1.0}
+    first_line, last = motion.run(case)
+    return (
+        -last["momentum-x"] / first_line["momentum-x"],
+        1.0 - motion.energy(last) / motion.energy(first_line),
+    )
+
+
+def incline(cell, angle=24.0, friction=0.3):
+    """A block slides down a wall: acceleration over the exact one, way sunk in or risen, cells.
+
+    With `friction` enough to stick the first is the way that it slips.
+    """
+    g, slope = 1.0, (sin(radians(angle)), cos(radians(angle)))
+    case = motion.case_of(
+        {"block": (motion.box([2.0, 0.0], [8.0, 2.0]), [0.0, 0.0])}, [30.0, 5.0], cell, 6.0,
+        gravity=[g * slope[0], -g * slope[1]],
+        boundaries={"y-min": {"separating": {"friction": friction}}},
+    )  # fmt: skip
+    case["materials"]["solid"] = motion.SOLID | {"young": 1e3}
+    simulation = pgimp.Simulation(case)
+    lines = [simulation.diagnostics()]
+    for time in (1.0, 6.0):
+        simulation.advance(time)
+        lines.append(simulation.diagnostics())
+    start, begin, end = lines
+    sunk = (end["body.block.centre-y"] - start["body.block.centre-y"]) / cell
+    exact = g * (slope[0] - friction * slope[1])
+    if exact <= 0.0:
+        return (end["body.block.centre-x"] - start["body.block.centre-x"]) / cell, sunk
+    change = end["momentum-x"] - begin["momentum-x"]
+    return change / end["mass"] / (end["time"] - begin["time"]) / exact, sunk
+
+
+def cost(dimensions, rounds):
+    """Time of a step of a block on a separating floor over that on one that holds it."""
+    cells = {2: 120, 3: 20}[dimensions]
+    low, high = [2.0] * (dimensions - 1) + [0.0], [cells + 2.0] * (dimensions - 1) + [float(cells)]
+    face = f"{'xyz'[dimensions - 1]}-min"
+    simulations = [
+        pgimp.Simulation(
+            motion.case_of(
+                {"a": (motion.box(low, high), [0.0] * dimensions)}, [cells + 4.0] * dimensions, 1.0,
+                1e9, boundaries={face: condition},
+            )
+        )
+        for condition in ("slip", "separating")
+    ]
+    ratios = []
+    for simulation in simulations:
+        simulation.step(3)
+    for _ in range(rounds):
+        times = []
+        for simulation in simulations:
+            began = perf_counter()
+            simulation.step(16)
+            times.append(perf_counter() - began)
+        ratios.append(times[1] / times[0])
+    return median(ratios)
