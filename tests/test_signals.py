@@ -88,7 +88,7 @@ def wait_for_handler(process, number=signal.SIGUSR1):
 
 
 def test_ctrl_c_twice_in_the_first_moments_is_answered_in_one_line(tmp_path):
-    (tmp_path / "slow.py").write_text("import time\ntime.sleep(20.0)\n")
+    (tmp_path / "slow.py").write_text("import time\ntime.sleep(5.0)\n")
     process = start([CONSOLE, "--import", tmp_path / "slow.py", "none.yaml"])
     wait_for_handler(process)
     for _ in range(2):

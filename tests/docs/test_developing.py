@@ -48,8 +48,15 @@ def source(tmp_path_factory):
 
 
 def python(source, *words):
-    """Run Python with the copy of the package; return what it prints."""
-    env = ENVIRONMENT | {"PYTHONPATH": str(source), "PGIMP_CACHE_DIR": str(source / "cache")}
+    """Run Python with the copy of the package; return what it prints.
+
+    Kernels of the copy are kept where all others are, in a folder that is named after what they are
+    made of: they are compiled again when the page or the package changes. Those of its tests stand
+    for the place of the file, which is another each time, so they are not kept.
+    """
+    env = ENVIRONMENT | {"PYTHONPATH": str(source)}
+    if "pytest" in words:
+        env |= {"PGIMP_CACHE_DIR": str(source / "cache")}
     done = run([sys.executable, *words], 500, source, env)
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout

@@ -283,20 +283,19 @@ def test_same_bits_on_ranks_and_resumed_without_the_file(tmp_path, mpirun, pytho
     write_case(tmp_path / "cases/ball.yaml", text)
     one = python(["-m", "pgimp", "cases/ball.yaml", "-o", "one"], cwd=tmp_path)
     assert one.returncode == 0, one.stderr
-    for ranks, name in ((2, "two"), (4, "four")):
-        again = mpirun(ranks, ["-m", "pgimp", "one/case.yaml", "-o", name], cwd=tmp_path)
-        assert again.returncode == 0, again.stderr
-        assert main(["compare", str(tmp_path / "one"), str(tmp_path / name)]) == 0
-        for probe in ("low", "gauge"):
-            files = [tmp_path / run / f"probes/{probe}.csv" for run in ("one", name)]
-            assert files[0].read_bytes() == files[1].read_bytes()
+    again = mpirun(4, ["-m", "pgimp", "one/case.yaml", "-o", "four"], cwd=tmp_path)
+    assert again.returncode == 0, again.stderr
+    assert main(["compare", str(tmp_path / "one"), str(tmp_path / "four")]) == 0
+    for probe in ("low", "gauge"):
+        files = [tmp_path / run / f"probes/{probe}.csv" for run in ("one", "four")]
+        assert files[0].read_bytes() == files[1].read_bytes()
     (tmp_path / "cases/ball.stl").unlink()
-    for name in ("one", "two"):
+    for name in ("one", "four"):
         longer = ["-m", "pgimp", "cases/ball.yaml", "-o", name, "--resume", "--set", "time.end=0.2"]
         done = python(longer, cwd=tmp_path) if name == "one" else mpirun(2, longer, cwd=tmp_path)
         assert done.returncode == 0, done.stderr
         assert "resuming from" in done.stdout
-    assert main(["compare", str(tmp_path / "one"), str(tmp_path / "two")]) == 0
+    assert main(["compare", str(tmp_path / "one"), str(tmp_path / "four")]) == 0
     refused = mpirun(2, ["-m", "pgimp", "cases/ball.yaml", "-o", "new"], cwd=tmp_path)
     assert refused.returncode == 2
     assert "No such file" in refused.stderr

@@ -182,7 +182,7 @@ def test_check_says_which_states_a_file_gives(tmp_path, capsys):
 
 
 def test_a_run_begins_with_them_on_any_ranks_and_resumes(tmp_path, mpirun):
-    """Stress follows from them, by NumPy; frames on 1, 2, 3 ranks and of a resume are the same."""
+    """Stress follows from them, by NumPy; frames on 1, on 3 and resumed on 2 ranks are the same."""
     axis = np.arange(-1.375, 1.5, 0.25)
     x = np.stack(np.meshgrid(axis, axis, indexing="ij"), axis=-1).reshape(-1, 2)
     n = len(x)
@@ -196,7 +196,7 @@ def test_a_run_begins_with_them_on_any_ranks_and_resumes(tmp_path, mpirun):
     model["checkpoint"] = {"every": {"steps": 5}, "keep": 50}
     write_case(tmp_path / "p.yaml", model)
     program = ["-m", "pgimp", "--import", SOFTENING, "p.yaml", "--quiet", "-o"]
-    for ranks in (1, 2, 3):
+    for ranks in (1, 3):
         done = mpirun(ranks, [*program, str(ranks)], cwd=tmp_path)
         assert done.returncode == 0, done.stderr
     shutil.copytree(tmp_path / "3", tmp_path / "resumed")
@@ -216,7 +216,7 @@ def test_a_run_begins_with_them_on_any_ranks_and_resumes(tmp_path, mpirun):
         wanted = left * sound[:, i, j]
         np.testing.assert_allclose(last["stress"][:, column], wanted, 1e-10, 1e-12)
     assert np.abs(last["stress"]).max() > 0.01
-    for name in ("2", "3", "resumed"):
+    for name in ("3", "resumed"):
         files = [*(tmp_path / "1/frames").iterdir(), tmp_path / "1/history.csv"]
         assert len(files) > 3
         for path in files:

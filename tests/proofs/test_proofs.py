@@ -33,8 +33,8 @@ def prove(*words, timeout=600):
 
 
 def test_killed_runs_go_on_to_the_same_bits():
-    said = prove("kill", "--short", "--runs", "6", "--seed", "3")
-    assert "same bits as the undisturbed run: 6 of 6" in said
+    said = prove("kill", "--short", "--runs", "4", "--seed", "3")
+    assert "same bits as the undisturbed run: 4 of 4" in said
     assert re.search(r"killed: .*start-up", said) and re.search(r"killed: .*checkpoint", said)
     # mpirun gives the other ranks two seconds, and it is alone on no machine.
     assert float(re.search(r"end of the job: .* most ([\d.]+) s", said)[1]) < 15.0
@@ -60,9 +60,9 @@ def test_many_steps_leave_no_trace_in_the_memory():
 
 
 def test_random_scenes_are_the_same_on_any_ranks_and_their_books_balance():
-    """Twenty; a failing one is printed as a case file, made smaller."""
+    """Fifteen; a failing one is printed as a case file, made smaller."""
     numbers = [(proof_scenes.GROUP * group + n, group) for group in proof_scenes.SHORT
-               for n in range(4)]  # fmt: skip
+               for n in range(3)]  # fmt: skip
     scenes = [scene_features.make(1, *each) for each in numbers]
     seen = {feature for *_, features in scenes for feature in features}
     assert {"affine", "relaxation", "constraint", "walls", "gravity", "probes"} <= seen
@@ -72,8 +72,8 @@ def test_random_scenes_are_the_same_on_any_ranks_and_their_books_balance():
     for kind in ("boundaries", "constraints"):  # accelerated ones, and gravity where one is held
         assert any("table" in json.dumps(case.get(kind, {})) for case in cases)
         assert any(case.get(kind) and "gravity" in case for case in cases)
-    said = prove("scenes", "--short", "--runs", "20", "--shrink", "60", timeout=1200)
-    assert int(re.search(r"(\d+) done", said)[1]) >= 15 and "wrong: 0" in said
+    said = prove("scenes", "--short", "--runs", "15", "--shrink", "60", timeout=1200)
+    assert int(re.search(r"(\d+) done", said)[1]) >= 12 and "wrong: 0" in said
 
 
 def books_of_a_push(axis, kind):

@@ -10,13 +10,11 @@ import time
 
 import numpy as np
 import pytest
-from particle_source import small_disk
 from processes import clean_env
 from two_blocks import CASE
 
 import pgimp
 from pgimp.errors import RunError, UsageError
-from pgimp.physics.fields import OPTIONAL
 
 TIMES = [0.0, 0.3, 0.5, 0.6, 0.9, 1.0, 1.2, 1.5, 1.8, 2.0]
 PARTICLES = 72
@@ -194,20 +192,6 @@ def test_a_wrong_case_leaves_no_directory(start, folder, ranks):
     job = start(ranks, "blocks.yaml", "-o", "wrong", "--set", "time={end: 10.0, step: 1.0}", *EVERY)
     assert job.returncode == 2 and "Courant number" in job.stderr
     assert "Traceback" not in job.stderr and not (folder / "wrong").exists()
-
-
-def test_a_full_disk_ends_the_run(tmp_path, start):
-    fields = f"output={{every: {{steps: 1}}, fields: [{', '.join(OPTIONAL)}]}}"
-    with small_disk(tmp_path / "disk") as disk:
-        job = start(2, "blocks.yaml", "-o", disk / "out", "--set", fields)
-        assert job.returncode == 1, job.stderr
-        assert len(re.findall("No space left on device", job.stderr)) == 1
-        run = pgimp.open(disk / "out")
-        assert run.state == "failed" and "No space left" in run.info["message"]
-        steps = [frame.step for frame in run]
-        assert steps == list(range(len(steps))) and len(steps) > 5
-        assert all(np.isfinite(frame["deformation"]).all() for frame in run)
-        assert not list((disk / "out").rglob("*.part"))
 
 
 def launch(folder, *words):

