@@ -221,8 +221,10 @@ def _is_first_rank() -> bool:
 
 def _complain(error: BaseException, status: int) -> int:
     if not _is_first_rank():
+        # Open MPI kills all ranks when one ends like this that has not begun with MPI: the first
+        # one, too, which then has not spoken yet.
+        time.sleep(_FIRST_RANK_SPEAKS_SECONDS)
         if isinstance(error, SharedUsageError):
             return status
-        time.sleep(_FIRST_RANK_SPEAKS_SECONDS)
     say(describe(error))
     return status

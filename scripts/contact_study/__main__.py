@@ -22,7 +22,11 @@ OUT = motion.ROOT / "contact.out"
 def _figures(quick):
     """What is measured, by name, as functions and arguments."""
     cells = (0.2,) if quick else (0.2, 0.1)
-    jobs = {("tied",): (motion.tied, 100 if quick else 1000), ("parting",): (motion.parting,)}
+    steps = 100 if quick else 1000
+    jobs = {
+        ("tied",): (motion.tied, steps), ("lying",): (motion.tied, steps, "separating"),
+        ("parting",): (motion.parting,),
+    }  # fmt: skip
     for cell in cells:
         jobs["bars", cell] = (motion.bars, 2.5 * cell)
         jobs["disks", cell] = (motion.disks, 0.2 * cell)
@@ -46,6 +50,7 @@ def _table(found, cells):
 
     rows = [
         ("tied bodies and one body, difference after 1,000 steps", "0", [f"{found['tied',]:.0e}"]),
+        ("the same on a wall that lets go", "0", [f"{found['lying',]:.0e}"]),
         ("a block at rest, of one that touches it and moves away: momentum taken", "0",
          [f"{found['parting',]:.0e}"]),
         ("bars of 20 and 40 cells meet: rebound", "1", at("bars", 0)),

@@ -227,6 +227,15 @@ def test_several_ranks_answer_once(mpirun, words, status, said):
     assert (done.stdout + done.stderr).count(said) == 1
 
 
+def test_a_first_rank_that_is_late_still_answers(mpirun, tmp_path):
+    """Open MPI kills it when another one has ended with an error before: that one has to wait."""
+    late = 'import os, time\nif os.environ.get("OMPI_COMM_WORLD_RANK") == "0": time.sleep(0.3)\n'
+    (tmp_path / "sitecustomize.py").write_text(late, encoding="utf-8")
+    done = mpirun(3, ["-m", "pgimp"], timeout=30, env={"PYTHONPATH": str(tmp_path)})
+    assert done.returncode == 2
+    assert done.stderr.count("which case?") == 1
+
+
 def test_no_arguments_explains_itself(capsys):
     assert main([]) == 2
     said = capsys.readouterr().err
