@@ -40,6 +40,9 @@ LEAST_MASS = 1e-5
 #: deep inside of bodies there is no surface, and it is rounding.
 LEAST_NORMAL = 1e-4
 
+#: Least part of a normal's square that is along the walls of a vertex: less is none.
+LEAST_WITHIN = 0.01
+
 #: Sweeps over the pairs of a vertex where one is not enough: where more than two fields meet, or
 #: where walls or constraints hold some of them.
 SWEEPS = 8
@@ -98,8 +101,11 @@ class Contact(NamedTuple):
 
 
 @inner_kernel
-def find_pairs(contact, frame, count, dt):
-    """Find the pairs of fields that act on each other at a vertex; returns their number."""
+def find_pairs(contact, frame, across, count, dt):
+    """Find the pairs of fields that act on each other at a vertex; returns their number.
+
+    `across` tells across which directions a wall lies that the vertex is on.
+    """
     fields, ends, partners = contact.fields, contact.ends, contact.partners
     missing = 1.0
     for a in range(count):
@@ -121,7 +127,7 @@ def find_pairs(contact, frame, count, dt):
                 least = min(fields[a, WEIGHT], fields[b, WEIGHT])
                 if least < LEAST_MASS * (fields[a, WEIGHT] + fields[b, WEIGHT]):
                     continue
-                if part < LEAST_FILLED or not _find_gap(frame, fields, one, other, row):
+                if part < LEAST_FILLED or not _find_gap(frame, fields, one, other, across, row):
                     continue
                 # The neighbourhood is weighted with a tent, which has 1 - s at the distance s of
                 # the surface, where the smaller part is (1 - s)^2 / 2.
@@ -132,14 +138,23 @@ def find_pairs(contact, frame, count, dt):
 
 
 @inner_kernel
-def _find_gap(frame, fields, a, b, row):
+def _find_gap(frame, fields, a, b, across, row):
     """Set normal, from `a` to `b`, area and, as CLOSING, the cell's length along the normal.
 
-    Returns whether there is a surface.
+    Returns whether there is a surface. Those that a wall cuts bodies at are none that they meet
+    with: on a wall the normal is along it, unless they lie on each other there.
     """
     square, along, side, first, second = 0.0, 0.0, 1.0, 0.0, 0.0
+    whole, within = 0.0, 0.0
+    for d in range(len(frame.cell)):
+        n = (fields[a, OUTWARD + d] - fields[b, OUTWARD + d]) ** 2
+        whole += n
+        within += 0.0 if across[d] else n
+    flat = within > LEAST_WITHIN * whole
     for d in range(len(frame.cell)):
         n = fields[a, OUTWARD + d] - fields[b, OUTWARD + d]
+        if flat and across[d]:
+            n = 0.0
         row[NORMAL + d] = n
         square += n * n
         along += (n * frame.inverse[d]) ** 2

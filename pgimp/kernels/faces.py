@@ -13,6 +13,13 @@ def _beyond(face, frame, number):
     return (number[face.axis] - wall) * face.side >= 0
 
 
+@inner_kernel
+def _is_on(face, frame, number):
+    """Whether a vertex is on a face."""
+    wall = frame.ghost if face.side < 0 else frame.ghost + frame.cells[face.axis]
+    return number[face.axis] == wall
+
+
 def beyond_any(faces, frame, number):
     """Whether a vertex is on one of the faces or beyond it."""
 
@@ -60,9 +67,23 @@ def _on_walls(faces, frame, number):
     if len(faces) == 0:
         return lambda faces, frame, number: 0
 
-    def count(faces, frame, number):
-        face = faces[0]
-        wall = frame.ghost if face.side < 0 else frame.ghost + frame.cells[face.axis]
-        return on_walls(faces[1:], frame, number) + int(number[face.axis] == wall)
+    return lambda faces, frame, number: (
+        int(_is_on(faces[0], frame, number)) + on_walls(faces[1:], frame, number)
+    )
 
-    return count
+
+def across_walls(faces, frame, number):
+    """Across which directions faces lie that a vertex is on, as three truth values."""
+
+
+@specialise(across_walls)
+def _across_walls(faces, frame, number):
+    if len(faces) == 0:
+        return lambda faces, frame, number: (False, False, False)
+
+    def across(faces, frame, number):
+        x, y, z = across_walls(faces[1:], frame, number)
+        on, axis = _is_on(faces[0], frame, number), faces[0].axis
+        return x or (on and axis == 0), y or (on and axis == 1), z or (on and axis == 2)
+
+    return across

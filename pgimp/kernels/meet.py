@@ -13,7 +13,7 @@ from pgimp.kernels.contact import (
     find_held,
     find_pairs,
 )
-from pgimp.kernels.faces import on_walls
+from pgimp.kernels.faces import across_walls, on_walls
 from pgimp.kernels.fields import field_count, field_size
 from pgimp.kernels.record import ACCELERATION, FORCE, MASS, MOMENTUM, RECORD, VELOCITY
 
@@ -77,10 +77,10 @@ def _meet_in_plane(contact, faces, frame, field, forcing, i, ledger, last):
         for k in range(window.extent[2]):
             r = i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
             number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
-            count = _find_fields(contact, frame, field, r, 0.5 ** on_walls(faces, frame, number))
+            count = _find_fields(contact, faces, frame, field, r, number)
             if count < 2:
                 continue
-            pairs = find_pairs(contact, frame, count, dt)
+            pairs = find_pairs(contact, frame, across_walls(faces, frame, number), count, dt)
             if pairs == 0:
                 continue
             for a in range(count):
@@ -108,13 +108,13 @@ def _meet_in_plane(contact, faces, frame, field, forcing, i, ledger, last):
 
 
 @inner_kernel
-def _find_fields(contact, frame, field, r, open_part):
+def _find_fields(contact, faces, frame, field, r, number):
     """Find the fields at the vertex whose first record is at `r`; returns their number.
 
-    `open_part` is the part of its neighbourhood that walls leave to bodies.
+    Walls take a part of its neighbourhood.
     """
     G, V, size = field.G, contact.volumes, field_size(field.window)
-    cell = open_part
+    cell = 0.5 ** on_walls(faces, frame, number)
     for d in range(len(frame.cell)):
         cell *= frame.cell[d]
     count = 0

@@ -86,6 +86,7 @@ def fold(frame, field, mirror, forcing, ledger):
                         force, momentum = G[g + FORCE + axis] + weight, G[g + MOMENTUM + axis]
                         impulse[i, mirror.number, axis] -= 2.0 * dt * force + 2.0 * part * momentum
                     G[r + MASS] += G[g + MASS]
+                    G[r + HELD] += G[g + HELD]
                     for d in range(3):
                         sign = -1.0 if d == axis else 1.0
                         G[r + MOMENTUM + d] += sign * G[g + MOMENTUM + d]

@@ -124,6 +124,12 @@ def case_warnings(case: Any, found: Findings) -> Iterator[str]:
             "method.affine: with points (mpm) it can make energy from nothing, the more "
             "the smaller the step; take it with boxes (shape: gimp)"
         )
+    pressed = _pressed(case)
+    if pressed and case.method.shape == "mpm":
+        yield (
+            "contact: of points (mpm) the gap between bodies is known to half a cell only, and "
+            "jumps as they move; take boxes (shape: gimp)"
+        )
     for body in found.bodies:
         cells = [size / cell for size, cell in zip(body.sizes, case.grid.cell, strict=True)]
         thin = [f"{n:.2g} along {AXES[d]}" for d, n in enumerate(cells) if n < _THIN]
@@ -131,6 +137,11 @@ def case_warnings(case: Any, found: Findings) -> Iterator[str]:
             yield (
                 f"bodies.{body.name}.region: fewer cells across it than one, {', '.join(thin)}; "
                 "stress and bending need several: smaller cells (grid.cell)"
+            )
+        if thin and body.name in pressed:
+            yield (
+                f"contact: '{body.name}' has both its sides in one cell, so that what it meets "
+                "finds no direction to push in: smaller cells (grid.cell)"
             )
         if case.method.affine and max(cells) < _FEW:
             yield (
@@ -155,6 +166,15 @@ def case_warnings(case: Any, found: Findings) -> Iterator[str]:
                 f"where particles are {spacing:.3g} apart"
             )
     yield from _ineffective_tractions(case)
+
+
+def _pressed(case: Any) -> set[str]:
+    """Names of the bodies that may meet others under a law of friction."""
+    names: set[str] = set()
+    for entry in case.contact:
+        if entry.law == "friction":
+            names.update(case.bodies if entry.bodies == "all" else entry.bodies)
+    return names
 
 
 def _ineffective_tractions(case: Any) -> Iterator[str]:

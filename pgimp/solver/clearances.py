@@ -19,13 +19,15 @@ class Clearances:
         self.joint = scene.pairs is not None and scene.pairs.ties
         self.values: Any = np.empty((0, 0)) if scene.approached else ()
 
-    def find(self, grid: Grid) -> Any:
-        """Find them after the halo exchange; what `Forcing` wants."""
-        scene = self.scene
-        if scene.approached:
-            shape = (len(scene.faces), len(grid.G) // RECORD)
-            if self.values.shape != shape:
-                self.values = np.empty(shape)
-            for wall in scene.approached:
-                self.call(find_clearances, scene.frame, grid.field, wall, self.joint, self.values)
+    def stored(self, grid: Grid) -> Any:
+        """Return what `Forcing` wants, in the grid's size; the numbers are still to be found."""
+        shape = (len(self.scene.faces), len(grid.G) // RECORD)
+        if self.scene.approached and self.values.shape != shape:
+            self.values = np.empty(shape)
         return self.values
+
+    def find(self, grid: Grid) -> None:
+        """Find them, after the halo exchange and what faces that hold reflect."""
+        scene = self.scene
+        for wall in scene.approached:
+            self.call(find_clearances, scene.frame, grid.field, wall, self.joint, self.values)

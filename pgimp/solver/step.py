@@ -68,13 +68,17 @@ def step(
     marked = (constraints, grid.marks) if constraints else ()
     forcing = Forcing(
         t.dt, scene.gravity(t.start), rank.lightest, loads, constraints, marked, scene.walls(t.end),
-        controlled, rank.clearances.find(grid),
+        controlled, rank.clearances.stored(grid),
     )  # fmt: skip
     faces, vertex_forcing = scene.face_parameters(t.start, t.end), on_vertices(forcing)
-    for mirror in scene.mirrors:
-        call(fold, scene.frame, field, mirror, vertex_forcing, ledger)
-        if contact:
-            call(fold_volumes, scene.frame, field, contact.volumes, mirror)
+    for releases in (False, True):  # those that let go last: they see the sums of both
+        for mirror in scene.mirrors:
+            if mirror.releases == releases:
+                call(fold, scene.frame, field, mirror, vertex_forcing, ledger)
+                if contact:
+                    call(fold_volumes, scene.frame, field, contact.volumes, mirror)
+        if not releases:
+            rank.clearances.find(grid)
     call(update_momentum, scene.frame, field, faces, vertex_forcing, ledger, contact)  # (14, 17)
     if marked:
         call(apply_constraints, field, vertex_forcing, ledger)

@@ -6,7 +6,7 @@ from column import compaction
 from cost import error_and_cost
 from exact import shock, spinning_block, vortex
 from looking import block3d, paraview
-from scenes import bar_vibration, disks, rolling
+from scenes import bar_vibration, disks, incline, rolling
 
 PICTURES = {
     "compaction": compaction,
@@ -14,6 +14,7 @@ PICTURES = {
     "block3d-paraview": paraview,
     "disks": disks,
     "rolling": rolling,
+    "incline": incline,
     "bar-vibration": bar_vibration,
     "shock": shock,
     "vortex": vortex,

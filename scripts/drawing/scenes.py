@@ -1,4 +1,4 @@
-"""The other cases: disks, rolling, bar."""
+"""The other cases: disks, rolling, incline, bar."""
 
 import numpy as np
 from common import BLUE, RED, boxes, frame_at, plt, run, save
@@ -76,6 +76,39 @@ def rolling(redraw):
     axis.set(xlabel="time [s]", ylabel="velocity [m/s]", ylim=(-0.1, 1.6))
     axis.legend(loc="lower right")
     save(figure, "rolling")
+
+
+def incline(redraw):
+    """Three instants on the slope, coloured by velocity; velocity and friction against exact."""
+    results = run("incline", redraw)
+    angle, friction = np.radians(24.0), 0.3
+    figure = plt.figure(figsize=(9, 4.4))
+    grid = figure.add_gridspec(2, 2, height_ratios=(1.1, 1.0))
+    axis = figure.add_subplot(grid[0, :], aspect="equal")
+    for time in (0.0, 0.7, 1.0):
+        frame = frame_at(results, time)
+        along, across = frame["position"][:, :2].T
+        place = np.stack([along * np.cos(angle) + across * np.sin(angle),
+                          across * np.cos(angle) - along * np.sin(angle)], axis=1)  # fmt: skip
+        shown = axis.scatter(*place.T, c=frame["velocity"][:, 0], s=4, vmin=0.0, vmax=1.4)
+        axis.text(place[:, 0].mean() + 0.1, place[:, 1].mean() + 0.2, f"{frame.time:.1f} s")
+    axis.plot([0.0, 1.7 * np.cos(angle)], [0.0, -1.7 * np.sin(angle)], "k-", lw=1.0)
+    axis.set(xlabel="x [m]", ylabel="height [m]")
+    figure.colorbar(shown, ax=axis, label="velocity [m/s]", shrink=0.9)
+    history, weight = results.history, 9.81 * 120.0
+    left, right = (figure.add_subplot(grid[1, column]) for column in (0, 1))
+    left.plot(history["time"], history["momentum-x"] / history["mass"], color=BLUE, label="pgimp")
+    gained = 9.81 * (np.sin(angle) - friction * np.cos(angle))
+    left.plot([0.0, 1.0], [0.0, gained], "k--", lw=1.0, label="rigid block")
+    left.set(xlabel="time [s]", ylabel="velocity [m/s]")
+    left.legend()
+    for name, colour, sign in (("y-min-y", BLUE, 1.0), ("y-min-x", RED, -1.0 / friction)):
+        label = "across" if sign > 0.0 else "along the slope, over 0.3"
+        right.plot(history["time"], sign * history[f"reaction.{name}"], color=colour, label=label)
+    right.axhline(weight * np.cos(angle), color="k", ls="--", lw=1.0)
+    right.set(xlabel="time [s]", ylabel="force of the slope [N/m]")
+    right.legend(fontsize=9)
+    save(figure, "incline")
 
 
 def bar_displacement(place, time, gravity=9.81, speed=20.0, length=1.0):

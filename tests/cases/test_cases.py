@@ -36,6 +36,7 @@ COARSER = {
         "output.every=0.25",
     ],
     "disks": ["grid.cell=[0.05,0.05]", "output.every=0.5"],
+    "incline": ["grid.cell=[0.1,0.1]", "time.end=0.6", "output.every=0.3"],
     "rolling": ["grid.cell=[0.05,0.05]", "time.end=0.5", "output.every=0.25"],
 }
 
@@ -170,6 +171,18 @@ def test_cylinder_slides_and_rolls(runs):
     push = history["contact.cylinder+plate.normal-impulse"][slides]
     slip = history["contact.cylinder+plate.tangential-impulse"][slides]
     assert slip[-1] == pytest.approx(0.3 * push[-1], rel=0.02)
+
+
+def test_block_slides_down_a_slope(runs):
+    """Cells twice as large: acceleration and friction as Coulomb says."""
+    history = runs("incline").history
+    late = history["time"] > 0.25
+    speed, time = (history["momentum-x"] / history["mass"])[late], history["time"][late]
+    gained = (speed[-1] - speed[0]) / (time[-1] - time[0])
+    assert gained == pytest.approx(1.3015, rel=0.01)
+    ratio = -history["reaction.y-min-x"][late] / history["reaction.y-min-y"][late]
+    assert ratio == pytest.approx(np.full(len(ratio), 0.3), rel=0.01)
+    assert np.ptp(history["body.block.centre-y"]) < 0.001
 
 
 def test_block_bounces(runs):

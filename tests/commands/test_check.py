@@ -225,6 +225,23 @@ def test_points_with_affine_are_doubted():
     assert said[2][0].startswith("method.affine: with points (mpm) it can make energy from nothing")
 
 
+def test_contact_of_thin_bodies_and_of_points_is_doubted():
+    contact = "contact: [{bodies: [beam, sheet]}]"
+
+    def doubts(top, shape="gimp", law=contact):
+        sheet = f"{{material: m, region: {{box: {{min: [0.0, 2.2], max: [8.0, {top}]}}}}}}"
+        text = PLATE.replace("shape: gimp", f"shape: {shape}")
+        text = text.replace("bodies: {", f"bodies: {{sheet: {sheet}, ") + law
+        return [said for said in concerns(read_case(text, "x")) if said.startswith("contact: ")]
+
+    assert doubts(3.4) == []
+    (text,) = doubts(2.6)
+    assert text.startswith("contact: 'sheet' has both its sides in one cell")
+    assert doubts(2.6, law="contact: [{bodies: all, law: tied}]") == []
+    (text,) = doubts(3.4, "mpm")
+    assert text.startswith("contact: of points (mpm) the gap between bodies is known to half a")
+
+
 def test_affine_on_few_cells_is_doubted():
     method = "shape: gimp, affine: true"
     for cells, number in (("max: [1.4, 2.0]", 1), ("max: [1.5, 2.0]", 0)):

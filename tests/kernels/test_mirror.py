@@ -18,6 +18,7 @@ def walls(D, kinds):
     mirrors = [
         (face[1], face[2], face[0] == "separating", n) for n, (_, face) in enumerate(chosen)
     ]
+    mirrors.sort(key=lambda mirror: mirror[2])  # those that let go last
     kernel = [Mirror(axis, side, n, releases) for axis, side, releases, n in mirrors]
     return chosen, kernel, [mirror[:3] for mirror in mirrors]
 

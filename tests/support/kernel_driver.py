@@ -211,13 +211,17 @@ class Rank:
         self.impulse, self.work, self.beyond = ledger.impulse, ledger.work, ledger.beyond
         b = (*gravity, 0.0, 0.0, 0.0)[:3]
         forcing = self.forcing(dt)._replace(gravity=b, lightest=lightest)
+        near = np.empty((len(faces), len(self.grid.G) // RECORD))
         if self.approached:
-            near = np.empty((len(faces), len(self.grid.G) // RECORD))
-            for wall in self.approached:
-                find_clearances(self.frame, field, wall, False, near)
             forcing = forcing._replace(clearances=near)
         for mirror in mirrors:
-            fold(self.frame, field, mirror, forcing, ledger)
+            if not mirror.releases:
+                fold(self.frame, field, mirror, forcing, ledger)
+        for wall in self.approached:
+            find_clearances(self.frame, field, wall, False, near)
+        for mirror in mirrors:
+            if mirror.releases:
+                fold(self.frame, field, mirror, forcing, ledger)
         update_momentum(self.frame, field, faces, forcing, ledger, ())
         for mirror in reversed(mirrors):
             reflect(self.frame, field, mirror, forcing, ledger)

@@ -133,15 +133,15 @@ class Reference:
             self.f -= particles.V[k] * grad @ sigma
         self.particles = particles
 
-    def clearances(self, faces):
-        """How far bodies are from each face that lets go, (vertices), by its axis and side.
+    def moments(self, faces):
+        """What tells how far bodies are from each face that lets go, (vertices).
 
         The distance z of a face along the wall, for which sum m (w . grad S + S div w) is
         -2 z/(h - z) of sum m S, on and beyond the wall. w is the distance from the wall up to 1.25
         cells, or a quarter of what is between two walls, and falls to zero at twice that.
         """
         near = [(axis, side) for kind, axis, side, _, _ in faces if kind == "separating"]
-        frame, found = self.frame, {}
+        frame = self.frame
         low = np.array(frame.origin)
         high = low + np.array(frame.cells) * frame.cell
         total = np.zeros(self.shape)
@@ -155,7 +155,14 @@ class Reference:
                 slope = float(abs(z) < peak) - float(peak <= abs(z) < 2.0 * peak)
                 S, grad = self.of(x, F)
                 total += m * (w * grad[..., axis] + slope * S)
-        for axis, side in near:
+        return total
+
+    def clearances(self, faces, total):
+        """How far bodies are from each face that lets go, (vertices), by its axis and side."""
+        frame, found = self.frame, {}
+        for kind, axis, side, _, _ in faces:
+            if kind != "separating":
+                continue
             face = frame.ghost + (frame.cells[axis] if side > 0 else 0)
             m, lack = (np.take(field, [face], axis) for field in (self.m, -total))
             lack = np.maximum(lack, 0.0)
@@ -169,10 +176,17 @@ class Reference:
         Sets the impulse of each face, (faces, D), and the work of gravity and faces; with
         `mirrors`, see `fold`, both are only those of the vertices that are left.
         """
-        gone, closing = np.zeros(self.shape, bool), self.clearances(faces)
-        closing = {face: way / dt for face, way in closing.items()}
+        gone, total = np.zeros(self.shape, bool), self.moments(faces)
         force = self.f + self.m[..., None] * np.asarray(gravity[: self.D], float)  # (14)
-        folded = [self.fold(force, dt, gone, closing, *mirror) for mirror in mirrors]
+        folded = []
+        for releases in (False, True):
+            if releases:
+                near = self.clearances(faces, total)
+                closing = {face: way / dt for face, way in near.items()}
+            for mirror in mirrors:
+                if mirror[2] == releases:
+                    most = closing[mirror[:2]] if releases else None
+                    folded.append(self.fold(force, dt, gone, total, most, *mirror))
         heavy = self.m > lightest
         m = np.where(heavy, self.m, 1.0)[..., None]
         b = np.asarray(gravity[: self.D], float)
@@ -230,7 +244,7 @@ class Reference:
         pairs = [(wall + side * k, wall - side * k) for k in range(1, ghost + 1)]
         return [(g, r) for g, r in pairs if 0 <= r < self.shape[axis]]
 
-    def fold(self, force, dt, gone, closing, axis, side, releases):
+    def fold(self, force, dt, gone, total, closing, axis, side, releases):
         """Add what is beyond a face to the mirror images, but not where the face lets go.
 
         `gone` becomes true for vertices that have given away what they had: at edges, where faces
@@ -246,12 +260,13 @@ class Reference:
         into = p[wall][..., axis] + dt * f[wall][..., axis]
         taken = np.ones(m[wall].shape, bool)
         if releases:
-            most = np.moveaxis(closing[axis, side], axis, 0)[wall]
+            most = np.moveaxis(closing, axis, 0)[wall]
             taken = into * side > most * m[wall]
         sign = np.where(np.arange(self.D) == axis, -1.0, 1.0)
-        lost, folded = np.moveaxis(gone, axis, 0), []
+        lost, folded, near = np.moveaxis(gone, axis, 0), [], np.moveaxis(total, axis, 0)
         for beyond, image in self.images(axis, side):
             where = taken & (m[beyond] > 0) & ~lost[image]
+            near[image] += np.where(where, near[beyond], 0.0)
             m[image] += np.where(where, m[beyond], 0.0)
             m[beyond] = np.where(where, 0.0, m[beyond])
             for field in (p, f):

@@ -29,8 +29,13 @@ class SeparatingParameters(NamedTuple):
         """
         dt = face.dt
         closing = clearance / dt
-        u = _brake(face, (v[0] - dt * a[0], v[1] - dt * a[1], v[2] - dt * a[2]), closing)
-        u = (u[0] + dt * a[0], u[1] + dt * a[1], u[2] + dt * a[2])
+        brought = (v[0] - dt * a[0], v[1] - dt * a[1], v[2] - dt * a[2])
+        left = _brake(face, brought, closing)
+        u = (  # v itself, not but for rounding, where nothing was changed
+            v[0] if left[0] == brought[0] else left[0] + dt * a[0],
+            v[1] if left[1] == brought[1] else left[1] + dt * a[1],
+            v[2] if left[2] == brought[2] else left[2] + dt * a[2],
+        )
         w = _brake(face, u, closing)
         return w, (
             a[0] + (w[0] - u[0]) / dt, a[1] + (w[1] - u[1]) / dt, a[2] + (w[2] - u[2]) / dt

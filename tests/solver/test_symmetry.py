@@ -1,0 +1,56 @@
+"""Planes of symmetry: a part of a scene between slip faces gives what the whole does.
+
+Of shapes that reflect at walls: boxes of `gimp` that cross the plane as they come near it are held
+there otherwise than by the other half, also without contact.
+"""
+
+import numpy as np
+import pytest
+from scenes import field, finish, scene, start
+
+
+def pressed(dimension, part, floor="separating"):
+    """A ball that falls on a plate on a floor, or the part of both beyond x = 0 (and y = 0)."""
+    cut = dimension - 1  # directions across which there are planes of symmetry
+    low = [0.0 if part else -8.0] * cut + [0.0]
+    size = [(8.0 if part else 16.0)] * cut + [12.0]
+    height = f"{'xyz'[cut]}-min"
+    faces = {f"{axis}-min": "slip" for axis in "xyz"[:cut]} if part else {}
+    ball = {"ball": {"centre": [0.0] * cut + [6.2], "radius": 3.0}}
+    plate = {"box": {"min": [-6.0] * cut + [0.0], "max": [6.0] * cut + [3.0]}}
+    if part:
+        inside = {"box": {"min": [0.0] * dimension, "max": [8.0] * cut + [12.0]}}
+        ball, plate = {"intersection": [ball, inside]}, {"intersection": [plate, inside]}
+    bodies = {
+        "ball": {
+            "material": "soft", "region": ball, "velocity": [0.0] * cut + [-0.5],
+            "surface": "whole",
+        },
+        "plate": {"material": "soft", "region": plate},
+    }
+    case = scene(
+        dimension, bodies, step=0.02, end=2.4, boundaries=faces | {height: floor},
+        contact=[{"bodies": "all", "friction": 0.3}], per_cell=2 if dimension == 2 else 1,
+        wall="mirror", shape="fuzzy-nearest",
+    )  # fmt: skip
+    case["grid"] = {"origin": low, "size": size, "cell": [1.0] * dimension}
+    return case
+
+
+@pytest.mark.parametrize(("dimension", "floor"), [(2, "separating"), (2, "fixed"), (3, "fixed")])
+def test_a_part_gives_what_the_whole_does(dimension, floor):
+    """Half of a disk on half of a plate, a quarter of a ball on a quarter: to 1e-10."""
+    whole, part = (finish(start(pressed(dimension, part, floor))) for part in (False, True))
+    push = [sim.diagnostics()["contact.all.normal-impulse"] for sim in (whole, part)]
+    assert push[1] * 2 ** (dimension - 1) == pytest.approx(push[0], rel=1e-9)
+    assert push[0] > 0.1
+    started = start(pressed(dimension, False, floor))
+    first = {name: field(started, name) for name in ("x", "body")}
+    inside = (first["x"][:, : dimension - 1] > 0.0).all(axis=1)
+    found = np.hstack([field(whole, "x"), field(whole, "v"), field(whole, "F")])[inside]
+    order = np.lexsort((first["body"][inside], *np.round(first["x"][inside], 6).T))
+    begun = start(pressed(dimension, True, floor))
+    mine = np.hstack([field(part, "x"), field(part, "v"), field(part, "F")])
+    own = np.lexsort((field(begun, "body"), *np.round(field(begun, "x"), 6).T))
+    assert mine.shape == found.shape
+    np.testing.assert_allclose(mine[own], found[order], rtol=0.0, atol=1e-10)
