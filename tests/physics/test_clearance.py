@@ -6,6 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as some
 from scenes import box, field, finish, scene, start, tracked
 
+from pgimp.physics.boundaries.separating import SeparatingParameters
+
 
 def falling(dimension, axis, side, gap, shape="gimp", **parts):
     """A block of two cells that moves towards one face, `gap` cells away from it, at a speed 1."""
@@ -54,6 +56,22 @@ def test_what_lies_on_a_wall_lies_there():
     assert force[-200:].mean() == pytest.approx(12.0 * 0.02, rel=0.01)
     assert field(sim, "x")[:, 1].min() > 0.2
     assert 0.0 < 1.5 - height[-200:].mean() < 0.05
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_what_a_wall_does_not_change_keeps_its_bits(friction):
+    """A vertex that moves away, and without friction what is along the wall of one that comes."""
+    rng = np.random.default_rng(3)
+    face = SeparatingParameters(1, -1, friction, friction, 1e-3)
+    for _ in range(500):
+        v, a = (tuple(rng.normal(size=3) * scale) for scale in (1.0, 100.0))
+        away, pulled = (v[0], abs(v[1]) + 0.2, v[2]), (a[0], -abs(a[1]), a[2])
+        assert face.approach(face, away, pulled, 0.0) == (away, pulled)
+        into = (v[0], -abs(v[1]), v[2])
+        w, b = face.approach(face, into, a, 0.0)
+        assert w[1] >= 0.0
+        if friction == 0.0:
+            assert (w[0], w[2], b[0], b[2]) == (v[0], v[2], a[0], a[2])
 
 
 def test_in_a_corner_each_wall_holds_what_comes():
