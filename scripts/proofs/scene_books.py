@@ -4,7 +4,8 @@
 - Momentum grows by the impulses of gravity, of tractions, and of what faces and constraints say
   that they gave, to rounding. Gravity and tractions are summed here from the particles.
 - External work is, to rounding, gravity's (weight times way of each particle) and that of a
-  prescribed motion (force times velocity), where there is no traction and only one motion.
+  prescribed motion (force times velocity), where there is no traction and only one motion. Walls
+  that let go take some more from what comes near them, and from what slides on them.
 - Energy: kinetic and strain energy exceed those of the start and the external work by no more than
   the time integration explains: by a part of the energy that becomes smaller with the step. Not
   with `volume: initial`, whose forces are those of the strain energy at small strains only. What
@@ -151,8 +152,11 @@ class Books:
                     time = line["time"] - last["time"]
                     work += time * self._vector(line, force) @ speed
         done = line["external-work"] - last["external-work"]
+        more = done - work
+        if any(entry.approaches for entry in self.case.boundaries.values()):
+            more = max(more, 0.0)
         self._work.append(
-            (abs(done - work), sim.step, f"step {sim.step}: {done!r}, by the particles {work!r}")
+            (abs(more), sim.step, f"step {sim.step}: {done!r}, by the particles {work!r}")
         )
 
     def _close(self):
