@@ -190,7 +190,7 @@ def _walls(case: Any, boxes: list[Box], at_once: bool) -> Iterator[str]:
     """Return which bodies are within a wall's reach without touching it, or will come there."""
     near = 0.5 * reach(case)
     for face, condition, axis, side in _faces(case):
-        if condition.approaches:
+        if condition.approaches and case.method.chi != "point":
             continue
         names = []
         for box in boxes:

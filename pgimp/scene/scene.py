@@ -105,13 +105,15 @@ class Scene:
             ),
             key=lambda mirror: mirror.releases,
         )
-        self.approached = walls_approached(self.faces)
+        # Points tell no gap: it would jump by half a cell as they move.
+        near = [] if shape.chi == "point" else self.faces
+        self.approached = walls_approached(near)
         self.exact: Any = case.exact.parameters(case) if case.exact else ()
         self.moves = bool(case.exact) and case.exact.moves
         force = self.exact if case.exact and case.exact.forced else ()
         if case.body_force:
             force = case.body_force.parameters()
-        self.loads = SceneLoads(case, used, force, sides_approached(self.faces, self.frame))
+        self.loads = SceneLoads(case, used, force, sides_approached(near, self.frame))
         self.pairs = Pairs.of(case.contact, self.body_names) if case.contact else None
         self.states = States(used, self.materials, self.dimension)
         self.fields = EVERY | self.states.fields
