@@ -207,8 +207,8 @@ def _walls(case: Any, boxes: list[Box], at_once: bool) -> Iterator[str]:
             what = f"may come near the wall, and {feel} it from {far} away"
             if at_once:
                 what = f"{does} not touch the wall, but {feel} it from {far} away"
-            holds = f"the wall holds {them} when pulled away, too"
-            yield f"boundaries.{face}: {', '.join(names[:_NAMED])}{more} {what}; {holds}"
+            holds = "" if condition.releases else f"; the wall holds {them} when pulled away, too"
+            yield f"boundaries.{face}: {', '.join(names[:_NAMED])}{more} {what}{holds}"
 
 
 def _range(values: np.ndarray) -> str:

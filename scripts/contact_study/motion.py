@@ -212,6 +212,11 @@ def cost(apart, dimensions, rounds=5):
         pgimp.Simulation(case_of(bodies, size, 1.0, 1e9, contact=contact))
         for contact in ([], [{"bodies": "all", "friction": 0.3}])
     ]
+    return by_turns(simulations, rounds, 8)
+
+
+def by_turns(simulations, rounds, steps):
+    """Time of steps of the second of two simulations over that of the first."""
     ratios = []
     for simulation in simulations:
         simulation.step(3)
@@ -219,7 +224,7 @@ def cost(apart, dimensions, rounds=5):
         times = []
         for simulation in simulations:
             began = perf_counter()
-            simulation.step(8)
+            simulation.step(steps)
             times.append(perf_counter() - began)
         ratios.append(times[1] / times[0])
     return median(ratios)

@@ -1,8 +1,6 @@
 """Bodies that meet a wall of the domain: the gap at which they feel it, impact, friction, cost."""
 
 from math import cos, radians, sin
-from statistics import median
-from time import perf_counter
 
 import gap
 import motion
@@ -122,14 +120,4 @@ def cost(dimensions, rounds):
         )
         for condition in ("slip", "separating")
     ]
-    ratios = []
-    for simulation in simulations:
-        simulation.step(3)
-    for _ in range(rounds):
-        times = []
-        for simulation in simulations:
-            began = perf_counter()
-            simulation.step(16)
-            times.append(perf_counter() - began)
-        ratios.append(times[1] / times[0])
-    return median(ratios)
+    return motion.by_turns(simulations, rounds, 16)

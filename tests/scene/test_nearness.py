@@ -116,10 +116,14 @@ def test_walls():
         assert not nearness.warnings(case)
         notes = nearness.notes(case)
         assert len(notes) == count
-        # A wall that lets go is felt when it is reached.
-        case = line(parts[0], boundaries={"x-min": "separating"}, **parts[1])
-        assert not nearness.warnings(case) and not nearness.notes(case)
-        assert all("may come near the wall, and feels it from 1 cell" in text for text in notes)
+        # A wall that lets go is felt when it is reached, but by points, and never holds back.
+        for shape, number in (("gimp", 0), ("mpm", count)):
+            case = line(
+                parts[0], boundaries={"x-min": "separating"}, method={"shape": shape}, **parts[1]
+            )
+            assert not nearness.warnings(case)
+            assert len(nearness.notes(case)) == number
+            assert not any("pulled away" in text for text in nearness.notes(case))
 
 
 def plane(velocity, low=(1.0, 1.0), high=(3.0, 3.0)):
