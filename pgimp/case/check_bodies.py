@@ -103,6 +103,47 @@ def check_bounds(path: tuple[str | int, ...], region: Any, dimensions: int, grid
             yield _beyond(path, f"{AXES[i]}-max", high[i], most, region.at(i, high[i]))
 
 
+def check_tools(
+    dimensions: int, body_names: Sequence[str], tools: Mapping[str, Any]
+) -> Problems:
+    """Check that rigid bodies fit the dimensions and have an end, and that there is another."""
+    if tools and not body_names:
+        yield Problem(("bodies",), "all are rigid; a case needs a body of a material")
+    for name, tool in tools.items():
+        path: tuple[str | int, ...] = ("bodies", name)
+        yield from _motion((*path, "rigid"), dimensions, tool.rigid)
+        wrong = list(_region((*path, "region"), tool.region, dimensions))
+        yield from wrong
+        for region in () if wrong else tool.region.simple():
+            if region.WHOLE_BODY:
+                yield Problem((*path, "region"), "a rigid body has no particles, also from a file")
+        if wrong or any(region.FROM_FILE for region in tool.region.simple()):
+            continue
+        low, high = tool.region.bounds()
+        if any(a > b for a, b in zip(low, high, strict=True)):
+            yield Problem((*path, "region"), "is empty: no point lies in it")
+        elif not all(map(math.isfinite, (*low, *high))):
+            text = "has no end; let it reach beyond the domain: region: {intersection: [{box: ..}, "
+            yield Problem((*path, "region"), text + "{half-space: ..}]}")
+
+
+def _motion(path: tuple[str | int, ...], dimensions: int, motion: Any) -> Problems:
+    """Check that the motion of a rigid body fits the dimensions."""
+    if isinstance(motion.velocity, tuple):
+        yield from length((*path, "velocity"), motion.velocity, dimensions)
+    elif motion.velocity is not None:
+        for i, (_, value) in enumerate(motion.velocity.table):
+            yield from length((*path, "velocity", "table", i, 1), value, dimensions)
+    if motion.rotation is None:
+        return
+    if dimensions == 1:
+        yield Problem((*path, "rotation"), "there is no rotation in one dimension")
+        return
+    yield from length((*path, "rotation", "about"), motion.rotation.about, dimensions)
+    if dimensions == 2 and any(motion.rotation.axis[:2]):
+        yield Problem((*path, "rotation", "axis"), "in 2D the axis is z; leave it out")
+
+
 def _beyond(
     path: tuple[str | int, ...], face: str, reach: float, wall: float, what: str
 ) -> Problem:
@@ -116,7 +157,7 @@ def _beyond(
 def _body_of(
     path: tuple[str | int, ...], entry: Any, bodies: Mapping[str, Any], named: Iterable[str]
 ) -> Problems:
-    """Check that an entry's body is known."""
+    """Check that an entry's body is known, and has particles."""
     if entry.body not in bodies and entry.body not in named:
         yield Problem((*path, "body"), unknown("body", entry.body, named))
 
@@ -158,8 +199,11 @@ def check_constraints(
         yield from length((*path, "velocity"), entry.velocity, dimensions)
 
 
-def check_contact(body_names: Sequence[str], contact: Sequence[Any]) -> Problems:
+def check_contact(
+    body_names: Sequence[str], tools: Mapping[str, Any], contact: Sequence[Any]
+) -> Problems:
     """Check that the entries of contact name bodies, and no pair twice."""
+    body_names = [*body_names, *tools]
     told: dict[frozenset[str], int] = {}
     for i, entry in enumerate(contact):
         path: tuple[str | int, ...] = ("contact", i, "bodies")

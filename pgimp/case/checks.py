@@ -17,6 +17,7 @@ from pgimp.case.check_bodies import (
     check_contact,
     check_materials,
     check_regions,
+    check_tools,
     check_tractions,
     check_velocities,
 )
@@ -33,6 +34,7 @@ from pgimp.case.check_domain import (
 )
 from pgimp.case.check_numbers import check_numbers
 from pgimp.case.check_probes import check_probes
+from pgimp.physics.rigid import RigidBody
 from pgimp.schema.problems import Problem
 from pgimp.schema.sizes import Problems
 
@@ -42,16 +44,24 @@ _NAMED = ("materials", "bodies", "boundaries", "escape", "tractions", "constrain
 
 def check(parts: Mapping[str, Any]) -> list[Problem]:
     """Return what is wrong between the `parts` of a case, given by their key."""
-    for name, key in (("declared", "materials"), ("body_names", "bodies")):
-        if key in parts:
-            parts = {name: tuple(parts[key]), **parts}
+    if "every_body" in parts:
+        every = parts["every_body"]
+        tools = {name: body for name, body in every.items() if isinstance(body, RigidBody)}
+        bodies = {name: body for name, body in every.items() if name not in tools}
+        named = (name for name in parts.get("body_names", every) if name not in tools)
+        parts = {**parts, "body_names": tuple(named), "bodies": bodies, "tools": tools}
+    if "materials" in parts:
+        parts = {"declared": tuple(parts["materials"]), **parts}
     problems: list[Problem] = []
     for run in _CHECKS:
         names = inspect.signature(run).parameters
         if all(name in parts for name in names):
             problems.extend(run(**{name: parts[name] for name in names}))
     known = {item.path for item in problems}
-    problems += [item for item in check_numbers(parts) if item.path not in known]
+    numbers = {name: part for name, part in parts.items() if name not in ("every_body", "tools")}
+    if "every_body" in parts:
+        numbers["bodies"] = parts["every_body"]
+    problems += [item for item in check_numbers(numbers) if item.path not in known]
     return problems
 
 
@@ -67,10 +77,11 @@ def sound_parts(
     wrong = {item.path[:2] for item in problems}
     parts: dict[str, Any] = {}
     for name, field in model.model_fields.items():
-        value = data.get(name, field.get_default(call_default_factory=True))
-        if name in _NAMED and isinstance(value, Mapping):
-            value = {key: item for key, item in value.items() if (name, key) not in wrong}
-        elif any(path[:1] == (name,) for path in wrong):
+        written = field.alias or name
+        value = data.get(written, field.get_default(call_default_factory=True))
+        if written in _NAMED and isinstance(value, Mapping):
+            value = {key: item for key, item in value.items() if (written, key) not in wrong}
+        elif any(path[:1] == (written,) for path in wrong):
             continue
         try:
             parts[name] = TypeAdapter(field.rebuild_annotation()).validate_python(value)
@@ -104,6 +115,7 @@ _CHECKS = (
     check_materials,
     check_velocities,
     check_regions,
+    check_tools,
     check_gravity,
     check_body_force,
     check_boundaries,

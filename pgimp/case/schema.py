@@ -7,6 +7,7 @@ and time; stress is mass/(length time^2). Tension is positive.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cached_property
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
@@ -25,6 +26,7 @@ from pgimp.physics.contact import ContactEntry
 from pgimp.physics.loads.constraints import ConstraintEntry
 from pgimp.physics.loads.motion import RigidMotion, zero_vector
 from pgimp.physics.loads.tractions import TractionEntry
+from pgimp.physics.rigid import RigidBody
 from pgimp.schema.base import (
     Count,
     Label,
@@ -34,7 +36,7 @@ from pgimp.schema.base import (
     Positive,
     Vector,
 )
-from pgimp.schema.dispatch import Either
+from pgimp.schema.dispatch import Either, WithKey
 from pgimp.schema.messages import explain
 from pgimp.schema.problems import problem, raise_problems
 from pgimp.schema.registries import ByField, ByName, ByWord
@@ -181,10 +183,11 @@ class Case(Model):
         description="the materials by name",
         json_schema_extra={"additionalProperties": False},
     )
-    bodies: dict[Name, Body] = Field(
+    every_body: dict[Name, Annotated[Any, WithKey("rigid", RigidBody, Body)]] = Field(
+        alias="bodies",
         min_length=1,
         max_length=1000,
-        description="the bodies by name",
+        description="the bodies by name: of a material, or with the key `rigid`",
         json_schema_extra={"additionalProperties": False},
     )
     gravity: VaryingVector = Field(
@@ -249,6 +252,17 @@ class Case(Model):
     )
     checkpoint: Checkpoint = Field(default=Checkpoint(), description="checkpoints")
 
+    @cached_property
+    def bodies(self) -> dict[str, Body]:
+        """The bodies of a material, which have particles."""
+        return {name: body for name, body in self.every_body.items() if isinstance(body, Body)}
+
+    @cached_property
+    def tools(self) -> dict[str, RigidBody]:
+        """The rigid bodies."""
+        every = self.every_body.items()
+        return {name: body for name, body in every if isinstance(body, RigidBody)}
+
     @model_validator(mode="wrap")
     @classmethod
     def _check_parts(cls, data: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
@@ -281,10 +295,12 @@ def _with_zeros(data: dict[str, Any]) -> dict[str, Any]:
     bodies = data.get("bodies")
     if isinstance(bodies, dict):
         data["bodies"] = {
-            name: {"velocity": zeros, **body} if isinstance(body, dict) else body
+            name: {"velocity": zeros, **body}
+            if isinstance(body, dict) and "rigid" not in body
+            else body
             for name, body in bodies.items()
         }
         for body in data["bodies"].values():
-            if isinstance(body, dict) and isinstance(body["velocity"], dict):
+            if isinstance(body, dict) and isinstance(body.get("velocity"), dict):
                 body["velocity"] = {"translation": zeros, **body["velocity"]}
     return data

@@ -262,7 +262,9 @@ def _rendered(figure: Any, kind: str) -> bytes:
     """Return the file of a figure; the same figure gives the same bytes."""
     stream = io.BytesIO()
     dates = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}
-    figure.savefig(stream, format=kind, metadata=dates.get(kind))
+    # Titles of a first row of pictures may reach beyond what the layout has found.
+    options = {"bbox_inches": "tight", "pad_inches": 0.08}
+    figure.savefig(stream, format=kind, metadata=dates.get(kind), **options)
     return stream.getvalue()
 
 

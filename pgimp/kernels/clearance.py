@@ -20,6 +20,10 @@ from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.kernels.fields import field_count, field_size
 from pgimp.kernels.record import HELD, MASS, RECORD
 
+#: Clearance, as part of a cell, that counts as none. What strain makes of a clearance that is
+#: closed is less; bodies would give way to that again and again, and lose energy under pressure.
+CLOSED = 0.01
+
 
 class Sides(NamedTuple):
     """The walls across one direction.
@@ -145,7 +149,7 @@ def find_clearances(frame, field, wall, joint, clearances):
                             sums += G[first + g * field_size(window) + HELD]
                     deficit = max(-sums, 0.0)
                     part = deficit / (2.0 * mass + deficit) if mass > 0.0 else 0.0
-                    row[place // RECORD] = part * frame.cell[axis]
+                    row[place // RECORD] = max(part - CLOSED, 0.0) * frame.cell[axis]
 
 
 @inner_kernel

@@ -11,7 +11,7 @@ first not, else what the grid cannot resolve of their velocities would become a 
 make two bodies that are tied move as one, to rounding.
 """
 
-from math import sqrt
+from math import inf, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -26,7 +26,11 @@ from pgimp.kernels.ledger import (
     LOSS,
     NORMAL_IMPULSE,
     TANGENTIAL_IMPULSE,
+    TOOL_IMPULSE,
+    TOOL_MOMENT,
+    TOOL_WORK,
 )
+from pgimp.kernels.tools import CENTRE, place_of
 from pgimp.physics.contact import FRICTION, TIED, Pairs
 
 #: Least part of a vertex's neighbourhood that either body must fill: less is too little to tell a
@@ -77,6 +81,9 @@ class Contact(NamedTuple):
         Room: what is known of the pair.
     unbooked : (faces, 3) float64
         Room for what faces would book.
+    tools : Tools or ()
+        The rigid bodies, which count as fields without a place in the grid, and with a mass that
+        has no end.
     """
 
     pairs: Pairs
@@ -88,30 +95,35 @@ class Contact(NamedTuple):
     ends: np.ndarray
     partners: np.ndarray
     unbooked: np.ndarray
+    tools: Any
 
     @classmethod
-    def empty(cls, pairs: Pairs, volumes: Any, planes: int, fields: int, faces: int) -> "Contact":
+    def empty(
+        cls, pairs: Pairs, volumes: Any, planes: int, fields: int, faces: int, tools: Any = ()
+    ) -> "Contact":
         """Make room for `planes` planes, where at most `fields` bodies meet at a vertex."""
-        count = fields * (fields - 1) // 2
+        most = fields + (len(tools.motion) if tools else 0)
+        count = most * (most - 1) // 2
         return cls(
-            pairs, volumes, np.zeros(planes, np.int64), np.zeros(fields, np.int64),
-            np.zeros(fields, np.int64), np.zeros((fields, FIELDS)), np.zeros((count, 3), np.int64),
-            np.zeros((count, PARTNERS)), np.zeros((faces, 3)),
+            pairs, volumes, np.zeros(planes, np.int64), np.zeros(most, np.int64),
+            np.zeros(most, np.int64), np.zeros((most, FIELDS)), np.zeros((count, 3), np.int64),
+            np.zeros((count, PARTNERS)), np.zeros((faces, 3)), tools,
         )  # fmt: skip
 
 
 @inner_kernel
-def find_pairs(contact, frame, across, count, dt):
+def find_pairs(contact, frame, sides, count, rigid, dt):
     """Find the pairs of fields that act on each other at a vertex; returns their number.
 
-    `across` tells across which directions a wall lies that the vertex is on.
+    Of `count` fields the last `rigid` are those of rigid bodies. `sides` tells in which directions
+    the vertex is on a wall, see `wall_sides`.
     """
     fields, ends, partners = contact.fields, contact.ends, contact.partners
     missing = 1.0
     for a in range(count):
         missing -= fields[a, PART]
     found = 0
-    for a in range(count):
+    for a in range(count - rigid):
         for b in range(a + 1, count):
             first, second = contact.bodies[a], contact.bodies[b]
             one, other = (a, b) if first < second else (b, a)
@@ -124,10 +136,11 @@ def find_pairs(contact, frame, across, count, dt):
             row[:] = 0.0
             if contact.pairs.law[entry - 1] == FRICTION:
                 part = min(fields[a, PART], fields[b, PART])
-                least = min(fields[a, WEIGHT], fields[b, WEIGHT])
-                if least < LEAST_MASS * (fields[a, WEIGHT] + fields[b, WEIGHT]):
-                    continue
-                if part < LEAST_FILLED or not _find_gap(frame, fields, one, other, across, row):
+                if b < count - rigid:
+                    least = min(fields[a, WEIGHT], fields[b, WEIGHT])
+                    if least < LEAST_MASS * (fields[a, WEIGHT] + fields[b, WEIGHT]):
+                        continue
+                if part < LEAST_FILLED or not _find_gap(frame, fields, one, other, sides, row):
                     continue
                 # The neighbourhood is weighted with a tent, which has 1 - s at the distance s of
                 # the surface, where the smaller part is (1 - s)^2 / 2.
@@ -138,22 +151,25 @@ def find_pairs(contact, frame, across, count, dt):
 
 
 @inner_kernel
-def _find_gap(frame, fields, a, b, across, row):
+def _find_gap(frame, fields, a, b, sides, row):
     """Set normal, from `a` to `b`, area and, as CLOSING, the cell's length along the normal.
 
     Returns whether there is a surface. Those that a wall cuts bodies at are none that they meet
-    with: on a wall the normal is along it, unless they lie on each other there.
+    with: on a wall the normal is along it, unless they lie on each other there. That of a rigid
+    body is known, and counts alone.
     """
     square, along, side, first, second = 0.0, 0.0, 1.0, 0.0, 0.0
     whole, within = 0.0, 0.0
+    of_a = 0.0 if fields[b, WEIGHT] == inf else 1.0
+    of_b = 0.0 if fields[a, WEIGHT] == inf else 1.0
     for d in range(len(frame.cell)):
-        n = (fields[a, OUTWARD + d] - fields[b, OUTWARD + d]) ** 2
+        n = (of_a * fields[a, OUTWARD + d] - of_b * fields[b, OUTWARD + d]) ** 2
         whole += n
-        within += 0.0 if across[d] else n
+        within += n if sides[d] == 0 else 0.0
     flat = within > LEAST_WITHIN * whole
     for d in range(len(frame.cell)):
-        n = fields[a, OUTWARD + d] - fields[b, OUTWARD + d]
-        if flat and across[d]:
+        n = of_a * fields[a, OUTWARD + d] - of_b * fields[b, OUTWARD + d]
+        if flat and sides[d] != 0:
             n = 0.0
         row[NORMAL + d] = n
         square += n * n
@@ -190,6 +206,8 @@ def _settled(contact, faces, frame, forcing, number, a, column):
     """Velocity of a field, in `column`, as faces and constraints will leave it."""
     row = contact.fields[a]
     v = (row[column], row[column + 1], row[column + 2])
+    if row[WEIGHT] == inf:
+        return v
     return _after(faces, frame, forcing, contact, number, contact.places[a], v)
 
 
@@ -265,14 +283,14 @@ def _give(first, second, row, d, J):
 
 
 @inner_kernel
-def book(contact, faces, frame, forcing, number, pair, ledger):
-    """Book what a pair has exchanged in the last pass.
+def book(contact, faces, frame, forcing, number, pair, ledger, plane):
+    """Book what a pair has exchanged in the last pass, at a vertex of `plane`.
 
     Energy is impulse times the velocity that is left, as the work of all other forces is.
     """
     row, entry = contact.partners[pair], contact.ends[pair, 2] - 1
     a, b = contact.ends[pair, 0], contact.ends[pair, 1]
-    booked = ledger[entry]
+    booked = ledger.contact[plane, entry]
     u = _settled(contact, faces, frame, forcing, number, a, NOW)
     v = _settled(contact, faces, frame, forcing, number, b, NOW)
     square, heat, normal = 0.0, 0.0, 0.0
@@ -288,3 +306,40 @@ def book(contact, faces, frame, forcing, number, pair, ledger):
     booked[LOSS] -= row[PUSH] * normal
     if row[PUSH] > 0.0:
         booked[CONTACT_AREA] += row[AREA]
+    book_tools(contact, contact.tools, frame, number, pair, u, v, ledger, plane)
+
+
+def book_tools(contact, tools, frame, number, pair, u, v, ledger, plane):
+    """Book the impulse on the rigid body of a pair, its moment, and its work on what it met.
+
+    `u` and `v` are the velocities of the pair.
+    """
+
+
+@specialise(book_tools)
+def _book_tools(contact, tools, frame, number, pair, u, v, ledger, plane):
+    if not hasattr(tools, "instance_class"):
+        return lambda contact, tools, frame, number, pair, u, v, ledger, plane: None
+
+    def book_each(contact, tools, frame, number, pair, u, v, ledger, plane):
+        row, x = contact.partners[pair], place_of(frame, number)
+        for sign, end, w in ((-1.0, contact.ends[pair, 0], u), (1.0, contact.ends[pair, 1], v)):
+            if contact.fields[end, WEIGHT] < inf:
+                continue
+            t = contact.bodies[end] - tools.bodies
+            booked, motion = ledger.tools[plane, t], tools.motion[t]
+            arm = (x[0] - motion[CENTRE], x[1] - motion[CENTRE + 1], x[2] - motion[CENTRE + 2])
+            J = (
+                sign * (row[SLIP] + row[PUSH] * row[NORMAL]),
+                sign * (row[SLIP + 1] + row[PUSH] * row[NORMAL + 1]),
+                sign * (row[SLIP + 2] + row[PUSH] * row[NORMAL + 2]),
+            )
+            done = -(J[0] * w[0] + J[1] * w[1] + J[2] * w[2])
+            for d in range(3):
+                e, f = (d + 1) % 3, (d + 2) % 3
+                booked[TOOL_IMPULSE + d] += J[d]
+                booked[TOOL_MOMENT + d] += arm[e] * J[f] - arm[f] * J[e]
+            booked[TOOL_WORK] += done
+            ledger.work[plane] += done
+
+    return book_each

@@ -72,18 +72,18 @@ def _on_walls(faces, frame, number):
     )
 
 
-def across_walls(faces, frame, number):
-    """Across which directions faces lie that a vertex is on, as three truth values."""
+def wall_sides(faces, frame, number):
+    """For each direction -1 or 1 where the vertex is on a low or a high wall, else 0."""
 
 
-@specialise(across_walls)
-def _across_walls(faces, frame, number):
+@specialise(wall_sides)
+def _wall_sides(faces, frame, number):
     if len(faces) == 0:
-        return lambda faces, frame, number: (False, False, False)
+        return lambda faces, frame, number: (0, 0, 0)
 
-    def across(faces, frame, number):
-        x, y, z = across_walls(faces[1:], frame, number)
-        on, axis = _is_on(faces[0], frame, number), faces[0].axis
-        return x or (on and axis == 0), y or (on and axis == 1), z or (on and axis == 2)
+    def sides(faces, frame, number):
+        x, y, z = wall_sides(faces[1:], frame, number)
+        axis, side = faces[0].axis, faces[0].side if _is_on(faces[0], frame, number) else 0
+        return x + side * (axis == 0), y + side * (axis == 1), z + side * (axis == 2)
 
-    return across
+    return sides

@@ -10,6 +10,10 @@ import numpy as np
 #: impulse along normals and across them; heat of friction; energy lost in impacts; area.
 IMPULSE, NORMAL_IMPULSE, TANGENTIAL_IMPULSE, HEAT, LOSS, CONTACT_AREA, BOOKED = 0, 3, 4, 5, 6, 7, 8
 
+#: What is booked of each rigid body since the start, columns of `Ledger.tools`: impulse and moment
+#: of momentum about its reference point that it got, and work that it has done.
+TOOL_IMPULSE, TOOL_MOMENT, TOOL_WORK, TOOLED = 0, 3, 6, 7
+
 
 class Ledger(NamedTuple):
     """Sums by plane; those of the planes that a rank owns count.
@@ -26,6 +30,8 @@ class Ledger(NamedTuple):
         Impulse of each constraint.
     contact : (planes, entries, BOOKED) float64
         What is booked of each entry of contact.
+    tools : (planes, rigid bodies, TOOLED) float64
+        What is booked of each rigid body.
     escaped : (planes, bodies, SUMS) float64
         What particles that left took with them, as `layer_sums` has it; (planes, 0, 0) where
         nothing may leave.
@@ -36,6 +42,7 @@ class Ledger(NamedTuple):
     beyond: np.ndarray
     constraint_impulse: np.ndarray
     contact: np.ndarray
+    tools: np.ndarray
     escaped: np.ndarray
 
     @classmethod
@@ -46,6 +53,7 @@ class Ledger(NamedTuple):
         constraints: int,
         escaped: tuple[int, int] = (0, 0),
         contacts: int = 0,
+        tools: int = 0,
     ) -> Ledger:
         """Return that of `planes` planes before the first step.
 
@@ -57,8 +65,13 @@ class Ledger(NamedTuple):
             Bodies and `SUMS`, where particles may leave.
         contacts : int
             Entries of contact.
+        tools : int
+            Rigid bodies.
         """
-        shapes = ((), (faces, 3), (faces,), (constraints, 3), (contacts, BOOKED), escaped)
+        shapes = (
+            (), (faces, 3), (faces,), (constraints, 3), (contacts, BOOKED), (tools, TOOLED),
+            escaped,
+        )  # fmt: skip
         return cls(*(np.zeros((planes, *shape)) for shape in shapes))
 
     def first(self, planes: int) -> Ledger:

@@ -1,8 +1,11 @@
 """The vertices at which bodies meet: found, given to the law, and changed."""
 
+from math import inf
+
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.kernels.contact import (
     BEFORE,
+    MOBILITY,
     NOW,
     OUTWARD,
     PART,
@@ -13,9 +16,10 @@ from pgimp.kernels.contact import (
     find_held,
     find_pairs,
 )
-from pgimp.kernels.faces import across_walls, on_walls
+from pgimp.kernels.faces import on_walls, wall_sides
 from pgimp.kernels.fields import field_count, field_size
 from pgimp.kernels.record import ACCELERATION, FORCE, MASS, MOMENTUM, RECORD, VELOCITY
+from pgimp.kernels.tools import CENTRE, FILLED, SPIN, SURFACE, TOOL_VELOCITY, fill, place_of
 
 
 @kernel
@@ -78,9 +82,13 @@ def _meet_in_plane(contact, faces, frame, field, forcing, i, ledger, last):
             r = i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
             number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
             count = _find_fields(contact, faces, frame, field, r, number)
-            if count < 2:
+            if count == 0:
                 continue
-            pairs = find_pairs(contact, frame, across_walls(faces, frame, number), count, dt)
+            sides = wall_sides(faces, frame, number)
+            rigid = find_tools(contact, contact.tools, frame, number, sides, count)
+            if count + rigid < 2:
+                continue
+            pairs = find_pairs(contact, frame, sides, count + rigid, rigid, dt)
             if pairs == 0:
                 continue
             for a in range(count):
@@ -104,7 +112,7 @@ def _meet_in_plane(contact, faces, frame, field, forcing, i, ledger, last):
                         field.G[place + MOMENTUM + d] += contact.fields[a, WEIGHT] * change
             if last and i < field.owned:
                 for pair in range(pairs):
-                    book(contact, faces, frame, forcing, number, pair, ledger.contact[i])
+                    book(contact, faces, frame, forcing, number, pair, ledger, i)
 
 
 @inner_kernel
@@ -130,3 +138,35 @@ def _find_fields(contact, faces, frame, field, r, number):
             contact.fields[count, OUTWARD + d] = V[place + FORCE + d]
         count += 1
     return count
+
+
+def find_tools(contact, tools, frame, number, sides, count):
+    """Add the rigid bodies near a vertex to the `count` fields there; returns their number."""
+
+
+@specialise(find_tools)
+def _find_tools(contact, tools, frame, number, sides, count):
+    if not hasattr(tools, "instance_class"):
+        return lambda contact, tools, frame, number, sides, count: 0
+
+    def find(contact, tools, frame, number, sides, count):
+        found = count
+        for t in range(len(tools.motion)):
+            if not fill(tools, t, frame, number, sides):
+                continue
+            row, motion = contact.fields[found], tools.motion[t]
+            contact.places[found], contact.bodies[found] = -1, tools.bodies + t
+            row[WEIGHT], row[PART] = inf, tools.at[FILLED]
+            x = place_of(frame, number)
+            arm = (x[0] - motion[CENTRE], x[1] - motion[CENTRE + 1], x[2] - motion[CENTRE + 2])
+            for d in range(3):
+                e, f = (d + 1) % 3, (d + 2) % 3
+                v = motion[TOOL_VELOCITY + d]
+                v += motion[SPIN + e] * arm[f] - motion[SPIN + f] * arm[e]
+                row[OUTWARD + d] = tools.at[SURFACE + d]
+                row[NOW + d] = row[BEFORE + d] = v
+                row[MOBILITY + d] = 0.0
+            found += 1
+        return found - count
+
+    return find

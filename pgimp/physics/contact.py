@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import combinations
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -132,6 +132,8 @@ class Pairs(NamedTuple):
         return bool((self.law[pairs[pairs > 0] - 1] == TIED).any())
 
 
-def sharing(entries: Sequence[ContactEntry], bodies: Sequence[str]) -> np.ndarray:
-    """Return which pairs of bodies, (bodies, bodies), no entry is for; i < j counts."""
-    return np.abs(Pairs.of(entries, bodies).entry) > len(entries)
+def sharing(case: Any) -> np.ndarray:
+    """Return which pairs of the bodies with particles no entry is for, (n, n); i < j counts."""
+    entry = Pairs.of(case.contact, [*case.bodies, *case.tools]).entry
+    n = len(case.bodies)
+    return np.abs(entry[:n, :n]) > len(case.contact)

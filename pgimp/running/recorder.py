@@ -8,6 +8,7 @@ from time import perf_counter
 from typing import Any
 
 from pgimp.errors import RunError
+from pgimp.io.frames.series import Series
 from pgimp.io.results.history import History
 from pgimp.io.rundir.rundir import RunDirectory
 from pgimp.mpi.collective import on_root
@@ -15,6 +16,7 @@ from pgimp.running.checkpoints import About, Checkpoints
 from pgimp.running.frames import Frames
 from pgimp.running.gridframes import GridFrames
 from pgimp.running.probes import Probes
+from pgimp.running.rigidframes import RigidFrames
 from pgimp.running.schedule import Schedule
 from pgimp.solver.reduction import Request
 
@@ -35,6 +37,7 @@ class Recorder:
     ----------
     frames : Frames
     grid : GridFrames
+    rigid : RigidFrames
     history : History
     probes : Probes
     checkpoints : Checkpoints
@@ -48,12 +51,17 @@ class Recorder:
         self._directory = directory
         self.frames = Frames(directory.path, case, sim)
         self.grid = GridFrames(directory.path, case, sim)
+        self.rigid = RigidFrames(directory.path, case, sim)
         self.history = History(directory.path / "history.csv")
         self.probes = Probes(directory.path, case, sim)
         self.checkpoints = Checkpoints(directory.path, case, sim)
         self._frame_times = Schedule(case.output.every, case.output.at)
         self._line_times = Schedule(case.history.every)
         self.seconds = {"frames": 0.0, "history": 0.0, "checkpoints": 0.0}
+
+    @property
+    def _series(self) -> tuple[Series, ...]:
+        return self.frames, self.grid, self.rigid
 
     def begin(self) -> None:
         """Write the state at the start; collective.
@@ -82,7 +90,7 @@ class Recorder:
         """
         sim = self._sim
         self.checkpoints.resume(sim.comm, sim.step, about)
-        notes = self.frames.resume(about.frames) + self.grid.resume(about.frames)
+        notes = [note for series in self._series for note in series.resume(about.frames)]
         self.history.resume(sim.comm, about.history)
         if self.history.step != about.history:
             notes.append(
@@ -105,7 +113,7 @@ class Recorder:
             On every rank, if it did not.
         """
         sim = self._sim
-        waiting = self.frames.waiting or self.grid.waiting
+        waiting = any(series.waiting for series in self._series)
         finish = waiting and sim.agreed_request == Request.NONE
         frame = self._frame_times.due(sim.time, sim.step, sim.dt)
         line = self._line_times.due(sim.time, sim.step, sim.dt)
@@ -116,8 +124,8 @@ class Recorder:
         sim.agree()
         if finish:
             with self._timed("frames"), self._salvaging():
-                self.frames.finish()
-                self.grid.finish()
+                for series in self._series:
+                    series.finish()
         if probes:
             self._look(probes)
         if frame or line:
@@ -136,8 +144,8 @@ class Recorder:
         """Write a checkpoint, unless this step has one; collective."""
         # It stands for the frames and lines before it, and must not survive them.
         with self._timed("frames"):
-            self.frames.sync(last=self._sim.finished)
-            self.grid.sync(last=self._sim.finished)
+            for series in self._series:
+                series.sync(last=self._sim.finished)
         with self._timed("checkpoints"):
             on_root(self._sim.comm, self._sync)
             safe = self.frames.written, self.history.step, self.probes.records()
@@ -150,7 +158,7 @@ class Recorder:
 
     def salvage(self) -> None:
         """Finish the last frame of a run that has failed on all ranks; collective."""
-        for series in (self.frames, self.grid):
+        for series in self._series:
             with suppress(RunError):
                 series.finish()
 
@@ -166,6 +174,7 @@ class Recorder:
             with self._timed("frames"), self._salvaging():
                 self.frames.write(self._sim)
                 self.grid.write(self._sim, self.frames.written)
+                self.rigid.write(self._sim, self.frames.written)
 
     @contextmanager
     def _salvaging(self) -> Iterator[None]:
@@ -196,7 +205,7 @@ class Recorder:
     @property
     def size(self) -> int:
         """Bytes of the frames and checkpoints that this process wrote, on rank 0."""
-        return self.frames.size + self.grid.size + self.checkpoints.size
+        return sum(series.size for series in self._series) + self.checkpoints.size
 
     @property
     def ready(self) -> bool:

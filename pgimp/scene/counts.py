@@ -5,7 +5,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pgimp.errors import CaseError
-from pgimp.physics.contact import sharing
 from pgimp.scene.lattice import Lattice
 
 
@@ -58,7 +57,7 @@ def count_all(lattice: Lattice, comm: Any) -> Counts:
     if problems:
         raise CaseError("\n".join(problems))
     pairs = sorted(set().union(*(result[2] for result in results)))
-    alone, number = sharing(lattice.contact, lattice.names), lattice.names.index
+    alone, number = lattice.shared, lattice.names.index
     notes = [
         f"bodies '{a}' and '{b}' have particles in the same cell: they start in contact, as one"
         for a, b in pairs

@@ -18,6 +18,7 @@ from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.geometry.measure import TangledError
 from pgimp.geometry.regions import Points
+from pgimp.physics.contact import sharing
 from pgimp.scene.latticebody import LEAST_FRACTION, LatticeBody
 from pgimp.scene.overlap import overlaps
 from pgimp.scene.pointscloud import Cloud
@@ -71,7 +72,7 @@ class Lattice:
     def __init__(self, case: Case) -> None:
         grid, per_cell = case.grid, case.method.particles_per_cell
         self.names = list(case.bodies)
-        self.contact = case.contact
+        self.shared = sharing(case)
         self.per_cell = per_cell
         self.coordinates = []
         self.edges: list[NDArray[np.float64]] = []

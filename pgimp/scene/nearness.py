@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pgimp.physics.contact import sharing
+from pgimp.physics.contact import Pairs, sharing
 from pgimp.scene.supports import held_at
 from pgimp.schema.tables import Table, VectorTable
 
@@ -62,7 +62,7 @@ def warnings(case: Any) -> list[str]:
         The case, its meshes and particle files read (`pgimp.scene.geometry.share`).
     """
     boxes = _boxes(case, times := _instants(case))
-    return [*_pairs(case, boxes, times), *_walls(case, boxes, at_once=True)]
+    return [*_pairs(case, boxes, times), *_walls(case, boxes, at_once=True), *_rigid(case)]
 
 
 def notes(case: Any) -> list[str]:
@@ -163,7 +163,7 @@ def _pairs(case: Any, boxes: list[Box], times: np.ndarray) -> Iterator[str]:
     cell, near = np.array(case.grid.cell), reach(case)
     low, high = (np.array([getattr(box, end) for box in boxes]) for end in ("low", "high"))
     met: list[tuple[float, str]] = []
-    shared = sharing(case.contact, list(case.bodies))
+    shared = sharing(case)
     for i, a in enumerate(boxes):
         gap = np.maximum(low[i] - high[i + 1 :], low[i + 1 :] - high[i]) / cell
         step = np.abs(np.diff(gap, axis=1, append=gap[:, -1:]))
@@ -211,6 +211,28 @@ def _walls(case: Any, boxes: list[Box], at_once: bool) -> Iterator[str]:
             yield f"boundaries.{face}: {', '.join(names[:_NAMED])}{more} {what}{holds}"
 
 
+def _rigid(case: Any) -> Iterator[str]:
+    """Return which bodies no entry of contact lets meet a rigid body freely."""
+    names = [*case.bodies, *case.tools]
+    if not case.tools:
+        return
+    entry = np.abs(Pairs.of(case.contact, names).entry) > len(case.contact)
+    first = len(case.bodies)
+    found = [
+        f"'{body}' and '{tool}'"
+        for j, tool in enumerate(case.tools)
+        for i, body in enumerate(case.bodies)
+        if entry[i, first + j]
+    ]
+    if found:
+        more = f" and {len(found) - _NAMED} more pairs" if len(found) > _NAMED else ""
+        yield (
+            f"bodies: {', '.join(found[:_NAMED])}{more} have no entry in `contact`: the material "
+            "sticks to the rigid body where they come together; with contact: [{bodies: all}] it "
+            "touches, slides and parts"
+        )
+
+
 def _range(values: np.ndarray) -> str:
     texts = list(dict.fromkeys(f"{value:.3g}" for value in values))
     return " or ".join(texts)
@@ -234,7 +256,7 @@ def bonded(scene: Any, lattice: Any, counts: np.ndarray) -> Iterator[str]:
     near = reach(case) + 1.0 / np.array(lattice.per_cell)
     lows, highs = (np.array([getattr(box, end)[0] for box in boxes]) for end in ("low", "high"))
     found: list[str] = []
-    shared = sharing(case.contact, list(case.bodies))
+    shared = sharing(case)
     for i, j in _close(lows, highs, near * cell):
         if len(found) > _NAMED:
             break

@@ -25,6 +25,7 @@ from pgimp.scene.faces import AXES, Face, sides_approached, walls, walls_approac
 from pgimp.scene.lattice import Lattice, ParticleBlock
 from pgimp.scene.loads import SceneLoads
 from pgimp.scene.pointscloud import Cloud
+from pgimp.scene.tools import SceneTools
 from pgimp.schema.tables import VectorTable
 
 #: Masses outside of this would leave the range of float64 in sums and products.
@@ -52,6 +53,8 @@ class Scene:
         Mass that the domain can hold at most.
     pairs : Pairs or None
         What happens where two bodies meet; None where all share one velocity field.
+    tools : SceneTools
+        The rigid bodies; false where there are none.
     exact : NamedTuple or ()
         Parameters of the exact solution, if the case names one; `moves` if it gives the velocities.
     setting : Setting
@@ -114,7 +117,10 @@ class Scene:
         if case.body_force:
             force = case.body_force.parameters()
         self.loads = SceneLoads(case, used, force, sides_approached(near, self.frame))
-        self.pairs = Pairs.of(case.contact, self.body_names) if case.contact else None
+        self.tools = SceneTools(case, self.frame)
+        self.pairs: Pairs | None = None
+        if case.contact or self.tools:
+            self.pairs = Pairs.of(case.contact, [*self.body_names, *self.tools.names])
         self.states = States(used, self.materials, self.dimension)
         self.fields = EVERY | self.states.fields
         self.carried = Carried(

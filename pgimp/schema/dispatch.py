@@ -106,6 +106,31 @@ class Either(Dispatch):
         return {"oneOf": forms}
 
 
+class WithKey(Dispatch):
+    """A mapping that is of one type if it has a key, and of another if not."""
+
+    def __init__(self, key: str, having: type[BaseModel], other: type[BaseModel]):
+        self.key, self.having, self.other = key, having, other
+
+    def validate(self, value: Any) -> BaseModel:
+        """See `Dispatch`."""
+        if isinstance(value, self.having | self.other):
+            return value
+        if not isinstance(value, Mapping):
+            raise problem(f"expected a mapping, {got(value)}")
+        form = self.having if self.key in value else self.other
+        return form.model_validate(value)
+
+    def write(self, value: BaseModel) -> Any:
+        """See `Dispatch`."""
+        return plain(value)
+
+    def document(self, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        """See `Dispatch`."""
+        forms = (self.other, self.having)
+        return {"oneOf": [handler(form.__pydantic_core_schema__) for form in forms]}
+
+
 def _kind(value: Any) -> type | None:
     """Return the key of the form that `value` has; its own type where it has none."""
     if value is None:

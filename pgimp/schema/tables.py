@@ -102,6 +102,18 @@ class VectorTable(Model):
         (t0, v0), (t1, v1) = _neighbours(self.table, t)
         return tuple(_between(t, t0, t1, a, b) for a, b in zip(v0, v1, strict=True))
 
+    @cached_property
+    def _components(self) -> tuple[Table, ...]:
+        """The table of each component."""
+        return tuple(
+            Table(table=tuple((t, v[d]) for t, v in self.table))
+            for d in range(len(self.table[0][1]))
+        )
+
+    def integral(self, t: float) -> tuple[float, ...]:
+        """Return the integral of the value from time 0 to `t`, shape (D,)."""
+        return tuple(component.integral(t) for component in self._components)
+
 
 VaryingVector = Annotated[
     tuple[float, ...] | VectorTable | None,

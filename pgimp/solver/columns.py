@@ -14,6 +14,7 @@ from pgimp.kernels.ledger import (
     LOSS,
     NORMAL_IMPULSE,
     TANGENTIAL_IMPULSE,
+    TOOL_WORK,
 )
 from pgimp.kernels.sums import KINETIC, MASS, MOMENT, MOMENTUM, STRAIN
 from pgimp.solver.totals import Column, Group, Totals
@@ -68,8 +69,8 @@ HISTORY = (
             ),
             Column(
                 "external-work", "energy",
-                "work of gravity, body forces, faces, tractions and constraints on the material "
-                "since the start: force times displacement",
+                "work of gravity, body forces, faces, tractions, constraints and rigid bodies on "
+                "the material since the start: force times displacement",
                 lambda s, _: s.work,
             ),
         ),
@@ -207,6 +208,34 @@ HISTORY = (
                 "contact.NAME.area", "length^(dimensions - 1)",
                 "area on which bodies pressed on each other in the last step",
                 lambda s, k: s.contact[k, CONTACT_AREA],
+            ),
+        ),
+    ),
+    Group(
+        lambda scene: scene.tools.names,
+        (
+            Column(
+                "tool.NAME.force-AXIS", "force",
+                "for each rigid body: mean force of the material on it since the last line",
+                lambda s, k: s.on_tool(k),
+            ),
+            Column(
+                "tool.NAME.torque-AXIS", "force length",
+                "its mean moment, about the body's axis where it turns, else about the origin of "
+                "the coordinates, which moves with it; about z alone in 2D, none in 1D",
+                lambda s, k: s.moment_on_tool(k),
+            ),
+            Column(
+                "tool.NAME.work", "energy",
+                "work of the rigid body on the material since the start, a part of external-work",
+                lambda s, k: s.tools[k, TOOL_WORK],
+            ),
+            Column(
+                "tool.NAME.displacement-AXIS", "length",
+                "way of the rigid body, of its axis where it turns, since the start",
+                lambda s, k: s.scene.tools.entries[k].rigid.displacement(s.done.end)[
+                    : s.scene.dimension
+                ],
             ),
         ),
     ),

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from pgimp.kernels.errors import ERRORS, layer_errors
-from pgimp.kernels.ledger import BOOKED, IMPULSE
+from pgimp.kernels.ledger import BOOKED, IMPULSE, TOOL_IMPULSE, TOOL_MOMENT, TOOLED
 from pgimp.kernels.sums import HIGH, KINETIC, LOW, MASS, STRAIN, SUMS, exact_masses, layer_sums
 from pgimp.solver.clock import START, Step
 from pgimp.solver.columns import line_of
@@ -30,14 +30,15 @@ def column_names(scene: Any) -> list[str]:
     """
     faces = len(scene.faces)
     contact = np.zeros((len(scene.pairs.law) if scene.pairs else 0, BOOKED))
-    force = np.zeros((faces + len(scene.loads.constraints) + len(contact), 3))
+    tools = np.zeros((len(scene.tools), TOOLED))
+    force = np.zeros((faces + len(scene.loads.constraints) + len(contact) + 2 * len(tools), 3))
     bodies, none = np.zeros((len(scene.body_names), SUMS)), np.zeros(SUMS)
     errors = np.zeros(ERRORS)
     return list(
         line_of(
             Totals(
                 scene, START, bodies, none, none, 0.0, 0.0, force, np.zeros(faces), contact,
-                errors, errors,
+                tools, errors, errors,
             )
         )
     )
@@ -69,18 +70,22 @@ class Diagnostics:
         exact_masses(population.particles, population.order, unit, masses)
         own = rank.booked()
         impulse = np.concatenate(
-            [own.impulse, own.constraint_impulse, own.contact[:, :, IMPULSE : IMPULSE + 3]], axis=1
-        )
+            [
+                own.impulse, own.constraint_impulse, own.contact[:, :, IMPULSE : IMPULSE + 3],
+                own.tools[:, :, TOOL_IMPULSE : TOOL_IMPULSE + 3],
+                own.tools[:, :, TOOL_MOMENT : TOOL_MOMENT + 3],
+            ],
+            axis=1,
+        )  # fmt: skip
         errors = self._own_errors(rank, done.end)
-        parts = rank.comm.gather(
-            (sums, own.work, (impulse, own.beyond, own.contact), errors, own.escaped, masses)
-        )
+        booked = (impulse, own.beyond, own.contact, own.tools)
+        parts = rank.comm.gather((sums, own.work, booked, errors, own.escaped, masses))
         if parts is None:
             return None
         bodies = np.add.reduce(np.concatenate([part[0] for part in parts]), axis=0)
         work = float(np.concatenate([part[1] for part in parts]).sum())
-        impulse, beyond, contact = (
-            np.add.reduce(np.concatenate([part[2][i] for part in parts]), axis=0) for i in range(3)
+        impulse, beyond, contact, tools = (
+            np.add.reduce(np.concatenate([part[2][i] for part in parts]), axis=0) for i in range(4)
         )
         masses = np.stack([part[5] for part in parts])  # by rank and body
         bodies[:, MASS] = [_mass(masses[:, body], unit) for body in range(len(bodies))]
@@ -102,7 +107,7 @@ class Diagnostics:
         return line_of(
             Totals(
                 scene, done, bodies, total, escaped, self.first_energy, work, force, beyond,
-                contact, added, most,
+                contact, tools, added, most,
             )
         )  # fmt: skip
 

@@ -15,6 +15,7 @@ from pgimp.kernels.contribution import VolumeSums
 from pgimp.kernels.ledger import CONTACT_AREA, Ledger
 from pgimp.kernels.meet import find_meetings
 from pgimp.kernels.p2g import particles_to_grid
+from pgimp.kernels.tools import find_touched
 from pgimp.scene.scene import Scene
 from pgimp.solver.groups import assign, body_boxes, reach
 
@@ -63,15 +64,21 @@ class Meetings:
             grid.fields = self.fields
             grid.store(grid.base)
 
-    def find(self, grid: Grid, population: Population, ledger: Ledger) -> Contact:
-        """Find where bodies meet, after the halo exchange; collective."""
+    def find(
+        self, grid: Grid, population: Population, ledger: Ledger, start: float, end: float
+    ) -> Contact:
+        """Find where bodies meet in a step, after the halo exchange; collective."""
         if self._known is not grid.field:
             self._connect(grid)
         contact = self._contact
         ledger.contact[:, :, CONTACT_AREA] = 0.0
-        if max(self.fields) == 0:
+        scene, tools = self.scene, self.scene.tools
+        if max(self.fields) == 0 and not tools:
             return contact
         self.call(find_meetings, grid.field, contact.met)
+        if tools:
+            placed = tools.at(start, end)
+            self.call(find_touched, scene.frame, grid.field, placed, contact.met)
         found = np.flatnonzero(contact.met)
         if len(found):
             self._sum_volumes(grid, population, found)
@@ -87,8 +94,9 @@ class Meetings:
         self._volumes.store(grid.base)
         most = 1 + max(self.fields)
         self._contact = Contact.empty(
-            self.pairs, self._volumes.G, grid.planes, most, len(scene.faces)
-        )
+            self.pairs, self._volumes.G, grid.planes, most, len(scene.faces),
+            scene.tools.at(0.0, 0.0) if scene.tools else (),
+        )  # fmt: skip
 
     def _sum_volumes(self, grid: Grid, population: Population, planes: np.ndarray) -> None:
         """Sum volumes into some of the planes."""

@@ -12,7 +12,7 @@ import numpy as np
 
 from pgimp.decomposition.grid import LATE, MARGIN
 from pgimp.errors import CaseError
-from pgimp.kernels.ledger import BOOKED
+from pgimp.kernels.ledger import BOOKED, TOOLED
 from pgimp.kernels.particles import Particles
 from pgimp.kernels.sums import SUMS
 from pgimp.mpi.limits import Limit, limits
@@ -123,7 +123,7 @@ def _fields(scene: Scene, bodies: list[Extent]) -> float:
     per_cell = np.array(scene.case.method.particles_per_cell)
     ends = [np.array([getattr(body, end) for body in bodies]) / per_cell for end in ("low", "high")]
     fields = 1 + max(assign(np.stack(ends), reach(scene))[0])
-    return fields * (2 if fields > 1 else 1)
+    return fields * (2 if fields > 1 or scene.tools else 1)
 
 
 def estimate(
@@ -186,6 +186,7 @@ def estimate(
     line = 8 * SUMS * names
     plane_sums = 40 + 32 * faces + 24 * len(scene.loads.constraints) + line * bool(scene.exits)
     plane_sums += 8 * BOOKED * len(scene.pairs.law) if scene.pairs else 0
+    plane_sums += 8 * TOOLED * len(scene.tools)
     # The first rank gathers them all, through messages.
     gathered = (line if ranks == 1 else 2 * (line + plane_sums)) if first else 0
 
@@ -211,10 +212,17 @@ def estimate(
         "a grid with fewer cells (grid.size, grid.cell), or fewer bodies",
     )  # fmt: skip
 
+    rigid = Part(
+        f"the distances from {len(scene.tools)} rigid bodies",
+        32.0 * scene.tools.points(),
+        "smaller rigid bodies, without what meets nothing, or larger cells (grid.cell)",
+        shared=False,
+    )
+
     phases = [
         [counting, particles(columns)],
-        [particles(most), grid, sums(share * plane_sums)],
-        [particles(kept), grid, sums(share * (plane_sums + line) + gathered)],
+        [particles(most), grid, rigid, sums(share * plane_sums)],
+        [particles(kept), grid, rigid, sums(share * (plane_sums + line) + gathered)],
     ]
     peak = max(phases, key=lambda parts: sum(part.size for part in parts))
     untouched = Part(

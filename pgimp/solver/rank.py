@@ -114,7 +114,7 @@ class Rank:
         constraints = len(scene.loads.constraints)
         contacts = len(scene.pairs.law) if scene.pairs else 0
         self.ledger = Ledger.empty(
-            self.grid.planes, len(scene.faces), constraints, outflow, contacts
+            self.grid.planes, len(scene.faces), constraints, outflow, contacts, len(scene.tools)
         )
 
     @property

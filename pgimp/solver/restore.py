@@ -111,8 +111,8 @@ def read_books(rank: Rank, source: Any, state: State, records: Diagnostics) -> N
             whole = _whole(source, name, (planes, *mine.shape[1:]))
             found[name] = whole[first : first + len(mine)]
         if state.last_line is not None:
-            pairs = len(scene.pairs.law) if scene.pairs else 0
-            shape = (len(scene.faces) + len(scene.loads.constraints) + pairs, 3)
+            rows = (len(scene.pairs.law) if scene.pairs else 0) + 2 * len(scene.tools)
+            shape = (len(scene.faces) + len(scene.loads.constraints) + rows, 3)
             for name in ("last-impulse", "last-force") if shape[0] else ():
                 found[name] = _whole(source, name, shape)
         return found

@@ -108,6 +108,7 @@ class Simulation:
         self.diagnostic_sums = Diagnostics()
         (share if source is None else take_as_empty)(case, comm)
         require(scene, comm, None if source is None else source.count)
+        scene.tools.measure(comm)
         warm_up(scene, comm)
         speed = max(wave_speed(scene, body) for body in range(len(scene.body_names)))
         self.clock = clock_of(case, speed * max(scene.frame.inverse))
@@ -134,6 +135,8 @@ class Simulation:
         layers_of(scene.shape, scene.frame, scene.identity, lattice.coordinates[0], layer)
         slab = self.decompose(np.bincount(layer, counts.sum(axis=0), scene.frame.vertices[0]))
         self.initialise(slab, *self._create(slab, lattice, counts, layer))
+        if scene.tools:
+            scene.tools.require_apart(self.particles, self.population.order, comm)
         self.warnings += nearness.warnings(self.case)
         release(self.case)
         require_end(scene, self.rate)

@@ -61,7 +61,7 @@ def step(
     lap("exchange")
     contact: Any = ()
     if rank.meetings:
-        contact = rank.meetings.find(rank.grid, population, ledger)
+        contact = rank.meetings.find(rank.grid, population, ledger, t.start, t.end)
         lap("contact")
 
     constraints = scene.loads.constraints_at(t.start, t.end)

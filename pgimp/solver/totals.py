@@ -31,12 +31,15 @@ class Totals(NamedTuple):
         Kinetic and strain energy at the start.
     work : float
         External work since the start.
-    force : (faces + constraints + entries of contact, 3) float64
-        Mean force of each on the material since the last line.
+    force : (faces + constraints + entries of contact + 2 rigid bodies, 3) float64
+        Mean force of each on the material since the last line; of rigid bodies the mean forces on
+        them, then the mean moments.
     beyond : (faces,) float64
         Mass beyond each face in the last step.
     contact : (entries, BOOKED) float64
         What is booked of contact.
+    tools : (rigid bodies, TOOLED) float64
+        What is booked of rigid bodies.
     errors, greatest : (ERRORS,) float64
         Sums and maxima of the errors, as `layer_errors` has them; zeros without exact solution.
     """
@@ -51,6 +54,7 @@ class Totals(NamedTuple):
     force: np.ndarray
     beyond: np.ndarray
     contact: np.ndarray
+    tools: np.ndarray
     errors: np.ndarray
     greatest: np.ndarray
 
@@ -70,6 +74,16 @@ class Totals(NamedTuple):
             return ()
         others = len(self.scene.faces) + len(self.scene.case.constraints)
         return self.along(self.force[others + k], 0)
+
+    def on_tool(self, k: int) -> np.ndarray:
+        """Return the mean force on a rigid body."""
+        return self.along(self.force[len(self.force) - 2 * len(self.tools) + k], 0)
+
+    def moment_on_tool(self, k: int) -> tuple[float | None, ...]:
+        """Return the mean moment on a rigid body, None about axes where it is always zero."""
+        moment = self.force[len(self.force) - len(self.tools) + k]
+        axes = ((), (2,), (0, 1, 2))[self.scene.dimension - 1]
+        return tuple(moment[i] if i in axes else None for i in range(3))
 
     def mean(self, column: int) -> float:
         """Return a mean over the initial volume; nan when all particles were removed."""

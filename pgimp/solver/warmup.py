@@ -25,6 +25,7 @@ from pgimp.kernels.order import layers_of, locate, merge, reach_of
 from pgimp.kernels.p2g import complete, particles_to_grid
 from pgimp.kernels.particles import Particles
 from pgimp.kernels.sums import SUMS, exact_masses, fastest_rate, layer_sums
+from pgimp.kernels.tools import find_touched
 from pgimp.mpi.node import Call, shared_out
 from pgimp.scene.scene import Scene
 from pgimp.solver.step import on_vertices
@@ -61,7 +62,10 @@ def _calls(scene: Scene) -> Iterator[Call]:
     ledger = Ledger.empty(grid.planes, len(faces), len(constraints))
     contact: Any = ()
     if scene.pairs:
-        contact = Contact.empty(scene.pairs, grid.G, grid.planes, 1, len(faces))
+        tools: Any = scene.tools.at(0.0, 0.0) if scene.tools else ()
+        contact = Contact.empty(scene.pairs, grid.G, grid.planes, 1, len(faces), tools)
+        if tools:
+            yield 1.0, lambda: find_touched(frame, grid.field, tools, contact.met)
         yield 0.3, lambda: find_meetings(grid.field, contact.met)
         yield 0.3, lambda: grow_boxes(frame, p, rows, np.zeros((2, len(fields), len(frame.cell))))
         yield 6.0, lambda: particles_to_grid(

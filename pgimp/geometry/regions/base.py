@@ -160,6 +160,13 @@ class Region(ABC):
         smaller radius than its amount, is all inside or all outside.
         """
 
+    def signed_distance(self, points: Points) -> Lengths:
+        """Return the distance to the surface, negative inside: exact where it is flat or round.
+
+        Along the edges where regions of a combination meet it is a bound.
+        """
+        return self.distance(points)
+
     @abstractmethod
     def curved(self, points: Points) -> Lengths:
         """Return a bound of the distance to those parts of the surface that `planes` leaves out.

@@ -59,6 +59,13 @@ class Box(Model, Region):
             np.maximum(distance, points[:, i] - high, out=distance)
         return distance
 
+    def signed_distance(self, points: Points) -> Lengths:
+        """See `Region.signed_distance`."""
+        square, inside = np.zeros(len(points)), self.distance(points)
+        for i, (low, high) in enumerate(zip(self.min, self.max, strict=True)):
+            square += np.maximum(0.0, np.maximum(low - points[:, i], points[:, i] - high)) ** 2
+        return np.where(inside > 0.0, np.sqrt(square), inside)
+
     def curved(self, points: Points) -> Lengths:
         """See `Region.curved`; there are none."""
         return np.full(len(points), np.inf)

@@ -109,6 +109,13 @@ class Union(Combination):
             distance = np.minimum(distance, region.distance(points))
         return distance
 
+    def signed_distance(self, points: Points) -> Lengths:
+        """See `Region.signed_distance`."""
+        distance = self.root[0].signed_distance(points)
+        for region in self.root[1:]:
+            distance = np.minimum(distance, region.signed_distance(points))
+        return distance
+
     def near(self, low: Sequence[float], high: Sequence[float]) -> Region | None:
         """See `Region.near`."""
         reach = dict.fromkeys(region.near(low, high) for region in self.root)
@@ -143,6 +150,13 @@ class Difference(Combination):
             distance = np.maximum(distance, -region.distance(points))
         return distance
 
+    def signed_distance(self, points: Points) -> Lengths:
+        """See `Region.signed_distance`."""
+        distance = self.root[0].signed_distance(points)
+        for region in self.root[1:]:
+            distance = np.maximum(distance, -region.signed_distance(points))
+        return distance
+
     def near(self, low: Sequence[float], high: Sequence[float]) -> Region | None:
         """See `Region.near`."""
         first = self.root[0].near(low, high)
@@ -172,6 +186,13 @@ class Intersection(Combination):
         distance = self.root[0].distance(points)
         for region in self.root[1:]:
             distance = np.maximum(distance, region.distance(points))
+        return distance
+
+    def signed_distance(self, points: Points) -> Lengths:
+        """See `Region.signed_distance`."""
+        distance = self.root[0].signed_distance(points)
+        for region in self.root[1:]:
+            distance = np.maximum(distance, region.signed_distance(points))
         return distance
 
     def near(self, low: Sequence[float], high: Sequence[float]) -> Region | None:

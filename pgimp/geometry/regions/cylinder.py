@@ -80,6 +80,14 @@ class Cylinder(Model, Region):
         ends = np.maximum(-along, along - self._length())
         return np.maximum(np.sqrt(square) - self.radius, ends)
 
+    def signed_distance(self, points: Points) -> Lengths:
+        """See `Region.signed_distance`."""
+        along, square = self._cylindrical(points)
+        ends = np.maximum(-along, along - self._length())
+        mantle = np.sqrt(square) - self.radius
+        outside = np.hypot(np.maximum(mantle, 0.0), np.maximum(ends, 0.0))
+        return np.where(np.maximum(mantle, ends) > 0.0, outside, np.maximum(mantle, ends))
+
     def curved(self, points: Points) -> Lengths:
         """See `Region.curved`; the mantle, and tilted ends."""
         along, square = self._cylindrical(points)

@@ -112,6 +112,13 @@ def mesh(
     return _grid("grid", _relative(path), time, counts, topology, fields)
 
 
+def surface(path: Path, time: float, counts: tuple[int, int], dimension: int) -> str:
+    """Return how a frame of the rigid bodies is listed; see `mesh`, of what has no inside."""
+    fields: dict[str, Kind] = {"position": ("Vector", 3, "<f8"), "body": ("Scalar", 0, "<i8")}
+    topology = ('TopologyType="Polyvertex"', *_CELLS)[dimension - 1], 2 ** (dimension - 1)
+    return _grid("rigid", _relative(path), time, counts, topology, fields)
+
+
 def _relative(path: Path) -> str:
     """Return the name of a frame as the XDMF file has it."""
     return f"{path.parent.name}/{path.name}" if path.parent.name == "frames" else path.name

@@ -12,9 +12,13 @@ from pgimp.io.rundir import runinfo
 from pgimp.io.rundir.probefiles import PROBES, probe_file, probes_ever
 
 RUN = "run.json"
-TOP = ("case.yaml", "input.yaml", "particles.xdmf", "grid.xdmf", "history.csv", "log.txt", RUN)
+TOP = (
+    "case.yaml", "input.yaml", "particles.xdmf", "grid.xdmf", "rigid.xdmf", "history.csv",
+    "log.txt", RUN,
+)  # fmt: skip
 FRAME = re.compile(r"particles-(\d{6,})\.h5")
 GRID_FRAME = re.compile(r"grid-(\d{6,})\.h5")
+RIGID_FRAME = re.compile(r"rigid-(\d{6,})\.h5")
 FOLDERS = ("frames", "checkpoints")
 FAILURE = "failure"
 #: A file that exists once the failure of a run is recorded.
@@ -22,12 +26,12 @@ FAILED = ".failed"
 #: What is half written.
 PART = re.compile(
     r"\.(case\.yaml|input\.yaml|run\.json|report\.txt|particles\.(xdmf|h5)|"
-    r"grid\.xdmf|(particles|grid|step)-\d+\.h5)\.part"
+    r"(grid|rigid)\.xdmf|(particles|grid|rigid|step)-\d+\.h5)\.part"
 )
 # Of each folder, what a run writes there.
 _DATA = {
     "checkpoints": re.compile(r"step-\d{9,}\.h5(\.damaged)?"),
-    "frames": re.compile(f"{FRAME.pattern}|{GRID_FRAME.pattern}"),
+    "frames": re.compile(f"{FRAME.pattern}|{GRID_FRAME.pattern}|{RIGID_FRAME.pattern}"),
     FAILURE: re.compile(r"particles\.h5|particles\.xdmf|report\.txt"),
 }
 

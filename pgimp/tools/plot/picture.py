@@ -10,6 +10,7 @@ import numpy as np
 from pgimp.io.results.reader import Frame
 from pgimp.tools.plot.camera import Camera
 from pgimp.tools.plot.quantity import Quantity
+from pgimp.tools.plot.rigid import draw_lines, lines, widened
 from pgimp.tools.plot.runs import AXES, PlotFrame
 from pgimp.tools.plot.selection import Block, Selection, empty
 from pgimp.tools.plot.style import MAP, plain
@@ -91,7 +92,9 @@ def picture(
             [shot.shown.name, shot.frame.number, shot.frame.time],
             [part.id, *place, part.radius, part.value],
         )
-    figure = _draw(shots, quantities[0], drawn, camera, inside, limits)
+    edges = [lines(shot.frame, camera) for shot in shots]
+    inside = widened(inside, edges)
+    figure = _draw(shots, quantities[0], drawn, edges, camera, inside, limits)
     return figure, table, remarks
 
 
@@ -134,6 +137,7 @@ def _draw(
     shots: Sequence[PlotFrame],
     quantity: Quantity,
     drawn: Sequence[Block],
+    edges: Sequence[Array],
     camera: Camera,
     inside: Array,
     limits: tuple[float, float] | None,
@@ -151,9 +155,13 @@ def _draw(
     figure, axes = _panels(len(shots), size, wide, camera.along_axes)
     (left, bottom), (right, top) = inside + 0.03 * size.max() * np.array([[-1.0], [1.0]])
     several = len({shot.shown.name for shot in shots}) > 1
-    for number, (shot, seen, axis) in enumerate(zip(shots, drawn, axes, strict=False)):
+    for number, (shot, seen, net, axis) in enumerate(
+        zip(shots, drawn, edges, axes, strict=False)
+    ):
         rgba = colours.to_rgba(np.ma.masked_invalid(seen.value))
         draw(axis, camera, seen.position, seen.radius, rgba)
+        if len(net):
+            draw_lines(axis, net, shot.shown.dimension < 3)
         axis.set(xlim=(left, right), ylim=(bottom, top), aspect="equal")
         name = f"{plain(shot.shown.name)}, " if several else ""
         axis.set_title(name + shot.title, fontsize=10)

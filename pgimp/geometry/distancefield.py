@@ -1,0 +1,107 @@
+"""Distances to the surface of a rigid body, and normals, on a lattice that moves with it.
+
+Looked up in between they are exact where the surface is flat, whatever made it: boxes, balls, what
+is combined of them, meshes. Kernels do that, see `pgimp.kernels.tools`.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pgimp.geometry.regions.base import Region
+
+#: Distance of the lattice's points, as part of the smallest side of a cell.
+SPACING = 0.5
+
+#: Cells by which it reaches beyond the body: the reach of a vertex, and one more.
+MARGIN = 3.0
+
+#: Step of the differences that give normals, as part of the spacing.
+_STEP = 1e-3
+
+#: Points that are looked at together.
+_BLOCK = 1 << 16
+
+
+class DistanceField(NamedTuple):
+    """Distances and normals on a lattice.
+
+    Attributes
+    ----------
+    low : (3,) float64
+        Its first point; 0 in directions that the scene does not have.
+    spacing : float
+        Distance of its points.
+    shape : (3,) int64
+        Number of points along each direction; 1 where the scene has none.
+    values : (points, 4) float64
+        Distance, negative inside, and the unit vector away from the body, points in C order.
+    """
+
+    low: NDArray[np.float64]
+    spacing: float
+    shape: NDArray[np.int64]
+    values: NDArray[np.float64]
+
+
+def extent(
+    region: Region, cell: tuple[float, ...], within: tuple[NDArray, NDArray] | None
+) -> tuple[NDArray[np.float64], float, NDArray[np.int64]]:
+    """Return first point, spacing and shape of a region's lattice.
+
+    Parameters
+    ----------
+    region : Region
+        The body at the start, of finite size.
+    cell : tuple of D float
+        Sides of a cell.
+    within : (low, high), optional
+        Ends of what of it can ever matter.
+    """
+    spacing, D = SPACING * min(cell), len(cell)
+    low, high = (np.array(end, float) for end in region.bounds())
+    low, high = low - MARGIN * np.array(cell), high + MARGIN * np.array(cell)
+    if within is not None:
+        low, high = np.maximum(low, within[0]), np.minimum(high, within[1])
+    counts = np.maximum(np.ceil((high - low) / spacing - 1e-9), 1.0) + 1.0
+    shape = np.ones(3, np.int64)
+    shape[:D] = np.minimum(counts, 1e6)
+    first = np.zeros(3)
+    first[:D] = low
+    return first, spacing, shape
+
+
+def distance_field(
+    region: Region, cell: tuple[float, ...], within: tuple[NDArray, NDArray] | None = None
+) -> DistanceField:
+    """Compute the distances of a region; see `extent`."""
+    low, spacing, shape = extent(region, cell, within)
+    D, count = len(cell), int(np.prod(shape))
+    values = np.zeros((count, 4))
+    for begin in range(0, count, _BLOCK):
+        numbers = np.arange(begin, min(begin + _BLOCK, count))
+        places = np.stack(np.unravel_index(numbers, tuple(shape)), axis=1)[:, :D]
+        points = low[:D] + spacing * places
+        found = values[begin : begin + len(numbers)]
+        found[:, 0] = region.signed_distance(points)
+        for d in range(D):
+            step = np.zeros(D)
+            step[d] = _STEP * spacing
+            found[:, 1 + d] = region.signed_distance(points + step)
+            found[:, 1 + d] -= region.signed_distance(points - step)
+        length = np.sqrt(np.square(found[:, 1:]).sum(axis=1))
+        found[:, 1:] /= np.where(length > 0.0, length, 1.0)[:, None]
+    return DistanceField(low, spacing, shape, values)
+
+
+def thickness(region: Region, field: DistanceField, D: int) -> float:
+    """Twice the depth of the deepest point of a region."""
+    deepest = np.argsort(field.values[:, 0], kind="stable")[:32]
+    places = np.stack(np.unravel_index(deepest, tuple(field.shape)), axis=1)[:, :D]
+    points = field.low[:D] + field.spacing * places
+    around = np.stack(np.meshgrid(*[np.linspace(-0.5, 0.5, 9)] * D), axis=-1).reshape(-1, D)
+    near = (points[:, None] + field.spacing * around).reshape(-1, D)
+    return 2.0 * max(0.0, -float(region.signed_distance(near).min()))

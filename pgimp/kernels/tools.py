@@ -1,0 +1,276 @@
+"""Rigid bodies at the vertices: what part of a neighbourhood they fill, and their surface's normal.
+
+A vertex weighs its neighbourhood with tents of the sides of two cells. Each is the sum of three
+tents of half the size, with a quarter, a half, a quarter of the weight; of these the part on the
+inner side of a plane is found from the distance of its middle. So what a flat surface fills is
+right at any angle, and edges are rounded by an eighth of a cell only.
+"""
+
+from math import sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from pgimp.jit.kernel import inner_kernel, kernel
+from pgimp.kernels.fields import field_count, field_size
+from pgimp.kernels.record import MASS
+
+#: Columns of `Tools.motion`: the reference point now and at the start, the matrix that turns the
+#: body, velocity and angular velocity, distance of the lattice's points, its first point.
+CENTRE, REFERENCE, TURN, TOOL_VELOCITY, SPIN, SPACING, LOW, MOTION = 0, 3, 6, 15, 18, 21, 22, 25
+
+#: Columns of `Tools.about`: the lattice's points along each direction, where they begin, and the
+#: least and greatest vertex near the body, by direction.
+SHAPE, FIRST, LEAST, MOST, ABOUT = 0, 3, 4, 7, 10
+
+#: Columns of `Tools.at`: distance and normal at a point; part filled, and area with outward normal.
+DISTANCE, NORMAL, FILLED, SURFACE, AT = 0, 1, 4, 5, 8
+
+#: Places and weights that integrate over a tent from -1 to 1 polynomials up to the third degree on
+#: either side: Gauss and Jacobi's of two points.
+_PLACES = (-(4.0 + sqrt(6.0)) / 10.0, -(4.0 - sqrt(6.0)) / 10.0,
+           (4.0 - sqrt(6.0)) / 10.0, (4.0 + sqrt(6.0)) / 10.0)  # fmt: skip
+_OUTER, _INNER = 0.25 - 1.0 / (6.0 * sqrt(6.0)), 0.25 + 1.0 / (6.0 * sqrt(6.0))
+_WEIGHTS = (_OUTER, _INNER, _INNER, _OUTER)
+
+
+class Tools(NamedTuple):
+    """The rigid bodies of a scene, for kernels.
+
+    Attributes
+    ----------
+    motion : (tools, MOTION) float64
+        How each moves in the step, and where its lattice lies.
+    about : (tools, ABOUT) int64
+        The shape of its lattice, and the vertices near it.
+    values : (points, 4) float64
+        Those of `DistanceField`, of one body after the other.
+    bodies : int
+        Number of the bodies with particles, which come first.
+    at : (AT,) float64
+        Room for what was found last.
+    """
+
+    motion: np.ndarray
+    about: np.ndarray
+    values: np.ndarray
+    bodies: int
+    at: np.ndarray
+
+
+@inner_kernel
+def _look_up(tools, t, D, x, y, z):
+    """Set distance and normal of body `t` at a point."""
+    row, about, at = tools.motion[t], tools.about[t], tools.at
+    gap = (x - row[CENTRE], y - row[CENTRE + 1], z - row[CENTRE + 2])
+    at[: NORMAL + 3] = 0.0
+    place, inside = 0, True
+    part = (0.0, 0.0, 0.0)
+    step = (0, 0, 0)
+    for d in range(D):
+        own = row[REFERENCE + d]  # the point in the body's own directions
+        for k in range(3):
+            own += row[TURN + 3 * k + d] * gap[k]
+        s = (own - row[LOW + d]) / row[SPACING]
+        most = about[SHAPE + d] - 2
+        if not (s > -1e-6 and s < most + 1.000001):
+            inside = False
+        i = min(max(int(s), 0), most) if inside else 0
+        f = s - i
+        part = (f if d == 0 else part[0], f if d == 1 else part[1], f if d == 2 else part[2])
+        place = place * about[SHAPE + d] + i
+        stride = 1
+        for k in range(d + 1, D):
+            stride *= about[SHAPE + k]
+        step = (
+            stride if d == 0 else step[0], stride if d == 1 else step[1],
+            stride if d == 2 else step[2],
+        )  # fmt: skip
+    if not inside:
+        at[DISTANCE] = 1e300
+        return
+    own0, own1, own2 = 0.0, 0.0, 0.0
+    for corner in range(1 << D):
+        weight, where = 1.0, about[FIRST] + place
+        for d in range(D):
+            if corner >> d & 1:
+                weight *= part[d]
+                where += step[d]
+            else:
+                weight *= 1.0 - part[d]
+        at[DISTANCE] += weight * tools.values[where, 0]
+        own0 += weight * tools.values[where, 1]
+        own1 += weight * tools.values[where, 2]
+        own2 += weight * tools.values[where, 3]
+    length = sqrt(own0 * own0 + own1 * own1 + own2 * own2)
+    inverse = 1.0 / length if length > 0.0 else 0.0
+    for d in range(3):
+        n = row[TURN + 3 * d] * own0 + row[TURN + 3 * d + 1] * own1
+        at[NORMAL + d] = (n + row[TURN + 3 * d + 2] * own2) * inverse
+
+
+@inner_kernel
+def _below(u):
+    """Part of a tent from -1 to 1 below u."""
+    if u <= 0.0:
+        return 0.5 * max(0.0, 1.0 + u) ** 2
+    return 1.0 - 0.5 * max(0.0, 1.0 - u) ** 2
+
+
+@inner_kernel
+def _cut(a, b, c, s):
+    """Part of a box of tents with n . x < s, and its derivative by s; a, b, c are |n_d| half sides.
+
+    `a` is the greatest.
+    """
+    part, slope = 0.0, 0.0
+    for i in range(4 if b > 1e-12 * a else 1):
+        w, x = (_WEIGHTS[i], b * _PLACES[i]) if b > 1e-12 * a else (1.0, 0.0)
+        for k in range(4 if c > 1e-12 * a else 1):
+            v, y = (_WEIGHTS[k], c * _PLACES[k]) if c > 1e-12 * a else (1.0, 0.0)
+            u = (s - x - y) / a
+            part += w * v * _below(u)
+            slope += w * v * max(0.0, 1.0 - abs(u)) / a
+    return part, slope
+
+
+@inner_kernel
+def _is_near(tools, t, frame, number):
+    """Set distance and normal at a vertex; returns whether the body may fill some of its reach."""
+    about, D = tools.about[t], len(frame.cell)
+    square = 0.0
+    for d in range(D):
+        if number[d] < about[LEAST + d] or number[d] > about[MOST + d]:
+            return False
+        square += frame.cell[d] ** 2
+    x, y, z = place_of(frame, number)
+    _look_up(tools, t, D, x, y, z)
+    return tools.at[DISTANCE] <= sqrt(square)
+
+
+@inner_kernel
+def place_of(frame, number):
+    """Place of a vertex, three coordinates."""
+    x, y, z = 0.0, 0.0, 0.0
+    for d in range(len(frame.cell)):
+        place = frame.origin[d] + (number[d] - frame.ghost) * frame.cell[d]
+        x, y, z = place if d == 0 else x, place if d == 1 else y, place if d == 2 else z
+    return x, y, z
+
+
+@inner_kernel
+def fill(tools, t, frame, number, sides):
+    """Set what body `t` fills of a vertex's neighbourhood; returns whether it is near.
+
+    Parameters
+    ----------
+    number : (int, int, int)
+        The vertex.
+    sides : (int, int, int)
+        -1 or 1 where it is on a wall at the low or the high end, by direction: the neighbourhood
+        ends there.
+    """
+    if not _is_near(tools, t, frame, number):
+        return False
+    at, D = tools.at, len(frame.cell)
+    reach, volume = 0.0, 1.0
+    for d in range(D):
+        reach += frame.cell[d] ** 2
+        volume *= frame.cell[d] * (1.0 if sides[d] == 0 else 0.5)
+    reach = sqrt(reach)
+    x, y, z = place_of(frame, number)
+    n0, n1, n2 = at[NORMAL], at[NORMAL + 1], at[NORMAL + 2]
+    if at[DISTANCE] < -reach:  # deep inside
+        at[FILLED], scale = 1.0, volume / reach
+        at[SURFACE], at[SURFACE + 1], at[SURFACE + 2] = scale * n0, scale * n1, scale * n2
+        return True
+    filled, s0, s1, s2 = 0.0, 0.0, 0.0, 0.0
+    count = 1
+    for _ in range(D):
+        count *= 3
+    for corner in range(count):
+        weight, code = 1.0, corner
+        px, py, pz = x, y, z
+        for d in range(D):
+            off = code % 3 - 1
+            code //= 3
+            if sides[d] == 0:
+                weight *= 0.5 if off == 0 else 0.25
+            else:  # half of the middle one, and the inner one
+                weight *= 0.0 if off == sides[d] else 0.5
+            move = 0.5 * off * frame.cell[d]
+            px, py, pz = (
+                px + move if d == 0 else px, py + move if d == 1 else py,
+                pz + move if d == 2 else pz,
+            )  # fmt: skip
+        if weight == 0.0:
+            continue
+        _look_up(tools, t, D, px, py, pz)
+        if at[DISTANCE] > reach:
+            continue
+        a, b, c = 0.0, 0.0, 0.0  # the greatest first
+        for d in range(D):
+            half = abs(at[NORMAL + d]) * 0.5 * frame.cell[d]
+            a, half = max(a, half), min(a, half)
+            b, c = max(b, half), max(c, min(b, half))
+        if not a > 0.0:
+            filled += weight if at[DISTANCE] < 0.0 else 0.0
+            continue
+        part, slope = _cut(a, b, c, -at[DISTANCE])
+        filled += weight * part
+        s0 += weight * slope * at[NORMAL]
+        s1 += weight * slope * at[NORMAL + 1]
+        s2 += weight * slope * at[NORMAL + 2]
+    at[FILLED] = filled
+    length = sqrt(s0 * s0 + s1 * s1 + s2 * s2)
+    if length > 1e-6 / reach:
+        at[SURFACE], at[SURFACE + 1], at[SURFACE + 2] = volume * s0, volume * s1, volume * s2
+    else:
+        scale = volume / reach
+        at[SURFACE], at[SURFACE + 1], at[SURFACE + 2] = scale * n0, scale * n1, scale * n2
+    return filled > 0.0
+
+
+@kernel
+def find_touched(frame, field, tools, met):
+    """Count, in each of a rank's planes, the vertices with mass that are near a rigid body.
+
+    Parameters
+    ----------
+    field : Field
+        After the halo exchange.
+    met : (planes,) int64
+        Grows by that.
+    """
+    window, G, D = field.window, field.G, len(frame.cell)
+    size = field_size(window)
+    for t in range(len(tools.motion)):
+        low, high = (0, 0, 0), (0, 0, 0)
+        for d in range(D):
+            a = max(0, tools.about[t, LEAST + d] - window.lower[d])
+            b = min(window.extent[d] - 1, tools.about[t, MOST + d] - window.lower[d])
+            low = (a if d == 0 else low[0], a if d == 1 else low[1], a if d == 2 else low[2])
+            high = (b if d == 0 else high[0], b if d == 1 else high[1], b if d == 2 else high[2])
+        for i in range(low[0], min(high[0], len(met) - 1) + 1):
+            if field.active[i] == 0:
+                continue
+            for j in range(low[1], high[1] + 1):
+                for k in range(low[2], high[2] + 1):
+                    r = i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
+                    some = False
+                    for f in range(field_count(window)):
+                        some = some or G[r + f * size + MASS] > 0.0
+                    number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
+                    met[i] += some and _is_near(tools, t, frame, number)
+
+
+
+@kernel
+def distances(tools, t, frame, x, out):
+    """Set the distances of points `x`, (n, D), from body `t`; 1e300 of those that are far away."""
+    for p in range(len(x)):
+        D = len(frame.cell)
+        y = x[p, 1] if D > 1 else 0.0
+        z = x[p, D - 1] if D > 2 else 0.0
+        _look_up(tools, t, D, x[p, 0], y, z)
+        out[p] = tools.at[DISTANCE]

@@ -1,0 +1,133 @@
+"""Rigid bodies that move as prescribed, tools: the entry in the case, and where they are."""
+
+from __future__ import annotations
+
+from math import cos, hypot, sin
+from typing import Annotated, NamedTuple
+
+from pydantic import Field, model_validator
+
+from pgimp.geometry.regions import RegionEntry
+from pgimp.schema.base import Model, Number, Vector
+from pgimp.schema.dispatch import Either
+from pgimp.schema.problems import Problem, raise_problems
+from pgimp.schema.tables import Table, VaryingVector, VectorTable
+
+Triple = tuple[float, float, float]
+
+
+class Turning(Model):
+    """Rotation about an axis that moves with the body."""
+
+    about: Vector = Field(description="a point of the axis, where it is at the start [length]")
+    axis: Vector = Field(
+        default=(0.0, 0.0, 1.0), description="direction of the axis, of any length; z in 2D"
+    )
+    rate: Annotated[
+        float | Table,
+        Either("a number or {table: [[time, value], ...]}", {float: Number, dict: Table}),
+    ] = Field(description="angular velocity, counter-clockwise about the axis positive [1/time]")
+
+    @model_validator(mode="after")
+    def _check_axis(self) -> Turning:
+        if len(self.axis) != 3 or not hypot(*self.axis) > 0.0:
+            text = "expected a vector of three numbers that is not zero"
+            raise_problems("rotation", [Problem(("axis",), text)])
+        return self
+
+    def angle(self, t: float) -> float:
+        """Return the angle turned through from time 0 to `t`."""
+        return self.rate.integral(t) if isinstance(self.rate, Table) else self.rate * t
+
+
+class Pose(NamedTuple):
+    """Where a rigid body is.
+
+    Attributes
+    ----------
+    centre : (3,) float
+        Its reference point: that of its rotation, else the origin of the coordinates moved along.
+    turn : tuple of 9 float
+        The matrix, row by row, that turns its directions at the start into those now.
+    """
+
+    centre: Triple
+    turn: tuple[float, ...]
+
+
+class Motion(Model):
+    """How a rigid body moves: its velocity, and a rotation besides. Nothing given: it stands."""
+
+    velocity: VaryingVector = Field(
+        default=None,
+        description="velocity of the body, of its axis if it turns: a vector, or a table over "
+        "time, linear in between and held at both ends; null: none [length/time]",
+    )
+    rotation: Turning | None = Field(default=None, description="rotation; null: none")
+
+    @property
+    def moves(self) -> bool:
+        """Whether it moves at all."""
+        return self.velocity is not None or self.rotation is not None
+
+    def displacement(self, t: float) -> Triple:
+        """Return the way of the reference point from time 0 to `t`."""
+        if self.velocity is None:
+            return (0.0, 0.0, 0.0)
+        if isinstance(self.velocity, VectorTable):
+            way = self.velocity.integral(t)
+        else:
+            way = tuple(v * t for v in self.velocity)
+        x, y, z = (*way, 0.0, 0.0)[:3]
+        return (x, y, z)
+
+    @property
+    def reference(self) -> Triple:
+        """The reference point at the start."""
+        about = self.rotation.about if self.rotation else ()
+        x, y, z = (*(float(c) for c in about), 0.0, 0.0, 0.0)[:3]
+        return (x, y, z)
+
+    @property
+    def axis(self) -> Triple:
+        """The unit vector that it turns about."""
+        x, y, z = self.rotation.axis if self.rotation else (0.0, 0.0, 1.0)
+        length = hypot(x, y, z)
+        return (x / length, y / length, z / length)
+
+    def pose(self, t: float) -> Pose:
+        """Return where the body is at time `t`: exact, not summed up over steps."""
+        way, start, (x, y, z) = self.displacement(t), self.reference, self.axis
+        angle = self.rotation.angle(t) if self.rotation else 0.0
+        c, s = cos(angle), sin(angle)
+        one = 1.0 - c
+        turn = (
+            c + x * x * one, x * y * one - z * s, x * z * one + y * s,
+            y * x * one + z * s, c + y * y * one, y * z * one - x * s,
+            z * x * one - y * s, z * y * one + x * s, c + z * z * one,
+        )  # fmt: skip
+        return Pose((start[0] + way[0], start[1] + way[1], start[2] + way[2]), turn)
+
+    def mean_velocity(self, start: float, end: float) -> tuple[Triple, Triple]:
+        """Return velocity of the reference point and angular velocity, means over a step."""
+        dt = end - start
+        if not dt > 0.0:
+            return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+        a, b = self.displacement(start), self.displacement(end)
+        x, y, z = ((q - p) / dt for p, q in zip(a, b, strict=True))
+        rate = 0.0
+        if self.rotation:
+            rate = (self.rotation.angle(end) - self.rotation.angle(start)) / dt
+        u, v, w = (rate * n for n in self.axis)
+        return (x, y, z), (u, v, w)
+
+
+class RigidBody(Model):
+    """A rigid body without particles, a tool: what it meets cannot enter it."""
+
+    rigid: Motion = Field(description="its motion; {}: it stands")
+    region: RegionEntry = Field(
+        description="the part of space that it fills at the start; it may reach beyond the domain"
+    )
+
+

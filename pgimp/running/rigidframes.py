@@ -1,0 +1,100 @@
+"""The frames of the rigid bodies: their surfaces where they are, for pictures and ParaView."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pgimp.files.atomic import temporary
+from pgimp.files.datasets import Dataset, lay_out
+from pgimp.files.framefile import FrameFile
+from pgimp.files.unfinished import Unfinished, explained_errors, removed_on_error
+from pgimp.io.frames.particlefile import FORMAT_VERSION
+from pgimp.io.frames.series import Entry, Series
+from pgimp.io.frames.xdmf import Collection, surface
+from pgimp.io.results.frame import Reading
+from pgimp.io.rundir.ownfiles import RIGID_FRAME
+from pgimp.mpi.collective import on_root
+
+
+class RigidFrames(Series):
+    """Writes the surfaces of rigid bodies, if the case has any, and the XDMF file that lists them.
+
+    They have the numbers of the particles' frames. Rank 0 knows all of them, and writes them.
+
+    Parameters
+    ----------
+    directory : Path
+        The run directory; the same on every rank.
+    case : Case
+        Gives the title and the units.
+    sim : Simulation
+        The run.
+    """
+
+    def __init__(self, directory: Path, case: Any, sim: Any) -> None:
+        super().__init__(sim.comm, Collection(directory / "rigid.xdmf"), RIGID_FRAME)
+        self._attributes = {
+            "format": FORMAT_VERSION,
+            "title": str(case.title),
+            "units": str(case.units),
+            "dimensions": case.dimensions,
+            "bodies": list(case.tools),
+        }
+
+    def write(self, sim: Any, number: int) -> None:
+        """Write the surfaces as the next frame, and finish the one before; collective.
+
+        Raises
+        ------
+        RunError
+            On every rank, if there is no room for it, or if the one before could not be written
+            whole.
+        """
+        tools = sim.scene.tools
+        if not tools:
+            return
+        self.finish()
+        path = self.folder / f"rigid-{number:06d}.h5"
+        part, what = temporary(path), f"write the frame {path} at step {sim.step}"
+        time, step = float(sim.time), int(sim.step)
+        attributes = self._attributes | {"time": time, "step": np.int64(step)}
+
+        def create() -> tuple[dict[str, int], dict[int, bytes]]:
+            layout = lay_out(
+                [
+                    Dataset("position", "<f8", (3,), {"meaning": "position [length]"}),
+                    Dataset("body", "<i8", (), {"names": list(tools.names)}),
+                ],
+                len(tools.surface.body), attributes, {"connectivity": tools.surface.cells},
+            )  # fmt: skip
+            with explained_errors(what):
+                layout.create(part)
+            return layout.offsets, layout.parts
+
+        with removed_on_error(part, self.comm):
+            offsets, says = on_root(self.comm, create)
+            file = FrameFile(part, self.comm)
+            if self.comm.rank == 0:
+                for place, data in says.items():
+                    file.write(place, data)
+                file.write(offsets["position"], tools.surface_at(time))
+                file.write(offsets["body"], tools.surface.body)
+                file.write(offsets["connectivity"], tools.surface.cells)
+            unfinished = Unfinished(part, path, file, self.comm, what)
+        counts = len(tools.surface.body), len(tools.surface.cells)
+        dimension = int(self._attributes["dimensions"])
+        self._wait_for(unfinished, Entry(time, step, surface(path, time, counts, dimension)))
+
+    def resume(self, number: int) -> list[str]:
+        """See `Series.resume`; nothing is done if there is no rigid body."""
+        return super().resume(number) if self._attributes["bodies"] else []
+
+    def _listed(self, path: Path) -> Entry:
+        with Reading(path) as file:
+            time, step = float(file.attrs["time"]), int(file.attrs["step"])
+            counts = len(file["position"]), len(file["connectivity"])
+            dimension = int(file.attrs["dimensions"])
+        return Entry(time, step, surface(path, time, counts, dimension))
