@@ -124,7 +124,7 @@ class SceneTools:
         thick = thickness(entry.region, field, len(cell))
         if thick < (1.0 - 1e-6) * min(cell):
             raise CaseError(
-                f"is {thick:.6g} thick at most, and cells are "
+                f"is {thick:.2g} thick at most, and cells are "
                 f"{min(cell):.6g} wide: what meets it would feel both of its sides at once; make "
                 "it thicker, on a side that meets nothing, or the cells smaller"
             )
