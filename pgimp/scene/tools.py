@@ -20,6 +20,8 @@ from pgimp.kernels.tools import (
     AT,
     CENTRE,
     FIRST,
+    FORMER,
+    LATTER,
     LEAST,
     LOW,
     MOST,
@@ -27,8 +29,6 @@ from pgimp.kernels.tools import (
     REFERENCE,
     SHAPE,
     SPACING,
-    SPIN,
-    TOOL_VELOCITY,
     TURN,
     Tools,
     distances,
@@ -173,9 +173,9 @@ class SceneTools:
             tools.motion, tools.about, self.entries, self.fields, strict=True
         ):
             centre, turn = entry.rigid.pose(start)
-            velocity, spin = entry.rigid.mean_velocity(start, end)
             row[CENTRE : CENTRE + 3], row[TURN : TURN + 9] = centre, turn
-            row[TOOL_VELOCITY : TOOL_VELOCITY + 3], row[SPIN : SPIN + 3] = velocity, spin
+            for column, time in ((FORMER, start), (LATTER, end)):
+                row[column : column + 6] = np.concatenate(entry.rigid.velocities(time))
             self._bound(row, about, field)
         return tools
 

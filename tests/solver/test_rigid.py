@@ -72,6 +72,17 @@ def test_a_ram_that_is_pulled_away(law):
         assert energy(line) == 0.0
 
 
+@pytest.mark.parametrize("law", ["friction", "tied"])
+def test_a_block_on_a_table_that_speeds_up(law):
+    """It gets the acceleration of what it lies on: pushed from behind, or tied."""
+    motion = {"velocity": {"table": [[0.0, [0.0, 0.0]], [4.0, [2.0, 0.0]]]}}
+    case = struck(2, {"law": law}, **motion)
+    case["time"]["end"], case["method"]["affine"] = 4.0, True
+    line = finish(start(case)).diagnostics()
+    assert line["momentum-x"] / line["mass"] == pytest.approx(2.0, abs=0.1)
+    assert line["body.block.centre-x"] == pytest.approx(5.5 + 4.0, abs=0.15)
+
+
 @pytest.mark.parametrize("friction", [0.3, 0.1])
 def test_a_block_slides_down_a_rigid_slope(friction):
     """Its acceleration within three per cent; friction's work is its heat."""
@@ -147,7 +158,7 @@ def test_poses_are_integrals_of_the_motion():
     centre, turn = body.pose(1.0)
     assert centre == pytest.approx((5.0, 4.0, 5.0))
     assert np.array(turn).reshape(3, 3) @ [0, 1, 0] == pytest.approx([0, 0, 1], abs=1e-15)
-    velocity, spin = body.mean_velocity(1.0, 2.0)
+    velocity, spin = body.velocities(1.5)
     assert velocity == pytest.approx((3.0, 0.0, 1.0))
     assert spin == pytest.approx((pi, 0.0, 0.0))
     assert read_case(dump_case(case), "case.yaml") == case
