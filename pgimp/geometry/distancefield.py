@@ -37,8 +37,9 @@ class DistanceField(NamedTuple):
         Distance of its points.
     shape : (3,) int64
         Number of points along each direction; 1 where the scene has none.
-    values : (points, 4) float64
-        Distance, negative inside, and the unit vector away from the body, points in C order.
+    values : (points, 5) float64
+        Distance, negative inside, the unit vector away from the body, and the mean distance of the
+        neighbourhood that a vertex there has, if the body is not turned; points in C order.
     """
 
     low: NDArray[np.float64]
@@ -80,7 +81,7 @@ def distance_field(
     """Compute the distances of a region; see `extent`."""
     low, spacing, shape = extent(region, cell, within)
     D, count = len(cell), int(np.prod(shape))
-    values = np.zeros((count, 4))
+    values = np.zeros((count, 5))
     for begin in range(0, count, _BLOCK):
         numbers = np.arange(begin, min(begin + _BLOCK, count))
         places = np.stack(np.unravel_index(numbers, tuple(shape)), axis=1)[:, :D]
@@ -92,9 +93,26 @@ def distance_field(
             step[d] = _STEP * spacing
             found[:, 1 + d] = region.signed_distance(points + step)
             found[:, 1 + d] -= region.signed_distance(points - step)
-        length = np.sqrt(np.square(found[:, 1:]).sum(axis=1))
-        found[:, 1:] /= np.where(length > 0.0, length, 1.0)[:, None]
+        length = np.sqrt(np.square(found[:, 1:4]).sum(axis=1))
+        found[:, 1:4] /= np.where(length > 0.0, length, 1.0)[:, None]
+    mean = values[:, 0].reshape(shape)
+    for d in range(D):
+        mean = _mean(mean, d, 0.5 * cell[d] / spacing)
+    values[:, 4] = mean.ravel()
     return DistanceField(low, spacing, shape, values)
+
+
+def _mean(values: NDArray[np.float64], d: int, step: float) -> NDArray[np.float64]:
+    """Half of each value and a quarter of what is `step` points before and behind it."""
+    n = values.shape[d]
+    found = 0.5 * values
+    for side in (-1.0, 1.0):
+        at = np.clip(np.arange(n) + side * step, 0.0, n - 1.0)
+        first = np.minimum(at.astype(int), n - 2)
+        part = (at - first).reshape([-1 if e == d else 1 for e in range(3)])
+        near, far = np.take(values, first, axis=d), np.take(values, first + 1, axis=d)
+        found += 0.25 * ((1.0 - part) * near + part * far)
+    return found
 
 
 def thickness(region: Region, field: DistanceField, D: int) -> float:

@@ -30,6 +30,7 @@ from pgimp.kernels.ledger import (
     TOOL_MOMENT,
     TOOL_WORK,
 )
+from pgimp.kernels.selection import SPREAD
 from pgimp.kernels.tools import CENTRE, place_of
 from pgimp.physics.contact import FRICTION, TIED, Pairs
 
@@ -71,6 +72,8 @@ class Contact(NamedTuple):
         The sums of `VolumeSums`, for the planes where bodies meet.
     met : (planes,) int64
         Number of the vertices at which bodies meet, in each plane.
+    spread : (planes, SPREAD) int64
+        Between which vertices these are, see `select_near`.
     places, bodies : (fields,) int64
         Room: where the fields at a vertex have their records, and whose they are.
     fields : (fields, FIELDS) float64
@@ -89,6 +92,7 @@ class Contact(NamedTuple):
     pairs: Pairs
     volumes: np.ndarray
     met: np.ndarray
+    spread: np.ndarray
     places: np.ndarray
     bodies: np.ndarray
     fields: np.ndarray
@@ -105,9 +109,10 @@ class Contact(NamedTuple):
         most = fields + (len(tools.motion) if tools else 0)
         count = most * (most - 1) // 2
         return cls(
-            pairs, volumes, np.zeros(planes, np.int64), np.zeros(most, np.int64),
-            np.zeros(most, np.int64), np.zeros((most, FIELDS)), np.zeros((count, 3), np.int64),
-            np.zeros((count, PARTNERS)), np.zeros((faces, 3)), tools,
+            pairs, volumes, np.zeros(planes, np.int64), np.zeros((planes, SPREAD), np.int64),
+            np.zeros(most, np.int64), np.zeros(most, np.int64), np.zeros((most, FIELDS)),
+            np.zeros((count, 3), np.int64), np.zeros((count, PARTNERS)), np.zeros((faces, 3)),
+            tools,
         )  # fmt: skip
 
 
@@ -283,8 +288,8 @@ def _give(first, second, row, d, J):
 
 
 @inner_kernel
-def book(contact, faces, frame, forcing, number, pair, ledger, plane):
-    """Book what a pair has exchanged in the last pass, at a vertex of `plane`.
+def book(contact, faces, frame, forcing, number, pair, part, last, ledger, plane):
+    """Book what a pair has exchanged in a pass, at a vertex of `plane`: the part that counts.
 
     Energy is impulse times the velocity that is left, as the work of all other forces is.
     """
@@ -297,19 +302,19 @@ def book(contact, faces, frame, forcing, number, pair, ledger, plane):
     for d in range(3):
         w = v[d] - u[d]
         normal += w * row[NORMAL + d]
-        booked[IMPULSE + d] -= row[SLIP + d] + row[PUSH] * row[NORMAL + d]
+        booked[IMPULSE + d] -= part * (row[SLIP + d] + row[PUSH] * row[NORMAL + d])
         square += row[SLIP + d] ** 2
         heat -= row[SLIP + d] * w
-    booked[NORMAL_IMPULSE] += row[PUSH]
-    booked[TANGENTIAL_IMPULSE] += sqrt(square)
-    booked[HEAT] += heat
-    booked[LOSS] -= row[PUSH] * normal
-    if row[PUSH] > 0.0:
+    booked[NORMAL_IMPULSE] += part * row[PUSH]
+    booked[TANGENTIAL_IMPULSE] += part * sqrt(square)
+    booked[HEAT] += part * heat
+    booked[LOSS] -= part * row[PUSH] * normal
+    if last and row[PUSH] > 0.0:
         booked[CONTACT_AREA] += row[AREA]
-    book_tools(contact, contact.tools, frame, number, pair, u, v, ledger, plane)
+    book_tools(contact, contact.tools, frame, number, pair, part, u, v, ledger, plane)
 
 
-def book_tools(contact, tools, frame, number, pair, u, v, ledger, plane):
+def book_tools(contact, tools, frame, number, pair, part, u, v, ledger, plane):
     """Book the impulse on the rigid body of a pair, its moment, and its work on what it met.
 
     `u` and `v` are the velocities of the pair.
@@ -317,13 +322,13 @@ def book_tools(contact, tools, frame, number, pair, u, v, ledger, plane):
 
 
 @specialise(book_tools)
-def _book_tools(contact, tools, frame, number, pair, u, v, ledger, plane):
+def _book_tools(contact, tools, frame, number, pair, part, u, v, ledger, plane):
     if not hasattr(tools, "instance_class"):
-        return lambda contact, tools, frame, number, pair, u, v, ledger, plane: None
+        return lambda contact, tools, frame, number, pair, part, u, v, ledger, plane: None
 
-    def book_each(contact, tools, frame, number, pair, u, v, ledger, plane):
+    def book_each(contact, tools, frame, number, pair, part, u, v, ledger, plane):
         row, x = contact.partners[pair], place_of(frame, number)
-        for sign, end, w in ((-1.0, contact.ends[pair, 0], u), (1.0, contact.ends[pair, 1], v)):
+        for sign, end, w in ((-part, contact.ends[pair, 0], u), (part, contact.ends[pair, 1], v)):
             if contact.fields[end, WEIGHT] < inf:
                 continue
             t = contact.bodies[end] - tools.bodies

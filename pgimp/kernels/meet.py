@@ -18,12 +18,14 @@ from pgimp.kernels.contact import (
 )
 from pgimp.kernels.faces import on_walls, wall_sides
 from pgimp.kernels.fields import field_count, field_size
+from pgimp.kernels.loads import relaxed_part
 from pgimp.kernels.record import ACCELERATION, FORCE, MASS, MOMENTUM, RECORD, VELOCITY
+from pgimp.kernels.selection import HIGH_Y, HIGH_Z, LOW_Y, LOW_Z, include
 from pgimp.kernels.tools import CENTRE, FILLED, FORMER, LATTER, SURFACE, fill, place_of
 
 
 @kernel
-def find_meetings(field, met):
+def find_meetings(field, met, spread):
     """Count, in each of a rank's planes, the vertices at which several fields have mass.
 
     Parameters
@@ -32,19 +34,27 @@ def find_meetings(field, met):
         After the halo exchange, so that ranks find the same in planes that they share.
     met : (planes,) int64
         Set here.
+    spread : (planes, SPREAD) int64
+        Set to where they lie, see `select_near`.
     """
     window, G = field.window, field.G
     size, count = field_size(window), field_count(window)
     met[:] = 0
     for i in range(len(met)):
-        if field.active[i] == 0:
+        spread[i, LOW_Y] = spread[i, LOW_Z] = 1 << 40
+        spread[i, HIGH_Y] = spread[i, HIGH_Z] = -1
+        if field.active[i] == 0 or count == 1:
             continue
-        first = i * window.stride[0]
-        for r in range(first, first + size, RECORD):
-            found = 0
-            for f in range(count):
-                found += G[r + f * size + MASS] > 0.0
-            met[i] += found > 1
+        r = i * window.stride[0]
+        for j in range(window.extent[1]):
+            for k in range(window.extent[2]):
+                found = 0
+                for f in range(count):
+                    found += G[r + f * size + MASS] > 0.0
+                if found > 1:
+                    met[i] += 1
+                    include(spread, i, j, k)
+                r += RECORD
 
 
 def meet(contact, faces, frame, field, forcing, i, ledger, last):
@@ -110,9 +120,11 @@ def _meet_in_plane(contact, faces, frame, field, forcing, i, ledger, last):
                         field.G[place + ACCELERATION + d] += change / dt
                     else:
                         field.G[place + MOMENTUM + d] += contact.fields[a, WEIGHT] * change
-            if last and i < field.owned:
+            # Of the first pass particles take on what relaxes their velocities to the grid's.
+            part = 1.0 if last else relaxed_part(forcing.loads.relaxation, dt)
+            if part > 0.0 and i < field.owned:
                 for pair in range(pairs):
-                    book(contact, faces, frame, forcing, number, pair, ledger, i)
+                    book(contact, faces, frame, forcing, number, pair, part, last, ledger, i)
 
 
 @inner_kernel

@@ -3,7 +3,8 @@
 A vertex weighs its neighbourhood with tents of the sides of two cells. Each is the sum of three
 tents of half the size, with a quarter, a half, a quarter of the weight; of these the part on the
 inner side of a plane is found from the distance of its middle. So what a flat surface fills is
-right at any angle, and edges are rounded by an eighth of a cell only.
+right at any angle, and edges are rounded by an eighth of a cell only. Where surfaces are nearly
+flat the vertex's own tent and the mean distance are enough.
 """
 
 from math import sqrt
@@ -14,6 +15,7 @@ import numpy as np
 from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.kernels.fields import field_count, field_size
 from pgimp.kernels.record import MASS
+from pgimp.kernels.selection import include
 
 #: Columns of `Tools.motion`: the reference point now and at the start, the matrix that turns the
 #: body, distance of the lattice's points, its first point; velocity and angular velocity at the
@@ -24,8 +26,13 @@ CENTRE, REFERENCE, TURN, SPACING, LOW, FORMER, LATTER, MOTION = 0, 3, 6, 15, 16,
 #: least and greatest vertex near the body, by direction.
 SHAPE, FIRST, LEAST, MOST, ABOUT = 0, 3, 4, 7, 10
 
-#: Columns of `Tools.at`: distance and normal at a point; part filled, and area with outward normal.
-DISTANCE, NORMAL, FILLED, SURFACE, AT = 0, 1, 4, 5, 8
+#: Columns of `Tools.at`: distance, normal, and mean distance at a point; part filled, and area with
+#: outward normal.
+DISTANCE, NORMAL, MEAN, FILLED, SURFACE, AT = 0, 1, 4, 5, 6, 9
+
+#: Difference of the mean distance from that at the vertex, as part of a cell, from which on a
+#: surface is not taken for flat within the neighbourhood.
+FLAT = 0.02
 
 #: Places and weights that integrate over a tent from -1 to 1 polynomials up to the third degree on
 #: either side: Gauss and Jacobi's of two points.
@@ -44,7 +51,7 @@ class Tools(NamedTuple):
         How each moves in the step, and where its lattice lies.
     about : (tools, ABOUT) int64
         The shape of its lattice, and the vertices near it.
-    values : (points, 4) float64
+    values : (points, 5) float64
         Those of `DistanceField`, of one body after the other.
     bodies : int
         Number of the bodies with particles, which come first.
@@ -64,7 +71,7 @@ def _look_up(tools, t, D, x, y, z):
     """Set distance and normal of body `t` at a point."""
     row, about, at = tools.motion[t], tools.about[t], tools.at
     gap = (x - row[CENTRE], y - row[CENTRE + 1], z - row[CENTRE + 2])
-    at[: NORMAL + 3] = 0.0
+    at[: MEAN + 1] = 0.0
     place, inside = 0, True
     part = (0.0, 0.0, 0.0)
     step = (0, 0, 0)
@@ -103,6 +110,7 @@ def _look_up(tools, t, D, x, y, z):
         own0 += weight * tools.values[where, 1]
         own1 += weight * tools.values[where, 2]
         own2 += weight * tools.values[where, 3]
+        at[MEAN] += weight * tools.values[where, 4]
     length = sqrt(own0 * own0 + own1 * own1 + own2 * own2)
     inverse = 1.0 / length if length > 0.0 else 0.0
     for d in range(3):
@@ -136,17 +144,32 @@ def _cut(a, b, c, s):
 
 
 @inner_kernel
+def _halves(tools, frame, part):
+    """Half sides of a tent, `part` of a cell, times the last normal; the greatest first."""
+    a, b, c = 0.0, 0.0, 0.0
+    for d in range(len(frame.cell)):
+        half = abs(tools.at[NORMAL + d]) * part * frame.cell[d]
+        a, half = max(a, half), min(a, half)
+        b, c = max(b, half), max(c, min(b, half))
+    return a, b, c
+
+
+@inner_kernel
 def _is_near(tools, t, frame, number):
     """Set distance and normal at a vertex; returns whether the body may fill some of its reach."""
-    about, D = tools.about[t], len(frame.cell)
-    square = 0.0
+    about, at, D = tools.about[t], tools.at, len(frame.cell)
+    square, along = 0.0, 0.0
     for d in range(D):
         if number[d] < about[LEAST + d] or number[d] > about[MOST + d]:
             return False
         square += frame.cell[d] ** 2
     x, y, z = place_of(frame, number)
     _look_up(tools, t, D, x, y, z)
-    return tools.at[DISTANCE] <= sqrt(square)
+    for d in range(D):
+        along += abs(at[NORMAL + d]) * frame.cell[d]
+    if abs(at[MEAN] - at[DISTANCE]) < FLAT * frame.cell[0]:
+        return at[MEAN] < along
+    return at[DISTANCE] <= sqrt(square)
 
 
 @inner_kernel
@@ -185,6 +208,13 @@ def fill(tools, t, frame, number, sides):
         at[FILLED], scale = 1.0, volume / reach
         at[SURFACE], at[SURFACE + 1], at[SURFACE + 2] = scale * n0, scale * n1, scale * n2
         return True
+    whole = sides[0] == 0 and sides[1] == 0 and sides[2] == 0
+    if whole and abs(at[MEAN] - at[DISTANCE]) < FLAT * frame.cell[0]:
+        a, b, c = _halves(tools, frame, 1.0)
+        filled, slope = _cut(a, b, c, -at[MEAN])
+        at[FILLED], scale = filled, volume * max(slope, 1e-6 / reach)
+        at[SURFACE], at[SURFACE + 1], at[SURFACE + 2] = scale * n0, scale * n1, scale * n2
+        return filled > 0.0
     filled, s0, s1, s2 = 0.0, 0.0, 0.0, 0.0
     count = 1
     for _ in range(D):
@@ -209,11 +239,7 @@ def fill(tools, t, frame, number, sides):
         _look_up(tools, t, D, px, py, pz)
         if at[DISTANCE] > reach:
             continue
-        a, b, c = 0.0, 0.0, 0.0  # the greatest first
-        for d in range(D):
-            half = abs(at[NORMAL + d]) * 0.5 * frame.cell[d]
-            a, half = max(a, half), min(a, half)
-            b, c = max(b, half), max(c, min(b, half))
+        a, b, c = _halves(tools, frame, 0.5)
         if not a > 0.0:
             filled += weight if at[DISTANCE] < 0.0 else 0.0
             continue
@@ -233,15 +259,15 @@ def fill(tools, t, frame, number, sides):
 
 
 @kernel
-def find_touched(frame, field, tools, met):
+def find_touched(frame, field, tools, met, spread):
     """Count, in each of a rank's planes, the vertices with mass that are near a rigid body.
 
     Parameters
     ----------
     field : Field
         After the halo exchange.
-    met : (planes,) int64
-        Grows by that.
+    met, spread
+        As in `find_meetings`; they grow by that.
     """
     window, G, D = field.window, field.G, len(frame.cell)
     size = field_size(window)
@@ -262,7 +288,9 @@ def find_touched(frame, field, tools, met):
                     for f in range(field_count(window)):
                         some = some or G[r + f * size + MASS] > 0.0
                     number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
-                    met[i] += some and _is_near(tools, t, frame, number)
+                    if some and _is_near(tools, t, frame, number):
+                        met[i] += 1
+                        include(spread, i, j, k)
 
 
 

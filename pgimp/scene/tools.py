@@ -225,7 +225,7 @@ class SceneTools:
                 first += len(field.values)
             values = [field.values for field in self.fields]
             self._kept = Tools(
-                motion, about, np.concatenate(values) if values else np.zeros((0, 4)),
+                motion, about, np.concatenate(values) if values else np.zeros((0, 5)),
                 len(self.case.bodies), np.zeros(AT),
             )  # fmt: skip
         return self._kept

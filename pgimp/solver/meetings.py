@@ -10,11 +10,13 @@ from pgimp.decomposition.grid import Grid
 from pgimp.decomposition.halo import Halo
 from pgimp.decomposition.population import Population
 from pgimp.jit.bound import Bound
+from pgimp.kernels.concepts import Order
 from pgimp.kernels.contact import Contact
 from pgimp.kernels.contribution import VolumeSums
 from pgimp.kernels.ledger import CONTACT_AREA, Ledger
 from pgimp.kernels.meet import find_meetings
 from pgimp.kernels.p2g import particles_to_grid
+from pgimp.kernels.selection import select_near
 from pgimp.kernels.tools import find_touched
 from pgimp.scene.scene import Scene
 from pgimp.solver.groups import assign, body_boxes, reach
@@ -46,6 +48,7 @@ class Meetings:
         self.fields: tuple[int, ...] = (0,) * len(scene.body_names)
         self._reach = reach(scene)
         self._steps = 0
+        self._rows = np.empty(0, np.int32)
         self._known: Any = None
         self._halos: dict[tuple[bool, bool], Halo] = {}
 
@@ -75,10 +78,12 @@ class Meetings:
         scene, tools = self.scene, self.scene.tools
         if max(self.fields) == 0 and not tools:
             return contact
-        self.call(find_meetings, grid.field, contact.met)
+        self.call(find_meetings, grid.field, contact.met, contact.spread)
         if tools:
             placed = tools.at(start, end)
-            self.call(find_touched, scene.frame, grid.field, placed, contact.met)
+            self.call(
+                find_touched, scene.frame, grid.field, placed, contact.met, contact.spread
+            )
         found = np.flatnonzero(contact.met)
         if len(found):
             self._sum_volumes(grid, population, found)
@@ -98,10 +103,22 @@ class Meetings:
             scene.tools.at(0.0, 0.0) if scene.tools else (),
         )  # fmt: skip
 
+    def _near(self, grid: Grid, population: Population) -> Order:
+        """Find the particles that may have weight where bodies meet."""
+        order, shared = population.ordered, grid.vertices - 1
+        if len(self._rows) < len(order.rows):
+            self._rows = np.empty(len(order.rows) * 9 // 8, np.int32)
+        start = np.empty_like(order.start)
+        self.call(
+            select_near, self.scene.frame, grid.window, population.particles, order,
+            self._contact.spread, shared, self._rows, start,
+        )  # fmt: skip
+        return Order(self._rows[: start[-1]], start)
+
     def _sum_volumes(self, grid: Grid, population: Population, planes: np.ndarray) -> None:
         """Sum volumes into some of the planes."""
         slab, shared, volumes = grid.slab, grid.vertices - 1, self._volumes
-        order, layers = population.ordered, grid.slab.layers
+        order, layers = self._near(grid, population), grid.slab.layers
         near = np.zeros(layers + shared, bool)
         for i in range(shared + 1):
             near[np.maximum(planes - i, 0)] = True

@@ -214,7 +214,7 @@ def estimate(
 
     rigid = Part(
         f"the distances from {len(scene.tools)} rigid bodies",
-        32.0 * scene.tools.points(),
+        40.0 * scene.tools.points(),
         "smaller rigid bodies, without what meets nothing, or larger cells (grid.cell)",
         shared=False,
     )

@@ -24,6 +24,7 @@ from pgimp.kernels.momentum import update_momentum
 from pgimp.kernels.order import layers_of, locate, merge, reach_of
 from pgimp.kernels.p2g import complete, particles_to_grid
 from pgimp.kernels.particles import Particles
+from pgimp.kernels.selection import select_near
 from pgimp.kernels.sums import SUMS, exact_masses, fastest_rate, layer_sums
 from pgimp.kernels.tools import find_touched
 from pgimp.mpi.node import Call, shared_out
@@ -65,8 +66,13 @@ def _calls(scene: Scene) -> Iterator[Call]:
         tools: Any = scene.tools.at(0.0, 0.0) if scene.tools else ()
         contact = Contact.empty(scene.pairs, grid.G, grid.planes, 1, len(faces), tools)
         if tools:
-            yield 1.0, lambda: find_touched(frame, grid.field, tools, contact.met)
-        yield 0.3, lambda: find_meetings(grid.field, contact.met)
+            yield 1.0, lambda: find_touched(
+                frame, grid.field, tools, contact.met, contact.spread
+            )
+        yield 0.3, lambda: find_meetings(grid.field, contact.met, contact.spread)
+        yield 0.3, lambda: select_near(
+            frame, grid.window, p, order, contact.spread, vertices - 1, rows.copy(), start.copy()
+        )
         yield 0.3, lambda: grow_boxes(frame, p, rows, np.zeros((2, len(fields), len(frame.cell))))
         yield 6.0, lambda: particles_to_grid(
             shaped, grid.field, p, VolumeSums(), order, np.zeros((0, 3), np.int64)

@@ -1,0 +1,56 @@
+"""The particles near the vertices at which bodies meet: others need not be summed again."""
+
+from pgimp.jit.kernel import inner_kernel, kernel
+
+#: Columns of `spread`: least and greatest vertex along y, then along z, in the window.
+LOW_Y, HIGH_Y, LOW_Z, HIGH_Z, SPREAD = 0, 1, 2, 3, 4
+
+
+@inner_kernel
+def include(spread, i, j, k):
+    """Widen what is known of plane `i` by a vertex."""
+    spread[i, LOW_Y], spread[i, HIGH_Y] = min(spread[i, LOW_Y], j), max(spread[i, HIGH_Y], j)
+    spread[i, LOW_Z], spread[i, HIGH_Z] = min(spread[i, LOW_Z], k), max(spread[i, HIGH_Z], k)
+
+
+@kernel
+def select_near(frame, window, particles, order, spread, shared, rows, start):
+    """Select the particles that may have weight on some vertices, in their order.
+
+    Parameters
+    ----------
+    window : Window
+        That of the planes.
+    order : Order
+        Of all particles of the rank.
+    spread : (planes, SPREAD) int64
+        Between which vertices those of each plane lie; none if the least is above the greatest.
+    shared : int
+        Vertices a direction in a support, less one.
+    rows : (n,) int32
+        Filled with the particles' rows.
+    start : (layers + 1,) int64
+        Set to where each layer begins in `rows`.
+    """
+    D, found = len(frame.cell), 0
+    reach = 0.5 * (shared + 1) + 1e-6  # of a particle: half of its support, at most
+    for layer in range(len(start) - 1):
+        start[layer] = found
+        low_y, high_y, low_z, high_z = 1 << 40, -1, 1 << 40, -1
+        for i in range(layer, layer + shared + 1):
+            low_y, high_y = min(low_y, spread[i, LOW_Y]), max(high_y, spread[i, HIGH_Y])
+            low_z, high_z = min(low_z, spread[i, LOW_Z]), max(high_z, spread[i, HIGH_Z])
+        if high_y < 0:
+            continue
+        for k in range(order.start[layer], order.start[layer + 1]):
+            p = order.rows[k]
+            near = True
+            for d in range(1, D):
+                low, high = (low_y, high_y) if d == 1 else (low_z, high_z)
+                x = (particles.x[p, d] - frame.origin[d]) * frame.inverse[d]
+                x += frame.ghost - window.lower[d]
+                near = near and x > low - reach and x < high + reach
+            if near:
+                rows[found] = p
+                found += 1
+    start[len(start) - 1] = found
