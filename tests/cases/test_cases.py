@@ -192,7 +192,8 @@ def test_bar_is_pressed_and_rolled(runs):
     time, punch = history["time"], history["tool.punch.force-y"]
     holds = (time > 0.3) & (time < 0.4)
     assert 0.85 < punch[holds].mean() / 43755.0 < 0.95
-    assert history["tool.die.force-y"][holds].mean() == pytest.approx(-punch[holds].mean(), rel=0.05)
+    die = history["tool.die.force-y"]
+    assert die[holds].mean() == pytest.approx(-punch[holds].mean(), rel=0.05)
     assert history["tool.punch.displacement-y"].min() == pytest.approx(-0.09, abs=1e-12)
     at = np.searchsorted(time, 0.9)
     assert history["tool.punch.displacement-x"][at] == pytest.approx(0.3, abs=1e-12)
