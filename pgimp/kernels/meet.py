@@ -19,7 +19,7 @@ from pgimp.kernels.contact import (
 from pgimp.kernels.faces import on_walls, wall_sides
 from pgimp.kernels.fields import field_count, field_size
 from pgimp.kernels.record import ACCELERATION, FORCE, MASS, MOMENTUM, RECORD, VELOCITY
-from pgimp.kernels.tools import CENTRE, FILLED, SPIN, SURFACE, TOOL_VELOCITY, fill, place_of
+from pgimp.kernels.tools import CENTRE, FILLED, FORMER, LATTER, SURFACE, fill, place_of
 
 
 @kernel
@@ -85,7 +85,7 @@ def _meet_in_plane(contact, faces, frame, field, forcing, i, ledger, last):
             if count == 0:
                 continue
             sides = wall_sides(faces, frame, number)
-            rigid = find_tools(contact, contact.tools, frame, number, sides, count)
+            rigid = find_tools(contact, contact.tools, frame, number, sides, count, last)
             if count + rigid < 2:
                 continue
             pairs = find_pairs(contact, frame, sides, count + rigid, rigid, dt)
@@ -140,17 +140,22 @@ def _find_fields(contact, faces, frame, field, r, number):
     return count
 
 
-def find_tools(contact, tools, frame, number, sides, count):
-    """Add the rigid bodies near a vertex to the `count` fields there; returns their number."""
+def find_tools(contact, tools, frame, number, sides, count, last):
+    """Add the rigid bodies near a vertex to the `count` fields there; returns their number.
+
+    What particles bring meets their velocity at the step's beginning, what forces make of it that
+    at its end, so that the material gets the acceleration of what it lies on.
+    """
 
 
 @specialise(find_tools)
-def _find_tools(contact, tools, frame, number, sides, count):
+def _find_tools(contact, tools, frame, number, sides, count, last):
     if not hasattr(tools, "instance_class"):
-        return lambda contact, tools, frame, number, sides, count: 0
+        return lambda contact, tools, frame, number, sides, count, last: 0
 
-    def find(contact, tools, frame, number, sides, count):
-        found = count
+    def find(contact, tools, frame, number, sides, count, last):
+        found, velocity = count, LATTER if last else FORMER
+        spin = velocity + 3
         for t in range(len(tools.motion)):
             if not fill(tools, t, frame, number, sides):
                 continue
@@ -161,8 +166,8 @@ def _find_tools(contact, tools, frame, number, sides, count):
             arm = (x[0] - motion[CENTRE], x[1] - motion[CENTRE + 1], x[2] - motion[CENTRE + 2])
             for d in range(3):
                 e, f = (d + 1) % 3, (d + 2) % 3
-                v = motion[TOOL_VELOCITY + d]
-                v += motion[SPIN + e] * arm[f] - motion[SPIN + f] * arm[e]
+                v = motion[velocity + d]
+                v += motion[spin + e] * arm[f] - motion[spin + f] * arm[e]
                 row[OUTWARD + d] = tools.at[SURFACE + d]
                 row[NOW + d] = row[BEFORE + d] = v
                 row[MOBILITY + d] = 0.0

@@ -16,8 +16,9 @@ from pgimp.kernels.fields import field_count, field_size
 from pgimp.kernels.record import MASS
 
 #: Columns of `Tools.motion`: the reference point now and at the start, the matrix that turns the
-#: body, velocity and angular velocity, distance of the lattice's points, its first point.
-CENTRE, REFERENCE, TURN, TOOL_VELOCITY, SPIN, SPACING, LOW, MOTION = 0, 3, 6, 15, 18, 21, 22, 25
+#: body, distance of the lattice's points, its first point; velocity and angular velocity at the
+#: step's beginning, both at its end.
+CENTRE, REFERENCE, TURN, SPACING, LOW, FORMER, LATTER, MOTION = 0, 3, 6, 15, 16, 19, 25, 31
 
 #: Columns of `Tools.about`: the lattice's points along each direction, where they begin, and the
 #: least and greatest vertex near the body, by direction.

@@ -108,16 +108,18 @@ class Motion(Model):
         )  # fmt: skip
         return Pose((start[0] + way[0], start[1] + way[1], start[2] + way[2]), turn)
 
-    def mean_velocity(self, start: float, end: float) -> tuple[Triple, Triple]:
-        """Return velocity of the reference point and angular velocity, means over a step."""
-        dt = end - start
-        if not dt > 0.0:
-            return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-        a, b = self.displacement(start), self.displacement(end)
-        x, y, z = ((q - p) / dt for p, q in zip(a, b, strict=True))
+    def velocities(self, t: float) -> tuple[Triple, Triple]:
+        """Return the velocity of the reference point and the angular velocity at time `t`."""
+        velocity: tuple[float, ...] = ()
+        if isinstance(self.velocity, VectorTable):
+            velocity = self.velocity.value(t)
+        elif self.velocity is not None:
+            velocity = self.velocity
+        x, y, z = (*(float(v) for v in velocity), 0.0, 0.0, 0.0)[:3]
         rate = 0.0
         if self.rotation:
-            rate = (self.rotation.angle(end) - self.rotation.angle(start)) / dt
+            turns = self.rotation.rate
+            rate = turns.value(t) if isinstance(turns, Table) else turns
         u, v, w = (rate * n for n in self.axis)
         return (x, y, z), (u, v, w)
 

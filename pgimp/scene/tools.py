@@ -20,6 +20,8 @@ from pgimp.kernels.tools import (
     AT,
     CENTRE,
     FIRST,
+    FORMER,
+    LATTER,
     LEAST,
     LOW,
     MOST,
@@ -27,8 +29,6 @@ from pgimp.kernels.tools import (
     REFERENCE,
     SHAPE,
     SPACING,
-    SPIN,
-    TOOL_VELOCITY,
     TURN,
     Tools,
     distances,
@@ -124,7 +124,7 @@ class SceneTools:
         thick = thickness(entry.region, field, len(cell))
         if thick < (1.0 - 1e-6) * min(cell):
             raise CaseError(
-                f"is {thick:.6g} thick at most, and cells are "
+                f"is {thick:.2g} thick at most, and cells are "
                 f"{min(cell):.6g} wide: what meets it would feel both of its sides at once; make "
                 "it thicker, on a side that meets nothing, or the cells smaller"
             )
@@ -173,9 +173,9 @@ class SceneTools:
             tools.motion, tools.about, self.entries, self.fields, strict=True
         ):
             centre, turn = entry.rigid.pose(start)
-            velocity, spin = entry.rigid.mean_velocity(start, end)
             row[CENTRE : CENTRE + 3], row[TURN : TURN + 9] = centre, turn
-            row[TOOL_VELOCITY : TOOL_VELOCITY + 3], row[SPIN : SPIN + 3] = velocity, spin
+            for column, time in ((FORMER, start), (LATTER, end)):
+                row[column : column + 6] = np.concatenate(entry.rigid.velocities(time))
             self._bound(row, about, field)
         return tools
 

@@ -90,7 +90,8 @@ class Books:
         self._work = [(0.0, 0, "")]
         self._lines = [self._line]
         conditions = [*self.case.boundaries.values(), *self.case.constraints.values()]
-        self._accelerates = bool(self.case.contact) or any(each.varies for each in conditions)
+        meets = bool(self.case.contact or self.case.tools)
+        self._accelerates = meets or any(each.varies for each in conditions)
         self._explained = [0.0]
 
     def run(self):
@@ -131,10 +132,12 @@ class Books:
             self._vector(line, name) - self._vector(last, name)
             for name in ("momentum", "escaped.momentum")
         )
+        for name in self.case.tools:
+            impulse -= (line["time"] - last["time"]) * self._vector(line, f"tool.{name}.force")
         off = np.abs(gained - impulse).max()
         text = f"step {sim.step}: gained {gained.tolist()}, impulses {impulse.tolist()}"
         self._momentum.append((off, sim.step, text))
-        if len(forces) <= 1 and not self.case.tractions:
+        if len(forces) <= 1 and not (self.case.tractions or self.case.tools):
             self._check_work(line, last, gravity, before, mass, start)
 
     def _check_work(self, line, last, gravity, before, mass, start):
@@ -185,7 +188,7 @@ class Books:
                     gained += values
             self.created = float(max(0.0, gained.max()) / largest)
         case = self.case
-        held = case.boundaries or case.constraints or case.tractions or case.gravity
+        held = case.boundaries or case.constraints or case.tractions or case.gravity or case.tools
         if not held and self.D > 1 and len(self._lines) > 1:
             speed = math.sqrt(2.0 * energy.max() / self.mass)
             size = max(case.grid.size)

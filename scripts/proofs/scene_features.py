@@ -15,7 +15,7 @@ import math
 import random
 from typing import NamedTuple
 
-from scene_bodies import add_bodies, number, vector
+from scene_bodies import add_bodies, ball, box, middle, number, union, vector
 from scene_output import checkpoints, frames, grid_frames, history, probes, small_files
 
 SHAPES = ("gimp", "gimp", "mpm", "finite-gimp", "fuzzy-constant", "fuzzy-nearest")
@@ -236,6 +236,35 @@ def constraint(rng, scene):
     grips[f"grip{len(grips)}"] = entry
 
 
+def tools(rng, scene):
+    """One or two rigid bodies, beside a body, that stand, move or turn."""
+    D, h = scene.dimension, scene.cell
+    for number_of in range(rng.choice((1, 1, 2))):
+        low, high = (list(corner) for corner in scene.corners[rng.choice([*scene.corners])])
+        d, side = rng.randrange(D), rng.choice((-1, 1))
+        size = [b - a + number(rng, 0.0, 2.0) * c for a, b, c in zip(low, high, h, strict=True)]
+        size[d] = number(rng, 1.2, 3.0) * h[d]
+        gap = number(rng, 0.0, 1.5) * h[d] if rng.random() < 0.7 else 0.0
+        first = [a + number(rng, -1.0, 1.0) * c for a, c in zip(low, h, strict=True)]
+        first[d] = high[d] + gap if side > 0 else low[d] - gap - size[d]
+        last = [a + b for a, b in zip(first, size, strict=True)]
+        kind = rng.random()
+        made = box if kind < 0.5 else (ball if kind < 0.75 else union)
+        motion, most = {}, 0.15 * scene.speed
+        if rng.random() < 0.7:
+            velocity = vector(rng, D, most)
+            velocity[d] = -side * number(rng, 0.0, most)
+            motion["velocity"] = velocity if rng.random() < 0.6 else table(rng, scene, most, D)
+        if D > 1 and rng.random() < 0.4:
+            rate = most / max(size)
+            turns = number(rng, -rate, rate) if rng.random() < 0.6 else table(rng, scene, rate)
+            motion["rotation"] = {"about": middle(first, last), "rate": turns}
+            if D == 3:
+                motion["rotation"]["axis"] = [1.0, *vector(rng, 2, 1.0)]
+        region = made(rng, first, last, scene)
+        scene.case["bodies"][f"tool{number_of}"] = {"rigid": motion, "region": region}
+
+
 def contact(rng, scene):
     """A law for all pairs of bodies, or for some; with two bodies or more."""
     names = [*scene.case["bodies"]]
@@ -285,6 +314,7 @@ FEATURES = (
     Feature("traction", traction, 0.25, compiled=True),
     Feature("constraint", constraint, 0.25, compiled=True),
     Feature("second constraint", constraint, 0.05, compiled=True),
+    Feature("rigid bodies", tools, 0.3, compiled=True),
     Feature("contact", contact, 0.35, compiled=True),
     Feature("frames", frames),
     Feature("grid frames", grid_frames, 0.4),

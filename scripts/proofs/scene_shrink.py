@@ -60,7 +60,7 @@ def _bodiless(case, name):
     if len(found["bodies"]) > 1:
         kept = [law for law in laws if name not in law["bodies"]]
         found |= {"contact": kept} if kept else {}
-    used = {body["material"] for body in found["bodies"].values()}
+    used = {body.get("material") for body in found["bodies"].values()}
     found["materials"] = {key: each for key, each in found["materials"].items() if key in used}
     return found
 
@@ -124,6 +124,7 @@ def _lower(case):
             found["materials"][name] = {"model": "linear-1d", "young": each["young"],
                                         "density": each["density"]}  # fmt: skip
         for body in found["bodies"].values():
+            body.get("rigid", {}).pop("rotation", None)
             if isinstance(body.get("velocity"), dict):
                 body["velocity"] = body["velocity"].get("translation", [0.0])
     return found
@@ -165,6 +166,8 @@ def candidates(case):
                 found["bodies"][name][key] = value
                 yield found
         yield _without(case, ("bodies", name, "velocity"))
+        yield _without(case, ("bodies", name, "rigid", "velocity"))
+        yield _without(case, ("bodies", name, "rigid", "rotation"))
     yield case | {"method": case["method"] | {"particles_per_cell": [1] * case["dimensions"]}}
     for d, upper in itertools.product(range(case["dimensions"]), (False, True)):
         yield _smaller_grid(case, d, upper)
@@ -175,7 +178,10 @@ def candidates(case):
     for name in case["materials"]:
         yield _without(case, ("materials", name, "viscosity"))
     first = next(iter(case["materials"]))
-    bodies = {name: body | {"material": first} for name, body in case["bodies"].items()}
+    bodies = {
+        name: body if "rigid" in body else body | {"material": first}
+        for name, body in case["bodies"].items()
+    }
     yield case | {"bodies": bodies, "materials": {first: case["materials"][first]}}
     yield _lower(case)
 

@@ -282,13 +282,27 @@ def affine():
 
 
 def meeting():
-    """Bodies that come near each other and part, with friction, tied, at walls and constraints."""
+    """Bodies that come near each other and part, with friction, tied, at walls and constraints.
+
+    A rigid ram comes from one end of the grid, and a rigid wheel turns between them.
+    """
     bodies = {
         "flies": box([1.0, 2.0], [4.0, 5.0], [6.0, 0.4]),
         "meets": box([12.0, 2.5], [15.0, 5.5], [-5.0, -0.4], "stiff"),
         "lies": box([7.0, 0.0], [10.0, 2.0]),
         "glued": box([7.0, 2.0], [9.0, 3.5]),
         "ghost": box([5.0, 6.0], [6.0, 7.0], [3.0, -4.0]),
+        "ram": {
+            "rigid": {"velocity": {"table": [[0.0, [-9.0, 0.0]], [1.0, [-4.0, 0.5]]]}},
+            "region": {"box": {"min": [15.3, 1.0], "max": [24.0, 7.0]}},
+        },
+        "wheel": {
+            "rigid": {"rotation": {"about": [11.4, 1.2], "rate": 6.0}},
+            "region": {"union": [
+                {"ball": {"centre": [11.4, 1.2], "radius": 1.2}},
+                {"box": {"min": [10.8, 0.9], "max": [12.9, 1.5]}},
+            ]},
+        },
     }
     grip = {"body": "lies", "region": {"box": {"min": [7.0, 0.0], "max": [8.0, 2.0]}}}
     return scene(

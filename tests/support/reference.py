@@ -8,6 +8,8 @@ import numpy as np
 from kernel_driver import follows, initial_half
 from quadrature import chi_of, integrals
 
+from pgimp.kernels.clearance import CLOSED
+
 
 def matrix(F):
     """(3, 3) deformation gradient from the D*D entries of a row; 1 in the other directions."""
@@ -167,6 +169,7 @@ class Reference:
             m, lack = (np.take(field, [face], axis) for field in (self.m, -total))
             lack = np.maximum(lack, 0.0)
             way = np.where(m > 0, lack / np.where(m > 0, 2 * m + lack, 1.0), 0.0)
+            way = np.maximum(way - CLOSED, 0.0)
             found[axis, side] = np.broadcast_to(frame.cell[axis] * way, self.shape)
         return found
 

@@ -1,0 +1,201 @@
+"""Rigid bodies that move as prescribed: what must hold exactly, and what exact solutions say."""
+
+from math import cos, pi, radians, sin
+
+import numpy as np
+import pytest
+from scenes import box, energy, finish, scene, start, tracked
+
+from pgimp.case.reader import dump_case, read_case
+from pgimp.case.schema import Case
+from pgimp.errors import CaseError
+
+
+def rigid(low, high, **motion):
+    """A rigid body that fills a box."""
+    return {"rigid": motion, "region": {"box": {"min": list(low), "max": list(high)}}}
+
+
+def struck(D, law, **motion):
+    """A block that a rigid body is to meet along x."""
+    bodies = {
+        "block": box([4.0] + [2.0] * (D - 1), [7.0] + [5.0] * (D - 1)),
+        "ram": rigid([1.5] + [1.0] * (D - 1), [4.0] + [6.0] * (D - 1), **motion),
+    }
+    contact = [{"bodies": ["block", "ram"], **law}]
+    return scene(D, bodies, cells=[16, 8, 8][:D], end=1.0, contact=contact)
+
+
+def impulses(sim, name):
+    """Impulse and moment of momentum that a rigid body got in a whole run, and its last line."""
+    total, last = np.zeros(6), sim.diagnostics()["time"]
+    while not sim.finished:
+        sim.advance()
+        line = sim.diagnostics()
+        names = [f"tool.{name}.{what}-{a}" for what in ("force", "torque") for a in "xyz"]
+        total += (line["time"] - last) * np.array([line.get(each, 0.0) for each in names])
+        last = line["time"]
+    return total, line
+
+
+@pytest.mark.parametrize("D", [1, 2, 3])
+def test_momentum_and_work_of_a_ram(D):
+    """A ram at constant velocity: the block leaves faster; all it has is what the ram gave."""
+    velocity = [1.0, 0.5, -0.25][:D]
+    sim = start(struck(D, {"friction": 0.5}, velocity=velocity))
+    total, line = impulses(sim, "ram")
+    momentum = np.array([line[f"momentum-{a}"] for a in "xyz"[:D]])
+    assert momentum[0] > 1.1 * line["mass"]
+    assert total[:D] == pytest.approx(-momentum, abs=1e-12 * momentum[0])
+    assert line["tool.ram.work"] == pytest.approx(momentum @ velocity, rel=1e-12)
+    assert line["external-work"] == line["tool.ram.work"]
+    assert line["tool.ram.displacement-x"] == pytest.approx(1.0, abs=1e-12)
+    lost = line["dissipated-energy"]
+    assert 0.0 < lost < 0.3 * line["tool.ram.work"]
+    # Moments about the origin of the coordinates where it began, which goes along.
+    if D == 2:
+        gained = line["angular-momentum-z"]
+        assert -total[5] == pytest.approx(gained, abs=0.1 * abs(momentum[0]))
+
+
+@pytest.mark.parametrize("law", ["friction", "tied", "ignore"])
+def test_a_ram_that_is_pulled_away(law):
+    """It takes nothing along, unless it is tied: then all."""
+    sim = finish(start(struck(2, {"law": law}, velocity=[-1.0, 0.2])))
+    line = sim.diagnostics()
+    if law == "tied":
+        velocity = np.array([line["momentum-x"], line["momentum-y"]]) / line["mass"]
+        assert velocity[0] < -0.5
+        assert line["body.block.centre-x"] == pytest.approx(5.5 - 1.0, abs=0.4)
+    else:
+        assert line["momentum-x"] == line["momentum-y"] == 0.0
+        assert energy(line) == 0.0
+
+
+@pytest.mark.parametrize("law", ["friction", "tied"])
+def test_a_block_on_a_table_that_speeds_up(law):
+    """It gets the acceleration of what it lies on: pushed from behind, or tied."""
+    motion = {"velocity": {"table": [[0.0, [0.0, 0.0]], [4.0, [2.0, 0.0]]]}}
+    case = struck(2, {"law": law}, **motion)
+    case["time"]["end"], case["method"]["affine"] = 4.0, True
+    line = finish(start(case)).diagnostics()
+    assert line["momentum-x"] / line["mass"] == pytest.approx(2.0, abs=0.1)
+    assert line["body.block.centre-x"] == pytest.approx(5.5 + 4.0, abs=0.15)
+
+
+@pytest.mark.parametrize("friction", [0.3, 0.1])
+def test_a_block_slides_down_a_rigid_slope(friction):
+    """Its acceleration within three per cent; friction's work is its heat."""
+    slope, g = radians(24.0), 1.0
+    n, along = np.array([sin(slope), cos(slope)]), np.array([cos(slope), -sin(slope)])
+    corner = np.array([3.0, 13.0])
+
+    def half(point, normal):
+        return {"half-space": {"point": point.tolist(), "normal": normal.tolist()}}
+
+    whole = {"box": {"min": [0.0, 0.0], "max": [30.0, 18.0]}}
+    block = [whole, half(corner, -n), half(corner + 4.0 * n, n), half(corner, -along)]
+    region = {"intersection": [*block, half(corner + 9.0 * along, along)]}
+    ground = {"intersection": [{"box": {"min": [-5.0, -5.0], "max": [40.0, 18.0]}},
+                               half(corner, n)]}  # fmt: skip
+    bodies = {"block": {"material": "soft", "region": region},
+              "slope": {"rigid": {}, "region": ground}}  # fmt: skip
+    case = scene(2, bodies, cells=[30, 18], end=5.0, step={"courant": 0.3}, gravity=[0.0, -g],
+                 contact=[{"bodies": ["block", "slope"], "friction": friction}])  # fmt: skip
+    case["materials"]["soft"] = {**case["materials"]["soft"], "young": 1000.0}
+    case["method"]["affine"] = True
+    sim = start(case)
+    lines = []
+    for time in (1.0, 5.0):
+        while sim.time < time and not sim.finished:
+            sim.advance()
+        lines.append(sim.diagnostics())
+    begin, end = lines
+    change = [end[name] - begin[name] for name in ("momentum-x", "momentum-y")]
+    gained = float(np.dot(change, along)) / end["mass"] / (end["time"] - begin["time"])
+    assert gained == pytest.approx(g * (sin(slope) - friction * cos(slope)), rel=0.03)
+    push = end["contact.block+slope.normal-impulse"]
+    slip = end["contact.block+slope.tangential-impulse"]
+    assert slip == pytest.approx(friction * push, rel=0.04)  # it begins at rest
+    assert push == pytest.approx(g * cos(slope) * end["mass"] * end["time"], rel=0.04)
+    assert end["tool.slope.work"] == 0.0
+
+
+def test_a_wheel_turns_a_disk():
+    """Two round bodies that touch: the disk begins to turn the other way, without moving off."""
+    bodies = {
+        "disk": {"material": "soft", "region": {"ball": {"centre": [10.0, 6.0], "radius": 4.0}}},
+        "wheel": {
+            "rigid": {"rotation": {"about": [10.0, 13.0], "rate": 0.5}},
+            "region": {"ball": {"centre": [10.0, 13.0], "radius": 3.0}},
+        },
+        "bed": rigid([0.0, 0.0], [20.0, 2.0]),
+    }
+    contact = [{"bodies": ["disk", "wheel"], "friction": 0.4}, {"bodies": ["disk", "bed"]}]
+    case = scene(2, bodies, cells=[20, 16], end=6.0, gravity=[0.0, 0.1], contact=contact)
+    sim = start(case)
+    heat, torque, work = tracked(
+        sim, "contact.disk+wheel.friction-heat", "tool.wheel.torque-z", "tool.wheel.work"
+    )
+    assert torque[1:].min() < 0.0  # the disk holds the wheel back
+    assert work[-1] > 0.0
+    assert (np.diff(heat) > -1e-12).all()
+    x, v = (sim.particles.x[sim.live()], sim.particles.v[sim.live()])
+    arm = x - x.mean(axis=0)
+    assert (arm[:, 0] * v[:, 1] - arm[:, 1] * v[:, 0]).mean() < 0.0
+
+
+def test_poses_are_integrals_of_the_motion():
+    """Exact for tables and constant rates, about any axis."""
+    motion = {
+        "velocity": {"table": [[0.0, [0.0, 0.0, 1.0]], [2.0, [4.0, 0.0, 1.0]]]},
+        "rotation": {"about": [4.0, 4.0, 4.0], "axis": [2.0, 0.0, 0.0],
+                     "rate": {"table": [[0.0, 0.0], [1.0, pi]]}},
+    }  # fmt: skip
+    bodies = {"block": box([1.0] * 3, [2.0] * 3), "ram": rigid([3.0] * 3, [5.0] * 3, **motion)}
+    case = Case.model_validate(scene(3, bodies, end=2.0))
+    body = case.tools["ram"].rigid
+    centre, turn = body.pose(1.0)
+    assert centre == pytest.approx((5.0, 4.0, 5.0))
+    assert np.array(turn).reshape(3, 3) @ [0, 1, 0] == pytest.approx([0, 0, 1], abs=1e-15)
+    velocity, spin = body.velocities(1.5)
+    assert velocity == pytest.approx((3.0, 0.0, 1.0))
+    assert spin == pytest.approx((pi, 0.0, 0.0))
+    assert read_case(dump_case(case), "case.yaml") == case
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"rigid": {"speed": 1.0}}, "speed"),
+        ({"rigid": {"velocity": [1.0]}}, "bodies.ram.rigid.velocity"),
+        ({"rigid": {"rotation": {"about": [1.0, 1.0], "axis": [1.0, 0.0, 0.0], "rate": 1.0}}},
+         "in 2D the axis is z"),
+        ({"material": "soft"}, "bodies.ram.material"),
+        ({"velocity": [1.0, 0.0]}, "bodies.ram.velocity"),
+        ({"region": {"half-space": {"point": [3.0, 3.0], "normal": [1.0, 0.0]}}}, "has no end"),
+        ({"region": {"box": {"min": [1.5, 1.0], "max": [2.0, 6.0]}}}, "0.5 thick"),
+        ({"region": {"box": {"min": [1.5, 1.0], "max": [5.5, 6.0]}}}, "'block' reaches"),
+        ({"region": {"points": {"file": "a.csv"}}}, "rigid body has no particles"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_is_refused(change, said):
+    case = struck(2, {"friction": 0.1})
+    case["bodies"]["ram"] = case["bodies"]["ram"] | change
+    with pytest.raises((CaseError, ValueError)) as raised:
+        start(case)
+    assert said in str(raised.value)
+
+
+def test_nothing_but_contact_may_name_a_rigid_body():
+    case = struck(2, {"friction": 0.1})
+    case["constraints"] = {
+        "grip": {"body": "ram", "region": {"box": {"min": [0.0, 0.0], "max": [9.0, 8.0]}},
+                 "velocity": [0.0, 0.0]}
+    }  # fmt: skip
+    with pytest.raises(ValueError, match=r"constraints\.grip\.body"):
+        start(case)
+    alone = struck(2, {})
+    del alone["bodies"]["block"], alone["contact"]
+    with pytest.raises(ValueError, match="needs a body of a material"):
+        start(alone)
