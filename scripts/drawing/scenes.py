@@ -155,7 +155,7 @@ def upsetting(redraw):
     right.plot(history["time"], way, color=BLUE, label="way of the centre")
     half = 0.5 * history["tool.punch.displacement-x"]
     right.plot(history["time"], half, "k--", lw=1.0, label="half of the punch's way")
-    right.set(xlabel="time [s]", ylabel="way along x [m]")
+    right.set(xlabel="time [s]", ylabel="way along x [m]", ylim=(-0.01, 0.21))
     right.legend(loc="upper left")
     save(figure, "upsetting")
 
