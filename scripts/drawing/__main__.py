@@ -6,7 +6,7 @@ from column import compaction
 from cost import error_and_cost
 from exact import shock, spinning_block, vortex
 from looking import block3d, paraview
-from scenes import bar_vibration, disks, incline, rolling
+from scenes import bar_vibration, disks, incline, rolling, upsetting
 
 PICTURES = {
     "compaction": compaction,
@@ -15,6 +15,7 @@ PICTURES = {
     "disks": disks,
     "rolling": rolling,
     "incline": incline,
+    "upsetting": upsetting,
     "bar-vibration": bar_vibration,
     "shock": shock,
     "vortex": vortex,

@@ -1,7 +1,10 @@
-"""The other cases: disks, rolling, incline, bar."""
+"""The other cases: disks, rolling, incline, upsetting, bar."""
 
 import numpy as np
 from common import BLUE, RED, boxes, frame_at, plt, run, save
+
+from pgimp.tools.plot.camera import camera
+from pgimp.tools.plot.rigid import draw_lines, lines
 
 
 def energies(axis, results, unit):
@@ -109,6 +112,52 @@ def incline(redraw):
     right.set(xlabel="time [s]", ylabel="force of the slope [N/m]")
     right.legend(fontsize=9)
     save(figure, "incline")
+
+
+def hertz(approach, young=1.0e6, poisson=0.3, radius=0.3):
+    """Force between two rigid planes that approach each other across a cylinder, per thickness."""
+    force = np.geomspace(1.0, 1.0e6, 2000)
+    plane = young / (1.0 - poisson**2)
+    half_width = np.sqrt(4.0 * force * radius / (np.pi * plane))
+    both = 2.0 * force / (np.pi * plane) * (2.0 * np.log(4.0 * radius / half_width) - 1.0)
+    return np.interp(approach, both, force, left=0.0)
+
+
+def upsetting(redraw):
+    """Three instants between die and punch; force against Hertz's, way against the punch's."""
+    results = run("upsetting", redraw)
+    figure = plt.figure(figsize=(9, 5.4))
+    grid = figure.add_gridspec(2, 6, height_ratios=(1.0, 1.15))
+    axes = []
+    for column, time in enumerate((0.0, 0.35, 0.85)):
+        axis = figure.add_subplot(grid[0, 2 * column : 2 * column + 2], aspect="equal")
+        frame = frame_at(results, time)
+        position, stress = frame["position"], frame["von-mises"] / 1e3
+        shown = boxes(axis, position, frame["radius"], stress, (0.0, 250.0))
+        start = position - frame["displacement"]
+        middle = np.abs(start[:, 0] - 0.45) < 0.0126  # two columns of particles
+        axis.scatter(*position[middle, :2].T, s=1.0, color="w", zorder=3)
+        draw_lines(axis, lines(frame, camera(None, 2, None)), True)
+        axis.set(xlim=(0.0, 1.1), ylim=(0.0, 0.8), xlabel="x [m]", yticks=(0, 0.4, 0.8))
+        axis.set(ylabel="" if column else "y [m]", title=f"t = {frame.time:.2f} s")
+        axes.append(axis)
+    figure.colorbar(shown, ax=axes, label="von Mises stress [kPa]", shrink=0.85, extend="max")
+    history = results.history
+    left, right = figure.add_subplot(grid[1, :3]), figure.add_subplot(grid[1, 3:])
+    approach = -history["tool.punch.displacement-y"]
+    force = 0.5 * (history["tool.punch.force-y"] - history["tool.die.force-y"])
+    left.plot(1e3 * approach, force / 1e3, color=BLUE, label="mean of die and punch")
+    ways = np.linspace(0.0, 0.09, 200)
+    left.plot(1e3 * ways, hertz(ways) / 1e3, "k--", lw=1.0, label="Hertz")
+    left.set(xlabel="approach of the punch [mm]", ylabel="force [kN/m]", xlim=(-5, 95))
+    left.legend()
+    way = history["body.bar.centre-x"] - 0.45
+    right.plot(history["time"], way, color=BLUE, label="way of the centre")
+    half = 0.5 * history["tool.punch.displacement-x"]
+    right.plot(history["time"], half, "k--", lw=1.0, label="half of the punch's way")
+    right.set(xlabel="time [s]", ylabel="way along x [m]", ylim=(-0.01, 0.21))
+    right.legend(loc="upper left")
+    save(figure, "upsetting")
 
 
 def bar_displacement(place, time, gravity=9.81, speed=20.0, length=1.0):

@@ -38,6 +38,7 @@ COARSER = {
     "disks": ["grid.cell=[0.05,0.05]", "output.every=0.5"],
     "incline": ["grid.cell=[0.1,0.1]", "time.end=0.6", "output.every=0.3"],
     "rolling": ["grid.cell=[0.05,0.05]", "time.end=0.5", "output.every=0.25"],
+    "upsetting": ["grid.cell=[0.05,0.05]", "output.every=0.4"],
 }
 
 
@@ -183,6 +184,25 @@ def test_block_slides_down_a_slope(runs):
     ratio = -history["reaction.y-min-x"][late] / history["reaction.y-min-y"][late]
     assert ratio == pytest.approx(np.full(len(ratio), 0.3), rel=0.01)
     assert np.ptp(history["body.block.centre-y"]) < 0.001
+
+
+def test_bar_is_pressed_and_rolled(runs):
+    """A radius of six cells: Hertz's force to 11 %, half of the punch's way, energy given back."""
+    history = runs("upsetting").history
+    time, punch = history["time"], history["tool.punch.force-y"]
+    holds = (time > 0.3) & (time < 0.4)
+    assert 0.85 < punch[holds].mean() / 43755.0 < 0.95
+    die = history["tool.die.force-y"]
+    assert die[holds].mean() == pytest.approx(-punch[holds].mean(), rel=0.05)
+    assert history["tool.punch.displacement-y"].min() == pytest.approx(-0.09, abs=1e-12)
+    at = np.searchsorted(time, 0.9)
+    assert history["tool.punch.displacement-x"][at] == pytest.approx(0.3, abs=1e-12)
+    assert history["body.bar.centre-x"][at] - 0.45 == pytest.approx(0.15, rel=0.02)
+    work = history["tool.punch.work"]
+    assert work == pytest.approx(history["external-work"], abs=1e-9)  # the die does none
+    assert (history["tool.die.work"] == 0.0).all()
+    assert 0.0 < work[-1] < 0.13 * work.max()  # 0.107; 0.061 in the case itself
+    assert punch[-1] == 0.0  # it lets go
 
 
 def test_block_bounces(runs):
