@@ -26,6 +26,7 @@ from pgimp.scene.geometry import share
 from pgimp.scene.lattice import Lattice
 from pgimp.scene.sanity import body_warnings, case_warnings, small_step_warning, strains
 from pgimp.scene.scene import Scene, count_particles
+from pgimp.scene.toolchecks import require_apart, require_slow
 from pgimp.solver.memory import Estimate, MemoryShortError, estimate, require, size_text
 from pgimp.solver.stability import require_end, require_stable, stability_warning
 from pgimp.tools.model.costs import Costs, Network
@@ -93,18 +94,24 @@ def report(case: Case) -> None:
         print(f"cells            {cells}, shape {case.method.shape}")
         _report_memory(error.estimate)
         raise
+    if scene.tools:
+        _look_at_rigid(scene, lattice, counts)
     found = examine(scene, lattice, counts)
     bodies = found.bodies
     inverse = max(scene.frame.inverse)
     rate = max((body.wave_speed + body.top_speed) * inverse for body in bodies)
-    require_end(scene, rate)
-    dt = _step(case, rate)
+    require_end(scene, max(rate, scene.tools.rate))
+    dt = _step(case, max(rate, scene.tools.rate))
+    require_slow(scene.tools, dt)
     count = int(counts.sum())
     print(f"{case.title or 'case'}: valid")
     print(f"particles        {count:,} in {len(bodies)} bod{'y' if len(bodies) == 1 else 'ies'}")
     print(f"cells            {cells}, shape {case.method.shape}")
     for body in bodies:
         _report_body(body, case)
+    for name, field in zip(scene.tools.names, scene.tools.fields, strict=True):
+        moves = "moves" if case.tools[name].rigid.moves else "stands"
+        print(f"rigid {name:<10} {moves}; {len(field.values):,} distances on its lattice")
     stable = 1.0 / rate
     print(f"step             {dt:.4g}, Courant {dt * rate:.3g}; Courant 1 is {stable:.4g}")
     steps = float(case.time.steps or case.time.end / dt)
@@ -129,6 +136,17 @@ def report(case: Case) -> None:
         forecast.warnings(case, steps),
     ):
         print(f"warning: {text}")
+
+
+def _look_at_rigid(scene: Scene, lattice: Lattice, counts: np.ndarray) -> None:
+    """Refuse rigid bodies that are too thin or overlap others, as a run does."""
+    scene.tools.measure(Serial())
+    blocks = (
+        (block.positions, np.full(len(block.ids), body, np.int32))
+        for body in range(len(lattice.bodies))
+        for block in lattice.make((0, lattice.planes), counts, body)
+    )
+    require_apart(scene.tools, blocks, Serial())
 
 
 def _step(case: Case, rate: float) -> float:

@@ -69,7 +69,7 @@ def extent(
         low, high = np.maximum(low, within[0]), np.minimum(high, within[1])
     counts = np.maximum(np.ceil((high - low) / spacing - 1e-9), 1.0) + 1.0
     shape = np.ones(3, np.int64)
-    shape[:D] = np.minimum(counts, 1e6)
+    shape[:D] = np.minimum(counts, 1e9)
     first = np.zeros(3)
     first[:D] = low
     return first, spacing, shape
@@ -115,11 +115,20 @@ def _mean(values: NDArray[np.float64], d: int, step: float) -> NDArray[np.float6
     return found
 
 
-def thickness(region: Region, field: DistanceField, D: int) -> float:
-    """Twice the depth of the deepest point of a region."""
-    deepest = np.argsort(field.values[:, 0], kind="stable")[:32]
-    places = np.stack(np.unravel_index(deepest, tuple(field.shape)), axis=1)[:, :D]
-    points = field.low[:D] + field.spacing * places
-    around = np.stack(np.meshgrid(*[np.linspace(-0.5, 0.5, 9)] * D), axis=-1).reshape(-1, D)
-    near = (points[:, None] + field.spacing * around).reshape(-1, D)
-    return 2.0 * max(0.0, -float(region.signed_distance(near).min()))
+def thickness(region: Region, D: int) -> float:
+    """Return twice the depth of the deepest point of a region, within some per cent."""
+    low, high = (np.array(end, float) for end in region.bounds())
+    count = (65, 49, 25)[D - 1]
+    points = low + (high - low) * _grid(np.linspace(0.0, 1.0, count), D)
+    step = (high - low) / (count - 1)
+    for _ in range(3):
+        depth = -region.signed_distance(points)
+        best = points[np.argsort(-depth, kind="stable")[:8]]
+        points = (best[:, None] + step * _grid(np.linspace(-0.5, 0.5, 5), D)).reshape(-1, D)
+        step = 0.25 * step
+    return 2.0 * max(0.0, float(depth.max()))
+
+
+def _grid(values: NDArray[np.float64], D: int) -> NDArray[np.float64]:
+    """All points with these coordinates, (n^D, D)."""
+    return np.stack(np.meshgrid(*[values] * D, indexing="ij"), axis=-1).reshape(-1, D)

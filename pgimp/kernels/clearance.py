@@ -158,7 +158,7 @@ def _reached(window, wall, face, d):
     count = window.extent[d]
     if d != wall.axis:
         return 0, count
-    if face < 0 or face >= count:  # no vertex on the wall is stored: none beyond has mass
+    if face < 0 or face >= count:  # none on the wall is stored, so none beyond: see `Scene.ends`
         return 0, 0
     return (0, face + 1) if wall.side < 0 else (face, count)
 

@@ -19,19 +19,7 @@ import numpy as np
 from pgimp.jit.kernel import inner_kernel, specialise
 from pgimp.kernels.constraints import constrained_velocity, is_marked
 from pgimp.kernels.faces import beyond_any, hold
-from pgimp.kernels.ledger import (
-    CONTACT_AREA,
-    HEAT,
-    IMPULSE,
-    LOSS,
-    NORMAL_IMPULSE,
-    TANGENTIAL_IMPULSE,
-    TOOL_IMPULSE,
-    TOOL_MOMENT,
-    TOOL_WORK,
-)
 from pgimp.kernels.selection import SPREAD
-from pgimp.kernels.tools import CENTRE, place_of
 from pgimp.physics.contact import FRICTION, TIED, Pairs
 
 #: Least part of a vertex's neighbourhood that either body must fill: less is too little to tell a
@@ -207,7 +195,7 @@ def _after_all(faces, frame, forcing, contact, number, r, v):
 
 
 @inner_kernel
-def _settled(contact, faces, frame, forcing, number, a, column):
+def settled(contact, faces, frame, forcing, number, a, column):
     """Velocity of a field, in `column`, as faces and constraints will leave it."""
     row = contact.fields[a]
     v = (row[column], row[column + 1], row[column + 2])
@@ -226,11 +214,11 @@ def find_held(contact, faces, frame, forcing, number, count):
         row[MOBILITY : MOBILITY + 3] = 1.0 / row[WEIGHT]
         if not (near or is_marked(forcing.marked, contact.places[a])):
             continue
-        v = _settled(contact, faces, frame, forcing, number, a, NOW)
+        v = settled(contact, faces, frame, forcing, number, a, NOW)
         for d in range(3):
             own = row[NOW + d]
             row[NOW + d] = own + 1.0
-            held = _settled(contact, faces, frame, forcing, number, a, NOW)[d] == v[d]
+            held = settled(contact, faces, frame, forcing, number, a, NOW)[d] == v[d]
             row[NOW + d] = own
             if held:
                 row[MOBILITY + d] = 0.0
@@ -252,8 +240,8 @@ def exchange(contact, faces, frame, forcing, number, held, pair):
     u = (first[NOW], first[NOW + 1], first[NOW + 2])
     v = (second[NOW], second[NOW + 1], second[NOW + 2])
     if held:
-        u = _settled(contact, faces, frame, forcing, number, a, NOW)
-        v = _settled(contact, faces, frame, forcing, number, b, NOW)
+        u = settled(contact, faces, frame, forcing, number, a, NOW)
+        v = settled(contact, faces, frame, forcing, number, b, NOW)
     normal, most, answer = 0.0, 0.0, 0.0
     for d in range(3):
         mobility = first[MOBILITY + d] + second[MOBILITY + d]
@@ -285,66 +273,3 @@ def _give(first, second, row, d, J):
     row[SLIP + d] += J
     first[NOW + d] -= J / first[WEIGHT]
     second[NOW + d] += J / second[WEIGHT]
-
-
-@inner_kernel
-def book(contact, faces, frame, forcing, number, pair, part, last, ledger, plane):
-    """Book what a pair has exchanged in a pass, at a vertex of `plane`: the part that counts.
-
-    Energy is impulse times the velocity that is left, as the work of all other forces is.
-    """
-    row, entry = contact.partners[pair], contact.ends[pair, 2] - 1
-    a, b = contact.ends[pair, 0], contact.ends[pair, 1]
-    booked = ledger.contact[plane, entry]
-    u = _settled(contact, faces, frame, forcing, number, a, NOW)
-    v = _settled(contact, faces, frame, forcing, number, b, NOW)
-    square, heat, normal = 0.0, 0.0, 0.0
-    for d in range(3):
-        w = v[d] - u[d]
-        normal += w * row[NORMAL + d]
-        booked[IMPULSE + d] -= part * (row[SLIP + d] + row[PUSH] * row[NORMAL + d])
-        square += row[SLIP + d] ** 2
-        heat -= row[SLIP + d] * w
-    booked[NORMAL_IMPULSE] += part * row[PUSH]
-    booked[TANGENTIAL_IMPULSE] += part * sqrt(square)
-    booked[HEAT] += part * heat
-    booked[LOSS] -= part * row[PUSH] * normal
-    if last and row[PUSH] > 0.0:
-        booked[CONTACT_AREA] += row[AREA]
-    book_tools(contact, contact.tools, frame, number, pair, part, u, v, ledger, plane)
-
-
-def book_tools(contact, tools, frame, number, pair, part, u, v, ledger, plane):
-    """Book the impulse on the rigid body of a pair, its moment, and its work on what it met.
-
-    `u` and `v` are the velocities of the pair.
-    """
-
-
-@specialise(book_tools)
-def _book_tools(contact, tools, frame, number, pair, part, u, v, ledger, plane):
-    if not hasattr(tools, "instance_class"):
-        return lambda contact, tools, frame, number, pair, part, u, v, ledger, plane: None
-
-    def book_each(contact, tools, frame, number, pair, part, u, v, ledger, plane):
-        row, x = contact.partners[pair], place_of(frame, number)
-        for sign, end, w in ((-part, contact.ends[pair, 0], u), (part, contact.ends[pair, 1], v)):
-            if contact.fields[end, WEIGHT] < inf:
-                continue
-            t = contact.bodies[end] - tools.bodies
-            booked, motion = ledger.tools[plane, t], tools.motion[t]
-            arm = (x[0] - motion[CENTRE], x[1] - motion[CENTRE + 1], x[2] - motion[CENTRE + 2])
-            J = (
-                sign * (row[SLIP] + row[PUSH] * row[NORMAL]),
-                sign * (row[SLIP + 1] + row[PUSH] * row[NORMAL + 1]),
-                sign * (row[SLIP + 2] + row[PUSH] * row[NORMAL + 2]),
-            )
-            done = -(J[0] * w[0] + J[1] * w[1] + J[2] * w[2])
-            for d in range(3):
-                e, f = (d + 1) % 3, (d + 2) % 3
-                booked[TOOL_IMPULSE + d] += J[d]
-                booked[TOOL_MOMENT + d] += arm[e] * J[f] - arm[f] * J[e]
-            booked[TOOL_WORK] += done
-            ledger.work[plane] += done
-
-    return book_each

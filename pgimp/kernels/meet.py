@@ -11,11 +11,11 @@ from pgimp.kernels.contact import (
     PART,
     SWEEPS,
     WEIGHT,
-    book,
     exchange,
     find_held,
     find_pairs,
 )
+from pgimp.kernels.contactbooks import book
 from pgimp.kernels.faces import on_walls, wall_sides
 from pgimp.kernels.fields import field_count, field_size
 from pgimp.kernels.loads import relaxed_part

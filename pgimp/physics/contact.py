@@ -125,10 +125,9 @@ class Pairs(NamedTuple):
         coefficient = np.array([*pairs, (0.0, 0.0)], float)
         return cls(entry, law, coefficient)
 
-    @property
-    def ties(self) -> bool:
-        """Whether there are bodies that are tied."""
-        pairs = np.abs(self.entry[np.triu_indices(len(self.entry), 1)])
+    def ties(self, count: int) -> bool:
+        """Whether of the first `count` bodies any are tied."""
+        pairs = np.abs(self.entry[np.triu_indices(count, 1)])
         return bool((self.law[pairs[pairs > 0] - 1] == TIED).any())
 
 

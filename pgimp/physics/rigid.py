@@ -124,6 +124,16 @@ class Motion(Model):
         return (x, y, z), (u, v, w)
 
 
+    def greatest(self) -> tuple[float, float]:
+        """Return the greatest velocity of the reference point, and angular velocity."""
+        velocity, rate = self.velocity, self.rotation.rate if self.rotation else 0.0
+        values = [velocity or ()]
+        if isinstance(velocity, VectorTable):
+            values = [value for _, value in velocity.table]
+        rates = [value for _, value in rate.table] if isinstance(rate, Table) else [rate]
+        return max(hypot(*value) for value in values), max(map(abs, rates))
+
+
 class RigidBody(Model):
     """A rigid body without particles, a tool: what it meets cannot enter it."""
 

@@ -154,6 +154,14 @@ class Scene:
         return most
 
     @property
+    def ends(self) -> int:
+        """Least number of layers of the first and of the last rank."""
+        if self.mirrors:  # a vertex beyond a face and its mirror image are on the same rank
+            return 2 * self.vertices
+        # A vertex beyond a wall that lets go, and that on the wall, whose clearance it has.
+        return self.vertices if self.approached else 0
+
+    @property
     def origins(self) -> bool:
         """Whether particles keep their initial position."""
         return bool(self.exact) or "displacement" in self.case.output.fields

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property, partial
+from hashlib import sha256
 from itertools import product
 from typing import Any, NamedTuple
 
@@ -14,7 +15,7 @@ from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.geometry.distancefield import MARGIN, DistanceField, distance_field, extent, thickness
 from pgimp.geometry.outline import outline
-from pgimp.kernels.particles import Frame, Particles
+from pgimp.kernels.particles import Frame
 from pgimp.kernels.tools import (
     ABOUT,
     AT,
@@ -31,10 +32,10 @@ from pgimp.kernels.tools import (
     SPACING,
     TURN,
     Tools,
-    distances,
 )
 from pgimp.mpi.collective import on_root
 from pgimp.physics.rigid import RigidBody
+from pgimp.schema.tables import VectorTable
 
 #: Instants at which the way of a body that does not turn is looked at, to know what of it matters.
 _INSTANTS = 2000
@@ -79,10 +80,10 @@ class SceneTools:
         """Return how many there are."""
         return len(self.entries)
 
-    def points(self) -> int:
-        """Return the number of points of all lattices."""
+    def points(self) -> float:
+        """Return the number of points of all lattices but those of meshes."""
         return sum(
-            int(np.prod(extent(entry.region, self.frame.cell, self._within(entry))[2]))
+            float(np.prod(extent(entry.region, self.frame.cell, self._within(entry))[2] * 1.0))
             for entry in self.entries
             if not any(part.FROM_FILE for part in entry.region.simple())
         )
@@ -114,28 +115,31 @@ class SceneTools:
 
     def _measure(self, entry: RigidBody) -> DistanceField:
         cell, within = self.frame.cell, self._within(entry)
-        points = int(np.prod(extent(entry.region, cell, within)[2]))
+        thick = thickness(entry.region, len(cell))
+        if thick < (1.0 - 1e-3) * min(cell):
+            raise CaseError(
+                f"is {thick:.2g} thick at most, and cells are {min(cell):.6g} wide: what meets it "
+                "would feel both of its sides at once; make it thicker, on a side that meets "
+                "nothing, or the cells smaller"
+            )
+        points = float(np.prod(extent(entry.region, cell, within)[2].astype(float)))
         if points > _MOST_POINTS:
             raise CaseError(
-                f"is too large for these cells: it would take {points:,} distances half a cell "
-                f"apart, where {_MOST_POINTS:,} are possible; leave out what meets nothing"
+                f"is too large for these cells: it would take {points:.3g} distances half a cell "
+                f"apart, where {_MOST_POINTS:.3g} are possible; leave out what meets nothing"
             )
-        field = distance_field(entry.region, cell, within)
-        thick = thickness(entry.region, field, len(cell))
-        if thick < (1.0 - 1e-6) * min(cell):
-            raise CaseError(
-                f"is {thick:.2g} thick at most, and cells are "
-                f"{min(cell):.6g} wide: what meets it would feel both of its sides at once; make "
-                "it thicker, on a side that meets nothing, or the cells smaller"
-            )
-        return field
+        return distance_field(entry.region, cell, within)
 
     def _within(self, entry: RigidBody) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
         """Ends of the part of a body, where it is at the start, that comes into the domain."""
         if entry.rigid.rotation is not None:
             return None
         D, grid = len(self.frame.cell), self.case.grid
-        times = np.linspace(0.0, self.case.time.end, _INSTANTS if entry.rigid.moves else 1)
+        end, velocity = self.case.time.end, entry.rigid.velocity
+        times = np.linspace(0.0, end, _INSTANTS if entry.rigid.moves else 1)
+        if isinstance(velocity, VectorTable):
+            rows = np.array([time for time, _ in velocity.table])
+            times = np.concatenate([times, rows[(rows > 0.0) & (rows < end)]])
         ways = np.array([entry.rigid.displacement(float(t))[:D] for t in times])
         slack = (MARGIN + 1.0) * np.array(self.frame.cell)
         low = np.array(grid.origin, float) - ways.max(axis=0) - slack
@@ -179,36 +183,23 @@ class SceneTools:
             self._bound(row, about, field)
         return tools
 
-    def require_apart(self, particles: Particles, rows: NDArray[np.int32], comm: Any) -> None:
-        """Refuse bodies whose particles lie in rigid bodies at the start; collective.
+    @cached_property
+    def rate(self) -> float:
+        """Cells that a point of any of the bodies crosses in a unit of time, at most."""
+        fastest = 0.0
+        for number, entry in enumerate(self.entries):
+            arm = self.surface.points[self.surface.body == number] - entry.rigid.reference
+            across = np.linalg.norm(np.cross(arm, entry.rigid.axis), axis=1).max(initial=0.0)
+            speed, spin = entry.rigid.greatest()
+            fastest = max(fastest, speed + spin * float(across))
+        return fastest * max(self.frame.inverse)
 
-        Those that a surface cuts may have their centre beyond it by half their size.
-
-        Raises
-        ------
-        CaseError
-            On every rank.
-        """
-        size = np.array(self.frame.cell) / np.array(self.case.method.particles_per_cell)
-        tools, found = self.at(0.0, 0.0), []
-        x = particles.x[rows]
-        distance = np.empty(len(x))
-        for t, name in enumerate(self.names):
-            distances(tools, t, self.frame, x, distance)
-            if len(x) and distance.min() < -0.5 * float(np.sqrt(np.square(size).sum())):
-                deepest = int(distance.argmin())
-                body = int(particles.body[rows[deepest]])
-                found.append((float(distance[deepest]), tuple(x[deepest].tolist()), body, name))
-        every = [one for some in comm.allgather(found) for one in some]
-        if not every:
-            return
-        deep, place, body, name = min(every)
-        with located(self.case):
-            raise CaseError(
-                f"bodies.{name}.region: '{list(self.case.bodies)[body]}' reaches {-deep:.3g} into "
-                f"the rigid '{name}' at ({', '.join(f'{c:.6g}' for c in place)}); bodies must not "
-                "overlap at the start: move or cut one of them"
-            )
+    @cached_property
+    def checksum(self) -> str:
+        """What tells these bodies from others, whose mesh has changed; empty without any."""
+        if not self.fields:
+            return ""
+        return sha256(b"".join(field.values.tobytes() for field in self.fields)).hexdigest()
 
     def _arrays(self) -> Tools:
         """Return what does not change, and room for what does."""

@@ -16,7 +16,7 @@ class Clearances:
 
     def __init__(self, scene: Scene) -> None:
         self.scene, self.call = scene, Bound()
-        self.joint = scene.pairs is not None and scene.pairs.ties
+        self.joint = scene.pairs is not None and scene.pairs.ties(len(scene.body_names))
         self.values: Any = np.empty((0, 0)) if scene.approached else ()
 
     def stored(self, grid: Grid) -> Any:

@@ -39,13 +39,12 @@ def partition(
         What the user should know.
     """
     vertices = scene.vertices
-    # A vertex beyond a face and its mirror image must not lie on different ranks.
-    ends = 2 * vertices if scene.mirrors else 0
+    ends = scene.ends
     cuts = cut(counts, comm.size, vertices - 1, ends)
     notes = []
     if idle := comm.size - (len(cuts) - 1):
         each = vertices - 1
-        outer = f", {ends} next to a wall that mirrors" if ends > each else ""
+        outer = f", {ends} next to a wall that mirrors or lets go" if ends > each else ""
         notes.append(
             f"{idle} of {comm.size} ranks own no layer: the grid's {cuts[-1]} layers feed "
             f"at most {len(cuts) - 1} ranks ({each} layers each{outer}); use fewer ranks"

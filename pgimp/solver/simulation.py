@@ -21,6 +21,7 @@ from pgimp.scene.facts import wave_speed
 from pgimp.scene.geometry import release, share, take_as_empty
 from pgimp.scene.lattice import Lattice
 from pgimp.scene.scene import Scene, count_particles
+from pgimp.scene.toolchecks import require_apart, require_same, require_slow
 from pgimp.solver.clock import START, Step, clock_of
 from pgimp.solver.decomposition import owned, partition, rebalance
 from pgimp.solver.diagnostics import Diagnostics
@@ -136,17 +137,21 @@ class Simulation:
         slab = self.decompose(np.bincount(layer, counts.sum(axis=0), scene.frame.vertices[0]))
         self.initialise(slab, *self._create(slab, lattice, counts, layer))
         if scene.tools:
-            scene.tools.require_apart(self.particles, self.population.order, comm)
+            p, order = self.particles, self.population.order
+            require_apart(scene.tools, [(p.x[order], p.body[order])], comm)
         self.warnings += nearness.warnings(self.case)
         release(self.case)
-        require_end(scene, self.rate)
-        dt = self.clock.next(self.done, self.rate).dt
+        rate = max(self.rate, scene.tools.rate)
+        require_end(scene, rate)
+        dt = self.clock.next(self.done, rate).dt
         self.warnings += check_first_step(scene, dt, self.rate)
+        require_slow(scene.tools, dt)
 
     def _resume(self, source: Any) -> None:
         """Take over the state of a checkpoint; collective."""
         scene, comm = self.scene, self.comm
         state, layers = outline(scene, source, comm)
+        require_same(scene.tools, state.tools)
         self.count = state.count
         slab = self.decompose(layers)
         self.initialise(slab, *read_particles(scene, slab, source, state, layers, comm))
@@ -290,7 +295,7 @@ class Simulation:
     def _next(self) -> Step:
         """Learn how the step before went, of which the greatest speed is that of the next."""
         self.agree()
-        return self.clock.next(self.done, self.rate)
+        return self.clock.next(self.done, max(self.rate, self.scene.tools.rate))
 
     def agree(self) -> None:
         """Learn what all ranks say of the last step, if that is not known; collective.

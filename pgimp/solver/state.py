@@ -36,6 +36,7 @@ class State(BaseModel):
     beyond: float = Field(ge=0.0)
     beyond_time: float = Field(ge=0.0)
     beyond_face: str
+    tools: str = ""
 
     @classmethod
     def of(cls, source: Any) -> Self:
@@ -136,6 +137,7 @@ def capture(
         beyond=records.beyond[0],
         beyond_time=records.beyond[1],
         beyond_face=records.beyond[2],
+        tools=rank.scene.tools.checksum,
     )
     whole = {"layers": np.concatenate([part[0] for part in parts]).astype(np.int64)}
     for i, name in enumerate(own._fields):

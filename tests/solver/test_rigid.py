@@ -8,7 +8,8 @@ from scenes import box, energy, finish, scene, start, tracked
 
 from pgimp.case.reader import dump_case, read_case
 from pgimp.case.schema import Case
-from pgimp.errors import CaseError
+from pgimp.errors import CaseError, UsageError
+from pgimp.scene.toolchecks import require_same
 
 
 def rigid(low, high, **motion):
@@ -176,7 +177,10 @@ def test_poses_are_integrals_of_the_motion():
         ({"region": {"half-space": {"point": [3.0, 3.0], "normal": [1.0, 0.0]}}}, "has no end"),
         ({"region": {"box": {"min": [1.5, 1.0], "max": [2.0, 6.0]}}}, "0.5 thick"),
         ({"region": {"box": {"min": [1.5, 1.0], "max": [5.5, 6.0]}}}, "'block' reaches"),
+        ({"region": {"box": {"min": [5.0, 3.0], "max": [6.0, 4.0]}}}, "'block' reaches 0.5"),
         ({"region": {"points": {"file": "a.csv"}}}, "rigid body has no particles"),
+        ({"rigid": {"velocity": [200.0, 0.0]}}, "moves by 2 cells in a step"),
+        ({"rigid": {"rotation": {"about": [2.5, 3.0], "rate": 100.0}}}, "cells in a step"),
     ],
 )  # fmt: skip
 def test_what_cannot_be_is_refused(change, said):
@@ -185,6 +189,50 @@ def test_what_cannot_be_is_refused(change, said):
     with pytest.raises((CaseError, ValueError)) as raised:
         start(case)
     assert said in str(raised.value)
+
+
+def test_a_fast_ram_shortens_the_steps():
+    """Under Courant control it moves by no more than that part of a cell in a step."""
+    case = struck(2, {"friction": 0.1}, velocity={"table": [[0.0, [0.0, 0.0]], [0.2, [50.0, 0.0]]]})
+    case["time"] = {"end": 0.05, "step": {"courant": 0.2}}
+    sim = start(case)
+    sim.advance()
+    assert sim.dt <= 0.2 / 50.0
+
+
+def test_distant_rigid_bodies_leave_others_as_they_are():
+    """What no entry is for does not tie others: their clearances from walls stay their own."""
+    bodies = {
+        "low": box([2.0, 0.03], [5.0, 2.03]),
+        "high": box([5.0, 0.0], [8.0, 3.0]),
+        "far": rigid([10.0, 5.0], [12.0, 7.0]),
+    }
+    parts = {"cells": [14, 8], "end": 0.3, "gravity": [0.0, -1.0],
+             "boundaries": {"y-min": "separating"},
+             "contact": [{"bodies": ["low", "high"], "friction": 0.3}]}  # fmt: skip
+    alone = {name: bodies[name] for name in ("low", "high")}
+    lines = [finish(start(scene(2, some, **parts))).diagnostics() for some in (bodies, alone)]
+    assert lines[0]["strain-energy"] == lines[1]["strain-energy"] > 0.0
+
+
+@pytest.mark.parametrize("law", ["friction", "tied"])
+def test_what_relaxation_takes_is_booked(law):
+    """The ram's impulse is the block's momentum, also where velocities relax to the grid's."""
+    case = struck(2, {"law": law}, velocity=[1.0, 0.5])
+    case["method"]["relaxation"] = 5.0
+    total, line = impulses(start(case), "ram")
+    momentum = np.array([line["momentum-x"], line["momentum-y"]])
+    assert total[:2] == pytest.approx(-momentum, abs=1e-12 * np.abs(momentum).max())
+
+
+def test_a_run_goes_on_with_the_same_rigid_bodies_only():
+    sim = start(struck(2, {"friction": 0.1}))
+    other = struck(2, {"friction": 0.1})
+    other["bodies"]["ram"]["region"]["box"]["min"][0] = 1.0
+    assert sim.scene.tools.checksum != start(other).scene.tools.checksum
+    require_same(sim.scene.tools, sim.scene.tools.checksum)
+    with pytest.raises(UsageError, match="has the file of a mesh changed"):
+        require_same(sim.scene.tools, start(other).scene.tools.checksum)
 
 
 def test_nothing_but_contact_may_name_a_rigid_body():

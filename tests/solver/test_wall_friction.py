@@ -8,6 +8,7 @@ from scenes import box, field, finish, scene, start, stir
 
 from pgimp.case.reader import dump_case, read_case
 from pgimp.case.schema import Case
+from pgimp.decomposition.slabs import cut
 
 #: Gravity, and the block's mass.
 G, MASS = 1.0, 12.0
@@ -114,3 +115,14 @@ def test_a_case_writes_the_wall_as_it_is_read():
     plain = Case.model_validate(case | {"boundaries": {"y-min": "separating"}})
     assert "y-min: separating" in dump_case(plain)
     assert Case.model_validate(case | {"boundaries": {"y-min": {"separating": {}}}}) == plain
+
+
+def test_the_last_rank_has_the_wall():
+    """Those beyond a wall share the clearance of the vertex on it, so the cut leaves both there."""
+    case = scene(2, box([5.0, 2.0], [7.7, 5.0]), boundaries={"x-max": "separating"})
+    made = start(case).scene
+    layers, wall = made.frame.vertices[0], made.frame.ghost + made.frame.cells[0]
+    counts = np.zeros(layers, int)
+    counts[-4:] = 1000
+    assert cut(counts, 3, made.vertices - 1, made.ends)[-2] <= wall
+    assert cut(counts, 3, made.vertices - 1)[-2] > wall

@@ -82,8 +82,7 @@ def layout_of(
     plane, wide = (
         int(np.prod(window(scene, bodies, ranks)[1:], dtype=np.int64)) for ranks in (1, 2)
     )
-    ends = 2 * scene.vertices if scene.mirrors else 0
-    return Layout(of_layers, plane, scene.vertices, ends, wide=wide)
+    return Layout(of_layers, plane, scene.vertices, scene.ends, wide=wide)
 
 
 def layout_now(sim: Any) -> Layout:
@@ -100,6 +99,6 @@ def layout_now(sim: Any) -> Layout:
         counts,
         int(np.prod(sim.rank.grid.window.extent[1:], dtype=np.int64)),
         scene.vertices,
-        2 * scene.vertices if scene.mirrors else 0,
+        scene.ends,
         min(1.0, way * scene.frame.inverse[0] / max(int(counts.sum()), 1)),
     )

@@ -21,7 +21,7 @@ Array = np.ndarray
 
 _ALWAYS = ("kinetic-energy", "strain-energy")
 _IF_ANY = r"external-work|error(\..*)?"
-_FORCE = re.compile(r"((?:reaction|constraint)\..*)-[xyz]")
+_FORCE = re.compile(r"((?:reaction|constraint)\..*|tool\..*\.force)-[xyz]")
 _OF_A_PROBE = r"(displacement|velocity)-[xyz]|pressure|von-mises"
 _PATTERN = re.compile(r"[*?\[]")
 _MOST_COLUMNS = 24

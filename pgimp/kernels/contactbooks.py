@@ -1,0 +1,81 @@
+"""What contact books: impulses, heat and losses of a pair, and what rigid bodies get and do."""
+
+from math import inf, sqrt
+
+from pgimp.jit.kernel import inner_kernel, specialise
+from pgimp.kernels.contact import AREA, NORMAL, NOW, PUSH, SLIP, WEIGHT, settled
+from pgimp.kernels.ledger import (
+    CONTACT_AREA,
+    HEAT,
+    IMPULSE,
+    LOSS,
+    NORMAL_IMPULSE,
+    TANGENTIAL_IMPULSE,
+    TOOL_IMPULSE,
+    TOOL_MOMENT,
+    TOOL_WORK,
+)
+from pgimp.kernels.tools import CENTRE, place_of
+
+
+@inner_kernel
+def book(contact, faces, frame, forcing, number, pair, part, last, ledger, plane):
+    """Book what a pair has exchanged in a pass, at a vertex of `plane`: the part that counts.
+
+    Energy is impulse times the velocity that is left, as the work of all other forces is.
+    """
+    row, entry = contact.partners[pair], contact.ends[pair, 2] - 1
+    a, b = contact.ends[pair, 0], contact.ends[pair, 1]
+    booked = ledger.contact[plane, entry]
+    u = settled(contact, faces, frame, forcing, number, a, NOW)
+    v = settled(contact, faces, frame, forcing, number, b, NOW)
+    square, heat, normal = 0.0, 0.0, 0.0
+    for d in range(3):
+        w = v[d] - u[d]
+        normal += w * row[NORMAL + d]
+        booked[IMPULSE + d] -= part * (row[SLIP + d] + row[PUSH] * row[NORMAL + d])
+        square += row[SLIP + d] ** 2
+        heat -= row[SLIP + d] * w
+    booked[NORMAL_IMPULSE] += part * row[PUSH]
+    booked[TANGENTIAL_IMPULSE] += part * sqrt(square)
+    booked[HEAT] += part * heat
+    booked[LOSS] -= part * row[PUSH] * normal
+    if last and row[PUSH] > 0.0:
+        booked[CONTACT_AREA] += row[AREA]
+    book_tools(contact, contact.tools, frame, number, pair, part, u, v, ledger, plane)
+
+
+def book_tools(contact, tools, frame, number, pair, part, u, v, ledger, plane):
+    """Book the impulse on the rigid body of a pair, its moment, and its work on what it met.
+
+    `u` and `v` are the velocities of the pair.
+    """
+
+
+@specialise(book_tools)
+def _book_tools(contact, tools, frame, number, pair, part, u, v, ledger, plane):
+    if not hasattr(tools, "instance_class"):
+        return lambda contact, tools, frame, number, pair, part, u, v, ledger, plane: None
+
+    def book_each(contact, tools, frame, number, pair, part, u, v, ledger, plane):
+        row, x = contact.partners[pair], place_of(frame, number)
+        for sign, end, w in ((-part, contact.ends[pair, 0], u), (part, contact.ends[pair, 1], v)):
+            if contact.fields[end, WEIGHT] < inf:
+                continue
+            t = contact.bodies[end] - tools.bodies
+            booked, motion = ledger.tools[plane, t], tools.motion[t]
+            arm = (x[0] - motion[CENTRE], x[1] - motion[CENTRE + 1], x[2] - motion[CENTRE + 2])
+            J = (
+                sign * (row[SLIP] + row[PUSH] * row[NORMAL]),
+                sign * (row[SLIP + 1] + row[PUSH] * row[NORMAL + 1]),
+                sign * (row[SLIP + 2] + row[PUSH] * row[NORMAL + 2]),
+            )
+            done = -(J[0] * w[0] + J[1] * w[1] + J[2] * w[2])
+            for d in range(3):
+                e, f = (d + 1) % 3, (d + 2) % 3
+                booked[TOOL_IMPULSE + d] += J[d]
+                booked[TOOL_MOMENT + d] += arm[e] * J[f] - arm[f] * J[e]
+            booked[TOOL_WORK] += done
+            ledger.work[plane] += done
+
+    return book_each

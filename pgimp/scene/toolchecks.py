@@ -1,0 +1,97 @@
+"""What rigid bodies must be: slow enough, apart from others, and the same as before."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pgimp.case.places import located
+from pgimp.errors import CaseError, UsageError
+from pgimp.kernels.tools import distances
+from pgimp.mpi.collective import on_root
+from pgimp.scene.tools import SceneTools
+
+
+def require_slow(tools: SceneTools, dt: float) -> None:
+    """Refuse a step in which a body would move by more than a cell."""
+    if tools.rate * dt > 1.0 + 1e-9:
+        with located(tools.case):
+            raise CaseError(
+                f"time.step: a rigid body moves by {tools.rate * dt:.3g} cells in a step of "
+                f"{dt:.3g}, and would pass through what it meets; use at most "
+                f"{0.3 / tools.rate:.3g}, or a slower body"
+            )
+
+
+def require_same(tools: SceneTools, checksum: str) -> None:
+    """Refuse to go on with other bodies than a run began with."""
+    if checksum != tools.checksum:
+        raise UsageError(
+            "the rigid bodies are not those of the run: has the file of a mesh changed? Put it "
+            "back, or start over with --overwrite"
+        )
+
+
+def require_apart(
+    tools: SceneTools,
+    blocks: Iterable[tuple[NDArray[np.float64], NDArray[np.int32]]],
+    comm: Any,
+) -> None:
+    """Refuse bodies that overlap rigid ones at the start; collective.
+
+    Particles that a surface cuts may have their centre beyond it by half their size.
+
+    Parameters
+    ----------
+    blocks : iterable of (n, D) float64 and (n,) int
+        Positions of this rank's particles, and their bodies.
+
+    Raises
+    ------
+    CaseError
+        On every rank.
+    """
+    size = np.array(tools.frame.cell) / np.array(tools.case.method.particles_per_cell)
+    least = 0.5 * float(np.sqrt(np.square(size).sum()))
+    placed, found = tools.at(0.0, 0.0), []
+    for x, body in blocks:
+        distance = np.empty(len(x))
+        for t, name in enumerate(tools.names):
+            distances(placed, t, tools.frame, x, distance)
+            if len(x) and distance.min() < -least:
+                deepest = int(distance.argmin())
+                place = tuple(x[deepest].tolist())
+                found.append((float(distance[deepest]), place, int(body[deepest]), name))
+    every = [one for some in comm.allgather(found) for one in some]
+    every += on_root(comm, partial(_within_bodies, tools))
+    if not every:
+        return
+    deep, place, body, name = min(every)
+    with located(tools.case):
+        raise CaseError(
+            f"bodies.{name}.region: '{list(tools.case.bodies)[body]}' reaches {-deep:.3g} into "
+            f"the rigid '{name}' at ({', '.join(f'{c:.6g}' for c in place)}); bodies must not "
+            "overlap at the start: move or cut one of them"
+        )
+
+
+def _within_bodies(tools: SceneTools) -> list[tuple[float, tuple[float, ...], int, str]]:
+    """Find rigid bodies too small for particles in them: how deep, where, in what body."""
+    found, D = [], len(tools.frame.cell)
+    for name, field in zip(tools.names, tools.fields, strict=True):
+        deepest = np.argsort(field.values[:, 0], kind="stable")[:64]
+        deepest = deepest[field.values[deepest, 0] < 0.0]
+        places = np.stack(np.unravel_index(deepest, tuple(field.shape)), axis=1)[:, :D]
+        points = field.low[:D] + field.spacing * places
+        for number, body in enumerate(tools.case.bodies.values()):
+            if body.region.WHOLE_BODY or not len(points):
+                continue
+            inside = body.region.distance(points) < -0.1 * min(tools.frame.cell)
+            for row in np.flatnonzero(inside)[:1]:
+                deep = float(field.values[deepest[row], 0])
+                found.append((deep, tuple(points[row].tolist()), number, name))
+    return found
