@@ -16,10 +16,13 @@ from pgimp.kernels.contribution import VolumeSums
 from pgimp.kernels.ledger import CONTACT_AREA, Ledger
 from pgimp.kernels.meet import find_meetings
 from pgimp.kernels.p2g import particles_to_grid
-from pgimp.kernels.selection import select_near
+from pgimp.kernels.selection import HIGH_Y, HIGH_Z, LOW_Y, LOW_Z, select_near
 from pgimp.kernels.tools import find_touched
 from pgimp.scene.scene import Scene
 from pgimp.solver.groups import assign, body_boxes, reach
+
+#: Where bodies meet in more than this part of the planes, all particles of these are near.
+_MOST_OF_A_PLANE = 0.6
 
 
 class Meetings:
@@ -106,6 +109,12 @@ class Meetings:
     def _near(self, grid: Grid, population: Population) -> Order:
         """Find the particles that may have weight where bodies meet."""
         order, shared = population.ordered, grid.vertices - 1
+        spread, extent = self._contact.spread, grid.window.extent
+        low_y, low_z = spread[:, (LOW_Y, LOW_Z)].min(axis=0).tolist()
+        high_y, high_z = spread[:, (HIGH_Y, HIGH_Z)].max(axis=0).tolist()
+        part = (high_y - low_y + 1) * (high_z - low_z + 1) / (extent[1] * extent[2])
+        if part > _MOST_OF_A_PLANE:
+            return order
         if len(self._rows) < len(order.rows):
             self._rows = np.empty(len(order.rows) * 9 // 8, np.int32)
         start = np.empty_like(order.start)

@@ -102,6 +102,10 @@ def _costs(quick):
         ratio = walls.cost(dimensions, 3 if quick else 9)
         size = {2: "120 x 120 cells, 2D", 3: "20 x 20 x 20 cells, 3D"}[dimensions]
         text += f"| block on a `separating` floor, against `slip` | {size} | {ratio:.2f} |\n"
+    for dimensions in (2, 3):
+        ratio = walls.rigid_cost(dimensions, 3 if quick else 9)
+        size = {2: "120 x 120 cells, 2D", 3: "20 x 20 x 20 cells, 3D"}[dimensions]
+        text += f"| block on a rigid body as wide as it, against `slip` | {size} | {ratio:.2f} |\n"
     ratio, fields = motion.heap(steps=100 if quick else 800)
     what = f"R = 4 cells, 2D, up to {fields} velocity fields"
     return text + f"| 48 disks that fall into a heap | {what} | {ratio:.1f} |\n"

@@ -121,3 +121,21 @@ def cost(dimensions, rounds):
         for condition in ("slip", "separating")
     ]
     return motion.by_turns(simulations, rounds, 16)
+
+
+def rigid_cost(dimensions, rounds):
+    """Time of a step of a block on a rigid body over that on a floor that holds it."""
+    D, cells = dimensions, {2: 120, 3: 20}[dimensions]
+    low, high = [2.0] * (D - 1) + [4.0], [cells + 2.0] * (D - 1) + [cells + 4.0]
+    size = [cells + 4.0] * (D - 1) + [cells + 8.0]
+    bodies = {"a": (motion.box(low, high), [0.0] * D)}
+    gravity = [0.0] * (D - 1) + [-0.001]
+    held = motion.case_of(bodies, size, 1.0, 1e9, gravity=gravity)
+    ends = [*low[:-1], 0.0], [*high[:-1], float(cells)]
+    held["bodies"]["a"]["region"] = motion.box(*ends)
+    held["boundaries"] = {f"{'xyz'[D - 1]}-min": "slip"}
+    lying = motion.case_of(bodies, size, 1.0, 1e9, gravity=gravity)
+    floor = motion.box([-2.0] * D, [cells + 8.0] * (D - 1) + [4.0])
+    lying["bodies"]["floor"] = {"rigid": {}, "region": floor}
+    lying["contact"] = [{"bodies": "all", "friction": 0.3}]
+    return motion.by_turns([pgimp.Simulation(held), pgimp.Simulation(lying)], rounds, 16)
