@@ -293,7 +293,6 @@ def find_touched(frame, field, tools, met, spread):
                         include(spread, i, j, k)
 
 
-
 @kernel
 def distances(tools, t, frame, x, out):
     """Set the distances of points `x`, (n, D), from body `t`; 1e300 of those that are far away."""

@@ -137,7 +137,10 @@ class Motion(Model):
 class RigidBody(Model):
     """A rigid body without particles, a tool: what it meets cannot enter it."""
 
-    rigid: Motion = Field(description="its motion; {}: it stands")
+    rigid: Motion = Field(
+        description="of a body without particles its motion, {}: it stands; such a body may reach "
+        "beyond the domain"
+    )
     region: RegionEntry = Field(
         description="the part of space that it fills at the start; it may reach beyond the domain"
     )

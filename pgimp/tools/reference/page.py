@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from pgimp.case.writer import flow
@@ -120,18 +120,23 @@ def _fields(fields: Mapping[str, Field] | Mapping[str, Vertex]) -> str:
 
 
 def _rows(
-    path: str, schema: Schema, definitions: Schema, sections: list[_Section], optional: bool = False
+    path: str,
+    schema: Schema,
+    definitions: Schema,
+    sections: list[_Section],
+    forms: Sequence[Schema] = (),
 ) -> Rows:
     """Yield a table row for every key below `path`.
 
-    Types that a registry offers go to `sections`. With `optional` the mapping at `path` is only
-    one of several forms.
+    Types that a registry offers go to `sections`. The mapping at `path` may be one of several
+    `forms`; a key is required if all of them do.
     """
     for name, value in _properties(schema).items():
         key = f"{path}.{name}" if path else name
         whole = _resolve(value, definitions)
         if name in schema.get("required", ()):
-            default = "" if optional else "required"
+            always = all(name in form.get("required", ()) for form in forms)
+            default = "required" if always else ""
         else:
             default = _code(flow(value["default"])) if "default" in value else "zero"
         meaning = _split(value.get("description", whole.get("description", "")))
@@ -147,12 +152,16 @@ def _rows(
 def _below(path: str, value: Schema, definitions: Schema, sections: list[_Section]) -> Rows:
     """Yield the rows below `path` for every form that its value may have."""
     forms = _forms(value, definitions)
+    known: set[str] = set()
     for form in forms:
         word = _word(form)
         if "properties" in (item := _resolve(form.get("items", {}), definitions)):
             yield from _rows(f"{path}.ENTRY", item, definitions, sections)
         elif word is None:
-            yield from _rows(path, form, definitions, sections, optional=len(forms) > 1)
+            for row in _rows(path, form, definitions, sections, forms):
+                if row[0] not in known:  # what an earlier form has, too
+                    yield row
+            known |= {row[0] for row in _rows(path, form, definitions, [], forms)}
         elif "description" in form:  # else a word that is no type
             entry = f"{{{_key_of(form)}: {word}, ...}}" if "properties" in form else word
             section = _Section(f"`{path}: {entry}`", path, form)
