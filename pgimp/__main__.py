@@ -28,7 +28,9 @@ def main() -> int:
         from pgimp import cli
 
         return cli.main()
-    except KeyboardInterrupt:  # within the import
+    except BaseException as error:  # within the import
+        if not (signals.interrupted or isinstance(error, KeyboardInterrupt)):
+            raise
         print("pgimp: interrupted", file=sys.stderr)
         return 130
     finally:

@@ -14,6 +14,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
+from pgimp import signals
 from pgimp.commands import COMMANDS
 from pgimp.errors import PgimpError, RunError, UsageError
 from pgimp.mpi.comm import (
@@ -87,6 +88,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         except PgimpError as error:
             return _complain(error, error.exit_status)
         except Exception as error:
+            if signals.interrupted:
+                return _complain(KeyboardInterrupt(), 130)
             if error is not out.error:
                 return _complain(error, 1)
             silence(out)

@@ -20,6 +20,10 @@ installed = False
 #: The signals that came, each once, in order.
 received: list[int] = []
 
+#: Whether a second SIGINT came. What it meets, such as a module that is being imported, may make
+#: another error of the KeyboardInterrupt.
+interrupted = False
+
 
 def note(number: int, _: FrameType | None) -> None:
     """Note a signal; the handler.
@@ -34,9 +38,11 @@ def note(number: int, _: FrameType | None) -> None:
     KeyboardInterrupt
         At the second SIGINT, for who cannot wait.
     """
+    global interrupted
     if number not in received:
         received.append(number)
     elif number == signal.SIGINT:
+        interrupted = True
         raise KeyboardInterrupt
 
 

@@ -14,7 +14,7 @@ import pytest
 from processes import clean_env
 from two_blocks import CASE
 
-from pgimp import commands
+from pgimp import cli, commands, signals
 
 CONSOLE = Path(sys.executable).parent / "pgimp"
 # Imported by `signal` itself, and the first parts of pgimp.
@@ -95,6 +95,21 @@ def test_ctrl_c_twice_in_the_first_moments_is_answered_in_one_line(tmp_path):
         process.send_signal(signal.SIGINT)
         time.sleep(0.02)
     assert (process.wait(30), process.stderr.read()) == (130, "pgimp: interrupted\n")
+
+
+def test_what_a_module_makes_of_ctrl_c_is_an_interruption(monkeypatch, capsys):
+    """C code that is interrupted may raise another error instead of the KeyboardInterrupt."""
+
+    def broken(words):
+        raise SystemError("a result with an exception set")
+
+    monkeypatch.setattr(cli, "_dispatch", broken)
+    assert cli.main(["none.yaml"]) == 1
+    monkeypatch.setattr(signals, "interrupted", True)
+    assert cli.main(["none.yaml"]) == 130
+    first, second = capsys.readouterr().err.splitlines()
+    assert "a result with an exception set" in first
+    assert second == "pgimp: interrupted"
 
 
 @pytest.mark.parametrize("words", [[CONSOLE], [sys.executable, "-m", "pgimp"]])
