@@ -101,7 +101,7 @@ def report(case: Case) -> None:
     inverse = max(scene.frame.inverse)
     rate = max((body.wave_speed + body.top_speed) * inverse for body in bodies)
     require_end(scene, max(rate, scene.tools.rate))
-    dt = _step(case, max(rate, scene.tools.rate))
+    dt = _step(case, rate, scene.tools.rate)
     require_slow(scene.tools, dt)
     count = int(counts.sum())
     print(f"{case.title or 'case'}: valid")
@@ -149,10 +149,10 @@ def _look_at_rigid(scene: Scene, lattice: Lattice, counts: np.ndarray) -> None:
     require_apart(scene.tools, blocks, Serial())
 
 
-def _step(case: Case, rate: float) -> float:
-    """Length of a step, the first one if it is controlled."""
+def _step(case: Case, rate: float, rigid: float) -> float:
+    """Length of a step, the first one if it is controlled; `rigid` is the rate of rigid bodies."""
     if not isinstance(case.time.step, float | int):
-        return min(case.time.step.courant / rate, case.time.end)
+        return min(case.time.step.courant / max(rate, rigid), case.time.end)
     require_stable(float(case.time.step), rate, case.method.stable)
     return float(case.time.step)
 

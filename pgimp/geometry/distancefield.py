@@ -47,6 +47,11 @@ class DistanceField(NamedTuple):
     shape: NDArray[np.int64]
     values: NDArray[np.float64]
 
+    def points(self, numbers: NDArray[np.int64], D: int) -> NDArray[np.float64]:
+        """Return the places of points, given by their numbers, (n, D)."""
+        places = np.stack(np.unravel_index(numbers, tuple(self.shape)), axis=1)[:, :D]
+        return self.low[:D] + self.spacing * places
+
 
 def extent(
     region: Region, cell: tuple[float, ...], within: tuple[NDArray, NDArray] | None
@@ -82,10 +87,10 @@ def distance_field(
     low, spacing, shape = extent(region, cell, within)
     D, count = len(cell), int(np.prod(shape))
     values = np.zeros((count, 5))
+    field = DistanceField(low, spacing, shape, values)
     for begin in range(0, count, _BLOCK):
         numbers = np.arange(begin, min(begin + _BLOCK, count))
-        places = np.stack(np.unravel_index(numbers, tuple(shape)), axis=1)[:, :D]
-        points = low[:D] + spacing * places
+        points = field.points(numbers, D)
         found = values[begin : begin + len(numbers)]
         found[:, 0] = region.signed_distance(points)
         for d in range(D):
@@ -99,7 +104,7 @@ def distance_field(
     for d in range(D):
         mean = _mean(mean, d, 0.5 * cell[d] / spacing)
     values[:, 4] = mean.ravel()
-    return DistanceField(low, spacing, shape, values)
+    return field
 
 
 def _mean(values: NDArray[np.float64], d: int, step: float) -> NDArray[np.float64]:

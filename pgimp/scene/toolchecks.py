@@ -85,8 +85,7 @@ def _within_bodies(tools: SceneTools) -> list[tuple[float, tuple[float, ...], in
     for name, field in zip(tools.names, tools.fields, strict=True):
         deepest = np.argsort(field.values[:, 0], kind="stable")[:64]
         deepest = deepest[field.values[deepest, 0] < 0.0]
-        places = np.stack(np.unravel_index(deepest, tuple(field.shape)), axis=1)[:, :D]
-        points = field.low[:D] + field.spacing * places
+        points = field.points(deepest, D)
         for number, body in enumerate(tools.case.bodies.values()):
             if body.region.WHOLE_BODY or not len(points):
                 continue

@@ -68,12 +68,15 @@ class SceneTools:
     entries : list of RigidBody
     fields : list of DistanceField
         Their distances, after `measure`.
+    rate : float
+        Cells that a point of any of the bodies crosses in a unit of time, at most; likewise.
     """
 
     def __init__(self, case: Case, frame: Frame) -> None:
         self.case, self.frame = case, frame
         self.names, self.entries = list(case.tools), list(case.tools.values())
         self.fields: list[DistanceField] = []
+        self.rate = 0.0
         self._kept: Any = None
 
     def __len__(self) -> int:
@@ -101,6 +104,8 @@ class SceneTools:
                 on_root(comm, partial(self._read_and_measure, name, entry))
                 for name, entry in zip(self.names, self.entries, strict=True)
             ]
+        # Steps depend on it: one rank computes it, as machines may round otherwise.
+        self.rate = on_root(comm, self._greatest_rate)
         self._kept = None
 
     def _read_and_measure(self, name: str, entry: RigidBody) -> DistanceField:
@@ -183,9 +188,8 @@ class SceneTools:
             self._bound(row, about, field)
         return tools
 
-    @cached_property
-    def rate(self) -> float:
-        """Cells that a point of any of the bodies crosses in a unit of time, at most."""
+    def _greatest_rate(self) -> float:
+        """See `rate`."""
         fastest = 0.0
         for number, entry in enumerate(self.entries):
             arm = self.surface.points[self.surface.body == number] - entry.rigid.reference

@@ -64,9 +64,12 @@ class Totals(NamedTuple):
 
     def moment(self, sums: np.ndarray) -> tuple[float | None, ...]:
         """Return the angular momentum among sums, None about axes where it is always zero."""
+        return self._about_axes(sums[ANGULAR : ANGULAR + 3])
+
+    def _about_axes(self, moment: np.ndarray) -> tuple[float | None, ...]:
         # A motion along x alone has no moment about the origin, one in the plane only that about z.
         axes = ((), (2,), (0, 1, 2))[self.scene.dimension - 1]
-        return tuple(sums[ANGULAR + i] if i in axes else None for i in range(3))
+        return tuple(moment[i] if i in axes else None for i in range(3))
 
     def contact_force(self, k: int) -> np.ndarray | tuple[()]:
         """Return the force of an entry of contact, nothing where it is for more than two bodies."""
@@ -81,9 +84,7 @@ class Totals(NamedTuple):
 
     def moment_on_tool(self, k: int) -> tuple[float | None, ...]:
         """Return the mean moment on a rigid body, None about axes where it is always zero."""
-        moment = self.force[len(self.force) - len(self.tools) + k]
-        axes = ((), (2,), (0, 1, 2))[self.scene.dimension - 1]
-        return tuple(moment[i] if i in axes else None for i in range(3))
+        return self._about_axes(self.force[len(self.force) - len(self.tools) + k])
 
     def mean(self, column: int) -> float:
         """Return a mean over the initial volume; nan when all particles were removed."""

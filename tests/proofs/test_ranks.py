@@ -120,7 +120,7 @@ def slabs(name):
     """Layers and particles of the slabs of 5 ranks at the start of a scene."""
     sim = simulation(SCENES[name])
     counts, vertices = np.diff(sim.population.start), sim.scene.vertices
-    cuts = cut(counts, 5, vertices - 1, 2 * vertices if sim.scene.mirrors else 0)
+    cuts = cut(counts, 5, vertices - 1, sim.scene.ends)
     return np.diff(cuts), np.add.reduceat(counts, cuts[:-1])
 
 

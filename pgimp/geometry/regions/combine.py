@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Iterable, Iterator, Sequence
-from functools import cached_property
+from functools import cached_property, reduce
 from typing import Annotated, Any
 
 import numpy as np
@@ -76,6 +76,18 @@ class Combination(RootModel[Annotated[tuple[RegionEntry, ...], Field(min_length=
         """See `Region.notes`."""
         return [note for region in self.root for note in region.notes()]
 
+    @abstractmethod
+    def _combined(self, distances: Iterator[Lengths]) -> Lengths:
+        """Return the distance from those of the parts."""
+
+    def distance(self, points: Points) -> Lengths:
+        """See `Region.distance`."""
+        return self._combined(part.distance(points) for part in self.root)
+
+    def signed_distance(self, points: Points) -> Lengths:
+        """See `Region.signed_distance`."""
+        return self._combined(part.signed_distance(points) for part in self.root)
+
     def curved(self, points: Points) -> Lengths:
         """See `Region.curved`."""
         nearest = self.root[0].curved(points)
@@ -102,19 +114,9 @@ class Union(Combination):
             inside |= region.contains(points)
         return inside
 
-    def distance(self, points: Points) -> Lengths:
-        """See `Region.distance`."""
-        distance = self.root[0].distance(points)
-        for region in self.root[1:]:
-            distance = np.minimum(distance, region.distance(points))
-        return distance
-
-    def signed_distance(self, points: Points) -> Lengths:
-        """See `Region.signed_distance`."""
-        distance = self.root[0].signed_distance(points)
-        for region in self.root[1:]:
-            distance = np.minimum(distance, region.signed_distance(points))
-        return distance
+    def _combined(self, distances: Iterator[Lengths]) -> Lengths:
+        """See `Combination`."""
+        return reduce(np.minimum, distances)
 
     def near(self, low: Sequence[float], high: Sequence[float]) -> Region | None:
         """See `Region.near`."""
@@ -143,19 +145,9 @@ class Difference(Combination):
             inside &= ~region.contains(points)
         return inside
 
-    def distance(self, points: Points) -> Lengths:
-        """See `Region.distance`."""
-        distance = self.root[0].distance(points)
-        for region in self.root[1:]:
-            distance = np.maximum(distance, -region.distance(points))
-        return distance
-
-    def signed_distance(self, points: Points) -> Lengths:
-        """See `Region.signed_distance`."""
-        distance = self.root[0].signed_distance(points)
-        for region in self.root[1:]:
-            distance = np.maximum(distance, -region.signed_distance(points))
-        return distance
+    def _combined(self, distances: Iterator[Lengths]) -> Lengths:
+        """See `Combination`."""
+        return reduce(lambda whole, part: np.maximum(whole, -part), distances)
 
     def near(self, low: Sequence[float], high: Sequence[float]) -> Region | None:
         """See `Region.near`."""
@@ -181,19 +173,9 @@ class Intersection(Combination):
             inside &= region.contains(points)
         return inside
 
-    def distance(self, points: Points) -> Lengths:
-        """See `Region.distance`."""
-        distance = self.root[0].distance(points)
-        for region in self.root[1:]:
-            distance = np.maximum(distance, region.distance(points))
-        return distance
-
-    def signed_distance(self, points: Points) -> Lengths:
-        """See `Region.signed_distance`."""
-        distance = self.root[0].signed_distance(points)
-        for region in self.root[1:]:
-            distance = np.maximum(distance, region.signed_distance(points))
-        return distance
+    def _combined(self, distances: Iterator[Lengths]) -> Lengths:
+        """See `Combination`."""
+        return reduce(np.maximum, distances)
 
     def near(self, low: Sequence[float], high: Sequence[float]) -> Region | None:
         """See `Region.near`."""
