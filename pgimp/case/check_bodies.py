@@ -10,7 +10,8 @@ from pydantic import RootModel
 
 from pgimp.case.check_domain import check_grid
 from pgimp.geometry.regions import REGIONS
-from pgimp.physics.loads.motion import check_rotation
+from pgimp.physics.loads.motion import RigidMotion, check_rotation
+from pgimp.physics.rigid import WAYS
 from pgimp.schema.messages import unknown
 from pgimp.schema.problems import Problem
 from pgimp.schema.registries import name_of
@@ -111,7 +112,16 @@ def check_tools(
         yield Problem(("bodies",), "all are rigid; a case needs a body of a material")
     for name, tool in tools.items():
         path: tuple[str | int, ...] = ("bodies", name)
-        yield from _motion((*path, "rigid"), dimensions, tool.rigid)
+        if tool.free:
+            yield from _free(path, dimensions, tool)
+        else:
+            yield from _motion((*path, "rigid"), dimensions, tool.rigid)
+            if tool.velocity is not None:
+                text = (
+                    "a rigid body without density moves as `rigid` says, {velocity: ..}; one that "
+                    "moves freely has a density: rigid: {density: ..}"
+                )
+                yield Problem((*path, "velocity"), text)
         wrong = list(_region((*path, "region"), tool.region, dimensions))
         yield from wrong
         for region in () if wrong else tool.region.simple():
@@ -125,6 +135,28 @@ def check_tools(
         elif not all(map(math.isfinite, (*low, *high))):
             text = "has no end; let it reach beyond the domain: region: {intersection: [{box: ..}, "
             yield Problem((*path, "region"), text + "{half-space: ..}]}")
+
+
+def _free(path: tuple[str | int, ...], dimensions: int, body: Any) -> Problems:
+    """Check that the motion of a free rigid body fits the dimensions."""
+    ways = (("x",), ("x", "y", "rotation"), (*WAYS, "rotation"))[dimensions - 1]
+    for i, way in enumerate(body.free.fixed):
+        if way not in ways and not (dimensions == 2 and way == "rotation-z"):
+            yield Problem((*path, "rigid", "fixed", i), unknown("way", way, ways))
+    where, may = (*path, "velocity"), body.free.may(dimensions)
+    along: Any = body.velocity
+    about: tuple[float, ...] = ()
+    if isinstance(along, RigidMotion):
+        rotation, along = along.rotation, along.translation
+        if dimensions == 1:
+            yield Problem((*where, "rotation"), "there is no rotation in one dimension")
+            return
+        yield from check_rotation((*where, "rotation"), rotation, dimensions)
+        about = rotation.rate if isinstance(rotation.rate, tuple) else (0.0, 0.0, rotation.rate)
+    yield from length(where, along or (0.0,) * dimensions, dimensions)
+    for values, ways in ((along or (), may[:3]), (about, may[3:])):
+        if any(v and not way for v, way in zip(values, ways, strict=False)):
+            yield Problem(where, "it moves in a way that `fixed` excludes")
 
 
 def _motion(path: tuple[str | int, ...], dimensions: int, motion: Any) -> Problems:

@@ -110,7 +110,8 @@ def report(case: Case) -> None:
     for body in bodies:
         _report_body(body, case)
     for name, field in zip(scene.tools.names, scene.tools.fields, strict=True):
-        moves = "moves" if case.tools[name].rigid.moves else "stands"
+        entry = case.tools[name]
+        moves = "moves freely" if entry.free else "moves" if entry.moves else "stands"
         print(f"rigid {name:<10} {moves}; {len(field.values):,} distances on its lattice")
     stable = 1.0 / rate
     print(f"step             {dt:.4g}, Courant {dt * rate:.3g}; Courant 1 is {stable:.4g}")

@@ -45,8 +45,8 @@ SWEEPS = 8
 WEIGHT, PART, OUTWARD, NOW, BEFORE, MOBILITY, FIELDS = 0, 1, 2, 5, 8, 11, 14
 
 #: Columns of `Contact.partners`: normal, velocity at which the gap closes in the step, impulse
-#: along the normal and across it so far, area.
-NORMAL, CLOSING, PUSH, SLIP, AREA, PARTNERS = 0, 3, 4, 5, 8, 9
+#: along the normal and across it so far, the part that this is of what would make it stick, area.
+NORMAL, CLOSING, PUSH, SLIP, STUCK, AREA, PARTNERS = 0, 3, 4, 5, 8, 9, 10
 
 
 class Contact(NamedTuple):
@@ -259,6 +259,7 @@ def exchange(contact, faces, frame, forcing, number, held, pair):
     static, kinetic = contact.pairs.coefficient[entry, 0], contact.pairs.coefficient[entry, 1]
     length = sqrt(square)
     part = 1.0 if length <= static * row[PUSH] else kinetic * row[PUSH] / length
+    row[STUCK] = part
     for d in range(3):
         stick = row[SLIP + d] - ((v[d] - u[d]) - normal * row[NORMAL + d]) / most
         J = (row[PUSH] - push) * row[NORMAL + d]

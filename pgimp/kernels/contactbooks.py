@@ -15,7 +15,10 @@ from pgimp.kernels.ledger import (
     TOOL_MOMENT,
     TOOL_WORK,
 )
-from pgimp.kernels.tools import CENTRE, place_of
+from pgimp.kernels.tools import CENTRE, FREE, TAKEN, Tools, place_of
+
+#: Where the answers of free bodies are among `Tools`.
+ANSWERS = Tools._fields.index("answers")
 
 
 @inner_kernel
@@ -77,5 +80,28 @@ def _book_tools(contact, tools, frame, number, pair, part, u, v, ledger, plane):
                 booked[TOOL_MOMENT + d] += arm[e] * J[f] - arm[f] * J[e]
             booked[TOOL_WORK] += done
             ledger.work[plane] += done
+            _take(tools, t, plane, arm, J)
 
     return book_each
+
+
+def _take(tools, t, plane, arm, J):
+    """Let a rigid body that moves freely have an impulse."""
+
+
+@specialise(_take)
+def _take_free(tools, t, plane, arm, J):
+    if not hasattr(tools.types[ANSWERS], "ndim"):
+        return lambda tools, t, plane, arm, J: None
+
+    def take(tools, t, plane, arm, J):
+        free = tools.about[t, FREE]
+        if free < 0:
+            return
+        taken = tools.answers[plane, free]
+        for d in range(3):
+            e, f = (d + 1) % 3, (d + 2) % 3
+            taken[TAKEN + d] += J[d]
+            taken[TAKEN + 3 + d] += arm[e] * J[f] - arm[f] * J[e]
+
+    return take

@@ -21,7 +21,7 @@ from pgimp.kernels.fields import field_count, field_size
 from pgimp.kernels.loads import relaxed_part
 from pgimp.kernels.record import ACCELERATION, FORCE, MASS, MOMENTUM, RECORD, VELOCITY
 from pgimp.kernels.selection import HIGH_Y, HIGH_Z, LOW_Y, LOW_Z, include
-from pgimp.kernels.tools import CENTRE, FILLED, FORMER, LATTER, SURFACE, fill, place_of
+from pgimp.kernels.tools import CENTRE, FILLED, FORMER, FREE, LATTER, SURFACE, fill, place_of
 
 
 @kernel
@@ -91,26 +91,9 @@ def _meet_in_plane(contact, faces, frame, field, forcing, i, ledger, last):
         for k in range(window.extent[2]):
             r = i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
             number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
-            count = _find_fields(contact, faces, frame, field, r, number)
-            if count == 0:
-                continue
-            sides = wall_sides(faces, frame, number)
-            rigid = find_tools(contact, contact.tools, frame, number, sides, count, last)
-            if count + rigid < 2:
-                continue
-            pairs = find_pairs(contact, frame, sides, count + rigid, rigid, dt)
+            count, pairs = meet_at(contact, faces, frame, field, forcing, number, r, last)
             if pairs == 0:
                 continue
-            for a in range(count):
-                place = contact.places[a]
-                inverse = 1.0 if last else 1.0 / contact.fields[a, WEIGHT]
-                for d in range(3):
-                    v = field.G[place + VELOCITY + d] * inverse
-                    contact.fields[a, NOW + d] = contact.fields[a, BEFORE + d] = v
-            held = find_held(contact, faces, frame, forcing, number, count)
-            for _ in range(SWEEPS if held or pairs > 1 else 1):
-                for pair in range(pairs):
-                    exchange(contact, faces, frame, forcing, number, held, pair)
             for a in range(count):
                 place = contact.places[a]
                 for d in range(3):
@@ -125,6 +108,36 @@ def _meet_in_plane(contact, faces, frame, field, forcing, i, ledger, last):
             if part > 0.0 and i < field.owned:
                 for pair in range(pairs):
                     book(contact, faces, frame, forcing, number, pair, part, last, ledger, i)
+
+
+@inner_kernel
+def meet_at(contact, faces, frame, field, forcing, number, r, last):
+    """Find what fields have at the vertex whose first record is at `r` after they have met.
+
+    Returns the number of fields that have particles, and that of the pairs that may act on each
+    other; where there is none, nothing else is known.
+    """
+    count = _find_fields(contact, faces, frame, field, r, number)
+    if count == 0:
+        return 0, 0
+    sides = wall_sides(faces, frame, number)
+    rigid = find_tools(contact, contact.tools, frame, number, sides, count, last)
+    if count + rigid < 2:
+        return 0, 0
+    pairs = find_pairs(contact, frame, sides, count + rigid, rigid, forcing.dt)
+    if pairs == 0:
+        return 0, 0
+    for a in range(count):
+        place = contact.places[a]
+        inverse = 1.0 if last else 1.0 / contact.fields[a, WEIGHT]
+        for d in range(3):
+            v = field.G[place + VELOCITY + d] * inverse
+            contact.fields[a, NOW + d] = contact.fields[a, BEFORE + d] = v
+    held = find_held(contact, faces, frame, forcing, number, count)
+    for _ in range(SWEEPS if held or pairs > 1 else 1):
+        for pair in range(pairs):
+            exchange(contact, faces, frame, forcing, number, held, pair)
+    return count, pairs
 
 
 @inner_kernel
@@ -169,7 +182,7 @@ def _find_tools(contact, tools, frame, number, sides, count, last):
         found, velocity = count, LATTER if last else FORMER
         spin = velocity + 3
         for t in range(len(tools.motion)):
-            if not fill(tools, t, frame, number, sides):
+            if (tools.about[t, FREE] >= 0 and not last) or not fill(tools, t, frame, number, sides):
                 continue
             row, motion = contact.fields[found], tools.motion[t]
             contact.places[found], contact.bodies[found] = -1, tools.bodies + t

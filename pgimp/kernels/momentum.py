@@ -10,9 +10,12 @@ from pgimp.kernels.meet import meet
 from pgimp.kernels.record import ACCELERATION, FORCE, HELD, MASS, MOMENTUM, RECORD, VELOCITY
 from pgimp.kernels.transfer import also_held
 
+#: What of the update is done: all; what comes before bodies meet for the last time, and the rest.
+WHOLE, BEGINNING, REST = 0, 1, 2
+
 
 @kernel
-def update_momentum(frame, field, faces, forcing, ledger, contact):
+def update_momentum(frame, field, faces, forcing, ledger, contact, part):
     """Turn the sums of a rank's active planes into velocities and accelerations.
 
     Parameters
@@ -29,30 +32,36 @@ def update_momentum(frame, field, faces, forcing, ledger, contact):
         each face: what particles carry past it.
     contact : Contact or ()
         Where bodies meet.
+    part : int
+        `WHOLE`, or `BEGINNING` and `REST` in two calls.
     """
     G, active, owned, plane = field.G, field.active, field.owned, field.window.stride[0]
     dt, gravity, lightest, work = forcing.dt, forcing.gravity, forcing.lightest, ledger.work
-    ledger.beyond[:] = 0.0
+    if part != REST:
+        ledger.beyond[:] = 0.0
     heavy = gravity[0] != 0.0 or gravity[1] != 0.0 or gravity[2] != 0.0
     for i in range(len(active)):
         if active[i] == 0:
             continue
-        meet(contact, faces, frame, field, forcing, i, ledger, False)
-        for r in range(i * plane, (i + 1) * plane, RECORD):
-            m = G[r + MASS]
-            if m > lightest:
-                inverse = 1.0 / m
-                for d in range(3):
-                    a = G[r + FORCE + d] * inverse + gravity[d]
-                    G[r + ACCELERATION + d] = a
-                    G[r + VELOCITY + d] = G[r + MOMENTUM + d] * inverse + dt * a
-            else:
-                inverse = 1.0 / m if m > 0.0 else 0.0
-                for d in range(3):
-                    G[r + ACCELERATION + d] = 0.0
-                    G[r + VELOCITY + d] *= inverse
-            if m >= 0.0:
-                clear(forcing.clearances, G, r)
+        if part != REST:
+            meet(contact, faces, frame, field, forcing, i, ledger, False)
+            for r in range(i * plane, (i + 1) * plane, RECORD):
+                m = G[r + MASS]
+                if m > lightest:
+                    inverse = 1.0 / m
+                    for d in range(3):
+                        a = G[r + FORCE + d] * inverse + gravity[d]
+                        G[r + ACCELERATION + d] = a
+                        G[r + VELOCITY + d] = G[r + MOMENTUM + d] * inverse + dt * a
+                else:
+                    inverse = 1.0 / m if m > 0.0 else 0.0
+                    for d in range(3):
+                        G[r + ACCELERATION + d] = 0.0
+                        G[r + VELOCITY + d] *= inverse
+                if m >= 0.0:
+                    clear(forcing.clearances, G, r)
+        if part == BEGINNING:
+            continue
         meet(contact, faces, frame, field, forcing, i, ledger, True)
         constrain_plane((), faces, frame, field, forcing, i, ledger)
         if heavy and i < owned:

@@ -8,7 +8,7 @@ flat the vertex's own tent and the mean distance are enough.
 """
 
 from math import sqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -16,31 +16,30 @@ from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.kernels.fields import field_count, field_size
 from pgimp.kernels.record import MASS
 from pgimp.kernels.selection import include
+from pgimp.kernels.tents import cut
 
 #: Columns of `Tools.motion`: the reference point now and at the start, the matrix that turns the
 #: body, distance of the lattice's points, its first point; velocity and angular velocity at the
 #: step's beginning, both at its end.
 CENTRE, REFERENCE, TURN, SPACING, LOW, FORMER, LATTER, MOTION = 0, 3, 6, 15, 16, 19, 25, 31
 
-#: Columns of `Tools.about`: the lattice's points along each direction, where they begin, and the
-#: least and greatest vertex near the body, by direction.
-SHAPE, FIRST, LEAST, MOST, ABOUT = 0, 3, 4, 7, 10
+#: Columns of `Tools.about`: the lattice's points along each direction, where they begin, the least
+#: and greatest vertex near the body, by direction, and its number among those that move freely, -1
+#: of others.
+SHAPE, FIRST, LEAST, MOST, FREE, ABOUT = 0, 3, 4, 7, 10, 11
 
 #: Columns of `Tools.at`: distance, normal, and mean distance at a point; part filled, and area with
 #: outward normal.
 DISTANCE, NORMAL, MEAN, FILLED, SURFACE, AT = 0, 1, 4, 5, 6, 9
 
+#: Columns of `Tools.answers`: impulse and moment that a free body has got in the step, those that
+#: it would get in the last pass, and by how much less for each velocity along and about x, y, z, a
+#: matrix of 6 x 6.
+TAKEN, GIVEN, RESPONSE, ANSWER = 0, 6, 12, 48
+
 #: Difference of the mean distance from that at the vertex, as part of a cell, from which on a
 #: surface is not taken for flat within the neighbourhood.
 FLAT = 0.02
-
-#: Places and weights that integrate over a tent from -1 to 1 polynomials up to the third degree on
-#: either side: Gauss and Jacobi's of two points.
-_PLACES = (-(4.0 + sqrt(6.0)) / 10.0, -(4.0 - sqrt(6.0)) / 10.0,
-           (4.0 - sqrt(6.0)) / 10.0, (4.0 + sqrt(6.0)) / 10.0)  # fmt: skip
-_OUTER, _INNER = 0.25 - 1.0 / (6.0 * sqrt(6.0)), 0.25 + 1.0 / (6.0 * sqrt(6.0))
-_WEIGHTS = (_OUTER, _INNER, _INNER, _OUTER)
-
 
 class Tools(NamedTuple):
     """The rigid bodies of a scene, for kernels.
@@ -57,6 +56,8 @@ class Tools(NamedTuple):
         Number of the bodies with particles, which come first.
     at : (AT,) float64
         Room for what was found last.
+    answers : (planes, free bodies, ANSWER) float64 or ()
+        What free rigid bodies get in a step, and would get.
     """
 
     motion: np.ndarray
@@ -64,6 +65,7 @@ class Tools(NamedTuple):
     values: np.ndarray
     bodies: int
     at: np.ndarray
+    answers: Any
 
 
 @inner_kernel
@@ -116,31 +118,6 @@ def _look_up(tools, t, D, x, y, z):
     for d in range(3):
         n = row[TURN + 3 * d] * own0 + row[TURN + 3 * d + 1] * own1
         at[NORMAL + d] = (n + row[TURN + 3 * d + 2] * own2) * inverse
-
-
-@inner_kernel
-def _below(u):
-    """Part of a tent from -1 to 1 below u."""
-    if u <= 0.0:
-        return 0.5 * max(0.0, 1.0 + u) ** 2
-    return 1.0 - 0.5 * max(0.0, 1.0 - u) ** 2
-
-
-@inner_kernel
-def _cut(a, b, c, s):
-    """Part of a box of tents with n . x < s, and its derivative by s; a, b, c are |n_d| half sides.
-
-    `a` is the greatest.
-    """
-    part, slope = 0.0, 0.0
-    for i in range(4 if b > 1e-12 * a else 1):
-        w, x = (_WEIGHTS[i], b * _PLACES[i]) if b > 1e-12 * a else (1.0, 0.0)
-        for k in range(4 if c > 1e-12 * a else 1):
-            v, y = (_WEIGHTS[k], c * _PLACES[k]) if c > 1e-12 * a else (1.0, 0.0)
-            u = (s - x - y) / a
-            part += w * v * _below(u)
-            slope += w * v * max(0.0, 1.0 - abs(u)) / a
-    return part, slope
 
 
 @inner_kernel
@@ -211,7 +188,7 @@ def fill(tools, t, frame, number, sides):
     whole = sides[0] == 0 and sides[1] == 0 and sides[2] == 0
     if whole and abs(at[MEAN] - at[DISTANCE]) < FLAT * frame.cell[0]:
         a, b, c = _halves(tools, frame, 1.0)
-        filled, slope = _cut(a, b, c, -at[MEAN])
+        filled, slope = cut(a, b, c, -at[MEAN])
         at[FILLED], scale = filled, volume * max(slope, 1e-6 / reach)
         at[SURFACE], at[SURFACE + 1], at[SURFACE + 2] = scale * n0, scale * n1, scale * n2
         return filled > 0.0
@@ -243,7 +220,7 @@ def fill(tools, t, frame, number, sides):
         if not a > 0.0:
             filled += weight if at[DISTANCE] < 0.0 else 0.0
             continue
-        part, slope = _cut(a, b, c, -at[DISTANCE])
+        part, slope = cut(a, b, c, -at[DISTANCE])
         filled += weight * part
         s0 += weight * slope * at[NORMAL]
         s1 += weight * slope * at[NORMAL + 1]

@@ -1,15 +1,16 @@
-"""Rigid bodies that move as prescribed, tools: the entry in the case, and where they are."""
+"""Rigid bodies: their entry in the case; of those that move as prescribed, where they are."""
 
 from __future__ import annotations
 
 from math import cos, hypot, sin
-from typing import Annotated, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 from pydantic import Field, model_validator
 
 from pgimp.geometry.regions import RegionEntry
-from pgimp.schema.base import Model, Number, Vector
-from pgimp.schema.dispatch import Either
+from pgimp.physics.loads.motion import RigidMotion
+from pgimp.schema.base import Model, Number, Positive, Vector
+from pgimp.schema.dispatch import Either, WithKey
 from pgimp.schema.problems import Problem, raise_problems
 from pgimp.schema.tables import Table, VaryingVector, VectorTable
 
@@ -134,15 +135,62 @@ class Motion(Model):
         return max(hypot(*value) for value in values), max(map(abs, rates))
 
 
-class RigidBody(Model):
-    """A rigid body without particles, a tool: what it meets cannot enter it."""
+#: Six ways in which a body may move; those that a free rigid body must not are `fixed`.
+WAYS = ("x", "y", "z", "rotation-x", "rotation-y", "rotation-z")
 
-    rigid: Motion = Field(
-        description="of a body without particles its motion, {}: it stands; such a body may reach "
-        "beyond the domain"
+
+class Free(Model):
+    """A rigid body that moves freely: by its inertia, gravity, and what it meets."""
+
+    density: Positive = Field(
+        description="of a rigid body that moves freely its density, everywhere the same "
+        "[mass/length^3]"
+    )
+    fixed: tuple[
+        Literal["x", "y", "z", "rotation-x", "rotation-y", "rotation-z", "rotation"], ...
+    ] = Field(
+        default=(),
+        description="ways in which it does not move, whatever acts on it: along x, y, z, or "
+        "rotation about their directions; rotation: about all of them",
+    )
+
+    def may(self, dimensions: int) -> tuple[bool, ...]:
+        """Return which of `WAYS` it may move."""
+        there = (("x",), ("x", "y", "rotation-z"), WAYS)[dimensions - 1]
+        return tuple(
+            way in there and way not in self.fixed and not (d > 2 and "rotation" in self.fixed)
+            for d, way in enumerate(WAYS)
+        )
+
+
+class RigidBody(Model):
+    """A rigid body without particles: what it meets cannot enter it."""
+
+    rigid: Annotated[Motion | Free, WithKey("density", Free, Motion)] = Field(
+        description="of a body without particles how it moves: as prescribed ({}: it stands), such "
+        "a body may reach beyond the domain; or freely, {density: ..}"
     )
     region: RegionEntry = Field(
         description="the part of space that it fills at the start; it may reach beyond the domain"
     )
+    velocity: Annotated[
+        tuple[float, ...] | RigidMotion | None,
+        Either(
+            "one number a direction or {rotation: ...}",
+            {None: None, tuple: Vector, dict: RigidMotion},
+        ),
+    ] = Field(
+        default=None,
+        description="of a body that moves freely its initial velocity: a vector or a rigid motion; "
+        "null: it is at rest [length/time]",
+    )
 
+    @property
+    def free(self) -> Free | None:
+        """What says that it moves freely; None of one that moves as prescribed."""
+        return self.rigid if isinstance(self.rigid, Free) else None
 
+    @property
+    def moves(self) -> bool:
+        """Whether it may move at all."""
+        return isinstance(self.rigid, Free) or self.rigid.moves

@@ -60,6 +60,7 @@ class RigidFrames(Series):
         path = self.folder / f"rigid-{number:06d}.h5"
         part, what = temporary(path), f"write the frame {path} at step {sim.step}"
         time, step = float(sim.time), int(sim.step)
+        poses = tools.poses(time, sim.rank.free.states if sim.rank.free else [])
         attributes = self._attributes | {"time": time, "step": np.int64(step)}
 
         def create() -> tuple[dict[str, int], dict[int, bytes]]:
@@ -80,7 +81,7 @@ class RigidFrames(Series):
             if self.comm.rank == 0:
                 for place, data in says.items():
                     file.write(place, data)
-                file.write(offsets["position"], tools.surface_at(time))
+                file.write(offsets["position"], tools.surface_at(poses))
                 file.write(offsets["body"], tools.surface.body)
                 file.write(offsets["connectivity"], tools.surface.cells)
             unfinished = Unfinished(part, path, file, self.comm, what)

@@ -18,10 +18,12 @@ from pgimp.geometry.outline import outline
 from pgimp.kernels.particles import Frame
 from pgimp.kernels.tools import (
     ABOUT,
+    ANSWER,
     AT,
     CENTRE,
     FIRST,
     FORMER,
+    FREE,
     LATTER,
     LEAST,
     LOW,
@@ -34,7 +36,9 @@ from pgimp.kernels.tools import (
     Tools,
 )
 from pgimp.mpi.collective import on_root
-from pgimp.physics.rigid import RigidBody
+from pgimp.physics.rigid import Motion, Pose, RigidBody, Triple
+from pgimp.scene.bulk import Bulk, bulk
+from pgimp.scene.freebody import FreeBody, State
 from pgimp.schema.tables import VectorTable
 
 #: Instants at which the way of a body that does not turn is looked at, to know what of it matters.
@@ -53,7 +57,7 @@ class Surface(NamedTuple):
 
 
 class SceneTools:
-    """The rigid bodies that move as prescribed.
+    """The rigid bodies: of those that move as prescribed, also where they are in each step.
 
     Parameters
     ----------
@@ -69,7 +73,12 @@ class SceneTools:
     fields : list of DistanceField
         Their distances, after `measure`.
     rate : float
-        Cells that a point of any of the bodies crosses in a unit of time, at most; likewise.
+        Cells that a point of any body that moves as prescribed crosses in a unit of time, at most;
+        likewise.
+    free : dict of int to FreeBody
+        Those that move freely, by number; likewise.
+    arms : list of float
+        Greatest distance of their surfaces from their centres of mass; likewise.
     """
 
     def __init__(self, case: Case, frame: Frame) -> None:
@@ -77,6 +86,8 @@ class SceneTools:
         self.names, self.entries = list(case.tools), list(case.tools.values())
         self.fields: list[DistanceField] = []
         self.rate = 0.0
+        self.free: dict[int, FreeBody] = {}
+        self.arms: list[float] = []
         self._kept: Any = None
 
     def __len__(self) -> int:
@@ -100,18 +111,26 @@ class SceneTools:
             On every rank: a body that is too thin, or too large.
         """
         with located(self.case):
-            self.fields = [
+            found = [
                 on_root(comm, partial(self._read_and_measure, name, entry))
                 for name, entry in zip(self.names, self.entries, strict=True)
             ]
-        # Steps depend on it: one rank computes it, as machines may round otherwise.
+        self.fields, D = [field for field, _ in found], len(self.frame.cell)
+        for number, (entry, (_, inertia)) in enumerate(zip(self.entries, found, strict=True)):
+            if inertia:
+                self.free[number] = FreeBody(entry, inertia, D)
+        # Steps depend on these: one rank computes them, as machines may round otherwise.
         self.rate = on_root(comm, self._greatest_rate)
+        self.arms = on_root(comm, self._greatest_arms)
         self._kept = None
 
-    def _read_and_measure(self, name: str, entry: RigidBody) -> DistanceField:
+    def _read_and_measure(
+        self, name: str, entry: RigidBody
+    ) -> tuple[DistanceField, Bulk | None]:
         """Measure a body, of which meshes are in memory no longer than that."""
         try:
-            return self._measure(entry)
+            free, D = entry.free, len(self.frame.cell)
+            return self._measure(entry), bulk(entry.region, free.density, D) if free else None
         except CaseError as error:
             raise CaseError(f"bodies.{name}.region: {error}") from None
         finally:
@@ -137,15 +156,16 @@ class SceneTools:
 
     def _within(self, entry: RigidBody) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
         """Ends of the part of a body, where it is at the start, that comes into the domain."""
-        if entry.rigid.rotation is not None:
+        motion = entry.rigid
+        if not isinstance(motion, Motion) or motion.rotation is not None:
             return None
         D, grid = len(self.frame.cell), self.case.grid
-        end, velocity = self.case.time.end, entry.rigid.velocity
-        times = np.linspace(0.0, end, _INSTANTS if entry.rigid.moves else 1)
+        end, velocity = self.case.time.end, motion.velocity
+        times = np.linspace(0.0, end, _INSTANTS if motion.moves else 1)
         if isinstance(velocity, VectorTable):
             rows = np.array([time for time, _ in velocity.table])
             times = np.concatenate([times, rows[(rows > 0.0) & (rows < end)]])
-        ways = np.array([entry.rigid.displacement(float(t))[:D] for t in times])
+        ways = np.array([motion.displacement(float(t))[:D] for t in times])
         slack = (MARGIN + 1.0) * np.array(self.frame.cell)
         low = np.array(grid.origin, float) - ways.max(axis=0) - slack
         return low, np.array(grid.corner, float) - ways.min(axis=0) + slack
@@ -165,26 +185,55 @@ class SceneTools:
             np.concatenate([np.zeros(0, np.int64), *body]),
         )  # fmt: skip
 
-    def surface_at(self, time: float) -> NDArray[np.float64]:
-        """Return the vertices of `surface` at a time, (n, 3)."""
+    @property
+    def first(self) -> list[State]:
+        """How those that move freely move at the start, in their order."""
+        return [body.first for body in self.free.values()]
+
+    def reference(self, number: int) -> Triple:
+        """Return the point of a body that its motion refers to, where it is at the start."""
+        if number in self.free:
+            return self.free[number].bulk.centre
+        motion = self.entries[number].rigid
+        assert isinstance(motion, Motion)
+        return motion.reference
+
+    def poses(self, time: float, states: list[State]) -> list[Pose]:
+        """Return where all are at a time, those that move freely in these states."""
+        free = zip(self.free.items(), states, strict=True)
+        placed = {number: body.pose(state) for (number, body), state in free}
+        return [
+            entry.rigid.pose(time) if isinstance(entry.rigid, Motion) else placed[number]
+            for number, entry in enumerate(self.entries)
+        ]
+
+    def surface_at(self, poses: list[Pose]) -> NDArray[np.float64]:
+        """Return the vertices of `surface` where the bodies are there, (n, 3)."""
         points = self.surface.points.copy()
-        for number, entry in enumerate(self.entries):
+        for number, (centre, turn) in enumerate(poses):
             mine = self.surface.body == number
-            centre, turn = entry.rigid.pose(time)
-            own = points[mine] - np.array(entry.rigid.reference)
+            own = points[mine] - np.array(self.reference(number))
             points[mine] = own @ np.array(turn).reshape(3, 3).T + np.array(centre)
         return points
 
-    def at(self, start: float, end: float) -> Tools:
-        """Return them for the kernels of a step from `start` to `end`."""
-        tools = self._arrays()
-        for row, about, entry, field in zip(
-            tools.motion, tools.about, self.entries, self.fields, strict=True
+    def at(self, start: float, end: float, states: list[State] | None = None) -> Tools:
+        """Return them for the kernels of a step from `start` to `end`.
+
+        Of those that move freely, `states` says how at its start; the velocity at its end is then
+        the same.
+        """
+        tools, states = self._arrays(), self.first if states is None else states
+        free = dict(zip(self.free, states, strict=True))
+        for number, (pose, entry, field) in enumerate(
+            zip(self.poses(start, states), self.entries, self.fields, strict=True)
         ):
-            centre, turn = entry.rigid.pose(start)
-            row[CENTRE : CENTRE + 3], row[TURN : TURN + 9] = centre, turn
+            row, about = tools.motion[number], tools.about[number]
+            row[CENTRE : CENTRE + 3], row[TURN : TURN + 9] = pose
             for column, time in ((FORMER, start), (LATTER, end)):
-                row[column : column + 6] = np.concatenate(entry.rigid.velocities(time))
+                if isinstance(entry.rigid, Motion):
+                    row[column : column + 6] = np.concatenate(entry.rigid.velocities(time))
+                else:
+                    row[column : column + 6] = self.free[number].velocities(free[number])
             self._bound(row, about, field)
         return tools
 
@@ -192,11 +241,22 @@ class SceneTools:
         """See `rate`."""
         fastest = 0.0
         for number, entry in enumerate(self.entries):
-            arm = self.surface.points[self.surface.body == number] - entry.rigid.reference
-            across = np.linalg.norm(np.cross(arm, entry.rigid.axis), axis=1).max(initial=0.0)
-            speed, spin = entry.rigid.greatest()
+            motion = entry.rigid
+            if not isinstance(motion, Motion):
+                continue
+            arm = self.surface.points[self.surface.body == number] - motion.reference
+            across = np.linalg.norm(np.cross(arm, motion.axis), axis=1).max(initial=0.0)
+            speed, spin = motion.greatest()
             fastest = max(fastest, speed + spin * float(across))
         return fastest * max(self.frame.inverse)
+
+    def _greatest_arms(self) -> list[float]:
+        """See `arms`."""
+        found = []
+        for number, body in self.free.items():
+            arm = self.surface.points[self.surface.body == number] - body.bulk.centre
+            found.append(float(np.sqrt(np.square(arm).sum(axis=1).max(initial=0.0))))
+        return found
 
     @cached_property
     def checksum(self) -> str:
@@ -211,19 +271,26 @@ class SceneTools:
             count = len(self.entries)
             motion, about = np.zeros((count, MOTION)), np.zeros((count, ABOUT), np.int64)
             first = 0
-            for row, one, entry, field in zip(
-                motion, about, self.entries, self.fields, strict=True
-            ):
-                row[REFERENCE : REFERENCE + 3] = entry.rigid.reference
+            for number, field in enumerate(self.fields):
+                row, one = motion[number], about[number]
+                row[REFERENCE : REFERENCE + 3] = self.reference(number)
                 row[SPACING], row[LOW : LOW + 3] = field.spacing, field.low
                 one[SHAPE : SHAPE + 3], one[FIRST] = field.shape, first
+                one[FREE] = [*self.free].index(number) if number in self.free else -1
                 first += len(field.values)
             values = [field.values for field in self.fields]
             self._kept = Tools(
                 motion, about, np.concatenate(values) if values else np.zeros((0, 5)),
-                len(self.case.bodies), np.zeros(AT),
+                len(self.case.bodies), np.zeros(AT), self._answers(0),
             )  # fmt: skip
         return self._kept
+
+    def in_planes(self, planes: int) -> Tools:
+        """Return them for the kernels, where they are at the start, with room for some planes."""
+        return self.at(0.0, 0.0)._replace(answers=self._answers(planes))
+
+    def _answers(self, planes: int) -> Any:
+        return np.zeros((planes, len(self.free), ANSWER)) if self.free else ()
 
     def _bound(self, row: NDArray, about: NDArray, field: DistanceField) -> None:
         """Set the least and the greatest vertex near a body."""

@@ -17,7 +17,11 @@ from pgimp.kernels.ledger import (
     TOOL_WORK,
 )
 from pgimp.kernels.sums import KINETIC, MASS, MOMENT, MOMENTUM, STRAIN
+from pgimp.scene.freebody import FreeBody, Six
 from pgimp.solver.totals import Column, Group, Totals
+
+#: What a body's six numbers are before it is measured, where only names are wanted.
+_SIX: Six = (0.0,) * 6
 
 
 def _faces(scene: Any) -> list[str]:
@@ -221,8 +225,9 @@ HISTORY = (
             ),
             Column(
                 "tool.NAME.torque-AXIS", "force length",
-                "its mean moment, about the body's axis where it turns, else about the origin of "
-                "the coordinates, which moves with it; about z alone in 2D, none in 1D",
+                "its mean moment, about the body's axis where it turns, about its centre of mass "
+                "where it moves freely, else about the origin of the coordinates, which moves with "
+                "it; about z alone in 2D, none in 1D",
                 lambda s, k: s.moment_on_tool(k),
             ),
             Column(
@@ -232,10 +237,42 @@ HISTORY = (
             ),
             Column(
                 "tool.NAME.displacement-AXIS", "length",
-                "way of the rigid body, of its axis where it turns, since the start",
-                lambda s, k: s.scene.tools.entries[k].rigid.displacement(s.done.end)[
-                    : s.scene.dimension
-                ],
+                "way of the rigid body since the start: of its axis where it turns, of its centre "
+                "of mass where it moves freely",
+                lambda s, k: s.way_of_tool(k),
+            ),
+        ),
+    ),
+    Group(
+        lambda scene: [name for name, tool in scene.case.tools.items() if tool.free],
+        (
+            Column(
+                "tool.NAME.velocity-AXIS", "length/time",
+                "for each rigid body that moves freely: velocity of its centre of mass",
+                lambda s, k: s.along(s.of_free(k, FreeBody.velocities, _SIX), 0),
+            ),
+            Column(
+                "tool.NAME.angular-velocity-AXIS", "1/time",
+                "its angular velocity; about z alone in 2D, none in 1D, as the next two",
+                lambda s, k: s.about_axes(s.of_free(k, FreeBody.velocities, _SIX)[3:]),
+            ),
+            Column(
+                "tool.NAME.angle-AXIS", "1",
+                "the integral of its angular velocity since the start",
+                lambda s, k: s.about_axes(s.of_free(k, FreeBody.angle, _SIX)),
+            ),
+            Column(
+                "tool.NAME.angular-momentum-AXIS", "mass length^2/time",
+                "its angular momentum about the origin of the coordinates",
+                lambda s, k: s.about_axes(s.of_free(k, FreeBody.moments, _SIX)[3:]),
+            ),
+            Column(
+                "tool.NAME.momentum-AXIS", "mass length/time", "its momentum",
+                lambda s, k: s.along(s.of_free(k, FreeBody.moments, _SIX), 0),
+            ),
+            Column(
+                "tool.NAME.kinetic-energy", "energy", "its kinetic energy",
+                lambda s, k: s.of_free(k, FreeBody.energy, 0.0),
             ),
         ),
     ),

@@ -38,7 +38,7 @@ def column_names(scene: Any) -> list[str]:
         line_of(
             Totals(
                 scene, START, bodies, none, none, 0.0, 0.0, force, np.zeros(faces), contact,
-                tools, errors, errors,
+                tools, {}, errors, errors,
             )
         )
     )
@@ -107,7 +107,7 @@ class Diagnostics:
         return line_of(
             Totals(
                 scene, done, bodies, total, escaped, self.first_energy, work, force, beyond,
-                contact, tools, added, most,
+                contact, tools, rank.free.now if rank.free else {}, added, most,
             )
         )  # fmt: skip
 

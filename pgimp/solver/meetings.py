@@ -19,6 +19,7 @@ from pgimp.kernels.p2g import particles_to_grid
 from pgimp.kernels.selection import HIGH_Y, HIGH_Z, LOW_Y, LOW_Z, select_near
 from pgimp.kernels.tools import find_touched
 from pgimp.scene.scene import Scene
+from pgimp.solver.freebodies import FreeBodies
 from pgimp.solver.groups import assign, body_boxes, reach
 
 #: Where bodies meet in more than this part of the planes, all particles of these are near.
@@ -43,12 +44,15 @@ class Meetings:
     ----------
     fields : tuple of int
         Number of each body's velocity field.
+    free : FreeBodies or None
+        The rigid bodies that move freely, if there are any.
     """
 
     def __init__(self, scene: Scene, comm: Any) -> None:
         assert scene.pairs is not None
         self.scene, self.comm, self.pairs, self.call = scene, comm, scene.pairs, Bound()
         self.fields: tuple[int, ...] = (0,) * len(scene.body_names)
+        self.free = FreeBodies(scene, comm) if scene.tools.free else None
         self._reach = reach(scene)
         self._steps = 0
         self._rows = np.empty(0, np.int32)
@@ -83,7 +87,9 @@ class Meetings:
             return contact
         self.call(find_meetings, grid.field, contact.met, contact.spread)
         if tools:
-            placed = tools.at(start, end)
+            placed = tools.at(start, end, self.free.states if self.free else None)
+            if self.free:
+                contact.tools.answers.fill(0.0)
             self.call(
                 find_touched, scene.frame, grid.field, placed, contact.met, contact.spread
             )
@@ -103,7 +109,7 @@ class Meetings:
         most = 1 + max(self.fields)
         self._contact = Contact.empty(
             self.pairs, self._volumes.G, grid.planes, most, len(scene.faces),
-            scene.tools.at(0.0, 0.0) if scene.tools else (),
+            scene.tools.in_planes(grid.planes) if scene.tools else (),
         )  # fmt: skip
 
     def _near(self, grid: Grid, population: Population) -> Order:

@@ -21,6 +21,7 @@ from pgimp.kernels.updates.checks import OUTFLOW
 from pgimp.mpi.node import shares_cores
 from pgimp.scene.scene import Scene
 from pgimp.solver.clearances import Clearances
+from pgimp.solver.freebodies import FreeBodies
 from pgimp.solver.meetings import Meetings
 
 #: Phases of a step, as `Rank.timings` names them.
@@ -126,6 +127,11 @@ class Rank:
     def count(self) -> int:
         """Number of the rank's particles."""
         return len(self.population.order)
+
+    @property
+    def free(self) -> FreeBodies | None:
+        """The rigid bodies that move freely, which all ranks know; None where there are none."""
+        return self.meetings.free if self.meetings else None
 
     def live(self) -> np.ndarray:
         """Rows of the particles in canonical order, (n,) int64."""

@@ -9,6 +9,8 @@ from pgimp.errors import DamagedError, UsageError
 from pgimp.kernels.order import cell_numbers, locate
 from pgimp.kernels.particles import COLUMNS, Particles
 from pgimp.mpi.collective import all_or_none
+from pgimp.scene.freebody import STATE
+from pgimp.scene.freebody import State as FreeState
 from pgimp.scene.scene import Scene
 from pgimp.solver.diagnostics import Diagnostics
 from pgimp.solver.rank import Rank
@@ -110,6 +112,8 @@ def read_books(rank: Rank, source: Any, state: State, records: Diagnostics) -> N
                 continue
             whole = _whole(source, name, (planes, *mine.shape[1:]))
             found[name] = whole[first : first + len(mine)]
+        if scene.tools.free:
+            found["free-bodies"] = _whole(source, "free-bodies", (len(scene.tools.free), STATE))
         if state.last_line is not None:
             rows = (len(scene.pairs.law) if scene.pairs else 0) + 2 * len(scene.tools)
             shape = (len(scene.faces) + len(scene.loads.constraints) + rows, 3)
@@ -121,6 +125,8 @@ def read_books(rank: Rank, source: Any, state: State, records: Diagnostics) -> N
     for name, mine in own._asdict().items():
         if name in found:
             mine[:] = found[name]
+    if rank.free:
+        rank.free.states = [FreeState.of(numbers.tolist()) for numbers in found["free-bodies"]]
     if rank.comm.rank == 0:
         rank.clamped, rank.held = state.clamped, state.held
     rank.lightest = state.lightest

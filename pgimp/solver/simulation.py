@@ -141,7 +141,7 @@ class Simulation:
             require_apart(scene.tools, [(p.x[order], p.body[order])], comm)
         self.warnings += nearness.warnings(self.case)
         release(self.case)
-        rate = max(self.rate, scene.tools.rate)
+        rate = max(self.rate, self.rigid_rate)
         require_end(scene, rate)
         dt = self.clock.next(self.done, rate).dt
         self.warnings += check_first_step(scene, dt, self.rate)
@@ -295,7 +295,16 @@ class Simulation:
     def _next(self) -> Step:
         """Learn how the step before went, of which the greatest speed is that of the next."""
         self.agree()
-        return self.clock.next(self.done, max(self.rate, self.scene.tools.rate))
+        step = self.clock.next(self.done, max(self.rate, self.rigid_rate))
+        if free := self.rank.free:
+            free.require_slow(step)
+        return step
+
+    @property
+    def rigid_rate(self) -> float:
+        """Cells that a point of any rigid body crosses in a unit of time, at most."""
+        free = self.rank.free
+        return max(self.scene.tools.rate, free.rate if free else 0.0)
 
     def agree(self) -> None:
         """Learn what all ranks say of the last step, if that is not known; collective.

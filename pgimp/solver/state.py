@@ -142,6 +142,8 @@ def capture(
     whole = {"layers": np.concatenate([part[0] for part in parts]).astype(np.int64)}
     for i, name in enumerate(own._fields):
         whole[name] = np.concatenate([part[2][i] for part in parts])
+    if rank.free:
+        whole["free-bodies"] = np.array([state.numbers for state in rank.free.states])
     if records.last:
         whole["last-impulse"], whole["last-force"] = records.last[1:]
     whole = {name: array for name, array in whole.items() if array.size}

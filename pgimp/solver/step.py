@@ -1,6 +1,7 @@
 """One explicit time step, update stress last: the file to read first."""
 
 from collections.abc import Callable
+from functools import partial
 from time import perf_counter, thread_time
 from typing import Any
 
@@ -11,8 +12,9 @@ from pgimp.kernels.constraints import apply_constraints, mark_constrained_vertic
 from pgimp.kernels.g2p import grid_to_particles
 from pgimp.kernels.loads import Loads
 from pgimp.kernels.mirror import fold, fold_volumes, reflect
-from pgimp.kernels.momentum import update_momentum
+from pgimp.kernels.momentum import BEGINNING, REST, WHOLE, update_momentum
 from pgimp.kernels.p2g import particles_to_grid
+from pgimp.kernels.response import find_response
 from pgimp.solver.clock import Step
 from pgimp.solver.rank import Rank
 
@@ -79,7 +81,18 @@ def step(
                     call(fold_volumes, scene.frame, field, contact.volumes, mirror)
         if not releases:
             rank.clearances.find(grid)
-    call(update_momentum, scene.frame, field, faces, vertex_forcing, ledger, contact)  # (14, 17)
+    update = partial(
+        call, update_momentum, scene.frame, field, faces, vertex_forcing, ledger, contact
+    )
+    free = rank.free
+    if free is None:
+        update(WHOLE)  # (14, 17)
+    else:  # what they get at all vertices tells how fast they will be, and that what they get
+        update(BEGINNING)
+        respond = partial(call, find_response, contact, faces, scene.frame, field, vertex_forcing)
+        free.settle(contact.tools, grid, t, forcing.gravity, respond)
+        update(REST)
+        free.move(contact.tools, grid, t.dt)
     if marked:
         call(apply_constraints, field, vertex_forcing, ledger)
     for mirror in reversed(scene.mirrors):

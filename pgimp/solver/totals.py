@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
 from pgimp.kernels.errors import VOLUME
 from pgimp.kernels.sums import ANGULAR
+from pgimp.physics.rigid import Free
+from pgimp.scene.freebody import FreeBody, State
 from pgimp.solver.clock import Step
+
+T = TypeVar("T")
 
 
 class Totals(NamedTuple):
@@ -40,6 +44,8 @@ class Totals(NamedTuple):
         What is booked of contact.
     tools : (rigid bodies, TOOLED) float64
         What is booked of rigid bodies.
+    free : dict of int to (FreeBody, State)
+        The rigid bodies that move freely, by number, and how they do.
     errors, greatest : (ERRORS,) float64
         Sums and maxima of the errors, as `layer_errors` has them; zeros without exact solution.
     """
@@ -55,18 +61,20 @@ class Totals(NamedTuple):
     beyond: np.ndarray
     contact: np.ndarray
     tools: np.ndarray
+    free: dict[int, tuple[FreeBody, State]]
     errors: np.ndarray
     greatest: np.ndarray
 
-    def along(self, sums: np.ndarray, first: int) -> np.ndarray:
+    def along(self, sums: Any, first: int) -> Any:
         """Return a vector among sums, in the directions that the scene has."""
         return sums[first : first + self.scene.dimension]
 
     def moment(self, sums: np.ndarray) -> tuple[float | None, ...]:
         """Return the angular momentum among sums, None about axes where it is always zero."""
-        return self._about_axes(sums[ANGULAR : ANGULAR + 3])
+        return self.about_axes(sums[ANGULAR : ANGULAR + 3])
 
-    def _about_axes(self, moment: np.ndarray) -> tuple[float | None, ...]:
+    def about_axes(self, moment: Sequence[float] | np.ndarray) -> tuple[float | None, ...]:
+        """Return the components of a moment, None about axes where it is always zero."""
         # A motion along x alone has no moment about the origin, one in the plane only that about z.
         axes = ((), (2,), (0, 1, 2))[self.scene.dimension - 1]
         return tuple(moment[i] if i in axes else None for i in range(3))
@@ -84,7 +92,21 @@ class Totals(NamedTuple):
 
     def moment_on_tool(self, k: int) -> tuple[float | None, ...]:
         """Return the mean moment on a rigid body, None about axes where it is always zero."""
-        return self._about_axes(self.force[len(self.force) - len(self.tools) + k])
+        return self.about_axes(self.force[len(self.force) - len(self.tools) + k])
+
+    def way_of_tool(self, k: int) -> tuple[float, ...]:
+        """Return the displacement of a rigid body since the start."""
+        if k in self.free:
+            body, state = self.free[k]
+            way = tuple(x - y for x, y in zip(state.centre, body.bulk.centre, strict=True))
+        else:
+            motion = self.scene.tools.entries[k].rigid
+            way = (0.0,) * 3 if isinstance(motion, Free) else motion.displacement(self.done.end)
+        return way[: self.scene.dimension]
+
+    def of_free(self, k: int, what: Callable[[FreeBody, State], T], unknown: T) -> T:
+        """Return something of the rigid body `k` of those that move freely, once it is known."""
+        return what(*list(self.free.values())[k]) if self.free else unknown
 
     def mean(self, column: int) -> float:
         """Return a mean over the initial volume; nan when all particles were removed."""

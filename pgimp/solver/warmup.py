@@ -20,10 +20,11 @@ from pgimp.kernels.layerchanges import pack_rows, partition_migrants, sort_rows,
 from pgimp.kernels.ledger import Ledger
 from pgimp.kernels.meet import find_meetings
 from pgimp.kernels.mirror import fold, fold_volumes, reflect
-from pgimp.kernels.momentum import update_momentum
+from pgimp.kernels.momentum import WHOLE, update_momentum
 from pgimp.kernels.order import layers_of, locate, merge, reach_of
 from pgimp.kernels.p2g import complete, particles_to_grid
 from pgimp.kernels.particles import Particles
+from pgimp.kernels.response import find_response
 from pgimp.kernels.selection import select_near
 from pgimp.kernels.sums import SUMS, exact_masses, fastest_rate, layer_sums
 from pgimp.kernels.tools import find_touched
@@ -63,8 +64,10 @@ def _calls(scene: Scene) -> Iterator[Call]:
     ledger = Ledger.empty(grid.planes, len(faces), len(constraints))
     contact: Any = ()
     if scene.pairs:
-        tools: Any = scene.tools.at(0.0, 0.0) if scene.tools else ()
+        tools: Any = scene.tools.in_planes(grid.planes) if scene.tools else ()
         contact = Contact.empty(scene.pairs, grid.G, grid.planes, 1, len(faces), tools)
+        if scene.tools.free:
+            yield 2.0, lambda: find_response(contact, faces, frame, grid.field, vertex_forcing)
         if tools:
             yield 1.0, lambda: find_touched(
                 frame, grid.field, tools, contact.met, contact.spread
@@ -83,7 +86,9 @@ def _calls(scene: Scene) -> Iterator[Call]:
     yield 6.3, lambda: particles_to_grid(
         shaped, grid.field, p, loads, order, np.zeros((0, 3), np.int64)
     )
-    yield 2.8, lambda: update_momentum(frame, grid.field, faces, vertex_forcing, ledger, contact)
+    yield 2.8, lambda: update_momentum(
+        frame, grid.field, faces, vertex_forcing, ledger, contact, WHOLE
+    )
     yield 1.4, lambda: locate(shape, frame, p, rows, frame.vertices)
     yield 1.4, lambda: layer_sums(material, p, order, np.zeros((1, bodies, SUMS)))
     yield 1.0, lambda: fastest_rate(material, p, rows)

@@ -284,7 +284,8 @@ def affine():
 def meeting():
     """Bodies that come near each other and part, with friction, tied, at walls and constraints.
 
-    A rigid ram comes from one end of the grid, and a rigid wheel turns between them.
+    A rigid ram comes from one end of the grid, a rigid wheel turns between them, and a rigid ball
+    moves freely.
     """
     bodies = {
         "flies": box([1.0, 2.0], [4.0, 5.0], [6.0, 0.4]),
@@ -302,6 +303,11 @@ def meeting():
                 {"ball": {"centre": [11.4, 1.2], "radius": 1.2}},
                 {"box": {"min": [10.8, 0.9], "max": [12.9, 1.5]}},
             ]},
+        },
+        "ball": {
+            "rigid": {"density": 2.0},
+            "velocity": {"rotation": {"about": [6.3, 3.6], "rate": 2.0}, "translation": [-1.0, 0.0]},
+            "region": {"ball": {"centre": [6.3, 4.4], "radius": 0.9}},
         },
     }
     grip = {"body": "lies", "region": {"box": {"min": [7.0, 0.0], "max": [8.0, 2.0]}}}

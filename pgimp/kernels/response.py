@@ -1,0 +1,133 @@
+"""How the impulses on rigid bodies that move freely depend on the velocities that they will have.
+
+What a body gets in the last pass of contact follows from its velocity V and angular velocity w at
+the step's end, and these from that. With r from its centre to a vertex, T = [1, -[r]x], and K the
+derivative of the impulse at the vertex by the velocity there, with the sign turned, the derivative
+of impulse and moment is the sum of T^t K T. K is n n^t/m^-1 where a surface slips, and more across
+the normal n where it sticks.
+"""
+
+from math import inf, sqrt
+
+from pgimp.jit.kernel import inner_kernel, kernel
+from pgimp.kernels.contact import MOBILITY, NORMAL, PUSH, SLIP, STUCK, WEIGHT
+from pgimp.kernels.meet import meet_at
+from pgimp.kernels.tools import CENTRE, FREE, GIVEN, LEAST, MOST, RESPONSE, place_of
+from pgimp.physics.contact import TIED
+
+
+@kernel
+def find_response(contact, faces, frame, field, forcing):
+    """Set what free rigid bodies would get in the last pass, and how it depends on their motion.
+
+    Parameters
+    ----------
+    contact : Contact
+        Whose rigid bodies have the velocities at the step's end that are tried.
+    faces, frame, field, forcing
+        As in `update_momentum`, after its beginning.
+    """
+    window, tools = field.window, contact.tools
+    for i in range(field.owned):
+        tools.answers[i, :, GIVEN:] = 0.0
+        if field.active[i] == 0 or contact.met[i] == 0:
+            continue
+        for j in range(window.extent[1]):
+            for k in range(window.extent[2]):
+                r = i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
+                number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
+                if not _some_free(tools, len(frame.cell), number):
+                    continue
+                count, pairs = meet_at(contact, faces, frame, field, forcing, number, r, True)
+                for pair in range(pairs):
+                    _add(contact, tools, frame, number, pair, count if pairs > 1 else 1, i)
+
+
+@inner_kernel
+def _some_free(tools, D, number):
+    """Whether a vertex may be near a rigid body that moves freely."""
+    for t in range(len(tools.about)):
+        about = tools.about[t]
+        near = about[FREE] >= 0
+        for d in range(D):
+            near = near and about[LEAST + d] <= number[d] <= about[MOST + d]
+        if near:
+            return True
+    return False
+
+
+@inner_kernel
+def _add(contact, tools, frame, number, pair, count, plane):
+    """Add what the rigid body of a pair gets at a vertex, if it moves freely.
+
+    `count` is the number of fields that may answer together.
+    """
+    row, a, b = contact.partners[pair], contact.ends[pair, 0], contact.ends[pair, 1]
+    rigid, other = (a, b) if contact.fields[a, WEIGHT] == inf else (b, a)
+    if contact.fields[rigid, WEIGHT] < inf:
+        return
+    t = contact.bodies[rigid] - tools.bodies
+    free = tools.about[t, FREE]
+    if free < 0:
+        return
+    # Where others push back, the answer is stiffer: as if all that is there moved as one.
+    mass = contact.fields[other, WEIGHT]
+    if count > 1:
+        mass = 0.0
+        for one in range(count):
+            mass += contact.fields[one, WEIGHT]
+    n = (row[NORMAL], row[NORMAL + 1], row[NORMAL + 2])
+    s = (row[SLIP], row[SLIP + 1], row[SLIP + 2])
+    push, slip = row[PUSH], sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2])
+    along, across, drag, turn = _slopes(contact, pair, other, push)
+    stiffness = mass / contact.fields[other, WEIGHT]
+    along, across = stiffness * along, stiffness * across
+    inverse = stiffness / slip if slip > 0.0 else 0.0
+    drag, turn = inverse * drag, inverse / slip * turn if slip > 0.0 else 0.0
+    sign = -1.0 if rigid == a else 1.0
+    answer, x, motion = tools.answers[plane, free], place_of(frame, number), tools.motion[t]
+    arm = (x[0] - motion[CENTRE], x[1] - motion[CENTRE + 1], x[2] - motion[CENTRE + 2])
+    for d in range(3):
+        J = sign * (s[d] + push * n[d])
+        for u in range(6):
+            answer[GIVEN + u] += _turned(arm, d, u) * J
+        for e in range(3):
+            K = ((along - across) * n[d] + drag * s[d]) * n[e] - turn * s[d] * s[e]
+            K += across if d == e else 0.0
+            for u in range(6):
+                for v in range(6):
+                    answer[RESPONSE + 6 * u + v] += _turned(arm, d, u) * K * _turned(arm, e, v)
+
+
+@inner_kernel
+def _turned(arm, d, u):
+    """Velocity along `d` of a point at `arm` for one along, or from 3 on about, direction `u`."""
+    if u < 3:
+        return 1.0 if d == u else 0.0
+    if d == (u + 1) % 3:
+        return -arm[(u + 2) % 3]
+    if d == (u + 2) % 3:
+        return arm[(u + 1) % 3]
+    return 0.0
+
+
+@inner_kernel
+def _slopes(contact, pair, other, push):
+    """Derivatives of the impulse on a rigid body by its velocity, with the sign turned.
+
+    Returns that along the normal, that across it, that of the slip by the velocity along the
+    normal, and what that across is less along the slip itself.
+    """
+    entry, fields, row = contact.ends[pair, 2] - 1, contact.fields, contact.partners[pair]
+    if contact.pairs.law[entry] == TIED:
+        return fields[other, WEIGHT], fields[other, WEIGHT], 0.0, 0.0
+    answer, most = 0.0, 0.0
+    for d in range(3):
+        answer += row[NORMAL + d] ** 2 * fields[other, MOBILITY + d]
+        most = max(most, fields[other, MOBILITY + d])
+    if not (push > 0.0 and answer > 0.0):
+        return 0.0, 0.0, 0.0, 0.0
+    along, across = 1.0 / answer, row[STUCK] / most
+    if row[STUCK] == 1.0:
+        return along, across, 0.0, 0.0
+    return along, across, contact.pairs.coefficient[entry, 1] * along, across

@@ -1,0 +1,185 @@
+"""Rigid bodies that move freely: their velocities at a step's end, and their states.
+
+The impulses that a body gets at the vertices depend on the velocity that it will have, and this on
+them. Both are found together, by Newton's method, so that no ratio of masses shortens the steps.
+Whatever is left of its residual, the body gets exactly the momentum that the material loses.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from pgimp.decomposition.grid import Grid
+from pgimp.errors import RunError
+from pgimp.kernels.tools import ANSWER, GIVEN, LATTER, LEAST, MOST, RESPONSE, TAKEN, Tools
+from pgimp.scene.freebody import FreeBody, Matrix, State, solve
+from pgimp.scene.scene import Scene
+from pgimp.solver.clock import Step
+
+#: Tries of Newton's method. Contact that only opens, closes, sticks or slides takes two or three;
+#: from `DAMPED` on only half of what it says is done, should it swing.
+TRIES, DAMPED = 16, 6
+
+#: Change of the velocities, over the greatest of the body, at which they are found.
+ENOUGH = 1e-11
+
+
+class FreeBodies:
+    """The rigid bodies that move freely; every rank knows all of them.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    comm : communicator
+        Of all ranks.
+
+    Attributes
+    ----------
+    states : list of State
+        How they move.
+    """
+
+    def __init__(self, scene: Scene, comm: Any) -> None:
+        self.scene, self.comm, self.tools = scene, comm, scene.tools
+        self.numbers, self.bodies = list(scene.tools.free), list(scene.tools.free.values())
+        self.states = scene.tools.first
+        self._inertia: list[Matrix] = []
+        self._wanted: list[list[float]] = []
+        self._touched = False
+
+    @property
+    def now(self) -> dict[int, tuple[FreeBody, State]]:
+        """The bodies by number, and how they move."""
+        each = zip(self.bodies, self.states, strict=True)
+        return dict(zip(self.numbers, each, strict=True))
+
+    @property
+    def rate(self) -> float:
+        """Cells that a point of any of the bodies crosses in a unit of time, at most."""
+        return max(self._rates(), default=0.0)
+
+    def _rates(self) -> list[float]:
+        inverse, found = max(self.scene.frame.inverse), []
+        for body, state, arm in zip(self.bodies, self.states, self.tools.arms, strict=True):
+            v = body.velocities(state)
+            speed, spin = (sum(x * x for x in part) ** 0.5 for part in (v[:3], v[3:]))
+            found.append((speed + spin * arm) * inverse)
+        return found
+
+    def require_slow(self, t: Step) -> None:
+        """Refuse a step in which a body would move by more than a cell; on every rank."""
+        for number, rate in zip(self.numbers, self._rates(), strict=True):
+            if not rate * t.dt <= 1.0 + 1e-9:
+                raise RunError(
+                    f"step {t.number}, from time {t.start:.6g}: the rigid body "
+                    f"'{self.tools.names[number]}' moves by {rate * t.dt:.3g} cells in a step of "
+                    f"{t.dt:.3g}, and would pass through what it meets\n"
+                    f"  try: time.step: {0.3 / rate:.3g}, or {{courant: 0.3}}"
+                )
+
+    def settle(
+        self, tools: Tools, grid: Grid, t: Step, gravity: tuple[float, ...],
+        find_response: Callable[[], None],
+    ) -> None:  # fmt: skip
+        """Find the velocities at the end of a step, and set them; collective.
+
+        Parameters
+        ----------
+        tools : Tools
+            Those of the step, whose `answers` have what bodies have got so far.
+        grid : Grid
+            The rank's planes.
+        t : Step
+            The step.
+        gravity : tuple of 3 float
+            Force per mass.
+        find_response : callable
+            Sets `answers` for the velocities that are in `tools`.
+        """
+        self._inertia, self._wanted, tried = [], [], []
+        for body, state in zip(self.bodies, self.states, strict=True):
+            inertia = body.halfway(state, t.dt)
+            weight = [t.dt * body.bulk.mass * g for g in gravity]
+            push = [p + w for p, w in zip(state.momentum, weight, strict=True)]
+            wanted = [
+                p if may else 0.0
+                for p, may in zip((*push, *state.spin), body.may, strict=True)
+            ]
+            self._inertia.append(inertia)
+            self._wanted.append(wanted)
+            tried.append(solve(body.mass_matrix(inertia), wanted))
+        self._touched = False
+        for count in range(TRIES):
+            self._set(tools, tried)
+            find_response()
+            sums = self._sum(tools, grid)
+            if not sums.any():
+                return
+            self._touched = True
+            part = 1.0 if count < DAMPED else 0.5
+            left = 0.0
+            for number in range(len(self.bodies)):
+                left = max(left, self._correct(number, sums[number].tolist(), tried[number], part))
+            if left < ENOUGH:
+                break
+        self._set(tools, tried)
+
+    def _set(self, tools: Tools, velocities: list[list[float]]) -> None:
+        for number, v in zip(self.numbers, velocities, strict=True):
+            tools.motion[number, LATTER : LATTER + 6] = v
+
+    def _correct(self, number: int, sums: list[float], v: list[float], part: float) -> float:
+        """Improve the velocities that are tried for a body; returns by how much of them."""
+        body, inertia = self.bodies[number], self._inertia[number]
+        M, may = body.mass_matrix(inertia), body.may
+        rest = [0.0] * 6
+        for i in range(6):
+            if may[i]:
+                has = sum(M[i][j] * v[j] for j in range(6))
+                rest[i] = self._wanted[number][i] + sums[TAKEN + i] + sums[GIVEN + i] - has
+        for i in range(6):
+            for j in range(6):
+                if may[i] and may[j]:
+                    M[i][j] += sums[RESPONSE + 6 * i + j]
+        change = solve(M, rest)
+        arm = self.tools.arms[number]
+        scale = [1.0] * 3 + [arm] * 3
+        most = max(abs(x) * s for x, s in zip(v, scale, strict=True))
+        by = max(abs(x) * s for x, s in zip(change, scale, strict=True))
+        for i in range(6):
+            v[i] += part * change[i]
+        return by / max(most, by) if by > 0.0 else 0.0
+
+    def _sum(self, tools: Tools, grid: Grid) -> np.ndarray:
+        """Sum up what is in `answers`, plane by plane in their order; collective."""
+        about = tools.about[self.numbers]
+        low, high = int(about[:, LEAST].min()), int(about[:, MOST].max())
+        every = np.zeros((high - low + 1, len(self.bodies), ANSWER))
+        first = int(grid.window.lower[0])
+        begin, end = max(low, first), min(high + 1, first + grid.owned)
+        if begin < end:
+            active = grid.active[begin - first : end - first] > 0
+            every[begin - low : end - low][active] = tools.answers[begin - first : end - first][
+                active
+            ]
+        if self.comm.size > 1:
+            found = np.empty_like(every)
+            self.comm.Allreduce(every, found)  # a plane has but one owner: no sum is rounded
+            every = found
+        return np.add.reduce(every, axis=0)
+
+    def move(self, tools: Tools, grid: Grid, dt: float) -> None:
+        """Give the bodies what they have got in a step, and move them; collective."""
+        got = np.zeros((len(self.bodies), ANSWER))
+        if self._touched:
+            got = self._sum(tools, grid)
+        for number, body in enumerate(self.bodies):
+            taken = got[number, TAKEN : TAKEN + 6].tolist()
+            momenta = tuple(p + J for p, J in zip(self._wanted[number], taken, strict=True))
+            self.states[number] = body.moved(
+                self.states[number], momenta, self._inertia[number], dt
+            )
