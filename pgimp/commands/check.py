@@ -26,7 +26,7 @@ from pgimp.scene.geometry import share
 from pgimp.scene.lattice import Lattice
 from pgimp.scene.sanity import body_warnings, case_warnings, small_step_warning, strains
 from pgimp.scene.scene import Scene, count_particles
-from pgimp.scene.toolchecks import require_apart, require_slow
+from pgimp.scene.toolchecks import require_apart, require_clear, require_slow
 from pgimp.solver.memory import Estimate, MemoryShortError, estimate, require, size_text
 from pgimp.solver.stability import require_end, require_stable, stability_warning
 from pgimp.tools.model.costs import Costs, Network
@@ -100,8 +100,8 @@ def report(case: Case) -> None:
     bodies = found.bodies
     inverse = max(scene.frame.inverse)
     rate = max((body.wave_speed + body.top_speed) * inverse for body in bodies)
-    require_end(scene, max(rate, scene.tools.rate))
-    dt = _step(case, rate, scene.tools.rate)
+    require_end(scene, max(rate, scene.tools.first_rate))
+    dt = _step(case, rate, scene.tools.first_rate)
     require_slow(scene.tools, dt)
     count = int(counts.sum())
     print(f"{case.title or 'case'}: valid")
@@ -148,6 +148,7 @@ def _look_at_rigid(scene: Scene, lattice: Lattice, counts: np.ndarray) -> None:
         for block in lattice.make((0, lattice.planes), counts, body)
     )
     require_apart(scene.tools, blocks, Serial())
+    require_clear(scene.tools, scene.faces, scene.tools.first, 0, 0.0, Serial())
 
 
 def _step(case: Case, rate: float, rigid: float) -> float:

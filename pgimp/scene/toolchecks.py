@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
 from functools import partial
 from typing import Any
 
@@ -10,20 +10,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pgimp.case.places import located
-from pgimp.errors import CaseError, UsageError
+from pgimp.errors import CaseError, RunError, UsageError
 from pgimp.kernels.tools import distances
 from pgimp.mpi.collective import on_root
+from pgimp.scene.faces import Face
+from pgimp.scene.freebody import State
 from pgimp.scene.tools import SceneTools
 
 
 def require_slow(tools: SceneTools, dt: float) -> None:
-    """Refuse a step in which a body would move by more than a cell."""
-    if tools.rate * dt > 1.0 + 1e-9:
+    """Refuse a first step in which a body would move by more than a cell."""
+    rate = tools.first_rate
+    if rate * dt > 1.0 + 1e-9:
         with located(tools.case):
             raise CaseError(
-                f"time.step: a rigid body moves by {tools.rate * dt:.3g} cells in a step of "
-                f"{dt:.3g}, and would pass through what it meets; use at most "
-                f"{0.3 / tools.rate:.3g}, or a slower body"
+                f"time.step: a rigid body moves by {rate * dt:.3g} cells in a step of {dt:.3g}, "
+                f"and would pass through what it meets; use at most {0.3 / rate:.3g}, or a slower "
+                "body"
             )
 
 
@@ -77,6 +80,77 @@ def require_apart(
             f"the rigid '{name}' at ({', '.join(f'{c:.6g}' for c in place)}); bodies must not "
             "overlap at the start: move or cut one of them"
         )
+
+
+def collisions(
+    tools: SceneTools, faces: Sequence[Face], states: list[State], time: float
+) -> Iterator[tuple[float, str, str]]:
+    """Yield what free rigid bodies have run into that they do not feel: walls, and rigid bodies.
+
+    Yields
+    ------
+    depth : float
+        How far it is in, in cells.
+    name, what : str
+        That of the body, and what it has run into.
+    """
+    frame, points = tools.frame, tools.surface_at(tools.poses(time, states))
+    placed, least = tools.at(time, time, states), min(frame.cell)
+    for number in tools.free:
+        mine = np.ascontiguousarray(points[tools.surface.body == number][:, : len(frame.cell)])
+        for face in faces:
+            wall = frame.origin[face.axis]
+            if face.side > 0:
+                wall += frame.cells[face.axis] * frame.cell[face.axis]
+            depth = float(((mine[:, face.axis] - wall) * face.side).max(initial=0.0))
+            yield depth / least, tools.names[number], f"the wall {face.name}"
+        distance = np.empty(len(mine))
+        for other, name in enumerate(tools.names):
+            if other != number:
+                distances(placed, other, frame, mine, distance)
+                depth = max(0.0, -float(distance.min(initial=0.0)))
+                yield depth / least, tools.names[number], f"the rigid body '{name}'"
+
+
+def require_clear(
+    tools: SceneTools,
+    faces: Sequence[Face],
+    states: list[State],
+    number: int,
+    time: float,
+    comm: Any,
+) -> None:
+    """Refuse free rigid bodies that are in walls or rigid ones by half a cell; collective.
+
+    Parameters
+    ----------
+    number, time : int, float
+        Steps done, and the time that it is.
+
+    Raises
+    ------
+    CaseError, RunError
+        On every rank: before the first step, and later.
+    """
+
+    def look() -> None:
+        depth, name, what = max(collisions(tools, faces, states, time), default=(0.0, "", ""))
+        if depth <= 0.5:
+            return
+        text = (
+            f"reaches {depth:.3g} cells into {what}: rigid bodies that move freely feel bodies of "
+            "a material only"
+        )
+        if number == 0:
+            with located(tools.case):
+                raise CaseError(f"bodies.{name}.region: {text}; move it, or cut it")
+        raise RunError(
+            f"at time {time:.6g}, after step {number}, the rigid body '{name}' {text}\n"
+            "  try: a larger grid, a layer of a material between them, an earlier time.end, "
+            "or rigid: {fixed: ..}"
+        )
+
+    on_root(comm, look)
 
 
 def _within_bodies(tools: SceneTools) -> list[tuple[float, tuple[float, ...], int, str]]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import cached_property, partial
 from hashlib import sha256
 from itertools import product
+from math import hypot
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -189,6 +190,19 @@ class SceneTools:
     def first(self) -> list[State]:
         """How those that move freely move at the start, in their order."""
         return [body.first for body in self.free.values()]
+
+    def rates(self, states: list[State]) -> list[float]:
+        """Return the cells that points of those that move freely cross in a unit of time."""
+        inverse, found = max(self.frame.inverse), []
+        for body, state, arm in zip(self.free.values(), states, self.arms, strict=True):
+            v = body.velocities(state)
+            found.append((hypot(*v[:3]) + hypot(*v[3:]) * arm) * inverse)
+        return found
+
+    @property
+    def first_rate(self) -> float:
+        """Cells that a point of any body crosses in a unit of time at the start, at most."""
+        return max([self.rate, *self.rates(self.first)])
 
     def reference(self, number: int) -> Triple:
         """Return the point of a body that its motion refers to, where it is at the start."""

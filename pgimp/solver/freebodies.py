@@ -8,6 +8,8 @@ Whatever is left of its residual, the body gets exactly the momentum that the ma
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import hypot
+from operator import sub
 from typing import Any
 
 import numpy as np
@@ -17,11 +19,15 @@ from pgimp.errors import RunError
 from pgimp.kernels.tools import ANSWER, GIVEN, LATTER, LEAST, MOST, RESPONSE, TAKEN, Tools
 from pgimp.scene.freebody import FreeBody, Matrix, State, solve
 from pgimp.scene.scene import Scene
+from pgimp.scene.toolchecks import require_clear
 from pgimp.solver.clock import Step
 
 #: Tries of Newton's method. Contact that only opens, closes, sticks or slides takes two or three;
 #: from `DAMPED` on only half of what it says is done, should it swing.
 TRIES, DAMPED = 16, 6
+
+#: Steps between two looks at whether bodies have run into what they do not feel.
+LOOKS = 16
 
 #: Change of the velocities, over the greatest of the body, at which they are found.
 ENOUGH = 1e-11
@@ -60,19 +66,35 @@ class FreeBodies:
     @property
     def rate(self) -> float:
         """Cells that a point of any of the bodies crosses in a unit of time, at most."""
-        return max(self._rates(), default=0.0)
+        return max(self.tools.rates(self.states))
 
-    def _rates(self) -> list[float]:
-        inverse, found = max(self.scene.frame.inverse), []
-        for body, state, arm in zip(self.bodies, self.states, self.tools.arms, strict=True):
-            v = body.velocities(state)
-            speed, spin = (sum(x * x for x in part) ** 0.5 for part in (v[:3], v[3:]))
-            found.append((speed + spin * arm) * inverse)
-        return found
+    def require_clear(self, done: Step) -> None:
+        """Refuse bodies that have run into what they do not feel; collective, now and then."""
+        if done.number % LOOKS == 0 and self._may_meet():
+            number, time = done.number, done.end
+            require_clear(self.tools, self.scene.faces, self.states, number, time, self.comm)
+
+    def _may_meet(self) -> bool:
+        """Whether a sphere round any of the bodies meets a wall, or a rigid body."""
+        if len(self.tools) > len(self.bodies):
+            return True
+        frame = self.scene.frame
+        for number, (state, arm) in enumerate(zip(self.states, self.tools.arms, strict=True)):
+            for face in self.scene.faces:
+                wall = frame.origin[face.axis]
+                if face.side > 0:
+                    wall += frame.cells[face.axis] * frame.cell[face.axis]
+                if (state.centre[face.axis] - wall) * face.side + arm > 0.0:
+                    return True
+            for other in range(number):
+                gap = hypot(*map(sub, state.centre, self.states[other].centre))
+                if gap < arm + self.tools.arms[other]:
+                    return True
+        return False
 
     def require_slow(self, t: Step) -> None:
         """Refuse a step in which a body would move by more than a cell; on every rank."""
-        for number, rate in zip(self.numbers, self._rates(), strict=True):
+        for number, rate in zip(self.numbers, self.tools.rates(self.states), strict=True):
             if not rate * t.dt <= 1.0 + 1e-9:
                 raise RunError(
                     f"step {t.number}, from time {t.start:.6g}: the rigid body "

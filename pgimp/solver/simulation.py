@@ -21,7 +21,7 @@ from pgimp.scene.facts import wave_speed
 from pgimp.scene.geometry import release, share, take_as_empty
 from pgimp.scene.lattice import Lattice
 from pgimp.scene.scene import Scene, count_particles
-from pgimp.scene.toolchecks import require_apart, require_same, require_slow
+from pgimp.scene.toolchecks import require_apart, require_clear, require_same, require_slow
 from pgimp.solver.clock import START, Step, clock_of
 from pgimp.solver.decomposition import owned, partition, rebalance
 from pgimp.solver.diagnostics import Diagnostics
@@ -139,9 +139,10 @@ class Simulation:
         if scene.tools:
             p, order = self.particles, self.population.order
             require_apart(scene.tools, [(p.x[order], p.body[order])], comm)
+            require_clear(scene.tools, scene.faces, scene.tools.first, 0, 0.0, comm)
         self.warnings += nearness.warnings(self.case)
         release(self.case)
-        rate = max(self.rate, self.rigid_rate)
+        rate = max(self.rate, scene.tools.first_rate)
         require_end(scene, rate)
         dt = self.clock.next(self.done, rate).dt
         self.warnings += check_first_step(scene, dt, self.rate)
@@ -295,16 +296,12 @@ class Simulation:
     def _next(self) -> Step:
         """Learn how the step before went, of which the greatest speed is that of the next."""
         self.agree()
-        step = self.clock.next(self.done, max(self.rate, self.rigid_rate))
-        if free := self.rank.free:
+        free, rate = self.rank.free, max(self.rate, self.scene.tools.rate)
+        step = self.clock.next(self.done, max(rate, free.rate) if free else rate)
+        if free:
             free.require_slow(step)
+            free.require_clear(self.done)
         return step
-
-    @property
-    def rigid_rate(self) -> float:
-        """Cells that a point of any rigid body crosses in a unit of time, at most."""
-        free = self.rank.free
-        return max(self.scene.tools.rate, free.rate if free else 0.0)
 
     def agree(self) -> None:
         """Learn what all ranks say of the last step, if that is not known; collective.

@@ -43,6 +43,9 @@ CREATED, LEFT = 0.03, 0.6
 #: What hooke may add: its energy is that of the stress, right at small strains only, and bodies
 #: here meet at a fifth of the wave speed.
 RATE = 0.15
+#: Part of a free rigid body's greatest energy, and work, that it may have from nothing: what second
+#: order leaves of its rotation.
+RIGID = 0.002
 #: Of mass times speed times size.
 ANGULAR = 0.02
 
@@ -188,6 +191,12 @@ class Books:
                     gained += values
             self.created = float(max(0.0, gained.max()) / largest)
         case = self.case
+        for name in (name for name, tool in case.tools.items() if tool.free and not case.gravity):
+            own, done = every[f"tool.{name}.kinetic-energy"], every[f"tool.{name}.work"]
+            most = max(own.max() + np.abs(done).max(), 1e-300)
+            if (gained := float((own - own[0] + done).max()) / most) > RIGID:
+                text = f"{name} gains {gained:.3g} of its energy"
+                self.wrong.append(("books: free rigid body", text))
         held = case.boundaries or case.constraints or case.tractions or case.gravity or case.tools
         if not held and self.D > 1 and len(self._lines) > 1:
             speed = math.sqrt(2.0 * energy.max() / self.mass)

@@ -265,6 +265,32 @@ def tools(rng, scene):
         scene.case["bodies"][f"tool{number_of}"] = {"rigid": motion, "region": region}
 
 
+def free(rng, scene):
+    """A rigid body that moves freely towards a body beside it: lighter, heavier, or alike."""
+    D, h = scene.dimension, scene.cell
+    low, high = rng.choice([*scene.corners.values()])
+    d, side = rng.randrange(D), rng.choice((-1, 1))
+    size = [number(rng, 1.5, 4.0) * c for c in h]
+    first = [number(rng, a - 0.5 * s, b - 0.5 * s)
+             for a, b, s in zip(low, high, size, strict=True)]  # fmt: skip
+    gap = number(rng, 0.0, 1.0) * h[d]
+    first[d] = high[d] + gap if side > 0 else low[d] - gap - size[d]
+    last = [a + b for a, b in zip(first, size, strict=True)]
+    velocity = vector(rng, D, 0.1 * scene.speed)
+    velocity[d] = -side * number(rng, 0.0, 0.15 * scene.speed)
+    free = {"density": 10.0 ** number(rng, -3.0, 2.0)}
+    if rng.random() < 0.3:
+        free["fixed"] = [rng.choice(("rotation", "x") if D > 1 else ("x",))]
+        velocity[0] *= free["fixed"] != ["x"]
+    entry = {"rigid": free, "region": rng.choice((box, ball, union))(rng, first, last, scene)}
+    entry["velocity"] = velocity
+    if D > 1 and not free.get("fixed") and rng.random() < 0.4:
+        turns = vector(rng, 3, 0.1 * scene.speed / max(size))
+        rotation = {"about": middle(first, last), "rate": turns if D == 3 else turns[2]}
+        entry["velocity"] = {"rotation": rotation, "translation": velocity}
+    scene.case["bodies"]["flies"] = entry
+
+
 def contact(rng, scene):
     """A law for all pairs of bodies, or for some; with two bodies or more."""
     names = [*scene.case["bodies"]]
@@ -315,6 +341,7 @@ FEATURES = (
     Feature("constraint", constraint, 0.25, compiled=True),
     Feature("second constraint", constraint, 0.05, compiled=True),
     Feature("rigid bodies", tools, 0.3, compiled=True),
+    Feature("free rigid body", free, 0.12, compiled=True),
     Feature("contact", contact, 0.35, compiled=True),
     Feature("frames", frames),
     Feature("grid frames", grid_frames, 0.4),

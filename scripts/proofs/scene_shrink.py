@@ -168,6 +168,7 @@ def candidates(case):
         yield _without(case, ("bodies", name, "velocity"))
         yield _without(case, ("bodies", name, "rigid", "velocity"))
         yield _without(case, ("bodies", name, "rigid", "rotation"))
+        yield _without(case, ("bodies", name, "rigid", "fixed"))
     yield case | {"method": case["method"] | {"particles_per_cell": [1] * case["dimensions"]}}
     for d, upper in itertools.product(range(case["dimensions"]), (False, True)):
         yield _smaller_grid(case, d, upper)

@@ -306,7 +306,9 @@ def meeting():
         },
         "ball": {
             "rigid": {"density": 2.0},
-            "velocity": {"rotation": {"about": [6.3, 3.6], "rate": 2.0}, "translation": [-1.0, 0.0]},
+            "velocity": {
+                "rotation": {"about": [6.3, 3.6], "rate": 2.0}, "translation": [-1.0, 0.0]
+            },
             "region": {"ball": {"centre": [6.3, 4.4], "radius": 0.9}},
         },
     }

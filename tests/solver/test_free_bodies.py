@@ -1,0 +1,214 @@
+"""Rigid bodies that move freely: momentum, exact solutions, any ratio of masses, restarts."""
+
+from math import cos, exp, pi, radians, sin
+
+import numpy as np
+import pytest
+from scenes import box, energy, finish, scene, start
+
+from pgimp.case.schema import Case
+from pgimp.errors import CaseError, RunError
+from pgimp.scene.bulk import bulk
+from pgimp.scene.freebody import FreeBody, State
+
+
+def free(low, high, density=1.0, velocity=None, **more):
+    """A free rigid body that fills a box."""
+    body = {"rigid": {"density": density, **more}, "region": {"box": {"min": low, "max": high}}}
+    return body if velocity is None else body | {"velocity": velocity}
+
+
+def momenta(line, name=None):
+    """Momentum along x, y, z, and angular momentum about them, of a body or of all particles."""
+    of = f"tool.{name}." if name else ""
+    columns = [f"{of}{what}-{a}" for what in ("momentum", "angular-momentum") for a in "xyz"]
+    return np.array([line.get(column, 0.0) for column in columns])
+
+
+def struck(D, law, density, **parts):
+    """A block that a free body meets askew along x."""
+    bodies = {
+        "block": box([4.0] + [2.0] * (D - 1), [7.0] + [5.0] * (D - 1)),
+        "ball": free([1.0] + [2.3] * (D - 1), [3.7] + [4.4] * (D - 1), density,
+                     [1.0, 0.3, -0.2][:D]),
+    }  # fmt: skip
+    contact = [{"bodies": ["block", "ball"], **law}]
+    return scene(D, bodies, cells=[16, 9, 9][:D], end=1.5, contact=contact, **parts)
+
+
+@pytest.mark.parametrize("law", [{"friction": 0.3}, {"law": "tied"}])
+@pytest.mark.parametrize("density", [1e-3, 1.0, 1e3])
+@pytest.mark.parametrize("D", [1, 2, 3])
+def test_momentum_at_any_ratio_of_masses(D, density, law):
+    """What the body loses the block gets, and no energy comes from nothing."""
+    sim = start(struck(D, law, density))
+    lines = [sim.diagnostics()]
+    while not sim.finished:
+        sim.advance()
+        lines.append(sim.diagnostics())
+    total = np.array([momenta(line)[:3] + momenta(line, "ball")[:3] for line in lines])
+    # What reaches vertices too light to be accelerated is lost, 1e-12 of the forces on others.
+    assert total == pytest.approx(np.tile(total[0], (len(total), 1)), abs=3e-12 * max(1.0, density))
+    every = np.array([energy(line) + line["tool.ball.kinetic-energy"] for line in lines])
+    assert (every < every[0] * (1.0 + 1e-3)).all()
+    assert momenta(lines[-1])[0] > 0.5 * momenta(lines[0], "ball")[0] / (1.0 + density)
+    body, state = sim.rank.free.now[0]
+    booked = sim.rank.ledger.tools[:, 0, :6].sum(axis=0)
+    gained = np.array([*state.momentum, *state.spin])
+    gained -= [*body.first.momentum, *body.first.spin]
+    assert gained == pytest.approx(booked, abs=1e-13 * max(1.0, density))
+
+
+def test_a_body_stops_on_a_bar_as_waves_say():
+    """v = v0 exp(-rho c A t/M) until waves return: three per cent of v0, then two."""
+    for cells, off in ((2, 0.03), (4, 0.015)):
+        h = 1.0 / cells
+        bodies = {"bar": box([4.0], [24.0]), "mass": free([1.0], [4.0], 10.0 / 3.0, [0.5])}
+        case = scene(1, bodies, cells=[30 * cells], cell=h, end=2.0, step=0.02 * h,
+                     contact=[{"bodies": "all"}])  # fmt: skip
+        line = finish(start(case)).diagnostics()
+        assert line["tool.mass.velocity-x"] == pytest.approx(0.5 * exp(-2.0), abs=0.5 * off)
+
+
+def test_a_heavy_body_is_a_tool():
+    """What it meets is deformed as by one that moves as prescribed."""
+    lines = []
+    for rigid in ({"density": 1e7}, {"velocity": [1.0, 0.3]}):
+        case = struck(2, {"friction": 0.3}, 1.0)
+        case["bodies"]["ball"]["rigid"] = rigid
+        if "density" not in rigid:
+            del case["bodies"]["ball"]["velocity"]
+        lines.append(finish(start(case)).diagnostics())
+    for name in ("momentum-x", "tool.ball.work"):
+        assert lines[0][name] == pytest.approx(lines[1][name], rel=0.08)
+
+
+def test_a_body_that_meets_nothing():
+    """It falls as a particle does, by symplectic Euler's rule, and keeps its spin."""
+    bodies = {
+        "soft": box([1.0, 1.0], [2.0, 2.0]),
+        "ball": free([4.0, 4.0], [6.0, 6.0], 3.0,
+                     {"rotation": {"about": [5.0, 5.0], "rate": 0.7}, "translation": [0.2, 0.4]}),
+        "held": free([4.0, 1.0], [6.0, 3.0], 3.0, fixed=["x", "rotation"]),
+    }  # fmt: skip
+    sim = finish(start(scene(2, bodies, gravity=[1.0, -1.0])))
+    line, dt = sim.diagnostics(), 0.01
+    assert line["tool.ball.velocity-y"] == pytest.approx(0.4 - 1.0, abs=1e-13)
+    assert line["tool.ball.displacement-y"] == pytest.approx(0.4 - 0.5 * (1.0 + dt), abs=1e-13)
+    assert line["tool.ball.angle-z"] == pytest.approx(0.7, abs=1e-13)
+    assert line["tool.held.displacement-x"] == 0.0
+    assert line["tool.held.displacement-y"] == pytest.approx(-0.5 * (1.0 + dt), abs=1e-13)
+    arm, v = (5.0 + line["tool.ball.displacement-x"], 5.0 + line["tool.ball.displacement-y"]), 12.0
+    own = v * 4.0 / 6.0 * 0.7  # M a^2/6
+    moment = arm[0] * line["tool.ball.momentum-y"] - arm[1] * line["tool.ball.momentum-x"]
+    assert line["tool.ball.angular-momentum-z"] == pytest.approx(own + moment, abs=1e-11)
+
+
+def test_a_top():
+    """Torque-free: |L| exact, energy of second order; a symmetric one precesses at L/I."""
+    def turn(n):
+        entry = Case.model_validate(scene(3, {
+            "soft": box([1.0] * 3, [2.0] * 3),
+            "top": free([4.0, 4.0, 4.0], [6.0, 6.0, 5.0], 1.0,
+                        {"rotation": {"about": [5.0, 5.0, 4.5], "rate": [1.0, 0.0, 3.0]}}),
+        })).tools["top"]  # fmt: skip
+        body = FreeBody(entry, bulk(entry.region, 1.0, 3), 3)
+        state, dt = body.first, 2.0 / n
+        for _ in range(n):
+            inertia = body.halfway(state, dt)
+            state = body.moved(state, (*state.momentum, *state.spin), inertia, dt)
+        return body, state
+
+    errors = []
+    for n in (200, 400):
+        body, state = turn(n)
+        L = np.array(body.first.spin)
+        assert np.array(state.spin) == pytest.approx(L, abs=1e-14)
+        across, along = 4.0 * (4.0 + 1.0) / 12.0, 4.0 * 8.0 / 12.0
+        assert L == pytest.approx([across, 0.0, 3.0 * along])
+        # Its axis turns about L with the angular velocity |L|/I.
+        n_L, rate = L / np.linalg.norm(L), np.linalg.norm(L) / across
+        a0, angle = np.array([0.0, 0.0, 1.0]), 2.0 * rate
+        axis = (a0 * cos(angle) + np.cross(n_L, a0) * sin(angle)
+                + n_L * (n_L @ a0) * (1.0 - cos(angle)))  # fmt: skip
+        now = np.array(body.pose(state).turn).reshape(3, 3) @ a0
+        errors.append(np.abs(now - axis).max())
+        assert body.energy(state) == pytest.approx(body.energy(body.first), rel=40.0 / n**2)
+    assert errors[0] < 2e-3
+    assert errors[1] == pytest.approx(errors[0] / 4.0, rel=0.1)
+
+
+@pytest.mark.parametrize("D", [2, 3])
+def test_mass_and_inertia(D):
+    """Of a box exact, of a ball to 2e-6; turned boxes as well."""
+    half, centre = [1.0, 1.5, 0.5], [5.0, 4.0, 3.0]
+    low = [c - a for c, a in zip(centre[:D], half, strict=False)]
+    high = [c + a for c, a in zip(centre[:D], half, strict=False)]
+    ball = {"ball": {"centre": centre[:D], "radius": 1.3}}
+    for region, exact in (
+        ({"box": {"min": low, "max": high}}, (1e-13, 2.0 * 6.0 * (1.0 if D == 3 else 2.0) / 2.0,
+                                               (1.0 + 1.5**2) / 3.0)),
+        (ball, (2e-6, 2.0 * pi * 1.3**2 * (4.0 / 3.0 * 1.3 if D == 3 else 1.0),
+                (0.4 if D == 3 else 0.5) * 1.3**2)),
+    ):  # fmt: skip
+        bodies = {"soft": box([1.0] * D, [2.0] * D),
+                  "rigid": {"rigid": {"density": 2.0}, "region": region}}  # fmt: skip
+        found = bulk(Case.model_validate(scene(D, bodies)).tools["rigid"].region, 2.0, D)
+        tolerance, mass, square = exact
+        assert found.mass == pytest.approx(mass, rel=tolerance)
+        assert found.inertia[8] == pytest.approx(mass * square, rel=tolerance)
+        assert found.centre[:D] == pytest.approx(centre[:D], rel=1e-9)
+
+
+def test_a_rigid_cylinder_rolls_down():
+    """On a bed that is hardly deformed it gains 2/3 g sin, and spins as it rolls."""
+    slope, g, R = radians(20.0), 0.2, 4.0
+    bodies = {
+        "bed": box([0.0, 0.0], [44.0, 3.0]),
+        "roll": {"rigid": {"density": 1.0},
+                 "region": {"ball": {"centre": [8.0, 3.0 + R], "radius": R}}},
+    }  # fmt: skip
+    weight = {"table": [[0.0, [0.0, 0.0]], [4.0, [g * sin(slope), -g * cos(slope)]]]}
+    case = scene(2, bodies, cells=[44, 12], end=14.0, step={"courant": 0.4}, gravity=weight,
+                 contact=[{"bodies": "all", "friction": 0.5}],
+                 boundaries={"y-min": "fixed", "x-min": "slip", "x-max": "slip"})  # fmt: skip
+    case["materials"]["soft"] = {**case["materials"]["soft"], "young": 1000.0}
+    case["materials"]["soft"]["viscosity"] = {"shear": 10.0}
+    case["method"]["affine"] = True
+    sim = start(case)
+    lines = []
+    for time in (4.0, 14.0):
+        while sim.time < time and not sim.finished:
+            sim.advance()
+        lines.append(sim.diagnostics())
+    gained = (lines[1]["tool.roll.velocity-x"] - lines[0]["tool.roll.velocity-x"]) / 10.0
+    spun = (lines[1]["tool.roll.angular-velocity-z"] - lines[0]["tool.roll.angular-velocity-z"])
+    assert gained == pytest.approx(2.0 / 3.0 * g * sin(slope), rel=0.05)
+    assert -R * spun / 10.0 == pytest.approx(gained, rel=0.05)
+
+
+def test_states_are_numbers():
+    state = State.of([float(i) for i in range(16)])
+    assert state.turn == (3.0, 4.0, 5.0, 6.0)
+    assert State.of(state.numbers) == state
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"rigid": {"density": -1.0}}, "density"),
+        ({"rigid": {"density": 1.0, "velocity": [1.0, 0.0]}}, "velocity"),
+        ({"rigid": {"density": 1.0, "fixed": ["z"]}}, "bodies.ball.rigid.fixed[0]"),
+        ({"rigid": {"density": 1.0, "fixed": ["x"]}}, "`fixed` excludes"),
+        ({"rigid": {}}, "moves as `rigid` says"),
+        ({"velocity": [1.0]}, "bodies.ball.velocity"),
+        ({"velocity": {"rotation": {"about": [1.0, 1.0], "rate": [1.0, 0.0, 0.0]}}}, "in 2D"),
+        ({"velocity": [200.0, 0.0]}, "moves by 2 cells in a step"),
+    ],
+)
+def test_what_cannot_be_is_refused(change, said):
+    case = struck(2, {"friction": 0.1}, 1.0)
+    case["bodies"]["ball"] = case["bodies"]["ball"] | change
+    with pytest.raises((CaseError, ValueError, RunError)) as raised:
+        finish(start(case))
+    assert said in str(raised.value)
