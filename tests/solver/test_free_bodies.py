@@ -47,8 +47,8 @@ def test_momentum_at_any_ratio_of_masses(D, density, law):
         sim.advance()
         lines.append(sim.diagnostics())
     total = np.array([momenta(line)[:3] + momenta(line, "ball")[:3] for line in lines])
-    # What reaches vertices too light to be accelerated is lost, 1e-12 of the forces on others.
-    assert total == pytest.approx(np.tile(total[0], (len(total), 1)), abs=3e-12 * max(1.0, density))
+    # What reaches vertices too light to be accelerated is lost, as without rigid bodies.
+    assert total == pytest.approx(np.tile(total[0], (len(total), 1)), abs=1e-10 * max(1.0, density))
     every = np.array([energy(line) + line["tool.ball.kinetic-energy"] for line in lines])
     assert (every < every[0] * (1.0 + 1e-3)).all()
     assert momenta(lines[-1])[0] > 0.5 * momenta(lines[0], "ball")[0] / (1.0 + density)
@@ -86,12 +86,12 @@ def test_a_heavy_body_is_a_tool():
 def test_a_body_that_meets_nothing():
     """It falls as a particle does, by symplectic Euler's rule, and keeps its spin."""
     bodies = {
-        "soft": box([1.0, 1.0], [2.0, 2.0]),
+        "soft": box([12.0, 9.0], [13.0, 10.0]),
         "ball": free([4.0, 4.0], [6.0, 6.0], 3.0,
                      {"rotation": {"about": [5.0, 5.0], "rate": 0.7}, "translation": [0.2, 0.4]}),
         "held": free([4.0, 1.0], [6.0, 3.0], 3.0, fixed=["x", "rotation"]),
     }  # fmt: skip
-    sim = finish(start(scene(2, bodies, gravity=[1.0, -1.0])))
+    sim = finish(start(scene(2, bodies, cells=[16, 12], gravity=[1.0, -1.0])))
     line, dt = sim.diagnostics(), 0.01
     assert line["tool.ball.velocity-y"] == pytest.approx(0.4 - 1.0, abs=1e-13)
     assert line["tool.ball.displacement-y"] == pytest.approx(0.4 - 0.5 * (1.0 + dt), abs=1e-13)
@@ -145,16 +145,14 @@ def test_mass_and_inertia(D):
     low = [c - a for c, a in zip(centre[:D], half, strict=False)]
     high = [c + a for c, a in zip(centre[:D], half, strict=False)]
     ball = {"ball": {"centre": centre[:D], "radius": 1.3}}
-    for region, exact in (
-        ({"box": {"min": low, "max": high}}, (1e-13, 2.0 * 6.0 * (1.0 if D == 3 else 2.0) / 2.0,
-                                               (1.0 + 1.5**2) / 3.0)),
+    for region, (tolerance, mass, square) in (
+        ({"box": {"min": low, "max": high}}, (1e-13, 12.0, (1.0 + 1.5**2) / 3.0)),
         (ball, (2e-6, 2.0 * pi * 1.3**2 * (4.0 / 3.0 * 1.3 if D == 3 else 1.0),
                 (0.4 if D == 3 else 0.5) * 1.3**2)),
     ):  # fmt: skip
         bodies = {"soft": box([1.0] * D, [2.0] * D),
                   "rigid": {"rigid": {"density": 2.0}, "region": region}}  # fmt: skip
         found = bulk(Case.model_validate(scene(D, bodies)).tools["rigid"].region, 2.0, D)
-        tolerance, mass, square = exact
         assert found.mass == pytest.approx(mass, rel=tolerance)
         assert found.inertia[8] == pytest.approx(mass * square, rel=tolerance)
         assert found.centre[:D] == pytest.approx(centre[:D], rel=1e-9)
@@ -162,18 +160,17 @@ def test_mass_and_inertia(D):
 
 def test_a_rigid_cylinder_rolls_down():
     """On a bed that is hardly deformed it gains 2/3 g sin, and spins as it rolls."""
-    slope, g, R = radians(20.0), 0.2, 4.0
+    slope, g, R = radians(20.0), 0.2, 8.0
     bodies = {
         "bed": box([0.0, 0.0], [44.0, 3.0]),
         "roll": {"rigid": {"density": 1.0},
                  "region": {"ball": {"centre": [8.0, 3.0 + R], "radius": R}}},
     }  # fmt: skip
     weight = {"table": [[0.0, [0.0, 0.0]], [4.0, [g * sin(slope), -g * cos(slope)]]]}
-    case = scene(2, bodies, cells=[44, 12], end=14.0, step={"courant": 0.4}, gravity=weight,
+    case = scene(2, bodies, cells=[44, 20], end=14.0, step={"courant": 0.4}, gravity=weight,
                  contact=[{"bodies": "all", "friction": 0.5}],
                  boundaries={"y-min": "fixed", "x-min": "slip", "x-max": "slip"})  # fmt: skip
     case["materials"]["soft"] = {**case["materials"]["soft"], "young": 1000.0}
-    case["materials"]["soft"]["viscosity"] = {"shear": 10.0}
     case["method"]["affine"] = True
     sim = start(case)
     lines = []
@@ -183,8 +180,8 @@ def test_a_rigid_cylinder_rolls_down():
         lines.append(sim.diagnostics())
     gained = (lines[1]["tool.roll.velocity-x"] - lines[0]["tool.roll.velocity-x"]) / 10.0
     spun = (lines[1]["tool.roll.angular-velocity-z"] - lines[0]["tool.roll.angular-velocity-z"])
-    assert gained == pytest.approx(2.0 / 3.0 * g * sin(slope), rel=0.05)
-    assert -R * spun / 10.0 == pytest.approx(gained, rel=0.05)
+    assert gained == pytest.approx(2.0 / 3.0 * g * sin(slope), rel=0.02)
+    assert -R * spun / 10.0 == pytest.approx(gained, rel=0.03)
 
 
 def test_states_are_numbers():
@@ -198,7 +195,7 @@ def test_states_are_numbers():
     [
         ({"rigid": {"density": -1.0}}, "density"),
         ({"rigid": {"density": 1.0, "velocity": [1.0, 0.0]}}, "velocity"),
-        ({"rigid": {"density": 1.0, "fixed": ["z"]}}, "bodies.ball.rigid.fixed[0]"),
+        ({"rigid": {"density": 1.0, "fixed": ["z"]}}, "bodies.ball.rigid.fixed.0"),
         ({"rigid": {"density": 1.0, "fixed": ["x"]}}, "`fixed` excludes"),
         ({"rigid": {}}, "moves as `rigid` says"),
         ({"velocity": [1.0]}, "bodies.ball.velocity"),
