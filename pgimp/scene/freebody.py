@@ -80,6 +80,7 @@ class FreeBody:
         assert entry.free is not None
         self.bulk, self.may = bulk, entry.free.may(dimensions)
         self.first = self._at_start(entry)
+        self._last: tuple[State | None, Six] = (None, ())
 
     def _at_start(self, entry: RigidBody) -> State:
         """Return its state at the start."""
@@ -101,15 +102,13 @@ class FreeBody:
 
     def inertia(self, turn: tuple[float, ...]) -> Matrix:
         """Return the moments of inertia in the directions of space."""
-        R, own = matrix(turn), self.bulk.inertia
-        half = [
-            sum(R[3 * i + k] * own[3 * k + j] for k in range(3)) for i in range(3) for j in range(3)
-        ]
-        return tuple(
-            sum(half[3 * i + k] * R[3 * j + k] for k in range(3))
-            for i in range(3)
-            for j in range(3)
-        )
+        R = matrix(turn)
+        a, b, c, d, e, f, g, h, k = self.bulk.inertia
+        found: list[float] = []
+        for x, y, z in (R[:3], R[3:6], R[6:]):
+            u, v, w = x * a + y * d + z * g, x * b + y * e + z * h, x * c + y * f + z * k
+            found += (u * R[3 * j] + v * R[3 * j + 1] + w * R[3 * j + 2] for j in range(3))
+        return tuple(found)
 
     def mass_matrix(self, inertia: Matrix) -> list[list[float]]:
         """Return what turns velocity and angular velocity into momenta, 6 x 6; ones where held."""
@@ -135,10 +134,15 @@ class FreeBody:
         ]
         return (p[0], p[1], p[2]), (p[3], p[4], p[5])
 
-    def velocities(self, state: State, inertia: Matrix | None = None) -> Six:
-        """Return velocity and angular velocity, with the inertia at the state or another."""
-        M = self.mass_matrix(inertia or self.inertia(state.turn))
-        return tuple(solve(M, [*state.momentum, *state.spin]))
+    def velocities(self, state: State) -> Six:
+        """Return velocity and angular velocity."""
+        if self._last[0] is not state:  # a step asks for them several times
+            found = self._velocities((*state.momentum, *state.spin), self.inertia(state.turn))
+            self._last = state, found
+        return self._last[1]
+
+    def _velocities(self, momenta: Six, inertia: Matrix) -> Six:
+        return tuple(solve(self.mass_matrix(inertia), [*momenta]))
 
     def halfway(self, state: State, dt: float) -> Matrix:
         """Return the moments of inertia where its rotation will have brought it in half a step.
@@ -150,13 +154,12 @@ class FreeBody:
 
     def moved(self, state: State, momenta: Six, inertia: Matrix, dt: float) -> State:
         """Return the state after a step: moved by the velocities that these momenta are."""
-        p = [value if may else 0.0 for value, may in zip(momenta, self.may, strict=True)]
-        state = state._replace(momentum=_triple(tuple(p)), spin=_triple(tuple(p[3:])))
-        v = self.velocities(state, inertia)
+        p = tuple(value if may else 0.0 for value, may in zip(momenta, self.may, strict=True))
+        v = self._velocities(p, inertia)
         way, turn = _triple(tuple(dt * x for x in v)), _triple(tuple(dt * w for w in v[3:]))
-        return state._replace(
-            centre=add(state.centre, way), turn=turned(state.turn, turn),
-            angle=add(state.angle, turn),
+        return State(
+            add(state.centre, way), turned(state.turn, turn), _triple(p), _triple(p[3:]),
+            add(state.angle, turn),
         )  # fmt: skip
 
     def pose(self, state: State) -> Pose:
@@ -218,19 +221,23 @@ def turned(
 
 
 def solve(M: list[list[float]], b: list[float]) -> list[float]:
-    """Solve a system of equations, in which no more than 6 x 6 numbers matter."""
+    """Solve a system of a few equations."""
     n = len(b)
     rows = [[*row, value] for row, value in zip(M, b, strict=True)]
     for i in range(n):
-        best = max(range(i, n), key=lambda k: (abs(rows[k][i]), -k))
-        rows[i], rows[best] = rows[best], rows[i]
+        for k in range(i + 1, n):
+            if abs(rows[k][i]) > abs(rows[i][i]):
+                rows[i], rows[k] = rows[k], rows[i]
         pivot = rows[i]
         for row in rows[i + 1 :]:
-            factor = row[i] / pivot[i]
-            if factor != 0.0:
-                for j in range(i, n + 1):
+            if row[i] != 0.0:
+                factor = row[i] / pivot[i]
+                for j in range(i + 1, n + 1):
                     row[j] -= factor * pivot[j]
     x = [0.0] * n
     for i in reversed(range(n)):
-        x[i] = (rows[i][n] - sum(rows[i][j] * x[j] for j in range(i + 1, n))) / rows[i][i]
+        row, total = rows[i], rows[i][n]
+        for j in range(i + 1, n):
+            total -= row[j] * x[j]
+        x[i] = total / row[i]
     return x

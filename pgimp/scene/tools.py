@@ -311,11 +311,13 @@ class SceneTools:
         far = field.low + field.spacing * (field.shape - 1)
         ends = zip(field.low, far, strict=True)
         corners = np.array(list(product(*ends))) - row[REFERENCE : REFERENCE + 3]
-        placed = corners @ row[TURN : TURN + 9].reshape(3, 3).T + row[CENTRE : CENTRE + 3]
         for d, (origin, inverse) in enumerate(
             zip(self.frame.origin, self.frame.inverse, strict=True)
         ):
-            low, high = placed[:, d].min(), placed[:, d].max()
+            # Not by a product of matrices, which machines may round otherwise.
+            a, b, c = (corners[:, k] * row[TURN + 3 * d + k] for k in range(3))
+            placed = a + b + c + row[CENTRE + d]
+            low, high = placed.min(), placed.max()
             least, most = 0, self.frame.vertices[d] - 1
             about[LEAST + d] = np.clip(
                 np.floor((low - origin) * inverse) + self.frame.ghost - 1, least, most

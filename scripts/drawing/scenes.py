@@ -1,4 +1,4 @@
-"""The other cases: disks, rolling, incline, upsetting, bar."""
+"""The other cases: disks, rolling, incline, upsetting, pile, bar."""
 
 import numpy as np
 from common import BLUE, RED, boxes, frame_at, plt, run, save
@@ -158,6 +158,34 @@ def upsetting(redraw):
     right.set(xlabel="time [s]", ylabel="way along x [m]", ylim=(-0.01, 0.21))
     right.legend(loc="upper left")
     save(figure, "upsetting")
+
+
+def pile(redraw):
+    """Velocity of the hammer and the force on it, against exact; stress along the pile."""
+    results = run("pile", redraw)
+    history, decay = results.history, np.sqrt(30.0e9 * 2400.0) / 15600.0
+    figure, axes = plt.subplots(1, 3, figsize=(9, 3.0), layout="constrained")
+    time = history["time"]
+    exact = 5.0 * np.exp(-decay * time)
+    back = 40.0 / np.sqrt(30.0e9 / 2400.0)
+    force = 15600.0 * decay * exact / 1e6
+    for axis, value, line, label in (
+        (axes[0], -history["tool.hammer.velocity-x"], exact, "velocity of the hammer [m/s]"),
+        (axes[1], history["tool.hammer.force-x"] / 1e6, force, "force on it [MPa]"),
+    ):
+        axis.plot(1e3 * time, value, color=BLUE, label="pgimp")
+        axis.plot(1e3 * time[time < back], line[time < back], "k--", lw=1.0, label="exact")
+        axis.set(xlabel="time [ms]", ylabel=label)
+    axes[0].legend()
+    for instant, colour, label in (
+        (0.002, BLUE, (-35.0, 11.5)), (0.005, RED, (-35.0, 1.2)), (0.010, "0.5", (22.0, 16.3)),
+    ):  # fmt: skip
+        frame = frame_at(results, instant)
+        stress = frame["stress"][:, 0] / 1e6
+        axes[2].plot(stress, frame["position"][:, 0], color=colour, lw=1.2)
+        axes[2].text(*label, f"{1e3 * frame.time:.0f} ms", color=colour)
+    axes[2].set(xlabel="stress in the pile [MPa]", ylabel="height [m]")
+    save(figure, "pile")
 
 
 def bar_displacement(place, time, gravity=9.81, speed=20.0, length=1.0):

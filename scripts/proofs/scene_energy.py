@@ -5,6 +5,7 @@ from unittest import mock
 
 import numpy as np
 
+from pgimp.kernels.momentum import REST
 from pgimp.kernels.record import RECORD
 from pgimp.solver import step as stepping
 
@@ -43,9 +44,10 @@ class Seen:
             rank.particles.v[:] = v
             sum_particles(rank, loads, marked)
 
-        def updated(frame, field, faces, forcing, ledger, contact):
-            self.sums, self.forcing = field.G.reshape(-1, RECORD).copy(), forcing
-            update(frame, field, faces, forcing, ledger, contact)
+        def updated(frame, field, faces, forcing, ledger, contact, part):
+            if part != REST:
+                self.sums, self.forcing = field.G.reshape(-1, RECORD).copy(), forcing
+            update(frame, field, faces, forcing, ledger, contact, part)
 
         def taken(setting, field, *rest):
             self.after = field.G.reshape(-1, RECORD).copy()

@@ -201,6 +201,10 @@ class Comm:
         """Put the arrays of all ranks into the rows of `every`."""
         every[...] = np.array(self.allgather(mine)).reshape(every.shape)
 
+    def Allreduce(self, mine, every):
+        """Find the sums."""
+        every[...] = sum(self.allgather(mine.copy()))
+
     def Alltoall(self, sent, received):
         """Exchange a number with each rank."""
         self.spread("numbers", sent.copy())

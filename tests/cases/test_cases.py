@@ -39,6 +39,7 @@ COARSER = {
     "incline": ["grid.cell=[0.1,0.1]", "time.end=0.6", "output.every=0.3"],
     "rolling": ["grid.cell=[0.05,0.05]", "time.end=0.5", "output.every=0.25"],
     "upsetting": ["grid.cell=[0.05,0.05]", "output.every=0.4"],
+    "pile": ["grid.cell=[0.2]"],
 }
 
 
@@ -203,6 +204,19 @@ def test_bar_is_pressed_and_rolled(runs):
     assert (history["tool.die.work"] == 0.0).all()
     assert 0.0 < work[-1] < 0.13 * work.max()  # 0.107; 0.061 in the case itself
     assert punch[-1] == 0.0  # it lets go
+
+
+def test_a_hammer_drives_a_pile(runs):
+    """Cells twice as large: its velocity to 0.2 % until the wave is back, then it is thrown off."""
+    history = runs("pile").history
+    time, speed = history["time"], -history["tool.hammer.velocity-x"]
+    before = time < 0.0113
+    exact = 5.0 * np.exp(-np.sqrt(30.0e9 * 2400.0) / 15600.0 * time)
+    assert np.sqrt(np.mean((speed - exact)[before] ** 2)) < 0.002 * 5.0
+    total = history["momentum-x"] + history["tool.hammer.momentum-x"]
+    assert total == pytest.approx(np.full(len(time), -5.0 * 15600.0), rel=1e-9)
+    assert (history["tool.hammer.force-x"][time > 0.0125] == 0.0).all()
+    assert speed[-1] == speed[-20]
 
 
 def test_block_bounces(runs):

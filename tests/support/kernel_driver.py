@@ -17,7 +17,7 @@ from pgimp.kernels.g2p import grid_to_particles
 from pgimp.kernels.ledger import Ledger
 from pgimp.kernels.loads import Loads
 from pgimp.kernels.mirror import Mirror, fold, reflect
-from pgimp.kernels.momentum import update_momentum
+from pgimp.kernels.momentum import WHOLE, update_momentum
 from pgimp.kernels.p2g import particles_to_grid
 from pgimp.kernels.particles import Carried, Frame, Particles
 from pgimp.kernels.record import RECORD
@@ -222,7 +222,7 @@ class Rank:
         for mirror in mirrors:
             if mirror.releases:
                 fold(self.frame, field, mirror, forcing, ledger)
-        update_momentum(self.frame, field, faces, forcing, ledger, ())
+        update_momentum(self.frame, field, faces, forcing, ledger, (), WHOLE)
         for mirror in reversed(mirrors):
             reflect(self.frame, field, mirror, forcing, ledger)
 
