@@ -25,6 +25,11 @@ GRID: dict[str, Vertex] = {
         "force by which the momentum will grow: of stresses, tractions, body forces and gravity, "
         "before faces and constraints act; at rest minus their reaction [force]",
     ),
+    "contact": Vertex(
+        "x y z",
+        "force of contact on the bodies that come first in `bodies` by those that come after them: "
+        "what the next step gives, if it is as long as the last [force]",
+    ),
 }
 """What ``output.grid`` may name, at the vertices."""
 

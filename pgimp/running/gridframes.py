@@ -78,7 +78,10 @@ class GridFrames(Series):
         path = self.folder / f"grid-{number:06d}.h5"
         part, what = temporary(path), f"write the frame {path} at step {sim.step}"
         time, step = float(sim.time), int(sim.step)
-        state = active_grid(sim.rank, time)
+        dt = 0.0
+        if "contact" in self.fields:
+            dt = float(sim.dt or sim.clock.next(sim.done, sim.rate).dt)
+        state = active_grid(sim.rank, time, dt)
         attributes = self._attributes | {"time": time, "step": np.int64(step)}
 
         says: dict[int, bytes] = {}

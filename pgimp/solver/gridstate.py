@@ -5,14 +5,19 @@ from the last step belongs to where they were. So a frame of the grid belongs to
 the same time, also at the start, and after a resume.
 """
 
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
 from pgimp.files.framefile import blocks
+from pgimp.kernels.contactforces import contact_forces
+from pgimp.kernels.momentum import BEGINNING, update_momentum
 from pgimp.kernels.record import FORCE, MASS, MOMENTUM, RECORD
+from pgimp.kernels.response import find_response
+from pgimp.solver.clock import Step
 from pgimp.solver.rank import Rank
-from pgimp.solver.step import sum_particles
+from pgimp.solver.step import acting, fold_mirrors, on_vertices, sum_particles
 
 _UP, _DOWN = 5, 6
 _BLOCK = 1 << 16
@@ -34,6 +39,8 @@ class ActiveGrid(NamedTuple):
         Of the vertices: those with mass, and corners of the cells.
     mass, momentum, force : (n,), (n, 3), (n, 3) float64
         Sums over the particles; the force with that of gravity.
+    contact : (n, 3) float64
+        See `_contact`; zeros where it is not wanted.
     cells : (c, 2^D) int64
         Vertices of the cells in which there are centres of particles, numbered over all ranks.
     first : (int, int)
@@ -46,15 +53,27 @@ class ActiveGrid(NamedTuple):
     mass: np.ndarray
     momentum: np.ndarray
     force: np.ndarray
+    contact: np.ndarray
     cells: np.ndarray
     first: tuple[int, int]
     total: tuple[int, int]
 
 
-def active_grid(rank: Rank, time: float) -> ActiveGrid:
-    """Sum the particles as they are into the grid, and take out where there are any; collective."""
+def active_grid(rank: Rank, time: float, dt: float = 0.0) -> ActiveGrid:
+    """Sum the particles as they are into the grid, and take out where there are any; collective.
+
+    Parameters
+    ----------
+    rank : Rank
+        What the rank holds.
+    time : float
+        The time.
+    dt : float
+        Length of the step for which forces of contact are wanted; 0: they are not.
+    """
     comm, scene, grid, slab = rank.comm, rank.scene, rank.grid, rank.slab
-    sum_particles(rank, scene.loads.at(time), marked=False)
+    wanted = bool(rank.meetings) and dt > 0.0
+    sum_particles(rank, scene.loads.at(time), marked=wanted and bool(scene.loads.constraints))
     rank.halo.finish(grid)
     own, D = grid.owned, scene.dimension
     extent = grid.window.extent
@@ -81,6 +100,7 @@ def active_grid(rank: Rank, time: float) -> ActiveGrid:
     corners = [numbers[i + a, j + b, k + c] for a, b, c in _CORNERS[D - 1]]
 
     found, place = records[vertices], np.nonzero(vertices)
+    contact = _contact(rank, time, dt)[vertices] if wanted else np.zeros((len(found), 3))
     position = np.zeros((len(found), 3))
     for d in range(D):
         number = place[d] + (grid.window.lower[d] - scene.frame.ghost)
@@ -91,10 +111,34 @@ def active_grid(rank: Rank, time: float) -> ActiveGrid:
         mass,
         found[:, MOMENTUM : MOMENTUM + 3].copy(),
         found[:, FORCE : FORCE + 3] + mass[:, None] * np.array(scene.gravity(time)),
+        contact,
         np.stack(corners, axis=1),
         (int(first[0]), int(first[1])),
         (int(total[0]), int(total[1])),
     )
+
+
+def _contact(rank: Rank, time: float, dt: float) -> np.ndarray:
+    """Find the forces of contact at the vertices of a rank's own planes, (planes, y, z, 3).
+
+    As the next step does, of the length `dt`, but for what is booked; collective.
+    """
+    scene, grid, call = rank.scene, rank.grid, rank.call
+    assert rank.meetings
+    t = Step(1, time, dt, time + dt)
+    unbooked = type(rank.ledger)(*map(np.zeros_like, rank.ledger))
+    contact = rank.meetings.find(grid, rank.population, unbooked, t.start, t.end)
+    forcing = on_vertices(acting(rank, t, scene.loads.at(time), controlled=False))
+    faces, field = scene.face_parameters(t.start, t.end), grid.field
+    fold_mirrors(rank, forcing, contact, unbooked)
+    call(update_momentum, scene.frame, field, faces, forcing, unbooked, contact, BEGINNING)
+    if rank.free:
+        respond = partial(call, find_response, contact, faces, scene.frame, field, forcing)
+        rank.free.settle(contact.tools, grid, t, forcing.gravity, respond)
+    extent = grid.window.extent
+    found = np.zeros((grid.owned * extent[1] * extent[2], 3))
+    call(contact_forces, contact, faces, scene.frame, field, forcing, found)
+    return found.reshape(grid.owned, *extent[1:], 3)
 
 
 def _cells(rank: Rank) -> tuple[np.ndarray, np.ndarray]:

@@ -10,6 +10,7 @@ import numpy as np
 from pgimp.kernels.concepts import Forcing, Report
 from pgimp.kernels.constraints import apply_constraints, mark_constrained_vertices
 from pgimp.kernels.g2p import grid_to_particles
+from pgimp.kernels.ledger import Ledger
 from pgimp.kernels.loads import Loads
 from pgimp.kernels.mirror import fold, fold_volumes, reflect
 from pgimp.kernels.momentum import BEGINNING, REST, WHOLE, update_momentum
@@ -66,21 +67,9 @@ def step(
         contact = rank.meetings.find(rank.grid, population, ledger, t.start, t.end)
         lap("contact")
 
-    constraints = scene.loads.constraints_at(t.start, t.end)
-    marked = (constraints, grid.marks) if constraints else ()
-    forcing = Forcing(
-        t.dt, scene.gravity(t.start), rank.lightest, loads, constraints, marked, scene.walls(t.end),
-        controlled, rank.clearances.stored(grid),
-    )  # fmt: skip
+    forcing = acting(rank, t, loads, controlled)
     faces, vertex_forcing = scene.face_parameters(t.start, t.end), on_vertices(forcing)
-    for releases in (False, True):  # those that let go last: they see the sums of both
-        for mirror in scene.mirrors:
-            if mirror.releases == releases:
-                call(fold, scene.frame, field, mirror, vertex_forcing, ledger)
-                if contact:
-                    call(fold_volumes, scene.frame, field, contact.volumes, mirror)
-        if not releases:
-            rank.clearances.find(grid)
+    fold_mirrors(rank, vertex_forcing, contact, ledger)
     update = partial(
         call, update_momentum, scene.frame, field, faces, vertex_forcing, ledger, contact
     )
@@ -93,7 +82,7 @@ def step(
         free.settle(contact.tools, grid, t, forcing.gravity, respond)
         update(REST)
         free.move(contact.tools, grid, t.dt)
-    if marked:
+    if forcing.marked:
         call(apply_constraints, field, vertex_forcing, ledger)
     for mirror in reversed(scene.mirrors):
         call(reflect, scene.frame, field, mirror, vertex_forcing, ledger)
@@ -133,6 +122,30 @@ def step(
         population.restore_order(changed, coming)
     lap("order")
     return t, rate
+
+
+def acting(rank: Rank, t: Step, loads: Loads, controlled: bool) -> Forcing:
+    """Return what acts in a step; see `step`."""
+    scene, grid = rank.scene, rank.grid
+    constraints = scene.loads.constraints_at(t.start, t.end)
+    marked = (constraints, grid.marks) if constraints else ()
+    return Forcing(
+        t.dt, scene.gravity(t.start), rank.lightest, loads, constraints, marked, scene.walls(t.end),
+        controlled, rank.clearances.stored(grid),
+    )  # fmt: skip
+
+
+def fold_mirrors(rank: Rank, forcing: Forcing, contact: Any, ledger: Ledger) -> None:
+    """Fold what faces reflect, and find the clearances of those that let go."""
+    scene, field, call = rank.scene, rank.grid.field, rank.call
+    for releases in (False, True):  # those that let go last: they see the sums of both
+        for mirror in scene.mirrors:
+            if mirror.releases == releases:
+                call(fold, scene.frame, field, mirror, forcing, ledger)
+                if contact:
+                    call(fold_volumes, scene.frame, field, contact.volumes, mirror)
+        if not releases:
+            rank.clearances.find(rank.grid)
 
 
 def on_vertices(forcing: Forcing) -> Forcing:

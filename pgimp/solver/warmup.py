@@ -13,6 +13,7 @@ from pgimp.kernels.clearance import find_clearances
 from pgimp.kernels.concepts import Forcing, Order, Report
 from pgimp.kernels.constraints import apply_constraints, mark_constrained_vertices
 from pgimp.kernels.contact import Contact
+from pgimp.kernels.contactforces import contact_forces
 from pgimp.kernels.contribution import VolumeSums
 from pgimp.kernels.errors import ERRORS, initial_velocities, layer_errors
 from pgimp.kernels.g2p import grid_to_particles
@@ -71,6 +72,10 @@ def _calls(scene: Scene) -> Iterator[Call]:
         if tools:
             yield 1.0, lambda: find_touched(
                 frame, grid.field, tools, contact.met, contact.spread
+            )
+        if "contact" in scene.case.output.grid:
+            yield 2.0, lambda: contact_forces(
+                contact, faces, frame, grid.field, vertex_forcing, np.zeros((0, 3))
             )
         yield 0.3, lambda: find_meetings(grid.field, contact.met, contact.spread)
         yield 0.3, lambda: select_near(

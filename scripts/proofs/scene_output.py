@@ -19,7 +19,7 @@ def frames(rng, scene):
 
 def grid_frames(rng, scene):
     """Frames of the grid."""
-    names = rng.sample(("mass", "momentum", "velocity", "force"), rng.randint(1, 4))
+    names = rng.sample(("mass", "momentum", "velocity", "force", "contact"), rng.randint(1, 4))
     scene.case["output"]["grid"] = names
 
 

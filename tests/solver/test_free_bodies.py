@@ -4,12 +4,15 @@ from math import cos, exp, pi, radians, sin
 
 import numpy as np
 import pytest
+from rank_scenes import meeting
 from scenes import box, energy, finish, scene, start
 
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError, RunError
+from pgimp.kernels.ledger import IMPULSE
 from pgimp.scene.bulk import bulk
 from pgimp.scene.freebody import FreeBody, State
+from pgimp.solver.gridstate import active_grid
 
 
 def free(low, high, density=1.0, velocity=None, **more):
@@ -209,3 +212,20 @@ def test_what_cannot_be_is_refused(change, said):
     with pytest.raises((CaseError, ValueError, RunError)) as raised:
         finish(start(case))
     assert said in str(raised.value)
+
+
+def test_forces_of_contact_at_vertices():
+    """Those that a frame of the grid shows are what the next step books, free bodies included."""
+    case = meeting()
+    case["time"]["step"] = 0.01
+    sim = start(case)
+    for number in range(40):
+        if number % 5 == 0:
+            shown = active_grid(sim.rank, sim.time, 0.01).contact.sum(axis=0)
+            before = sim.rank.ledger.contact[:, :, IMPULSE : IMPULSE + 3].sum(axis=(0, 1))
+        sim.advance()
+        if number % 5 == 0:
+            after = sim.rank.ledger.contact[:, :, IMPULSE : IMPULSE + 3].sum(axis=(0, 1))
+            scale = max(1.0, np.abs(shown).max())
+            assert (after - before) / 0.01 == pytest.approx(shown, abs=1e-11 * scale)
+    assert np.abs(shown).max() > 1.0

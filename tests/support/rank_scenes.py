@@ -328,7 +328,7 @@ def meeting():
             {"bodies": ["lies", "glued"], "law": "tied"},
             {"bodies": ["ghost", "meets"], "law": "ignore"},
         ],
-        output={"every": 0.25, "fields": EVERYTHING, "grid": GRID},
+        output={"every": 0.25, "fields": EVERYTHING, "grid": [*GRID, "contact"]},
         history={"every": {"steps": 10}},
     )
 
