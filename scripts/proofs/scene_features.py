@@ -267,15 +267,19 @@ def tools(rng, scene):
 
 def free(rng, scene):
     """A rigid body that moves freely towards a body beside it: lighter, heavier, or alike."""
-    D, h = scene.dimension, scene.cell
-    low, high = rng.choice([*scene.corners.values()])
-    d, side = rng.randrange(D), rng.choice((-1, 1))
-    size = [number(rng, 1.5, 4.0) * c for c in h]
-    first = [number(rng, a - 0.5 * s, b - 0.5 * s)
-             for a, b, s in zip(low, high, size, strict=True)]  # fmt: skip
-    gap = number(rng, 0.0, 1.0) * h[d]
-    first[d] = high[d] + gap if side > 0 else low[d] - gap - size[d]
-    last = [a + b for a, b in zip(first, size, strict=True)]
+    D, h, grid = scene.dimension, scene.cell, scene.case["grid"]
+    for _ in range(20):  # as walls are not felt, within the domain
+        low, high = rng.choice([*scene.corners.values()])
+        d, side = rng.randrange(D), rng.choice((-1, 1))
+        size = [number(rng, 1.5, 4.0) * c for c in h]
+        first = [number(rng, a - 0.5 * s, b - 0.5 * s)
+                 for a, b, s in zip(low, high, size, strict=True)]  # fmt: skip
+        gap = number(rng, 0.0, 1.0) * h[d]
+        first[d] = high[d] + gap if side > 0 else low[d] - gap - size[d]
+        last = [a + b for a, b in zip(first, size, strict=True)]
+        corner = [a + b for a, b in zip(grid["origin"], grid["size"], strict=True)]
+        if all(a >= b for a, b in zip([*first, *corner], [*grid["origin"], *last], strict=True)):
+            break
     velocity = vector(rng, D, 0.1 * scene.speed)
     velocity[d] = -side * number(rng, 0.0, 0.15 * scene.speed)
     free = {"density": 10.0 ** number(rng, -3.0, 2.0)}
