@@ -15,6 +15,7 @@ from pgimp.errors import CaseError
 from pgimp.kernels.ledger import BOOKED, TOOLED
 from pgimp.kernels.particles import Particles
 from pgimp.kernels.sums import SUMS
+from pgimp.kernels.tools import ANSWER
 from pgimp.mpi.limits import Limit, limits
 from pgimp.physics.fields import ALWAYS
 from pgimp.scene.extent import Extent, extents, points
@@ -173,6 +174,8 @@ def estimate(
     extent = window(scene, bodies, ranks)
     fields = _fields(scene, bodies)
     plane = prod(extent[1:]) * fields * (64 + (8 if scene.loads.constraints else 0))
+    if scene.approached:
+        plane += prod(extent[1:]) * fields * 8 * len(scene.faces)
     occupied = min(extent[0], sum(body.boxes[0] / per_cell[0] + s for body in bodies))
     # A layer's own planes; what is put aside at both ends, and received.
     beside = s + (1.5 * s * (s - 1) if ranks > 1 else 0)
@@ -187,6 +190,9 @@ def estimate(
     plane_sums = 40 + 32 * faces + 24 * len(scene.loads.constraints) + line * bool(scene.exits)
     plane_sums += 8 * BOOKED * len(scene.pairs.law) if scene.pairs else 0
     plane_sums += 8 * TOOLED * len(scene.tools)
+    # Of free bodies; their sums are over all planes, twice where ranks add them up.
+    answers = 8 * ANSWER * sum(bool(tool.free) for tool in case.tools.values())
+    every = answers * (share + (1 if ranks == 1 else 2))
     # The first rank gathers them all, through messages.
     gathered = (line if ranks == 1 else 2 * (line + plane_sums)) if first else 0
 
@@ -221,8 +227,8 @@ def estimate(
 
     phases = [
         [counting, particles(columns)],
-        [particles(most), grid, rigid, sums(share * plane_sums)],
-        [particles(kept), grid, rigid, sums(share * (plane_sums + line) + gathered)],
+        [particles(most), grid, rigid, sums(share * plane_sums + every)],
+        [particles(kept), grid, rigid, sums(share * (plane_sums + line) + every + gathered)],
     ]
     peak = max(phases, key=lambda parts: sum(part.size for part in parts))
     untouched = Part(

@@ -225,7 +225,14 @@ def test_particles_are_counted_from_the_outside(D, radius, at, kind, looks):
     except CaseError:
         return
     assert found.least <= counts.sum() <= found.most
-    assert list(zip(found.low, found.high, strict=True)) == lattice.bodies[0].box
+    bounds = zip(*case.bodies["body"].region.bounds(), strict=True)
+    each = zip(found.low, found.high, strict=True)
+    boxes = lattice.bodies[0].box
+    for ends, own, exact, edges in zip(bounds, each, boxes, lattice.edges, strict=True):
+        for end, mine, theirs in zip(ends, own, exact, strict=True):
+            # Where the body ends at the edge of a box, rounding says whether it is in the next.
+            at_edge = np.abs(edges - end).min() < 1e-12
+            assert mine == theirs or (abs(mine - theirs) == 1 and at_edge)
 
 
 def test_a_run_that_would_never_end_is_refused(tmp_path, capsys):
