@@ -136,8 +136,8 @@ def test_a_top():
                 + n_L * (n_L @ a0) * (1.0 - cos(angle)))  # fmt: skip
         now = np.array(body.pose(state).turn).reshape(3, 3) @ a0
         errors.append(np.abs(now - axis).max())
-        assert body.energy(state) == pytest.approx(body.energy(body.first), rel=40.0 / n**2)
-    assert errors[0] < 2e-3
+        assert body.energy(state) == pytest.approx(body.energy(body.first), rel=0.02 / n**2)
+    assert errors[0] < 7e-5
     assert errors[1] == pytest.approx(errors[0] / 4.0, rel=0.1)
 
 
