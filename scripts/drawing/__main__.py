@@ -6,7 +6,7 @@ from column import compaction
 from cost import error_and_cost
 from exact import shock, spinning_block, vortex
 from looking import block3d, paraview
-from scenes import bar_vibration, disks, drum, incline, rolling, upsetting
+from scenes import bar_vibration, corner, disks, drum, incline, rolling, upsetting
 
 PICTURES = {
     "compaction": compaction,
@@ -16,6 +16,7 @@ PICTURES = {
     "rolling": rolling,
     "incline": incline,
     "upsetting": upsetting,
+    "corner": corner,
     "drum": drum,
     "bar-vibration": bar_vibration,
     "shock": shock,

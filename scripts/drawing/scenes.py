@@ -1,7 +1,7 @@
-"""The other cases: disks, rolling, incline, upsetting, drum, bar."""
+"""The other cases: disks, rolling, incline, upsetting, corner, drum, bar."""
 
 import numpy as np
-from common import BLUE, RED, boxes, frame_at, plt, run, save
+from common import BLUE, GREEN, GREY, ORANGE, RED, boxes, frame_at, plt, run, save
 
 from pgimp.tools.plot.camera import camera
 from pgimp.tools.plot.rigid import draw_lines, lines
@@ -158,6 +158,40 @@ def upsetting(redraw):
     right.set(xlabel="time [s]", ylabel="way along x [m]", ylim=(-0.01, 0.21))
     right.legend(loc="upper left")
     save(figure, "upsetting")
+
+
+def corner(redraw):
+    """The bodies at rest, coloured by pressure; the forces between them against statics."""
+    results = run("corner", redraw)
+    history, angle = results.history, np.radians(25.0)
+    block, roller = (9.81 * history[f"body.{name}.mass"][0] for name in ("inner", "roller"))
+    x, y = np.sin(angle), np.cos(angle)
+    forces = {
+        "reaction.y-min-y": ("floor", (3.0 * block + roller) * y),
+        "reaction.x-min-x": ("wall", (3.0 * block + roller) * x),
+        "contact.inner+above-y": ("inner and above", block * y),
+        "contact.beside+roller-y": ("beside and roller", roller * y),
+        "contact.inner+beside-x": ("inner and beside", block * x),
+        "contact.above+roller-x": ("above and roller", roller * x),
+    }
+    figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.6), width_ratios=(1.0, 1.4))
+    frame = frame_at(results, 1.5)
+    shown = boxes(left, frame["position"], frame["radius"], frame["pressure"] / 1e3, (0.0, 12.0))
+    left.set(xlim=(0.0, 0.65), ylim=(0.0, 0.65), xlabel="x [m]", ylabel="y [m]", aspect="equal")
+    arrow = {"arrowstyle": "->"}
+    left.annotate("", (0.56 - 0.1 * x, 0.62 - 0.1 * y), (0.56, 0.62), arrowprops=arrow)
+    left.text(0.57, 0.55, "g")
+    figure.colorbar(shown, ax=left, label="pressure [kPa]", extend="both", shrink=0.8)
+    for (name, (label, exact)), colour in zip(
+        forces.items(), (BLUE, RED, GREEN, ORANGE, GREY, "k"), strict=True
+    ):
+        right.plot(history["time"], np.abs(history[name]), color=colour, label=label)
+        right.plot([0.0, 1.0, 1.5], [0.0, exact, exact], color=colour, ls="--", lw=1.0)
+        mean = np.abs(history[name][history["time"] > 1.2 - 1e-9]).mean()
+        print(f"pictures: {label} {mean:.1f}, exact {exact:.1f}")
+    right.set(xlabel="time [s]", ylabel="force [N/m]")
+    right.legend(fontsize=8)
+    save(figure, "corner")
 
 
 def grains(results):

@@ -41,6 +41,7 @@ COARSER = {
     "incline": ["grid.cell=[0.1,0.1]", "time.end=0.6", "output.every=0.3"],
     "rolling": ["grid.cell=[0.05,0.05]", "time.end=0.5", "output.every=0.25"],
     "upsetting": ["grid.cell=[0.05,0.05]", "output.every=0.4"],
+    "corner": ["grid.cell=[0.05,0.05]", "gravity.table.1.0=0.4", "time.end=0.6"],
     "drum": ["grid.cell=[0.024,0.024]", "time.end=0.1", "history.every={steps: 10}"],
 }
 
@@ -210,6 +211,32 @@ def test_bar_is_pressed_and_rolled(runs):
     assert (history["tool.die.work"] == 0.0).all()
     assert 0.0 < work[-1] < 0.13 * work.max()  # 0.107; 0.061 in the case itself
     assert punch[-1] == 0.0  # it lets go
+
+
+def test_bodies_lie_in_a_corner(runs):
+    """Blocks of six cells, with more vibrations: statics to 5 %, momentum to rounding."""
+    history = runs("corner").history
+    late = history["time"] > 0.4
+    block, roller = history["body.inner.mass"][0], history["body.roller.mass"][0]
+    gravity = {"x": 4.14588, "y": 8.89088}
+    masses = {
+        "reaction.x-min-x": 3.0 * block + roller,
+        "reaction.y-min-y": 3.0 * block + roller,
+        "contact.inner+beside-x": -block,
+        "contact.inner+above-y": -block,
+        "contact.beside+roller-y": -roller,
+        "contact.above+roller-x": -roller,
+    }
+    for name, mass in masses.items():
+        assert history[name][late].mean() == pytest.approx(mass * gravity[name[-1]], rel=0.05)
+    after = history["time"] > 0.401
+    steps = np.diff(history["time"][after])
+    for axis, g in gravity.items():
+        weight = g * (3.0 * block + roller)
+        push = history[f"reaction.x-min-{axis}"] + history[f"reaction.y-min-{axis}"]
+        given = ((push[after][1:] - weight) * steps).sum()
+        gained = np.ptp(history[f"momentum-{axis}"][after][[0, -1]])
+        assert abs(given) == pytest.approx(gained, abs=1e-12 * weight)
 
 
 def test_books_of_the_drum(runs):
