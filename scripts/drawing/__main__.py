@@ -6,7 +6,8 @@ from column import compaction
 from cost import error_and_cost
 from exact import shock, spinning_block, vortex
 from looking import block3d, paraview
-from scenes import bar_vibration, corner, disks, drum, incline, rolling, upsetting
+from meeting import corner, drum, hertz_impact
+from scenes import bar_vibration, disks, incline, rolling, upsetting
 
 PICTURES = {
     "compaction": compaction,
@@ -16,6 +17,7 @@ PICTURES = {
     "rolling": rolling,
     "incline": incline,
     "upsetting": upsetting,
+    "hertz": hertz_impact,
     "corner": corner,
     "drum": drum,
     "bar-vibration": bar_vibration,
