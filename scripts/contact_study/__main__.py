@@ -11,6 +11,7 @@ from multiprocessing import get_context
 
 import gap
 import motion
+import problems
 import walls
 
 from pgimp.io.rundir.runinfo import cpu
@@ -36,6 +37,11 @@ def _figures(quick):
         jobs["rolling", cell] = (motion.rolling, cell)
         jobs["bar", cell] = (walls.bar, 2.5 * cell)
         jobs["wall", cell] = (walls.incline, 5.0 * cell)
+        jobs["rods", cell] = (problems.rods, round(8.0 / cell))
+        jobs["friction block", cell] = (problems.friction_block, 12.5 * cell)
+        jobs["corner", cell] = (problems.corner, 2.5 * cell)
+        jobs["nairn", cell] = (problems.disks, 5.0 * cell)
+        jobs["ball", cell] = (problems.ball, 0.05 * cell)
         jobs["held", cell] = (walls.incline, 5.0 * cell, 24.0, 0.6)
     jobs["stuck", cells[0]] = (motion.incline, 0.5 * cells[0], 24.0, 0.7)
     return jobs
@@ -57,6 +63,16 @@ def _table(found, cells):
         ("the same: energy lost", "0", at("bars", 1)),
         ("Sulsky's disks, R = 5 and 10 cells: energy lost when they have parted", "0",
          at("disks")),
+        ("NairnMPM's disks, 20 mm across, R = 10 and 20 cells: energy lost (there 3.23 %)", "0",
+         at("nairn", 0, "{:.4f}")),
+        ("VM265's rods of 40 and 80 cells: instant at which they touch, over the time in touch",
+         "0", at("rods", 0, "{:.4f}")),
+        ("the same: instant at which they part", "0", at("rods", 1, "{:.4f}")),
+        ("the same: rebound", "1", at("rods", 2)),
+        ("cases/hertz.yaml, R = 10 and 20 cells: time on the wall over Hertz's", "1",
+         at("ball", 0)),
+        ("the same: greatest force", "1", at("ball", 1)),
+        ("the same: energy lost", "0", at("ball", 2)),
         ("blocks of 3 and 6 cells meet with friction: momentum that changes", "0",
          at("collision", 0, "{:.0e}")),
         ("the same: angular momentum", "0", at("collision", 1, "{:.0e}")),
@@ -68,6 +84,14 @@ def _table(found, cells):
         ("the same: cells by which it has sunk in, also by its weight", "0", at("incline", 2)),
         ("friction 0.7, where it sticks: cells by which it slips, bending of the slab included",
          "0", at("stuck", 0)),
+        ("Uintah's friction block, 16 x 6 and 32 x 12 cells: acceleration", "1",
+         at("friction block", 0)),
+        ("the same: tangential over normal impulse and coefficient", "1",
+         at("friction block", 1)),
+        ("three blocks in a corner, of 4 and 8 cells: worst of four forces, over the weight of one",
+         "0", at("corner", 0, "{:.0e}")),
+        ("the same: momentum that changes otherwise than by weight and walls, over the weight's",
+         "0", at("corner", 1, "{:.0e}")),
         ("a bar of 20 and 40 cells hits a wall: rebound", "1", at("bar", 0)),
         ("the same: energy lost", "0", at("bar", 1)),
         ("block of 6 and 12 cells on a wall inclined by 24 degrees, friction 0.3: acceleration",
@@ -106,9 +130,18 @@ def _costs(quick):
         ratio = walls.rigid_cost(dimensions, 3 if quick else 9)
         size = {2: "120 x 120 cells, 2D", 3: "20 x 20 x 20 cells, 3D"}[dimensions]
         text += f"| block on a rigid body as wide as it, against `slip` | {size} | {ratio:.2f} |\n"
-    ratio, fields = motion.heap(steps=100 if quick else 800)
-    what = f"R = 4 cells, 2D, up to {fields} velocity fields"
-    return text + f"| 48 disks that fall into a heap | {what} | {ratio:.1f} |\n"
+    heaps = [("48 disks", {"steps": 800}, "2D")]
+    if not quick:
+        steep = {"steps": 400, "gravity": 4.0}
+        heaps += [
+            ("200 disks", {"count": 200, "columns": (16,)} | steep, "2D"),
+            ("27 balls", {"count": 27, "columns": (3, 3), "steps": 240, "gravity": 8.0}, "3D"),
+        ]
+    for what, options, dimensions in heaps:
+        ratio, fields = motion.heap(**(options | {"steps": 100} if quick else options))
+        where = f"R = 4 cells, {dimensions}, up to {fields} velocity fields"
+        text += f"| {what} that fall into a heap | {where} | {ratio:.1f} |\n"
+    return text
 
 
 def main():

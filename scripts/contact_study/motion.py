@@ -230,29 +230,40 @@ def by_turns(simulations, rounds, steps):
     return median(ratios)
 
 
-def heap(count=48, steps=800, radius=4.0):
-    """Disks that fall into a box: time of a step over that without contact, most fields in use."""
+def heap(count=48, steps=800, radius=4.0, columns=(8,), gravity=1.0):
+    """Disks or balls that fall into a box: time of a step over that without contact, most fields.
+
+    They begin in as many columns along each direction but the last.
+    """
+    D, pitch = len(columns) + 1, 2.0 * radius + 1.0
+    layer = int(np.prod(columns))
+    places = [[*np.unravel_index(k % layer, columns), k // layer] for k in range(count)]
     bodies = {
-        f"disk{k}": (
-            {"ball": {"centre": [6.0 + 9.0 * (k % 8), 6.0 + 9.0 * (k // 8)], "radius": radius}},
-            [0.5 * sin(7.0 * k), 0.0],
+        f"grain{k}": (
+            {"ball": {"centre": [6.0 + pitch * float(x) for x in place], "radius": radius}},
+            [0.5 * sin(7.0 * k), *[0.0] * (D - 1)],
         )
-        for k in range(count)
+        for k, place in enumerate(places)
     }
-    times, fields = [], 0
+    size = [pitch * n + 6.0 for n in (*columns, -(-count // layer))]
+    simulations = []
     for contact in ([{"bodies": "all", "friction": 0.3}], []):
         case = case_of(
-            bodies, [78.0, 9.0 * (count // 8) + 6.0], 1.0, 1e3, gravity=[0.0, -1.0],
-            boundaries={"y-min": "separating", "x-min": "separating", "x-max": "separating"},
+            bodies, size, 1.0, 1e3, gravity=[0.0] * (D - 1) + [-gravity],
+            boundaries={
+                f"{axis}-{end}": "separating"
+                for axis in "xyz"[:D] for end in ("min", "max")[: 1 + (axis != "xyz"[D - 1])]
+            },
             contact=contact,
         )  # fmt: skip
         case["materials"]["solid"] = SOLID | {"young": 1e3}
-        simulation = pgimp.Simulation(case)
-        simulation.step(3)
-        began = perf_counter()
-        for _ in range(steps // 20):
+        simulations.append(pgimp.Simulation(case))
+        simulations[-1].step(3)
+    times, fields = np.zeros(2), 0
+    for _ in range(steps // 20):
+        for which, simulation in enumerate(simulations):  # by turns, as other work comes and goes
+            began = perf_counter()
             simulation.step(20)
-            if contact:
-                fields = max(fields, 1 + max(simulation.core.rank.meetings.fields))
-        times.append(perf_counter() - began)
+            times[which] += perf_counter() - began
+        fields = max(fields, 1 + max(simulations[0].core.rank.meetings.fields))
     return times[0] / times[1], fields

@@ -6,6 +6,7 @@ from column import compaction
 from cost import error_and_cost
 from exact import shock, spinning_block, vortex
 from looking import block3d, paraview
+from meeting import corner, drum, hertz_impact
 from scenes import bar_vibration, disks, incline, pile, rolling, upsetting
 
 PICTURES = {
@@ -17,6 +18,9 @@ PICTURES = {
     "incline": incline,
     "upsetting": upsetting,
     "pile": pile,
+    "hertz": hertz_impact,
+    "corner": corner,
+    "drum": drum,
     "bar-vibration": bar_vibration,
     "shock": shock,
     "vortex": vortex,

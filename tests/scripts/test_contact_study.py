@@ -8,6 +8,7 @@ sys.path.append(str(ROOT / "scripts" / "contact_study"))
 
 import gap  # noqa: E402
 import motion  # noqa: E402
+import problems  # noqa: E402
 import walls  # noqa: E402
 
 from pgimp.kernels.clearance import CLOSED  # noqa: E402
@@ -30,6 +31,14 @@ def test_impacts_converge():
     assert 0.9 < coarse < fine < 1.0
     assert 0.0 < less < lost < 0.1
     assert motion.edges(0.5) < 0.6 * motion.edges(1.0)
+
+
+def test_rods_and_blocks_in_a_corner():
+    """Rods touch and part within a per cent; forces of statics to a thousandth of a weight."""
+    touch, part, rebound = problems.rods(40)
+    assert abs(touch) < 0.01 and abs(part) < 0.01 and 0.95 < rebound < 1.0
+    worst, off = problems.corner(0.5)
+    assert worst < 1e-3 and off < 1e-9
 
 
 def test_gaps_at_a_wall():

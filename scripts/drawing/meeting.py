@@ -1,0 +1,152 @@
+"""Cases of bodies that meet: Hertz's impact, a corner, grains in a drum."""
+
+import h5py
+import numpy as np
+from common import BLUE, GREEN, GREY, ORANGE, RED, boxes, frame_at, plt, run, save
+
+from pgimp.tools.plot.camera import camera
+from pgimp.tools.plot.rigid import draw_lines, lines
+
+
+def ball_impact(speed=0.2, young=1.0e6, poisson=0.3, radius=0.1, density=1000.0):
+    """Hertz's impact of a ball on a rigid wall: times, forces, greatest approach and E'."""
+    plane, mass = young / (1.0 - poisson**2), 4.0 / 3.0 * np.pi * radius**3 * density
+    depth = (15.0 * mass * speed**2 / (16.0 * plane * np.sqrt(radius))) ** 0.4
+    part = np.sin(np.linspace(0.0, 0.5 * np.pi, 2001))  # approach over the greatest
+    middle = 0.5 * (part[1:] + part[:-1])
+    steps = np.diff(part) * depth / speed / np.sqrt(1.0 - middle**2.5)
+    time = np.concatenate([[0.0], np.cumsum(steps)])
+    force = 4.0 / 3.0 * plane * np.sqrt(radius) * (part * depth) ** 1.5
+    whole = np.concatenate([time, 2.0 * time[-1] - time[::-1]])
+    return whole, np.concatenate([force, force[::-1]]), depth, plane
+
+
+def wall_pressure(results, number, cell):
+    """Distances from the axis of the wall's vertices on a quarter, their forces and pressures."""
+    with h5py.File(results.path / f"frames/grid-{number:06d}.h5") as file:
+        place, force = file["position"][:], -file["force"][:, 2]
+    wall = place[:, 2] < 0.5 * cell  # those beyond it are its own
+    column, which = np.unique(np.rint(place[wall, :2] / cell), axis=0, return_inverse=True)
+    force = np.bincount(which.ravel(), force[wall])
+    area = cell**2 * np.prod(np.where(column == 0.0, 0.5, 1.0), axis=1)
+    inside = (column >= 0.0).all(axis=1)
+    return cell * np.hypot(*column.T)[inside], force[inside], (force / area)[inside]
+
+
+def hertz_impact(redraw):
+    """The ball as it is pressed most; force over time and pressure on the wall against Hertz's."""
+    results = run("hertz", redraw)
+    radius, start, cell = 0.1, 0.005 / 0.2, 0.005
+    time, force, depth, plane = ball_impact()
+    circle, middle = np.sqrt(radius * depth), 2.0 / np.pi * plane * np.sqrt(depth / radius)
+    figure, (left, between, right) = plt.subplots(1, 3, figsize=(9, 3.2))
+    number = int(np.searchsorted(results.times, 0.0463 - 1e-9))
+    frame = results.frame(number)
+    shown = frame["position"][:, 1] < 0.5 * cell
+    place, stress = frame["position"][shown][:, [0, 2, 1]], frame["von-mises"][shown] / 1e3
+    for side in (1.0, -1.0):
+        ball = boxes(left, place * [side, 1.0, 0.0], frame["radius"][shown], stress, (0.0, 60.0))
+    left.set(xlim=(-0.105, 0.105), ylim=(0.0, 0.205), xlabel="x [m]", ylabel="z [m]")
+    left.set(aspect="equal")
+    figure.colorbar(ball, ax=left, label="von Mises stress [kPa]", extend="max", location="top")
+    history = results.history
+    between.plot(1e3 * history["time"], 4.0 * history["reaction.z-min-z"], color=BLUE)
+    between.plot(1e3 * (start + time), force, "k--", lw=1.0, label="Hertz")
+    between.set(xlabel="time [ms]", ylabel="force on the ball [N]", xlim=(20, 72))
+    between.legend(loc="upper right", fontsize=8)
+    places, forces, pressures = wall_pressure(results, number, cell)
+    right.plot(1e3 * places, pressures / 1e3, "o", color=BLUE, ms=3)
+    ways = np.linspace(0.0, circle, 200)
+    right.plot(1e3 * ways, middle * np.sqrt(1.0 - (ways / circle) ** 2) / 1e3, "k--", lw=1.0)
+    right.set(xlabel="distance from the axis [mm]", ylabel="pressure on the wall [kPa]")
+    right.set(xlim=(0, 30), ylim=(0, 135))
+    found = np.sqrt(2.5 * (forces * places**2).sum() / forces.sum())
+    print(f"pictures: force over Hertz {4.0 * history['reaction.z-min-z'].max() / force.max():.4f}")
+    print(f"pictures: radius {found / circle:.3f}, middle {pressures[places == 0.0] / middle}")
+    save(figure, "hertz")
+
+
+def corner(redraw):
+    """The bodies at rest, coloured by pressure; the forces between them against statics."""
+    results = run("corner", redraw)
+    history, angle = results.history, np.radians(25.0)
+    block, roller = (9.81 * history[f"body.{name}.mass"][0] for name in ("inner", "roller"))
+    x, y = np.sin(angle), np.cos(angle)
+    forces = {
+        "reaction.y-min-y": ("floor", (3.0 * block + roller) * y),
+        "reaction.x-min-x": ("wall", (3.0 * block + roller) * x),
+        "contact.inner+above-y": ("inner and above", block * y),
+        "contact.beside+roller-y": ("beside and roller", roller * y),
+        "contact.inner+beside-x": ("inner and beside", block * x),
+        "contact.above+roller-x": ("above and roller", roller * x),
+    }
+    figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.6), width_ratios=(1.0, 1.4))
+    frame = frame_at(results, 1.5)
+    shown = boxes(left, frame["position"], frame["radius"], frame["pressure"] / 1e3, (0.0, 12.0))
+    left.set(xlim=(0.0, 0.65), ylim=(0.0, 0.65), xlabel="x [m]", ylabel="y [m]", aspect="equal")
+    arrow = {"arrowstyle": "->"}
+    left.annotate("", (0.56 - 0.1 * x, 0.62 - 0.1 * y), (0.56, 0.62), arrowprops=arrow)
+    left.text(0.57, 0.55, "g")
+    figure.colorbar(shown, ax=left, label="pressure [kPa]", extend="both", shrink=0.8)
+    for (name, (label, exact)), colour in zip(
+        forces.items(), (BLUE, RED, GREEN, ORANGE, GREY, "k"), strict=True
+    ):
+        right.plot(history["time"], np.abs(history[name]), color=colour, label=label)
+        right.plot([0.0, 1.0, 1.5], [0.0, exact, exact], color=colour, ls="--", lw=1.0)
+        mean = np.abs(history[name][history["time"] > 1.2 - 1e-9]).mean()
+        print(f"pictures: {label} {mean:.1f}, exact {exact:.1f}")
+    right.set(xlabel="time [s]", ylabel="force [N/m]")
+    right.legend(fontsize=8)
+    save(figure, "corner")
+
+
+def grains(results):
+    """Times, and by grain and time the centres of the grains of the drum: x and y."""
+    names = [name for name in results.history.dtype.names if name.endswith(".centre-x")]
+    history = results.history
+    return history["time"], *(
+        np.array([history[name[:-1] + axis] for name in names]) for axis in "xy"
+    )
+
+
+def surface_angles(results, strips=10, half=0.5):
+    """Angle of the heap's surface at each time in degrees: a line through its highest grains."""
+    _, x, y = grains(results)
+    ends = np.linspace(-half, half, strips + 1)
+    angles = []
+    for places, heights in zip(x.T, y.T, strict=True):
+        strip = np.digitize(places, ends)
+        inside = set(strip) - {0, strips + 1}
+        highest = [np.where(strip == k, heights, -np.inf).argmax() for k in inside]
+        angles.append(np.degrees(np.arctan(-np.polyfit(places[highest], heights[highest], 1)[0])))
+    return np.array(angles)
+
+
+def drum(redraw):
+    """Four instants coloured by speed; the surface's angle; torque and that of the weight."""
+    results = run("drum", redraw)
+    figure = plt.figure(figsize=(9, 5.0))
+    above, below = figure.subfigures(2, 1, height_ratios=(1.0, 1.3))
+    axes = above.subplots(1, 4, subplot_kw={"aspect": "equal"})
+    for axis, time in zip(axes, (0.0, 0.7, 1.4, 2.0), strict=True):
+        frame = frame_at(results, time)
+        speed = np.hypot(*frame["velocity"][:, :2].T)
+        shown = boxes(axis, frame["position"], frame["radius"], speed, (0.0, 2.0))
+        draw_lines(axis, lines(frame, camera(None, 2, None)), True)
+        axis.set(xlim=(-0.69, 0.69), ylim=(-0.69, 0.69), xticks=(), yticks=())
+        axis.set_title(f"t = {frame.time:.1f} s", fontsize=10)
+    above.colorbar(shown, ax=axes, label="speed [m/s]", shrink=0.85, extend="max")
+    history = results.history
+    left, right = below.subplots(1, 2)
+    left.plot(history["time"], surface_angles(results), color=BLUE, label="surface of the heap")
+    left.plot([0.0, 0.9], np.degrees([0.0, 1.2 * 0.9]), "k--", lw=1.0, label="turned with the drum")
+    left.set(xlabel="time [s]", ylabel="angle [degrees]", ylim=(-5, 65))
+    left.legend(loc="lower right")
+    time, x, _ = grains(results)
+    mass = np.array([history[f"body.g{k + 1:03d}.mass"][0] for k in range(len(x))])
+    right.plot(time, history["tool.drum.torque-z"], color=BLUE, label="on the drum")
+    right.plot(time, -9.81 * mass @ x, "k--", lw=1.0, label="of the weight")
+    right.set(xlabel="time [s]", ylabel="torque [N m/m]")
+    right.legend(loc="lower right")
+    print(f"pictures: greatest angle {surface_angles(results).max():.1f} degrees")
+    save(figure, "drum")
