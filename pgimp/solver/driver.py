@@ -57,6 +57,7 @@ class Simulation:
         comm = world() if comm is None else comm
         self.case: Case = load(case, overrides)
         self.core = simulation.Simulation(self.case, comm)
+        self.core.diagnostics()  # what later ones refer to: energy at the start
         self.particles = Particles(self.core)
 
     def __repr__(self) -> str:

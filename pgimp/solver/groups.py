@@ -59,17 +59,20 @@ def assign(boxes: np.ndarray, reach: float) -> tuple[tuple[int, ...], int]:
         Steps for which this holds.
     """
     low, high = boxes
-    fields: list[int] = []
-    steps = MOST
-    for b in range(low.shape[0]):
-        with np.errstate(invalid="ignore"):  # bodies without particles
-            apart = np.maximum(low[b] - high[:b], low[:b] - high[b]).max(axis=1, initial=-np.inf)
-        apart = np.where(np.isnan(apart), np.inf, apart)
-        # Steps until they may share a vertex.
-        alone = np.floor(0.5 * np.maximum(apart - reach, 0.0))
-        taken = {fields[a] for a in np.flatnonzero(alone < FEWEST)}
+    count = len(low)
+    apart = np.full((count, count), -np.inf)
+    with np.errstate(invalid="ignore"):  # bodies without particles
+        for d in range(low.shape[1]):
+            np.maximum(apart, low[:, None, d] - high[None, :, d], out=apart)
+    apart = np.maximum(apart, apart.T)
+    apart[np.isnan(apart)] = np.inf
+    # Steps until they may share a vertex.
+    alone = np.floor(0.5 * np.maximum(apart - reach, 0.0))
+    fields, steps = np.zeros(count, np.int64), MOST
+    for b in range(count):
+        before, near = fields[:b], alone[b, :b]
+        taken = set(before[near < FEWEST].tolist())
         own = next(f for f in range(b + 1) if f not in taken)
-        shared = [int(min(alone[a], MOST)) for a in range(b) if fields[a] == own]
-        steps = min([steps, *shared])
-        fields.append(own)
-    return tuple(fields), steps
+        steps = min(steps, int(near[before == own].min(initial=MOST)))
+        fields[b] = own
+    return tuple(fields.tolist()), steps

@@ -21,7 +21,7 @@ from pgimp.errors import PgimpError
 
 #: Scenes of one kind: what is compiled is the same.
 GROUP = 20
-#: Groups of `--short`: 1D to 3D, mpm, affine, relaxation, constraints, walls that move.
+#: Groups of `--short`: 1D to 3D, mpm, affine, relaxation, constraints, moving walls, free bodies.
 SHORT = (360, 311, 189, 556, 270)
 #: One scene in this number is run by mpirun too.
 MPIRUN = 25

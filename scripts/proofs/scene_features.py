@@ -345,7 +345,7 @@ FEATURES = (
     Feature("constraint", constraint, 0.25, compiled=True),
     Feature("second constraint", constraint, 0.05, compiled=True),
     Feature("rigid bodies", tools, 0.3, compiled=True),
-    Feature("free rigid body", free, 0.12, compiled=True),
+    Feature("free body", free, 0.12, compiled=True),
     Feature("contact", contact, 0.35, compiled=True),
     Feature("frames", frames),
     Feature("grid frames", grid_frames, 0.4),

@@ -65,7 +65,8 @@ def test_random_scenes_are_the_same_on_any_ranks_and_their_books_balance():
                for n in range(3)]  # fmt: skip
     scenes = [scene_features.make(1, *each) for each in numbers]
     seen = {feature for *_, features in scenes for feature in features}
-    assert {"affine", "relaxation", "constraint", "walls", "gravity", "probes"} <= seen
+    kinds = {"affine", "relaxation", "constraint", "walls", "gravity", "probes", "free body"}
+    assert kinds <= seen
     cases = [case for case, *_ in scenes]
     assert {case["method"]["shape"] for case in cases} >= {"mpm", "gimp"}
     assert {case["dimensions"] for case in cases if "points" in json.dumps(case)} >= {1, 2}
