@@ -200,7 +200,10 @@ def test_a_simulation_driven_step_by_step_is_that_of_a_run(run):
         assert set(frame) <= set(sim.particles)
         for name in frame:
             np.testing.assert_array_equal(sim.particles[name], frame[name])
-    assert sim.finished and sim.diagnostics()["strain-energy"] == run.history["strain-energy"][-1]
+    assert sim.finished
+    line = sim.diagnostics()
+    assert line["strain-energy"] == run.history["strain-energy"][-1]
+    assert line["dissipated-energy"] == run.history["dissipated-energy"][-1]
     table = sim.particles.to_pandas("stress")
     np.testing.assert_array_equal(table["stress-xy"], run.frame(-1)["stress"][:, 3])
     with pytest.raises(RunError, match=r"the case ends at t = 0\.2, after 20 steps"):
