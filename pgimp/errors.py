@@ -34,6 +34,10 @@ class RunError(PgimpError):
     """The run failed (exit status 1)."""
 
 
+class EndlessError(RunError):
+    """The run cannot go on, though no particle is at fault; on every rank together."""
+
+
 class DamagedError(Exception):
     """A checkpoint cannot be used: what is wrong with it, in one line.
 

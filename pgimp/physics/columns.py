@@ -27,8 +27,9 @@ GRID: dict[str, Vertex] = {
     ),
     "contact": Vertex(
         "x y z",
-        "force of contact on the bodies that come first in `bodies` by those that come after them: "
-        "what the next step gives, if it is as long as the last [force]",
+        "force of contact on the bodies that come first in `bodies` by those that come after them, "
+        "on the material where the other one is rigid: what the next step gives, if it is as long "
+        "as the last [force]",
     ),
 }
 """What ``output.grid`` may name, at the vertices."""

@@ -80,7 +80,7 @@ class GridFrames(Series):
         time, step = float(sim.time), int(sim.step)
         dt = 0.0
         if "contact" in self.fields:
-            dt = float(sim.dt or sim.clock.next(sim.done, sim.rate).dt)
+            dt = float(sim.dt or sim.clock.next(sim.done, sim.fastest).dt)
         state = active_grid(sim.rank, time, dt)
         attributes = self._attributes | {"time": time, "step": np.int64(step)}
 

@@ -6,7 +6,7 @@ import shlex
 from time import perf_counter
 
 from pgimp.case.schema import Case
-from pgimp.errors import RunError
+from pgimp.errors import EndlessError, RunError
 from pgimp.io.rundir.rundir import RunDirectory
 from pgimp.mpi.comm import describe
 from pgimp.running import failure
@@ -15,7 +15,6 @@ from pgimp.running.log import Log, timing_table
 from pgimp.running.progress import Progress, duration, terminal_columns
 from pgimp.running.recorder import Recorder
 from pgimp.running.stop import Stop
-from pgimp.solver.clock import EndlessError
 from pgimp.solver.reduction import Request
 from pgimp.solver.simulation import Simulation
 

@@ -9,9 +9,10 @@ import numpy as np
 from pgimp.geometry.regions.base import Region
 from pgimp.scene.latticebody import LatticeBody
 
-#: Boxes along the longest side of a body, by the number of directions. Volume and centre are exact
-#: for boxes and of fourth order for what is round, the inertia of third order and better: 1e-6.
-_BOXES = (1000, 256, 64)
+#: Boxes along the longest side of a body, by the number of directions, and along the shortest at
+#: least, as long as there are no more than `_MOST`. Volume and centre are exact for boxes and of
+#: fourth order for what is round, the inertia of third order and better.
+_BOXES, _ACROSS, _MOST = (1000, 256, 64), 48, 1_000_000
 
 
 class Bulk(NamedTuple):
@@ -34,7 +35,9 @@ class Bulk(NamedTuple):
 def bulk(region: Region, density: float, D: int) -> Bulk:
     """Measure a body that fills a region of finite size with a density."""
     low, high = (np.array(end, float) for end in region.bounds())
-    side = float((high - low).max()) / _BOXES[D - 1]
+    extent = high - low
+    side = min(float(extent.max()) / _BOXES[D - 1], float(extent.min()) / _ACROSS)
+    side = max(side, (float(extent.prod()) / _MOST) ** (1.0 / D))
     counts = np.maximum(np.ceil((high - low) / side - 1e-9).astype(int), 1)
     edges = [np.linspace(a, b, n + 1) for a, b, n in zip(low, high, counts, strict=True)]
     centres = [0.5 * (e[1:] + e[:-1]) for e in edges]

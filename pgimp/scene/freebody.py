@@ -8,8 +8,9 @@ from __future__ import annotations
 from math import cos, hypot, sin, sqrt
 from typing import NamedTuple, Self
 
+from pgimp.errors import CaseError
 from pgimp.physics.loads.motion import RigidMotion
-from pgimp.physics.rigid import Pose, RigidBody, Triple
+from pgimp.physics.rigid import WAYS, Pose, RigidBody, Triple
 from pgimp.scene.bulk import Bulk
 
 Matrix = tuple[float, ...]
@@ -63,7 +64,7 @@ class FreeBody:
 
     Parameters
     ----------
-    entry : RigidBody
+    name, entry : str, RigidBody
         The entry in the case.
     bulk : Bulk
         Its inertia.
@@ -76,8 +77,9 @@ class FreeBody:
         Along which directions, and about which, it may move.
     """
 
-    def __init__(self, entry: RigidBody, bulk: Bulk, dimensions: int) -> None:
+    def __init__(self, name: str, entry: RigidBody, bulk: Bulk, dimensions: int) -> None:
         assert entry.free is not None
+        self.name = name
         self.bulk, self.may = bulk, entry.free.may(dimensions)
         self.first = self._at_start(entry)
         self._last: tuple[State | None, Six] = (None, ())
@@ -97,6 +99,13 @@ class FreeBody:
             x, y, z = (a + b for a, b in zip(along, cross(omega, _triple(arm)), strict=True))
         still = State(centre, (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0,) * 3)
         moving = [v if may else 0.0 for v, may in zip((x, y, z, *omega), self.may, strict=True)]
+        least = 1e-9 * max(map(abs, (x, y, z)))
+        for v, kept, way in zip((x, y, z), moving, WAYS, strict=False):
+            if abs(v - kept) > least:
+                raise CaseError(
+                    f"bodies.{self.name}.velocity: its centre of mass moves by {v:.3g} along "
+                    f"{way}, which `fixed` excludes"
+                )
         momentum, spin = self.momenta(self.inertia(still.turn), moving)
         return still._replace(momentum=momentum, spin=spin)
 
@@ -230,7 +239,7 @@ def solve(M: list[list[float]], b: list[float]) -> list[float]:
                 rows[i], rows[k] = rows[k], rows[i]
         pivot = rows[i]
         for row in rows[i + 1 :]:
-            if row[i] != 0.0:
+            if row[i] != 0.0 and pivot[i] != 0.0:
                 factor = row[i] / pivot[i]
                 for j in range(i + 1, n + 1):
                     row[j] -= factor * pivot[j]
@@ -239,5 +248,5 @@ def solve(M: list[list[float]], b: list[float]) -> list[float]:
         row, total = rows[i], rows[i][n]
         for j in range(i + 1, n):
             total -= row[j] * x[j]
-        x[i] = total / row[i]
+        x[i] = total / row[i] if row[i] != 0.0 else 0.0
     return x

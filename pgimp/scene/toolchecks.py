@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pgimp.case.places import located
-from pgimp.errors import CaseError, RunError, UsageError
+from pgimp.errors import CaseError, EndlessError, UsageError
 from pgimp.kernels.tools import distances
 from pgimp.mpi.collective import on_root
 from pgimp.scene.faces import Face
@@ -84,11 +84,13 @@ def require_apart(
 
 def collisions(
     tools: SceneTools, faces: Sequence[Face], states: list[State], time: float
-) -> Iterator[tuple[float, str, str]]:
+) -> Iterator[tuple[float, float, str, str]]:
     """Yield what free rigid bodies have run into that they do not feel: walls, and rigid bodies.
 
     Yields
     ------
+    excess : float
+        By how much it is farther in than may be, in cells.
     depth : float
         How far it is in, in cells.
     name, what : str
@@ -102,14 +104,16 @@ def collisions(
             wall = frame.origin[face.axis]
             if face.side > 0:
                 wall += frame.cells[face.axis] * frame.cell[face.axis]
-            depth = float(((mine[:, face.axis] - wall) * face.side).max(initial=0.0))
-            yield depth / least, tools.names[number], f"the wall {face.name}"
+            depth = float(((mine[:, face.axis] - wall) * face.side).max(initial=0.0)) / least
+            yield depth - 0.5, depth, tools.names[number], f"the wall {face.name}"
         distance = np.empty(len(mine))
         for other, name in enumerate(tools.names):
             if other != number:
                 distances(placed, other, frame, mine, distance)
-                depth = max(0.0, -float(distance.min(initial=0.0)))
-                yield depth / least, tools.names[number], f"the rigid body '{name}'"
+                depth = max(0.0, -float(distance.min(initial=0.0))) / least
+                # Farther in than half of a thin body it would be on its way out.
+                limit = min(0.5, 0.25 * tools.thick[other] / least)
+                yield depth - limit, depth, tools.names[number], f"the rigid body '{name}'"
 
 
 def require_clear(
@@ -120,7 +124,7 @@ def require_clear(
     time: float,
     comm: Any,
 ) -> None:
-    """Refuse free rigid bodies that are in walls or rigid ones by half a cell; collective.
+    """Refuse free rigid bodies that are in walls or rigid ones; collective.
 
     Parameters
     ----------
@@ -129,13 +133,14 @@ def require_clear(
 
     Raises
     ------
-    CaseError, RunError
+    CaseError, EndlessError
         On every rank: before the first step, and later.
     """
 
     def look() -> None:
-        depth, name, what = max(collisions(tools, faces, states, time), default=(0.0, "", ""))
-        if depth <= 0.5:
+        none = (0.0, 0.0, "", "")
+        excess, depth, name, what = max(collisions(tools, faces, states, time), default=none)
+        if excess <= 0.0:
             return
         text = (
             f"reaches {depth:.3g} cells into {what}: rigid bodies that move freely feel bodies of "
@@ -144,7 +149,7 @@ def require_clear(
         if number == 0:
             with located(tools.case):
                 raise CaseError(f"bodies.{name}.region: {text}; move it, or cut it")
-        raise RunError(
+        raise EndlessError(
             f"at time {time:.6g}, after step {number}, the rigid body '{name}' {text}\n"
             "  try: a larger grid, a layer of a material between them, an earlier time.end, "
             "or rigid: {fixed: ..}"

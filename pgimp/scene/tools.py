@@ -45,6 +45,9 @@ from pgimp.schema.tables import VectorTable
 #: Instants at which the way of a body that does not turn is looked at, to know what of it matters.
 _INSTANTS = 2000
 
+#: Least density of a free body, over that of the material around it; and the other way round.
+LIGHTEST = 1e-10
+
 #: Points that a lattice may have: about 1 GB.
 _MOST_POINTS = 30_000_000
 
@@ -80,6 +83,8 @@ class SceneTools:
         Those that move freely, by number; likewise.
     arms : list of float
         Greatest distance of their surfaces from their centres of mass; likewise.
+    thick : list of float
+        Thickness of all bodies; likewise.
     """
 
     def __init__(self, case: Case, frame: Frame) -> None:
@@ -89,6 +94,7 @@ class SceneTools:
         self.rate = 0.0
         self.free: dict[int, FreeBody] = {}
         self.arms: list[float] = []
+        self.thick: list[float] = []
         self._kept: Any = None
 
     def __len__(self) -> int:
@@ -109,29 +115,49 @@ class SceneTools:
         Raises
         ------
         CaseError
-            On every rank: a body that is too thin, or too large.
+            On every rank: a body that is too thin, too large, too light or too heavy.
         """
         with located(self.case):
+            self._weigh()
             found = [
                 on_root(comm, partial(self._read_and_measure, name, entry))
                 for name, entry in zip(self.names, self.entries, strict=True)
             ]
-        self.fields, D = [field for field, _ in found], len(self.frame.cell)
-        for number, (entry, (_, inertia)) in enumerate(zip(self.entries, found, strict=True)):
-            if inertia:
-                self.free[number] = FreeBody(entry, inertia, D)
+            self.fields = [field for field, _, _ in found]
+            self.thick = [thick for _, thick, _ in found]
+            for number, (name, entry, (_, _, inertia)) in enumerate(
+                zip(self.names, self.entries, found, strict=True)
+            ):
+                if inertia:
+                    self.free[number] = FreeBody(name, entry, inertia, len(self.frame.cell))
         # Steps depend on these: one rank computes them, as machines may round otherwise.
         self.rate = on_root(comm, self._greatest_rate)
         self.arms = on_root(comm, self._greatest_arms)
         self._kept = None
 
+    def _weigh(self) -> None:
+        """Refuse free bodies whose mass no solution of six equations can bear."""
+        used = (self.case.materials[body.material] for body in self.case.bodies.values())
+        densities = [material.density for material in used]
+        low, high = LIGHTEST * min(densities), max(densities) / LIGHTEST
+        for name, entry in zip(self.names, self.entries, strict=True):
+            if entry.free and not low <= entry.free.density <= high:
+                raise CaseError(
+                    f"bodies.{name}.rigid.density: {entry.free.density:.3g}, and bodies of a "
+                    f"material have {min(densities):.3g} to {max(densities):.3g}; with less than "
+                    f"{LIGHTEST:g} of the least, or more than that part says of the greatest, "
+                    "rounding decides how it moves"
+                )
+
     def _read_and_measure(
         self, name: str, entry: RigidBody
-    ) -> tuple[DistanceField, Bulk | None]:
+    ) -> tuple[DistanceField, float, Bulk | None]:
         """Measure a body, of which meshes are in memory no longer than that."""
         try:
             free, D = entry.free, len(self.frame.cell)
-            return self._measure(entry), bulk(entry.region, free.density, D) if free else None
+            field = self._measure(entry)
+            inertia = bulk(entry.region, free.density, D) if free else None
+            return field, thickness(entry.region, D), inertia
         except CaseError as error:
             raise CaseError(f"bodies.{name}.region: {error}") from None
         finally:

@@ -5,7 +5,7 @@ from math import ceil, inf
 from typing import NamedTuple
 
 from pgimp.case.schema import Case
-from pgimp.errors import RunError
+from pgimp.errors import EndlessError
 from pgimp.solver.stability import BLOWN_UP, BLOWN_UP_STEPS, MOST_STEPS
 
 
@@ -20,10 +20,6 @@ class Step(NamedTuple):
 
 #: What has been done before the first step.
 START = Step(0, 0.0, 0.0, 0.0)
-
-
-class EndlessError(RunError):
-    """Steps have become so short that the run would never end; on every rank together."""
 
 
 class FixedClock:

@@ -8,29 +8,33 @@ Whatever is left of its residual, the body gets exactly the momentum that the ma
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import hypot
+from math import hypot, inf
 from operator import sub
 from typing import Any
 
 import numpy as np
 
 from pgimp.decomposition.grid import Grid
-from pgimp.errors import RunError
+from pgimp.errors import EndlessError
 from pgimp.kernels.tools import ANSWER, GIVEN, LATTER, LEAST, MOST, RESPONSE, TAKEN, Tools
 from pgimp.scene.freebody import FreeBody, Matrix, State, solve
 from pgimp.scene.scene import Scene
 from pgimp.scene.toolchecks import require_clear
 from pgimp.solver.clock import Step
 
-#: Tries of Newton's method. Contact that only opens, closes, sticks or slides takes two or three;
-#: from `DAMPED` on only half of what it says is done, should it swing.
-TRIES, DAMPED = 16, 6
-
-#: Steps between two looks at whether bodies have run into what they do not feel.
-LOOKS = 16
+#: Tries of Newton's method. Contact that only opens, closes, sticks or slides takes two or three.
+#: Where a change is not smaller than the one before, only half of it is made, then a quarter.
+TRIES = 60
 
 #: Change of the velocities, over the greatest of the body, at which they are found.
 ENOUGH = 1e-11
+
+#: Cells by which a body may move in a step otherwise than its velocity that was tried last says.
+ASTRAY = 0.05
+
+#: Most steps between two looks at whether bodies have run into what they do not feel, and cells by
+#: which they may have moved meanwhile.
+LOOKS, WAY = 16, 0.2
 
 
 class FreeBodies:
@@ -68,9 +72,14 @@ class FreeBodies:
         """Cells that a point of any of the bodies crosses in a unit of time, at most."""
         return max(self.tools.rates(self.states))
 
-    def require_clear(self, done: Step) -> None:
-        """Refuse bodies that have run into what they do not feel; collective, now and then."""
-        if done.number % LOOKS == 0 and self._may_meet():
+    def require_clear(self, done: Step, dt: float) -> None:
+        """Refuse bodies that have run into what they do not feel; collective, now and then.
+
+        `dt` is the length of the next step.
+        """
+        way = max(self.rate, self.tools.rate) * dt
+        pause = max(1, min(LOOKS, int(WAY / way))) if way > 0.0 else LOOKS
+        if done.number % pause == 0 and self._may_meet():
             number, time = done.number, done.end
             require_clear(self.tools, self.scene.faces, self.states, number, time, self.comm)
 
@@ -96,7 +105,7 @@ class FreeBodies:
         """Refuse a step in which a body would move by more than a cell; on every rank."""
         for number, rate in zip(self.numbers, self.tools.rates(self.states), strict=True):
             if not rate * t.dt <= 1.0 + 1e-9:
-                raise RunError(
+                raise EndlessError(
                     f"step {t.number}, from time {t.start:.6g}: the rigid body "
                     f"'{self.tools.names[number]}' moves by {rate * t.dt:.3g} cells in a step of "
                     f"{t.dt:.3g}, and would pass through what it meets\n"
@@ -134,47 +143,73 @@ class FreeBodies:
             self._inertia.append(inertia)
             self._wanted.append(wanted)
             tried.append(solve(body.mass_matrix(inertia), wanted))
-        self._touched = False
-        for count in range(TRIES):
+        self._touched, part, before = False, 1.0, inf
+        for _ in range(TRIES):
             self._set(tools, tried)
             find_response()
             sums = self._sum(tools, grid)
             if not sums.any():
                 return
             self._touched = True
-            part = 1.0 if count < DAMPED else 0.5
-            left = 0.0
-            for number in range(len(self.bodies)):
-                left = max(left, self._correct(number, sums[number].tolist(), tried[number], part))
+            changes = [
+                self._change(number, sums[number].tolist(), v) for number, v in enumerate(tried)
+            ]
+            left = max(map(self._size, range(len(tried)), tried, changes))
+            part = min(1.0, 2.0 * part) if left < before else max(0.5 * part, 1.0 / 64.0)
+            before = left
+            for v, change in zip(tried, changes, strict=True):
+                for i in range(6):
+                    v[i] += part * change[i]
             if left < ENOUGH:
                 break
         self._set(tools, tried)
+        if not left < ENOUGH:
+            find_response()
+            self._require_found(self._sum(tools, grid), tried, t)
 
     def _set(self, tools: Tools, velocities: list[list[float]]) -> None:
         for number, v in zip(self.numbers, velocities, strict=True):
             tools.motion[number, LATTER : LATTER + 6] = v
 
-    def _correct(self, number: int, sums: list[float], v: list[float], part: float) -> float:
-        """Improve the velocities that are tried for a body; returns by how much of them."""
-        body, inertia = self.bodies[number], self._inertia[number]
-        M, may = body.mass_matrix(inertia), body.may
-        rest = [0.0] * 6
+    def _require_found(self, sums: np.ndarray, tried: list[list[float]], t: Step) -> None:
+        """Refuse velocities that are far from those that the bodies will get; on every rank."""
+        inverse = max(self.scene.frame.inverse)
+        for number, (body, v) in enumerate(zip(self.bodies, tried, strict=True)):
+            M = body.mass_matrix(self._inertia[number])
+            off = solve(M, self._rest(number, sums[number].tolist(), v))
+            away = (hypot(*off[:3]) + hypot(*off[3:]) * self.tools.arms[number]) * inverse * t.dt
+            if not away < ASTRAY:
+                raise EndlessError(
+                    f"step {t.number}, from time {t.start:.6g}: the velocity of the rigid body "
+                    f"'{body.name}' cannot be found, it may be off by {away:.2g} cells in a step\n"
+                    "  try: smaller steps (time.step), less friction, a heavier body"
+                )
+
+    def _rest(self, number: int, sums: list[float], v: list[float]) -> list[float]:
+        """Return what momenta a body would have besides those of the velocities that are tried."""
+        body = self.bodies[number]
+        M, rest = body.mass_matrix(self._inertia[number]), [0.0] * 6
         for i in range(6):
-            if may[i]:
+            if body.may[i]:
                 has = sum(M[i][j] * v[j] for j in range(6))
                 rest[i] = self._wanted[number][i] + sums[TAKEN + i] + sums[GIVEN + i] - has
+        return rest
+
+    def _change(self, number: int, sums: list[float], v: list[float]) -> list[float]:
+        """Return how a body's velocities that are tried have to change, after Newton."""
+        M, may = self.bodies[number].mass_matrix(self._inertia[number]), self.bodies[number].may
         for i in range(6):
             for j in range(6):
                 if may[i] and may[j]:
                     M[i][j] += sums[RESPONSE + 6 * i + j]
-        change = solve(M, rest)
-        arm = self.tools.arms[number]
-        scale = [1.0] * 3 + [arm] * 3
+        return solve(M, self._rest(number, sums, v))
+
+    def _size(self, number: int, v: list[float], change: list[float]) -> float:
+        """Return the size of a change of velocities, over theirs."""
+        scale = [1.0] * 3 + [self.tools.arms[number]] * 3
         most = max(abs(x) * s for x, s in zip(v, scale, strict=True))
         by = max(abs(x) * s for x, s in zip(change, scale, strict=True))
-        for i in range(6):
-            v[i] += part * change[i]
-        return by / max(most, by) if by > 0.0 else 0.0
+        return by / max(most, by) if by != 0.0 else 0.0
 
     def _sum(self, tools: Tools, grid: Grid) -> np.ndarray:
         """Sum up what is in `answers`, plane by plane in their order; collective."""

@@ -73,6 +73,8 @@ def active_grid(rank: Rank, time: float, dt: float = 0.0) -> ActiveGrid:
     """
     comm, scene, grid, slab = rank.comm, rank.scene, rank.grid, rank.slab
     wanted = bool(rank.meetings) and dt > 0.0
+    if wanted and rank.meetings:  # before the first step all bodies share a field
+        rank.meetings.regroup(grid, rank.population)
     sum_particles(rank, scene.loads.at(time), marked=wanted and bool(scene.loads.constraints))
     rank.halo.finish(grid)
     own, D = grid.owned, scene.dimension

@@ -113,7 +113,10 @@ def read_books(rank: Rank, source: Any, state: State, records: Diagnostics) -> N
             whole = _whole(source, name, (planes, *mine.shape[1:]))
             found[name] = whole[first : first + len(mine)]
         if scene.tools.free:
-            found["free-bodies"] = _whole(source, "free-bodies", (len(scene.tools.free), STATE))
+            states = _whole(source, "free-bodies", (len(scene.tools.free), STATE))
+            if (abs((states[:, 3:7] ** 2).sum(axis=1) - 1.0) > 1e-9).any():
+                raise DamagedError("the rotation of a rigid body is none")
+            found["free-bodies"] = states
         if state.last_line is not None:
             rows = (len(scene.pairs.law) if scene.pairs else 0) + 2 * len(scene.tools)
             shape = (len(scene.faces) + len(scene.loads.constraints) + rows, 3)

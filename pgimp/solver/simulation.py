@@ -296,12 +296,17 @@ class Simulation:
     def _next(self) -> Step:
         """Learn how the step before went, of which the greatest speed is that of the next."""
         self.agree()
-        free, rate = self.rank.free, max(self.rate, self.scene.tools.rate)
-        step = self.clock.next(self.done, max(rate, free.rate) if free else rate)
-        if free:
+        step = self.clock.next(self.done, self.fastest)
+        if free := self.rank.free:
             free.require_slow(step)
-            free.require_clear(self.done)
+            free.require_clear(self.done, step.dt)
         return step
+
+    @property
+    def fastest(self) -> float:
+        """Cells that waves, particles or rigid bodies cross in a unit of time, at most."""
+        rate, free = max(self.rate, self.scene.tools.rate), self.rank.free
+        return max(rate, free.rate) if free else rate
 
     def agree(self) -> None:
         """Learn what all ranks say of the last step, if that is not known; collective.

@@ -115,7 +115,7 @@ def test_a_top():
             "top": free([4.0, 4.0, 4.0], [6.0, 6.0, 5.0], 1.0,
                         {"rotation": {"about": [5.0, 5.0, 4.5], "rate": [1.0, 0.0, 3.0]}}),
         })).tools["top"]  # fmt: skip
-        body = FreeBody(entry, bulk(entry.region, 1.0, 3), 3)
+        body = FreeBody("top", entry, bulk(entry.region, 1.0, 3), 3)
         state, dt = body.first, 2.0 / n
         for _ in range(n):
             inertia = body.halfway(state, dt)
@@ -204,6 +204,7 @@ def test_states_are_numbers():
         ({"velocity": [1.0]}, "bodies.ball.velocity"),
         ({"velocity": {"rotation": {"about": [1.0, 1.0], "rate": [1.0, 0.0, 0.0]}}}, "in 2D"),
         ({"velocity": [200.0, 0.0]}, "moves by 2 cells in a step"),
+        ({"rigid": {"density": 1e-12}}, "rounding decides"),
     ],
 )
 def test_what_cannot_be_is_refused(change, said):
