@@ -172,7 +172,7 @@ def small(monkeypatch) -> None:
     monkeypatch.setattr(chunks, "ROWS", 400)
     monkeypatch.setattr(framefile, "_ROWS", 700)
     monkeypatch.setattr(_Exchange, "_move", move)
-    monkeypatch.setattr(gridstate, "active_grid", lambda rank, time: rank.grid)
+    monkeypatch.setattr(gridstate, "active_grid", lambda rank, time, dt: rank.grid)
 
 
 @contextmanager
