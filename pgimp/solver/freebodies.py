@@ -75,11 +75,11 @@ class FreeBodies:
     def require_clear(self, done: Step, dt: float) -> None:
         """Refuse bodies that have run into what they do not feel; collective, now and then.
 
-        `dt` is the length of the next step.
+        `dt` is the length of the next step. At the start it has been done before.
         """
         way = max(self.rate, self.tools.rate) * dt
         pause = max(1, min(LOOKS, int(WAY / way))) if way > 0.0 else LOOKS
-        if done.number % pause == 0 and self._may_meet():
+        if done.number and done.number % pause == 0 and self._may_meet():
             number, time = done.number, done.end
             require_clear(self.tools, self.scene.faces, self.states, number, time, self.comm)
 
@@ -121,7 +121,7 @@ class FreeBodies:
         Parameters
         ----------
         tools : Tools
-            Those of the step, whose `answers` have what bodies have got so far.
+            Those of the step; the bodies have got nothing yet.
         grid : Grid
             The rank's planes.
         t : Step
@@ -192,7 +192,7 @@ class FreeBodies:
         for i in range(6):
             if body.may[i]:
                 has = sum(M[i][j] * v[j] for j in range(6))
-                rest[i] = self._wanted[number][i] + sums[TAKEN + i] + sums[GIVEN + i] - has
+                rest[i] = self._wanted[number][i] + sums[GIVEN + i] - has
         return rest
 
     def _change(self, number: int, sums: list[float], v: list[float]) -> list[float]:
