@@ -60,7 +60,8 @@ def test_every_column_of_the_history_is_written(dimensions):
             "materials": {"m": {"model": "hooke", "young": 1, "poisson": 0, "density": 1}},
             "bodies": {
                 **{name: {"material": "m", "region": box(i)} for i, name in enumerate("ab")},
-                "aba": {"rigid": {}, "region": box(2)},
+                "aba": {"rigid": {"density": 1}, "region": box(2)},
+                "baa": {"rigid": {}, "region": box(3)},
             },
             "boundaries": {"x-min": "fixed"},
             "escape": {"x-max": "remove"},
@@ -77,7 +78,7 @@ def test_every_column_of_the_history_is_written(dimensions):
     ]
     unwritten = [name for name in names if not any(re.fullmatch(name, each) for each in columns)]
     # Errors against an exact solution: tests/physics/test_exact_errors.py.
-    moments = ("angular", "torque") if dimensions == 1 else ()
+    moments = ("angular", "angle", "torque") if dimensions == 1 else ()
     assert all(any(part in name for part in ("error", *moments)) for name in unwritten)
 
 
