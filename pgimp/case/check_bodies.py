@@ -250,3 +250,12 @@ def check_contact(
             names = " and ".join(sorted(pair))
             yield Problem(path, f"entry {told[pair] + 1} has a law for {names} already")
         told |= dict.fromkeys(pairs, i)
+
+
+def check_adhesion(grid: Any, contact: Sequence[Any]) -> Problems:
+    """Check that surfaces hold each other over gaps that a vertex can see."""
+    for i, entry in enumerate(contact):
+        cell = min(grid.cell)
+        if entry.adhesion is not None and entry.adhesion.reach > cell:
+            text = f"must be at most the side of a cell, {cell:.15g}: bodies meet at vertices"
+            yield Problem(("contact", i, "adhesion", "reach"), text)

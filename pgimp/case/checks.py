@@ -13,6 +13,7 @@ from typing import Any
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from pgimp.case.check_bodies import (
+    check_adhesion,
     check_constraints,
     check_contact,
     check_materials,
@@ -124,6 +125,7 @@ _CHECKS = (
     check_tractions,
     check_constraints,
     check_contact,
+    check_adhesion,
     check_output,
     check_probes,
 )

@@ -26,6 +26,10 @@ from pgimp.physics.contact import FRICTION, TIED, Pairs
 #: gap by, of which it is a part that strain changes.
 LEAST_FILLED = 0.02
 
+#: Least part that a body must fill to be held by a rigid one, where the gap is exact: what is just
+#: past the surface carries the stress of the first particles, however little it is.
+LEAST_HELD = 1e-6
+
 #: Least part of the mass of two fields that either must have.
 LEAST_MASS = 1e-5
 
@@ -45,8 +49,9 @@ SWEEPS = 8
 WEIGHT, PART, OUTWARD, NOW, BEFORE, MOBILITY, FIELDS = 0, 1, 2, 5, 8, 11, 14
 
 #: Columns of `Contact.partners`: normal, velocity at which the gap closes in the step, impulse
-#: along the normal and across it so far, the part that this is of what would make it stick, area.
-NORMAL, CLOSING, PUSH, SLIP, STUCK, AREA, PARTNERS = 0, 3, 4, 5, 8, 9, 10
+#: along the normal and across it so far, the part that this is of what would make it stick, area,
+#: the impulses that adhesion has along the normal and across it.
+NORMAL, CLOSING, PUSH, SLIP, STUCK, AREA, PULL, CLING, PARTNERS = 0, 3, 4, 5, 8, 9, 10, 11, 12
 
 
 class Contact(NamedTuple):
@@ -128,30 +133,56 @@ def find_pairs(contact, frame, sides, count, rigid, dt):
             row = partners[found]
             row[:] = 0.0
             if contact.pairs.law[entry - 1] == FRICTION:
-                part = min(fields[a, PART], fields[b, PART])
                 if b < count - rigid:
                     least = min(fields[a, WEIGHT], fields[b, WEIGHT])
                     if least < LEAST_MASS * (fields[a, WEIGHT] + fields[b, WEIGHT]):
                         continue
-                if part < LEAST_FILLED or not _find_gap(frame, fields, one, other, sides, row):
+                    if min(fields[a, PART], fields[b, PART]) < LEAST_FILLED:
+                        continue
+                elif fields[a, PART] < LEAST_HELD or fields[b, PART] < LEAST_FILLED:
                     continue
-                # The neighbourhood is weighted with a tent, which has 1 - s at the distance s of
-                # the surface, where the smaller part is (1 - s)^2 / 2.
-                row[CLOSING] *= max(missing, 0.0) / (sqrt(min(2.0 * part, 1.0)) * dt)
+                if not _find_gap(frame, fields, one, other, sides, row):
+                    continue
+                row[CLOSING] *= _gap(fields[one], fields[other], row, missing) / dt
+                normal, shear, reach = contact.pairs.adhesion[entry - 1]
+                if row[CLOSING] * dt < reach:
+                    row[PULL], row[CLING] = normal * row[AREA] * dt, shear * row[AREA] * dt
             ends[found, 0], ends[found, 1], ends[found, 2] = one, other, entry
             found += 1
     return found
 
 
 @inner_kernel
+def _gap(a, b, row, missing):
+    """Gap between two fields, in cells along the normal, and set the area where they face it.
+
+    Where one ends sideways, it covers a part of the other only, that of their areas. Of what is
+    there it must fill what the other leaves, to touch it. The neighbourhood is weighted with a
+    tent, which has 1 - s at the distance s of the surface, where the smaller part is (1 - s)^2 / 2.
+    """
+    first, second = 0.0, 0.0
+    for d in range(3):
+        first += a[OUTWARD + d] * row[NORMAL + d]
+        second -= b[OUTWARD + d] * row[NORMAL + d]
+    row[AREA] = max(min(first, second), 0.0)
+    small, large = (a, b) if first < second else (b, a)
+    cover = 1.0
+    if row[AREA] > 0.0 and large[WEIGHT] == inf:
+        cover = row[AREA] / max(first, second)
+    left = min(missing, cover * (1.0 - large[PART]) - small[PART])
+    part = min(small[PART] / cover, large[PART])
+    return max(left, 0.0) / (cover * sqrt(min(2.0 * part, 1.0)))
+
+
+@inner_kernel
 def _find_gap(frame, fields, a, b, sides, row):
-    """Set normal, from `a` to `b`, area and, as CLOSING, the cell's length along the normal.
+    """Set normal, from `a` to `b`, and, as CLOSING, the cell's length along the normal.
 
     Returns whether there is a surface. Those that a wall cuts bodies at are none that they meet
     with: on a wall the normal is along it, unless they lie on each other there. That of a rigid
     body is known, and counts alone.
     """
-    square, along, side, first, second = 0.0, 0.0, 1.0, 0.0, 0.0
+    square, along, side = 0.0, 0.0, 1.0
     whole, within = 0.0, 0.0
     of_a = 0.0 if fields[b, WEIGHT] == inf else 1.0
     of_b = 0.0 if fields[a, WEIGHT] == inf else 1.0
@@ -168,14 +199,11 @@ def _find_gap(frame, fields, a, b, sides, row):
         square += n * n
         along += (n * frame.inverse[d]) ** 2
         side *= frame.cell[d]
-        first += fields[a, OUTWARD + d] ** 2
-        second += fields[b, OUTWARD + d] ** 2
     length = sqrt(square)
     if not sqrt(along) > LEAST_NORMAL * side:
         return False
     for d in range(3):
         row[NORMAL + d] /= length
-    row[AREA] = sqrt(min(first, second))
     row[CLOSING] = length / sqrt(along)
     return True
 
@@ -253,12 +281,18 @@ def exchange(contact, faces, frame, forcing, number, held, pair):
     push, square = row[PUSH], 0.0
     if answer > 0.0:
         row[PUSH] = max(0.0, push - (normal + row[CLOSING]) / answer)
+        if row[PUSH] == 0.0 and row[PULL] > 0.0:
+            row[PUSH] = max(-row[PULL], min(0.0, push - normal / answer))
     for d in range(3):
         stick = row[SLIP + d] - ((v[d] - u[d]) - normal * row[NORMAL + d]) / most
         square += stick * stick
     static, kinetic = contact.pairs.coefficient[entry, 0], contact.pairs.coefficient[entry, 1]
-    length = sqrt(square)
-    part = 1.0 if length <= static * row[PUSH] else kinetic * row[PUSH] / length
+    length, pressed, cling = sqrt(square), max(row[PUSH], 0.0), row[CLING]
+    if row[PUSH] < 0.0:
+        cling *= sqrt(1.0 - (row[PUSH] / row[PULL]) ** 2)
+    part = 1.0
+    if length > static * pressed + cling:
+        part = (kinetic * pressed + cling) / length
     row[STUCK] = part
     for d in range(3):
         stick = row[SLIP + d] - ((v[d] - u[d]) - normal * row[NORMAL + d]) / most

@@ -43,7 +43,7 @@ def book(contact, faces, frame, forcing, number, pair, part, last, ledger, plane
     booked[TANGENTIAL_IMPULSE] += part * sqrt(square)
     booked[HEAT] += part * heat
     booked[LOSS] -= part * row[PUSH] * normal
-    if last and row[PUSH] > 0.0:
+    if last and row[PUSH] != 0.0:
         booked[CONTACT_AREA] += row[AREA]
     book_tools(contact, contact.tools, frame, number, pair, part, u, v, ledger, plane)
 

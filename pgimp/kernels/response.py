@@ -10,7 +10,7 @@ the normal n where it sticks.
 from math import inf, sqrt
 
 from pgimp.jit.kernel import inner_kernel, kernel
-from pgimp.kernels.contact import MOBILITY, NORMAL, PUSH, SLIP, STUCK, WEIGHT
+from pgimp.kernels.contact import CLING, MOBILITY, NORMAL, PULL, PUSH, SLIP, STUCK, WEIGHT
 from pgimp.kernels.meet import meet_at
 from pgimp.kernels.tools import CENTRE, FREE, GIVEN, LEAST, MOST, RESPONSE, place_of
 from pgimp.physics.contact import TIED
@@ -125,9 +125,12 @@ def _slopes(contact, pair, other, push):
     for d in range(3):
         answer += row[NORMAL + d] ** 2 * fields[other, MOBILITY + d]
         most = max(most, fields[other, MOBILITY + d])
-    if not (push > 0.0 and answer > 0.0):
+    if not (push != 0.0 or row[CLING] > 0.0) or not most > 0.0:
         return 0.0, 0.0, 0.0, 0.0
-    along, across = 1.0 / answer, row[STUCK] / most
+    held = answer > 0.0 and push != 0.0 and push > -row[PULL]  # else it pulls as much as it can
+    along, across = 1.0 / answer if held else 0.0, row[STUCK] / most
     if row[STUCK] == 1.0:
         return along, across, 0.0, 0.0
+    if push < 0.0:
+        return along, across, 0.0, across
     return along, across, contact.pairs.coefficient[entry, 1] * along, across

@@ -189,7 +189,7 @@ def fill(tools, t, frame, number, sides):
     if whole and abs(at[MEAN] - at[DISTANCE]) < FLAT * frame.cell[0]:
         a, b, c = _halves(tools, frame, 1.0)
         filled, slope = cut(a, b, c, -at[MEAN])
-        at[FILLED], scale = filled, volume * max(slope, 1e-6 / reach)
+        at[FILLED], scale = filled, volume * max(slope, 1e-3 / reach)
         at[SURFACE], at[SURFACE + 1], at[SURFACE + 2] = scale * n0, scale * n1, scale * n2
         return filled > 0.0
     filled, s0, s1, s2 = 0.0, 0.0, 0.0, 0.0
@@ -227,7 +227,7 @@ def fill(tools, t, frame, number, sides):
         s2 += weight * slope * at[NORMAL + 2]
     at[FILLED] = filled
     length = sqrt(s0 * s0 + s1 * s1 + s2 * s2)
-    if length > 1e-6 / reach:
+    if length > 1e-3 / reach:
         at[SURFACE], at[SURFACE + 1], at[SURFACE + 2] = volume * s0, volume * s1, volume * s2
     else:
         scale = volume / reach

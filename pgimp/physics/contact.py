@@ -18,6 +18,7 @@ LAWS = ("ignore", "tied", "friction")
 IGNORE, TIED, FRICTION = range(3)
 
 Coefficient = Annotated[Number, Field(ge=0.0)]
+Strength = Annotated[Number, Field(ge=0.0)]
 
 
 class Friction(Model):
@@ -47,6 +48,28 @@ def coefficients(friction: float | Friction) -> tuple[float, float]:
     return friction, friction
 
 
+class Adhesion(Model):
+    """Cohesion of surfaces that touch, the same until they are apart (Dugdale's law)."""
+
+    normal: Strength = Field(default=0.0, description="stress at which they part [force/area]")
+    shear: Strength = Field(
+        default=0.0,
+        description="stress at which they slide, besides friction; under tension t less by the "
+        "factor sqrt(1 - (t/normal)^2) [force/area]",
+    )
+    reach: Annotated[Number, Field(gt=0.0)] = Field(
+        description="gap up to which they hold; `normal` times this is the energy that it takes "
+        "to part them, per area [length]"
+    )
+
+    @model_validator(mode="after")
+    def _check(self) -> Adhesion:
+        if self.normal == self.shear == 0.0:
+            text = "expected a stress above 0 here or as `shear`; without adhesion leave it out"
+            raise_problems("adhesion", [Problem(("normal",), text)])
+        return self
+
+
 class ContactEntry(Model):
     """What happens where bodies meet."""
 
@@ -67,12 +90,16 @@ class ContactEntry(Model):
         "from when they meet; ignore: they pass through each other",
     )
     friction: AnyFriction = Field(default=0.0, description="coefficient of Coulomb's friction [1]")
+    adhesion: Adhesion | None = Field(
+        default=None, description="how they hold each other where they touch; null: not at all"
+    )
 
     @model_validator(mode="after")
     def _check(self) -> ContactEntry:
-        if self.law != "friction" and self.friction != 0.0:
-            text = f"bodies that are under the law '{self.law}' have no friction; leave it out"
-            raise_problems("contact", [Problem(("friction",), text)])
+        for key, given in (("friction", self.friction != 0.0), ("adhesion", self.adhesion)):
+            if self.law != "friction" and given:
+                text = f"bodies that are under the law '{self.law}' have no {key}; leave it out"
+                raise_problems("contact", [Problem((key,), text)])
         if isinstance(self.bodies, tuple) and len(set(self.bodies)) < max(2, len(self.bodies)):
             text = "expected the names of two bodies or more, each once"
             raise_problems("contact", [Problem(("bodies",), text)])
@@ -100,11 +127,14 @@ class Pairs(NamedTuple):
         `TIED` or `FRICTION`; the last one is for pairs without an entry, which are tied.
     coefficient : (entries + 1, 2) float64
         Static and kinetic coefficient of friction.
+    adhesion : (entries + 1, 3) float64
+        Normal and shear strength, and the gap up to which they hold; 0 where there is none.
     """
 
     entry: np.ndarray
     law: np.ndarray
     coefficient: np.ndarray
+    adhesion: np.ndarray
 
     @classmethod
     def of(cls, entries: Sequence[ContactEntry], bodies: Sequence[str]) -> Pairs:
@@ -123,7 +153,9 @@ class Pairs(NamedTuple):
         entry[law[np.abs(entry) - 1] == IGNORE] = 0
         pairs = [coefficients(given.friction) for given in entries]
         coefficient = np.array([*pairs, (0.0, 0.0)], float)
-        return cls(entry, law, coefficient)
+        held = [each.adhesion for each in entries]
+        adhesion = [(each.normal, each.shear, each.reach) if each else (0.0,) * 3 for each in held]
+        return cls(entry, law, coefficient, np.array([*adhesion, (0.0,) * 3], float))
 
     def ties(self, count: int) -> bool:
         """Whether of the first `count` bodies any are tied."""

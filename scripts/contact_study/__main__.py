@@ -42,6 +42,7 @@ def _figures(quick):
         jobs["corner", cell] = (problems.corner, 2.5 * cell)
         jobs["nairn", cell] = (problems.disks, 5.0 * cell)
         jobs["ball", cell] = (problems.ball, 0.05 * cell)
+        jobs["pressed", cell] = (problems.pressed, 5.0 * cell)
         jobs["held", cell] = (walls.incline, 5.0 * cell, 24.0, 0.6)
     jobs["stuck", cells[0]] = (motion.incline, 0.5 * cells[0], 24.0, 0.7)
     return jobs
@@ -92,6 +93,8 @@ def _table(found, cells):
          "0", at("corner", 0, "{:.0e}")),
         ("the same: momentum that changes otherwise than by weight and walls, over the weight's",
          "0", at("corner", 1, "{:.0e}")),
+        ("block of 32 x 20 and 64 x 40 cells, pressed by 30 % between rigid bodies: force", "1",
+         at("pressed")),
         ("a bar of 20 and 40 cells hits a wall: rebound", "1", at("bar", 0)),
         ("the same: energy lost", "0", at("bar", 1)),
         ("block of 6 and 12 cells on a wall inclined by 24 degrees, friction 0.3: acceleration",

@@ -173,3 +173,39 @@ def ball(cell):
     end = np.interp(-0.01, -push[on[-1] : on[-1] + 2], time[on[-1] : on[-1] + 2])
     lost = 1.0 - motion.energy(lines[-1]) / motion.energy(first)
     return (end - begin) / span, push.max(), lost
+
+
+def pressed(cell):
+    """A block pressed flat between rigid bodies without friction: force over the exact one.
+
+    32 x 20 cells of size 1, by 30 % of its height, while waves cross it fifty times. Strains are
+    homogeneous: the stress along the bodies is zero.
+    """
+    size, young, nu = (32.0, 20.0), motion.SOLID["young"], motion.SOLID["poisson"]
+    shear, lame = young / (2.0 * (1.0 + nu)), young * nu / ((1.0 + nu) * (1.0 - 2.0 * nu))
+    wave = sqrt((lame + 2.0 * shear) / motion.SOLID["density"])
+    end = 50.0 * size[1] / wave
+    low = [16.0, 5.5]
+    top = low[1] + size[1]
+    steps = np.linspace(0.0, 1.0, 101)
+    speed = 0.3 * size[1] * 0.5 * np.pi * np.sin(np.pi * steps) / (0.8 * end)
+    table = [[0.8 * end * s, [0.0, -v]] for s, v in zip(steps, speed, strict=True)]
+    bodies = {
+        "block": (motion.box(low, [low[0] + size[0], top]), [0.0, 0.0]),
+    }
+    case = motion.case_of(bodies, [64.0, 32.0], cell, end, contact=[{"bodies": "all"}])
+    rigid = {"punch": (top, top + 4.0, {"velocity": {"table": table}}), "die": (1.0, low[1], {})}
+    for name, (y0, y1, how) in rigid.items():
+        region = {"box": {"min": [-8.0, y0], "max": [72.0, y1]}}
+        case["bodies"][name] = {"rigid": how, "region": region}
+    simulation = pgimp.Simulation(case)
+    force = []
+    while not simulation.finished:
+        simulation.step(1)
+        if simulation.time > 0.85 * end:
+            force.append(simulation.diagnostics()["tool.punch.force-y"])
+    widths = np.linspace(1.0, 1.5, 100001)
+    across = shear * (widths - 1.0 / widths) + lame * np.log(0.7 * widths) / widths
+    along = np.interp(0.0, across, widths)
+    stress = shear * (0.7 - 1 / 0.7) + lame * np.log(0.7 * along) / 0.7
+    return np.mean(force) / (-stress * size[0])

@@ -310,6 +310,14 @@ def contact(rng, scene):
             found["friction"] = most if rng.random() < 0.5 else {
                 "static": most, "kinetic": kinetic
             }  # fmt: skip
+        if law == "friction" and rng.random() < 0.25:
+            strength = 10.0 ** number(rng, -2.0, 1.0)
+            found["adhesion"] = {
+                rng.choice(("normal", "shear")): strength,
+                "reach": number(rng, 0.05, 0.9) * min(scene.case["grid"]["cell"]),
+            }
+            if rng.random() < 0.5:
+                found["adhesion"] |= {"normal": strength, "shear": 0.5 * strength}
         return found
 
     entries = [entry("all")] if rng.random() < 0.7 else []

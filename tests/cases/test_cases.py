@@ -202,11 +202,11 @@ def test_block_slides_down_a_slope(runs):
 
 
 def test_bar_is_pressed_and_rolled(runs):
-    """A radius of six cells: Hertz's force to 11 %, half of the punch's way, energy given back."""
+    """A radius of six cells: Hertz's force to 4 %, half of the punch's way, energy given back."""
     history = runs("upsetting").history
     time, punch = history["time"], history["tool.punch.force-y"]
     holds = (time > 0.3) & (time < 0.4)
-    assert 0.85 < punch[holds].mean() / 43755.0 < 0.95
+    assert punch[holds].mean() == pytest.approx(43755.0, rel=0.04)
     die = history["tool.die.force-y"]
     assert die[holds].mean() == pytest.approx(-punch[holds].mean(), rel=0.05)
     assert history["tool.punch.displacement-y"].min() == pytest.approx(-0.09, abs=1e-12)
@@ -216,7 +216,7 @@ def test_bar_is_pressed_and_rolled(runs):
     work = history["tool.punch.work"]
     assert work == pytest.approx(history["external-work"], abs=1e-9)  # the die does none
     assert (history["tool.die.work"] == 0.0).all()
-    assert 0.0 < work[-1] < 0.13 * work.max()  # 0.107; 0.061 in the case itself
+    assert 0.0 < work[-1] < 0.11 * work.max()  # 0.086; 0.049 in the case itself
     assert punch[-1] == 0.0  # it lets go
 
 

@@ -33,6 +33,11 @@ def test_impacts_converge():
     assert motion.edges(0.5) < 0.6 * motion.edges(1.0)
 
 
+def test_a_block_is_pressed():
+    """Ten cells high, by 30 %: the force to a tenth; to 2 % on the study's finer ones."""
+    assert abs(problems.pressed(2.0) - 1.0) < 0.1
+
+
 def test_rods_and_blocks_in_a_corner():
     """Rods touch and part within a per cent; forces of statics to a thousandth of a weight."""
     touch, part, rebound = problems.rods(40)

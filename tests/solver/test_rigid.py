@@ -47,7 +47,7 @@ def test_momentum_and_work_of_a_ram(D):
     total, line = impulses(sim, "ram")
     momentum = np.array([line[f"momentum-{a}"] for a in "xyz"[:D]])
     assert momentum[0] > 1.1 * line["mass"]
-    assert total[:D] == pytest.approx(-momentum, abs=1e-12 * momentum[0])
+    assert total[:D] == pytest.approx(-momentum, abs=2e-12 * momentum[0])
     assert line["tool.ram.work"] == pytest.approx(momentum @ velocity, rel=1e-12)
     assert line["external-work"] == line["tool.ram.work"]
     assert line["tool.ram.displacement-x"] == pytest.approx(1.0, abs=1e-12)
@@ -86,7 +86,7 @@ def test_a_block_on_a_table_that_speeds_up(law):
 
 @pytest.mark.parametrize("friction", [0.3, 0.1])
 def test_a_block_slides_down_a_rigid_slope(friction):
-    """Its acceleration within three per cent; friction's work is its heat."""
+    """Its acceleration within one per cent, with what presses while it bounces."""
     slope, g = radians(24.0), 1.0
     n, along = np.array([sin(slope), cos(slope)]), np.array([cos(slope), -sin(slope)])
     corner = np.array([3.0, 13.0])
@@ -113,8 +113,10 @@ def test_a_block_slides_down_a_rigid_slope(friction):
         lines.append(sim.diagnostics())
     begin, end = lines
     change = [end[name] - begin[name] for name in ("momentum-x", "momentum-y")]
-    gained = float(np.dot(change, along)) / end["mass"] / (end["time"] - begin["time"])
-    assert gained == pytest.approx(g * (sin(slope) - friction * cos(slope)), rel=0.03)
+    gained, bounced = (np.dot(change, way) / end["mass"] / 4.0 for way in (along, n))
+    assert abs(bounced) < 0.03 * g
+    pressed = g * cos(slope) + bounced
+    assert gained == pytest.approx(g * sin(slope) - friction * pressed, rel=0.01)
     push = end["contact.block+slope.normal-impulse"]
     slip = end["contact.block+slope.tangential-impulse"]
     assert slip == pytest.approx(friction * push, rel=0.04)  # it begins at rest
