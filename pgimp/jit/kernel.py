@@ -32,6 +32,8 @@ from numba.extending import overload  # noqa: E402
 from pgimp.jit.cache import KernelCache  # noqa: E402
 from pgimp.jit.compiler import Compiler  # noqa: E402
 
+Compiler.folder = FOLDER.path
+
 #: Options of every kernel and of everything it inlines. Contraction only: full fastmath would let
 #: LLVM reorder sums and delete the checks for NaN. The others save time in compiling:
 #: no entry for programs in C, and no reference counts, of which tuples of arrays need very many.
@@ -82,7 +84,8 @@ def inner_kernel(function: Callable) -> Callable:
 
 def _kernel(function: Callable, options: dict[str, Any]) -> Any:
     compiled = numba.njit(**options)(function)
-    compiled._cache = KernelCache(function, FOLDER.path)  # instead of Numba's own, as by cache=True
+    if not options.get("no_cpython_wrapper"):  # parts of kernels: the compiler keeps them itself
+        compiled._cache = KernelCache(function, FOLDER.path)  # instead of Numba's, as by cache=True
     return compiled
 
 

@@ -1,0 +1,86 @@
+"""Parts of kernels are kept on disk, so that kernels of other scenes find them."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+from scenes import box, scene, write_case
+
+from pgimp.jit.compiler import _captured
+
+RUN = """
+import sys
+import pgimp
+simulation = pgimp.Simulation(sys.argv[1])
+while not simulation.finished:
+    simulation.step(1)
+print(simulation.particles["position"].tobytes().hex())
+"""
+
+
+def run(case, folder):
+    """What a run gives with a cache, bit by bit, and the files of the cache: kernels, parts."""
+    env = {**os.environ, "PGIMP_CACHE_DIR": str(folder)}
+    done = subprocess.run(
+        [sys.executable, "-c", RUN, case], env=env, capture_output=True, text=True, timeout=200
+    )
+    assert done.returncode == 0, done.stderr
+    files = {path: path.stat().st_ino for path in folder.rglob("*.nbc")}
+    parts = {path for path in files if path.parent.name == "parts"}
+    return done.stdout, {path: files[path] for path in {*files} - parts}, {
+        path: files[path] for path in parts
+    }  # fmt: skip
+
+
+def test_kernels_of_parts_that_are_there_have_the_same_bits(tmp_path):
+    """Without the kernels nothing but these is compiled again; a damaged part is replaced."""
+    case, folder = tmp_path / "case.yaml", tmp_path / "cache"
+    write_case(case, scene(1, box([2.0], [5.0], [1.0]), end=0.5, gravity=[-1.0]))
+    first, kernels, parts = run(case, folder)
+    assert len(kernels) > 5 and len(parts) > 3 * len(kernels)
+    for path in kernels:
+        path.unlink()
+    again, made, found = run(case, folder)
+    assert again == first and {*made} == {*kernels} and found == parts
+    damaged = sorted(parts)[::7]
+    for path in (*made, *damaged):
+        path.unlink() if path in made else path.write_bytes(path.read_bytes()[:-1] + b"?")
+    again, _, found = run(case, folder)
+    assert again == first
+    replaced = {path for path in parts if found[path] != parts[path]}
+    assert replaced and replaced <= {*damaged}  # what a whole part has in it is not looked for
+
+
+def test_another_scene_shares_most_parts(tmp_path):
+    """Another shape and a load: kernels are new, two thirds of what they are made of is not."""
+    folder, counts = tmp_path / "cache", []
+    for shape, more in (("gimp", {}), ("mpm", {"gravity": [-1.0]})):
+        write_case(tmp_path / f"{shape}.yaml", scene(1, box([2.0], [5.0]), shape=shape, **more))
+        counts.append(len(run(tmp_path / f"{shape}.yaml", folder)[2]))
+    assert counts[1] - counts[0] < counts[0] / 3
+
+
+def add(number):
+    return lambda x: x + number
+
+
+def with_default(x, number=1):
+    return x + number
+
+
+def test_functions_of_one_name_are_told_apart(monkeypatch):
+    """By what they have from the function that made them; where that is not known they are none."""
+    for function in (one := add(1), two := add(2), same := add(1), other := add(run), with_default):
+        monkeypatch.setattr(function, "__module__", "pgimp.made", raising=False)
+    assert _captured(one) == _captured(same) != _captured(two)
+    assert _captured(with_default) is None  # its default may be anything
+    assert _captured(add(3)) is None  # of no module of the package
+    assert _captured(other) is None  # has a function from elsewhere
+
+
+@pytest.mark.parametrize("content", [object(), [1], {"a": 1}, (1, "a")])
+def test_what_cannot_be_named_is_not_kept(content, monkeypatch):
+    function = add(content)
+    monkeypatch.setattr(function, "__module__", "pgimp.made")
+    assert _captured(function) is None
