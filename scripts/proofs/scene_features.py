@@ -18,7 +18,7 @@ from typing import NamedTuple
 from scene_bodies import add_bodies, ball, box, middle, number, union, vector
 from scene_output import checkpoints, frames, grid_frames, history, probes, small_files
 
-SHAPES = ("gimp", "gimp", "mpm", "finite-gimp", "fuzzy-constant", "fuzzy-nearest")
+SHAPES = ("gimp", "cpdi", "mpm", "finite-gimp", "fuzzy-constant", "fuzzy-nearest")
 MATERIALS = {
     "soft": {"model": "neo-hookean", "young": 100.0, "poisson": 0.3, "density": 1.0},
     "stiff": {"model": "hooke", "young": 300.0, "poisson": 0.25, "density": 2.0},

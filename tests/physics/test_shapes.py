@@ -231,9 +231,12 @@ def test_point_on_a_vertex():
     assert (slope[0][:, ghost : ghost + 10] == 2 * (np.eye(9, 10, 1) - np.eye(9, 10))).all()
 
 
-@pytest.mark.parametrize(("name", "per_cell"), CASES)
+@pytest.mark.parametrize(("name", "per_cell"), [c for c in CASES if c.values[0] != "cpdi"])
 def test_gradient_is_the_derivative_of_the_weight(name, per_cell):
-    """Central differences in each direction, the first vertex found anew at each position."""
+    """Central differences in each direction, the first vertex found anew at each position.
+
+    Not of cpdi, whose gradient is the mean over the box, and whose weight that of its ends.
+    """
     shape, frame, x, F, half = setting(name, per_cell)
     xi = (x - frame.origin) / frame.cell
     h = 1e-5

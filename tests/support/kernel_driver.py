@@ -78,7 +78,8 @@ def initial_half(name: str, per_cell: int) -> float:
 
 def follows(name: str) -> bool:
     """Whether the half-widths follow the deformation."""
-    return name == "finite-gimp" or (name.startswith("fuzzy") and not name.endswith("-fixed"))
+    fuzzy = name.startswith("fuzzy") and not name.endswith("-fixed")
+    return fuzzy or name in ("finite-gimp", "cpdi")
 
 
 def make_frame(shape: Any, origin: Sequence[float], cell: Sequence[float], cells: Sequence[int]):

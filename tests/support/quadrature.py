@@ -29,6 +29,9 @@ class Chi(NamedTuple):
 BOX = Chi(lambda s: 0.5 + 0.0 * s, (-1.0, 1.0))
 TENT = Chi(lambda s: 1.0 - np.abs(s), (-1.0, 0.0, 1.0))
 
+#: Half of Dirac's delta at each end of the box; gradients are nevertheless the box's.
+ENDS = Chi(lambda s: np.nan * s, (-1.0, 1.0))
+
 #: By the kind that a shape declares; None is Dirac's delta (34).
 CHI = {"point": None, "box": BOX, "tent": TENT}
 
@@ -38,6 +41,8 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(4)
 
 def chi_of(name):
     """Characteristic function of a shape, also of one with a fixed size."""
+    if name == "cpdi":
+        return ENDS
     return CHI[SHAPES[name.removesuffix("-fixed")].chi]
 
 
@@ -73,6 +78,10 @@ def integrals(chi, half, x, xv, L):
     if chi is None:
         r = ((x - xv) / L)[..., 0]
         return tent(r), tent_slope(r) / L
+    if chi is ENDS:
+        low, high = (((x + sign * half - xv) / L)[..., 0] for sign in (-1.0, 1.0))
+        slope = (tent(high) - tent(low)) / (2.0 * half[..., 0])
+        return 0.5 * (tent(low) + tent(high)), slope
     of_chi, of_grid = x + half * np.array(chi.kinks), xv + L * np.array([-1.0, 0.0, 1.0])
     shape = np.broadcast_shapes(of_chi[..., :1].shape, of_grid[..., :1].shape)[:2]
     kinks = [np.broadcast_to(k, (*shape, k.shape[2])) for k in (of_chi, of_grid)]

@@ -11,6 +11,7 @@ kernels as static methods, in units of cells:
 """
 
 from pgimp.physics.shapes.base import Shape
+from pgimp.physics.shapes.cpdi import Cpdi
 from pgimp.physics.shapes.finite_gimp import FiniteGimp
 from pgimp.physics.shapes.fuzzy import FuzzyConstant, FuzzyNearest
 from pgimp.physics.shapes.gimp import Gimp
@@ -21,6 +22,7 @@ SHAPES: dict[str, type[Shape]] = {
     "mpm": Mpm,
     "gimp": Gimp,
     "finite-gimp": FiniteGimp,
+    "cpdi": Cpdi,
     "fuzzy-nearest": FuzzyNearest,
     "fuzzy-constant": FuzzyConstant,
 }

@@ -1,0 +1,74 @@
+"""Convected particle domains: weights are means of the tent over the ends of a particle's box.
+
+After Sadeghirad, Brannon and Burghardt, A convected particle domain interpolation technique,
+Int. J. Numer. Meth. Engng 86, 1435-1456 (2011), along each direction: the tent is taken at the two
+ends of the box and is linear in between. The ends then move exactly with the grid, so that the
+boxes of neighbours stay contiguous where the stretch jumps, and bars do not tear. Gradients are
+those of boxes (`finite-gimp`): the difference of the ends' values over the width.
+
+In two and three dimensions weights are products of those along the directions, and the widths are
+those of the box, along the grid's directions, with the same second moments as the deformed one. The
+corners follow stretches along the grid; under shear and rotation they do not tilt.
+"""
+
+from typing import ClassVar, Literal, NamedTuple
+
+from pydantic import Field
+
+from pgimp.physics.shapes.base import Shape
+from pgimp.physics.shapes.stretch import stretched
+
+
+class CpdiParameters(NamedTuple):
+    """Initial half-widths of the particles' boxes by direction, in cells; at most 1/2."""
+
+    half: tuple[float, ...]
+
+    @staticmethod
+    def vertices():
+        """Vertices a direction in a support."""
+        return 4
+
+    @staticmethod
+    def size(shape, cell, F):
+        """Follows the deformation."""
+        return stretched(shape.half, cell, F)
+
+    @staticmethod
+    def weights(shape, half, f):
+        """Means of the tent at f - l and f + l, for f in [l, 1 + l) and half-widths up to a cell.
+
+        With a = f - l, in [0, 1), and b_j = max(b - j, 0) for b = f + l the values at b are
+        1 - b + b_1, b - 2 b_1 + b_2, b_1 - 2 b_2 and b_2.
+        """
+        a = f - half
+        b = f + half
+        b1 = max(b - 1.0, 0.0)
+        b2 = max(b - 2.0, 0.0)
+        q = 0.5 / half
+        n2 = b1 - 2.0 * b2
+        n0 = 1.0 - b + b1
+        w0 = 0.5 * ((1.0 - a) + n0)
+        g0 = q * (n0 - (1.0 - a))
+        g2, g3 = q * n2, q * b2
+        return (
+            (w0, 1.0 - w0 - 0.5 * n2 - 0.5 * b2, 0.5 * n2, 0.5 * b2),
+            (g0, -g0 - g2 - g3, g2, g3),
+        )
+
+
+class Cpdi(Shape):
+    """Boxes whose ends move with the grid (convected particle domains): bars do not tear."""
+
+    shape: Literal["cpdi"] = Field(description="name of the shape")
+
+    vertices: ClassVar[int] = CpdiParameters.vertices()
+
+    @property
+    def follows(self) -> bool:
+        """See `Shape.follows`."""
+        return True
+
+    def parameters(self, cell: tuple[float, ...]) -> CpdiParameters:
+        """Parameters of the kernels."""
+        return CpdiParameters(tuple(0.5 / n for n in self.particles_per_cell))
