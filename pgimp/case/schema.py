@@ -114,14 +114,23 @@ class Grid(Model):
         return tuple(low + size for low, size in zip(self.origin, self.size, strict=True))
 
 
+#: Part of the largest stable Courant number that `auto` takes.
+AUTO = 0.9
+
+CourantNumber = Annotated[Number, Field(gt=0, le=1)]
+
+
 class CourantStep(Model):
     """A step that follows the fastest wave: dt = courant min(cell)/(wave speed + velocity)."""
 
-    courant: Number = Field(
-        gt=0,
-        le=1,
+    courant: Annotated[
+        float | Literal["auto"],
+        Either("a number up to 1 or auto", {float: CourantNumber, str: Literal["auto"]}),
+    ] = Field(
         description="Courant number: cells that the fastest wave crosses in a step; smaller steps "
-        "lose less energy of waves, but without method.affine more of slow vibrations and of spin",
+        "lose less energy of waves, but without method.affine more of slow vibrations and of spin. "
+        "auto: nine tenths of the largest that has been found stable with the method, see "
+        "docs/hard-cases.md; what moves may then cross half a cell, and energy is watched",
     )
 
 
@@ -251,6 +260,21 @@ class Case(Model):
         json_schema_extra={"additionalProperties": False},
     )
     checkpoint: Checkpoint = Field(default=Checkpoint(), description="checkpoints")
+
+    @property
+    def courant(self) -> float | None:
+        """Courant number of steps that follow the fastest wave; None where they are fixed."""
+        step = self.time.step
+        if not isinstance(step, CourantStep):
+            return None
+        if step.courant == "auto":
+            return AUTO * self.method.largest_courant(self.dimensions)
+        return float(step.courant)
+
+    @property
+    def watched(self) -> bool:
+        """Whether pgimp chooses the Courant number, and watches the energy."""
+        return isinstance(self.time.step, CourantStep) and self.time.step.courant == "auto"
 
     @cached_property
     def bodies(self) -> dict[str, Body]:

@@ -154,7 +154,8 @@ def _look_at_rigid(scene: Scene, lattice: Lattice, counts: np.ndarray) -> None:
 def _step(case: Case, rate: float, rigid: float) -> float:
     """Length of a step, the first one if it is controlled; `rigid` is the rate of rigid bodies."""
     if not isinstance(case.time.step, float | int):
-        return min(case.time.step.courant / max(rate, rigid), case.time.end)
+        assert case.courant is not None
+        return min(case.courant / max(rate, rigid), case.time.end)
     require_stable(float(case.time.step), rate, case.method.stable)
     return float(case.time.step)
 

@@ -146,7 +146,7 @@ class Forcing(NamedTuple):
         The constraints and the vertices that they hold, see `constrained_velocity`.
     walls : (6, 3) float64
         The faces that hold particles in, see `pgimp.kernels.walls`.
-    controlled : bool
+    controlled : bool or float
         Whether the next step depends on the particles' speeds.
     clearances : (faces, vertices) float64 or ()
         How far bodies are from walls that let go, see `find_clearances`.
@@ -159,7 +159,7 @@ class Forcing(NamedTuple):
     constraints: tuple
     marked: tuple
     walls: FloatArray
-    controlled: bool
+    controlled: bool | float
     clearances: Any = ()
 
 

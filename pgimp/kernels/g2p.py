@@ -19,6 +19,7 @@ from pgimp.kernels.gathered import (
     repeat_sums,
 )
 from pgimp.kernels.loads import force_power, layer_power
+from pgimp.kernels.pace import pace
 from pgimp.kernels.place import first_vertex
 from pgimp.kernels.transfer import gather
 from pgimp.kernels.updates.checks import and_finite, examine, within
@@ -64,7 +65,7 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
     faults, outflow, changed : int
         Number of particles at fault, of those that left, of those that left or changed their layer.
     rate : float
-        Largest (c_p + |v_p|)/L, if controlled.
+        Largest `pace` over L, if controlled.
     clamped : int
         Number of particles whose half-width is clamped.
     held : int
@@ -121,7 +122,7 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
             if forcing.controlled:
                 c = wave_speed(setting, m, F, J, state)
                 c = effective_wave_speed(loads.viscosity, c, extra)
-                fastest = max((c + sqrt(squared(v))) * inverse, fastest)
+                fastest = max(pace(forcing.controlled, c, sqrt(squared(v))) * inverse, fastest)
             # One branch for all that rarely happens, NaN included; its speed limit is sharper.
             half, most = size(shape, frame.cell, F)
             now = first_vertex(frame, 0, half[0], x[0])

@@ -5,6 +5,7 @@ from math import sqrt
 from pgimp.jit.algebra import determinant, symmetric
 from pgimp.jit.kernel import kernel
 from pgimp.jit.tuples import read, squared
+from pgimp.kernels.pace import pace
 from pgimp.kernels.updates.stress import state_of
 from pgimp.physics.materials.base import evaluate
 
@@ -82,8 +83,8 @@ def exact_masses(particles, rows, unit, masses):
 
 
 @kernel
-def fastest_rate(setting, particles, rows):
-    """Largest (c_p + |v_p|)/L over the particles in `rows`, 1/time; times dt the Courant number."""
+def fastest_rate(setting, particles, rows, controlled):
+    """Largest `pace` over L of the particles in `rows`, 1/time; times dt the Courant number."""
     frame, materials, material_of = setting.frame, setting.materials, setting.material_of
     inverse = 0.0
     for d in range(len(frame.inverse)):
@@ -94,5 +95,6 @@ def fastest_rate(setting, particles, rows):
         state = state_of(materials, particles, p, F)
         args = (F, determinant(F))
         c = evaluate("speed", materials, material_of[particles.body[p]], args, state)
-        rate = max(rate, (c + sqrt(squared(read(particles.v, p, 0, frame.origin)))) * inverse)
+        speed = sqrt(squared(read(particles.v, p, 0, frame.origin)))
+        rate = max(rate, pace(controlled, c, speed) * inverse)
     return rate

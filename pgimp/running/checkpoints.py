@@ -167,7 +167,9 @@ class Checkpoints:
         began = monotonic()
         path = self.folder / f"step-{sim.step:09d}.h5"
         records = sim.diagnostic_sums
-        state, rows, whole = capture(sim.rank, sim.now, sim.rate, sim.count, records)
+        state, rows, whole = capture(
+            sim.rank, sim.now, sim.rate, sim.count, records, sim.watch
+        )
         about = {
             "program": "pgimp",
             "case": self._case,

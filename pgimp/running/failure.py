@@ -202,7 +202,7 @@ def _courant(sim: Simulation, found: _Found) -> float:
     scene, p, order = sim.scene, sim.particles, sim.population.order
     sound = np.isfinite(p.v[order]).all(axis=1) & np.isfinite(p.F[order]).all(axis=1)
     order = order[sound & ~np.isin(order, found.rows)]
-    rate = fastest_rate(scene.setting.without_shape(), p, order)
+    rate = fastest_rate(scene.setting.without_shape(), p, order, scene.controlled or True)
     assert sim.failure is not None
     return max(sim.comm.allgather(rate)) * sim.failure.dt
 

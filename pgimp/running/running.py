@@ -69,6 +69,8 @@ def advance(
             sim.advance(agree=False)
             recorder.step()
             progress.step()
+            if sim.watch and sim.watch.said:
+                log.say(f"warning: {sim.watch.said.pop(0)}")
             stopped = sim.agreed_request == Request.STOP
         sim.agree()
         if not sim.finished:

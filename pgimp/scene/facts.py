@@ -161,7 +161,7 @@ def wave_speed(scene: Scene, body: int) -> float:
     point = Particles.empty(1, scene.carried)
     point.body[0] = body
     point.state[0] = scene.states.initial[scene.body_material[body]]
-    rate = fastest_rate(scene.setting.without_shape(), point, np.zeros(1, np.int32))
+    rate = fastest_rate(scene.setting.without_shape(), point, np.zeros(1, np.int32), True)
     return rate / max(scene.frame.inverse)
 
 

@@ -11,6 +11,7 @@ from pgimp.errors import CaseError
 from pgimp.kernels.loads import Loads
 from pgimp.kernels.particles import Particles
 from pgimp.kernels.viscosity import Viscosity
+from pgimp.physics.loads.tractions import overlaps
 from pgimp.scene.latticebody import LEAST_FRACTION
 
 
@@ -68,7 +69,7 @@ class SceneLoads:
         self.half = 0.5 * np.array(grid.cell) / np.array(method.particles_per_cell)
         size = np.array(method.parameters(tuple(grid.cell)).half) * np.array(grid.cell)
         self._patch = (2.0 * self.half, size, method.chi, method.follows)
-        self._overlap = np.rint(size / (2.0 * self.half)).astype(int)
+        self._width = 2.0 * size if method.chi == "box" else size
         self._varies = bool(force) or any(entry.varies for entry in self.tractions)
         self._constraints_vary = any(entry.varies for entry in self.constraints)
         self._loads = self._at(0.0)
@@ -119,7 +120,7 @@ class SceneLoads:
                     parts.append(parts_of(low[d], high[d], edges))
                 else:
                     parts.append(((low[d] <= centres) & (centres < high[d])).astype(float))
-            overlap = max(1, int(self._overlap[entry.axis]))
+            overlap = overlaps(self._width[entry.axis], 2.0 * self.half[entry.axis])
             p.patch[mine, i] = entry.areas(parts, columns, 2.0 * self.half, overlap)
         for name in {entry.body for entry in self.constraints}:
             number = self.bodies.index(name)

@@ -28,6 +28,9 @@ from pgimp.scene.pointscloud import Cloud
 from pgimp.scene.tools import SceneTools
 from pgimp.schema.tables import VectorTable
 
+#: Cells that a particle may cross in a step whose length pgimp chooses.
+MOST_CELLS = 0.5
+
 #: Masses outside of this would leave the range of float64 in sums and products.
 LEAST, MOST = 1e-200, 1e200
 
@@ -165,6 +168,14 @@ class Scene:
     def origins(self) -> bool:
         """Whether particles keep their initial position."""
         return bool(self.exact) or "displacement" in self.case.output.fields
+
+    @property
+    def controlled(self) -> bool | float:
+        """Whether steps follow the fastest wave, and how, see `pgimp.kernels.pace`."""
+        courant = self.case.courant
+        if courant is None or not self.case.watched:
+            return courant is not None
+        return courant / MOST_CELLS
 
     def gravity(self, t: float) -> tuple[float, float, float]:
         """Body force per mass at a time; zero in directions that the scene does not have."""

@@ -80,6 +80,8 @@ class CourantClock:
     def __init__(
         self, courant: float, end: float, stops: tuple[float, ...], rest_rate: float = inf
     ) -> None:
+        #: What is left of the Courant number, see `pgimp.solver.energywatch`.
+        self.part = 1.0
         self._courant, self._rest_rate = courant, rest_rate or inf  # 0: dust, a gas at rest
         self._stops = sorted({t for t in stops if 0.0 < t < end} | {end})
         self.end = end
@@ -99,7 +101,8 @@ class CourantClock:
         start = done.end
         stop = self._stops[bisect_right(self._stops, start)]
         left = stop - start
-        steps = (self.end - start) * rate / self._courant
+        courant = self._courant * self.part
+        steps = (self.end - start) * rate / courant
         if not steps < (BLOWN_UP_STEPS if rate > BLOWN_UP * self._rest_rate else MOST_STEPS):
             raise EndlessError(
                 f"after step {done.number}, at time {start:.6g}, waves or particles have become "
@@ -108,7 +111,7 @@ class CourantClock:
                 "  try: a smaller time.step: {courant: ...}, slower loading, finer cells"
             )
         # Rounding must not leave a tiny step before a stop.
-        count = max(1, ceil(left * rate / self._courant * (1.0 - 1e-12)))
+        count = max(1, ceil(left * rate / courant * (1.0 - 1e-12)))
         dt = left / count
         return Step(done.number + 1, start, dt, stop if count == 1 else start + dt)
 
@@ -126,4 +129,5 @@ def clock_of(case: Case, rest_rate: float = inf) -> FixedClock | CourantClock:
     time = case.time
     if isinstance(time.step, float | int):
         return FixedClock(float(time.step), float(time.end))
-    return CourantClock(time.step.courant, float(time.end), case.output.at, rest_rate)
+    assert case.courant is not None
+    return CourantClock(case.courant, float(time.end), case.output.at, rest_rate)

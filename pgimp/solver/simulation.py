@@ -22,9 +22,10 @@ from pgimp.scene.geometry import release, share, take_as_empty
 from pgimp.scene.lattice import Lattice
 from pgimp.scene.scene import Scene, count_particles
 from pgimp.scene.toolchecks import require_apart, require_clear, require_same, require_slow
-from pgimp.solver.clock import START, Step, clock_of
+from pgimp.solver.clock import START, CourantClock, Step, clock_of
 from pgimp.solver.decomposition import owned, partition, rebalance
 from pgimp.solver.diagnostics import Diagnostics
+from pgimp.solver.energywatch import EVERY, LEAST, EnergyWatch
 from pgimp.solver.faults import Failure, collect
 from pgimp.solver.memory import require
 from pgimp.solver.rank import Rank
@@ -82,6 +83,8 @@ class Simulation:
         What all ranks say of the last step, or will have said.
     rate : float
         Largest (c_p + |v_p|)/L of all ranks.
+    watch : EnergyWatch or None
+        What guards steps that pgimp chooses.
     failure : Failure or None
         The step that failed; `time`, `step` and `dt` are then those of the step before.
 
@@ -106,6 +109,7 @@ class Simulation:
         self.failure: Failure | None = None
         self.request = self.agreed_request = Request.NONE
         self.reduction = StepReduction(comm)
+        self.watch = EnergyWatch() if case.watched else None
         self.diagnostic_sums = Diagnostics()
         (share if source is None else take_as_empty)(case, comm)
         require(scene, comm, None if source is None else source.count)
@@ -142,6 +146,8 @@ class Simulation:
             require_clear(scene.tools, scene.faces, scene.tools.first, 0, 0.0, comm)
         self.warnings += nearness.warnings(self.case)
         release(self.case)
+        if self.watch:
+            self.watch.begin(self.rank)
         rate = max(self.rate, scene.tools.first_rate)
         require_end(scene, rate)
         dt = self.clock.next(self.done, rate).dt
@@ -159,6 +165,12 @@ class Simulation:
         read_books(self.rank, source, state, self.diagnostic_sums)
         self.done = self.clock.after(state.step, state.time, state.dt)
         self.rate = state.rate
+        if self.watch:
+            if state.watch is None:  # the run began with other steps
+                self.watch.begin(self.rank)
+            else:
+                self.watch.numbers = state.watch
+            self._shorten()
 
     def decompose(self, counts: np.ndarray) -> Slab:
         """Give each rank its layers, so that no rank has more particles than need be."""
@@ -199,7 +211,8 @@ class Simulation:
         if start is None:
             scene.loads.scale_patches(rank.population, comm)
         setting = scene.setting.without_shape()
-        fastest = fastest_rate(setting, rank.particles, rank.population.order)
+        order, controlled = rank.population.order, scene.controlled or True
+        fastest = fastest_rate(setting, rank.particles, order, controlled)
         self.rate = max(comm.allgather(fastest))
 
     @property
@@ -275,7 +288,7 @@ class Simulation:
             raise RunError(self.failure.text)
         self.agreed_request = Request.PENDING
         rank, reduction, balance = self.rank, self.reduction, self.balance
-        doing, rate = step(rank, self.time, self._next, self.clock.controlled)
+        doing, rate = step(rank, self.time, self._next, self.controlled)
         self.doing, number = doing, doing.number
         if self.comm.size > 1:
             balance.note(rank.worked, rank.count, number)
@@ -283,8 +296,11 @@ class Simulation:
         request = Request.FAULT if rank.failed else self.request
         reduction.begin(rate, request, balance.asks, rank.reach)
         sort = number % RESORT == 0
-        if agree or asked or sort or self.comm.size == 1:
+        look = self.watch is not None and number % EVERY == 0
+        if agree or asked or sort or look or self.comm.size == 1:
             self.agree()
+        if look:
+            self._look()
         if not rank.grid.covers(reduction.reach):
             rank.grid.extend(reduction.reach)
         if asked:
@@ -292,6 +308,11 @@ class Simulation:
             reduction.asks = False
         if sort:
             self._sort()
+
+    @property
+    def controlled(self) -> bool | float:
+        """Whether the next step's length follows the fastest wave, and how."""
+        return self.scene.controlled if self.clock.controlled else False
 
     def _next(self) -> Step:
         """Learn how the step before went, of which the greatest speed is that of the next."""
@@ -326,6 +347,19 @@ class Simulation:
             self.failure = collect(self.rank, last)
             raise RunError(self.failure.text)
         self.done = last
+
+    def _look(self) -> None:
+        """See where energy comes from nothing, and shorten the steps; collective."""
+        assert self.watch is not None
+        begin = perf_counter()
+        self.watch.look(self.rank, self.step, self.time)
+        self._shorten()
+        self.rank.timings["order"] += perf_counter() - begin
+
+    def _shorten(self) -> None:
+        """Take what is left of the Courant number that pgimp has chosen."""
+        if self.watch and isinstance(self.clock, CourantClock):
+            self.clock.part = min(max(self.watch.part, LEAST), 1.0)
 
     def _sort(self) -> None:
         """Sort the rows, report the load, and shrink a window that has become far too wide."""

@@ -41,6 +41,8 @@ def check_first_step(scene: Any, dt: float, rate: float) -> list[str]:
     """
     stable = scene.case.method.stable
     require_stable(dt, rate, stable)
+    if scene.case.watched:
+        return []
     warning = stability_warning(dt, rate, stable)
     return [warning] if warning else []
 
@@ -67,7 +69,7 @@ def require_end(scene: Any, rate: float) -> None:
             f"the fastest wave or particle would cross {rate:g} cells in a unit of time; are "
             "young, density, velocity and grid.cell one consistent set of numbers?"
         )
-    courant = getattr(time.step, "courant", None)
+    courant = scene.case.courant
     if courant is not None and not time.end * rate < courant * MOST_STEPS:
         raise CaseError(
             f"time.end: {time.end:g} is {time.end * rate / courant:.3g} steps away (at most "

@@ -37,6 +37,7 @@ class State(BaseModel):
     beyond_time: float = Field(ge=0.0)
     beyond_face: str
     tools: str = ""
+    watch: list[float] | None = Field(default=None, min_length=4, max_length=4)
 
     @classmethod
     def of(cls, source: Any) -> Self:
@@ -93,7 +94,7 @@ class Ordered(Mapping[str, np.ndarray]):
 
 
 def capture(
-    rank: Rank, done: Step, rate: float, count: int, records: Diagnostics
+    rank: Rank, done: Step, rate: float, count: int, records: Diagnostics, watch: Any = None
 ) -> tuple[dict[str, Any], Ordered, dict[str, np.ndarray]]:
     """Take the state out of a simulation between two steps; collective.
 
@@ -109,6 +110,8 @@ def capture(
         Particles of all ranks at the start.
     records : Diagnostics
         What the history keeps from line to line.
+    watch : EnergyWatch, optional
+        What guards the steps.
 
     Returns
     -------
@@ -138,6 +141,7 @@ def capture(
         beyond_time=records.beyond[1],
         beyond_face=records.beyond[2],
         tools=rank.scene.tools.checksum,
+        watch=watch.numbers if watch else None,
     )
     whole = {"layers": np.concatenate([part[0] for part in parts]).astype(np.int64)}
     for i, name in enumerate(own._fields):

@@ -21,7 +21,7 @@ from pgimp.solver.rank import Rank
 
 
 def step(
-    rank: Rank, start: float, begin: Callable[[], Step], controlled: bool
+    rank: Rank, start: float, begin: Callable[[], Step], controlled: bool | float
 ) -> tuple[Step, float]:
     """Advance a rank's particles by one step; collective.
 
@@ -33,8 +33,8 @@ def step(
         Time at the beginning of the step.
     begin : callable
         What waits for all ranks to say how the step before went, and gives this one.
-    controlled : bool
-        Whether the greatest speed is wanted.
+    controlled : bool or float
+        Whether the greatest speed is wanted, see `pgimp.kernels.pace`.
 
     Returns
     -------
@@ -124,7 +124,7 @@ def step(
     return t, rate
 
 
-def acting(rank: Rank, t: Step, loads: Loads, controlled: bool) -> Forcing:
+def acting(rank: Rank, t: Step, loads: Loads, controlled: bool | float) -> Forcing:
     """Return what acts in a step; see `step`."""
     scene, grid = rank.scene, rank.grid
     constraints = scene.loads.constraints_at(t.start, t.end)
@@ -154,7 +154,7 @@ def on_vertices(forcing: Forcing) -> Forcing:
     Kernels that work on vertices are then compiled once for all kinds of loads.
     """
     loads = Loads(relaxation=forcing.loads.relaxation)
-    return forcing._replace(loads=loads, constraints=())
+    return forcing._replace(loads=loads, constraints=(), controlled=False)
 
 
 def sum_particles(rank: Rank, loads: Loads, marked: bool) -> None:

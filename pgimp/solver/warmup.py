@@ -56,8 +56,9 @@ def _calls(scene: Scene) -> Iterator[Call]:
     bodies, faces = len(scene.material_of), scene.face_parameters(0.0, 0.0)
     marked = (constraints, grid.marks) if constraints else ()
     clearances = np.empty((len(faces), 0)) if scene.approached else ()
+    controlled = scene.controlled
     forcing = Forcing(
-        1.0, scene.gravity(0.0), 0.0, loads, constraints, marked, scene.walls(0.0), False,
+        1.0, scene.gravity(0.0), 0.0, loads, constraints, marked, scene.walls(0.0), controlled,
         clearances,
     )
     vertex_forcing = on_vertices(forcing)
@@ -96,7 +97,7 @@ def _calls(scene: Scene) -> Iterator[Call]:
     )
     yield 1.4, lambda: locate(shape, frame, p, rows, frame.vertices)
     yield 1.4, lambda: layer_sums(material, p, order, np.zeros((1, bodies, SUMS)))
-    yield 1.0, lambda: fastest_rate(material, p, rows)
+    yield 1.0, lambda: fastest_rate(material, p, rows, controlled)
     yield 0.7, lambda: complete(grid.field, 0, 1, False, np.empty(0))
     yield 0.7, lambda: merge(p, rows, start, rows, 0, rows, rows.copy(), start.copy())
     yield 0.5, lambda: pack_rows(*p.columns(), rows, wire, 0, 0)

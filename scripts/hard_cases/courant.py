@@ -1,5 +1,7 @@
 """Map of the largest stable Courant number: free bodies at many offsets, by bisection.
 
+And of bodies that move over the grid, whose weights change under them.
+
 A scene holds free bodies that start at rest, each at another offset to the grid, shaken by tiny
 random velocities, so that everything is linear. A Courant number, of the code's definition dt max
 ((c + |v|)/L), is stable for a body if its energy is less than tenfold after the last step.
@@ -16,13 +18,18 @@ from pgimp.solver.simulation import Simulation
 BAR = {"model": "linear-1d", "young": 1.0, "density": 1.0}
 SOLID = {"model": "neo-hookean", "young": 1.0, "poisson": 0.3, "density": 1.0}
 #: Cells along a body, cells from one to the next, bodies.
-BODIES = {1: (8, 12, 16), 2: (4, 8, 9)}
+BODIES = {1: (8, 12, 16), 2: (4, 8, 9), 3: (3, 7, 6)}
+#: Speeds of bodies that move, over that of waves.
+SPEEDS = (0.0, 0.1, 0.3, 1.0, 3.0, 10.0)
 LARGEST = 1.0
 SHAKE = 1e-7
 
 
-def free_bodies(method, dimension, per_cell, count=None):
-    """Simulation of the free bodies, all of `BODIES` unless `count` says how many."""
+def free_bodies(method, dimension, per_cell, count=None, room=0.0):
+    """Simulation of the free bodies, all of `BODIES` unless `count` says how many.
+
+    There is `room` to move along x, in cells.
+    """
     length, pitch, most = BODIES[dimension]
     count = count or most
     bodies = {
@@ -41,7 +48,7 @@ def free_bodies(method, dimension, per_cell, count=None):
         "format": 1,
         "dimensions": dimension,
         "grid": {
-            "size": [pitch * count + 4.0] + [length + 6.0] * (dimension - 1),
+            "size": [pitch * count + 4.0 + np.ceil(room)] + [length + 6.0] * (dimension - 1),
             "cell": [1.0] * dimension,
         },
         "method": method | {"particles_per_cell": [per_cell] * dimension},
@@ -52,20 +59,32 @@ def free_bodies(method, dimension, per_cell, count=None):
     return Simulation(Case.model_validate(case), Serial())
 
 
-def stable_bodies(method, dimension, per_cell, courant, steps):
-    """Which bodies are stable at a Courant number, (bodies,) bool."""
-    sim = free_bodies(method, dimension, per_cell)
+def shaken(method, dimension, per_cell, speed=0.0, room=0.0):
+    """The free bodies at their offsets, shaken, and moving along x at a speed; see this module."""
+    sim = free_bodies(method, dimension, per_cell, room=room)
     count = BODIES[dimension][2]
     p, rows = sim.particles, sim.live()
     random = np.random.default_rng(1)
     # From one body to the next the offset grows by an irrational part of a cell, like a golden
     # section, so that it covers the cell evenly and never hits a lattice of particles.
-    golden = np.array([0.6180339887498949, 0.7548776662466927])[:dimension]
+    golden = np.array([0.6180339887498949, 0.7548776662466927, 0.5698402909980532])[:dimension]
     offsets = np.mod(0.1234 + np.outer(np.arange(count), golden), 1.0)
     p.x[rows] += offsets[p.body[rows]]
     p.v[rows] = SHAKE * random.standard_normal(p.v[rows].shape)
+    p.v[rows, 0] += speed
     sim.population.sort()
-    sim.clock = FixedClock(courant / sim.rate, 1e12)
+    return sim
+
+
+def stable_bodies(method, dimension, per_cell, courant, steps):
+    """Which bodies are stable at a Courant number, (bodies,) bool."""
+    sim = shaken(method, dimension, per_cell)
+    return _kept(sim, courant / sim.rate, steps)
+
+
+def _kept(sim, dt, steps):
+    """Which bodies keep their energy, but for a factor of ten, over some steps, (bodies,) bool."""
+    sim.clock = FixedClock(dt, 1e12)
     first = energies(sim)
     try:
         for step in range(steps):
@@ -73,17 +92,36 @@ def stable_bodies(method, dimension, per_cell, courant, steps):
             if step % 250 == 249 and (energies(sim) > 1e8 * first).any():
                 break
     except RunError:
-        return np.zeros(count, bool)
+        return np.zeros(len(first), bool)
     return energies(sim) < 10.0 * first
 
 
 def energies(sim):
-    """Kinetic and strain energy of each body."""
-    line = sim.diagnostics()
-    names = sim.scene.body_names
-    return np.array(
-        [line[f"body.{n}.kinetic-energy"] + line[f"body.{n}.strain-energy"] for n in names]
-    )
+    """Kinetic energy, as seen from the centre of mass, and strain energy of each body."""
+    line, p, rows = sim.diagnostics(), sim.particles, sim.live()
+    found = []
+    for number, name in enumerate(sim.scene.body_names):
+        mine = rows[p.body[rows] == number]
+        m, v = p.m[mine, None], p.v[mine]
+        v = v - (m * v).sum(axis=0) / m.sum()
+        found.append(0.5 * float((m * v * v).sum()) + line[f"body.{name}.strain-energy"])
+    return np.array(found)
+
+
+def moving_limit(method, dimension, per_cell, speed, tolerance=0.01, steps=3000):
+    """Largest stable dt c/L of bodies that move at a speed, which is over that of waves.
+
+    A particle must not cross a cell in a step, so dt |v|/L is less than 1.
+    """
+    most = min(LARGEST, 0.98 / speed if speed else LARGEST)
+    wave = shaken(method, dimension, per_cell).rate
+
+    def stable(part):
+        dt = part * most / wave
+        sim = shaken(method, dimension, per_cell, speed * wave, 1.1 * steps * dt * speed * wave)
+        return _kept(sim, dt, steps).all()
+
+    return most * _bisect(stable, tolerance)
 
 
 def limits(method, dimension, per_cell, steps, tolerance=0.01):

@@ -17,8 +17,11 @@ from pgimp.solver.clock import FixedClock
 
 METHODS = {
     name: {"method.shape": name}
-    for name in ("mpm", "gimp", "finite-gimp", "fuzzy-nearest", "fuzzy-constant")
-}
+    for name in (
+        "mpm", "gimp", "finite-gimp", "cpdi", "fuzzy-nearest", "fuzzy-constant",
+        "bspline-quadratic", "bspline-cubic",
+    )
+}  # fmt: skip
 
 #: The bar that is pulled has torn when it bears less than this part of what it should.
 TORN = 0.5
@@ -139,7 +142,7 @@ ROWS = (
     Row("spinning", "spinning", lost_spin, {}, {"time.end": 20.0 * pi}),
     Row("spinning, cell 0.05, 5 turns", "spinning", lost_spin,
         {"grid.cell": [0.05, 0.05], "time.end": 100.0 * pi, "output.every": None}, None,
-        ("mpm", "gimp", "finite-gimp")),
+        ("mpm", "gimp", "finite-gimp", "cpdi")),
     Row("spinning, affine", "spinning", lost_spin, AFFINE, AFFINE | {"time.end": 20.0 * pi}),
     Row("stretch", "stretch", pull_error, {}, {}),
     Row("stretch, affine", "stretch", pull_error, AFFINE),
@@ -198,13 +201,7 @@ def grazing(method, depth, per_cell=2, courant=0.3, steps=3000):
     """
     sim = free_bodies({"shape": method}, 1, per_cell, 1)
     p, rows = sim.particles, sim.live()
-    reach = {
-        "mpm": 0.0,
-        "gimp": 0.5 / per_cell,
-        "finite-gimp": 0.5 / per_cell,
-        "fuzzy-nearest": 1.0 / per_cell,
-        "fuzzy-constant": 1.0,
-    }[method]
+    reach = sim.scene.shape.half[0]
     random = np.random.default_rng(1)
     p.x[rows, 0] += np.mod(reach - 0.5 / per_cell, 1.0) - depth
     p.v[rows, 0] = 0.1 * depth * random.standard_normal(len(rows))

@@ -30,9 +30,10 @@ def cases_table(records):
     """Method by case."""
     rows = list(dict.fromkeys(record["case"] for record in records))
     found = {(record["case"], record["method"]): record for record in records}
-    lines = ["| case | " + " | ".join(METHODS) + " |", "|---" * (len(METHODS) + 1) + "|"]
+    methods = [m for m in METHODS if any(key[1] == m for key in found)]
+    lines = ["| case | " + " | ".join(methods) + " |", "|---" * (len(methods) + 1) + "|"]
     for row in rows:
-        cells = [entry(found.get((row, method))) for method in METHODS]
+        cells = [entry(found.get((row, method))) for method in methods]
         lines.append(f"| {row} | " + " | ".join(cells) + " |")
     return "\n".join([*lines, ""])
 
@@ -49,6 +50,43 @@ def courant_table(points):
             "" if x is None else "at least 1" if x >= 1.0 else f"{x:.2f}" for x in limits
         ]
         lines.append(f"| {method} | " + " | ".join(cells) + " |")
+    return "\n".join([*lines, ""])
+
+
+def moving_table(points):
+    """Largest stable dt c/L by speed."""
+    speeds = list(dict.fromkeys(p["speed"] for p in points))
+    found = {(p["method"], p["speed"]): p["waves"] for p in points}
+    titles = ["at rest" if v == 0.0 else f"{v:g} c" for v in speeds]
+    lines = ["| shape | " + " | ".join(titles) + " |", "|---" * (len(speeds) + 1) + "|"]
+    for method in dict.fromkeys(p["method"] for p in points):
+        cells = [f"{found[method, v]:.2f}" for v in speeds]
+        lines.append(f"| {method} | " + " | ".join(cells) + " |")
+    return "\n".join([*lines, ""])
+
+
+def _cells(text):
+    """Titles of a table's columns, and its cells by row and column."""
+    rows = [[cell.strip() for cell in line.strip("| ").split(" | ")]
+            for line in text.splitlines() if line.startswith("|") and not line.startswith("|--")]
+    titles = rows[0]
+    return titles, {row[0]: dict(zip(titles[1:], row[1:], strict=False)) for row in rows[1:]}
+
+
+def merged(name, text):
+    """The table of the docs with rows and columns of another one added, or in their place."""
+    path = PAGES / "tables" / f"{name}.md"
+    if not path.exists():
+        return text
+    (old, cells), (new, more) = _cells(path.read_text(encoding="utf-8")), _cells(text)
+    titles = [*old, *(title for title in new if title not in old)]
+    if name == "hard-cases":
+        titles = [titles[0], *(m for m in METHODS if m in titles)]
+    for row, values in more.items():
+        cells[row] = cells.get(row, {}) | values
+    lines = ["| " + " | ".join(titles) + " |", "|---" * len(titles) + "|"]
+    for row, values in cells.items():
+        lines.append("| " + " | ".join([row, *(values.get(t, "") for t in titles[1:])]) + " |")
     return "\n".join([*lines, ""])
 
 

@@ -15,7 +15,10 @@ import pgimp
 from pgimp.mpi.comm import Serial
 from pgimp.solver.simulation import Simulation
 
-SHAPES = ("mpm", "gimp", "finite-gimp", "fuzzy-nearest", "fuzzy-constant")
+SHAPES = (
+    "mpm", "gimp", "finite-gimp", "cpdi", "fuzzy-nearest", "fuzzy-constant",
+    "bspline-quadratic", "bspline-cubic",
+)  # fmt: skip
 HEIGHT = 4  # cells across every body
 OFF = 0.3  # of a cell, by direction
 

@@ -49,10 +49,9 @@ def name(record):
 
 def accuracy(records):
     """Errors and cost by method: 2D and 3D, or the column's three cells, in one place each."""
-    plain = next((r for r in records if name(r) == "gimp, 2 a cell"), {})
 
     def cost(record):
-        costs = [(record.get(f"cost {D}"), plain.get(f"cost {D}")) for D in (2, 3)]
+        costs = [(record.get(f"cost {D}"), record.get(f"plain {D}")) for D in (2, 3)]
         return ", ".join("" if None in pair else f"{pair[0] / pair[1]:.2f}" for pair in costs)
 
     def cell(record, keys, sign=False):
@@ -101,6 +100,23 @@ def text(records, machine):
         f"{', '.join(map(str, COURANTS))}, in 2D:\n\n{losses(records)}\n"
         f"Measured on one core of {machine}.\n"
     )
+
+
+def added(records, machine):
+    """The tables of the docs with the lines of these methods added, or in their place."""
+    parts = TABLES.read_text(encoding="utf-8").split("\n\n")
+    for i, table in enumerate((accuracy(records), losses(records))):
+        at = 2 * i
+        lines = parts[at].rstrip("\n").split("\n")
+        new = {line.split(" | ")[0]: line for line in table.rstrip("\n").split("\n")[2:]}
+        kept = [new.pop(line.split(" | ")[0], line) for line in lines]
+        parts[at] = "\n".join([*kept, *new.values()])
+    shapes = ", ".join(dict.fromkeys(record["shape"] for record in records))
+    head = f"The lines of {shapes}:"
+    note = f"{head} {machine}."
+    said = [line for line in parts[3].splitlines() if not line.startswith(head)]
+    parts[3] = "\n".join([*said, note]) + "\n"
+    return "\n\n".join(parts)
 
 
 def put_into_docs(text):

@@ -86,6 +86,26 @@ def method(rng, scene):
     scene.case["method"] = entry
 
 
+def splines(rng, scene):
+    """B-splines in place of another shape."""
+    method = {"shape": rng.kind.choice(("bspline-quadratic", "bspline-cubic"))}
+    scene.case["method"] = method | {"particles_per_cell": scene.per_cell}
+    if rng.kind.random() < 0.3:
+        scene.case["method"]["wall"] = "ghost"
+
+
+def mirrors(rng, scene):
+    """Walls reflect what boxes carry beyond them."""
+    if scene.case["method"]["shape"] in ("gimp", "finite-gimp", "cpdi"):
+        scene.case["method"]["wall"] = "mirror"
+
+
+def courant(rng, scene):
+    """Pgimp chooses the Courant number, and watches the energy."""
+    scene.case["time"]["step"] = {"courant": "auto"}
+    scene.case["time"]["end"] = 3.0 * scene.end
+
+
 def materials(rng, scene):
     """One, or two models with a parameter that differs."""
     names = ["bar"] if scene.dimension == 1 else ["soft", "stiff"]
@@ -338,12 +358,15 @@ class Feature(NamedTuple):
 FEATURES = (
     Feature("domain", domain),
     Feature("method", method),
+    Feature("B-splines", splines, 0.15, compiled=True),
+    Feature("mirrors", mirrors, 0.4, compiled=True),
     Feature("affine", affine, 0.35, compiled=True),
     Feature("relaxation", relaxation, 0.15, compiled=True),
     Feature("materials", materials),
     Feature("memory", memory, 0.2, compiled=True),
     Feature("viscosity", viscosity, 0.2, compiled=True),
     Feature("time", time),
+    Feature("steps chosen", courant, 0.12, compiled=True),
     Feature("bodies", add_bodies),
     Feature("walls", walls, 0.7, compiled=True),
     Feature("rough walls", rough, 0.3, compiled=True),

@@ -49,11 +49,13 @@ def prepare():
     from pgimp.decomposition.balance import Balance
     from pgimp.jit.bound import Bound
     from pgimp.running import running
+    from pgimp.solver import simulation
     from pgimp.solver.reduction import Request
 
     Bound.__call__ = _checked
     run.abort_on_error = lambda comm: contextlib.nullcontext()
     redistribute._PIECE, halo.PIECE, migrate.CAPACITY = 200, 5, 2
+    simulation.EVERY = 7
     usual = running._request
 
     def request(sim, *others):

@@ -6,8 +6,8 @@ from transfer_setting import DT, GRAVITY, LIGHTEST, close, copied, faces_of, set
 
 from pgimp.kernels.mirror import Mirror
 
-#: One of each kind of kernel that reaches past a wall by default.
-FUZZY = ("fuzzy-nearest", "fuzzy-constant-fixed")
+#: One of each kind of kernel that reaches past a wall, and one that it shares with another shape.
+WIDE = ("gimp", "finite-gimp", "fuzzy-nearest", "fuzzy-constant-fixed", "bspline-quadratic")
 
 KINDS = ("fixed", "slip", "separating")
 
@@ -24,7 +24,7 @@ def walls(D, kinds):
 
 
 @pytest.mark.parametrize("D", [1, 2, 3])
-@pytest.mark.parametrize("name", FUZZY)
+@pytest.mark.parametrize("name", WIDE)
 @pytest.mark.parametrize("kinds", [("separating",), KINDS], ids=["letting go", "mixed"])
 def test_a_step_between_mirrors(name, D, kinds):
     """All faces at once, corners included: vertices and particles as in plain NumPy."""

@@ -78,7 +78,7 @@ def ask():
     frame = Frame((0.0,), (1.0,), (1.0,), (4,), 1)
     p = Particles.empty(1, Carried(1))
     rows, zero = np.zeros(1, np.int32), np.zeros(1, np.int64)
-    rate = fastest_rate(Setting((), frame, (1.0,), (law,), zero), p, rows)
+    rate = fastest_rate(Setting((), frame, (1.0,), (law,), zero), p, rows, True)
     print(rate, sum(fastest_rate.stats.cache_hits.values()))
 """
 IMPORTED = (
@@ -219,7 +219,7 @@ def ask(entry, dimensions=1):
     one = tuple(np.eye(D).ravel())
     rows, zero = np.zeros(1, np.int32), np.zeros(1, np.int64)
     setting = Setting((), frame, one, (parameters,), zero)
-    return fastest_rate(setting, Particles.empty(1, Carried(D)), rows)
+    return fastest_rate(setting, Particles.empty(1, Carried(D)), rows, True)
 
 
 def test_two_classes_of_one_name_are_two_materials(registered):

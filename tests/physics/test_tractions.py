@@ -11,7 +11,9 @@ from pgimp.mpi.comm import Serial
 from pgimp.scene.scene import Scene, count_particles
 
 #: Shapes whose patches cancel the stress at the surface exactly.
-SMOOTH = ("gimp", "finite-gimp", "fuzzy-nearest", "fuzzy-constant")
+SMOOTH = (
+    "gimp", "finite-gimp", "fuzzy-nearest", "fuzzy-constant", "bspline-quadratic", "bspline-cubic",
+)  # fmt: skip
 
 
 def load(face, **kind):

@@ -293,4 +293,4 @@ def rate_of(rank, D, material_of):
     """Result of `fastest_rate`."""
     population = rank.population
     setting = Setting((), rank.frame, rank.setting.identity, MATERIALS, material_of)
-    return fastest_rate(setting, population.particles, population.order)
+    return fastest_rate(setting, population.particles, population.order, True)

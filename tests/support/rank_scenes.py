@@ -252,6 +252,10 @@ SIZED = {
     "plane_ghost": squeezed(
         2, "fuzzy-constant", {"x-min": "slip", "y-min": "fixed"}, size="fixed", wall="ghost"
     ),
+    "plane_mirror": squeezed(
+        2, "gimp", {"x-min": "slip", "x-max": "separating", "y-min": "separating"}, wall="mirror"
+    ),
+    "line_spline": squeezed(1, "bspline-cubic", {"x-min": "fixed", "x-max": "separating"}),
     "space_finite": squeezed(3, "finite-gimp", {"x-min": "fixed", "z-min": "slip"}),
     "space_fuzzy": squeezed(
         3, "fuzzy-constant",

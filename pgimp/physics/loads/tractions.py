@@ -16,6 +16,17 @@ from pgimp.schema.tables import Table, VaryingVector, VectorTable
 _LEAST = 1e-9
 
 
+def overlaps(width: float, spacing: float) -> int:
+    """Columns of particles after which the inner end of one chi_p meets the outer end of another.
+
+    Parameters
+    ----------
+    width, spacing : float
+        Width of what falls from one to zero there, half a tent or a box, and of a column.
+    """
+    return max(1, round(width / spacing))
+
+
 class Traction(NamedTuple):
     """One traction during one step.
 
@@ -118,9 +129,10 @@ class TractionEntry(Model):
         x, y, z = (*(float(c) for c in vector), 0.0, 0.0, 0.0)[:3]
         wide = [0.0 if chi == "point" else float(h) for h in half]
         # A sum of tents falls from one to zero between a particle's centre and its outer end.
-        reach = {"point": 0.0, "box": 0.5 * float(spacing[self.axis])}.get(
-            chi, 0.5 * wide[self.axis]
-        )
+        # A sum of boxes does at once, or in steps at the outer ends of as many as overlap.
+        gap = float(spacing[self.axis])
+        boxes = 0.5 * overlaps(2.0 * wide[self.axis], gap) * gap
+        reach = {"point": 0.0, "box": boxes}.get(chi, 0.5 * wide[self.axis])
         wide[self.axis] = reach if chi == "tent" else 0.0
         return Traction(
             self.axis, self.side, column, reach, tuple(wide), chi == "tent", follows, (x, y, z),
@@ -141,7 +153,7 @@ class TractionEntry(Model):
         spacing : (D,) float64
             Distance of the particles.
         overlap : int
-            Columns after which the inner end of one chi_p meets the outer end of another.
+            See `overlaps`.
         """
         area = np.ones(len(columns[0]))
         for d, (part, column) in enumerate(zip(parts, columns, strict=True)):

@@ -11,6 +11,7 @@ kernels as static methods, in units of cells:
 """
 
 from pgimp.physics.shapes.base import Shape
+from pgimp.physics.shapes.bspline import BsplineCubic, BsplineQuadratic
 from pgimp.physics.shapes.cpdi import Cpdi
 from pgimp.physics.shapes.finite_gimp import FiniteGimp
 from pgimp.physics.shapes.fuzzy import FuzzyConstant, FuzzyNearest
@@ -23,6 +24,8 @@ SHAPES: dict[str, type[Shape]] = {
     "gimp": Gimp,
     "finite-gimp": FiniteGimp,
     "cpdi": Cpdi,
+    "bspline-quadratic": BsplineQuadratic,
+    "bspline-cubic": BsplineCubic,
     "fuzzy-nearest": FuzzyNearest,
     "fuzzy-constant": FuzzyConstant,
 }

@@ -1,10 +1,11 @@
 """What the entries of all shapes have in common, and the kernels' view of a shape."""
 
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 from pydantic import Field
 
 from pgimp.jit.kernel import exact, specialise
+from pgimp.physics.shapes.courant import LIMITS
 from pgimp.schema.base import Count, Model, NonNegative
 
 
@@ -37,6 +38,22 @@ class Shape(Model):
     #: four particles a cell and direction (``scripts/hard courant``); above, there is a warning.
     stable: ClassVar[float] = 0.45
 
+    def largest_courant(self, dimensions: int) -> float:
+        """Largest Courant number that has been found stable with these particles and transfer.
+
+        That is `stable` where nobody has measured (``scripts/hard courant``): see `LIMITS`.
+        """
+        # The name is a field of each shape.
+        name = f"{getattr(self, 'shape', '')}{', affine' if self.affine else ''}"
+        found = LIMITS.get(name, {}).get(dimensions)
+        if found is None:
+            return self.stable
+        most = max(self.particles_per_cell)
+        for per_cell, limit in found.items():
+            if most <= per_cell:
+                return limit
+        return limit * per_cell / most
+
     @property
     def tracked(self) -> bool:
         """Whether the volume in the internal force (16) follows det(F)."""
@@ -54,6 +71,26 @@ class Shape(Model):
     def mirrors(self) -> bool:
         """Whether walls reflect what lies beyond them."""
         return False
+
+
+def beyond_walls(default: str) -> Any:
+    """Field ``wall`` of the shapes whose particles have a size, with the default of one."""
+    return Field(
+        default=default,
+        description="what happens to the part of a particle beyond a face with a condition: "
+        "mirror reflects it; ghost gives it to vertices beyond the face, where it is lost",
+    )
+
+
+class WideShape(Shape):
+    """Base of the shapes whose particles have a size, and so reach past walls."""
+
+    wall: Literal["ghost", "mirror"] = beyond_walls("ghost")
+
+    @property
+    def mirrors(self) -> bool:
+        """See `Shape.mirrors`."""
+        return self.wall == "mirror"
 
 
 class PointShape(Shape):

@@ -15,7 +15,7 @@ from typing import ClassVar, Literal, NamedTuple
 
 from pydantic import Field
 
-from pgimp.physics.shapes.base import Shape
+from pgimp.physics.shapes.base import WideShape
 from pgimp.physics.shapes.stretch import stretched
 
 
@@ -57,7 +57,7 @@ class CpdiParameters(NamedTuple):
         )
 
 
-class Cpdi(Shape):
+class Cpdi(WideShape):
     """Boxes whose ends move with the grid (convected particle domains): bars do not tear."""
 
     shape: Literal["cpdi"] = Field(description="name of the shape")

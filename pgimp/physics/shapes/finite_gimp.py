@@ -13,7 +13,7 @@ from typing import ClassVar, Literal, NamedTuple
 
 from pydantic import Field
 
-from pgimp.physics.shapes.base import Shape
+from pgimp.physics.shapes.base import WideShape
 from pgimp.physics.shapes.stretch import stretched
 
 
@@ -54,7 +54,7 @@ class FiniteGimpParameters(NamedTuple):
         return (w0, 1.0 - w0 - w2 - w3, w2, w3), (g0, -g0 - g2 - g3, g2, g3)
 
 
-class FiniteGimp(Shape):
+class FiniteGimp(WideShape):
     """Boxes that follow the deformation: as gimp at small strains, and accurate at large ones."""
 
     shape: Literal["finite-gimp"] = Field(description="name of the shape")

@@ -15,7 +15,7 @@ from typing import ClassVar, Literal, NamedTuple
 from pydantic import Field
 
 from pgimp.jit.kernel import specialise
-from pgimp.physics.shapes.base import Shape
+from pgimp.physics.shapes.base import WideShape, beyond_walls
 from pgimp.physics.shapes.stretch import stretched
 
 
@@ -89,7 +89,7 @@ class TrackedFuzzyParameters(NamedTuple):
         return tents(half, f)
 
 
-class _Fuzzy(Shape):
+class _Fuzzy(WideShape):
     """What the two fuzzy shapes have in common."""
 
     size: Literal["tracked", "fixed"] = Field(
@@ -97,11 +97,7 @@ class _Fuzzy(Shape):
         description="whether the tents follow the deformation (tracked), which gives second-order "
         "convergence for any number of particles per cell",
     )
-    wall: Literal["ghost", "mirror"] = Field(
-        default="mirror",
-        description="what happens to the part of a particle beyond a face with a condition: "
-        "mirror reflects it; ghost gives it to vertices beyond the face, where it is lost",
-    )
+    wall: Literal["ghost", "mirror"] = beyond_walls("mirror")
 
     vertices: ClassVar[int] = FixedFuzzyParameters.vertices()
     chi: ClassVar[Literal["point", "box", "tent"]] = "tent"
@@ -110,11 +106,6 @@ class _Fuzzy(Shape):
     def follows(self) -> bool:
         """See `Shape.follows`."""
         return self.size == "tracked"
-
-    @property
-    def mirrors(self) -> bool:
-        """See `Shape.mirrors`."""
-        return self.wall == "mirror"
 
     def _parameters(self, half: tuple[float, ...]) -> FixedFuzzyParameters | TrackedFuzzyParameters:
         return (TrackedFuzzyParameters if self.size == "tracked" else FixedFuzzyParameters)(half)

@@ -4,7 +4,7 @@ from typing import ClassVar, Literal, NamedTuple
 
 from pydantic import Field
 
-from pgimp.physics.shapes.base import PointShape
+from pgimp.physics.shapes.base import PointShape, WideShape
 
 
 class GimpParameters(NamedTuple):
@@ -40,7 +40,7 @@ class GimpParameters(NamedTuple):
         return (w0, 1.0 - w0 - w2, w2), (g0, -g0 - g2, g2)
 
 
-class Gimp(PointShape):
+class Gimp(WideShape, PointShape):
     """Boxes of constant size (contiguous-particle GIMP): smooth; for strains of some per cent."""
 
     shape: Literal["gimp"] = Field(description="name of the shape")

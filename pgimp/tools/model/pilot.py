@@ -172,8 +172,7 @@ def _run(sim: Simulation, case: Case) -> Pilot:
         failure = str(error).splitlines()[0]
     end = case.time.end
     way += (end - sim.time) * rate
-    step = case.time.step
-    steps = float(case.time.steps or 0) if isinstance(step, float | int) else way / step.courant
+    steps = float(case.time.steps or 0) if case.courant is None else way / case.courant
     done = sim.time / end
     return Pilot(steps, sim.count, longer, min(done, 1.0), failure, most)
 
@@ -182,5 +181,5 @@ def _rate(sim: Simulation) -> float:
     """Largest (c_p + |v_p|)/L; of fixed steps, which do not keep it, now and then."""
     if not sim.clock.controlled and sim.step % _LOOK == 0:
         setting = sim.scene.setting.without_shape()
-        sim.rate = fastest_rate(setting, sim.particles, sim.population.order)
+        sim.rate = fastest_rate(setting, sim.particles, sim.population.order, True)
     return sim.rate

@@ -1,0 +1,19 @@
+"""What a step's length follows: how fast waves and particles cross cells."""
+
+from pgimp.jit.kernel import specialise
+
+
+def pace(controlled, c, speed):
+    """Speed that the Courant number refers to, of a particle with wave speed c.
+
+    That is c + |v|, or, where `controlled` is a number and not just true, the greater of c and that
+    times |v|: over how many cells a body moves in a step does not decide whether it is stable, as
+    long as that is less than one (``scripts/hard moving``).
+    """
+
+
+@specialise(pace)
+def _pace(controlled, c, speed):
+    if hasattr(controlled, "bitwidth"):  # a number
+        return lambda controlled, c, speed: max(c, controlled * speed)
+    return lambda controlled, c, speed: c + speed

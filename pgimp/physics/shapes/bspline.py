@@ -1,0 +1,49 @@
+"""B-splines of second and third order, as other codes have them: chi_p is as wide as a cell.
+
+The quadratic one is the grid's tent averaged over a box of one cell, which is gimp's weight (40)
+with a half-width of half a cell whatever the particles per cell; the cubic one is its average over
+a tent of one cell either way, that of a fuzzy particle of constant size. So both have the kernels
+of these shapes. Weights are smooth, once and twice differentiable, and the particles of a cell
+overlap, so that little noise comes from those that change cells.
+
+The price is a blurred surface. Inside a body the chi_p add up to one; at its surface they fall to
+zero over a cell, half of which lies outside, its mass staying exact. At faces with a condition
+``wall: mirror`` reflects what lies beyond, so that the body ends there as it should. At free
+surfaces nothing can be done with a fixed support: bending is too soft, see ``docs/methods.md``.
+"""
+
+from typing import ClassVar, Literal
+
+from pydantic import Field
+
+from pgimp.physics.shapes.base import WideShape, beyond_walls
+from pgimp.physics.shapes.fuzzy import FixedFuzzyParameters
+from pgimp.physics.shapes.gimp import GimpParameters
+
+
+class BsplineQuadratic(WideShape):
+    """Quadratic B-splines (boxes of one cell, which overlap): quiet; soft at free surfaces."""
+
+    shape: Literal["bspline-quadratic"] = Field(description="name of the shape")
+    wall: Literal["ghost", "mirror"] = beyond_walls("mirror")
+
+    vertices: ClassVar[int] = GimpParameters.vertices()
+
+    def parameters(self, cell: tuple[float, ...]) -> GimpParameters:
+        """Parameters of the kernels: l_p = L/2."""
+        return GimpParameters(tuple(0.5 for _ in self.particles_per_cell))
+
+
+class BsplineCubic(WideShape):
+    """Cubic B-splines (tents of one cell, of constant size): quietest; softer still."""
+
+    shape: Literal["bspline-cubic"] = Field(description="name of the shape")
+    wall: Literal["ghost", "mirror"] = beyond_walls("mirror")
+
+    vertices: ClassVar[int] = FixedFuzzyParameters.vertices()
+    chi: ClassVar[Literal["point", "box", "tent"]] = "tent"
+    stable: ClassVar[float] = 0.9
+
+    def parameters(self, cell: tuple[float, ...]) -> FixedFuzzyParameters:
+        """Parameters of the kernels: d = L."""
+        return FixedFuzzyParameters(tuple(1.0 for _ in self.particles_per_cell))

@@ -1,0 +1,100 @@
+"""Does energy come from nothing? What guards steps that are as long as can be (`courant: auto`).
+
+Every `EVERY` steps kinetic and strain energy are compared with what there was at first and what the
+loads have done since. Of a step that is too long the energy grows without bound, from rounding on,
+so that it is seen long before anything else: the steps then become shorter. Sums are taken layer by
+layer, as those of the history, so that any number of ranks sees the same bits.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from pgimp.errors import RunError
+from pgimp.kernels.sums import KINETIC, STRAIN, SUMS, layer_sums
+
+#: Steps from one look to the next.
+EVERY = 25
+
+#: Energy from nothing, as a part of the greatest that there was, from which steps become shorter,
+#: and by what; the next time it takes so many times as much.
+BOUND, SHORTER, AGAIN = 0.05, 0.75, 1.5
+
+#: The least part of the first Courant number, and the energy from nothing that ends the run.
+LEAST, HOPELESS = 0.3, 10.0
+
+
+class EnergyWatch:
+    """What watches a run whose Courant number is chosen by pgimp; the same on all ranks.
+
+    Attributes
+    ----------
+    part : float
+        What is left of the Courant number that the run began with.
+    said : list of str
+        What there is to say since somebody has looked.
+    """
+
+    def __init__(self) -> None:
+        self.part = 1.0
+        self.said: list[str] = []
+        self._first = self._most = 0.0
+        self._bound = BOUND
+
+    @property
+    def numbers(self) -> list[float]:
+        """What a checkpoint keeps."""
+        return [self.part, self._first, self._most, self._bound]
+
+    @numbers.setter
+    def numbers(self, numbers: list[float]) -> None:
+        self.part, self._first, self._most, self._bound = numbers
+
+    def begin(self, rank: Any) -> None:
+        """Take the energy that there is from now on; collective."""
+        energy, work = self._energy(rank)
+        self._first, self._most = energy - work, energy
+
+    def look(self, rank: Any, step: int, time: float) -> None:
+        """Compare the energy with what it should be; collective.
+
+        Raises
+        ------
+        RunError
+            On every rank, if the solution has blown up.
+        """
+        energy, work = self._energy(rank)
+        excess = energy - self._first - work
+        self._most = max(self._most, energy - max(excess, 0.0))
+        if not excess > self._bound * self._most:
+            return
+        part = excess / self._most if self._most > 0.0 else np.inf
+        there = f"at step {step}, time {time:.6g}, {100.0 * part:.3g} % of the energy"
+        if not part < HOPELESS:
+            raise RunError(
+                f"{there} has come from nothing: the solution is not stable\n"
+                "  try: time.step: {courant: 0.2}; look for loads that set in at once, and for "
+                "parts of bodies that are thinner than a cell"
+            )
+        self._bound = AGAIN * part
+        if self.part * SHORTER < LEAST:
+            self.said.append(f"{there} has come from nothing, though steps are short")
+            return
+        self.part *= SHORTER
+        self.said.append(
+            f"{there} has come from nothing; from now on steps have {100.0 * self.part:.0f} % of "
+            "the Courant number that this shape should stand"
+        )
+
+    @staticmethod
+    def _energy(rank: Any) -> tuple[float, float]:
+        """Kinetic and strain energy, that of particles that have left included; external work."""
+        scene, population, own = rank.scene, rank.population, rank.booked()
+        sums = np.zeros((rank.slab.layers, len(scene.body_names), SUMS))
+        setting = scene.setting.without_shape()
+        layer_sums(setting, population.particles, population.ordered, sums)
+        mine = [(found[:, :, KINETIC] + found[:, :, STRAIN]).sum(axis=1)
+                for found in ((sums, own.escaped) if scene.exits else (sums,))]  # fmt: skip
+        parts = rank.comm.allgather((own.work, *mine))
+        work, *energy = (float(np.concatenate(each).sum()) for each in zip(*parts, strict=True))
+        return sum(energy), work
