@@ -13,7 +13,7 @@ from math import ceil
 import numpy as np
 
 from pgimp.case.load import load
-from pgimp.case.schema import Case
+from pgimp.case.schema import AUTO, Case
 from pgimp.jit.cache import announced
 from pgimp.mpi.comm import Serial, say
 from pgimp.mpi.limits import limits
@@ -25,7 +25,7 @@ from pgimp.scene.facts import BodyFacts, examine
 from pgimp.scene.geometry import share
 from pgimp.scene.lattice import Lattice
 from pgimp.scene.sanity import body_warnings, case_warnings, small_step_warning, strains
-from pgimp.scene.scene import Scene, count_particles
+from pgimp.scene.scene import MOST_CELLS, Scene, count_particles
 from pgimp.scene.toolchecks import require_apart, require_clear, require_slow
 from pgimp.solver.memory import Estimate, MemoryShortError, estimate, require, size_text
 from pgimp.solver.stability import require_end, require_stable, stability_warning
@@ -99,7 +99,7 @@ def report(case: Case) -> None:
     found = examine(scene, lattice, counts)
     bodies = found.bodies
     inverse = max(scene.frame.inverse)
-    rate = max((body.wave_speed + body.top_speed) * inverse for body in bodies)
+    rate = _rate(case, bodies, inverse)
     require_end(scene, max(rate, scene.tools.first_rate))
     dt = _step(case, rate, scene.tools.first_rate)
     require_slow(scene.tools, dt)
@@ -114,7 +114,9 @@ def report(case: Case) -> None:
         moves = "moves freely" if entry.free else "moves" if entry.moves else "stands"
         print(f"rigid {name:<10} {moves}; {len(field.values):,} distances on its lattice")
     stable = 1.0 / rate
-    print(f"step             {dt:.4g}, Courant {dt * rate:.3g}; Courant 1 is {stable:.4g}")
+    chosen = ", chosen by pgimp" if case.watched else ""
+    print(f"step             {dt:.4g}, Courant {dt * rate:.3g}{chosen}; Courant 1 is {stable:.4g}")
+    _report_chosen(case, bodies, inverse, dt)
     steps = float(case.time.steps or case.time.end / dt)
     costs, crossing = _measure(scene, count)
     tried = pilot(case, count, steps, costs, _thinnest(case, bodies))
@@ -127,7 +129,7 @@ def report(case: Case) -> None:
     for note in (*notes, *nearness.notes(case)):
         print(f"note: {note}")
     for text in chain(
-        filter(None, [stability_warning(dt, rate, case.method.stable)]),
+        filter(None, [] if case.watched else [stability_warning(dt, rate, case.method.stable)]),
         filter(None, [small_step_warning(dt, rate)]),
         _pilot_warnings(case, dt * rate, tried),
         *(body_warnings(case, body, case.time.end) for body in bodies),
@@ -137,6 +139,31 @@ def report(case: Case) -> None:
         forecast.warnings(case, steps),
     ):
         print(f"warning: {text}")
+
+
+def _rate(case: Case, bodies: list[BodyFacts], inverse: float) -> float:
+    """Cells in a unit of time that a Courant number of the case refers to."""
+    if case.watched:
+        assert case.courant is not None
+        return pace_of(case.courant, bodies) * inverse
+    return max((body.wave_speed + body.top_speed) * inverse for body in bodies)
+
+
+def pace_of(courant: float, bodies: list[BodyFacts]) -> float:
+    """Speed that a Courant number chosen by pgimp refers to, see `Scene.controlled`."""
+    part = courant / MOST_CELLS
+    return max(max(body.wave_speed, part * body.top_speed) for body in bodies)
+
+
+def _report_chosen(case: Case, bodies: list[BodyFacts], inverse: float, dt: float) -> None:
+    """Say how many steps fewer there would be if pgimp chose their length."""
+    courant = AUTO * case.method.largest_courant(case.dimensions)
+    longest = courant / (pace_of(courant, bodies) * inverse)
+    if not case.watched and longest > 1.05 * dt:
+        print(
+            f"{'':<16} step: {{courant: auto}} would begin with {longest:.4g}, Courant {courant:.2g} "
+            f"of the waves: {100.0 * (1.0 - dt / longest):.0f} % fewer steps"
+        )
 
 
 def _look_at_rigid(scene: Scene, lattice: Lattice, counts: np.ndarray) -> None:

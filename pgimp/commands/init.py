@@ -18,6 +18,8 @@ from pgimp.files.plain import read_plain
 SCHEMA, STUDY_SCHEMA = "pgimp-schema.json", "pgimp-study-schema.json"
 
 _STUDIES = "studies/"
+#: The study that `--case` goes with.
+ACCURACY = "studies/accuracy"
 # Bytes of what is beside a case, far more than a mesh that comes with one.
 _LARGEST = 64 << 20
 _FILE = re.compile(r"^ *file: ([\w.-]+)", re.MULTILINE)
@@ -35,6 +37,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         The parser to add to.
     """
     parser.add_argument("name", nargs="?", metavar="NAME", help="the case; without, all are listed")
+    parser.add_argument(
+        "--case",
+        metavar="CASE.yaml",
+        help="with the name accuracy: the case whose error the study is to find",
+    )
     parser.add_argument(
         "-o",
         "--output",
@@ -63,8 +70,14 @@ def execute(args: argparse.Namespace) -> int:
         print("\n".join(_list(cases)))
         return 0
     name = args.name.removeprefix("cases/").removesuffix(".yaml")
+    if name not in cases and _STUDIES + name in cases:
+        name = _STUDIES + name
     if name not in cases:
         raise UsageError(_unknown(name, cases))
+    if args.case:
+        if name != ACCURACY:
+            raise UsageError("--case goes with the name accuracy")
+        return _write_accuracy(args.case, args.output)
     study = name.startswith(_STUDIES)
     stem = name.rpartition("/")[2]
     path = Path(args.output or f"{stem}{'-study' if study else ''}.yaml")
@@ -81,6 +94,18 @@ def execute(args: argparse.Namespace) -> int:
         _write_schema(path.with_name(STUDY_SCHEMA))
     _write_schema(path.with_name(SCHEMA))
     print("\n".join(_next(path, study, imports)))
+    return 0
+
+
+def _write_accuracy(case: str, output: str | None) -> int:
+    """Write the study that finds the error of a case; return the exit status."""
+    from pgimp.tools.study.accuracy import study_of
+
+    path = Path(output or f"{Path(case).stem}-accuracy.yaml")
+    _write(path, f"{_LINE}{STUDY_SCHEMA}\n{study_of(case, path)}")
+    print(f"{path}: written; choose there what is measured (`error`), and when (`time.end`)")
+    _write_schema(path.with_name(STUDY_SCHEMA))
+    print("\n".join(_next(path, True, [])))
     return 0
 
 

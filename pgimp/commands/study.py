@@ -93,6 +93,9 @@ def execute(args: argparse.Namespace) -> int:
         finally:
             _write(plan, folder, outcomes)
     done = sum(one.state == DONE for one in outcomes)
+    for one in outcomes:
+        if one.value is not None and one.message:
+            log.say(f"{one.plan.name}: {one.message}")
     log.say(f"{done} of {len(outcomes)} runs have a result; see {folder / PAGE}")
     return 0 if done == len(outcomes) else 1
 
@@ -145,7 +148,10 @@ def _run_all(
             output = folder / "runs" / run.name
             one = outcomes[i] = perform(plan.study, run, output, again, held.check)
             if one.state == DONE:
-                text = f"error {number(one.error)} in {duration(one.costs['wall'])}"
+                text = f"error {number(one.error)}"
+                if one.value is not None:
+                    text = f"{plan.study.measure.label} {number(one.value, 6)}"
+                text += f" in {duration(one.costs['wall'])}"
                 text += " (from before)" if one.reused else ""
             else:
                 text = f"{one.state}: {one.message}"

@@ -226,6 +226,8 @@ def _state(sim: Simulation, found: _Found, i: int) -> str:
 def _advice(sim: Simulation, courant: float, kinds: set[int]) -> list[str]:
     """What Courant number and faults tell, and how to see more."""
     stable, failure = sim.case.method.stable, sim.failure
+    if sim.case.watched:
+        stable = sim.case.method.largest_courant(sim.case.dimensions)
     assert failure is not None
     lines = [
         f"The step had a Courant number of {courant:.3g} by the particles that are not at fault; "

@@ -144,6 +144,22 @@ def test_study_comes_with_its_case(folder, capsys):
     assert files(folder) == before
 
 
+def test_the_accuracy_of_a_case(folder, capsys):
+    """Of the one that comes with it, and of one's own; the file's name does for the folder's."""
+    assert main(["init", "accuracy"]) == 0
+    assert {"accuracy-study.yaml", "bar-vibration.yaml"} < set(files(folder))
+    assert len(read_plan(folder / "accuracy-study.yaml").runs) == 3
+    assert main(["init", "disks"]) == 0
+    assert main(["init", "accuracy", "--case", "disks.yaml"]) == 0
+    plan = read_plan(folder / "disks-accuracy.yaml")
+    assert [one.x for one in plan.runs] == [0.08, 0.04, 0.02]
+    before = files(folder)
+    assert main(["init", "accuracy", "--case", "disks.yaml"]) == 2
+    assert main(["init", "vortex", "--case", "disks.yaml"]) == 2
+    assert main(["init", "accuracy", "--case", "nowhere.yaml"]) == 2
+    assert files(folder) == before
+
+
 def test_study_keeps_a_case_of_its_owner(folder, capsys):
     (folder / "compaction.yaml").write_text("mine")
     assert main(["init", "studies/compaction"]) == 0

@@ -17,6 +17,8 @@ from pgimp.errors import CaseError, UsageError
 from pgimp.schema.document import parse
 from pgimp.tools.plot.style import STYLE
 from pgimp.tools.reference.jsonschema import study_schema
+from pgimp.tools.study.accuracy import study_of
+from pgimp.tools.study.limits import limit
 from pgimp.tools.study.measures import MeasureError, measure, orders, pareto
 from pgimp.tools.study.plan import read_plan
 from pgimp.tools.study.plot import _guides
@@ -341,3 +343,51 @@ def test_labels_of_orders_stay_inside_their_panel(xs, errors):
         assert frame.x0 <= box.x0 and box.x1 <= frame.x1
         assert frame.y0 <= box.y0 and box.y1 <= frame.y1
     assert [text.get_text() for text in axis.texts] == ["order 1", "order 2"]
+
+
+@given(
+    value=st.floats(-100.0, 100.0),
+    error=st.floats(0.01, 10.0),
+    order=st.floats(0.6, 2.4),
+    ratios=st.tuples(st.floats(1.2, 4.0), st.floats(1.2, 4.0)),
+    sign=st.sampled_from([-1.0, 1.0]),
+)
+def test_a_power_of_the_cell_has_its_limit(value, error, order, ratios, sign):
+    """From any three sizes; from two if the order is 1."""
+    x = [0.3, 0.3 / ratios[0], 0.3 / ratios[0] / ratios[1]]
+    found = limit([(h, value + sign * error * h**order) for h in x])
+    assert found is not None and found.order is not None
+    # What rounding of the values makes of the order.
+    assert found.order == pytest.approx(order, abs=1e-4)
+    assert found.value == pytest.approx(value, abs=1e-4 * error)
+    both = limit([(h, value + sign * error * h) for h in x[:2]])
+    assert both is not None and both.order is None
+    assert both.value == pytest.approx(value, abs=1e-9)
+
+
+def test_values_that_tell_no_order_are_taken_for_first_order():
+    """Those that swing, and those that come closer faster than any method here does."""
+    for values in ((1.0, 3.0, 2.0), (1.0 + 2.0**-3, 1.0 + 4.0**-3, 1.0 + 8.0**-3)):
+        points = list(zip((0.5, 0.25, 0.125), values, strict=True))
+        found, two = limit(points), limit(points[1:])
+        assert found is not None and two is not None
+        assert found.order is None and found.value == two.value
+    assert limit([(0.1, 3.0)]) is None and limit([(0.1, 3.0), (0.1, 2.0), (0.0, 1.0)]) is None
+
+
+def test_the_study_of_a_case_has_three_sizes_and_whole_steps(tmp_path):
+    """Fixed steps in proportion to the cells; the last run has those of the case."""
+    put(tmp_path)
+    path = tmp_path / "accuracy.yaml"
+    path.write_text(study_of(tmp_path / "cases" / "falling.yaml", path))
+    plan = read_plan(path)
+    assert [one.x for one in plan.runs] == [4.0, 2.0, 1.0]
+    steps = [float(one.values["time.step"]) for one in plan.runs]
+    assert steps == pytest.approx([0.1, 0.05, 0.025])
+
+
+def test_only_the_error_has_a_limit(tmp_path):
+    wanted = "columns: [{column: mass, reference: limit}]\n"
+    (tmp_path / "s.yaml").write_text(HEAD + SWEEP + wanted)
+    with pytest.raises(CaseError, match=r"s\.yaml:5: columns\.0\.reference: only the error"):
+        read_plan(tmp_path / "s.yaml")

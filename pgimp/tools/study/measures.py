@@ -33,7 +33,8 @@ def measure(history: np.ndarray, wanted: Measure) -> float:
     Returns
     -------
     float
-        ``|column - reference|``, over ``|reference|`` where it is relative.
+        ``|column - reference|``, over ``|reference|`` where it is relative; of a reference that is
+        not known yet, the limit, the column itself.
 
     Raises
     ------
@@ -43,15 +44,17 @@ def measure(history: np.ndarray, wanted: Measure) -> float:
     names = history.dtype.names or ()
     if wanted.column not in names:
         raise MeasureError(f"history.csv: {unknown('column', wanted.column, names, 'it has')}")
-    values = np.abs(history[wanted.column] - wanted.reference)
-    if wanted.relative:
-        values = values / abs(wanted.reference)
+    values = history[wanted.column]
+    if isinstance(wanted.reference, float | int):
+        values = np.abs(values - wanted.reference)
+        if wanted.relative:
+            values = values / abs(wanted.reference)
     if len(values) == 0:
         raise MeasureError("history.csv has no lines")
     if wanted.at == "end":
         value = values[-1]
     elif wanted.at == "max":
-        value = values.max()
+        value = values[np.abs(values).argmax()]
     else:
         at = float(wanted.at)
         row = int(np.searchsorted(history["time"], at - SAME_TIME * at))

@@ -27,7 +27,7 @@ from pgimp.physics.materials.registry import imported
 from pgimp.schema.document import LARGEST_FILE
 from pgimp.tools.study.measures import MeasureError, costs, measure
 from pgimp.tools.study.plan import Planned
-from pgimp.tools.study.schema import Study, measure_of
+from pgimp.tools.study.schema import LIMIT, Study, measure_of
 
 DONE, FAILED, ABSENT = "done", "failed", "not run"
 
@@ -56,6 +56,8 @@ class Outcome:
     info: dict[str, Any] = field(default_factory=dict)
     """What run.json says of it, if it is done."""
     error: float | None = None
+    value: float | None = None
+    """The column itself, where the error is its difference from a limit."""
     columns: dict[str, float] = field(default_factory=dict)
     costs: dict[str, float] = field(default_factory=dict)
     order: float | None = None
@@ -226,6 +228,8 @@ def _measure(study: Study, output: Path, outcome: Outcome) -> None:
     try:
         lines = history.read(output / "history.csv")
         outcome.error = measure(lines, study.measure)
+        if study.measure.reference == LIMIT:
+            outcome.value, outcome.error = outcome.error, None
     except (MeasureError, PgimpError) as error:
         outcome.state, outcome.message = FAILED, str(error)
         return

@@ -12,6 +12,9 @@ from pgimp.schema.dispatch import Either
 from pgimp.schema.messages import describe, got, unknown
 from pgimp.schema.problems import Problem, problem, raise_problems
 
+LIMIT = "limit"
+"""The reference that is extrapolated from the runs."""
+
 CASE = "case"
 """The one swept key that is none of the case: it names the case's file."""
 
@@ -126,8 +129,13 @@ class Measure(Model):
         description="end: the last line; max: the largest of all lines; a number: the first line "
         "at or after that simulated time",
     )
-    reference: Number = Field(
-        default=0.0, description="what is subtracted before the absolute value is taken"
+    reference: Annotated[
+        float | str,
+        Either("a number or limit", {float: Number, str: Literal["limit"]}),
+    ] = Field(
+        default=0.0,
+        description="what is subtracted before the absolute value is taken; limit: what the "
+        "values of a curve tend to as x shrinks, extrapolated from its three least, or two",
     )
     relative: bool = Field(
         default=False, description="whether the difference is divided by the reference"
@@ -240,6 +248,9 @@ class Study(Model):
                         yield Problem(path, f"would undo {over} of {seen[over]}")
             for _, changes in sets:
                 seen |= dict.fromkeys(changes, f"sweep.{number}")
+        for number, wanted in enumerate(map(measure_of, self.columns)):
+            if wanted.reference == LIMIT:
+                yield Problem(("columns", number, "reference"), "only the error has a limit")
         if CASE in self.set:
             yield Problem(("set", CASE), "the case is named by the key 'case' of the study itself")
         if self.case is None and not swept:

@@ -9,16 +9,19 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from pgimp.running.progress import duration
+from pgimp.tools.study.limits import Limit, limit
 from pgimp.tools.study.measures import number, orders, pareto
 from pgimp.tools.study.plan import Plan
 from pgimp.tools.study.runs import DONE, FAILED, Outcome
-from pgimp.tools.study.schema import COSTS, measure_of
+from pgimp.tools.study.schema import COSTS, LIMIT, measure_of
 
 _VERSIONS = ("pgimp", "numba", "numpy")
 
 
 def compare(plan: Plan, outcomes: Sequence[Outcome]) -> None:
     """Note the observed orders along the curves, and who is on a Pareto front."""
+    if plan.study.measure.reference == LIMIT:
+        _from_limits(plan, outcomes)
     done = [one for one in outcomes if one.state == DONE and one.error is not None]
     for runs in curves(done).values():
         points = [(one.plan.x, one.error or 0.0) for one in runs]
@@ -27,6 +30,34 @@ def compare(plan: Plan, outcomes: Sequence[Outcome]) -> None:
     for cost in plan.study.cost:
         for i in pareto([(one.costs[cost], one.error or 0.0) for one in done]):
             done[i].fronts.append(cost)
+
+
+def _from_limits(plan: Plan, outcomes: Sequence[Outcome]) -> None:
+    """Turn the values of the runs into differences from the limits of their curves."""
+    done = [one for one in outcomes if one.state == DONE and one.value is not None]
+    for runs in curves(done).values():
+        found = limit([(one.plan.x, one.value or 0.0) for one in runs])
+        for one in runs:
+            one.error, value = None, one.value or 0.0
+            if found is None:
+                one.message = "the only one of its curve: there is no limit to compare with"
+            elif not plan.study.measure.relative:
+                one.error = abs(value - found.value)
+            elif found.value != 0.0:
+                one.error = abs(value / found.value - 1.0)
+        if found is not None:
+            runs[-1].message = verdict(plan, runs[-1], found)
+
+
+def verdict(plan: Plan, finest: Outcome, found: Limit) -> str:
+    """Return what the finest run of a curve is worth."""
+    part = "" if finest.error is None else f"{finest.error:.2g}"
+    if plan.study.measure.relative and finest.error is not None:
+        part = f"{100.0 * finest.error:.2g} %"
+    text = f"{plan.study.measure.label} is {finest.value:.5g}, its limit about {found.value:.5g}"
+    if found.order is None:
+        return f"{text}: an error of {part} if the order is 1; the values do not tell the order"
+    return f"{text}: an error of {part}, with the order {found.order:.1f}"
 
 
 def curves(outcomes: Sequence[Outcome]) -> dict[str, list[Outcome]]:
@@ -103,7 +134,12 @@ def _legend(plan: Plan) -> Iterator[str]:
     wanted = plan.study.measure
     at = {"end": "at the end", "max": "at its largest"}.get(str(wanted.at), f"at t = {wanted.at}")
     less = f" less {wanted.reference!r}" if wanted.reference else ""
-    over = f", over {abs(wanted.reference)!r}" if wanted.relative else ""
+    over = ""
+    if wanted.reference == LIMIT:
+        less = " less what the curve tends to, extrapolated from its three least cells or two"
+        over = ", over that" if wanted.relative else ""
+    elif wanted.relative:
+        over = f", over {abs(float(wanted.reference))!r}"
     yield (
         f"The error is the absolute value of `{wanted.column}`{less} in history.csv{over}, {at}. "
         f"The order is that of the error in "
