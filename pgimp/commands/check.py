@@ -161,8 +161,8 @@ def _report_chosen(case: Case, bodies: list[BodyFacts], inverse: float, dt: floa
     longest = courant / (pace_of(courant, bodies) * inverse)
     if not case.watched and longest > 1.05 * dt:
         print(
-            f"{'':<16} step: {{courant: auto}} would begin with {longest:.4g}, Courant {courant:.2g} "
-            f"of the waves: {100.0 * (1.0 - dt / longest):.0f} % fewer steps"
+            f"{'':<16} step: {{courant: auto}} would begin with {longest:.4g} (Courant number of "
+            f"waves {courant:.2g}): {100.0 * (1.0 - dt / longest):.0f} % fewer steps"
         )
 
 

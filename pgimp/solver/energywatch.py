@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 
 from pgimp.errors import RunError
-from pgimp.kernels.sums import KINETIC, STRAIN, SUMS, layer_sums
+from pgimp.kernels.sums import KINETIC, MASS, STRAIN, SUMS, layer_sums
 
 #: Steps from one look to the next.
-EVERY = 25
+EVERY = 10
 
 #: Energy from nothing, as a part of the greatest that there was, from which steps become shorter,
 #: and by what; the next time it takes so many times as much.
@@ -24,8 +24,17 @@ BOUND, SHORTER, AGAIN = 0.05, 0.75, 1.5
 LEAST, HOPELESS = 0.3, 10.0
 
 
+#: Energy that counts as none, over that of all mass at the speed of waves: far more than rounding.
+NONE = 1e-12
+
+
 class EnergyWatch:
     """What watches a run whose Courant number is chosen by pgimp; the same on all ranks.
+
+    Parameters
+    ----------
+    speed : float
+        Of the fastest wave at rest.
 
     Attributes
     ----------
@@ -35,7 +44,8 @@ class EnergyWatch:
         What there is to say since somebody has looked.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, speed: float) -> None:
+        self._speed = speed
         self.part = 1.0
         self.said: list[str] = []
         self._first = self._most = 0.0
@@ -52,8 +62,9 @@ class EnergyWatch:
 
     def begin(self, rank: Any) -> None:
         """Take the energy that there is from now on; collective."""
-        energy, work = self._energy(rank)
-        self._first, self._most = energy - work, energy
+        energy, work, mass = self._sums(rank)
+        self._first = energy - work
+        self._most = max(energy, NONE * mass * self._speed * self._speed)
 
     def look(self, rank: Any, step: int, time: float) -> None:
         """Compare the energy with what it should be; collective.
@@ -63,12 +74,12 @@ class EnergyWatch:
         RunError
             On every rank, if the solution has blown up.
         """
-        energy, work = self._energy(rank)
+        energy, work, _ = self._sums(rank)
         excess = energy - self._first - work
         self._most = max(self._most, energy - max(excess, 0.0))
         if not excess > self._bound * self._most:
             return
-        part = excess / self._most if self._most > 0.0 else np.inf
+        part = excess / self._most
         there = f"at step {step}, time {time:.6g}, {100.0 * part:.3g} % of the energy"
         if not part < HOPELESS:
             raise RunError(
@@ -87,14 +98,16 @@ class EnergyWatch:
         )
 
     @staticmethod
-    def _energy(rank: Any) -> tuple[float, float]:
-        """Kinetic and strain energy, that of particles that have left included; external work."""
+    def _sums(rank: Any) -> tuple[float, float, float]:
+        """Kinetic and strain energy, external work, and mass, with particles that have left."""
         scene, population, own = rank.scene, rank.population, rank.booked()
         sums = np.zeros((rank.slab.layers, len(scene.body_names), SUMS))
         setting = scene.setting.without_shape()
         layer_sums(setting, population.particles, population.ordered, sums)
-        mine = [(found[:, :, KINETIC] + found[:, :, STRAIN]).sum(axis=1)
-                for found in ((sums, own.escaped) if scene.exits else (sums,))]  # fmt: skip
-        parts = rank.comm.allgather((own.work, *mine))
-        work, *energy = (float(np.concatenate(each).sum()) for each in zip(*parts, strict=True))
-        return sum(energy), work
+        escaped = own.escaped if scene.exits else np.zeros((len(own.work), 1, SUMS))
+        mine = [(found[:, :, KINETIC] + found[:, :, STRAIN], found[:, :, MASS])
+                for found in (sums, escaped)]  # fmt: skip
+        rows = [each.sum(axis=1) for pair in mine for each in pair]
+        parts = rank.comm.allgather((own.work, *rows))
+        work, *found = (float(np.concatenate(each).sum()) for each in zip(*parts, strict=True))
+        return found[0] + found[2], work, found[1] + found[3]

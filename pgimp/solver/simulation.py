@@ -109,7 +109,6 @@ class Simulation:
         self.failure: Failure | None = None
         self.request = self.agreed_request = Request.NONE
         self.reduction = StepReduction(comm)
-        self.watch = EnergyWatch() if case.watched else None
         self.diagnostic_sums = Diagnostics()
         (share if source is None else take_as_empty)(case, comm)
         require(scene, comm, None if source is None else source.count)
@@ -117,6 +116,7 @@ class Simulation:
         warm_up(scene, comm)
         speed = max(wave_speed(scene, body) for body in range(len(scene.body_names)))
         self.clock = clock_of(case, speed * max(scene.frame.inverse))
+        self.watch = EnergyWatch(speed) if case.watched else None
         self._tell_of_kernels()
         if source is None:
             self._begin()

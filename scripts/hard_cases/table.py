@@ -80,20 +80,50 @@ def merged(name, text):
         return text
     (old, cells), (new, more) = _cells(path.read_text(encoding="utf-8")), _cells(text)
     titles = [*old, *(title for title in new if title not in old)]
+    if name == "courant":
+        titles[1:] = sorted(titles[1:])
     if name == "hard-cases":
         titles = [titles[0], *(m for m in METHODS if m in titles)]
     for row, values in more.items():
-        cells[row] = cells.get(row, {}) | values
+        cells[row] = cells.get(row, {}) | {title: cell for title, cell in values.items() if cell}
     lines = ["| " + " | ".join(titles) + " |", "|---" * len(titles) + "|"]
     for row, values in cells.items():
         lines.append("| " + " | ".join([row, *(values.get(t, "") for t in titles[1:])]) + " |")
     return "\n".join([*lines, ""])
 
 
+def limits_of(text):
+    """Largest stable Courant numbers by method, dimensions and particles a cell, from the table."""
+    found = {}
+    for method, cells in _cells(text)[1].items():
+        for title, cell in cells.items():
+            dimensions, per_cell = int(title[0]), int(title.split()[1])
+            if cell and not method.startswith("mpm"):  # for which there is none
+                limit = 1.0 if cell == "at least 1" else float(cell)
+                found.setdefault(method, {}).setdefault(dimensions, {})[per_cell] = limit
+    return {
+        method: {D: dict(sorted(limits.items())) for D, limits in sorted(by.items())}
+        for method, by in found.items()
+    }
+
+
+def write_limits(text, path=ROOT / "pgimp" / "physics" / "shapes" / "courant.py"):
+    """Put the table's numbers where `courant: auto` finds them."""
+    head = path.read_text(encoding="utf-8").partition("LIMITS:")[0]
+    lines = ["LIMITS: dict[str, dict[int, dict[int, float]]] = {"]
+    for method, by in limits_of(text).items():
+        lines.append(f'    "{method}": {{')
+        lines += [f"        {D}: {limits!r}," for D, limits in by.items()]
+        lines.append("    },")
+    path.write_text("\n".join([head + lines[0], *lines[1:], "}", ""]), encoding="utf-8")
+
+
 def put_into_docs(texts):
     """Write docs/hard-cases.md with these tables, (name, text) each; others stay."""
     for name, text in texts:
         (PAGES / "tables" / f"{name}.md").write_text(text, encoding="utf-8")
+        if name == "courant":
+            write_limits(text)
     subprocess.run([sys.executable, str(PAGES)], check=True)
 
 

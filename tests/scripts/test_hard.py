@@ -6,11 +6,15 @@ from pathlib import Path
 
 import pytest
 
+from pgimp.physics.shapes import SHAPES
+from pgimp.physics.shapes.courant import LIMITS
+
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts" / "hard_cases"))
 
 import courant  # noqa: E402
 import rows  # noqa: E402
+import table  # noqa: E402
 from runs import BOUND, CASES, begin, watch  # noqa: E402
 
 NAMES = sorted(path.stem for path in CASES.glob("*.yaml"))
@@ -109,3 +113,26 @@ def test_largest_stable_courant_number(shape, per_cell, low, high):
     together, best = courant.limits({"shape": shape}, 1, per_cell, 1500, 0.03)
     assert low < together < high
     assert together <= best
+
+
+def test_chosen_steps_follow_the_table():
+    """``courant: auto`` knows what the page shows; in 3D and between numbers of particles, too."""
+    text = (table.PAGES / "tables" / "courant.md").read_text(encoding="utf-8")
+    assert table.limits_of(text) == LIMITS
+
+    def limit(dimensions, per_cell, shape="gimp", **parts):
+        entry = {"shape": shape, "particles_per_cell": [per_cell] * dimensions, **parts}
+        return SHAPES[shape].model_validate(entry).largest_courant(dimensions)
+
+    assert limit(1, 3) == LIMITS["gimp"][1][4]
+    assert limit(2, 8) == 0.5 * LIMITS["gimp"][2][4]
+    assert limit(2, 2, affine=True) > limit(2, 2) >= limit(3, 2)
+    assert limit(2, 2, "mpm") == 0.1
+
+
+def test_tables_keep_what_other_shapes_have():
+    text = table.merged("courant", "| shape | 1D, 2 a cell | 4D, 1 a cell |\n|---|---|---|\n"
+                        "| gimp | 0.01 | 0.02 |\n| new | 0.03 |  |\n")  # fmt: skip
+    _, cells = table._cells(text)
+    assert cells["gimp"]["1D, 2 a cell"] == "0.01" and cells["gimp"]["1D, 4 a cell"] == "0.48"
+    assert cells["new"]["1D, 2 a cell"] == "0.03" and cells["mpm"]["1D, 2 a cell"] == "0.12"

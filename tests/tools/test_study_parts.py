@@ -389,5 +389,5 @@ def test_the_study_of_a_case_has_three_sizes_and_whole_steps(tmp_path):
 def test_only_the_error_has_a_limit(tmp_path):
     wanted = "columns: [{column: mass, reference: limit}]\n"
     (tmp_path / "s.yaml").write_text(HEAD + SWEEP + wanted)
-    with pytest.raises(CaseError, match=r"s\.yaml:5: columns\.0\.reference: only the error"):
+    with pytest.raises(CaseError, match=r"s\.yaml:6: columns\.0\.reference: only the error"):
         read_plan(tmp_path / "s.yaml")

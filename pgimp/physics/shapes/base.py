@@ -45,7 +45,8 @@ class Shape(Model):
         """
         # The name is a field of each shape.
         name = f"{getattr(self, 'shape', '')}{', affine' if self.affine else ''}"
-        found = LIMITS.get(name, {}).get(dimensions)
+        known = LIMITS.get(name, {})
+        found = known.get(dimensions) or known.get(dimensions - 1)  # nearly the same in 2D and 3D
         if found is None:
             return self.stable
         most = max(self.particles_per_cell)
