@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from pgimp.errors import RunError
+from pgimp.errors import EndlessError
 from pgimp.kernels.sums import KINETIC, MASS, STRAIN, SUMS, layer_sums
 
 #: Steps from one look to the next.
@@ -71,7 +71,7 @@ class EnergyWatch:
 
         Raises
         ------
-        RunError
+        EndlessError
             On every rank, if the solution has blown up.
         """
         energy, work, _ = self._sums(rank)
@@ -82,7 +82,7 @@ class EnergyWatch:
         part = excess / self._most
         there = f"at step {step}, time {time:.6g}, {100.0 * part:.3g} % of the energy"
         if not part < HOPELESS:
-            raise RunError(
+            raise EndlessError(
                 f"{there} has come from nothing: the solution is not stable\n"
                 "  try: time.step: {courant: 0.2}; look for loads that set in at once, and for "
                 "parts of bodies that are thinner than a cell"
