@@ -210,6 +210,7 @@ def _scatter_means(loads, shape, frame, G, buffer, j, place, stride, particles, 
         return lambda loads, shape, frame, G, buffer, j, place, stride, particles, p: None
     outer, last = (0,) * (len(frame.types[0]) - 1), len(frame.types[0]) - 1
     like = (0.0,) * shape.instance_class.vertices()
+    third = float(last == 2)
 
     def scatter(loads, shape, frame, G, buffer, j, place, stride, particles, p):
         q = viscous_pressure(loads.viscosity, particles, p)
@@ -217,7 +218,7 @@ def _scatter_means(loads, shape, frame, G, buffer, j, place, stride, particles, 
         counts = extents(shape, buffer, 0, j, outer)
         count = extent(shape, buffer, last, j)
         at = place + FORCE - 1  # of the vector with the force; what comes before it gets nothing
-        _scatter_some(like, count, G, buffer, j, at, counts, stride, pack(0.0, f, f, f))
+        _scatter_some(like, count, G, buffer, j, at, counts, stride, pack(0.0, f, f, third * f))
 
     return scatter
 

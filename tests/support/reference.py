@@ -131,17 +131,16 @@ class Reference:
         A cell's rate is the mean divergence of the multilinear field of its corners.
         """
         half, _ = self.half_widths(F)
-        parts = []
+        part = np.ones(())
         for d, along in enumerate(self.vertices):
-            low, high = np.maximum(along[:-1], x[d] - half[d]), np.minimum(along[1:], x[d] + half[d])
-            parts.append(np.maximum(high - low, 0.0) / (2 * half[d]))
+            low = np.maximum(along[:-1], x[d] - half[d])
+            high = np.minimum(along[1:], x[d] + half[d])
+            part = np.multiply.outer(part, np.maximum(high - low, 0.0) / (2 * half[d]))
         found = np.zeros((*self.shape, self.D))
-        for cell in np.ndindex(*map(len, parts)):
-            part = np.prod([each[i] for each, i in zip(parts, cell, strict=True)])
-            for corner in np.ndindex(*[2] * self.D):
-                vertex = tuple(np.add(cell, corner))
-                signs = 2.0 * np.array(corner) - 1.0
-                found[vertex] += part * signs / (2 ** (self.D - 1) * np.array(self.frame.cell))
+        for corner in np.ndindex(*[2] * self.D):
+            cells = tuple(slice(i, i + n) for i, n in zip(corner, part.shape, strict=True))
+            signs = (2.0 * np.array(corner) - 1.0) / 2 ** (self.D - 1)
+            found[cells] += part[..., None] * signs / self.frame.cell
         return found
 
     def particles_to_grid(self, particles):
