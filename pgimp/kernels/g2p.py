@@ -19,7 +19,7 @@ from pgimp.kernels.gathered import (
     repeat_sums,
 )
 from pgimp.kernels.loads import force_power, layer_power
-from pgimp.kernels.mean import gather_means, keep_means, with_means
+from pgimp.kernels.mean import keep_means, keep_rates, with_means
 from pgimp.kernels.place import first_vertex
 from pgimp.kernels.transfer import gather
 from pgimp.kernels.updates.checks import and_finite, examine, within
@@ -95,11 +95,11 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
             for j in range(count):
                 p = order.rows[k + j]
                 place = begin + first_place(buffer, j) + field_of(window, particles, p)
-                U, A, D = gather(shape, G, buffer, j, place, window.stride, frame.origin)
-                keep_sums(sums, j, U, A, D)
-                gather_means(
-                    loads.mean, shape, G, buffer, j, place, window.stride, frame.origin
+                U, A, D, M = gather(
+                    shape, G, buffer, j, place, window.stride, frame.origin, loads.mean
                 )
+                keep_sums(sums, j, U, A, D)
+                keep_rates(M, buffer, j)
                 w = components(frame.origin, U)
                 power += force_power(loads.force, frame, particles, p, w)
             repeat_sums(sums, count, frame.origin)

@@ -27,8 +27,7 @@ forces have neither a sum nor a moment. The support is that of S_vp.
 from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import load, number, pack, store, vector, where
 from pgimp.jit.simdrows import transpose
-from pgimp.kernels.batch import MEANS, entry, extent, extents, four_entries
-from pgimp.kernels.record import FORCE, RECORD
+from pgimp.kernels.batch import MEANS, entry, four_entries
 from pgimp.kernels.viscosity import trace, viscous_pressure
 
 #: Where what is gathered of the four particles lies in the buffer for supports, behind their a.
@@ -51,8 +50,7 @@ def _average_of(particles, p, like):
 def set_apart(loads, frame, particles, p):
     """What of the normal stress of particle `p` does not act through grad S_vp.
 
-    The viscous pressure (45), which acts against it; with mean dilatation all that
-    `scatter_means` treats.
+    The viscous pressure (45), which acts against it; with mean dilatation what `mean_force` has.
     """
 
 
@@ -66,7 +64,7 @@ def _set_apart(loads, frame, particles, p):
 def keep_means(mean, shape, frame, buffer):
     """Put the weights a of four particles into the buffer that has their supports.
 
-    Nothing unless `mean` is a number, as in all functions here that get it.
+    Nothing unless there is a `mean`, which is () or a number, as everywhere here.
     """
 
 
@@ -107,199 +105,91 @@ def _along_directions(shape, buffer, d, cell):
     return {3: along3, 4: along4}[shape.instance_class.vertices()]
 
 
-def _factor(buffer, d, i, j):
+def factor(mean, buffer, d, i, j):
     """Factors that direction `d` has in dD_p/dv_v of its vertex `i`, for particle `j` of a batch.
 
-    A vector like a velocity in its record: g for the component along `d`, else a.
+    A vector like a velocity or a force in its record: g for the component along `d`, else a. A
+    weight, of which nothing is made, unless there is a `mean`.
     """
 
 
-@specialise(_factor)
-def _factor_of(buffer, d, i, j):
-    return lambda buffer, d, i, j: where(
+@specialise(factor)
+def _factor(mean, buffer, d, i, j):
+    if hasattr(mean, "count"):  # ()
+        return lambda mean, buffer, d, i, j: entry(buffer, d, 0, i, j)
+    return lambda mean, buffer, d, i, j: where(
         pack(0.0, 1.0, 2.0, 3.0) == d + 1.0,
         entry(buffer, d, 1, i, j), number(buffer, MEANS + 16 * d + 4 * i + j),
     )  # fmt: skip
 
 
-def _factors(buffer, d, i, j, like):
+def factors(mean, buffer, d, i, j, like):
     """The factors of the vertices i, i+1, ..., as many as `like` has."""
 
 
-@specialise(_factors)
-def _factors_of(buffer, d, i, j, like):
+@specialise(factors)
+def _factors(mean, buffer, d, i, j, like):
     if len(like) == 1:
-        return lambda buffer, d, i, j, like: (_factor(buffer, d, i, j),)
-    return lambda buffer, d, i, j, like: (
-        _factor(buffer, d, i, j), *_factors(buffer, d, i + 1, j, like[1:]),
+        return lambda mean, buffer, d, i, j, like: (factor(mean, buffer, d, i, j),)
+    return lambda mean, buffer, d, i, j, like: (
+        factor(mean, buffer, d, i, j), *factors(mean, buffer, d, i + 1, j, like[1:]),
     )  # fmt: skip
 
 
-def _scatter_line(G, place, Z, P):
-    """Add P times the factors Z to the forces of a line of vertices."""
+def factored(f, M):
+    """The vector f M; () if M is ()."""
 
 
-@specialise(_scatter_line)
-def _scatter_vertices(G, place, Z, P):
-    def vertex(G, place, Z, P):
-        store(G, place, load(G, place) + Z[0] * P)
-
-    def vertices(G, place, Z, P):
-        store(G, place, load(G, place) + Z[0] * P)
-        _scatter_line(G, place + RECORD, Z[1:], P)
-
-    return vertex if len(Z) == 1 else vertices
+@specialise(factored)
+def _factored(f, M):
+    return (lambda f, M: ()) if hasattr(M, "count") else (lambda f, M: f * M)
 
 
-def _scatter_lines(G, buffer, j, d, place, counts, stride, Z, P):
-    """Add P to the lines of a support, from direction `d` on; see `transfer`."""
+def plus_factored(f, M, V):
+    """The vector f M + V; V if M is ()."""
 
 
-@specialise(_scatter_lines)
-def _scatter_all(G, buffer, j, d, place, counts, stride, Z, P):
-    if len(counts) == 0:
-        return lambda G, buffer, j, d, place, counts, stride, Z, P: _scatter_line(G, place, Z, P)
-
-    def lines(G, buffer, j, d, place, counts, stride, Z, P):
-        for i in range(counts[0]):
-            _scatter_lines(
-                G, buffer, j, d + 1, place + i * stride[0], counts[1:], stride[1:], Z,
-                _factor(buffer, d, i, j) * P,
-            )  # fmt: skip
-
-    return lines
+@specialise(plus_factored)
+def _plus_factored(f, M, V):
+    return (lambda f, M, V: V) if hasattr(M, "count") else (lambda f, M, V: f * M + V)
 
 
-def _scatter_some(like, count, G, buffer, j, place, counts, stride, P):
-    """Add P where there are `count` vertices along the last direction, at most as `like` has."""
+def mean_force(loads, frame, particles, p):
+    """What particle `p` adds to forces times dD_p/dv_v, -V_p (mean sigma - q_p), a vector; or ()."""
 
 
-@specialise(_scatter_some)
-def _scatter_number(like, count, G, buffer, j, place, counts, stride, P):
-    last = len(counts)
-
-    def exactly(like, count, G, buffer, j, place, counts, stride, P):
-        Z = _factors(buffer, last, 0, j, like)
-        _scatter_lines(G, buffer, j, 0, place, counts, stride, Z, P)
-
-    def at_most(like, count, G, buffer, j, place, counts, stride, P):
-        if count < len(like):
-            _scatter_some(like[1:], count, G, buffer, j, place, counts, stride, P)
-        else:
-            Z = _factors(buffer, last, 0, j, like)
-            _scatter_lines(G, buffer, j, 0, place, counts, stride, Z, P)
-
-    return exactly if len(like) == 2 else at_most
-
-
-def scatter_means(loads, shape, frame, G, buffer, j, place, stride, particles, p):
-    """Add the force of the mean stress of particle `p`, -V_p (mean sigma - q_p) dD_p/dv_v.
-
-    Parameters
-    ----------
-    loads, frame, particles, p
-        As in `contribution`.
-    shape, G, buffer, j, place, stride
-        As in `scatter`.
-    """
-
-
-@specialise(scatter_means)
-def _scatter_means(loads, shape, frame, G, buffer, j, place, stride, particles, p):
+@specialise(mean_force)
+def _mean_force(loads, frame, particles, p):
     if hasattr(loads.types[loads.fields.index("mean")], "count"):  # ()
-        return lambda loads, shape, frame, G, buffer, j, place, stride, particles, p: None
-    outer, last = (0,) * (len(frame.types[0]) - 1), len(frame.types[0]) - 1
-    like = (0.0,) * shape.instance_class.vertices()
-    third = float(last == 2)
+        return lambda loads, frame, particles, p: ()
+    third = float(len(frame.types[0]) == 3)
 
-    def scatter(loads, shape, frame, G, buffer, j, place, stride, particles, p):
+    def force(loads, frame, particles, p):
         q = viscous_pressure(loads.viscosity, particles, p)
         f = -particles.V[p] * (_average(particles, p, frame.origin) - q)
-        counts = extents(shape, buffer, 0, j, outer)
-        count = extent(shape, buffer, last, j)
-        at = place + FORCE - 1  # of the vector with the force; what comes before it gets nothing
-        _scatter_some(like, count, G, buffer, j, at, counts, stride, pack(0.0, f, f, third * f))
+        return pack(0.0, f, f, third * f)
 
-    return scatter
+    return force
 
 
-def _gather_line(G, place, Z):
-    """Sum, over a line of vertices, of the factors times the velocities."""
+def no_rates(mean):
+    """The vector that sums of velocities times factors begin with; () unless there is a `mean`."""
 
 
-@specialise(_gather_line)
-def _gather_vertices(G, place, Z):
-    if len(Z) == 1:
-        return lambda G, place, Z: Z[0] * load(G, place)
-    return lambda G, place, Z: Z[0] * load(G, place) + _gather_line(G, place + RECORD, Z[1:])
+@specialise(no_rates)
+def _no_rates(mean):
+    return (lambda mean: ()) if hasattr(mean, "count") else (lambda mean: vector(0.0))
 
 
-def _gather_lines(G, buffer, j, d, place, counts, stride, Z):
-    """Sums over the lines of a support, from direction `d` on."""
+def keep_rates(M, buffer, j):
+    """Put the sum M of velocities times factors of the batch's particle `j` into the buffer."""
 
 
-@specialise(_gather_lines)
-def _gather_all(G, buffer, j, d, place, counts, stride, Z):
-    if len(counts) == 0:
-        return lambda G, buffer, j, d, place, counts, stride, Z: _gather_line(G, place, Z)
-
-    def lines(G, buffer, j, d, place, counts, stride, Z):
-        total = vector(0.0)
-        for i in range(counts[0]):
-            line = _gather_lines(
-                G, buffer, j, d + 1, place + i * stride[0], counts[1:], stride[1:], Z
-            )
-            total = _factor(buffer, d, i, j) * line + total
-        return total
-
-    return lines
-
-
-def _gather_some(like, count, G, buffer, j, place, counts, stride):
-    """Sums over a support with `count` vertices along the last direction."""
-
-
-@specialise(_gather_some)
-def _gather_number(like, count, G, buffer, j, place, counts, stride):
-    last = len(counts)
-
-    def exactly(like, count, G, buffer, j, place, counts, stride):
-        Z = _factors(buffer, last, 0, j, like)
-        return _gather_lines(G, buffer, j, 0, place, counts, stride, Z)
-
-    def at_most(like, count, G, buffer, j, place, counts, stride):
-        if count < len(like):
-            return _gather_some(like[1:], count, G, buffer, j, place, counts, stride)
-        Z = _factors(buffer, last, 0, j, like)
-        return _gather_lines(G, buffer, j, 0, place, counts, stride, Z)
-
-    return exactly if len(like) == 2 else at_most
-
-
-def gather_means(mean, shape, G, buffer, j, place, stride, like):
-    """Keep, in the buffer, the sum of dD_p/dv_v times v_v of the batch's particle `j`.
-
-    Parameters
-    ----------
-    shape, G, buffer, j, place, stride, like
-        As in `gather`.
-    """
-
-
-@specialise(gather_means)
-def _gather_means(mean, shape, G, buffer, j, place, stride, like):
-    if hasattr(mean, "count"):  # ()
-        return lambda mean, shape, G, buffer, j, place, stride, like: None
-    outer, last = (0,) * (len(like) - 1), len(like) - 1
-    most = (0.0,) * shape.instance_class.vertices()
-
-    def gather(mean, shape, G, buffer, j, place, stride, like):
-        counts = extents(shape, buffer, 0, j, outer)
-        count = extent(shape, buffer, last, j)
-        rates = _gather_some(most, count, G, buffer, j, place, counts, stride)
-        store(buffer, _GATHERED + 4 * j, rates)
-
-    return gather
+@specialise(keep_rates)
+def _keep_rates(M, buffer, j):
+    if hasattr(M, "count"):  # ()
+        return lambda M, buffer, j: None
+    return lambda M, buffer, j: store(buffer, _GATHERED + 4 * j, M)
 
 
 def with_means(mean, buffer, count, L):
