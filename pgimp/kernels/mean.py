@@ -155,7 +155,7 @@ def _plus_factored(f, M, V):
 
 
 def mean_force(loads, frame, particles, p):
-    """What particle `p` adds to forces times dD_p/dv_v, -V_p (mean sigma - q_p), a vector; or ()."""
+    """-V_p (mean sigma - q_p) of particle `p`, which dD_p/dv_v makes forces of; () without."""
 
 
 @specialise(mean_force)
