@@ -1,11 +1,11 @@
 """Sums over the particles, layer by layer in canonical order, and their greatest speed."""
 
-from math import sqrt
+from math import isqrt, sqrt
 
 from pgimp.jit.algebra import determinant, symmetric
-from pgimp.jit.kernel import kernel
+from pgimp.jit.kernel import kernel, specialise
 from pgimp.jit.tuples import read, squared
-from pgimp.kernels.updates.stress import state_of
+from pgimp.kernels.updates.stress import has_any, state_of
 from pgimp.physics.materials.base import evaluate
 
 #: Columns of `layer_sums`.
@@ -81,9 +81,29 @@ def exact_masses(particles, rows, unit, masses):
         row[1] = low & ((1 << LOW) - 1)
 
 
+def _with_diffusion(setting, k, args, state, inverse, c):
+    """The speed that limits the step of a particle of material `k`, of waves and viscosity."""
+
+
+@specialise(_with_diffusion)
+def _with_diffusion_of(setting, k, args, state, inverse, c):
+    if not has_any(setting, "diffusivity"):
+        return lambda setting, k, args, state, inverse, c: c
+    D = float(isqrt(len(args[0])))
+
+    def limit(setting, k, args, state, inverse, c):
+        extra = D * inverse * evaluate("diffusivity", setting.materials, k, args, state)
+        return sqrt(c * c + extra * extra) + extra
+
+    return limit
+
+
 @kernel
 def fastest_rate(setting, particles, rows):
-    """Largest (c_p + |v_p|)/L over the particles in `rows`, 1/time; times dt the Courant number."""
+    """Largest (c_p + |v_p|)/L over the particles in `rows`, 1/time; times dt the Courant number.
+
+    Where materials are viscous c_p is that of `effective_wave_speed`.
+    """
     frame, materials, material_of = setting.frame, setting.materials, setting.material_of
     inverse = 0.0
     for d in range(len(frame.inverse)):
@@ -94,5 +114,6 @@ def fastest_rate(setting, particles, rows):
         state = state_of(materials, particles, p, F)
         args = (F, determinant(F))
         c = evaluate("speed", materials, material_of[particles.body[p]], args, state)
+        c = _with_diffusion(setting, material_of[particles.body[p]], args, state, inverse, c)
         rate = max(rate, (c + sqrt(squared(read(particles.v, p, 0, frame.origin)))) * inverse)
     return rate

@@ -90,6 +90,7 @@ class Scene:
         self.materials = tuple(
             parameters_of(case.materials[name], self.dimension) for name in used
         )
+        self.initial_pressures = [case.materials[name].initial_pressure for name in used]
         with located(case):
             self.most_mass = self._weigh(used)
         named = case.boundaries
@@ -272,8 +273,11 @@ class Scene:
                 p.v[rows] = self.velocities(block.body, places)
             else:
                 p.v[rows] = block.velocities
+            material = self.body_material[block.body]
             if block.stresses is not None:
                 p.sigma[rows] = block.stresses[:, : p.sigma.shape[1]]
+            elif pressure := self.initial_pressures[material]:
+                p.sigma[rows, :3] = -pressure
             if p.L.shape[1]:
                 p.L[rows] = (
                     self._velocity_gradients(block.body, places)
@@ -283,7 +287,6 @@ class Scene:
             p.id[rows] = block.ids
             p.body[rows] = block.body
             p.V0[rows] = p.V[rows] = lattice.volume * block.fractions  # (3)
-            material = self.body_material[block.body]
             p.m[rows] = p.V0[rows] * self.materials[material].density  # (4)
             p.state[rows] = self.states.initial[material]
             for name, values in block.states.items():

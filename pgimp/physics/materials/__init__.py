@@ -19,10 +19,17 @@ for one particle after the other. `pgimp.register_material` takes in others.
 """
 
 from pgimp.physics.materials.base import Material, Poisson, State, Young, lame
-from pgimp.physics.materials.choose import choose
+from pgimp.physics.materials.bingham import Bingham
+from pgimp.physics.materials.cam_clay import CamClay
+from pgimp.jit.choose import choose
+from pgimp.physics.materials.drucker_prager import DruckerPrager
 from pgimp.physics.materials.hooke import Hooke
+from pgimp.physics.materials.ideal_gas import IdealGas
 from pgimp.physics.materials.linear_1d import Linear1d
+from pgimp.physics.materials.mohr_coulomb import MohrCoulomb
+from pgimp.physics.materials.mu_i import MuI
 from pgimp.physics.materials.neo_hookean import NeoHookean
+from pgimp.physics.materials.newtonian import Newtonian
 from pgimp.physics.materials.registry import Registry
 from pgimp.schema.base import NonNegative, Number, Positive
 
@@ -45,5 +52,12 @@ MATERIALS = Registry(
         "linear-1d": Linear1d,
         "neo-hookean": NeoHookean,
         "hooke": Hooke,
+        "drucker-prager": DruckerPrager,
+        "mohr-coulomb": MohrCoulomb,
+        "cam-clay": CamClay,
+        "mu-i": MuI,
+        "newtonian": Newtonian,
+        "bingham": Bingham,
+        "ideal-gas": IdealGas,
     }
 )
