@@ -14,12 +14,12 @@ more, ``state``, a tuple of floats in the order of the declaration, and ``stress
 the stress, and the state at the end of the step.
 
 They are asked for four particles at once, where they can: without branches (`choose` stands for
-one), with + - * /, abs, max, min, and math's sqrt, log and floor. With anything else they are asked
-for one particle after the other. `pgimp.register_material` takes in others.
+one), with + - * /, abs, max, min, math's sqrt and floor, and `pgimp.jit.functions`. With anything
+else they are asked for one particle after the other. `pgimp.register_material` takes in others.
 """
 
+from pgimp.jit.choose import choose
 from pgimp.physics.materials.base import Material, Poisson, State, Young, lame
-from pgimp.physics.materials.choose import choose
 from pgimp.physics.materials.hooke import Hooke
 from pgimp.physics.materials.linear_1d import Linear1d
 from pgimp.physics.materials.neo_hookean import NeoHookean
