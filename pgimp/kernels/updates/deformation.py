@@ -15,7 +15,6 @@ from pgimp.jit.simd import bits, pack, vector, where
 from pgimp.kernels.batch import deformations
 from pgimp.physics.materials.base import volume_only
 
-
 #: Change of volume in a step up to which `_cube_root` is right; steps seldom have more.
 _NEAR = 0.25
 

@@ -14,14 +14,14 @@ more, ``state``, a tuple of floats in the order of the declaration, and ``stress
 the stress, and the state at the end of the step.
 
 They are asked for four particles at once, where they can: without branches (`choose` stands for
-one), with + - * /, abs, max, min, and math's sqrt, log and floor. With anything else they are asked
-for one particle after the other. `pgimp.register_material` takes in others.
+one), with + - * /, abs, max, min, math's sqrt and floor, and `pgimp.jit.functions`. With anything
+else they are asked for one particle after the other. `pgimp.register_material` takes in others.
 """
 
+from pgimp.jit.choose import choose
 from pgimp.physics.materials.base import Material, Poisson, State, Young, lame
 from pgimp.physics.materials.bingham import Bingham
 from pgimp.physics.materials.cam_clay import CamClay
-from pgimp.jit.choose import choose
 from pgimp.physics.materials.drucker_prager import DruckerPrager
 from pgimp.physics.materials.hooke import Hooke
 from pgimp.physics.materials.ideal_gas import IdealGas

@@ -21,7 +21,8 @@ from pydantic import Field
 from pgimp.jit.choose import choose
 from pgimp.jit.functions import exp, log
 from pgimp.jit.kernel import specialise
-from pgimp.jit.spectral import carry, eigen, spectral
+from pgimp.jit.series import carry
+from pgimp.jit.spectral import eigen, spectral
 from pgimp.jit.tuples import scaled
 from pgimp.physics.materials.base import State, lame
 from pgimp.physics.materials.friction import PLASTIC_WORK, Soil

@@ -1,4 +1,7 @@
-r"""Grains that flow: friction mu(I) of the inertial number (Dunatunga and Kamrin, J. Fluid Mech. 2015).
+"""Grains that flow: friction mu(I) of the inertial number I.
+
+After Dunatunga and Kamrin, Continuum modelling and simulation of granular flows through their many
+phases, J. Fluid Mech. 779, 483-513 (2015).
 
 With p the pressure, tau the root of J2 and I = rate d sqrt(rho_s/p),
 
@@ -45,7 +48,7 @@ class MuIParameters(NamedTuple):
         """Stress of grains at rest or flowing, none of grains apart; the plastic shear."""
         s = elastic_trial(
             material.shear, J, sigma, L, dt
-        )  # of Kirchhoff's stress, J times Cauchy's
+        )  # J times Cauchy's
         trial = shear_stress(s) / J
         p = material.bulk * max(1.0 / J - 1.0, 0.0)
         least, most = material.still * p, material.fast * p
