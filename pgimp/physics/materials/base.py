@@ -150,8 +150,8 @@ def state_width(parameters: type, dimensions: int) -> int:
 
 #: Quantities that a material need not have, and what they are without: the diffusivity of
 #: momentum, length^2/time, that limits the step; how far the material is from the end of its range,
-#: at which the run stops.
-OPTIONAL = {"diffusivity": 0.0, "margin": 1.0}
+#: at which the run stops; the energies that it does not give back, see `LOSSES`.
+OPTIONAL: dict[str, Any] = {"diffusivity": 0.0, "margin": 1.0, "losses": (0.0, 0.0, 0.0)}
 
 #: Arguments of "stress" besides the material, the viscous pressure and the state.
 _WITHOUT_Q = 5
