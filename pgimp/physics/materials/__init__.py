@@ -24,6 +24,7 @@ from pgimp.physics.materials.hooke import Hooke
 from pgimp.physics.materials.linear_1d import Linear1d
 from pgimp.physics.materials.neo_hookean import NeoHookean
 from pgimp.physics.materials.registry import Registry
+from pgimp.physics.materials.von_mises import VonMises
 from pgimp.schema.base import NonNegative, Number, Positive
 
 __all__ = [
@@ -45,5 +46,6 @@ MATERIALS = Registry(
         "linear-1d": Linear1d,
         "neo-hookean": NeoHookean,
         "hooke": Hooke,
+        "von-mises": VonMises,
     }
 )

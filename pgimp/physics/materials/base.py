@@ -32,6 +32,9 @@ class ArtificialViscosity(Model):
     quadratic: NonNegative = Field(description="c2 [1]")
 
 
+#: What a material may say of energy that it does not give back: columns of the history.
+LOSSES = ("plastic-work", "viscous-work", "heat")
+
 #: What a state variable may be called.
 STATE_NAME = re.compile("[a-z][a-z0-9-]*")
 
@@ -73,10 +76,38 @@ class Material(Model):
     STATE: ClassVar[tuple[State, ...]] = ()
     """What its particles remember besides their stress; see `pgimp.physics.materials`."""
 
+    LOSSES: ClassVar[tuple[str, ...]] = ()
+    """Which of `LOSSES` of this module its parameters' ``losses`` tell; each is a column of the
+    history."""
+
     density: Positive = Field(description="initial density [mass/volume]")
     viscosity: ArtificialViscosity | None = Field(
         default=None, description="artificial viscosity; null: none"
     )
+
+    @property
+    def states(self) -> tuple[State, ...]:
+        """What particles of this very entry remember: `STATE`, or less."""
+        return self.STATE
+
+    def exact_path(self, path: str, value: Any, rate: float) -> dict[str, Any] | None:
+        """Return what is known exactly along a path of ``pgimp element``.
+
+        Parameters
+        ----------
+        path : str
+            Its name.
+        value : (n,) ndarray
+            Its value, from 0 on and monotonic.
+        rate : float
+            Of the value, 1/time.
+
+        Returns
+        -------
+        dict of str to (n,) ndarray, or None
+            Columns of ``pgimp element`` by name; None where nothing is known.
+        """
+        return None
 
 
 def lame(young: float, poisson: float) -> tuple[float, float]:
@@ -99,10 +130,10 @@ def with_states(entry: Material, parameters: Any) -> Any:
         If entries with other state variables have parameters of the same type.
     """
     kind = type(parameters)
-    if entry.STATE != states_of(kind) and "STATE" in vars(kind):
+    if entry.states != states_of(kind) and "STATE" in vars(kind):
         raise ValueError(f"{kind.__qualname__} belongs to a material with other state variables")
-    if entry.STATE:
-        kind.STATE = entry.STATE
+    if entry.states:
+        kind.STATE = entry.states
     return parameters
 
 
@@ -118,7 +149,7 @@ def _compiled(parameters: type, quantity: str):
 
 
 def evaluate(quantity, materials, k, args, state):
-    """Value of "stress", "energy" or "speed" of material number `k` of the scene's tuple.
+    """Value of "stress", "energy", "losses" or "speed" of material number `k` of the scene's.
 
     Materials of one model are indexed; different models become a chain of branches; one material
     alone costs neither.
@@ -139,7 +170,8 @@ def evaluate(quantity, materials, k, args, state):
     Returns
     -------
     float or tuple
-        Of "stress" the components, followed by the state after the step.
+        Of "stress" the components, followed by the state after the step; of "losses" one number
+        for each of `LOSSES`, zeros where the material has no such function.
     """
 
 
@@ -176,6 +208,8 @@ def _ask_material(quantity, material, args, state):
     if not isinstance(quantity, types.Literal):
         return None
     name = quantity.literal_value
+    if name == "losses" and not hasattr(material.instance_class, name):
+        return lambda quantity, material, args, state: (0.0, 0.0, 0.0)
     function = _compiled(material.instance_class, name)
     own = state_width(material.instance_class, isqrt(len(args[0])))
     if len(state) == 0:
