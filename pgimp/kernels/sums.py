@@ -12,6 +12,25 @@ from pgimp.physics.materials.base import evaluate
 MASS, MOMENTUM, ANGULAR, MOMENT, KINETIC, STRAIN, SUMS = 0, 1, 4, 7, 10, 11, 12
 
 
+def book_losses(row, materials, k, args, state, V0):
+    """Add what a particle's material says of energy that it does not give back, after the others.
+
+    Nothing where no material of the scene says any.
+    """
+
+
+@specialise(book_losses)
+def _book_losses(row, materials, k, args, state, V0):
+    def book(row, materials, k, args, state, V0):
+        losses = evaluate("losses", materials, k, args, state)
+        row[SUMS] += V0 * losses[0]
+        row[SUMS + 1] += V0 * losses[1]
+        row[SUMS + 2] += V0 * losses[2]
+
+    lose = any(hasattr(material.instance_class, "losses") for material in materials)
+    return book if lose else lambda row, materials, k, args, state, V0: None
+
+
 @kernel
 def layer_sums(setting, particles, order, sums):
     """Add up mass, momentum, angular momentum, first moment, kinetic and strain energy.
@@ -20,8 +39,9 @@ def layer_sums(setting, particles, order, sums):
     ----------
     setting, particles, order
         See `Setting`, `Particles`, `Order`.
-    sums : (layers, bodies, 12) float64
-        Zero on entry; columns as named in this module.
+    sums : (layers, bodies, columns) float64
+        Zero on entry; `SUMS` columns as named in this module, and one for each of `LOSSES` where
+        materials have any.
     """
     like, start, D = setting.identity, order.start, len(setting.frame.origin)
     for layer in range(len(start) - 1):
@@ -50,10 +70,10 @@ def layer_sums(setting, particles, order, sums):
             F = read(particles.F, p, 0, like)
             sigma = read(particles.sigma, p, 0, symmetric(like))
             J = determinant(F)
-            row[STRAIN] += particles.V0[p] * evaluate(
-                "energy", setting.materials, setting.material_of[body], (F, J, sigma),
-                state_of(setting.materials, particles, p, F),
-            )  # fmt: skip
+            state = state_of(setting.materials, particles, p, F)
+            k, args = setting.material_of[body], (F, J, sigma)
+            row[STRAIN] += particles.V0[p] * evaluate("energy", setting.materials, k, args, state)
+            book_losses(row, setting.materials, k, args, state, particles.V0[p])
 
 
 #: Bits of the two integers in which `exact_masses` holds a mass.

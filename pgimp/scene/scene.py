@@ -15,8 +15,10 @@ from pgimp.kernels.errors import initial_velocities
 from pgimp.kernels.mirror import Mirror
 from pgimp.kernels.order import cell_numbers
 from pgimp.kernels.particles import Carried, Frame, Particles
+from pgimp.kernels.sums import SUMS
 from pgimp.physics.contact import Pairs
 from pgimp.physics.fields import EVERY
+from pgimp.physics.materials.base import LOSSES
 from pgimp.physics.materials.outside import parameters_of
 from pgimp.physics.materials.states import States
 from pgimp.scene.cloudgradients import with_gradients
@@ -45,6 +47,8 @@ class Scene:
         Parameters of the shape; `vertices` a direction in a support.
     materials : tuple of NamedTuple
         Parameters of the materials in use, `material_of` the one of each body.
+    losses : tuple of str
+        Those of `LOSSES` that a material in use tells; `sums` columns of `layer_sums`.
     faces : list of Face
         Faces with a condition, x-min to z-max.
     mirrors : list of Mirror
@@ -91,6 +95,9 @@ class Scene:
             parameters_of(case.materials[name], self.dimension) for name in used
         )
         self.initial_pressures = [case.materials[name].initial_pressure for name in used]
+        told = {loss for name in used for loss in case.materials[name].LOSSES}
+        self.losses = tuple(loss for loss in LOSSES if loss in told)
+        self.sums = SUMS + (len(LOSSES) if told else 0)
         with located(case):
             self.most_mass = self._weigh(used)
         named = case.boundaries

@@ -1,30 +1,36 @@
-"""Materials along paths of deformation, without a grid."""
+"""Materials along paths of deformation, without a grid, and where their work goes."""
+
+from typing import NamedTuple
 
 import numpy as np
 from material_driver import COMPONENTS, row
 
+import pgimp
 from pgimp.jit.algebra import determinant
 from pgimp.jit.kernel import kernel
-from pgimp.jit.tuples import read, write
+from pgimp.jit.tuples import read
+from pgimp.kernels.updates.stress import state_of
 from pgimp.physics.materials import MATERIALS
-from pgimp.physics.materials.base import evaluate, state_width, states_of
+from pgimp.physics.materials.base import evaluate, states_of
 from pgimp.physics.materials.outside import parameters_of
 
 
 @kernel
-def march(materials, F, L, dt, rows, energies, like, components, remembered):
-    """Fill the rows of stress and state after each step, and the energy and what is lost."""
+def energies_of(materials, F, stress, remembered, energies, like, components):
+    """Fill energy and what is lost, (n, 2), from F, stress and state, as of particles."""
     for k in range(len(F)):
         f = read(F, k, 0, like)
-        sigma = read(rows, k, 0, components)
-        state = read(rows, k, len(components), remembered)
-        args = (f, determinant(f), sigma, read(L, k, 0, like), dt)
-        found = evaluate("stress", materials, 0, args, state)
-        write(rows, k + 1, 0, found)
-        args, state = (f, determinant(f), found[: len(components)]), found[len(components) :]
+        args = (f, determinant(f), read(stress, k, 0, components))
+        state = state_of(materials, remembered, k, f)
         energies[k, 0] = evaluate("energy", materials, 0, args, state)
         losses = evaluate("losses", materials, 0, args, state)
         energies[k, 1] = losses[0] + losses[1]
+
+
+class Remembered(NamedTuple):
+    """What `state_of` wants of particles."""
+
+    state: np.ndarray
 
 
 def entry_of(entry):
@@ -51,33 +57,25 @@ def along(entry, F, dt=1.0):
     material = entry_of(entry)
     F = np.asarray(F, float)
     n, D = F.shape[:2]
-    parameters = parameters_of(material, D)
-    before = np.concatenate([np.eye(D)[None], F[:-1]])
-    L = (F @ np.linalg.inv(before) - np.eye(D)) / dt
+    found = pgimp.element(material, F, dt)
+    parameters, width = parameters_of(material, D), COMPONENTS[D]
+    columns = [found[state.name].reshape(n, -1) for state in states_of(type(parameters))]
+    state = np.hstack([np.zeros((n, 0)), *columns])
     kept = F
     if material.VOLUME_ONLY:
         kept = np.eye(D) * np.linalg.det(F)[:, None, None] ** (1 / D)
-    width = COMPONENTS[D]
-    rows = np.zeros((n + 1, width + state_width(type(parameters), D)))
-    rows[0, :3] = -material.initial_pressure
-    place, names = width, {}
-    for state in states_of(type(parameters)):
-        last = place + state.width(D)
-        start = state.initial
-        rows[0, place:last] = getattr(parameters, start) if isinstance(start, str) else start
-        names[state.name] = slice(place, last)
-        place = last
-    energies = np.zeros((n, 2))
-    march(
-        (parameters,), kept.reshape(n, -1), L.reshape(n, -1), dt, rows, energies,
-        row(np.eye(D)), (0.0,) * width, (0.0,) * (place - width),
+    energies, stress = np.zeros((n, 2)), np.ascontiguousarray(found["stress"][:, :width])
+    energies_of(
+        (parameters,), kept.reshape(n, -1), stress, Remembered(state), energies, row(np.eye(D)),
+        (0.0,) * width,
     )  # fmt: skip
-    found = {name: rows[1:, part].squeeze(-1) if part.stop - part.start == 1 else rows[1:, part]
-             for name, part in names.items()}  # fmt: skip
-    found["stress"] = np.zeros((n, 6))
-    found["stress"][:, :width] = rows[1:, :width]
+    before = np.concatenate([np.eye(D)[None], F[:-1]])
+    L = (F @ np.linalg.inv(before) - np.eye(D)) / dt
+    rows = np.zeros((n + 1, width))
+    rows[0, :3] = -material.initial_pressure
+    rows[1:] = stress
     J = np.concatenate([[1.0], np.linalg.det(F)])[:, None]
-    middle = 0.5 * (J[1:] * rows[1:, :width] + J[:-1] * rows[:-1, :width])
+    middle = 0.5 * (J[1:] * rows[1:] + J[:-1] * rows[:-1])
     G = L @ np.linalg.inv(np.eye(D) + 0.5 * dt * L)
     power = np.zeros(n)
     for i, (a, b) in enumerate(((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))):

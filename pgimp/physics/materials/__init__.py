@@ -31,6 +31,7 @@ from pgimp.physics.materials.mu_i import MuI
 from pgimp.physics.materials.neo_hookean import NeoHookean
 from pgimp.physics.materials.newtonian import Newtonian
 from pgimp.physics.materials.registry import Registry
+from pgimp.physics.materials.von_mises import VonMises
 from pgimp.schema.base import NonNegative, Number, Positive
 
 __all__ = [
@@ -52,6 +53,7 @@ MATERIALS = Registry(
         "linear-1d": Linear1d,
         "neo-hookean": NeoHookean,
         "hooke": Hooke,
+        "von-mises": VonMises,
         "drucker-prager": DruckerPrager,
         "mohr-coulomb": MohrCoulomb,
         "cam-clay": CamClay,

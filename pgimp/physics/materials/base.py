@@ -33,6 +33,9 @@ class ArtificialViscosity(Model):
     quadratic: NonNegative = Field(description="c2 [1]")
 
 
+#: What a material may say of energy that it does not give back: columns of the history.
+LOSSES = ("plastic-work", "viscous-work", "heat")
+
 #: What a state variable may be called.
 STATE_NAME = re.compile("[a-z][a-z0-9-]*")
 
@@ -81,6 +84,10 @@ class Material(Model):
     """Whether ``stress`` gets, after `dt`, the pressure q of the artificial viscosity in the step,
     0 without any: it heats the material by q per decrease of volume."""
 
+    LOSSES: ClassVar[tuple[str, ...]] = ()
+    """Which of `LOSSES` of this module its parameters' ``losses`` tell; each is a column of the
+    history."""
+
     density: Positive = Field(description="initial density [mass/volume]")
     viscosity: ArtificialViscosity | None = Field(
         default=None, description="artificial viscosity; null: none"
@@ -107,6 +114,25 @@ class Material(Model):
             What it remembers.
         """
         return "is out of the range of its material", "smaller steps (time.step), slower loading"
+
+    def exact_path(self, path: str, value: Any, rate: float) -> dict[str, Any] | None:
+        """Return what is known exactly along a path of ``pgimp element``.
+
+        Parameters
+        ----------
+        path : str
+            Its name.
+        value : (n,) ndarray
+            Its value, from 0 on and monotonic.
+        rate : float
+            Of the value, 1/time.
+
+        Returns
+        -------
+        dict of str to (n,) ndarray, or None
+            Columns of ``pgimp element`` by name; None where nothing is known.
+        """
+        return None
 
 
 def lame(young: float, poisson: float) -> tuple[float, float]:
@@ -202,7 +228,8 @@ def evaluate(quantity, materials, k, args, state):
     Returns
     -------
     float or tuple
-        Of "stress" the components, followed by the state after the step.
+        Of "stress" the components, followed by the state after the step; of "losses" one number
+        for each of `LOSSES`, zeros where the material has no such function.
     """
 
 

@@ -132,7 +132,7 @@ def _require_states(who: str, entry: Material, parameters: Any) -> None:
     """Refuse state variables that are not declared as they must be."""
     kind = type(entry)
     names: list[str] = []
-    states: Any = entry.STATE
+    states: Any = entry.states
     if not isinstance(states, tuple) or not all(isinstance(each, State) for each in states):
         raise UsageError(
             f"{who}: STATE of {kind.__qualname__} ({_file(kind)}) must be a tuple of "
