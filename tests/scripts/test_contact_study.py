@@ -6,9 +6,12 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.append(str(ROOT / "scripts" / "contact_study"))
 
+import detection  # noqa: E402
 import gap  # noqa: E402
+import hertz  # noqa: E402
 import motion  # noqa: E402
 import problems  # noqa: E402
+import rolls  # noqa: E402
 import walls  # noqa: E402
 
 from pgimp.kernels.clearance import CLOSED  # noqa: E402
