@@ -6,6 +6,7 @@ import subprocess
 import sys
 from concurrent.futures import ProcessPoolExecutor
 from datetime import date
+from functools import partial
 from importlib.metadata import version
 from multiprocessing import get_context
 
@@ -169,6 +170,12 @@ def _costs(quick):
     return text
 
 
+def _show(name, future):
+    """Say what has been measured, as all of it takes some time."""
+    if not future.cancelled() and future.exception() is None:
+        print(*name, future.result(), file=sys.stderr, flush=True)
+
+
 def main():
     """Measure all, write contact.out/contact.md and, unless --quick, docs/contact.md."""
     parser = argparse.ArgumentParser(prog="scripts/contact")
@@ -177,6 +184,8 @@ def main():
     jobs, cells = _figures(options.quick), (0.2, 0.1)
     with ProcessPoolExecutor(min(2, os.cpu_count()), get_context("spawn")) as pool:
         waiting = {name: pool.submit(*job) for name, job in jobs.items()}
+        for name, future in waiting.items():
+            future.add_done_callback(partial(_show, name))
         ways = pool.submit(detection.text, options.quick)
         near = pool.submit(walls.gaps, options.quick)
         gaps = pool.submit(gap.rows, options.quick)
