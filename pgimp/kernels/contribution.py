@@ -7,6 +7,7 @@ from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import pack
 from pgimp.jit.tuples import read
 from pgimp.kernels.clearance import moment, wall
+from pgimp.kernels.mean import set_apart
 from pgimp.kernels.place import deformation
 from pgimp.kernels.viscosity import viscous_pressure
 
@@ -27,6 +28,7 @@ class VolumeSums(NamedTuple):
     relaxation: tuple[()] = ()
     affine: tuple[()] = ()
     walls: tuple[()] = ()
+    mean: tuple[()] = ()
 
 
 def contribution(loads, frame, particles, p):
@@ -38,7 +40,8 @@ def contribution(loads, frame, particles, p):
         (m_p, m_p v_p), for (21) and (22).
     S : tuple of Vec4
         For each direction i the column (m_p w_i, -V_p (sigma_xi, sigma_yi, sigma_zi)), for (16),
-        the stress less the viscous pressure (45); w is what `pgimp.kernels.clearance` wants.
+        the stress less the viscous pressure (45), or less all of its mean, see `set_apart`; w is
+        what `pgimp.kernels.clearance` wants.
     """
 
 
@@ -101,7 +104,7 @@ def _contribution(loads, frame, particles, p):
         def contribution2(loads, frame, particles, p):
             m = particles.m[p]
             V = -particles.V[p]
-            q = viscous_pressure(loads.viscosity, particles, p)
+            q = set_apart(loads, frame, particles, p)
             s = particles.sigma
             xy = V * s[p, 3]
             return pack(m, m * particles.v[p, 0], m * particles.v[p, 1], 0.0), (
@@ -114,7 +117,7 @@ def _contribution(loads, frame, particles, p):
     def contribution3(loads, frame, particles, p):
         m = particles.m[p]
         V = -particles.V[p]
-        q = viscous_pressure(loads.viscosity, particles, p)
+        q = set_apart(loads, frame, particles, p)
         v = particles.v
         s = particles.sigma
         xy = V * s[p, 3]
