@@ -132,8 +132,9 @@ class Scene:
         self.states = States(used, self.materials, self.dimension)
         self.fields = EVERY | self.states.fields
         self.carried = Carried(
-            self.dimension, self.origins, **self.loads.carried, state=self.states.width
-        )
+            self.dimension, self.origins, **self.loads.carried, state=self.states.width,
+            surfaces=self.pairs is not None,
+        )  # fmt: skip
         varies = any(face.condition.varies for face in self.faces)
         self._face_table = FaceTable(self.faces)
         self._walls = None if varies else walls(self.faces, self.frame, 0.0)
@@ -291,6 +292,9 @@ class Scene:
             p.id[rows] = block.ids
             p.body[rows] = block.body
             p.V0[rows] = p.V[rows] = lattice.volume * block.fractions  # (3)
+            if self.carried.surfaces:
+                p.offset[rows] = block.centroids - block.positions
+                p.excess[rows, 0] = lattice.excess(block)
             p.m[rows] = p.V0[rows] * self.materials[material].density  # (4)
             p.state[rows] = self.states.initial[material]
             for name, values in block.states.items():
