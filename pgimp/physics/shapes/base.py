@@ -54,7 +54,8 @@ class Shape(Model):
         """
         if self.volumetric == "pointwise" or len(self.particles_per_cell) == 1:
             return self.stable_pointwise
-        return min(self.stable_pointwise, 0.75 / max(self.particles_per_cell))
+        most, of_one = (0.45, 0.75) if len(self.particles_per_cell) == 2 else (0.35, 0.52)
+        return min(most, of_one / max(self.particles_per_cell))
 
     @property
     def tracked(self) -> bool:
