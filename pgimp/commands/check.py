@@ -145,20 +145,20 @@ def _rate(case: Case, bodies: list[BodyFacts], inverse: float) -> float:
     """Cells in a unit of time that a Courant number of the case refers to."""
     if case.watched:
         assert case.courant is not None
-        return pace_of(case.courant, bodies) * inverse
-    return max((body.wave_speed + body.top_speed) * inverse for body in bodies)
+        return pace_of(case.courant, bodies, inverse)
+    return max(body.rest_rate + body.top_speed * inverse for body in bodies)
 
 
-def pace_of(courant: float, bodies: list[BodyFacts]) -> float:
-    """Speed that a Courant number chosen by pgimp refers to, see `Scene.controlled`."""
-    part = courant / MOST_CELLS
-    return max(max(body.wave_speed, part * body.top_speed) for body in bodies)
+def pace_of(courant: float, bodies: list[BodyFacts], inverse: float) -> float:
+    """Rate that a Courant number chosen by pgimp refers to, see `Scene.controlled`."""
+    part = courant / MOST_CELLS * inverse
+    return max(max(body.rest_rate, part * body.top_speed) for body in bodies)
 
 
 def _report_chosen(case: Case, bodies: list[BodyFacts], inverse: float, dt: float) -> None:
     """Say how many steps fewer there would be if pgimp chose their length."""
     courant = AUTO * case.method.largest_courant(case.dimensions)
-    longest = courant / (pace_of(courant, bodies) * inverse)
+    longest = courant / pace_of(courant, bodies, inverse)
     if not case.watched and longest > 1.05 * dt:
         print(
             f"{'':<16} step: {{courant: auto}} would begin with {longest:.4g} (Courant number of "

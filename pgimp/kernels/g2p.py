@@ -19,12 +19,19 @@ from pgimp.kernels.gathered import (
     repeat_sums,
 )
 from pgimp.kernels.loads import force_power, layer_power
+from pgimp.kernels.mean import keep_means, keep_rates, with_means
 from pgimp.kernels.pace import pace
 from pgimp.kernels.place import first_vertex
 from pgimp.kernels.transfer import gather
-from pgimp.kernels.updates.checks import and_finite, examine, within
+from pgimp.kernels.updates.checks import and_finite, and_positive, examine, within
 from pgimp.kernels.updates.deformation import update_deformation
-from pgimp.kernels.updates.stress import keep_state, update_stress, wave_speed
+from pgimp.kernels.updates.stress import (
+    diffusion_speed,
+    keep_state,
+    margins,
+    update_stress,
+    wave_speed,
+)
 from pgimp.kernels.updates.velocity import update_position, update_velocity
 from pgimp.kernels.viscosity import effective_wave_speed, update_viscous_pressure
 from pgimp.physics.shapes.base import size
@@ -91,11 +98,15 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
             count = min(LANES, start[layer + 1] - k)
             batch = Batch(rows, count, k, layer, number)
             supports(shape, frame, window, particles, rows, number, buffer, ())
+            keep_means(loads.mean, shape, frame, buffer)
             for j in range(count):
                 p = order.rows[k + j]
                 place = begin + first_place(buffer, j) + field_of(window, particles, p)
-                U, A, D = gather(shape, G, buffer, j, place, window.stride, frame.origin)
+                U, A, D, M = gather(
+                    shape, G, buffer, j, place, window.stride, frame.origin, loads.mean
+                )
                 keep_sums(sums, j, U, A, D)
+                keep_rates(M, buffer, j)
                 w = components(frame.origin, U)
                 power += force_power(loads.force, frame, particles, p, w)
             repeat_sums(sums, count, frame.origin)
@@ -105,9 +116,10 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
             u, v = update_velocity(forcing, particles, batch, u, a, ledger)  # (27)
             x = update_position(forcing, particles, batch, u)  # (26)
             keep_gradients(loads.affine, particles, rows, L, sums)
-            F = update_deformation(setting, forcing, particles, batch, L)  # (29)
-            J = determinant(F)
+            L = with_means(loads.mean, buffer, count, L)
             m = materials_of(setting.material_of, particles.body, rows)
+            F = update_deformation(setting, forcing, particles, batch, m, L)  # (29)
+            J = determinant(F)
             sigma, state = update_stress(setting, forcing, particles, rows, m, F, J, L)
             put_row(particles.x, rows, 0, x)
             put_row(particles.v, rows, 0, v)
@@ -121,18 +133,21 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
             )
             if forcing.controlled:
                 c = wave_speed(setting, m, F, J, state)
-                c = effective_wave_speed(loads.viscosity, c, extra)
+                extra = diffusion_speed(setting, m, F, J, state, inverse, extra)
+                c = effective_wave_speed(c, extra)
                 fastest = max(pace(forcing.controlled, c, sqrt(squared(v))) * inverse, fastest)
             # One branch for all that rarely happens, NaN included; its speed limit is sharper.
             half, most = size(shape, frame.cell, F)
             now = first_vertex(frame, 0, half[0], x[0])
+            margin = margins(setting, m, F, J, sigma, state)
             sound = and_finite(within(field.bounds, x) & (J > 0.0), state)
+            sound = and_positive(sound, margin)
             slower = (squared(u) + squared(v)) * limit <= 1.0
             usual = bits(sound & slower & (now == number) & (vector(most) <= LARGEST))
             if usual != 15:
                 counts = examine(
-                    setting, forcing, particles, batch, usual, (u, v, x, J, state, half, now, most),
-                    report, ledger, counts,
+                    setting, forcing, particles, batch, usual,
+                    (u, v, x, J, state, margin, half, now, most), report, ledger, counts,
                 )  # fmt: skip
         work[layer] += dt * power
     failed, outflow, moved, clamped, held = counts

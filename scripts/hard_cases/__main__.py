@@ -8,12 +8,13 @@ from multiprocessing import get_context
 from time import perf_counter
 
 from jobs import jobs
+from locking import locking_table
 from rows import METHODS
 from runs import ROOT
 from table import cases_table, courant_table, merged, moving_table, put_into_docs, write_csv
 
 OUT = ROOT / "hard.out"
-WORDS = ("cases", "courant", "moving", "pictures")
+WORDS = ("cases", "courant", "moving", "locking", "pictures")
 
 
 def main():
@@ -51,6 +52,7 @@ def main():
     records = [kept[key] for key in keys if key.startswith("case") and key in kept]
     points = [kept[key] for key in keys if key.startswith("courant") and key in kept]
     moves = [kept[key] for key in keys if key.startswith("moving") and key in kept]
+    beams = [kept[key] for key in keys if key.startswith("locking") and key in kept]
     texts = []
     if records:
         write_csv(records, OUT / "hard.csv")
@@ -63,6 +65,9 @@ def main():
         texts.append(("moving", moving_table(moves)))
     if only:
         texts = [(name, merged(name, text)) for name, text in texts]
+    if beams:
+        write_csv(beams, OUT / "locking.csv")
+        texts.append(("locking", locking_table(beams)))
     (OUT / "hard.md").write_text("\n".join(text for _, text in texts), encoding="utf-8")
     for _, text in texts:
         print(text)

@@ -1,7 +1,14 @@
 """What the processes of scripts/hard do, one job at a time."""
 
+from itertools import product
+
 from courant import SPEEDS, limits, moving_limit
+from locking import KINDS, OFFSETS, locked
+from locking import METHODS as UNLOCKED
 from rows import METHODS, ROWS, grazed, measured
+
+#: In 1D they are as without.
+MEAN = ("gimp, mean", "gimp, mean, affine", "finite-gimp, mean", "cpdi, mean")
 
 
 def case_job(number, method, quick):
@@ -14,8 +21,10 @@ def case_job(number, method, quick):
 def courant_job(method, dimension, per_cell, quick):
     """A point of the map."""
     steps = 500 if quick else 4000 if dimension == 1 else 1500
-    shape, _, affine = method.partition(", ")
-    entry = {"shape": shape, "affine": bool(affine)}
+    shape, *words = method.split(", ")
+    entry = {"shape": shape, "affine": "affine" in words}
+    if "mean" in words:
+        entry["volumetric"] = "mean"
     both = limits(entry, dimension, per_cell, steps, 0.05 if quick else 0.01)
     return {
         "method": method,
@@ -53,13 +62,19 @@ def jobs(quick, words, only=()):
     transfers = [m + affine for affine in ("", ", affine") for m in methods]
     if "courant" in words:
         # With affine mpm gains energy near every surface: no step is stable.
+        plain = [m for m in transfers if m != "mpm, affine"]
         for dimension, most in ((1, 8),) if quick else ((1, 8), (2, 4), (3, 2)):
+            means = [m for m in MEAN if dimension > 1 and wanted(m)]
             for per_cell in (n for n in (1, 2, 4, 8) if n <= most):
-                for m in (m for m in transfers if m != "mpm, affine"):
+                for m in (*plain, *means):
                     key = ("courant", dimension, per_cell, m)
                     found[key] = (courant_job, m, dimension, per_cell, quick)
     if "moving" in words:
         for m in (m for m in transfers if not m.startswith("mpm")):
             for speed in SPEEDS:
                 found["moving", m, speed] = (moving_job, m, 1, 2, speed, quick)
+    if "locking" in words and not only:
+        for kind in KINDS[: 1 if quick else None]:
+            for method, offset in product(UNLOCKED, OFFSETS[: 1 if quick else None]):
+                found["locking", *kind, method, offset] = (locked, method, *kind, offset)
     return found

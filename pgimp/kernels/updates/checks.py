@@ -4,14 +4,14 @@ from math import isfinite
 
 from pgimp.jit.kernel import inner_kernel, specialise
 from pgimp.jit.lanes import of_lane
-from pgimp.jit.simd import lane, vector
+from pgimp.jit.simd import lane, vec4, vector
 from pgimp.jit.tuples import read
 from pgimp.kernels.place import first_vertex
 from pgimp.kernels.walls import hold_inside
 from pgimp.physics.shapes.stretch import LARGEST
 
 #: What is wrong with a particle at fault.
-NOT_FINITE, INVERTED, TOO_FAST, OUTSIDE = 1, 2, 3, 4
+NOT_FINITE, INVERTED, TOO_FAST, OUTSIDE, OUT_OF_RANGE = 1, 2, 3, 4, 5
 
 #: What `_outside` says of a particle that has left through a face that lets it go.
 _LEAVES = -1
@@ -44,20 +44,33 @@ def _and_finite(mask, values):
     return lambda mask, values: and_finite(mask & (values[0] - values[0] == 0.0), values[1:])
 
 
+def and_positive(mask, margin):
+    """The mask, false as well where a vector is not above zero; a number says nothing."""
+
+
+@specialise(and_positive)
+def _and_positive(mask, margin):
+    if margin == vec4:
+        return lambda mask, margin: mask & (margin > 0.0)
+    return lambda mask, margin: mask
+
+
 @inner_kernel
-def _unsound(frame, x, v, u, J, state, dt):
+def _unsound(frame, x, v, u, J, state, margin, dt):
     """Name the fault of a particle that failed the combined check, wherever it is; 0 for none."""
     for d in range(len(x)):
         if not (isfinite(x[d]) and isfinite(v[d])):
             return NOT_FINITE
-    if not (isfinite(J) and and_finite(True, state)):
+    if not isfinite(J):
         return NOT_FINITE
     if not J > 0.0:
         return INVERTED
+    if not and_finite(True, state):
+        return NOT_FINITE
     for d in range(len(x)):
         if not abs(u[d]) * dt * frame.inverse[d] <= 1.0:
             return TOO_FAST
-    return 0
+    return 0 if margin > 0.0 else OUT_OF_RANGE
 
 
 @inner_kernel
@@ -83,7 +96,8 @@ def examine(setting, forcing, particles, batch, usual, found, report, ledger, co
     usual : int
         Bit j is set for a particle of which nothing has to be seen.
     found : tuple
-        u, v, x, J, state, half-widths, first vertex along x and greatest stretch of the four.
+        u, v, x, J, state, margin, half-widths, first vertex along x and greatest stretch of the
+        four.
     counts : tuple of 5 int
         Particles at fault, that left, that left or changed their layer, whose half-width is
         clamped, that walls held in.
@@ -99,7 +113,7 @@ def examine(setting, forcing, particles, batch, usual, found, report, ledger, co
 def _examine(setting, forcing, particles, batch, usual, found, report, ledger, counts):
     def examine(setting, forcing, particles, batch, usual, found, report, ledger, counts):
         frame, number, reach = setting.frame, batch.number, report.reach
-        u, v, x, J, state, half, now, most = found
+        u, v, x, J, state, margin, half, now, most = found
         failed, outflow, moved, clamped, held = counts
         for j in range(batch.size):
             if usual >> j & 1:
@@ -109,8 +123,9 @@ def _examine(setting, forcing, particles, batch, usual, found, report, ledger, c
             xj = of_lane(x, j)
             layer_now = int(lane(now, j))
             fault = _unsound(
-                frame, xj, of_lane(v, j), of_lane(u, j), lane(J, j), of_lane(state, j), forcing.dt
-            )
+                frame, xj, of_lane(v, j), of_lane(u, j), lane(J, j), of_lane(state, j),
+                of_lane(margin, j), forcing.dt,
+            )  # fmt: skip
             if fault == 0:
                 fault = _outside(frame, setting.exits, xj)
             if fault == OUTSIDE and hold_inside(

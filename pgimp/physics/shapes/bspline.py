@@ -42,7 +42,7 @@ class BsplineCubic(WideShape):
 
     vertices: ClassVar[int] = FixedFuzzyParameters.vertices()
     chi: ClassVar[Literal["point", "box", "tent"]] = "tent"
-    stable: ClassVar[float] = 0.9
+    stable_pointwise: ClassVar[float] = 0.9
 
     def parameters(self, cell: tuple[float, ...]) -> FixedFuzzyParameters:
         """Parameters of the kernels: d = L."""
