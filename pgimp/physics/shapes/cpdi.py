@@ -8,7 +8,9 @@ those of boxes (`finite-gimp`): the difference of the ends' values over the widt
 
 In two and three dimensions weights are products of those along the directions, and the widths are
 those of the box, along the grid's directions, with the same second moments as the deformed one. The
-corners follow stretches along the grid; under shear and rotation they do not tilt.
+corners follow stretches along the grid; under shear and rotation they do not tilt: what that costs
+is in docs/methods.md. A half-width is held at one cell: with two particles a cell beyond stretches
+of four, neighbours then no longer touch, which the log counts.
 """
 
 from typing import ClassVar, Literal, NamedTuple
