@@ -99,7 +99,7 @@ def report(case: Case) -> None:
     found = examine(scene, lattice, counts)
     bodies = found.bodies
     inverse = max(scene.frame.inverse)
-    rate = max((body.wave_speed + body.top_speed) * inverse for body in bodies)
+    rate = max(body.rest_rate + body.top_speed * inverse for body in bodies)
     require_end(scene, max(rate, scene.tools.first_rate))
     dt = _step(case, rate, scene.tools.first_rate)
     require_slow(scene.tools, dt)

@@ -7,7 +7,7 @@ last particle: each particle's numbers are the same in every batch and place.
 """
 
 from pgimp.jit.kernel import specialise
-from pgimp.jit.simd import lane, number, pack, store, vector
+from pgimp.jit.simd import lane, load, number, pack, store, vector
 from pgimp.jit.simdrows import load_row, store_row, transpose
 from pgimp.jit.tuples import scaled
 from pgimp.kernels.place import first_vertex
@@ -18,9 +18,9 @@ LANES = 4
 
 #: Numbers in the buffer for the supports of a batch: for each direction weights (19), gradients
 #: (20) and weights times arms, each of up to four vertices, then the place of the first vertex;
-#: each four times.
-SUPPORT_SIZE = 152
-_DIRECTION, _QUANTITY, _PLACE = 48, 16, 144
+#: each four times. From `MEANS` on there is room for what `pgimp.kernels.mean` needs.
+SUPPORT_SIZE = 216
+_DIRECTION, _QUANTITY, _PLACE, MEANS = 48, 16, 144, 152
 
 
 def four(order, k, end):
@@ -245,6 +245,17 @@ def entry(buffer, d, quantity, i, j):
 def _entry(buffer, d, quantity, i, j):
     return lambda buffer, d, quantity, i, j: number(
         buffer, d * _DIRECTION + quantity * _QUANTITY + 4 * i + j
+    )
+
+
+def four_entries(buffer, d, quantity, i):
+    """The entries of all four particles, a vector."""
+
+
+@specialise(four_entries)
+def _four_entries(buffer, d, quantity, i):
+    return lambda buffer, d, quantity, i: load(
+        buffer, d * _DIRECTION + quantity * _QUANTITY + 4 * i
     )
 
 

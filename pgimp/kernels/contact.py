@@ -18,7 +18,7 @@ import numpy as np
 
 from pgimp.jit.kernel import inner_kernel, specialise
 from pgimp.kernels.constraints import constrained_velocity, is_marked
-from pgimp.kernels.faces import beyond_any, hold
+from pgimp.kernels.faces import beyond_any, face_count, hold
 from pgimp.kernels.selection import SPREAD
 from pgimp.physics.contact import FRICTION, TIED, Pairs
 
@@ -45,8 +45,8 @@ LEAST_WITHIN = 0.01
 SWEEPS = 8
 
 #: Columns of `Contact.fields`: mass, part filled, normal, velocity, that before, inverse of mass by
-#: component, which is 0 where it is held.
-WEIGHT, PART, OUTWARD, NOW, BEFORE, MOBILITY, FIELDS = 0, 1, 2, 5, 8, 11, 14
+#: component, which is 0 where it is held, and what curvature adds to the gap.
+WEIGHT, PART, OUTWARD, NOW, BEFORE, MOBILITY, EXCESS, FIELDS = 0, 1, 2, 5, 8, 11, 14, 15
 
 #: Columns of `Contact.partners`: normal, velocity at which the gap closes in the step, impulse
 #: along the normal and across it so far, the part that this is of what would make it stick, area,
@@ -143,7 +143,9 @@ def find_pairs(contact, frame, sides, count, rigid, dt):
                     continue
                 if not _find_gap(frame, fields, one, other, sides, row):
                     continue
-                row[CLOSING] *= _gap(fields[one], fields[other], row, missing) / dt
+                gap = row[CLOSING] * _gap(fields[one], fields[other], row, missing)
+                excess = max(fields[one, EXCESS] + fields[other, EXCESS], 0.0)
+                row[CLOSING] = max(gap - excess, 0.0) / dt
                 normal, shear, reach = contact.pairs.adhesion[entry - 1]
                 if row[CLOSING] * dt < reach:
                     row[PULL], row[CLING] = normal * row[AREA] * dt, shear * row[AREA] * dt
@@ -216,7 +218,7 @@ def _after(faces, frame, forcing, contact, number, r, v):
 def _after_all(faces, frame, forcing, contact, number, r, v):
     def after(faces, frame, forcing, contact, number, r, v):
         rest = (0.0, 0.0, 0.0)
-        u, _ = hold(faces, 0, forcing, frame, number, r, v, rest, 0.0, contact.unbooked)
+        u, _ = hold(faces, forcing, frame, number, r, v, rest, 0.0, contact.unbooked)
         return constrained_velocity(forcing.marked, r, u)
 
     return after
@@ -236,7 +238,7 @@ def settled(contact, faces, frame, forcing, number, a, column):
 def find_held(contact, faces, frame, forcing, number, count):
     """Set the mobilities of the fields at a vertex; returns whether any component is held."""
     some = False
-    near = beyond_any(faces, frame, number)
+    near = beyond_any(faces, face_count(faces), frame, number)
     for a in range(count):
         row = contact.fields[a]
         row[MOBILITY : MOBILITY + 3] = 1.0 / row[WEIGHT]

@@ -19,6 +19,7 @@ from pgimp.kernels.gathered import (
     repeat_sums,
 )
 from pgimp.kernels.loads import force_power, layer_power
+from pgimp.kernels.mean import keep_means, keep_rates, with_means
 from pgimp.kernels.place import first_vertex
 from pgimp.kernels.transfer import gather
 from pgimp.kernels.updates.checks import and_finite, and_positive, examine, within
@@ -96,11 +97,15 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
             count = min(LANES, start[layer + 1] - k)
             batch = Batch(rows, count, k, layer, number)
             supports(shape, frame, window, particles, rows, number, buffer, ())
+            keep_means(loads.mean, shape, frame, buffer)
             for j in range(count):
                 p = order.rows[k + j]
                 place = begin + first_place(buffer, j) + field_of(window, particles, p)
-                U, A, D = gather(shape, G, buffer, j, place, window.stride, frame.origin)
+                U, A, D, M = gather(
+                    shape, G, buffer, j, place, window.stride, frame.origin, loads.mean
+                )
                 keep_sums(sums, j, U, A, D)
+                keep_rates(M, buffer, j)
                 w = components(frame.origin, U)
                 power += force_power(loads.force, frame, particles, p, w)
             repeat_sums(sums, count, frame.origin)
@@ -110,6 +115,7 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
             u, v = update_velocity(forcing, particles, batch, u, a, ledger)  # (27)
             x = update_position(forcing, particles, batch, u)  # (26)
             keep_gradients(loads.affine, particles, rows, L, sums)
+            L = with_means(loads.mean, buffer, count, L)
             m = materials_of(setting.material_of, particles.body, rows)
             F = update_deformation(setting, forcing, particles, batch, m, L)  # (29)
             J = determinant(F)

@@ -23,7 +23,7 @@ from pgimp.physics.materials.outside import parameters_of
 from pgimp.physics.materials.states import States
 from pgimp.scene.cloudgradients import with_gradients
 from pgimp.scene.counts import count_all
-from pgimp.scene.faces import AXES, Face, sides_approached, walls, walls_approached
+from pgimp.scene.faces import AXES, Face, FaceTable, sides_approached, walls, walls_approached
 from pgimp.scene.lattice import Lattice, ParticleBlock
 from pgimp.scene.loads import SceneLoads
 from pgimp.scene.pointscloud import Cloud
@@ -132,10 +132,11 @@ class Scene:
         self.states = States(used, self.materials, self.dimension)
         self.fields = EVERY | self.states.fields
         self.carried = Carried(
-            self.dimension, self.origins, **self.loads.carried, state=self.states.width
-        )
+            self.dimension, self.origins, **self.loads.carried, state=self.states.width,
+            surfaces=self.pairs is not None,
+        )  # fmt: skip
         varies = any(face.condition.varies for face in self.faces)
-        self._faces = None if varies else self._face_parameters(0.0, 0.0)
+        self._face_table = FaceTable(self.faces)
         self._walls = None if varies else walls(self.faces, self.frame, 0.0)
         D = self.dimension
         self.identity = tuple(float(i == j) for i in range(D) for j in range(D))
@@ -183,12 +184,9 @@ class Scene:
         x, y, z = (*(float(c) for c in value), 0.0, 0.0)[:3]
         return (x, y, z)
 
-    def face_parameters(self, start: float, end: float) -> tuple:
-        """Parameters of all faces' kernels for a step."""
-        return self._face_parameters(start, end) if self._faces is None else self._faces
-
-    def _face_parameters(self, start: float, end: float) -> tuple:
-        return tuple(face.parameters(start, end) for face in self.faces)
+    def face_parameters(self, start: float, end: float) -> Any:
+        """Conditions of the faces in a step, `Faces` or (); good until the next call."""
+        return self._face_table.at(start, end)
 
     def walls(self, end: float) -> np.ndarray:
         """Where faces hold particles in during a step to `end`; see `pgimp.kernels.walls`."""
@@ -294,6 +292,9 @@ class Scene:
             p.id[rows] = block.ids
             p.body[rows] = block.body
             p.V0[rows] = p.V[rows] = lattice.volume * block.fractions  # (3)
+            if self.carried.surfaces:
+                p.offset[rows] = block.centroids - block.positions
+                p.excess[rows, 0] = lattice.excess(block)
             p.m[rows] = p.V0[rows] * self.materials[material].density  # (4)
             p.state[rows] = self.states.initial[material]
             for name, values in block.states.items():

@@ -30,7 +30,7 @@ from pgimp.physics.materials.tait import (
 from pgimp.schema.problems import Problem, raise_problems
 
 #: The shear modulus, as part of the bulk modulus, where the case does not say.
-_STIFF = 0.1
+_STIFF = 0.5
 
 
 class BinghamParameters(NamedTuple):
@@ -100,7 +100,7 @@ class Bingham(Liquid):
     shear: Positive | None = Field(
         default=None,
         description="shear modulus G below the yield stress, which only has to be so high that "
-        "yield-stress/G and shear-viscosity/G, strain and time, are small; null: a tenth of bulk "
+        "yield-stress/G and shear-viscosity/G, strain and time, are small; null: half of bulk "
         "[stress]",
     )
 
