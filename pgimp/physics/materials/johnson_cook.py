@@ -2,8 +2,8 @@
 
 sigma_y = (A + B alpha^n)(1 + C ln max(1, alpha'/rate))(1 - T*^m), T* = (T - T0)/(Tm - T0) between
 0 and 1; alpha' is the plastic rate of the step itself, found with the flow by Newton's method, so
-that nothing rings. Flow heats by dT = beta q dalpha/(rho0 c), without conduction. Elasticity is as in
-`pgimp.physics.materials.hencky`.
+that nothing rings. Flow heats by dT = beta q dalpha/(rho0 c), without conduction. Elasticity is
+as in `pgimp.physics.materials.hencky`.
 
 Damage grows by dalpha/eps_f, eps_f = (d1 + d2 exp(d3 sigma*))(1 + d4 ln max(1, alpha'/rate))
 (1 + d5 T*), sigma* the mean over the equivalent stress (Johnson, Cook 1985). At 1 a particle has
@@ -311,7 +311,7 @@ class JohnsonCook(Material):
         return (*found, *([damage] if self.damage else []), *([energy] if self.eos else []))
 
     @property
-    def TAKES_VISCOUS_PRESSURE(self) -> bool:
+    def TAKES_VISCOUS_PRESSURE(self) -> bool:  # type: ignore[override]
         """The pressure of shocks is heated by it."""
         return self.eos is not None
 
