@@ -111,6 +111,35 @@ def memory(rng, scene):
             scene.states = ("damage", "peak-energy")
 
 
+def flow(rng, scene):
+    """Metals in place of materials that remember nothing: of all kinds, with all they may have."""
+    plain = [name for name, entry in scene.case["materials"].items() if "damage" not in entry]
+    for name in plain[: rng.kind.choice((1, 2, 3))]:
+        entry = scene.case["materials"][name]
+        E, rho = entry["young"], entry["density"]
+        limit = E * 10.0 ** rng.uniform(-3.0, -1.0)
+        entry.setdefault("poisson", 0.3)
+        if rng.kind.random() < 0.5:
+            entry |= {"model": "von-mises", "yield-stress": limit}
+            entry["hardening"] = rng.choice((0.0, 0.02 * E))
+            if rng.kind.random() < 0.5:
+                entry["saturation"] = {"stress": 0.5 * limit, "rate": number(rng, 1.0, 50.0)}
+            if rng.kind.random() < 0.5:
+                entry["kinematic"] = 0.02 * E
+            scene.states += ("plastic-strain",)
+            continue
+        entry |= {"model": "johnson-cook", "a": limit, "b": limit, "n": number(rng, 0.2, 0.8)}
+        entry |= {"c": number(rng, 0.0, 0.1), "m": number(rng, 0.5, 1.5), "temperature": 300.0}
+        entry |= {"melting": 1000.0, "specific-heat": 0.02 * limit / rho, "reference-rate": 0.1}
+        if rng.kind.random() < 0.5:
+            entry["damage"] = {"d1": number(rng, 0.01, 0.2), "d2": 0.1, "d3": -1.5, "d5": 0.3}
+        if rng.kind.random() < 0.5:
+            law = {"c0": math.sqrt(E / rho), "s": number(rng, 0.5, 1.5)}
+            entry["eos"] = {"mie-gruneisen": law | {"gamma": number(rng, 0.0, 2.0)}}
+        scene.states += ("plastic-strain", "temperature")
+    scene.states = tuple(dict.fromkeys(scene.states))
+
+
 def affine(rng, scene):
     """Particles carry their velocity gradient."""
     scene.case["method"]["affine"] = True
@@ -349,6 +378,7 @@ FEATURES = (
     Feature("relaxation", relaxation, 0.15, compiled=True),
     Feature("materials", materials),
     Feature("memory", memory, 0.2, compiled=True),
+    Feature("flow", flow, 0.2, compiled=True),
     Feature("viscosity", viscosity, 0.2, compiled=True),
     Feature("time", time),
     Feature("bodies", add_bodies),

@@ -360,6 +360,42 @@ def meeting():
     )
 
 
+#: Metals with all they may have: state of several widths, one with artificial viscosity.
+METAL = {"young": 100.0, "poisson": 0.3, "density": 1.0}
+METALS = {
+    "soft": {"model": "von-mises", "yield-stress": 1.0, "hardening": 0.5, "kinematic": 2.0}
+    | METAL | {"saturation": {"stress": 0.5, "rate": 5.0}},
+    "stiff": METAL | {"model": "johnson-cook", "a": 1.0, "b": 2.0, "n": 0.4, "c": 0.05, "m": 1.1}
+    | {"reference-rate": 0.1, "specific-heat": 0.02, "temperature": 1.0, "melting": 3.0}
+    | {"damage": {"d1": 0.05, "d2": 0.1, "d3": -1.5, "d4": 0.01, "d5": 0.3}}
+    | {"eos": {"mie-gruneisen": {"c0": 9.0, "s": 1.5, "gamma": 2.0}}}
+    | {"viscosity": {"linear": 0.2, "quadratic": 1.0}},
+}  # fmt: skip
+
+
+def metals():
+    """Squares of metals collide across slabs, flow, harden, heat and fail; affine."""
+    bodies = {
+        "flies": turning(box([1.0, 2.0], [5.0, 5.0]), [3.0, 3.5], 0.6, [6.0, 0.5]),
+        "meets": box([8.0, 1.5], [12.0, 4.5], [-3.0, 0.2], "stiff"),
+        "falls": box([14.0, 1.0], [17.0, 4.0], [-5.0, -1.0]),
+    }
+    states = ["plastic-strain", "back-stress", "temperature", "damage", "internal-energy"]
+    case = scene(
+        2,
+        bodies,
+        cells=[20, 8],
+        end=1.0,
+        step={"courant": 0.3},
+        materials=METALS,
+        boundaries={"y-min": "slip", "y-max": "separating"},
+        output={"every": 0.25, "fields": [*EVERYTHING, *states]},
+        history={"every": {"steps": 10}},
+    )
+    case["method"]["affine"] = True
+    return case
+
+
 def cut():
     """A tilted cylinder and a ball, which the lattice cuts, spinning."""
     motion = {
@@ -413,6 +449,7 @@ SCENES = (
             dilating,
             meeting,
             cut,
+            metals,
         )
     }
     | SIZED
