@@ -167,8 +167,9 @@ def runs(scene, body):
     """Whether of a body's deformation only the volume is followed."""
     from pgimp.physics.materials import MATERIALS as KNOWN
 
-    name = scene.case["bodies"][body].get("material")
-    return KNOWN[scene.case["materials"][name]["model"]].VOLUME_ONLY if name else False
+    name = scene.case["bodies"][body]["material"]
+    entry = KNOWN.get(scene.case["materials"][name]["model"])
+    return entry is not None and entry.VOLUME_ONLY
 
 
 def affine(rng, scene):

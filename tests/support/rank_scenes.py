@@ -361,7 +361,7 @@ def meeting():
 
 
 def flowing():
-    """Soils, grains, fluids and a gas beside a solid fly, fall on a floor, and meet; with affine."""
+    """Soils, grains, fluids and a gas beside a solid fly, fall on a floor, meet; with affine."""
     soil = {"young": 100.0, "poisson": 0.3, "density": 1.0, "cohesion": 0.3}
     soil |= {"friction-angle": 30.0, "dilation-angle": 5.0}
     liquid = {"bulk": 80.0, "density": 1.0, "shear-viscosity": 0.2}
