@@ -396,6 +396,56 @@ def metals():
     return case
 
 
+def flowing():
+    """Soils, grains, fluids and a gas beside a solid fly, fall on a floor, meet; with affine."""
+    soil = {"young": 100.0, "poisson": 0.3, "density": 1.0, "cohesion": 0.3}
+    soil |= {"friction-angle": 30.0, "dilation-angle": 5.0}
+    liquid = {"bulk": 80.0, "density": 1.0, "shear-viscosity": 0.2}
+    clay = {"m": 1.2, "lambda": 0.2, "kappa": 0.05, "void-ratio": 1.0, "density": 1.0}
+    laws = {
+        "soft": SOFT,
+        "sand": {"model": "drucker-prager"} | soil | {"cohesion": 0.0},
+        "rock": {"model": "mohr-coulomb"} | soil,
+        "clay": {"model": "cam-clay", "shear": 30.0, "preconsolidation": 2.0} | clay,
+        "grains": {
+            "model": "mu-i", "young": 100.0, "poisson": 0.2, "density": 1.0, "mu-s": 0.4,
+            "mu-2": 0.7, "i0": 0.3, "grain": 0.01, "grain-density": 2.0,
+        },
+        "water": {"model": "newtonian", "viscosity": {"linear": 0.1, "quadratic": 1.0}} | liquid,
+        "mud": {"model": "bingham", "yield-stress": 1.0} | liquid,
+        "gas": {
+            "model": "ideal-gas", "gamma": 1.4, "energy": 4.0, "density": 0.5,
+            "viscosity": {"linear": 0.5, "quadratic": 1.5},
+        },
+    }  # fmt: skip
+    bodies = {}
+    for i, name in enumerate(laws):
+        column, row = i % 4, i // 4
+        low = [1.0 + 3.5 * column, 1.0 + 4.0 * row]
+        velocity = [4.0 - 0.7 * i, 1.0 - 3.0 * row]
+        bodies[name] = box(low, [low[0] + 2.5, low[1] + 2.5], velocity, name)
+    case = scene(
+        2,
+        bodies,
+        cells=[24, 12],
+        shape="finite-gimp",
+        end=1.0,
+        step={"courant": 0.25},
+        materials=laws,
+        gravity=[0.0, -3.0],
+        boundaries={"y-min": "separating", "x-min": "slip", "x-max": "slip"},
+        escape={"y-max": "remove"},
+        output={
+            "every": 0.25,
+            "fields": [*EVERYTHING, "gap", "plastic-work", "internal-energy", "viscous-work"],
+        },
+        history={"every": {"steps": 10}},
+        probes={"gas": {"body": "gas", "at": [12.75, 6.25], "every": {"steps": 3}}},
+    )
+    case["method"]["affine"] = True
+    return case
+
+
 def cut():
     """A tilted cylinder and a ball, which the lattice cuts, spinning."""
     motion = {
@@ -448,6 +498,7 @@ SCENES = (
             affine,
             dilating,
             meeting,
+            flowing,
             cut,
             metals,
         )
