@@ -134,7 +134,6 @@ class Particles(NamedTuple):
     state: Annotated[
         FloatArray, Column("state variables of the material", "", lambda c: c.state)
     ]
-
     offset: Annotated[
         FloatArray,
         Column(
