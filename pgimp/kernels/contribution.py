@@ -5,8 +5,10 @@ from typing import NamedTuple
 from pgimp.jit.algebra import determinant
 from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import pack
+from pgimp.jit.tuples import read, scaled
 from pgimp.kernels.clearance import moment, wall
-from pgimp.kernels.place import deformation
+from pgimp.kernels.piola import kept_force
+from pgimp.kernels.place import deformation, is_initial
 from pgimp.kernels.viscosity import viscous_pressure
 
 
@@ -26,8 +28,10 @@ class VolumeSums(NamedTuple):
     walls: tuple[()] = ()
 
 
-def contribution(loads, frame, particles, p):
+def contribution(loads, frame, particles, p, forces, j):
     """What a particle adds to the sums of vertices, times its weights, as vectors.
+
+    Particle `p` is number `j` of a batch; `forces` is what `keep_forces` has kept of that.
 
     Returns
     -------
@@ -36,7 +40,20 @@ def contribution(loads, frame, particles, p):
     S : tuple of Vec4
         For each direction i the column (m_p w_i, -V_p (sigma_xi, sigma_yi, sigma_zi)), for (16),
         the stress less the viscous pressure (45); w is what `pgimp.kernels.clearance` wants.
+        In the initial configuration (0, -V0_p (P_xi, P_yi, P_zi)).
     """
+
+
+def _mass_and_momentum(m, p):
+    """The vector (m, p)."""
+
+
+@specialise(_mass_and_momentum)
+def _mass_and_momentum_of(m, p):
+    one = lambda m, p: pack(m, p[0], 0.0, 0.0)  # noqa: E731
+    two = lambda m, p: pack(m, p[0], p[1], 0.0)  # noqa: E731
+    three = lambda m, p: pack(m, p[0], p[1], p[2])  # noqa: E731
+    return (one, two, three)[len(p) - 1]
 
 
 def _outward(V, like):
@@ -52,18 +69,26 @@ def _outward_along(V, like):
 
 
 @specialise(contribution)
-def _contribution(loads, frame, particles, p):
+def _contribution(loads, frame, particles, p, forces, j):
     D = len(frame.types[0])
     if loads.instance_class is VolumeSums:
 
-        def volumes(loads, frame, particles, p):
+        def volumes(loads, frame, particles, p, forces, j):
             V = particles.V0[p] * determinant(deformation(frame, particles, p))
             return pack(V, V * (particles.body[p] + 1), 0.0, 0.0), _outward(V, frame.origin)
 
         return volumes
+    if is_initial(frame):
+
+        def initial(loads, frame, particles, p, forces, j):
+            m = particles.m[p]
+            v = scaled(m, read(particles.v, p, 0, frame.origin))
+            return _mass_and_momentum(m, v), kept_force(forces, j, frame.origin)
+
+        return initial
     if D == 1:
 
-        def contribution1(loads, frame, particles, p):
+        def contribution1(loads, frame, particles, p, forces, j):
             m = particles.m[p]
             V = -particles.V[p]
             q = viscous_pressure(loads.viscosity, particles, p)
@@ -75,7 +100,7 @@ def _contribution(loads, frame, particles, p):
         return contribution1
     if D == 2:
 
-        def contribution2(loads, frame, particles, p):
+        def contribution2(loads, frame, particles, p, forces, j):
             m = particles.m[p]
             V = -particles.V[p]
             q = viscous_pressure(loads.viscosity, particles, p)
@@ -88,7 +113,7 @@ def _contribution(loads, frame, particles, p):
 
         return contribution2
 
-    def contribution3(loads, frame, particles, p):
+    def contribution3(loads, frame, particles, p, forces, j):
         m = particles.m[p]
         V = -particles.V[p]
         q = viscous_pressure(loads.viscosity, particles, p)

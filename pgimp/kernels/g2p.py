@@ -1,11 +1,8 @@
 """Grid to particles: positions and velocities (26, 27), deformation (29, 30), volume and stress."""
 
-from math import sqrt
-
 from pgimp.jit.algebra import determinant
 from pgimp.jit.kernel import kernel
-from pgimp.jit.simd import bits, lane, stack, vector
-from pgimp.jit.tuples import squared
+from pgimp.jit.simd import lane, stack, vector
 from pgimp.kernels.affine import keep_gradients
 from pgimp.kernels.batch import LANES, SUPPORT_SIZE, first_place, four, put, put_row, supports, take
 from pgimp.kernels.concepts import Batch
@@ -19,15 +16,13 @@ from pgimp.kernels.gathered import (
     repeat_sums,
 )
 from pgimp.kernels.loads import force_power, layer_power
-from pgimp.kernels.place import first_vertex
+from pgimp.kernels.speed import grid_speed
 from pgimp.kernels.transfer import gather
-from pgimp.kernels.updates.checks import and_finite, examine, within
-from pgimp.kernels.updates.deformation import update_deformation
-from pgimp.kernels.updates.stress import keep_state, update_stress, wave_speed
+from pgimp.kernels.updates.checks import check
+from pgimp.kernels.updates.deformation import update_deformation, velocity_gradients
+from pgimp.kernels.updates.stress import keep_state, update_stress
 from pgimp.kernels.updates.velocity import update_position, update_velocity
-from pgimp.kernels.viscosity import effective_wave_speed, update_viscous_pressure
-from pgimp.physics.shapes.base import size
-from pgimp.physics.shapes.stretch import LARGEST
+from pgimp.kernels.viscosity import update_viscous_pressure
 
 
 @kernel
@@ -64,7 +59,7 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
     faults, outflow, changed : int
         Number of particles at fault, of those that left, of those that left or changed their layer.
     rate : float
-        Largest (c_p + |v_p|)/L, if controlled.
+        Largest (c_p + |v_p|)/L, if controlled; see `pgimp.kernels.speed`.
     clamped : int
         Number of particles whose half-width is clamped.
     held : int
@@ -100,11 +95,12 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
             repeat_sums(sums, count, frame.origin)
             u = collected(sums, 0, frame.origin)
             a = collected(sums, 1, frame.origin)
-            L = gradients(sums, 2, frame.origin)  # (30)
+            grad = gradients(sums, 2, frame.origin)  # (30)
             u, v = update_velocity(forcing, particles, batch, u, a, ledger)  # (27)
             x = update_position(forcing, particles, batch, u)  # (26)
-            keep_gradients(loads.affine, particles, rows, L, sums)
-            F = update_deformation(setting, forcing, particles, batch, L)  # (29)
+            keep_gradients(loads.affine, particles, rows, grad, sums)
+            L = velocity_gradients(frame, particles, batch, grad)
+            F = update_deformation(setting, forcing, particles, batch, grad)  # (29)
             J = determinant(F)
             m = materials_of(setting.material_of, particles.body, rows)
             sigma, state = update_stress(setting, forcing, particles, rows, m, F, J, L)
@@ -119,20 +115,12 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
                 loads.viscosity, setting, m, particles, rows, F, J, L
             )
             if forcing.controlled:
-                c = wave_speed(setting, m, F, J, state)
-                c = effective_wave_speed(loads.viscosity, c, extra)
-                fastest = max((c + sqrt(squared(v))) * inverse, fastest)
-            # One branch for all that rarely happens, NaN included; its speed limit is sharper.
-            half, most = size(shape, frame.cell, F)
-            now = first_vertex(frame, 0, half[0], x[0])
-            sound = and_finite(within(field.bounds, x) & (J > 0.0), state)
-            slower = (squared(u) + squared(v)) * limit <= 1.0
-            usual = bits(sound & slower & (now == number) & (vector(most) <= LARGEST))
-            if usual != 15:
-                counts = examine(
-                    setting, forcing, particles, batch, usual, (u, v, x, J, state, half, now, most),
-                    report, ledger, counts,
-                )  # fmt: skip
+                c = grid_speed(setting, loads.viscosity, m, v, F, J, state, extra)
+                fastest = max(c * inverse, fastest)
+            found = (u, v, x, F, J, state)
+            counts = check(
+                setting, forcing, field, particles, batch, limit, found, report, ledger, counts
+            )
         work[layer] += dt * power
     failed, outflow, moved, clamped, held = counts
     rate = max(max(lane(fastest, 0), lane(fastest, 1)), max(lane(fastest, 2), lane(fastest, 3)))

@@ -1,10 +1,9 @@
 """Sums over the particles, layer by layer in canonical order, and their greatest speed."""
 
-from math import sqrt
-
 from pgimp.jit.algebra import determinant, symmetric
 from pgimp.jit.kernel import kernel
-from pgimp.jit.tuples import read, squared
+from pgimp.jit.tuples import read
+from pgimp.kernels.speed import speed_at
 from pgimp.kernels.updates.stress import state_of
 from pgimp.physics.materials.base import evaluate
 
@@ -83,7 +82,10 @@ def exact_masses(particles, rows, unit, masses):
 
 @kernel
 def fastest_rate(setting, particles, rows):
-    """Largest (c_p + |v_p|)/L over the particles in `rows`, 1/time; times dt the Courant number."""
+    """Largest (c_p + |v_p|)/L over the particles in `rows`, 1/time; times dt the Courant number.
+
+    See `pgimp.kernels.speed`; in the initial configuration of the waves alone.
+    """
     frame, materials, material_of = setting.frame, setting.materials, setting.material_of
     inverse = 0.0
     for d in range(len(frame.inverse)):
@@ -92,7 +94,7 @@ def fastest_rate(setting, particles, rows):
     for p in rows:
         F = read(particles.F, p, 0, setting.identity)
         state = state_of(materials, particles, p, F)
-        args = (F, determinant(F))
-        c = evaluate("speed", materials, material_of[particles.body[p]], args, state)
-        rate = max(rate, (c + sqrt(squared(read(particles.v, p, 0, frame.origin)))) * inverse)
+        v = read(particles.v, p, 0, frame.origin)
+        c = speed_at(setting, material_of[particles.body[p]], v, F, determinant(F), state)
+        rate = max(rate, c * inverse)
     return rate

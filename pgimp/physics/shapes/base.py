@@ -1,6 +1,6 @@
 """What the entries of all shapes have in common, and the kernels' view of a shape."""
 
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 from pydantic import Field
 
@@ -49,6 +49,14 @@ class Shape(Model):
     def follows(self) -> bool:
         """Whether the particles' size follows the deformation."""
         return False
+
+    def fixed(self, cell: tuple[float, ...]) -> Any:
+        """Parameters of the kernels for weights that stay those of the start.
+
+        Where the size follows the deformation, of a shape with the same weights whose size does
+        not: those of undeformed particles.
+        """
+        return self.parameters(cell)
 
     @property
     def mirrors(self) -> bool:
