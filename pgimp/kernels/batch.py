@@ -7,7 +7,7 @@ last particle: each particle's numbers are the same in every batch and place.
 """
 
 from pgimp.jit.kernel import specialise
-from pgimp.jit.simd import lane, number, pack, store, vector
+from pgimp.jit.simd import bits, lane, load, number, pack, store, vector
 from pgimp.jit.simdrows import load_row, store_row, transpose
 from pgimp.jit.tuples import scaled
 from pgimp.kernels.place import first_vertex, is_initial
@@ -269,6 +269,26 @@ def _entries(buffer, d, quantity, i, j, like):
     return lambda buffer, d, quantity, i, j, like: (
         entry(buffer, d, quantity, i, j), *entries(buffer, d, quantity, i + 1, j, like[1:]),
     )  # fmt: skip
+
+
+def four_entries(buffer, d, quantity, i):
+    """As `entry`, of all particles of the batch, as a vector."""
+
+
+@specialise(four_entries)
+def _four_entries(buffer, d, quantity, i):
+    return lambda buffer, d, quantity, i: load(
+        buffer, d * _DIRECTION + quantity * _QUANTITY + 4 * i
+    )
+
+
+def share_support(buffer):
+    """Whether all particles of a batch have the same first vertex."""
+
+
+@specialise(share_support)
+def _share_support(buffer):
+    return lambda buffer: bits(load(buffer, _PLACE) == number(buffer, _PLACE)) == 15
 
 
 def extent(shape, buffer, d, j):

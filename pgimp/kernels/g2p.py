@@ -4,20 +4,12 @@ from pgimp.jit.algebra import determinant
 from pgimp.jit.kernel import kernel
 from pgimp.jit.simd import lane, stack, vector
 from pgimp.kernels.affine import keep_gradients
-from pgimp.kernels.batch import LANES, SUPPORT_SIZE, first_place, four, put, put_row, supports, take
+from pgimp.kernels.batch import LANES, SUPPORT_SIZE, four, put, put_row, supports, take
 from pgimp.kernels.concepts import Batch
-from pgimp.kernels.fields import field_of
-from pgimp.kernels.gathered import (
-    SUMS,
-    collected,
-    components,
-    gradients,
-    keep_sums,
-    repeat_sums,
-)
-from pgimp.kernels.loads import force_power, layer_power
+from pgimp.kernels.gathered import SUMS
+from pgimp.kernels.loads import layer_power
 from pgimp.kernels.speed import grid_speed
-from pgimp.kernels.transfer import gather
+from pgimp.kernels.together import take_from_grid
 from pgimp.kernels.updates.checks import check
 from pgimp.kernels.updates.deformation import update_deformation, velocity_gradients
 from pgimp.kernels.updates.stress import keep_state, update_stress
@@ -65,7 +57,7 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
     held : int
         Number of particles that walls held in.
     """
-    shape, frame, window, G = setting.shape, setting.frame, field.window, field.G
+    shape, frame, window = setting.shape, setting.frame, field.window
     loads, dt, start, work = forcing.loads, forcing.dt, order.start, ledger.work
     counts = (0, 0, 0, 0, 0)
     inverse = 0.0
@@ -77,7 +69,6 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
     sums = stack(SUMS)
     for layer in layers:
         number = layer + window.lower[0]
-        begin = layer * window.stride[0]
         span = (start[layer], start[layer + 1])
         power = layer_power(loads, setting, field, particles, order.rows, span, number)
         for k in range(start[layer], start[layer + 1], LANES):
@@ -85,20 +76,12 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
             count = min(LANES, start[layer + 1] - k)
             batch = Batch(rows, count, k, layer, number)
             supports(shape, frame, window, particles, rows, number, buffer, ())
-            for j in range(count):
-                p = order.rows[k + j]
-                place = begin + first_place(buffer, j) + field_of(window, particles, p)
-                U, A, D = gather(shape, G, buffer, j, place, window.stride, frame.origin)
-                keep_sums(sums, j, U, A, D)
-                w = components(frame.origin, U)
-                power += force_power(loads.force, frame, particles, p, w)
-            repeat_sums(sums, count, frame.origin)
-            u = collected(sums, 0, frame.origin)
-            a = collected(sums, 1, frame.origin)
-            grad = gradients(sums, 2, frame.origin)  # (30)
+            u, a, grad, codes, power = take_from_grid(  # (30)
+                setting, field, particles, loads.force, batch, buffer, sums, power
+            )
             u, v = update_velocity(forcing, particles, batch, u, a, ledger)  # (27)
             x = update_position(forcing, particles, batch, u)  # (26)
-            keep_gradients(loads.affine, particles, rows, grad, sums)
+            keep_gradients(loads.affine, particles, rows, grad, codes)
             L = velocity_gradients(frame, particles, batch, grad)
             F = update_deformation(setting, forcing, particles, batch, grad)  # (29)
             J = determinant(F)
