@@ -26,7 +26,7 @@ CLOSED = 0.01
 
 
 class Sides(NamedTuple):
-    """The walls across one direction.
+    """The walls across one direction; all numbers are 0 where there is none.
 
     Attributes
     ----------
@@ -100,8 +100,6 @@ def divergence(walls, particles, p, d):
 def _divergence(walls, particles, p, d):
     if len(walls) == 0:
         return lambda walls, particles, p, d: 0.0
-    if not hasattr(walls[0], "instance_class"):  # ()
-        return lambda walls, particles, p, d: divergence(walls[1:], particles, p, d + 1)
     return lambda walls, particles, p, d: (
         _distance(walls[0], particles.x[p, d])[1] + divergence(walls[1:], particles, p, d + 1)
     )

@@ -18,7 +18,7 @@ import numpy as np
 
 from pgimp.jit.kernel import inner_kernel, specialise
 from pgimp.kernels.constraints import constrained_velocity, is_marked
-from pgimp.kernels.faces import beyond_any, hold
+from pgimp.kernels.faces import beyond_any, face_count, hold
 from pgimp.kernels.selection import SPREAD
 from pgimp.physics.contact import FRICTION, TIED, Pairs
 
@@ -216,7 +216,7 @@ def _after(faces, frame, forcing, contact, number, r, v):
 def _after_all(faces, frame, forcing, contact, number, r, v):
     def after(faces, frame, forcing, contact, number, r, v):
         rest = (0.0, 0.0, 0.0)
-        u, _ = hold(faces, 0, forcing, frame, number, r, v, rest, 0.0, contact.unbooked)
+        u, _ = hold(faces, forcing, frame, number, r, v, rest, 0.0, contact.unbooked)
         return constrained_velocity(forcing.marked, r, u)
 
     return after
@@ -236,7 +236,7 @@ def settled(contact, faces, frame, forcing, number, a, column):
 def find_held(contact, faces, frame, forcing, number, count):
     """Set the mobilities of the fields at a vertex; returns whether any component is held."""
     some = False
-    near = beyond_any(faces, frame, number)
+    near = beyond_any(faces, face_count(faces), frame, number)
     for a in range(count):
         row = contact.fields[a]
         row[MOBILITY : MOBILITY + 3] = 1.0 / row[WEIGHT]

@@ -1,75 +1,169 @@
-"""The conditions of all faces at one vertex."""
+"""The conditions of all faces at one vertex.
+
+Kernels get the faces as a table, so that they are compiled once for all sets of conditions.
+"""
+
+from typing import Any, NamedTuple
+
+from numba.core import types
 
 from pgimp.jit.kernel import inner_kernel, specialise
 from pgimp.kernels.clearance import clearance_at
 from pgimp.kernels.loads import given
+from pgimp.kernels.particles import FloatArray
 from pgimp.physics.boundaries.base import constrain
 
+#: Columns of `Faces.rows`: the condition's number, then its parameters, first axis and side.
+KIND, PARAMETERS = 0, 1
+_AXIS, _SIDE = PARAMETERS, PARAMETERS + 1
+
+
+class Faces(NamedTuple):
+    """The faces of a domain that have a condition; () stands for none.
+
+    Attributes
+    ----------
+    kinds : tuple of NamedTuple
+        Parameters of each kind of condition there may be, of which only the types matter.
+    rows : (faces, n) float64
+        For each face the number of its kind, then its parameters one after the other: numbers,
+        booleans, and those in tuples.
+    """
+
+    kinds: tuple
+    rows: FloatArray
+
+
+def face_count(faces):
+    """Number of the faces."""
+
+
+@specialise(face_count)
+def _face_count(faces):
+    return (lambda faces: len(faces.rows)) if len(faces) else (lambda faces: 0)
+
 
 @inner_kernel
-def _beyond(face, frame, number):
-    """Whether a vertex, given by its numbers, is on a face or beyond it."""
-    wall = frame.ghost if face.side < 0 else frame.ghost + frame.cells[face.axis]
-    return (number[face.axis] - wall) * face.side >= 0
+def side_of(faces, n):
+    """Axis of face `n`, 0 to 2, and -1 or 1 for the low or the high end of it."""
+    return int(faces.rows[n, _AXIS]), int(faces.rows[n, _SIDE])
 
 
 @inner_kernel
-def _is_on(face, frame, number):
-    """Whether a vertex is on a face."""
-    wall = frame.ghost if face.side < 0 else frame.ghost + frame.cells[face.axis]
-    return number[face.axis] == wall
+def wall_of(faces, n, frame):
+    """Number of the vertices on face `n` along its axis."""
+    axis, side = side_of(faces, n)
+    return frame.ghost if side < 0 else frame.ghost + frame.cells[axis]
 
 
-def beyond_any(faces, frame, number):
-    """Whether a vertex is on one of the faces or beyond it."""
+@inner_kernel
+def is_beyond(faces, n, frame, number):
+    """Whether a vertex, given by its numbers, is on face `n` or beyond it."""
+    axis, side = side_of(faces, n)
+    return (number[axis] - wall_of(faces, n, frame)) * side >= 0
+
+
+@inner_kernel
+def _is_on(faces, n, frame, number):
+    """Whether a vertex is on face `n`."""
+    return number[side_of(faces, n)[0]] == wall_of(faces, n, frame)
+
+
+def beyond_any(faces, count, frame, number):
+    """Whether a vertex is on one of the first `count` faces or beyond it."""
 
 
 @specialise(beyond_any)
-def _beyond_any(faces, frame, number):
-    if len(faces) == 0:
-        return lambda faces, frame, number: False
-    return lambda faces, frame, number: (
-        _beyond(faces[0], frame, number) or beyond_any(faces[1:], frame, number)
-    )
+def _beyond_any(faces, count, frame, number):
+    def any_of(faces, count, frame, number):
+        for n in range(count):
+            if is_beyond(faces, n, frame, number):
+                return True
+        return False
+
+    return any_of if len(faces) else lambda faces, count, frame, number: False
 
 
-def hold(faces, n, forcing, frame, number, r, v, a, mass, impulse):
+def _read(like, rows, n, at):
+    """Value of the type of `like` from a row's place `at` on."""
+
+
+def _width(like: Any) -> int:
+    """Numbers that a value of a type takes."""
+    members: Any = like if isinstance(like, types.BaseTuple) else None
+    return 1 if members is None else sum(map(_width, members))
+
+
+@specialise(_read)
+def _read_value(like, rows, n, at):
+    if isinstance(like, types.Boolean):
+        return lambda like, rows, n, at: rows[n, at] != 0.0
+    if isinstance(like, types.Integer):
+        return lambda like, rows, n, at: int(rows[n, at])
+    if isinstance(like, types.Float):
+        return lambda like, rows, n, at: rows[n, at]
+    if len(like) == 0:
+        return lambda like, rows, n, at: ()
+    width = _width(like[0])
+    return lambda like, rows, n, at: (
+        _read(like[0], rows, n, at), *_read(like[1:], rows, n, at + width),
+    )  # fmt: skip
+
+
+def _constrained(kinds, k, rows, n, v, a, clearance):
+    """Velocity and acceleration that face `n` wants, which is of one of `kinds`, from `k` on."""
+
+
+@specialise(_constrained)
+def _constrained_by(kinds, k, rows, n, v, a, clearance):
+    kind = kinds[0].instance_class
+
+    def of_kind(kinds, k, rows, n, v, a, clearance):
+        return constrain(kind(*_read(kinds[0], rows, n, PARAMETERS)), v, a, clearance)
+
+    def of_one(kinds, k, rows, n, v, a, clearance):
+        if int(rows[n, KIND]) == k:
+            return constrain(kind(*_read(kinds[0], rows, n, PARAMETERS)), v, a, clearance)
+        return _constrained(kinds[1:], k + 1, rows, n, v, a, clearance)
+
+    return of_one if len(kinds) > 1 else of_kind
+
+
+def hold(faces, forcing, frame, number, r, v, a, mass, impulse):
     """Apply the conditions of all faces that a vertex is on or beyond, one after the other.
 
     A face's part of the momentum that the particles gain in a step is what its condition adds to
-    it, see `given`; `impulse`, (faces, 3), grows by that, from row `n` on. The vertex's record is
-    at `r`. Returns its velocity and acceleration.
+    it, see `given`; `impulse`, (faces, 3), grows by that. The vertex's record is at `r`. Returns
+    its velocity and acceleration.
     """
 
 
 @specialise(hold)
-def _hold(faces, n, forcing, frame, number, r, v, a, mass, impulse):
+def _hold(faces, forcing, frame, number, r, v, a, mass, impulse):
     if len(faces) == 0:
-        return lambda faces, n, forcing, frame, number, r, v, a, mass, impulse: (v, a)
+        return lambda faces, forcing, frame, number, r, v, a, mass, impulse: (v, a)
 
-    def hold_first(faces, n, forcing, frame, number, r, v, a, mass, impulse):
-        if _beyond(faces[0], frame, number):
-            u, b, relaxation, dt = v, a, forcing.loads.relaxation, forcing.dt
-            v, a = constrain(faces[0], v, a, clearance_at(forcing.clearances, n, r))
-            for d in range(3):
-                impulse[n, d] += given(relaxation, mass, dt, u[d], b[d], v[d], a[d])
-        return hold(faces[1:], n + 1, forcing, frame, number, r, v, a, mass, impulse)
+    def hold_all(faces, forcing, frame, number, r, v, a, mass, impulse):
+        relaxation, dt = forcing.loads.relaxation, forcing.dt
+        for n in range(len(faces.rows)):
+            if is_beyond(faces, n, frame, number):
+                u, b = v, a
+                clearance = clearance_at(forcing.clearances, n, r)
+                v, a = _constrained(faces.kinds, 0, faces.rows, n, v, a, clearance)
+                for d in range(3):
+                    impulse[n, d] += given(relaxation, mass, dt, u[d], b[d], v[d], a[d])
+        return v, a
 
-    return hold_first
+    return hold_all
 
 
+@inner_kernel
 def on_walls(faces, frame, number):
     """On how many of the faces a vertex is."""
-
-
-@specialise(on_walls)
-def _on_walls(faces, frame, number):
-    if len(faces) == 0:
-        return lambda faces, frame, number: 0
-
-    return lambda faces, frame, number: (
-        int(_is_on(faces[0], frame, number)) + on_walls(faces[1:], frame, number)
-    )
+    count = 0
+    for n in range(face_count(faces)):
+        count += _is_on(faces, n, frame, number)
+    return count
 
 
 def wall_sides(faces, frame, number):
@@ -82,8 +176,13 @@ def _wall_sides(faces, frame, number):
         return lambda faces, frame, number: (0, 0, 0)
 
     def sides(faces, frame, number):
-        x, y, z = wall_sides(faces[1:], frame, number)
-        axis, side = faces[0].axis, faces[0].side if _is_on(faces[0], frame, number) else 0
-        return x + side * (axis == 0), y + side * (axis == 1), z + side * (axis == 2)
+        x, y, z = 0, 0, 0
+        for n in range(len(faces.rows)):
+            axis, side = side_of(faces, n)
+            if _is_on(faces, n, frame, number):
+                x += side * (axis == 0)
+                y += side * (axis == 1)
+                z += side * (axis == 2)
+        return x, y, z
 
     return sides

@@ -3,7 +3,7 @@
 Each is `()` in a scene without it; the types decide what is compiled, so that it costs nothing.
 """
 
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import pack
@@ -29,8 +29,8 @@ class Loads(NamedTuple):
         Rate at which particles take on the grid's velocity, see `relaxed`.
     affine : float or ()
         A number where particles carry their velocity gradient, see `pgimp.kernels.affine`.
-    walls : tuple of Sides or (), or ()
-        For each direction, Sides if walls across it want clearances; () if none does at all.
+    walls : tuple of Sides
+        For each direction the walls across it that want clearances; () if none does at all.
     """
 
     viscosity: Any = ()
@@ -39,6 +39,10 @@ class Loads(NamedTuple):
     relaxation: Any = ()
     affine: Any = ()
     walls: Any = ()
+
+    def summed(self) -> Self:
+        """Of the loads those that sums of particles know: kernels are compiled once for them."""
+        return self._replace(relaxation=())
 
 
 def _three(V):

@@ -3,7 +3,7 @@
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.kernels.clearance import clear
 from pgimp.kernels.constraints import constrained_velocity
-from pgimp.kernels.faces import beyond_any, hold
+from pgimp.kernels.faces import beyond_any, face_count, hold, side_of, wall_of
 from pgimp.kernels.fields import field_count, field_size
 from pgimp.kernels.loads import given
 from pgimp.kernels.meet import meet
@@ -22,8 +22,8 @@ def update_momentum(frame, field, faces, forcing, ledger, contact, part):
     ----------
     frame, field, forcing
         See `Frame`, `Field`, `Forcing`; constraints are applied after this.
-    faces : tuple
-        Parameters of the boundary conditions, see `pgimp.physics.boundaries`.
+    faces : Faces or ()
+        The boundary conditions.
     ledger : Ledger
         `impulse` grows by the momentum that each face gives to the material, and `work` by that of
         gravity and of moving faces: force times displacement, so that a constant gravity's work is
@@ -63,7 +63,8 @@ def update_momentum(frame, field, faces, forcing, ledger, contact, part):
         if part == BEGINNING:
             continue
         meet(contact, faces, frame, field, forcing, i, ledger, True)
-        constrain_plane((), faces, frame, field, forcing, i, ledger)
+        for n in range(face_count(faces)):
+            constrain_plane(faces, n, frame, field, forcing, i, ledger)
         if heavy and i < owned:
             power = 0.0
             for r in range(i * plane, (i + 1) * plane, RECORD):
@@ -73,44 +74,41 @@ def update_momentum(frame, field, faces, forcing, ledger, contact, part):
             work[i] += dt * power
 
 
-def constrain_plane(done, faces, frame, field, forcing, i, ledger):
-    """Apply the conditions of `faces` to the vertices of plane `i` that are on none of `done`."""
-
-
-@specialise(constrain_plane)
-def _constrain_plane(done, faces, frame, field, forcing, i, ledger):
-    def constrain_none(done, faces, frame, field, forcing, i, ledger):
-        pass
-
-    def constrain_all(done, faces, frame, field, forcing, i, ledger):
-        _constrain_face(done, faces, frame, field, forcing, i, ledger)
-        constrain_plane((*done, faces[0]), faces[1:], frame, field, forcing, i, ledger)
-
-    return constrain_all if len(faces) else constrain_none
-
-
-@inner_kernel
-def _constrain_face(done, faces, frame, field, forcing, i, ledger):
-    """Treat the vertices of plane `i` on or beyond the first of `faces` but none of `done`.
+def constrain_plane(faces, n, frame, field, forcing, i, ledger):
+    """Apply the conditions at the vertices of plane `i` on or beyond face `n` but none before it.
 
     Where faces meet, a vertex is treated by all of them at once, because the work of each is its
     force times the velocity that the last of them leaves, or a constraint after them.
     """
+
+
+@specialise(constrain_plane)
+def _constrain_plane(faces, n, frame, field, forcing, i, ledger):
+    if len(faces) == 0:
+        return lambda faces, n, frame, field, forcing, i, ledger: None
+    return lambda faces, n, frame, field, forcing, i, ledger: _constrain_face(
+        faces, n, frame, field, forcing, i, ledger
+    )
+
+
+@inner_kernel
+def _constrain_face(faces, n, frame, field, forcing, i, ledger):
+    """See `constrain_plane`."""
     window, G, owned, dt = field.window, field.G, i < field.owned, forcing.dt
     relaxation, work = forcing.loads.relaxation, ledger.work
-    face = faces[0]
-    wall = frame.ghost if face.side < 0 else frame.ghost + frame.cells[face.axis]
+    axis, side = side_of(faces, n)
+    wall = wall_of(faces, n, frame)
     j0, j1 = 0, window.extent[1]
     k0, k1 = 0, window.extent[2]
-    if face.axis == 0:
-        if (i + window.lower[0] - wall) * face.side < 0:
+    if axis == 0:
+        if (i + window.lower[0] - wall) * side < 0:
             return
-    elif face.axis == 1:
-        if face.side < 0:
+    elif axis == 1:
+        if side < 0:
             j1 = min(j1, wall - window.lower[1] + 1)
         else:
             j0 = max(j0, wall - window.lower[1])
-    elif face.side < 0:
+    elif side < 0:
         k1 = min(k1, wall - window.lower[2] + 1)
     else:
         k0 = max(k0, wall - window.lower[2])
@@ -121,16 +119,14 @@ def _constrain_face(done, faces, frame, field, forcing, i, ledger):
                 r = first + j * window.stride[1] + k * window.stride[2]
                 m = G[r + MASS]
                 number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
-                if not m > 0.0 or beyond_any(done, frame, number):
+                if not m > 0.0 or beyond_any(faces, n, frame, number):
                     continue
-                if number[face.axis] != wall:
-                    ledger.beyond[i, len(done)] += m
+                if number[axis] != wall:
+                    ledger.beyond[i, n] += m
                 mass = m if owned else 0.0
                 u = (G[r + VELOCITY], G[r + VELOCITY + 1], G[r + VELOCITY + 2])
                 b = (G[r + ACCELERATION], G[r + ACCELERATION + 1], G[r + ACCELERATION + 2])
-                v, a = hold(
-                    faces, len(done), forcing, frame, number, r, u, b, mass, ledger.impulse[i]
-                )
+                v, a = hold(faces, forcing, frame, number, r, u, b, mass, ledger.impulse[i])
                 last = constrained_velocity(forcing.marked, r, v)
                 held = 0.0
                 for d in range(3):

@@ -1,13 +1,15 @@
 """Faces of the domain with a condition, as the solver sees them."""
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, get_args, get_type_hints
 
 import numpy as np
 
 from pgimp.kernels.clearance import Sides, Wall
+from pgimp.kernels.faces import KIND, PARAMETERS, Faces
 from pgimp.kernels.particles import Frame
 from pgimp.kernels.walls import WALL
+from pgimp.physics.boundaries import BOUNDARIES
 
 AXES = "xyz"
 
@@ -46,6 +48,61 @@ class Face:
         while (place - origin) * frame.inverse[self.axis] >= cells:
             place = float(np.nextafter(place, -np.inf))
         return place, speed
+
+
+def _numbers(parameters: Any) -> list[float]:
+    """All numbers of nested tuples, one after the other."""
+    if isinstance(parameters, tuple):
+        return [number for each in parameters for number in _numbers(each)]
+    return [float(parameters)]
+
+
+def _example(hint: Any) -> Any:
+    """Make something of a type: a number, a boolean, a tuple or NamedTuple of such."""
+    if hasattr(hint, "_fields"):
+        return hint(*(_example(each) for each in get_type_hints(hint).values()))
+    return tuple(map(_example, get_args(hint))) if get_args(hint) else hint()
+
+
+def table_of(parameters: Sequence[Any]) -> Faces:
+    """Make the table that kernels get of the parameters of each face's condition.
+
+    It has all conditions that are registered, whichever faces use: kernels are compiled once.
+    """
+    entries = [get_type_hints(entry.parameters)["return"] for entry in BOUNDARIES.values()]
+    kinds = {kind: _example(kind) for kind in entries}
+    kinds |= {type(each): each for each in parameters if type(each) not in kinds}
+    width = max(len(_numbers(each)) for each in kinds.values())
+    rows = np.zeros((len(parameters), PARAMETERS + width))
+    for row, each in zip(rows, parameters, strict=True):
+        row[KIND] = list(kinds).index(type(each))
+        _set_row(row, each)
+    return Faces(tuple(kinds.values()), rows)
+
+
+def _set_row(row: np.ndarray, parameters: Any) -> None:
+    values = _numbers(parameters)
+    row[PARAMETERS : PARAMETERS + len(values)] = values
+
+
+class FaceTable:
+    """What kernels get of the faces in each step.
+
+    Parameters
+    ----------
+    faces : sequence of Face
+        All with a condition.
+    """
+
+    def __init__(self, faces: Sequence[Face]) -> None:
+        self._table: Any = table_of([face.parameters(0.0, 0.0) for face in faces]) if faces else ()
+        self._vary = [(n, face) for n, face in enumerate(faces) if face.condition.varies]
+
+    def at(self, start: float, end: float) -> Any:
+        """Return `Faces`, or () if there are none, for a step; good until the next call."""
+        for n, face in self._vary:
+            _set_row(self._table.rows[n], face.parameters(start, end))
+        return self._table
 
 
 def walls(faces: Sequence[Face], frame: Frame, end: float) -> np.ndarray:
@@ -98,9 +155,9 @@ def sides_approached(faces: Sequence[Face], frame: Frame) -> tuple[Any, ...]:
             ends[face.side > 0] for face in faces if face.axis == d and face.condition.approaches
         ]
         if not own:
-            sides.append(())
+            sides.append(Sides(0.0, 0.0, 0.0, 0.0))  # no particle is near it
             continue
         # What vertices on the wall feel is not farther; two walls share what is between them.
         peak = min(1.25, 0.25 * frame.cells[d] if len(own) > 1 else 1.25) * cell
         sides.append(Sides(min(own), max(own), 0.5 * (min(own) + max(own)), peak))
-    return tuple(sides) if any(sides) else ()
+    return tuple(sides) if any(side.peak > 0.0 for side in sides) else ()

@@ -21,7 +21,15 @@ from pgimp.physics.materials.outside import parameters_of
 from pgimp.physics.materials.states import States
 from pgimp.scene.cloudgradients import with_gradients
 from pgimp.scene.counts import count_all
-from pgimp.scene.faces import AXES, Face, room, sides_approached, walls, walls_approached
+from pgimp.scene.faces import (
+    AXES,
+    Face,
+    FaceTable,
+    room,
+    sides_approached,
+    walls,
+    walls_approached,
+)
 from pgimp.scene.lattice import Lattice, ParticleBlock
 from pgimp.scene.loads import SceneLoads
 from pgimp.scene.pointscloud import Cloud
@@ -134,7 +142,7 @@ class Scene:
             self.dimension, self.origins, **self.loads.carried, state=self.states.width
         )
         varies = any(face.condition.varies for face in self.faces)
-        self._faces = None if varies else self._face_parameters(0.0, 0.0)
+        self._face_table = FaceTable(self.faces)
         self._walls = None if varies else walls(self.faces, self.frame, 0.0)
         #: Between what a particle has to be, where the grid does not say so.
         self.room = room(self.faces, self.frame) if self.initial else None
@@ -185,12 +193,9 @@ class Scene:
         x, y, z = (*(float(c) for c in value), 0.0, 0.0)[:3]
         return (x, y, z)
 
-    def face_parameters(self, start: float, end: float) -> tuple:
-        """Parameters of all faces' kernels for a step."""
-        return self._face_parameters(start, end) if self._faces is None else self._faces
-
-    def _face_parameters(self, start: float, end: float) -> tuple:
-        return tuple(face.parameters(start, end) for face in self.faces)
+    def face_parameters(self, start: float, end: float) -> Any:
+        """Conditions of the faces in a step, `Faces` or (); good until the next call."""
+        return self._face_table.at(start, end)
 
     def walls(self, end: float) -> np.ndarray:
         """Where faces hold particles in during a step to `end`; see `pgimp.kernels.walls`."""

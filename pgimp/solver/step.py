@@ -89,11 +89,12 @@ def step(
     lap("momentum")
 
     rate, failed, outflow, found = 0.0, [], 0, 0
+    particle_forcing = on_particles(forcing)
     for half, layers in enumerate(rank.halo.halves(order.start)):  # first what neighbours wait for
         report = Report(rank.reach, changed[found:], rank.fault_buffer[half])
         wrong, left, moved, fastest, clamped, held = call(  # (26, 27, 29, 30)
-            grid_to_particles, scene.setting, field, population.particles, order, layers, forcing,
-            report, ledger,
+            grid_to_particles, scene.setting, field, population.particles, order, layers,
+            particle_forcing, report, ledger,
         )  # fmt: skip
         failed.append(wrong)
         rate, outflow = max(rate, fastest), outflow + left
@@ -157,9 +158,15 @@ def on_vertices(forcing: Forcing) -> Forcing:
     return forcing._replace(loads=loads, constraints=())
 
 
+def on_particles(forcing: Forcing) -> Forcing:
+    """Of what acts, all but what acts on vertices alone; see `on_vertices`."""
+    return forcing._replace(loads=forcing.loads._replace(walls=()), marked=(), clearances=())
+
+
 def sum_particles(rank: Rank, loads: Loads, marked: bool) -> None:
     """Sum a rank's particles into its planes; `Halo.finish` adds what neighbours have."""
     scene, grid, particles = rank.scene, rank.grid, rank.particles
+    summed = loads.summed()
     setting, order = scene.setting.without_materials(), rank.population.ordered
     if rank.failed:  # what others do not know yet; such particles may be anywhere
         order = order._replace(start=np.zeros_like(order.start))
@@ -168,7 +175,7 @@ def sum_particles(rank: Rank, loads: Loads, marked: bool) -> None:
     grid.active.fill(0)
     for part in rank.halo.parts(order.start):  # first what neighbours wait for
         rank.call(  # (16, 17, 18, 21, 22)
-            particles_to_grid, setting, grid.field, particles, loads, order, part
+            particles_to_grid, setting, grid.field, particles, summed, order, part
         )
         rank.halo.proceed(grid, marked)
 

@@ -31,7 +31,7 @@ from pgimp.kernels.sums import SUMS, exact_masses, fastest_rate, layer_sums
 from pgimp.kernels.tools import find_touched
 from pgimp.mpi.node import Call, shared_out
 from pgimp.scene.scene import Scene
-from pgimp.solver.step import on_vertices
+from pgimp.solver.step import on_particles, on_vertices
 
 
 def warm_up(scene: Scene, comm: Any) -> None:
@@ -54,19 +54,20 @@ def _calls(scene: Scene) -> Iterator[Call]:
     grid.cover(np.full((2, 2), vertices))
     wire = np.empty(0, np.int64)
     bodies, faces = len(scene.material_of), scene.face_parameters(0.0, 0.0)
+    count = len(scene.faces)
     marked = (constraints, grid.marks) if constraints else ()
-    clearances = np.empty((len(faces), 0)) if scene.approached else ()
+    clearances = np.empty((count, 0)) if scene.approached else ()
     forcing = Forcing(
         1.0, scene.gravity(0.0), 0.0, loads, constraints, marked, scene.walls(0.0), False,
         clearances,
     )
     vertex_forcing = on_vertices(forcing)
     report = Report(reach, rows.copy(), np.zeros((1, 2), np.int64))
-    ledger = Ledger.empty(grid.planes, len(faces), len(constraints))
+    ledger = Ledger.empty(grid.planes, count, len(constraints))
     contact: Any = ()
     if scene.pairs:
         tools: Any = scene.tools.in_planes(grid.planes) if scene.tools else ()
-        contact = Contact.empty(scene.pairs, grid.G, grid.planes, 1, len(faces), tools)
+        contact = Contact.empty(scene.pairs, grid.G, grid.planes, 1, count, tools)
         if scene.tools.free:
             yield 2.0, lambda: find_response(contact, faces, frame, grid.field, vertex_forcing)
         if tools:
@@ -86,10 +87,11 @@ def _calls(scene: Scene) -> Iterator[Call]:
             shaped, grid.field, p, VolumeSums(), order, np.zeros((0, 3), np.int64)
         )
     yield 10.4, lambda: grid_to_particles(
-        setting, grid.field, p, order, np.zeros(0, np.int64), forcing, report, ledger
+        setting, grid.field, p, order, np.zeros(0, np.int64), on_particles(forcing), report,
+        ledger,
     )
     yield 6.3, lambda: particles_to_grid(
-        shaped, grid.field, p, loads, order, np.zeros((0, 3), np.int64)
+        shaped, grid.field, p, loads.summed(), order, np.zeros((0, 3), np.int64)
     )
     yield 2.8, lambda: update_momentum(
         frame, grid.field, faces, vertex_forcing, ledger, contact, WHOLE

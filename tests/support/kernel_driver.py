@@ -27,7 +27,7 @@ from pgimp.physics.materials.hooke import HookeParameters
 from pgimp.physics.materials.neo_hookean import NeoHookeanParameters
 from pgimp.physics.shapes import SHAPES
 from pgimp.physics.shapes.gimp import GimpParameters
-from pgimp.scene.faces import sides_approached, walls_approached
+from pgimp.scene.faces import sides_approached, table_of, walls_approached
 
 #: Two bodies of different models.
 MATERIALS = (NeoHookeanParameters(3.0, 2.0, 1.5), HookeParameters(1.0, 4.0, 0.8))
@@ -223,7 +223,8 @@ class Rank:
         for mirror in mirrors:
             if mirror.releases:
                 fold(self.frame, field, mirror, forcing, ledger)
-        update_momentum(self.frame, field, faces, forcing, ledger, (), WHOLE)
+        table = table_of(faces) if faces else ()
+        update_momentum(self.frame, field, table, forcing, ledger, (), WHOLE)
         for mirror in reversed(mirrors):
             reflect(self.frame, field, mirror, forcing, ledger)
 
