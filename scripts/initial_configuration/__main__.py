@@ -20,6 +20,12 @@ PAGES = ROOT / "scripts" / "pages"
 BOTH = ("current", "initial")
 WHAT = ("ringing", "spin", "stretch", "vortex", "cube", "speed")
 CELLS = (0.1, 0.05, 0.025)
+WORDS = {
+    "at rest": "block at rest on the lattice",
+    "moving": "block that moves",
+    "random": "particles at random places",
+}
+KINDS = tuple(WORDS)
 
 
 def jobs():
@@ -42,8 +48,8 @@ def jobs():
         for even in (True, False):
             every["stretch", shape, even] = (stretch, (shape, even))
     for D in (2, 3):
-        for lattice in (True, False):
-            every["speed", D, lattice] = (speed, (D, lattice))
+        for kind in KINDS:
+            every["speed", D, kind] = (speed, (D, kind))
     return every
 
 
@@ -100,8 +106,10 @@ def text(kept):
             if orders:
                 word += f" (order {', '.join(f'{n:.1f}' for n in orders)})"
             cells.append(word)
-        lines.append(f"| vortex of amplitude {amplitude:g}, cells of 0.05, and of 0.1, 0.05 and "
-                     f"0.025: error of the displacement at t = 0.5 | {' | '.join(cells)} |")  # fmt: skip
+        lines.append(
+            f"| vortex of amplitude {amplitude:g}, cells of 0.05, and of 0.1, 0.05 and 0.025: "
+            f"error of the displacement at t = 0.5 | {' | '.join(cells)} |"
+        )
     for shape in ("gimp", "cpdi", "fuzzy-constant"):
         found = of("stretch", shape, True), of("stretch", shape, False)
         if all(found):
@@ -109,11 +117,10 @@ def text(kept):
                          f"force begun at rest | torn | {found[0]['F']:.0e}, "
                          f"{found[1]['force']:.3f} |")  # fmt: skip
     for D in (2, 3):
-        for lattice in (True, False):
-            if found := of("speed", D, lattice):
+        for kind in KINDS:
+            if found := of("speed", D, kind):
                 each = found["million particle-steps/s"]
-                where = "a lattice" if lattice else "random places"
-                lines.append(f"| {D}D, particles on {where}: million particle-steps/s | "
+                lines.append(f"| {D}D, {WORDS[kind]}: million particle-steps/s | "
                              f"{each['current']:.2f} | {each['initial']:.2f}: "
                              f"{found['ratio']:.2f} times |")  # fmt: skip
     return "\n".join([*lines, "", f"Measured on one core of {kept['origin']}.", ""])
