@@ -344,7 +344,7 @@ def initial():
     bodies = {
         "bar": box([0.0, 1.0], [7.0, 3.0], [0.0, 1.0]),
         "disk": {"material": "stiff", "region": disk, "velocity": [-3.0, 5.0]},
-        "flap": box([9.4, 5.0], [11.0, 6.0]),
+        "flap": box([9.8, 5.0], [11.4, 6.0]),
         "rotor": turning(box([12.5, 5.0], [15.5, 6.0]), [14.0, 5.5], 1.5, [9.0, 4.0]),
     }
     load = {"body": "bar", "face": "x-max", "pressure": {"table": [[0.0, 0.0], [1.0, 9.0]]}}
