@@ -13,6 +13,7 @@ _INSTEAD = "; take configuration: current"
 
 def check_configuration(
     method: Any,
+    materials: Mapping[str, Any],
     bodies: Mapping[str, Any],
     tools: Mapping[str, Any],
     boundaries: Mapping[str, Any],
@@ -31,6 +32,20 @@ def check_configuration(
                 f"is current, and that of '{first}' initial; all bodies of a case have the same: "
                 f"let '{name}' be initial too, or all be current",
             )
+    for name in initial:
+        law = materials.get(bodies[name].material)
+        if law is not None and law.VOLUME_ONLY:
+            yield Problem(
+                ("bodies", name, "configuration"),
+                f"'{bodies[name].material}' flows, and keeps no deformation; the initial "
+                "configuration is for solids: take current",
+            )
+    if method.volumetric == "mean" and len(method.particles_per_cell) > 1:
+        yield Problem(
+            ("method", "volumetric"),
+            f"mean is for the current configuration, and '{first}' is in the initial one; take "
+            "pointwise, or configuration: current",
+        )
     for name in tools:
         text = f"a rigid body meets nothing in the initial configuration, as '{first}' is{_INSTEAD}"
         yield Problem(("bodies", name, "rigid"), text)

@@ -51,9 +51,15 @@ def check_grid(dimensions: int, grid: Any) -> Problems:
 
 
 def check_method(dimensions: int, method: Any) -> Problems:
-    """Check that there is one number of particles a direction."""
+    """Check that there is one number of particles a direction, and what is for boxes only."""
     counts = method.particles_per_cell
     yield from length(("method", "particles_per_cell"), counts, dimensions)
+    if method.volumetric == "mean" and method.chi != "box":
+        yield Problem(
+            ("method", "volumetric"),
+            f"mean is for particles that are boxes, whose parts in cells are known; {method.shape} "
+            "are none: take shape: gimp, finite-gimp or cpdi, or leave it out (pointwise)",
+        )
 
 
 def check_time(time: Any) -> Problems:
@@ -87,7 +93,7 @@ def check_fields(
     """Check that fields which are not those of every case are states of its materials."""
     if len(materials) < len(declared):
         return  # what the others would have is not known
-    states = {state.name for entry in materials.values() for state in entry.STATE}
+    states = {state.name for entry in materials.values() for state in entry.states}
     for i, name in enumerate(output.fields):
         if name not in OPTIONAL and name not in states:
             known = [*OPTIONAL, *sorted(states)]

@@ -18,9 +18,9 @@ LANES = 4
 
 #: Numbers in the buffer for the supports of a batch: for each direction weights (19), gradients
 #: (20) and weights times arms, each of up to four vertices, then the place of the first vertex;
-#: each four times.
-SUPPORT_SIZE = 152
-_DIRECTION, _QUANTITY, _PLACE = 48, 16, 144
+#: each four times. From `MEANS` on there is room for what `pgimp.kernels.mean` needs.
+SUPPORT_SIZE = 216
+_DIRECTION, _QUANTITY, _PLACE, MEANS = 48, 16, 144, 152
 
 
 def four(order, k, end):
@@ -258,6 +258,17 @@ def _entry(buffer, d, quantity, i, j):
     )
 
 
+def four_entries(buffer, d, quantity, i):
+    """The entries of all four particles, a vector."""
+
+
+@specialise(four_entries)
+def _four_entries(buffer, d, quantity, i):
+    return lambda buffer, d, quantity, i: load(
+        buffer, d * _DIRECTION + quantity * _QUANTITY + 4 * i
+    )
+
+
 def entries(buffer, d, quantity, i, j, like):
     """The entries of the vertices i, i+1, ..., as many as `like` has."""
 
@@ -269,17 +280,6 @@ def _entries(buffer, d, quantity, i, j, like):
     return lambda buffer, d, quantity, i, j, like: (
         entry(buffer, d, quantity, i, j), *entries(buffer, d, quantity, i + 1, j, like[1:]),
     )  # fmt: skip
-
-
-def four_entries(buffer, d, quantity, i):
-    """As `entry`, of all particles of the batch, as a vector."""
-
-
-@specialise(four_entries)
-def _four_entries(buffer, d, quantity, i):
-    return lambda buffer, d, quantity, i: load(
-        buffer, d * _DIRECTION + quantity * _QUANTITY + 4 * i
-    )
 
 
 def share_support(buffer):

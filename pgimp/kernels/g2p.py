@@ -8,11 +8,12 @@ from pgimp.kernels.batch import LANES, SUPPORT_SIZE, four, put, put_row, support
 from pgimp.kernels.concepts import Batch
 from pgimp.kernels.gathered import SUMS
 from pgimp.kernels.loads import layer_power
+from pgimp.kernels.mean import keep_means, with_means
 from pgimp.kernels.speed import grid_speed
 from pgimp.kernels.together import take_from_grid
 from pgimp.kernels.updates.checks import check
 from pgimp.kernels.updates.deformation import update_deformation, velocity_gradients
-from pgimp.kernels.updates.stress import keep_state, update_stress
+from pgimp.kernels.updates.stress import keep_state, margins, update_stress
 from pgimp.kernels.updates.velocity import update_position, update_velocity
 from pgimp.kernels.viscosity import update_viscous_pressure
 
@@ -76,16 +77,18 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
             count = min(LANES, start[layer + 1] - k)
             batch = Batch(rows, count, k, layer, number)
             supports(shape, frame, window, particles, rows, number, buffer, ())
+            keep_means(loads.mean, shape, frame, buffer)
             u, a, grad, codes, power = take_from_grid(  # (30)
-                setting, field, particles, loads.force, batch, buffer, sums, power
+                setting, field, particles, loads, batch, buffer, sums, power
             )
             u, v = update_velocity(forcing, particles, batch, u, a, ledger)  # (27)
             x = update_position(forcing, particles, batch, u)  # (26)
             keep_gradients(loads.affine, particles, rows, grad, codes)
+            grad = with_means(loads.mean, buffer, count, grad)
             L = velocity_gradients(frame, particles, batch, grad)
-            F = update_deformation(setting, forcing, particles, batch, grad)  # (29)
-            J = determinant(F)
             m = materials_of(setting.material_of, particles.body, rows)
+            F = update_deformation(setting, forcing, particles, batch, m, grad)  # (29)
+            J = determinant(F)
             sigma, state = update_stress(setting, forcing, particles, rows, m, F, J, L)
             put_row(particles.x, rows, 0, x)
             put_row(particles.v, rows, 0, v)
@@ -98,9 +101,10 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
                 loads.viscosity, setting, m, particles, rows, F, J, L
             )
             if forcing.controlled:
-                c = grid_speed(setting, loads.viscosity, m, v, F, J, state, extra)
+                c = grid_speed(setting, m, v, F, J, state, inverse, extra)
                 fastest = max(c * inverse, fastest)
-            found = (u, v, x, F, J, state)
+            margin = margins(setting, m, F, J, sigma, state)
+            found = (u, v, x, F, J, state, margin)
             counts = check(
                 setting, forcing, field, particles, batch, limit, found, report, ledger, counts
             )

@@ -7,6 +7,7 @@ from pgimp.kernels.batch import LANES, SUPPORT_SIZE, first_place, four, supports
 from pgimp.kernels.contribution import contribution
 from pgimp.kernels.fields import field_of
 from pgimp.kernels.loads import scatter_loads, weight
+from pgimp.kernels.mean import keep_means, mean_force
 from pgimp.kernels.piola import PIOLA_SIZE, keep_forces
 from pgimp.kernels.record import RECORD
 from pgimp.kernels.transfer import scatter
@@ -47,6 +48,7 @@ def _sum_layer(setting, field, particles, loads, rows, span, number):
         for k in range(begin, end, LANES):
             batch = four(rows, k, end)
             supports(shape, frame, window, particles, batch, number, buffer, loads.affine)
+            keep_means(loads.mean, shape, frame, buffer)
             keep_forces(loads.viscosity, frame, particles, batch, forces)
             for j in range(min(LANES, end - k)):
                 p = rows[k + j]
@@ -54,7 +56,8 @@ def _sum_layer(setting, field, particles, loads, rows, span, number):
                 A, S = contribution(loads, frame, particles, p, forces, j)
                 B = weight(loads.force, loads.walls, frame, particles, p)
                 C = affine_momentum(loads.affine, frame, particles, p)
-                scatter(shape, scratch, buffer, j, place, window.stride, A, B, S, C)
+                M = mean_force(loads, frame, particles, p)
+                scatter(shape, scratch, buffer, j, place, window.stride, A, B, S, C, M)
                 low = min(low, place)
                 high = max(high, place)
         scatter_loads(loads, setting, field, particles, rows, span, number)

@@ -31,6 +31,8 @@ class Loads(NamedTuple):
         A number where particles carry their velocity gradient, see `pgimp.kernels.affine`.
     walls : tuple of Sides
         For each direction the walls across it that want clearances; () if none does at all.
+    mean : float or ()
+        A number where cells have one dilatation each, see `pgimp.kernels.mean`.
     """
 
     viscosity: Any = ()
@@ -39,6 +41,7 @@ class Loads(NamedTuple):
     relaxation: Any = ()
     affine: Any = ()
     walls: Any = ()
+    mean: Any = ()
 
     def summed(self) -> Self:
         """Of the loads those that sums of particles know: kernels are compiled once for them."""

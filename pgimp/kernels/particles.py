@@ -29,6 +29,8 @@ class Carried(NamedTuple):
         Whether they keep their initial position, velocity gradient, viscous pressure, constraint.
     tractions, state : int
         Number of tractions, and of what the material with most state variables remembers.
+    surfaces : bool
+        Whether they know what surfaces leave of them, for contact.
     """
 
     dimensions: int
@@ -38,6 +40,7 @@ class Carried(NamedTuple):
     tractions: int = 0
     constraints: bool = False
     state: int = 0
+    surfaces: bool = False
 
 
 class Column(NamedTuple):
@@ -131,6 +134,21 @@ class Particles(NamedTuple):
     state: Annotated[
         FloatArray, Column("state variables of the material", "", lambda c: c.state)
     ]
+
+    offset: Annotated[
+        FloatArray,
+        Column(
+            "centroid of what a surface leaves of it, from its position, at the start", "length",
+            lambda c: c.dimensions if c.surfaces else 0,
+        ),
+    ]  # fmt: skip
+    excess: Annotated[
+        FloatArray,
+        Column(
+            "what the surface's curvature adds to the mean gap from a plane", "length",
+            lambda c: int(c.surfaces),
+        ),
+    ]  # fmt: skip
 
     @classmethod
     def empty(cls, capacity: int, carried: Carried) -> "Particles":

@@ -13,9 +13,10 @@ from math import sqrt
 
 from pgimp.jit.algebra import inverse, largest_stretch_squared, left_cauchy_green
 from pgimp.jit.kernel import specialise
+from pgimp.jit.simd import vec4
 from pgimp.jit.tuples import squared
 from pgimp.kernels.place import is_initial
-from pgimp.kernels.updates.stress import wave_speed
+from pgimp.kernels.updates.stress import diffusion_speed, wave_speed
 from pgimp.kernels.viscosity import effective_wave_speed
 from pgimp.physics.materials.base import evaluate, evaluate_four
 
@@ -49,53 +50,79 @@ def _initial_speed_of(setting, numbers, F, J, state, by):
     )
 
 
-def grid_speed(setting, viscosity, numbers, v, F, J, state, extra):
+def grid_speed(setting, numbers, v, F, J, state, inverse, extra):
     """Speeds at which four particles, and waves through them, cross the grid.
 
     Parameters
     ----------
-    setting, viscosity
-        See `Setting`, `Viscosity`.
+    setting
+        See `Setting`.
     numbers : tuple of 4 int
         Their materials.
     v, F, J, state
         As in `grid_to_particles`, after the step.
-    extra : Vec4
+    inverse : float
+        1 over the side of a cell.
+    extra : Vec4 or float
         What `update_viscous_pressure` gives.
     """
 
 
 @specialise(grid_speed)
-def _grid_speed(setting, viscosity, numbers, v, F, J, state, extra):
-    def current(setting, viscosity, numbers, v, F, J, state, extra):
+def _grid_speed(setting, numbers, v, F, J, state, inverse, extra):
+    def current(setting, numbers, v, F, J, state, inverse, extra):
         c = wave_speed(setting, numbers, F, J, state)
-        c = effective_wave_speed(viscosity, c, extra)
+        extra = diffusion_speed(setting, numbers, F, J, state, inverse, extra)
+        c = effective_wave_speed(c, extra)
         return c + sqrt(squared(v))
 
-    def initial(setting, viscosity, numbers, v, F, J, state, extra):
+    def initial(setting, numbers, v, F, J, state, inverse, extra):
         by = shortening(F)
         c = _initial_speed(setting, numbers, F, J, state, by)
-        return effective_wave_speed(viscosity, c, by * by * extra)
+        extra = diffusion_speed(setting, numbers, F, J, state, inverse, extra)
+        return effective_wave_speed(c, _steeper(by, extra))
 
     return initial if is_initial(setting.types[setting.fields.index("frame")]) else current
 
 
-def speed_at(setting, number, v, F, J, state):
-    """As `grid_speed`, of one particle, without viscosity."""
+def _steeper(by, extra):
+    """What viscosity adds, by lengths of the initial configuration: a vector by^2 extra."""
 
 
-@specialise(speed_at)
-def _speed_at(setting, number, v, F, J, state):
-    def current(setting, number, v, F, J, state):
-        return evaluate("speed", setting.materials, number, (F, J), state) + sqrt(squared(v))
+@specialise(_steeper)
+def _steeper_of(by, extra):
+    if extra != vec4:
+        return lambda by, extra: extra
+    return lambda by, extra: by * by * extra
 
-    def known(setting, number, v, F, J, state):
-        return evaluate("initial_speed", setting.materials, number, (F, J), state)
 
-    def bounded(setting, number, v, F, J, state):
-        return shortening(F) * evaluate("speed", setting.materials, number, (F, J), state)
+def speed_of_waves(setting, number, args, state):
+    """Speed of waves over the grid through one particle; `args` are F and J."""
+
+
+@specialise(speed_of_waves)
+def _speed_of_waves(setting, number, args, state):
+    def current(setting, number, args, state):
+        return evaluate("speed", setting.materials, number, args, state)
+
+    def known(setting, number, args, state):
+        return evaluate("initial_speed", setting.materials, number, args, state)
+
+    def bounded(setting, number, args, state):
+        return shortening(args[0]) * evaluate("speed", setting.materials, number, args, state)
 
     if not is_initial(setting.types[setting.fields.index("frame")]):
         return current
     materials = setting.types[setting.fields.index("materials")]
     return known if has_initial_speed(materials) else bounded
+
+
+def own_speed(frame, v):
+    """Speed at which a particle crosses the grid: that of the velocity v, 0 where it cannot."""
+
+
+@specialise(own_speed)
+def _own_speed(frame, v):
+    if is_initial(frame):
+        return lambda frame, v: 0.0
+    return lambda frame, v: sqrt(squared(v))

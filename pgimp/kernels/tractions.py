@@ -187,7 +187,7 @@ def scatter_tractions(tractions, setting, field, particles, rows, span, layer):
             place = _support(tractions[t], shape, frame, window, particles, p, layer, F, buffer)
             place += field_of(window, particles, p)
             force = pack(0.0, f[0], f[1], f[2])
-            scatter(shape, scratch, buffer, 0, place, window.stride, zero, force, nothing, ())
+            scatter(shape, scratch, buffer, 0, place, window.stride, zero, force, nothing, (), ())
 
 
 @inner_kernel
@@ -210,6 +210,6 @@ def traction_power(tractions, setting, field, particles, rows, span, layer):
             f = patch_force(tractions[t], F, area)
             place = _support(tractions[t], shape, frame, window, particles, p, layer, F, buffer)
             place += field_of(window, particles, p)
-            U = gather(shape, G, buffer, 0, start + place, window.stride, frame.origin)[0]
+            U = gather(shape, G, buffer, 0, start + place, window.stride, frame.origin, ())[0]
             power += f[0] * lane(U, 1) + f[1] * lane(U, 2) + f[2] * lane(U, 3)
     return power

@@ -68,6 +68,8 @@ class SceneLoads:
             )
         self.relaxation: Any = float(case.method.relaxation) or ()
         self.affine: Any = 1.0 if case.method.affine else ()
+        volumetric = case.method.volumetric if case.dimensions > 1 else "pointwise"  # in 1D alike
+        self.mean: Any = 1.0 if volumetric == "mean" else ()
         self.force, self.walls = force, walls
         self.tractions = list(case.tractions.values())
         self.constraints = list(case.constraints.values())
@@ -106,7 +108,9 @@ class SceneLoads:
             entry.parameters(i, *self._patch, t) for i, entry in enumerate(self.tractions)
         )
         force = BodyForce(self.force, t) if self.force else ()
-        return Loads(self.viscosity, tractions, force, self.relaxation, self.affine, self.walls)
+        return Loads(
+            self.viscosity, tractions, force, self.relaxation, self.affine, self.walls, self.mean
+        )  # fmt: skip
 
     def _constraints_at(self, start: float, end: float) -> tuple:
         return tuple(entry.parameters(start, end) for entry in self.constraints)

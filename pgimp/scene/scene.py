@@ -15,8 +15,10 @@ from pgimp.kernels.errors import initial_velocities
 from pgimp.kernels.mirror import Mirror
 from pgimp.kernels.order import cell_numbers
 from pgimp.kernels.particles import Carried, Frame, InitialFrame, Particles
+from pgimp.kernels.sums import SUMS
 from pgimp.physics.contact import Pairs
 from pgimp.physics.fields import EVERY
+from pgimp.physics.materials.base import LOSSES
 from pgimp.physics.materials.outside import parameters_of
 from pgimp.physics.materials.states import States
 from pgimp.scene.cloudgradients import with_gradients
@@ -56,6 +58,8 @@ class Scene:
         Parameters of the shape; `vertices` a direction in a support.
     materials : tuple of NamedTuple
         Parameters of the materials in use, `material_of` the one of each body.
+    losses : tuple of str
+        Those of `LOSSES` that a material in use tells; `sums` columns of `layer_sums`.
     faces : list of Face
         Faces with a condition, x-min to z-max.
     mirrors : list of Mirror
@@ -103,6 +107,10 @@ class Scene:
         self.materials = tuple(
             parameters_of(case.materials[name], self.dimension) for name in used
         )
+        self.initial_pressures = [case.materials[name].initial_pressure for name in used]
+        told = {loss for name in used for loss in case.materials[name].LOSSES}
+        self.losses = tuple(loss for loss in LOSSES if loss in told)
+        self.sums = SUMS + (len(LOSSES) if told else 0)
         with located(case):
             self.most_mass = self._weigh(used)
         named = case.boundaries
@@ -139,8 +147,9 @@ class Scene:
         self.states = States(used, self.materials, self.dimension)
         self.fields = EVERY | self.states.fields
         self.carried = Carried(
-            self.dimension, self.origins, **self.loads.carried, state=self.states.width
-        )
+            self.dimension, self.origins, **self.loads.carried, state=self.states.width,
+            surfaces=self.pairs is not None,
+        )  # fmt: skip
         varies = any(face.condition.varies for face in self.faces)
         self._face_table = FaceTable(self.faces)
         self._walls = None if varies else walls(self.faces, self.frame, 0.0)
@@ -287,8 +296,11 @@ class Scene:
                 p.v[rows] = self.velocities(block.body, places)
             else:
                 p.v[rows] = block.velocities
+            material = self.body_material[block.body]
             if block.stresses is not None:
                 p.sigma[rows] = block.stresses[:, : p.sigma.shape[1]]
+            elif pressure := self.initial_pressures[material]:
+                p.sigma[rows, :3] = -pressure
             if p.L.shape[1]:
                 p.L[rows] = (
                     self._velocity_gradients(block.body, places)
@@ -298,7 +310,9 @@ class Scene:
             p.id[rows] = block.ids
             p.body[rows] = block.body
             p.V0[rows] = p.V[rows] = lattice.volume * block.fractions  # (3)
-            material = self.body_material[block.body]
+            if self.carried.surfaces:
+                p.offset[rows] = block.centroids - block.positions
+                p.excess[rows, 0] = lattice.excess(block)
             p.m[rows] = p.V0[rows] * self.materials[material].density  # (4)
             p.state[rows] = self.states.initial[material]
             for name, values in block.states.items():

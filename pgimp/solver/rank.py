@@ -16,7 +16,7 @@ from pgimp.jit.bound import Bound
 from pgimp.kernels.concepts import Order
 from pgimp.kernels.ledger import Ledger
 from pgimp.kernels.particles import Particles
-from pgimp.kernels.sums import SUMS, layer_sums
+from pgimp.kernels.sums import layer_sums
 from pgimp.kernels.updates.checks import OUTFLOW
 from pgimp.mpi.node import shares_cores
 from pgimp.scene.scene import Scene
@@ -115,7 +115,7 @@ class Rank:
         self.grid = Grid(scene.frame, scene.vertices, slab, late, fields, scene.room)
         self.halo = Halo(comm, slab, scene.vertices - 1)
         self.migration = Migration(comm, slab, self.particles)
-        outflow = (len(scene.body_names), SUMS) if scene.exits else (0, 0)
+        outflow = (len(scene.body_names), scene.sums) if scene.exits else (0, 0)
         constraints = len(scene.loads.constraints)
         contacts = len(scene.pairs.law) if scene.pairs else 0
         self.ledger = Ledger.empty(

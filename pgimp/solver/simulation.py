@@ -17,7 +17,7 @@ from pgimp.kernels.order import layers_of
 from pgimp.kernels.particles import Particles
 from pgimp.kernels.sums import fastest_rate
 from pgimp.scene import nearness
-from pgimp.scene.facts import wave_speed
+from pgimp.scene.facts import rest_rate
 from pgimp.scene.geometry import release, share, take_as_empty
 from pgimp.scene.lattice import Lattice
 from pgimp.scene.scene import Scene, count_particles
@@ -111,8 +111,8 @@ class Simulation:
         require(scene, comm, None if source is None else source.count)
         scene.tools.measure(comm)
         warm_up(scene, comm)
-        speed = max(wave_speed(scene, body) for body in range(len(scene.body_names)))
-        self.clock = clock_of(case, speed * max(scene.frame.inverse))
+        rate = max(rest_rate(scene, body) for body in range(len(scene.body_names)))
+        self.clock = clock_of(case, rate)
         self._tell_of_kernels()
         if source is None:
             self._begin()

@@ -27,7 +27,7 @@ from pgimp.kernels.p2g import complete, particles_to_grid
 from pgimp.kernels.particles import Particles
 from pgimp.kernels.response import find_response
 from pgimp.kernels.selection import select_near
-from pgimp.kernels.sums import SUMS, exact_masses, fastest_rate, layer_sums
+from pgimp.kernels.sums import exact_masses, fastest_rate, layer_sums
 from pgimp.kernels.tools import find_touched
 from pgimp.mpi.node import Call, shared_out
 from pgimp.scene.scene import Scene
@@ -97,7 +97,7 @@ def _calls(scene: Scene) -> Iterator[Call]:
         frame, grid.field, faces, vertex_forcing, ledger, contact, WHOLE
     )
     yield 1.4, lambda: locate(shape, setting.frame, p, rows, frame.vertices)
-    yield 1.4, lambda: layer_sums(material, p, order, np.zeros((1, bodies, SUMS)))
+    yield 1.4, lambda: layer_sums(material, p, order, np.zeros((1, bodies, scene.sums)))
     yield 1.0, lambda: fastest_rate(material, p, rows)
     yield 0.7, lambda: complete(grid.field, 0, 1, False, np.empty(0))
     yield 0.7, lambda: merge(p, rows, start, rows, 0, rows, rows.copy(), start.copy())

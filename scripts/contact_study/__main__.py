@@ -6,12 +6,16 @@ import subprocess
 import sys
 from concurrent.futures import ProcessPoolExecutor
 from datetime import date
+from functools import partial
 from importlib.metadata import version
 from multiprocessing import get_context
 
+import detection
 import gap
+import hertz
 import motion
 import problems
+import rolls
 import walls
 
 from pgimp.io.rundir.runinfo import cpu
@@ -32,9 +36,15 @@ def _figures(quick):
         jobs["bars", cell] = (motion.bars, 2.5 * cell)
         jobs["disks", cell] = (motion.disks, 0.2 * cell)
         jobs["edges", cell] = (motion.edges, 5.0 * cell)
-        jobs["collision", cell] = (motion.collision, 5.0 * cell)
+        for D in (2, 3):
+            jobs[f"collision {D}", cell] = (rolls.collision, D, 5.0 * cell)
+            jobs[f"affine {D}", cell] = (rolls.collision, D, 5.0 * cell, True)
+            floor = "slab" if D == 2 else "rigid"
+            jobs[f"rolls {D}", cell] = (rolls.slope, D, cell, 10.0, 0.5, floor)
+            jobs[f"slips {D}", cell] = (rolls.slope, D, cell, 30.0, 0.15, floor)
         jobs["incline", cell] = (motion.incline, 0.5 * cell)
-        jobs["rolling", cell] = (motion.rolling, cell)
+        jobs["stuck", cell] = (motion.sticking, 0.5 * cell)
+        jobs["line", cell] = (hertz.line, round(0.4 / cell))
         jobs["bar", cell] = (walls.bar, 2.5 * cell)
         jobs["wall", cell] = (walls.incline, 5.0 * cell)
         jobs["rods", cell] = (problems.rods, round(8.0 / cell))
@@ -43,8 +53,7 @@ def _figures(quick):
         jobs["nairn", cell] = (problems.disks, 5.0 * cell)
         jobs["ball", cell] = (problems.ball, 0.05 * cell)
         jobs["pressed", cell] = (problems.pressed, 5.0 * cell)
-        jobs["held", cell] = (walls.incline, 5.0 * cell, 24.0, 0.6)
-    jobs["stuck", cells[0]] = (motion.incline, 0.5 * cells[0], 24.0, 0.7)
+        jobs["held", cell] = (walls.sticking, 5.0 * cell)
     return jobs
 
 
@@ -74,17 +83,26 @@ def _table(found, cells):
          at("ball", 0)),
         ("the same: greatest force", "1", at("ball", 1)),
         ("the same: energy lost", "0", at("ball", 2)),
-        ("blocks of 3 and 6 cells meet with friction: momentum that changes", "0",
-         at("collision", 0, "{:.0e}")),
-        ("the same: angular momentum", "0", at("collision", 1, "{:.0e}")),
+        *(row for D in (2, 3) for row in (
+            (f"blocks of 3 and 6 cells meet with friction, {D}D: momentum that changes", "0",
+             at(f"collision {D}", 2, "{:.0e}")),
+            ("the same: angular momentum of the grid, greatest change in a step", "0",
+             at(f"collision {D}", 0, "{:.0e}")),
+            ("the same: angular momentum of the particles, in all", "0",
+             at(f"collision {D}", 1, "{:.0e}")),
+            ("the same with `affine`", "0", at(f"affine {D}", 1, "{:.0e}")),
+        )),
+        ("cylinders pressed on each other, half-width of contact 2 and 4 cells: over Hertz's", "1",
+         at("line", 0)),
+        ("the same: greatest pressure over Hertz's, as vertices see it", "1", at("line", 1)),
         ("they slide over each other's edges without: momentum along the faces that changes", "0",
          at("edges")),
         ("block of 10 and 20 cells on an incline of 24 degrees, friction 0.3: acceleration", "1",
          at("incline", 0)),
         ("the same: heat of friction", "1", at("incline", 1)),
         ("the same: cells by which it has sunk in, also by its weight", "0", at("incline", 2)),
-        ("friction 0.7, where it sticks: cells by which it slips, bending of the slab included",
-         "0", at("stuck", 0)),
+        ("friction 0.7, where it sticks: cells by which it is off a block that is tied",
+         "0", at("stuck")),
         ("Uintah's friction block, 16 x 6 and 32 x 12 cells: acceleration", "1",
          at("friction block", 0)),
         ("the same: tangential over normal impulse and coefficient", "1",
@@ -100,9 +118,14 @@ def _table(found, cells):
         ("block of 6 and 12 cells on a wall inclined by 24 degrees, friction 0.3: acceleration",
          "1", at("wall", 0)),
         ("the same: cells by which it has sunk in, also by its weight", "0", at("wall", 1)),
-        ("friction 0.6, where it sticks: cells by which it slips, shear included", "0",
-         at("held", 0)),
-        ("cylinder that rolls, R = 5 and 10 cells: acceleration", "1", at("rolling")),
+        ("friction 0.6, where it sticks: cells by which it is off one on a wall that holds it", "0",
+         at("held")),
+        *(row for D, what in ((2, "cylinder on a slab"), (3, "sphere on a rigid body")) for row in (
+            (f"{what} that rolls, R = 5 and 10 cells: acceleration", "1", at(f"rolls {D}", 0)),
+            ("the same: of its rotation", "1", at(f"rolls {D}", 1)),
+            (f"{what} that slips and rolls: acceleration", "1", at(f"slips {D}", 0)),
+            ("the same: of its rotation", "1", at(f"slips {D}", 1)),
+        )),
     ]  # fmt: skip
     text = "| test | exact | measured | on half the cells |\n|---|---|---|---|\n"
     for what, exact, values in rows:
@@ -147,6 +170,12 @@ def _costs(quick):
     return text
 
 
+def _show(name, future):
+    """Say what has been measured, as all of it takes some time."""
+    if not future.cancelled() and future.exception() is None:
+        print(*name, future.result(), file=sys.stderr, flush=True)
+
+
 def main():
     """Measure all, write contact.out/contact.md and, unless --quick, docs/contact.md."""
     parser = argparse.ArgumentParser(prog="scripts/contact")
@@ -155,10 +184,13 @@ def main():
     jobs, cells = _figures(options.quick), (0.2, 0.1)
     with ProcessPoolExecutor(min(2, os.cpu_count()), get_context("spawn")) as pool:
         waiting = {name: pool.submit(*job) for name, job in jobs.items()}
+        for name, future in waiting.items():
+            future.add_done_callback(partial(_show, name))
+        ways = pool.submit(detection.text, options.quick)
         near = pool.submit(walls.gaps, options.quick)
         gaps = pool.submit(gap.rows, options.quick)
         found = {name: future.result() for name, future in waiting.items()}
-        gaps = gaps.result() + near.result()
+        gaps, ways = gaps.result() + near.result(), ways.result()
     where = (
         f"Measured by `scripts/contact` on one core of {cpu()}, pgimp {version('pgimp')}, numba "
         f"{version('numba')}, {date.today()}.\n"
@@ -166,6 +198,7 @@ def main():
     texts = {
         "contact-motion": _table(found, cells) + "\n" + where,
         "contact-gaps": _gaps(gaps),
+        "contact-detection": ways,
         "contact-costs": _costs(options.quick),
     }
     OUT.mkdir(exist_ok=True)

@@ -8,23 +8,25 @@ from multiprocessing import get_context
 from time import perf_counter
 
 from jobs import jobs
+from locking import locking_table
 from runs import ROOT
 from table import cases_table, courant_table, put_into_docs, write_csv
 
 OUT = ROOT / "hard.out"
+WORDS = ("cases", "courant", "locking", "pictures")
 
 
 def main():
     """Run what is asked for, and write hard.csv, hard.md and docs/hard-cases.md."""
     parser = argparse.ArgumentParser(prog="scripts/hard")
-    parser.add_argument("words", nargs="*", metavar="WHAT", help="cases, courant, pictures")
+    parser.add_argument("words", nargs="*", metavar="WHAT", help=", ".join(WORDS))
     parser.add_argument("--quick", action="store_true", help="minutes; writes no page")
     parser.add_argument("--redraw", action="store_true", help="tables from what is there")
     options = parser.parse_args()
-    words = options.words or ["cases", "courant", "pictures"]
+    words = options.words or WORDS
     for word in words:
-        if word not in ("cases", "courant", "pictures"):
-            parser.error(f"there is no {word}; there are cases, courant, pictures")
+        if word not in WORDS:
+            parser.error(f"there is no {word}; there are {', '.join(WORDS)}")
     OUT.mkdir(exist_ok=True)
     store = OUT / ("quick.json" if options.quick else "hard.json")
     kept = json.loads(store.read_text()) if store.exists() else {}
@@ -42,6 +44,7 @@ def main():
     keys = ["/".join(map(str, key)) for key in jobs(options.quick, words)]
     records = [kept[key] for key in keys if key.startswith("case") and key in kept]
     points = [kept[key] for key in keys if key.startswith("courant") and key in kept]
+    beams = [kept[key] for key in keys if key.startswith("locking") and key in kept]
     texts = []
     if records:
         write_csv(records, OUT / "hard.csv")
@@ -49,6 +52,9 @@ def main():
     if points:
         write_csv(points, OUT / "courant.csv")
         texts.append(("courant", courant_table(points)))
+    if beams:
+        write_csv(beams, OUT / "locking.csv")
+        texts.append(("locking", locking_table(beams)))
     (OUT / "hard.md").write_text("\n".join(text for _, text in texts), encoding="utf-8")
     for _, text in texts:
         print(text)

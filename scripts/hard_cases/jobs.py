@@ -1,7 +1,14 @@
 """What the processes of scripts/hard do, one job at a time."""
 
+from itertools import product
+
 from courant import limits
+from locking import KINDS, OFFSETS, locked
+from locking import METHODS as UNLOCKED
 from rows import METHODS, ROWS, grazed, measured
+
+#: In 1D they are as without.
+MEAN = ("gimp, mean", "gimp, mean, affine", "finite-gimp, mean", "cpdi, mean")
 
 
 def case_job(number, method, quick):
@@ -14,8 +21,10 @@ def case_job(number, method, quick):
 def courant_job(method, dimension, per_cell, quick):
     """A point of the map."""
     steps = 500 if quick else 4000 if dimension == 1 else 1500
-    shape, _, affine = method.partition(", ")
-    entry = {"shape": shape, "affine": bool(affine)}
+    shape, *words = method.split(", ")
+    entry = {"shape": shape, "affine": "affine" in words}
+    if "mean" in words:
+        entry["volumetric"] = "mean"
     both = limits(entry, dimension, per_cell, steps, 0.05 if quick else 0.01)
     return {
         "method": method,
@@ -38,7 +47,12 @@ def jobs(quick, words):
     if "courant" in words:
         for dimension in (1,) if quick else (1, 2):
             for per_cell in (1, 2, 4):
-                for m in (*METHODS, "gimp, affine", "finite-gimp, affine"):
+                means = MEAN if dimension > 1 else ()
+                for m in (*METHODS, "gimp, affine", "finite-gimp, affine", *means):
                     key = ("courant", dimension, per_cell, m)
                     found[key] = (courant_job, m, dimension, per_cell, quick)
+    if "locking" in words:
+        for kind in KINDS[: 1 if quick else None]:
+            for method, offset in product(UNLOCKED, OFFSETS[: 1 if quick else None]):
+                found["locking", *kind, method, offset] = (locked, method, *kind, offset)
     return found

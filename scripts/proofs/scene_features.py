@@ -116,6 +116,12 @@ def affine(rng, scene):
     scene.case["method"]["affine"] = True
 
 
+def mean(rng, scene):
+    """Cells have one rate of dilatation each; where particles are boxes."""
+    if scene.case["method"]["shape"] in ("gimp", "finite-gimp", "cpdi"):
+        scene.case["method"]["volumetric"] = "mean"
+
+
 def relaxation(rng, scene):
     """Particles' velocities relax towards the grid's."""
     scene.case["method"]["relaxation"] = number(rng, 0.5, 20.0)
@@ -352,6 +358,7 @@ FEATURES = (
     Feature("domain", domain),
     Feature("method", method),
     Feature("affine", affine, 0.35, compiled=True),
+    Feature("mean dilatation", mean, 0.35, compiled=True),
     Feature("relaxation", relaxation, 0.15, compiled=True),
     Feature("materials", materials),
     Feature("memory", memory, 0.2, compiled=True),

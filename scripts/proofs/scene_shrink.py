@@ -10,7 +10,8 @@ ENTRIES = ("probes", "tractions", "constraints", "boundaries", "escape", "bodies
 #: Keys by path that may go. First come those that do not change what is compiled.
 OPTIONAL = ("output.at", "output.grid", "output.fields", "output.precision", "output.compression",
             "output.every", "history", "gravity", "contact", "method.volume", "method.size",
-            "method.wall", "method.relaxation", "method.affine")  # fmt: skip
+            "method.wall", "method.relaxation", "method.affine",
+            "method.volumetric")  # fmt: skip
 
 
 def _without(case, path):

@@ -25,7 +25,8 @@ RESUMED = {(3, 2): 0.2, (5, 4): 0.5}
 #: ranks, nor who reads which part of it on the scene: each scene goes on in one of the two ways,
 #: and in each way some of every dimension, some with mirrors, and some that lose particles.
 GO_ON = {
-    (3, 2): ("line_leaves", "plane_gimp", "plane_fuzzy", "affine", "loaded", "narrow"),
+    (3, 2): ("line_leaves", "plane_gimp", "plane_fuzzy", "affine", "dilating", "loaded",
+               "narrow"),
     (5, 4): ("line_mpm", "plane_leaves", "meeting", "space_finite", "narrow", "initial"),
 }
 #: On 4 ranks messages go as between machines, otherwise through shared memory.

@@ -66,6 +66,11 @@ MISTAKES = [
     ("x-min: fixed", "x-min: fixed\n  x-min: slip", "28: boundaries.x-min", "in line 27"),
     ("  left:", "  left.one:", "17: bodies.left.one", "a name starts with a letter"),
     ("  left:", "  ligné:", "17: bodies.ligné", "a name starts with a letter"),
+    ("shape: gimp,", "shape: mpm, volumetric: mean,", "6: method.volumetric",
+     "mean is for particles that are boxes", "mpm are none", "gimp, finite-gimp or cpdi"),
+    ("shape: gimp,", "shape: fuzzy-constant, volumetric: mean,", "6: method.volumetric",
+     "fuzzy-constant are none"),
+    ("shape: gimp,", "shape: gimp, volumetric: men,", "6: method.volumetric", "'mean'"),
     # Types
     ("1.0e6", '"1.0e6"', "13: materials.steel.young", "got the text '1.0e6'", "without quotes"),
     ("1.0e6", "1_000_000", "13: materials.steel.young", "write the number as 1000000,"),

@@ -141,9 +141,12 @@ class Rank:
     ----------
     exits, room : int
         Faces that let particles go, and most particles at fault that are listed.
+    mean : float or ()
+        See `Loads`.
     """
 
     exits, room = 0, 8
+    mean: Any = ()
 
     def __init__(
         self,
@@ -183,7 +186,7 @@ class Rank:
             for face in faces
         ]
         self.approached = walls_approached(near)
-        loads = Loads(walls=sides_approached(near, self.frame))
+        loads = Loads(walls=sides_approached(near, self.frame), mean=self.mean)
         grid, population = self.grid, self.population
         for array in (grid.G, grid.aside):
             array.fill(np.nan)  # only what the kernel sets may be used
@@ -246,7 +249,8 @@ class Rank:
         self.failed, self.outflow, *rest = grid_to_particles(
             self.setting._replace(tracked=tracked, exits=self.exits), grid.field,
             population.particles, population.ordered, np.arange(len(population.start) - 1),
-            self.forcing(dt), Report(self.reach, population.changed, room),
+            self.forcing(dt)._replace(loads=Loads(mean=self.mean)),
+            Report(self.reach, population.changed, room),
             Ledger.empty(grid.planes, 0, 0),
         )  # fmt: skip
         self.faults = room[: self.failed]

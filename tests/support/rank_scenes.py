@@ -281,6 +281,33 @@ def affine():
     return case
 
 
+def dilating():
+    """Cells with one rate of dilatation each, with most that goes with it: see `mean`."""
+    rubber = {**SOFT, "poisson": 0.45, "viscosity": {"linear": 0.2, "quadratic": 2.0}}
+    bodies = {
+        "flies": box([1.0, 2.0], [4.0, 5.0], [6.0, 0.4]),
+        "meets": box([12.0, 2.5], [15.0, 5.5], [-5.0, -0.4], "stiff"),
+        "lies": box([5.0, 0.0], [11.0, 2.0]),
+    }
+    case = scene(
+        2,
+        bodies,
+        cells=[20, 8],
+        shape="finite-gimp",
+        end=0.8,
+        step={"courant": 0.25},
+        materials={"soft": rubber, "stiff": STIFF},
+        gravity=[0.0, -2.0],
+        boundaries={"y-min": "separating", "x-max": "slip"},
+        tractions={"push": {"body": "lies", "face": "x-min", "pressure": 2.0}},
+        contact=[{"bodies": "all", "friction": 0.3}],
+        output={"every": 0.2, "fields": EVERYTHING, "grid": ["force"]},
+        history={"every": {"steps": 10}},
+    )
+    case["method"] |= {"affine": True, "relaxation": 2.0, "volumetric": "mean"}
+    return case
+
+
 def meeting():
     """Bodies that come near each other and part, with friction, tied, at walls and constraints.
 
@@ -419,6 +446,7 @@ SCENES = (
             plane_leaves,
             loaded,
             affine,
+            dilating,
             meeting,
             initial,
             cut,

@@ -80,10 +80,13 @@ def weights(name, xi, L, half):
 
 
 class Reference:
-    """A grid and the arrays on all its vertices: m (vertices), p, f, v, a (vertices, D)."""
+    """A grid and the arrays on all its vertices: m (vertices), p, f, v, a (vertices, D).
 
-    def __init__(self, name, per_cell, frame):
-        self.name, self.frame = name, frame
+    With `mean`, cells have one rate of dilatation each.
+    """
+
+    def __init__(self, name, per_cell, frame, mean=False):
+        self.name, self.frame, self.mean = name, frame, mean
         self.D = len(frame.cells)
         cells = [initial_half(name, n) for n in per_cell]
         self.half = np.array(cells) * np.array(frame.cell)
@@ -122,6 +125,24 @@ class Reference:
                 grad[..., i] *= (g if i == d else w).reshape(along)
         return S, grad
 
+    def dilatation_of(self, x, F):
+        """dD_p/dv_v, (vertices, D): cell by cell, with the part of the particle's box in each.
+
+        A cell's rate is the mean divergence of the multilinear field of its corners.
+        """
+        half, _ = self.half_widths(F)
+        part = np.ones(())
+        for d, along in enumerate(self.vertices):
+            low = np.maximum(along[:-1], x[d] - half[d])
+            high = np.minimum(along[1:], x[d] + half[d])
+            part = np.multiply.outer(part, np.maximum(high - low, 0.0) / (2 * half[d]))
+        found = np.zeros((*self.shape, self.D))
+        for corner in np.ndindex(*[2] * self.D):
+            cells = tuple(slice(i, i + n) for i, n in zip(corner, part.shape, strict=True))
+            signs = (2.0 * np.array(corner) - 1.0) / 2 ** (self.D - 1)
+            found[cells] += part[..., None] * signs / self.frame.cell
+        return found
+
     def particles_to_grid(self, particles):
         """(16), (21), (22)."""
         self.m = np.zeros(self.shape)
@@ -132,6 +153,11 @@ class Reference:
             sigma = tensor(particles.sigma[k])[: self.D, : self.D]
             self.m += particles.m[k] * S
             self.p += particles.m[k] * S[..., None] * particles.v[k]
+            if self.mean:
+                mean = np.trace(sigma) / self.D
+                rates = self.dilatation_of(particles.x[k], particles.F[k])
+                self.f -= particles.V[k] * mean * rates
+                sigma = sigma - mean * np.eye(self.D)
             self.f -= particles.V[k] * grad @ sigma
         self.particles = particles
 
@@ -291,6 +317,9 @@ class Reference:
             for r in range(self.D):
                 for c in range(self.D):
                     L[r, c] = (self.v[..., r] * grad[..., c]).sum()
+            if self.mean:
+                rate = (self.v * self.dilatation_of(particles.x[k], particles.F[k])).sum()
+                L[: self.D, : self.D] += (rate - np.trace(L)) / self.D * np.eye(self.D)
             particles.x[k] += dt * np.tensordot(S, self.v, self.D)
             particles.v[k] += dt * np.tensordot(S, self.a, self.D)
             F = (np.eye(3) + dt * L) @ matrix(particles.F[k])

@@ -129,7 +129,7 @@ class FuzzyNearest(_Fuzzy):
 
     shape: Literal["fuzzy-nearest"] = Field(description="name of the shape")
 
-    stable: ClassVar[float] = 0.5
+    stable_pointwise: ClassVar[float] = 0.5
 
     def parameters(self, cell: tuple[float, ...]) -> NamedTuple:
         """Parameters of the kernels: d = L/(particles per cell)."""
@@ -141,7 +141,7 @@ class FuzzyConstant(_Fuzzy):
 
     shape: Literal["fuzzy-constant"] = Field(description="name of the shape")
 
-    stable: ClassVar[float] = 0.9
+    stable_pointwise: ClassVar[float] = 0.9
 
     def parameters(self, cell: tuple[float, ...]) -> NamedTuple:
         """Parameters of the kernels: d = L."""

@@ -1,0 +1,239 @@
+"""Mean dilatation by box overlap (``method.volumetric: mean``), against locking.
+
+Nearly incompressible particles lock: each must keep its own volume, and the vertices have too few
+velocities for that. Here a cell has one rate of dilatation D_c, the mean divergence of the
+multilinear velocity field of its corners, and a particle that of the cells in which it lies,
+weighted with the parts phi_cp of its box in them:
+
+    D_p = sum_c phi_cp D_c,    L_p <- L_p + (D_p - tr L_p)/d 1,
+
+after Nagtegaal, Parks and Rice (1974) and Hughes (1980), with d the number of directions (in plane
+strain the correction lies in the plane). The force is the adjoint: the stress less the mean of its
+d normal components acts through grad S_vp as ever, that mean less the viscous pressure through
+dD_p/dv_v. So the forces' power on the vertices is that of the stresses, V_p sigma : L_p.
+
+It takes neither sums over cells nor messages: parts in cells, and means over them, are products of
+those along the directions. Along one, a box's gradient g_i at vertex i is the mean of the tent's
+over the box, so that the parts are minus the sums of the gradients so far, times the cell's size L,
+and a vertex has half of each of the two parts beside it:
+
+    phi_i = -L (g_0 + ... + g_i),    a_i = (phi_{i-1} + phi_i)/2.
+
+Then dD_p/dv_v is grad S_vp with a in place of the weights of the other directions. The a of a
+particle add up to one and its g to nothing: D_p of an affine field is its trace, and a particle's
+forces have neither a sum nor a moment. The support is that of S_vp.
+"""
+
+from pgimp.jit.kernel import specialise
+from pgimp.jit.simd import load, number, pack, store, vector, where
+from pgimp.jit.simdrows import transpose
+from pgimp.kernels.batch import MEANS, entry, four_entries
+from pgimp.kernels.viscosity import trace, viscous_pressure
+
+#: Where what is gathered of the four particles lies in the buffer for supports, behind their a.
+_GATHERED = MEANS + 48
+
+
+def _average(particles, p, like):
+    """Mean of as many normal components of the stress of particle `p` as `like` has entries."""
+
+
+@specialise(_average)
+def _average_of(particles, p, like):
+    if len(like) == 2:
+        return lambda particles, p, like: 0.5 * (particles.sigma[p, 0] + particles.sigma[p, 1])
+    return lambda particles, p, like: (
+        (particles.sigma[p, 0] + particles.sigma[p, 1] + particles.sigma[p, 2]) * (1.0 / 3.0)
+    )
+
+
+def set_apart(loads, frame, particles, p):
+    """What of the normal stress of particle `p` does not act through grad S_vp.
+
+    The viscous pressure (45), which acts against it; with mean dilatation what `mean_force` has.
+    """
+
+
+@specialise(set_apart)
+def _set_apart(loads, frame, particles, p):
+    if hasattr(loads.types[loads.fields.index("mean")], "count"):  # ()
+        return lambda loads, frame, particles, p: viscous_pressure(loads.viscosity, particles, p)
+    return lambda loads, frame, particles, p: _average(particles, p, frame.origin)
+
+
+def keep_means(mean, shape, frame, buffer):
+    """Put the weights a of four particles into the buffer that has their supports.
+
+    Nothing unless there is a `mean`, which is () or a number, as everywhere here.
+    """
+
+
+@specialise(keep_means)
+def _keep_means(mean, shape, frame, buffer):
+    if hasattr(mean, "count"):  # ()
+        return lambda mean, shape, frame, buffer: None
+    return lambda mean, shape, frame, buffer: _along(shape, buffer, 0, frame.cell)
+
+
+def _along(shape, buffer, d, cell):
+    """Put the weights along the directions from `d` on, those of the cells' sizes `cell`."""
+
+
+@specialise(_along)
+def _along_directions(shape, buffer, d, cell):
+    if len(cell) == 0:
+        return lambda shape, buffer, d, cell: None
+
+    def along3(shape, buffer, d, cell):
+        half = 0.5 * cell[0]
+        at = MEANS + 16 * d
+        store(buffer, at, -half * four_entries(buffer, d, 1, 0))
+        store(buffer, at + 4, vector(0.5))
+        store(buffer, at + 8, half * four_entries(buffer, d, 1, 2))
+        _along(shape, buffer, d + 1, cell[1:])
+
+    def along4(shape, buffer, d, cell):
+        half = 0.5 * cell[0]
+        at = MEANS + 16 * d
+        g0, g3 = four_entries(buffer, d, 1, 0), four_entries(buffer, d, 1, 3)
+        store(buffer, at, -half * g0)
+        store(buffer, at + 4, -half * (2.0 * g0 + four_entries(buffer, d, 1, 1)))
+        store(buffer, at + 8, half * (2.0 * g3 + four_entries(buffer, d, 1, 2)))
+        store(buffer, at + 12, half * g3)
+        _along(shape, buffer, d + 1, cell[1:])
+
+    return {3: along3, 4: along4}[shape.instance_class.vertices()]
+
+
+def factor(mean, buffer, d, i, j):
+    """Factors that direction `d` has in dD_p/dv_v of its vertex `i`, for particle `j` of a batch.
+
+    A vector like a velocity or a force in its record: g for the component along `d`, else a. A
+    weight, of which nothing is made, unless there is a `mean`.
+    """
+
+
+@specialise(factor)
+def _factor(mean, buffer, d, i, j):
+    if hasattr(mean, "count"):  # ()
+        return lambda mean, buffer, d, i, j: entry(buffer, d, 0, i, j)
+    return lambda mean, buffer, d, i, j: where(
+        pack(0.0, 1.0, 2.0, 3.0) == d + 1.0,
+        entry(buffer, d, 1, i, j), number(buffer, MEANS + 16 * d + 4 * i + j),
+    )  # fmt: skip
+
+
+def factors(mean, buffer, d, i, j, like):
+    """The factors of the vertices i, i+1, ..., as many as `like` has."""
+
+
+@specialise(factors)
+def _factors(mean, buffer, d, i, j, like):
+    if len(like) == 1:
+        return lambda mean, buffer, d, i, j, like: (factor(mean, buffer, d, i, j),)
+    return lambda mean, buffer, d, i, j, like: (
+        factor(mean, buffer, d, i, j), *factors(mean, buffer, d, i + 1, j, like[1:]),
+    )  # fmt: skip
+
+
+def factored(f, M):
+    """The vector f M; () if M is ()."""
+
+
+@specialise(factored)
+def _factored(f, M):
+    return (lambda f, M: ()) if hasattr(M, "count") else (lambda f, M: f * M)
+
+
+def plus_factored(f, M, V):
+    """The vector f M + V; V if M is ()."""
+
+
+@specialise(plus_factored)
+def _plus_factored(f, M, V):
+    return (lambda f, M, V: V) if hasattr(M, "count") else (lambda f, M, V: f * M + V)
+
+
+def mean_force(loads, frame, particles, p):
+    """-V_p (mean sigma - q_p) of particle `p`, which dD_p/dv_v makes forces of; () without."""
+
+
+@specialise(mean_force)
+def _mean_force(loads, frame, particles, p):
+    if hasattr(loads.types[loads.fields.index("mean")], "count"):  # ()
+        return lambda loads, frame, particles, p: ()
+    third = float(len(frame.types[0]) == 3)
+
+    def force(loads, frame, particles, p):
+        q = viscous_pressure(loads.viscosity, particles, p)
+        f = -particles.V[p] * (_average(particles, p, frame.origin) - q)
+        return pack(0.0, f, f, third * f)
+
+    return force
+
+
+def no_rates(mean):
+    """The vector that sums of velocities times factors begin with; () unless there is a `mean`."""
+
+
+@specialise(no_rates)
+def _no_rates(mean):
+    return (lambda mean: ()) if hasattr(mean, "count") else (lambda mean: vector(0.0))
+
+
+def keep_rates(M, buffer, j):
+    """Put the sum M of velocities times factors of the batch's particle `j` into the buffer."""
+
+
+@specialise(keep_rates)
+def _keep_rates(M, buffer, j):
+    if hasattr(M, "count"):  # ()
+        return lambda M, buffer, j: None
+    return lambda M, buffer, j: store(buffer, _GATHERED + 4 * j, M)
+
+
+def with_means(mean, buffer, count, L):
+    """Velocity gradients of a batch, those gathered with the cells' rates as their traces.
+
+    Parameters
+    ----------
+    count : int
+        Particles in the batch; the last one stands for those missing.
+    L : tuple of D*D Vec4
+        Row-major, as gathered.
+    """
+
+
+@specialise(with_means)
+def _with_means(mean, buffer, count, L):
+    if hasattr(mean, "count"):  # ()
+        return lambda mean, buffer, count, L: L
+
+    def with2(mean, buffer, count, L):
+        rates = _rates(buffer, count)
+        e = 0.5 * (rates[1] + rates[2] - trace(L))
+        return (L[0] + e, L[1], L[2], L[3] + e)
+
+    def with3(mean, buffer, count, L):
+        rates = _rates(buffer, count)
+        e = (rates[1] + rates[2] + rates[3] - trace(L)) * (1.0 / 3.0)
+        return (L[0] + e, L[1], L[2], L[3], L[4] + e, L[5], L[6], L[7], L[8] + e)
+
+    return with2 if len(L) == 4 else with3
+
+
+def _rates(buffer, count):
+    """What each direction adds to D_p of a batch, from the second vector on."""
+
+
+@specialise(_rates)
+def _rates_of(buffer, count):
+    def rates(buffer, count):
+        for j in range(count, 4):
+            store(buffer, _GATHERED + 4 * j, load(buffer, _GATHERED + 4 * (count - 1)))
+        return transpose(
+            load(buffer, _GATHERED), load(buffer, _GATHERED + 4),
+            load(buffer, _GATHERED + 8), load(buffer, _GATHERED + 12),
+        )  # fmt: skip
+
+    return rates
