@@ -44,7 +44,7 @@ def jobs():
         every["vortex", "current", amplitude, 0.05] = (
             vortex, ("current", amplitude, 0.05, "finite-gimp")
         )  # fmt: skip
-    for shape in ("gimp", "cpdi", "fuzzy-constant"):
+    for shape in ("gimp", "cpdi"):
         for even in (True, False):
             every["stretch", shape, even] = (stretch, (shape, even))
     for D in (2, 3):
@@ -110,7 +110,7 @@ def text(kept):
             f"| vortex of amplitude {amplitude:g}, cells of 0.05, and of 0.1, 0.05 and 0.025: "
             f"error of the displacement at t = 0.5 | {' | '.join(cells)} |"
         )
-    for shape in ("gimp", "cpdi", "fuzzy-constant"):
+    for shape in ("gimp", "cpdi"):
         found = of("stretch", shape, True), of("stretch", shape, False)
         if all(found):
             lines.append(f"| bar at five times its length, {shape}: greatest error of F, of the "
