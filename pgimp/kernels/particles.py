@@ -203,6 +203,17 @@ class Frame(NamedTuple):
         return tuple(n + 1 + 2 * self.ghost for n in self.cells)
 
 
+class InitialFrame(Frame):
+    """Where a grid of the initial configuration lies (total Lagrangian).
+
+    Kernels that get it, in a `Setting`, take weights of the particles' initial places and
+    gradients by these, forces from the first Piola-Kirchhoff stress, and never move a particle
+    from a layer to another. They choose by its type, so that others are compiled as without it.
+    """
+
+    __slots__ = ()
+
+
 class Window(NamedTuple):
     """The part of the grid that a rank stores: its planes, cut to where particles are.
 

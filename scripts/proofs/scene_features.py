@@ -424,6 +424,19 @@ def contact(rng, scene):
     scene.case["contact"] = entries
 
 
+def initial(rng, scene):
+    """All bodies in the initial configuration, without what they cannot meet there."""
+    case = scene.case
+    case["bodies"] = {name: body | {"configuration": "initial"}
+                      for name, body in case["bodies"].items() if "rigid" not in body}  # fmt: skip
+    for part in ("contact", "escape"):
+        case.pop(part, None)
+    case["method"].pop("volume", None)
+    for face, kind in case["boundaries"].items():
+        if kind == "separating" or "separating" in kind:
+            case["boundaries"][face] = "slip"
+
+
 class Feature(NamedTuple):
     """A line of the table: see the head of this file."""
 
@@ -456,6 +469,7 @@ FEATURES = (
     Feature("rigid bodies", tools, 0.3, compiled=True),
     Feature("free body", free, 0.12, compiled=True),
     Feature("contact", contact, 0.35, compiled=True),
+    Feature("initial configuration", initial, 0.2, compiled=True),
     Feature("frames", frames),
     Feature("grid frames", grid_frames, 0.4),
     Feature("precision and compression", small_files, 0.4),

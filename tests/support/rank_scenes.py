@@ -446,6 +446,42 @@ def flowing():
     return case
 
 
+def initial():
+    """In the initial configuration: held, dragged, loaded and turning bodies fly out of the grid.
+
+    Courant control; a rotor far across the slabs, two cut bodies that share vertices, and a frame
+    of the grid between steps.
+    """
+    held = {"body": "bar", "region": {"box": {"min": [0.0, 1.0], "max": [1.0, 3.0]}}}
+    disk = {"ball": {"centre": [8.3, 5.6], "radius": 1.4}}
+    bodies = {
+        "bar": box([0.0, 1.0], [7.0, 3.0], [0.0, 1.0]),
+        "disk": {"material": "stiff", "region": disk, "velocity": [-3.0, 5.0]},
+        "flap": box([9.8, 5.0], [11.4, 6.0]),
+        "rotor": turning(box([12.5, 5.0], [15.5, 6.0]), [14.0, 5.5], 1.5, [9.0, 4.0]),
+    }
+    load = {"body": "bar", "face": "x-max", "pressure": {"table": [[0.0, 0.0], [1.0, 9.0]]}}
+    return scene(
+        2,
+        {name: body | {"configuration": "initial"} for name, body in bodies.items()},
+        cells=[16, 8],
+        shape="finite-gimp",
+        end=1.0,
+        step={"courant": 0.3},
+        materials=PAIR,
+        gravity=[0.0, -1.0],
+        boundaries={"x-min": "fixed"},
+        constraints={"grip": held | {"velocity": [None, {"table": [[0.0, 0.0], [1.0, 3.0]]}]}},
+        tractions={"push": load},
+        output={"every": 0.25, "fields": EVERYTHING, "grid": GRID},
+        history={"every": {"steps": 10}},
+        probes={
+            "tip": {"body": "rotor", "at": [15.5, 5.5]},
+            "gate": {"place": [15.0, 6.0], "every": {"steps": 3}},
+        },
+    )
+
+
 def cut():
     """A tilted cylinder and a ball, which the lattice cuts, spinning."""
     motion = {
@@ -499,6 +535,7 @@ SCENES = (
             dilating,
             meeting,
             flowing,
+            initial,
             cut,
             metals,
         )
