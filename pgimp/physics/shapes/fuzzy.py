@@ -107,6 +107,10 @@ class _Fuzzy(WideShape):
         """See `Shape.follows`."""
         return self.size == "tracked"
 
+    def fixed(self, cell: tuple[float, ...]) -> FixedFuzzyParameters:
+        """See `Shape.fixed`."""
+        return FixedFuzzyParameters(self.parameters(cell).half)
+
     def _parameters(self, half: tuple[float, ...]) -> FixedFuzzyParameters | TrackedFuzzyParameters:
         return (TrackedFuzzyParameters if self.size == "tracked" else FixedFuzzyParameters)(half)
 
