@@ -236,7 +236,7 @@ def check(load):
         step = case.time.step
         fixed = isinstance(step, float | int)
         key = "time.step" if fixed else "time.step.courant"
-        finer = Books(Simulation(load({key: 0.25 * (step if fixed else step.courant)}), Serial()))
+        finer = Books(Simulation(load({key: 0.25 * (step if fixed else case.courant)}), Serial()))
         finer.run()
         if finer.created > max(allowed, LEFT * books.created):
             text = f"{books.created:.3g} of the energy comes from nothing"

@@ -27,7 +27,9 @@ def _without(case, path):
 def _step(case):
     """A fixed step of about the size that Courant control takes."""
     speed = max(math.sqrt(1.5 * m["young"] / m["density"]) for m in case["materials"].values())
-    step = case["time"]["step"]["courant"] * min(case["grid"]["cell"]) / (1.2 * speed)
+    courant = case["time"]["step"]["courant"]
+    courant = 0.3 if courant == "auto" else courant
+    step = courant * min(case["grid"]["cell"]) / (1.2 * speed)
     return float(f"{step:.3g}")
 
 
