@@ -115,7 +115,9 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
             u, v = update_velocity(forcing, particles, batch, u, a, ledger)  # (27)
             x = update_position(forcing, particles, batch, u)  # (26)
             keep_gradients(loads.affine, particles, rows, L, sums)
-            L = with_means(loads.mean, buffer, count, L)
+            L = with_means(  # the cells' rates of dilatation
+                loads.mean, frame, particles, rows, buffer, sums, count, L
+            )
             m = materials_of(setting.material_of, particles.body, rows)
             F = update_deformation(setting, forcing, particles, batch, m, L)  # (29)
             J = determinant(F)
