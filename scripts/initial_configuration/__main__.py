@@ -92,7 +92,7 @@ def text(kept):
             found = [of("cube", one, D, cells) for cells in (4, 8, 16)]
             cells.append(", ".join("stopped" if f["tip"] is None else f"{f['tip']:.3f}"
                                    for f in found if f))  # fmt: skip
-        lines.append(f"| hanging cube, {D}D, 4, 8 and 16 cells: lowest place of its tip | "
+        lines.append(f"| hanging cube, {D}D, 4, 8 and 16 cells: place of its tip | "
                      f"{' | '.join(cells)} |")  # fmt: skip
     for amplitude in (0.5, 1.0):
         cells = []
