@@ -101,8 +101,8 @@ def report(case: Case) -> None:
     bodies = found.bodies
     inverse = max(scene.frame.inverse)
     # A grid of the initial configuration moves with the bodies.
-    moves = 0.0 if scene.initial else inverse
-    rate = max(body.rest_rate + moves * body.top_speed for body in bodies)
+    crossing_rate = 0.0 if scene.initial else inverse
+    rate = max(body.rest_rate + crossing_rate * body.top_speed for body in bodies)
     require_end(scene, max(rate, scene.tools.first_rate))
     dt = _step(case, rate, scene.tools.first_rate)
     require_slow(scene.tools, dt)

@@ -84,7 +84,9 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
             u, v = update_velocity(forcing, particles, batch, u, a, ledger)  # (27)
             x = update_position(forcing, particles, batch, u)  # (26)
             keep_gradients(loads.affine, particles, rows, grad, codes)
-            grad = with_means(loads.mean, buffer, count, grad)
+            grad = with_means(  # the cells' rates of dilatation
+                loads.mean, frame, particles, rows, buffer, sums, count, grad
+            )
             L = velocity_gradients(frame, particles, batch, grad)
             m = materials_of(setting.material_of, particles.body, rows)
             F = update_deformation(setting, forcing, particles, batch, m, grad)  # (29)

@@ -31,6 +31,8 @@ class Carried(NamedTuple):
         Number of tractions, and of what the material with most state variables remembers.
     surfaces : bool
         Whether they know what surfaces leave of them, for contact.
+    mean : bool
+        Whether they know how alone they are, for mean dilatation.
     """
 
     dimensions: int
@@ -41,6 +43,7 @@ class Carried(NamedTuple):
     constraints: bool = False
     state: int = 0
     surfaces: bool = False
+    mean: bool = False
 
 
 class Column(NamedTuple):
@@ -134,7 +137,6 @@ class Particles(NamedTuple):
     state: Annotated[
         FloatArray, Column("state variables of the material", "", lambda c: c.state)
     ]
-
     offset: Annotated[
         FloatArray,
         Column(
@@ -147,6 +149,13 @@ class Particles(NamedTuple):
         Column(
             "what the surface's curvature adds to the mean gap from a plane", "length",
             lambda c: int(c.surfaces),
+        ),
+    ]  # fmt: skip
+    alone: Annotated[
+        FloatArray,
+        Column(
+            "part of its rate of dilatation that is not the cells', where it is alone in them", "1",
+            lambda c: int(c.mean), least=0.0,
         ),
     ]  # fmt: skip
 

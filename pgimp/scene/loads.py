@@ -89,6 +89,7 @@ class SceneLoads:
         return {
             "affine": bool(self.affine),
             "viscous": bool(self.viscosity),
+            "mean": bool(self.mean),
             "tractions": len(self.tractions),
             "constraints": bool(self.constraints),
         }
