@@ -92,7 +92,7 @@ def text(kept):
             found = [of("cube", one, D, cells) for cells in (4, 8, 16)]
             cells.append(", ".join("stopped" if f["tip"] is None else f"{f['tip']:.3f}"
                                    for f in found if f))  # fmt: skip
-        lines.append(f"| hanging cube, {D}D, 4, 8 and 16 cells: lowest place of its tip | "
+        lines.append(f"| hanging cube, {D}D, 4, 8 and 16 cells: place of its tip | "
                      f"{' | '.join(cells)} |")  # fmt: skip
     for amplitude in (0.5, 1.0):
         cells = []
@@ -114,7 +114,7 @@ def text(kept):
         found = of("stretch", shape, True), of("stretch", shape, False)
         if all(found):
             lines.append(f"| bar at five times its length, {shape}: greatest error of F, of the "
-                         f"force begun at rest | torn | {found[0]['F']:.0e}, "
+                         f"force begun at rest | | {found[0]['F']:.0e}, "
                          f"{found[1]['force']:.3f} |")  # fmt: skip
     for D in (2, 3):
         for kind in KINDS:
