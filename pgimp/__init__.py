@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from pgimp.physics.materials.outside import takes_vectors
     from pgimp.physics.materials.registry import register_material
     from pgimp.solver.driver import Simulation
+    from pgimp.tools.element.march import element
 
 __all__ = [
     "CaseError",
@@ -28,6 +29,7 @@ __all__ = [
     "RunError",
     "Simulation",
     "UsageError",
+    "element",
     "load",
     "open",
     "register_material",
@@ -42,6 +44,7 @@ _HOMES = {
     "RunError": "pgimp.errors",
     "Simulation": "pgimp.solver.driver",
     "UsageError": "pgimp.errors",
+    "element": "pgimp.tools.element.march",
     "load": "pgimp.case.load",
     "open": "pgimp.io.results.reader",
     "register_material": "pgimp.physics.materials.registry",

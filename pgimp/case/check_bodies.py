@@ -198,9 +198,10 @@ def check_tractions(
     dimensions: int,
     bodies: Mapping[str, Any],
     body_names: Iterable[str],
+    materials: Mapping[str, Any],
     tractions: Mapping[str, Any],
 ) -> Problems:
-    """Check that tractions act on faces of boxes."""
+    """Check that tractions act on faces of boxes, which are those of solids."""
     for name, entry in tractions.items():
         path: tuple[str | int, ...] = ("tractions", name)
         yield from _body_of(path, entry, bodies, body_names)
@@ -212,6 +213,13 @@ def check_tractions(
                 (*path, "body"),
                 f"the region of '{entry.body}' is a {kind}; tractions act on faces of a box",
             )
+        law = materials.get(bodies[entry.body].material) if entry.body in bodies else None
+        if law is not None and law.VOLUME_ONLY:
+            text = (
+                f"'{entry.body}' flows ({law.model}): of its deformation only the volume is known, "
+                "and no face; press it with a rigid body or a moving wall (boundaries)"
+            )
+            yield Problem((*path, "body"), text)
         yield from length((*path, "traction"), entry.traction, dimensions)
         for i, (_, value) in enumerate(getattr(entry.traction, "table", ())):
             yield from length((*path, "traction", "table", i, 1), value, dimensions)

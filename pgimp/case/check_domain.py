@@ -93,7 +93,7 @@ def check_fields(
     """Check that fields which are not those of every case are states of its materials."""
     if len(materials) < len(declared):
         return  # what the others would have is not known
-    states = {state.name for entry in materials.values() for state in entry.STATE}
+    states = {state.name for entry in materials.values() for state in entry.states}
     for i, name in enumerate(output.fields):
         if name not in OPTIONAL and name not in states:
             known = [*OPTIONAL, *sorted(states)]

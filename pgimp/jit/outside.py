@@ -190,8 +190,8 @@ class _Hasher:
                         self._member(getattr(value, "__func__", value))
 
     def _member(self, value: Any) -> None:
-        """Take in an attribute of a class, the state variables too: not what describes a field."""
-        if isinstance(value, FunctionType | type | tuple) or hasattr(value, "py_func"):
+        """Take in an attribute of a class, states and switches too: not what describes a field."""
+        if isinstance(value, FunctionType | type | tuple | bool) or hasattr(value, "py_func"):
             self.take(value)
 
     def _function(self, function: FunctionType) -> None:

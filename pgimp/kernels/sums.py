@@ -1,15 +1,35 @@
 """Sums over the particles, layer by layer in canonical order, and their greatest speed."""
 
-from math import sqrt
+from math import isqrt, sqrt
 
 from pgimp.jit.algebra import determinant, symmetric
-from pgimp.jit.kernel import kernel
-from pgimp.jit.tuples import read, squared
-from pgimp.kernels.updates.stress import state_of
+from pgimp.jit.kernel import kernel, specialise
+from pgimp.jit.tuples import read
+from pgimp.kernels.speed import own_speed, speed_of_waves
+from pgimp.kernels.updates.stress import has_any, state_of
 from pgimp.physics.materials.base import evaluate
 
 #: Columns of `layer_sums`.
 MASS, MOMENTUM, ANGULAR, MOMENT, KINETIC, STRAIN, SUMS = 0, 1, 4, 7, 10, 11, 12
+
+
+def book_losses(row, materials, k, args, state, V0):
+    """Add what a particle's material says of energy that it does not give back, after the others.
+
+    Nothing where no material of the scene says any.
+    """
+
+
+@specialise(book_losses)
+def _book_losses(row, materials, k, args, state, V0):
+    def book(row, materials, k, args, state, V0):
+        losses = evaluate("losses", materials, k, args, state)
+        row[SUMS] += V0 * losses[0]
+        row[SUMS + 1] += V0 * losses[1]
+        row[SUMS + 2] += V0 * losses[2]
+
+    lose = any(hasattr(material.instance_class, "losses") for material in materials)
+    return book if lose else lambda row, materials, k, args, state, V0: None
 
 
 @kernel
@@ -20,8 +40,9 @@ def layer_sums(setting, particles, order, sums):
     ----------
     setting, particles, order
         See `Setting`, `Particles`, `Order`.
-    sums : (layers, bodies, 12) float64
-        Zero on entry; columns as named in this module.
+    sums : (layers, bodies, columns) float64
+        Zero on entry; `SUMS` columns as named in this module, and one for each of `LOSSES` where
+        materials have any.
     """
     like, start, D = setting.identity, order.start, len(setting.frame.origin)
     for layer in range(len(start) - 1):
@@ -50,10 +71,10 @@ def layer_sums(setting, particles, order, sums):
             F = read(particles.F, p, 0, like)
             sigma = read(particles.sigma, p, 0, symmetric(like))
             J = determinant(F)
-            row[STRAIN] += particles.V0[p] * evaluate(
-                "energy", setting.materials, setting.material_of[body], (F, J, sigma),
-                state_of(setting.materials, particles, p, F),
-            )  # fmt: skip
+            state = state_of(setting.materials, particles, p, F)
+            k, args = setting.material_of[body], (F, J, sigma)
+            row[STRAIN] += particles.V0[p] * evaluate("energy", setting.materials, k, args, state)
+            book_losses(row, setting.materials, k, args, state, particles.V0[p])
 
 
 #: Bits of the two integers in which `exact_masses` holds a mass.
@@ -81,9 +102,30 @@ def exact_masses(particles, rows, unit, masses):
         row[1] = low & ((1 << LOW) - 1)
 
 
+def _with_diffusion(setting, k, args, state, inverse, c):
+    """The speed that limits the step of a particle of material `k`, of waves and viscosity."""
+
+
+@specialise(_with_diffusion)
+def _with_diffusion_of(setting, k, args, state, inverse, c):
+    if not has_any(setting, "diffusivity"):
+        return lambda setting, k, args, state, inverse, c: c
+    D = float(isqrt(len(args[0])))
+
+    def limit(setting, k, args, state, inverse, c):
+        extra = D * inverse * evaluate("diffusivity", setting.materials, k, args, state)
+        return sqrt(c * c + extra * extra) + extra
+
+    return limit
+
+
 @kernel
 def fastest_rate(setting, particles, rows):
-    """Largest (c_p + |v_p|)/L over the particles in `rows`, 1/time; times dt the Courant number."""
+    """Largest (c_p + |v_p|)/L over the particles in `rows`, 1/time; times dt the Courant number.
+
+    Where materials are viscous c_p is that of `effective_wave_speed`; in the initial configuration
+    it is that of waves alone, see `pgimp.kernels.speed`.
+    """
     frame, materials, material_of = setting.frame, setting.materials, setting.material_of
     inverse = 0.0
     for d in range(len(frame.inverse)):
@@ -92,7 +134,8 @@ def fastest_rate(setting, particles, rows):
     for p in rows:
         F = read(particles.F, p, 0, setting.identity)
         state = state_of(materials, particles, p, F)
-        args = (F, determinant(F))
-        c = evaluate("speed", materials, material_of[particles.body[p]], args, state)
-        rate = max(rate, (c + sqrt(squared(read(particles.v, p, 0, frame.origin)))) * inverse)
+        args, v = (F, determinant(F)), read(particles.v, p, 0, frame.origin)
+        c = speed_of_waves(setting, material_of[particles.body[p]], args, state)
+        c = _with_diffusion(setting, material_of[particles.body[p]], args, state, inverse, c)
+        rate = max(rate, (c + own_speed(frame, v)) * inverse)
     return rate

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pgimp.jit.kernel import specialise
-from pgimp.jit.simd import where
+from pgimp.jit.simd import vec4, where
 from pgimp.kernels.batch import put_row, take
 from pgimp.kernels.updates.stress import states, wave_speed
 
@@ -76,12 +76,15 @@ def _update_viscous_pressure(viscosity, setting, m, particles, rows, F, J, L):
     return update
 
 
-def effective_wave_speed(viscosity, c, extra):
-    """Wave speed that limits the step: c sqrt(1 + z^2) + c z with the damping ratio z = extra/c."""
+def effective_wave_speed(c, extra):
+    """Wave speed that limits the step: c sqrt(1 + z^2) + c z with the damping ratio z = extra/c.
+
+    `extra` is a vector where the scene has any viscosity, else a number.
+    """
 
 
 @specialise(effective_wave_speed)
-def _effective_wave_speed(viscosity, c, extra):
-    if not hasattr(viscosity, "instance_class"):
-        return lambda viscosity, c, extra: c
-    return lambda viscosity, c, extra: sqrt(c * c + extra * extra) + extra
+def _effective_wave_speed(c, extra):
+    if extra != vec4:
+        return lambda c, extra: c
+    return lambda c, extra: sqrt(c * c + extra * extra) + extra

@@ -281,7 +281,7 @@ FAILURE = {
         no_fault,
         "0: a neighbour; 1: position, velocity or deformation is not a finite number; 2: "
         "inside out (det F <= 0); 3: moved by more than a cell in a step; 4: left the "
-        "domain",
+        "domain; 5: out of the range of its material",
         dtype="<i4",
     ),
 }

@@ -34,6 +34,8 @@ class BodyFacts:
         Mean of the particles' initial velocities.
     rigid : bool
         Whether all particles start with that velocity.
+    rest_rate : float
+        See `rest_rate`.
     """
 
     name: str
@@ -45,6 +47,7 @@ class BodyFacts:
     high: tuple[float, ...]
     velocity: tuple[float, ...]
     rigid: bool
+    rest_rate: float
 
     @property
     def sizes(self) -> tuple[float, ...]:
@@ -135,6 +138,7 @@ def _examine(
         tuple(high.tolist()),
         tuple((speeds.momentum / speeds.mass).tolist()),
         bool((speeds.least == speeds.most).all()),
+        rest_rate(scene, body),
     )
 
 
@@ -158,11 +162,21 @@ class _Speeds:
 
 def wave_speed(scene: Scene, body: int) -> float:
     """Wave speed of a body at rest."""
+    return rest_rate(scene, body, 2.0**-200) * 2.0**200  # in cells in which viscosity is nothing
+
+
+def rest_rate(scene: Scene, body: int, inverse: float = 0.0) -> float:
+    """Rate that limits the step of a body at rest, of waves and viscosity, 1/time.
+
+    `inverse` stands for the inverse of the side of a cell; by default it is the scene's.
+    """
     point = Particles.empty(1, scene.carried)
     point.body[0] = body
     point.state[0] = scene.states.initial[scene.body_material[body]]
-    rate = fastest_rate(scene.setting.without_shape(), point, np.zeros(1, np.int32))
-    return rate / max(scene.frame.inverse)
+    setting, D = scene.setting.without_shape(), scene.dimension
+    if inverse:
+        setting = setting._replace(frame=setting.frame._replace(inverse=(inverse,) * D))
+    return fastest_rate(setting, point, np.zeros(1, np.int32))
 
 
 def _gap(ends: tuple[_Reals, _Reals], low: Any, high: Any) -> _Reals:

@@ -148,7 +148,7 @@ def _read_points(case: Case, comm: Any) -> None:
         if not isinstance(points, Points):
             continue
         material = case.materials[body.material]
-        points.expect({state.name: state.tensor for state in material.STATE})
+        points.expect({state.name: state.tensor for state in material.states})
 
         def read(name: str = name, points: Points = points, material: Any = material) -> Any:
             try:

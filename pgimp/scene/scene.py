@@ -14,14 +14,24 @@ from pgimp.kernels.concepts import Setting
 from pgimp.kernels.errors import initial_velocities
 from pgimp.kernels.mirror import Mirror
 from pgimp.kernels.order import cell_numbers
-from pgimp.kernels.particles import Carried, Frame, Particles
+from pgimp.kernels.particles import Carried, Frame, InitialFrame, Particles
+from pgimp.kernels.sums import SUMS
 from pgimp.physics.contact import Pairs
 from pgimp.physics.fields import EVERY
+from pgimp.physics.materials.base import LOSSES
 from pgimp.physics.materials.outside import parameters_of
 from pgimp.physics.materials.states import States
 from pgimp.scene.cloudgradients import with_gradients
 from pgimp.scene.counts import count_all
-from pgimp.scene.faces import AXES, Face, FaceTable, sides_approached, walls, walls_approached
+from pgimp.scene.faces import (
+    AXES,
+    Face,
+    FaceTable,
+    room,
+    sides_approached,
+    walls,
+    walls_approached,
+)
 from pgimp.scene.lattice import Lattice, ParticleBlock
 from pgimp.scene.loads import SceneLoads
 from pgimp.scene.pointscloud import Cloud
@@ -39,12 +49,17 @@ class Scene:
     ----------
     dimension : int
         Directions D of the scene.
+    initial : bool
+        Whether the grid is one of the initial configuration: particles keep their layers, and the
+        weights of the start.
     frame : Frame
         Where the grid lies.
     shape : NamedTuple
         Parameters of the shape; `vertices` a direction in a support.
     materials : tuple of NamedTuple
         Parameters of the materials in use, `material_of` the one of each body.
+    losses : tuple of str
+        Those of `LOSSES` that a material in use tells; `sums` columns of `layer_sums`.
     faces : list of Face
         Faces with a condition, x-min to z-max.
     mirrors : list of Mirror
@@ -65,10 +80,12 @@ class Scene:
         self.case = case
         self.dimension = case.dimensions
         shape = case.method
-        self.shape = shape.parameters(tuple(case.grid.cell))
-        self.vertices: int = shape.vertices
+        self.initial = all(body.configuration == "initial" for body in case.bodies.values())
+        parameters = shape.fixed if self.initial else shape.parameters
+        self.shape = parameters(tuple(case.grid.cell))
+        self.vertices: int = self.shape.vertices()
         self.tracked = shape.tracked
-        self.follows = shape.follows
+        self.follows = shape.follows and not self.initial
         grid = case.grid
         self.frame = Frame(
             origin=tuple(float(x) for x in grid.origin),
@@ -90,6 +107,10 @@ class Scene:
         self.materials = tuple(
             parameters_of(case.materials[name], self.dimension) for name in used
         )
+        self.initial_pressures = [case.materials[name].initial_pressure for name in used]
+        told = {loss for name in used for loss in case.materials[name].LOSSES}
+        self.losses = tuple(loss for loss in LOSSES if loss in told)
+        self.sums = SUMS + (len(LOSSES) if told else 0)
         with located(case):
             self.most_mass = self._weigh(used)
         named = case.boundaries
@@ -116,7 +137,9 @@ class Scene:
         force = self.exact if case.exact and case.exact.forced else ()
         if case.body_force:
             force = case.body_force.parameters()
-        self.loads = SceneLoads(case, used, force, sides_approached(near, self.frame))
+        self.loads = SceneLoads(
+            case, used, force, sides_approached(near, self.frame), self.follows
+        )
         self.tools = SceneTools(case, self.frame)
         self.pairs: Pairs | None = None
         if case.contact or self.tools:
@@ -130,10 +153,13 @@ class Scene:
         varies = any(face.condition.varies for face in self.faces)
         self._face_table = FaceTable(self.faces)
         self._walls = None if varies else walls(self.faces, self.frame, 0.0)
+        #: Between what a particle has to be, where the grid does not say so.
+        self.room = room(self.faces, self.frame) if self.initial else None
         D = self.dimension
         self.identity = tuple(float(i == j) for i in range(D) for j in range(D))
+        frame = InitialFrame(*self.frame) if self.initial else self.frame
         self.setting = Setting(
-            self.shape, self.frame, self.identity, self.materials, self.material_of, self.tracked,
+            self.shape, frame, self.identity, self.materials, self.material_of, self.tracked,
             self.exits,
         )  # fmt: skip
 
@@ -165,7 +191,7 @@ class Scene:
     @property
     def origins(self) -> bool:
         """Whether particles keep their initial position."""
-        return bool(self.exact) or "displacement" in self.case.output.fields
+        return self.initial or bool(self.exact) or "displacement" in self.case.output.fields
 
     def gravity(self, t: float) -> tuple[float, float, float]:
         """Body force per mass at a time; zero in directions that the scene does not have."""
@@ -270,8 +296,11 @@ class Scene:
                 p.v[rows] = self.velocities(block.body, places)
             else:
                 p.v[rows] = block.velocities
+            material = self.body_material[block.body]
             if block.stresses is not None:
                 p.sigma[rows] = block.stresses[:, : p.sigma.shape[1]]
+            elif pressure := self.initial_pressures[material]:
+                p.sigma[rows, :3] = -pressure
             if p.L.shape[1]:
                 p.L[rows] = (
                     self._velocity_gradients(block.body, places)
@@ -284,7 +313,6 @@ class Scene:
             if self.carried.surfaces:
                 p.offset[rows] = block.centroids - block.positions
                 p.excess[rows, 0] = lattice.excess(block)
-            material = self.body_material[block.body]
             p.m[rows] = p.V0[rows] * self.materials[material].density  # (4)
             p.state[rows] = self.states.initial[material]
             for name, values in block.states.items():

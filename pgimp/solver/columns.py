@@ -32,6 +32,14 @@ def _constraints(scene: Any) -> list[str]:
     return [*scene.case.constraints]
 
 
+def _loss(name: str, meaning: str) -> Group:
+    """The column of one of `LOSSES`, in scenes with materials that tell it."""
+    return Group(
+        lambda scene: [""] if name in scene.losses else [],
+        (Column(name, "energy", meaning, lambda s, _: s.lost(name)),),
+    )
+
+
 HISTORY = (
     Group(
         lambda scene: [""],
@@ -79,6 +87,14 @@ HISTORY = (
             ),
         ),
     ),
+    _loss(
+        "plastic-work",
+        "only with materials that tell it, as the next columns: energy that plastic flow took "
+        "since the start, a part of dissipated-energy; as all of these with what removed particles "
+        "took along",
+    ),
+    _loss("viscous-work", "energy that viscous stresses of materials took, likewise"),
+    _loss("heat", "energy that became heat in materials with a temperature: a part of the others"),
     Group(
         lambda scene: [""] if scene.exits else [],
         (

@@ -7,7 +7,7 @@ import numpy as np
 
 from pgimp.kernels.errors import ERRORS, layer_errors
 from pgimp.kernels.ledger import BOOKED, IMPULSE, TOOL_IMPULSE, TOOL_MOMENT, TOOLED
-from pgimp.kernels.sums import HIGH, KINETIC, LOW, MASS, STRAIN, SUMS, exact_masses, layer_sums
+from pgimp.kernels.sums import HIGH, KINETIC, LOW, MASS, STRAIN, exact_masses, layer_sums
 from pgimp.solver.clock import START, Step
 from pgimp.solver.columns import line_of
 from pgimp.solver.rank import Rank
@@ -32,7 +32,7 @@ def column_names(scene: Any) -> list[str]:
     contact = np.zeros((len(scene.pairs.law) if scene.pairs else 0, BOOKED))
     tools = np.zeros((len(scene.tools), TOOLED))
     force = np.zeros((faces + len(scene.loads.constraints) + len(contact) + 2 * len(tools), 3))
-    bodies, none = np.zeros((len(scene.body_names), SUMS)), np.zeros(SUMS)
+    bodies, none = np.zeros((len(scene.body_names), scene.sums)), np.zeros(scene.sums)
     errors = np.zeros(ERRORS)
     return list(
         line_of(
@@ -62,7 +62,7 @@ class Diagnostics:
         particles that were removed.
         """
         scene, population = rank.scene, rank.population
-        sums = np.zeros((rank.slab.layers, len(scene.body_names), SUMS))
+        sums = np.zeros((rank.slab.layers, len(scene.body_names), scene.sums))
         setting = scene.setting.without_shape()
         layer_sums(setting, population.particles, population.ordered, sums)
         masses = np.zeros((len(scene.body_names), 2), np.int64)
@@ -93,7 +93,7 @@ class Diagnostics:
         total[MASS] = _mass(masses.reshape(-1, 2), unit)
         if self.first_energy is None:
             self.first_energy = float(total[KINETIC] + total[STRAIN])
-        escaped, added, most = np.zeros(SUMS), np.zeros(ERRORS), np.zeros(ERRORS)
+        escaped, added, most = np.zeros(scene.sums), np.zeros(ERRORS), np.zeros(ERRORS)
         if scene.exits:
             escaped = np.add.reduce(np.concatenate([part[4] for part in parts]), axis=(0, 1))
         if scene.exact:

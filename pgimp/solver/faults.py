@@ -2,7 +2,9 @@
 
 from typing import NamedTuple
 
-from pgimp.kernels.updates.checks import INVERTED, NOT_FINITE, OUTSIDE, TOO_FAST
+import numpy as np
+
+from pgimp.kernels.updates.checks import INVERTED, NOT_FINITE, OUT_OF_RANGE, OUTSIDE, TOO_FAST
 from pgimp.solver.clock import Step
 from pgimp.solver.rank import Rank
 
@@ -24,6 +26,12 @@ _ADVICE = {
 _DRAWN_OUT = (
     "a larger grid (grid.origin, grid.size), and constraints on a part of the body instead of the "
     "condition on that face, which moves the material out of the domain, or lets it move out"
+)
+#: In the initial configuration.
+_MET = (
+    "configuration: current, in which bodies meet walls as they come (one in the initial "
+    "configuration is held by a face if it lies on it at the start, and knows of no other); or no "
+    "condition on that face (boundaries), if the body is to pass it"
 )
 
 
@@ -70,8 +78,10 @@ def _describe(rank: Rank, step: Step) -> tuple[str, str, str]:
     place = ", ".join(f"{x:.6g}" for x in p.x[row])
     velocity = ", ".join(f"{v:.4g}" for v in p.v[row])
     body = rank.scene.body_names[p.body[row]]
-    advice = _ADVICE[fault]
-    if fault == OUTSIDE and _face(rank, row) in rank.scene.case.boundaries:
+    advice = _out_of_range(rank, row)[1] if fault == OUT_OF_RANGE else _ADVICE[fault]
+    if fault == OUTSIDE and rank.scene.initial:
+        advice = _MET
+    elif fault == OUTSIDE and _face(rank, row) in rank.scene.case.boundaries:
         advice = _DRAWN_OUT
     return (
         f"particle {p.id[row]} of body '{body}' {explanation(rank, row, fault)}",
@@ -83,12 +93,29 @@ def _describe(rank: Rank, step: Step) -> tuple[str, str, str]:
 
 def explanation(rank: Rank, row: int, fault: int) -> str:
     """What is wrong with the particle in `row`: "is turned inside out", "left the domain ..."."""
+    if fault == OUT_OF_RANGE:
+        return _out_of_range(rank, row)[0]
     return _WHAT[fault] + (f" through {_face(rank, row)}" if fault == OUTSIDE else "")
+
+
+def _out_of_range(rank: Rank, row: int) -> tuple[str, str]:
+    """What its material says of the particle in `row`, and advises; see `Material.out_of_range`."""
+    scene, p = rank.scene, rank.particles
+    number = scene.body_material[p.body[row]]
+    entry = scene.case.materials[scene.material_names[number]]
+    D = scene.dimension
+    J = float(np.linalg.det(p.F[row].reshape(D, D)))
+    what, advice = entry.out_of_range(J, tuple(p.state[row].tolist()))
+    return f"{what} (material '{scene.material_names[number]}', {entry.model})", advice
 
 
 def _face(rank: Rank, row: int) -> str:
     """Name of the face, of those that let nothing go, beyond which a particle lies."""
     frame = rank.scene.frame
+    if rank.scene.initial:
+        for d, (low, high) in enumerate(rank.grid.bounds):
+            if not low <= rank.particles.x[row, d] <= high:
+                return f"{'xyz'[d]}-{'max' if rank.particles.x[row, d] > high else 'min'}"
     for d, x in enumerate(rank.particles.x[row]):
         xi = (x - frame.origin[d]) * frame.inverse[d]
         if not 0.0 <= xi <= frame.cells[d] and not rank.scene.exits >> (2 * d + (xi > 0.0)) & 1:

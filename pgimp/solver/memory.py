@@ -14,7 +14,6 @@ from pgimp.decomposition.grid import LATE, MARGIN
 from pgimp.errors import CaseError
 from pgimp.kernels.ledger import BOOKED, TOOLED
 from pgimp.kernels.particles import Particles
-from pgimp.kernels.sums import SUMS
 from pgimp.kernels.tools import ANSWER
 from pgimp.mpi.limits import Limit, limits
 from pgimp.physics.fields import ALWAYS
@@ -186,7 +185,7 @@ def estimate(
     )
 
     names, faces = len(scene.body_names), len(scene.faces)
-    line = 8 * SUMS * names
+    line = 8 * scene.sums * names
     plane_sums = 40 + 32 * faces + 24 * len(scene.loads.constraints) + line * bool(scene.exits)
     plane_sums += 8 * BOOKED * len(scene.pairs.law) if scene.pairs else 0
     plane_sums += 8 * TOOLED * len(scene.tools)

@@ -17,7 +17,7 @@ from pgimp.kernels.order import layers_of
 from pgimp.kernels.particles import Particles
 from pgimp.kernels.sums import fastest_rate
 from pgimp.scene import nearness
-from pgimp.scene.facts import wave_speed
+from pgimp.scene.facts import rest_rate
 from pgimp.scene.geometry import release, share, take_as_empty
 from pgimp.scene.lattice import Lattice
 from pgimp.scene.scene import Scene, count_particles
@@ -111,8 +111,8 @@ class Simulation:
         require(scene, comm, None if source is None else source.count)
         scene.tools.measure(comm)
         warm_up(scene, comm)
-        speed = max(wave_speed(scene, body) for body in range(len(scene.body_names)))
-        self.clock = clock_of(case, speed * max(scene.frame.inverse))
+        rate = max(rest_rate(scene, body) for body in range(len(scene.body_names)))
+        self.clock = clock_of(case, rate)
         self._tell_of_kernels()
         if source is None:
             self._begin()
@@ -330,7 +330,9 @@ class Simulation:
     def _sort(self) -> None:
         """Sort the rows, report the load, and shrink a window that has become far too wide."""
         begin, rank = perf_counter(), self.rank
-        rank.population.sort()
+        if not self.scene.initial or rank.moved:
+            rank.population.sort()
+            rank.moved = False
         rank.timings["sort"] += perf_counter() - begin
         if self.comm.size > 1:
             planes = int(rank.grid.active.sum())

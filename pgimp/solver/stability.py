@@ -1,8 +1,10 @@
 """The stability limit of a step: Courant = dt max_p((c_p + |v_p|)/L)."""
 
+from collections.abc import Sequence
 from typing import Any
 
 from pgimp.errors import CaseError
+from pgimp.physics.materials.base import has
 
 #: More controlled steps than this before the next stop mean that a run would never end.
 MOST_STEPS = 1e12
@@ -40,7 +42,12 @@ def check_first_step(scene: Any, dt: float, rate: float) -> list[str]:
         As from `require_stable`.
     """
     stable = scene.case.method.stable
-    require_stable(dt, rate, stable)
+    diffusive = [
+        name
+        for name, material in zip(scene.material_names, scene.materials, strict=True)
+        if has(type(material), "diffusivity")
+    ]
+    require_stable(dt, rate, stable, diffusive)
     warning = stability_warning(dt, rate, stable)
     return [warning] if warning else []
 
@@ -75,7 +82,7 @@ def require_end(scene: Any, rate: float) -> None:
         )
 
 
-def require_stable(dt: float, rate: float, stable: float) -> None:
+def require_stable(dt: float, rate: float, stable: float, diffusive: Sequence[str] = ()) -> None:
     """Refuse a step beyond the limit.
 
     Parameters
@@ -86,6 +93,8 @@ def require_stable(dt: float, rate: float, stable: float) -> None:
         Largest (c_p + |v_p|)/L, 1/time.
     stable : float
         Courant number up to which the shape is stable at free surfaces.
+    diffusive : sequence of str
+        Names of the materials whose viscosity may be what limits the step.
 
     Raises
     ------
@@ -96,10 +105,16 @@ def require_stable(dt: float, rate: float, stable: float) -> None:
     # A controlled step of Courant 1 must not be refused for rounding.
     if not courant <= REFUSED * (1.0 + 1e-9):
         safe = min(stable, 0.3)
-        raise CaseError(
+        text = (
             f"time.step: {dt:g} is a Courant number of {courant:.3g}, beyond the stability limit; "
             f"use at most {stable / rate:.3g} (Courant {stable:g}), or step: {{courant: {safe:g}}}"
         )
+        if diffusive:
+            text += (
+                f". The viscosity of {', '.join(diffusive)} counts as well: with cells of h no "
+                "step may be above density h^2/(2 dimensions shear-viscosity)"
+            )
+        raise CaseError(text)
 
 
 def stability_warning(dt: float, rate: float, stable: float) -> str:

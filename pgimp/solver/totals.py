@@ -8,7 +8,8 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 
 from pgimp.kernels.errors import VOLUME
-from pgimp.kernels.sums import ANGULAR
+from pgimp.kernels.sums import ANGULAR, SUMS
+from pgimp.physics.materials.base import LOSSES
 from pgimp.physics.rigid import Free
 from pgimp.scene.freebody import FreeBody, State
 from pgimp.solver.clock import Step
@@ -25,11 +26,11 @@ class Totals(NamedTuple):
         The scene of the run.
     done : Step
         The last step.
-    bodies : (bodies, SUMS) float64
+    bodies : (bodies, columns) float64
         Sums over the particles of each body, as `layer_sums` has them.
-    total : (SUMS,) float64
+    total : (columns,) float64
         Those over all particles.
-    escaped : (SUMS,) float64
+    escaped : (columns,) float64
         Those of the particles that were removed since the start, when they were.
     first_energy : float
         Kinetic and strain energy at the start.
@@ -78,6 +79,11 @@ class Totals(NamedTuple):
         # A motion along x alone has no moment about the origin, one in the plane only that about z.
         axes = ((), (2,), (0, 1, 2))[self.scene.dimension - 1]
         return tuple(moment[i] if i in axes else None for i in range(3))
+
+    def lost(self, name: str) -> float:
+        """Return one of `LOSSES` of all particles, those too that were removed."""
+        column = SUMS + LOSSES.index(name)
+        return self.total[column] + self.escaped[column]
 
     def contact_force(self, k: int) -> np.ndarray | tuple[()]:
         """Return the force of an entry of contact, nothing where it is for more than two bodies."""

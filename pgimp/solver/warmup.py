@@ -27,7 +27,7 @@ from pgimp.kernels.p2g import complete, particles_to_grid
 from pgimp.kernels.particles import Particles
 from pgimp.kernels.response import find_response
 from pgimp.kernels.selection import select_near
-from pgimp.kernels.sums import SUMS, exact_masses, fastest_rate, layer_sums
+from pgimp.kernels.sums import exact_masses, fastest_rate, layer_sums
 from pgimp.kernels.tools import find_touched
 from pgimp.mpi.node import Call, shared_out
 from pgimp.scene.scene import Scene
@@ -50,7 +50,7 @@ def _calls(scene: Scene) -> Iterator[Call]:
     order = Order(rows, start)
     reach = np.array([[2**62] * 2, [-(2**62)] * 2])
     fields = (0,) * len(scene.body_names) if scene.pairs else ()
-    grid = Grid(frame, vertices, Slab(0, 1, None, None), fields=fields)
+    grid = Grid(frame, vertices, Slab(0, 1, None, None), fields=fields, room=scene.room)
     grid.cover(np.full((2, 2), vertices))
     wire = np.empty(0, np.int64)
     bodies, faces = len(scene.material_of), scene.face_parameters(0.0, 0.0)
@@ -96,14 +96,14 @@ def _calls(scene: Scene) -> Iterator[Call]:
     yield 2.8, lambda: update_momentum(
         frame, grid.field, faces, vertex_forcing, ledger, contact, WHOLE
     )
-    yield 1.4, lambda: locate(shape, frame, p, rows, frame.vertices)
-    yield 1.4, lambda: layer_sums(material, p, order, np.zeros((1, bodies, SUMS)))
+    yield 1.4, lambda: locate(shape, setting.frame, p, rows, frame.vertices)
+    yield 1.4, lambda: layer_sums(material, p, order, np.zeros((1, bodies, scene.sums)))
     yield 1.0, lambda: fastest_rate(material, p, rows)
     yield 0.7, lambda: complete(grid.field, 0, 1, False, np.empty(0))
     yield 0.7, lambda: merge(p, rows, start, rows, 0, rows, rows.copy(), start.copy())
     yield 0.5, lambda: pack_rows(*p.columns(), rows, wire, 0, 0)
     yield 0.4, lambda: unpack_rows(*p.columns(), rows, wire, 0, 0)
-    yield 0.4, lambda: reach_of(shape, frame, p, rows, reach)
+    yield 0.4, lambda: reach_of(shape, setting.frame, p, rows, reach)
     yield 0.4, lambda: exact_masses(p, rows, 1.0, np.zeros((bodies, 2), np.int64))
     yield 0.3, lambda: sort_rows(p.layer, p.cell, p.id, rows, rows.copy())
     yield 0.3, lambda: partition_migrants(p.layer, rows, rows, 0, 1, rows.copy(), rows.copy())

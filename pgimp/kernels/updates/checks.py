@@ -4,14 +4,15 @@ from math import isfinite
 
 from pgimp.jit.kernel import inner_kernel, specialise
 from pgimp.jit.lanes import of_lane
-from pgimp.jit.simd import lane, vector
-from pgimp.jit.tuples import read
-from pgimp.kernels.place import first_vertex
+from pgimp.jit.simd import bits, lane, vec4, vector
+from pgimp.jit.tuples import read, squared
+from pgimp.kernels.place import first_vertex, is_initial
 from pgimp.kernels.walls import hold_inside
+from pgimp.physics.shapes.base import size
 from pgimp.physics.shapes.stretch import LARGEST
 
 #: What is wrong with a particle at fault.
-NOT_FINITE, INVERTED, TOO_FAST, OUTSIDE = 1, 2, 3, 4
+NOT_FINITE, INVERTED, TOO_FAST, OUTSIDE, OUT_OF_RANGE = 1, 2, 3, 4, 5
 
 #: What `_outside` says of a particle that has left through a face that lets it go.
 _LEAVES = -1
@@ -44,20 +45,40 @@ def _and_finite(mask, values):
     return lambda mask, values: and_finite(mask & (values[0] - values[0] == 0.0), values[1:])
 
 
+def and_positive(mask, margin):
+    """The mask, false as well where a vector is not above zero; a number says nothing."""
+
+
+@specialise(and_positive)
+def _and_positive(mask, margin):
+    if margin == vec4:
+        return lambda mask, margin: mask & (margin > 0.0)
+    return lambda mask, margin: mask
+
+
 @inner_kernel
-def _unsound(frame, x, v, u, J, state, dt):
-    """Name the fault of a particle that failed the combined check, wherever it is; 0 for none."""
+def _broken(x, v, J, state):
+    """Name the fault of a particle, wherever it is and moves; 0 for none."""
     for d in range(len(x)):
         if not (isfinite(x[d]) and isfinite(v[d])):
             return NOT_FINITE
-    if not (isfinite(J) and and_finite(True, state)):
+    if not isfinite(J):
         return NOT_FINITE
     if not J > 0.0:
         return INVERTED
+    return 0 if and_finite(True, state) else NOT_FINITE
+
+
+@inner_kernel
+def _unsound(frame, x, v, u, J, state, margin, dt):
+    """Name the fault of a particle that failed the combined check, wherever it is; 0 for none."""
+    fault = _broken(x, v, J, state)
+    if fault != 0:
+        return fault
     for d in range(len(x)):
         if not abs(u[d]) * dt * frame.inverse[d] <= 1.0:
             return TOO_FAST
-    return 0
+    return 0 if margin > 0.0 else OUT_OF_RANGE
 
 
 @inner_kernel
@@ -73,6 +94,89 @@ def _outside(frame, exits, x):
     return fault
 
 
+def check(setting, forcing, field, particles, batch, limit, found, report, ledger, counts):
+    """See whether all is as usual with four particles, and if not, what happened to them.
+
+    In the initial configuration they keep their layers, and may be anywhere but beyond a wall.
+
+    Parameters
+    ----------
+    setting, forcing, field, particles, batch, report, ledger
+        See `Setting`, `Forcing`, `Field`, `Particles`, `Batch`, `Report`, `Ledger`.
+    limit : float
+        Greatest (dt/L)^2: a particle is slow for which its product with the speed squared is not
+        above 1.
+    found : tuple
+        u, v, x, F, J, state and margin of the four.
+    counts : tuple of 5 int
+        As in `examine`.
+
+    Returns
+    -------
+    tuple of 5 int
+        The counts with these particles.
+    """
+
+
+@specialise(check)
+def _check(setting, forcing, field, particles, batch, limit, found, report, ledger, counts):
+    def check(setting, forcing, field, particles, batch, limit, found, report, ledger, counts):
+        shape, frame, number = setting.shape, setting.frame, batch.number
+        u, v, x, F, J, state, margin = found
+        # One branch for all that rarely happens, NaN included; its speed limit is sharper.
+        half, most = size(shape, frame.cell, F)
+        now = first_vertex(frame, 0, half[0], x[0])
+        sound = and_finite(within(field.bounds, x) & (J > 0.0), state)
+        sound = and_positive(sound, margin)
+        slower = (squared(u) + squared(v)) * limit <= 1.0
+        usual = bits(sound & slower & (now == number) & (vector(most) <= LARGEST))
+        if usual != 15:
+            counts = examine(
+                setting, forcing, particles, batch, usual,
+                (u, v, x, J, state, margin, half, now, most), report, ledger, counts,
+            )  # fmt: skip
+        return counts
+
+    def check_initial(
+        setting, forcing, field, particles, batch, limit, found, report, ledger, counts
+    ):
+        _, v, x, _, J, state, margin = found
+        sound = and_finite(and_finite(within(field.bounds, x) & (J > 0.0), state), v)
+        usual = bits(and_positive(sound, margin))
+        if usual != 15:
+            counts = _count_faults(
+                field.bounds, batch, usual, (v, x, J, state, margin), report, counts
+            )
+        return counts
+
+    return check_initial if is_initial(setting.types[setting.fields.index("frame")]) else check
+
+
+def _count_faults(bounds, batch, usual, found, report, counts):
+    """As `examine`, in the initial configuration: faults alone."""
+
+
+@specialise(_count_faults)
+def _count_faults_of(bounds, batch, usual, found, report, counts):
+    def count(bounds, batch, usual, found, report, counts):
+        v, x, J, state, _ = found
+        failed, outflow, moved, clamped, held = counts
+        for j in range(batch.size):
+            if usual >> j & 1:
+                continue
+            xj = of_lane(x, j)
+            fault = _broken(xj, of_lane(v, j), lane(J, j), of_lane(state, j))
+            if fault == 0:
+                fault = OUT_OF_RANGE if within(bounds, xj) else OUTSIDE
+            if failed < len(report.faults):
+                report.faults[failed, 0] = batch.rows[j]
+                report.faults[failed, 1] = fault
+            failed += 1
+        return failed, outflow, moved, clamped, held
+
+    return count
+
+
 def examine(setting, forcing, particles, batch, usual, found, report, ledger, counts):
     """See what happened to those of four particles that are not as usual.
 
@@ -83,7 +187,8 @@ def examine(setting, forcing, particles, batch, usual, found, report, ledger, co
     usual : int
         Bit j is set for a particle of which nothing has to be seen.
     found : tuple
-        u, v, x, J, state, half-widths, first vertex along x and greatest stretch of the four.
+        u, v, x, J, state, margin, half-widths, first vertex along x and greatest stretch of the
+        four.
     counts : tuple of 5 int
         Particles at fault, that left, that left or changed their layer, whose half-width is
         clamped, that walls held in.
@@ -99,7 +204,7 @@ def examine(setting, forcing, particles, batch, usual, found, report, ledger, co
 def _examine(setting, forcing, particles, batch, usual, found, report, ledger, counts):
     def examine(setting, forcing, particles, batch, usual, found, report, ledger, counts):
         frame, number, reach = setting.frame, batch.number, report.reach
-        u, v, x, J, state, half, now, most = found
+        u, v, x, J, state, margin, half, now, most = found
         failed, outflow, moved, clamped, held = counts
         for j in range(batch.size):
             if usual >> j & 1:
@@ -109,8 +214,9 @@ def _examine(setting, forcing, particles, batch, usual, found, report, ledger, c
             xj = of_lane(x, j)
             layer_now = int(lane(now, j))
             fault = _unsound(
-                frame, xj, of_lane(v, j), of_lane(u, j), lane(J, j), of_lane(state, j), forcing.dt
-            )
+                frame, xj, of_lane(v, j), of_lane(u, j), lane(J, j), of_lane(state, j),
+                of_lane(margin, j), forcing.dt,
+            )  # fmt: skip
             if fault == 0:
                 fault = _outside(frame, setting.exits, xj)
             if fault == OUTSIDE and hold_inside(

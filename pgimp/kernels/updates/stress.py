@@ -6,13 +6,28 @@ from pgimp.jit.algebra import symmetric
 from pgimp.jit.kernel import specialise
 from pgimp.jit.tuples import read
 from pgimp.kernels.batch import put_row, take_row
-from pgimp.physics.materials.base import evaluate_four, state_width
+from pgimp.physics.materials.base import (
+    evaluate_four,
+    has,
+    state_width,
+    takes_viscous_pressure,
+)
 
 
 def _width(materials, like):
     """Numbers that the widest of some materials remembers; `like` is as long as F."""
     dimensions = isqrt(len(like))
     return max(state_width(material.instance_class, dimensions) for material in materials)
+
+
+def _materials(setting):
+    """Numba's types of the materials of a scene."""
+    return setting.types[setting.fields.index("materials")]
+
+
+def has_any(setting, quantity):
+    """Whether one of a scene's materials has a quantity that others do not have."""
+    return any(has(each.instance_class, quantity) for each in _materials(setting))
 
 
 def states(materials, particles, rows, like):
@@ -69,7 +84,7 @@ def _update_stress(setting, forcing, particles, rows, numbers, F, J, L):
         materials = setting.materials
         sigma = take_row(particles.sigma, rows, 0, symmetric(L))
         state = states(materials, particles, rows, F)
-        args = (F, J, sigma, L, forcing.dt)
+        args = (F, J, sigma, L, forcing.dt, *heating(setting, forcing.loads, particles, rows))
         found = evaluate_four("stress", materials, numbers, args, state, (*sigma, *state))
         return found[:components], found[components:]
 
@@ -78,8 +93,20 @@ def _update_stress(setting, forcing, particles, rows, numbers, F, J, L):
         args = (F, J, sigma, L, forcing.dt)
         return evaluate_four("stress", setting.materials, numbers, args, (), sigma), ()
 
-    materials = setting.types[setting.fields.index("materials")]
-    return update if _width(materials, F) else update_without
+    return update if _width(_materials(setting), F) else update_without
+
+
+def heating(setting, loads, particles, rows):
+    """Viscous pressure q of four particles in a step, (q,), where a material wants it; else ()."""
+
+
+@specialise(heating)
+def _heating(setting, loads, particles, rows):
+    viscous = hasattr(loads.types[loads.fields.index("viscosity")], "instance_class")
+    wanted = any(takes_viscous_pressure(each.instance_class) for each in _materials(setting))
+    if not (viscous and wanted):
+        return lambda setting, loads, particles, rows: ()
+    return lambda setting, loads, particles, rows: take_row(particles.q, rows, 0, (0.0,))
 
 
 def keep_state(particles, rows, state):
@@ -102,4 +129,45 @@ def wave_speed(setting, numbers, F, J, state):
 def _wave_speed(setting, numbers, F, J, state):
     return lambda setting, numbers, F, J, state: evaluate_four(
         "speed", setting.materials, numbers, (F, J), state, J
+    )
+
+
+def diffusion_speed(setting, numbers, F, J, state, inverse, extra):
+    """What viscosity adds to the speed that limits the step, see `effective_wave_speed`.
+
+    The explicit diffusion of momentum with the diffusivity nu is stable up to dt = h^2/(2 D nu),
+    for cells of the side h in D directions: that of a speed of D nu/h.
+
+    Parameters
+    ----------
+    inverse : float
+        1/h.
+    extra : Vec4 or float
+        What artificial viscosity adds.
+    """
+
+
+@specialise(diffusion_speed)
+def _diffusion_speed(setting, numbers, F, J, state, inverse, extra):
+    if not has_any(setting, "diffusivity"):
+        return lambda setting, numbers, F, J, state, inverse, extra: extra
+    D = float(isqrt(len(F)))
+
+    def speed(setting, numbers, F, J, state, inverse, extra):
+        nu = evaluate_four("diffusivity", setting.materials, numbers, (F, J), state, J)
+        return extra + D * inverse * nu
+
+    return speed
+
+
+def margins(setting, numbers, F, J, sigma, state):
+    """How far four particles are from the end of their materials' range; 1 where none has any."""
+
+
+@specialise(margins)
+def _margins(setting, numbers, F, J, sigma, state):
+    if not has_any(setting, "margin"):
+        return lambda setting, numbers, F, J, sigma, state: 1.0
+    return lambda setting, numbers, F, J, sigma, state: evaluate_four(
+        "margin", setting.materials, numbers, (F, J, sigma), state, J
     )

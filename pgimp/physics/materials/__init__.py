@@ -14,16 +14,25 @@ more, ``state``, a tuple of floats in the order of the declaration, and ``stress
 the stress, and the state at the end of the step.
 
 They are asked for four particles at once, where they can: without branches (`choose` stands for
-one), with + - * /, abs, max, min, and math's sqrt, log and floor. With anything else they are asked
-for one particle after the other. `pgimp.register_material` takes in others.
+one), with + - * /, abs, max, min, math's sqrt and floor, and `pgimp.jit.functions`. With anything
+else they are asked for one particle after the other. `pgimp.register_material` takes in others.
 """
 
+from pgimp.jit.choose import choose
 from pgimp.physics.materials.base import Material, Poisson, State, Young, lame
-from pgimp.physics.materials.choose import choose
+from pgimp.physics.materials.bingham import Bingham
+from pgimp.physics.materials.cam_clay import CamClay
+from pgimp.physics.materials.drucker_prager import DruckerPrager
 from pgimp.physics.materials.hooke import Hooke
+from pgimp.physics.materials.ideal_gas import IdealGas
+from pgimp.physics.materials.johnson_cook import JohnsonCook
 from pgimp.physics.materials.linear_1d import Linear1d
+from pgimp.physics.materials.mohr_coulomb import MohrCoulomb
+from pgimp.physics.materials.mu_i import MuI
 from pgimp.physics.materials.neo_hookean import NeoHookean
+from pgimp.physics.materials.newtonian import Newtonian
 from pgimp.physics.materials.registry import Registry
+from pgimp.physics.materials.von_mises import VonMises
 from pgimp.schema.base import NonNegative, Number, Positive
 
 __all__ = [
@@ -45,5 +54,14 @@ MATERIALS = Registry(
         "linear-1d": Linear1d,
         "neo-hookean": NeoHookean,
         "hooke": Hooke,
+        "von-mises": VonMises,
+        "drucker-prager": DruckerPrager,
+        "mohr-coulomb": MohrCoulomb,
+        "cam-clay": CamClay,
+        "mu-i": MuI,
+        "newtonian": Newtonian,
+        "bingham": Bingham,
+        "ideal-gas": IdealGas,
+        "johnson-cook": JohnsonCook,
     }
 )

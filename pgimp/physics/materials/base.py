@@ -2,6 +2,7 @@
 
 import re
 from functools import cache
+from inspect import getattr_static
 from math import isqrt
 from typing import Annotated, Any, ClassVar, NamedTuple
 
@@ -31,6 +32,9 @@ class ArtificialViscosity(Model):
     )
     quadratic: NonNegative = Field(description="c2 [1]")
 
+
+#: What a material may say of energy that it does not give back: columns of the history.
+LOSSES = ("plastic-work", "viscous-work", "heat")
 
 #: What a state variable may be called.
 STATE_NAME = re.compile("[a-z][a-z0-9-]*")
@@ -70,13 +74,68 @@ class Material(Model):
     CARRIES_STRESS: ClassVar[bool] = False
     """Whether the stress of a step starts from that before, which a file of particles may give."""
 
+    ELASTIC: ClassVar[bool] = False
+    """Whether it springs back whatever it goes through: it never flows, yields or breaks."""
+
     STATE: ClassVar[tuple[State, ...]] = ()
     """What its particles remember besides their stress; see `pgimp.physics.materials`."""
+
+    VOLUME_ONLY: ClassVar[bool] = False
+    """Whether of its particles' deformation only the volume is followed: F is then J^(1/D) 1."""
+
+    TAKES_VISCOUS_PRESSURE: ClassVar[bool] = False
+    """Whether ``stress`` gets, after `dt`, the pressure q of the artificial viscosity in the step,
+    0 without any: it heats the material by q per decrease of volume."""
+
+    LOSSES: ClassVar[tuple[str, ...]] = ()
+    """Which of `LOSSES` of this module its parameters' ``losses`` tell; each is a column of the
+    history."""
 
     density: Positive = Field(description="initial density [mass/volume]")
     viscosity: ArtificialViscosity | None = Field(
         default=None, description="artificial viscosity; null: none"
     )
+
+    @property
+    def states(self) -> tuple[State, ...]:
+        """What particles of this very entry remember: `STATE`, or less."""
+        return self.STATE
+
+    @property
+    def initial_pressure(self) -> float:
+        """Pressure of a particle at the start, unless a file of particles gives its stress."""
+        return 0.0
+
+    def out_of_range(self, J: float, state: tuple[float, ...]) -> tuple[str, str]:
+        """Say of a particle whose ``margin`` is used up what is wrong, and what to try.
+
+        Parameters
+        ----------
+        J : float
+            Its current over its initial volume.
+        state : tuple of float
+            What it remembers.
+        """
+        return "is out of the range of its material", "smaller steps (time.step), slower loading"
+
+    def exact_path(self, path: str, value: Any, rate: float) -> dict[str, Any] | None:
+        """Return what is known exactly along a path of ``pgimp element``.
+
+        Parameters
+        ----------
+        path : str
+            Its name.
+        value : (n,) ndarray
+            Its value, from 0 on and monotonic.
+        rate : float
+            Of the value, 1/time.
+
+        Returns
+        -------
+        dict of str to (n,) ndarray, or None
+            Columns of ``pgimp element`` by name; None where nothing is known.
+        """
+        return None
 
 
 def lame(young: float, poisson: float) -> tuple[float, float]:
@@ -90,6 +149,10 @@ def states_of(parameters: type) -> tuple[State, ...]:
     return getattr(parameters, "STATE", ())
 
 
+#: What the type of a material's parameters has from its entry, besides the state variables.
+_SWITCHES = ("VOLUME_ONLY", "TAKES_VISCOUS_PRESSURE")
+
+
 def with_states(entry: Material, parameters: Any) -> Any:
     """Parameters of an entry, whose type says from now on what its particles remember.
 
@@ -99,16 +162,43 @@ def with_states(entry: Material, parameters: Any) -> Any:
         If entries with other state variables have parameters of the same type.
     """
     kind = type(parameters)
-    if entry.STATE != states_of(kind) and "STATE" in vars(kind):
+    if entry.states != states_of(kind) and "STATE" in vars(kind):
         raise ValueError(f"{kind.__qualname__} belongs to a material with other state variables")
-    if entry.STATE:
-        kind.STATE = entry.STATE
+    if entry.states:
+        kind.STATE = entry.states
+    for name in _SWITCHES:
+        if getattr(entry, name):
+            setattr(kind, name, True)
     return parameters
 
 
 def state_width(parameters: type, dimensions: int) -> int:
     """Numbers that particles of a material remember, all its state variables together."""
     return sum(each.width(dimensions) for each in states_of(parameters))
+
+
+#: Quantities that a material need not have, and what they are without: the diffusivity of
+#: momentum, length^2/time, that limits the step; how far the material is from the end of its range,
+#: at which the run stops; the energies that it does not give back, see `LOSSES`.
+OPTIONAL: dict[str, Any] = {"diffusivity": 0.0, "margin": 1.0, "losses": (0.0, 0.0, 0.0)}
+
+#: Arguments of "stress" besides the material, the viscous pressure and the state.
+_WITHOUT_Q = 5
+
+
+def has(parameters: type, quantity: str) -> bool:
+    """Whether materials whose parameters are of a type have one of the `OPTIONAL` quantities."""
+    return isinstance(getattr_static(parameters, quantity, None), staticmethod)
+
+
+def volume_only(parameters: type) -> bool:
+    """Whether of such materials' deformation only the volume is followed."""
+    return getattr(parameters, "VOLUME_ONLY", False)
+
+
+def takes_viscous_pressure(parameters: type) -> bool:
+    """Whether such materials are heated by the artificial viscosity."""
+    return getattr(parameters, "TAKES_VISCOUS_PRESSURE", False)
 
 
 @cache
@@ -118,10 +208,10 @@ def _compiled(parameters: type, quantity: str):
 
 
 def evaluate(quantity, materials, k, args, state):
-    """Value of "stress", "energy" or "speed" of material number `k` of the scene's tuple.
+    """Value of "stress", "energy", "speed", .. of material number `k` of the scene's tuple.
 
     Materials of one model are indexed; different models become a chain of branches; one material
-    alone costs neither.
+    alone costs neither. Of the quantities in `OPTIONAL` a material need not have any.
 
     Parameters
     ----------
@@ -132,14 +222,17 @@ def evaluate(quantity, materials, k, args, state):
     k : int
         Number of the material.
     args : tuple
-        As in `pgimp.physics.materials`, without the state; F comes first.
+        As in `pgimp.physics.materials`, without the state; F comes first. For "stress" the viscous
+        pressure may come last; it is left out for materials that do not take it, and is 0 for those
+        that do where it does not.
     state : tuple of float
         As many as the widest material of the scene remembers, () where none does.
 
     Returns
     -------
     float or tuple
-        Of "stress" the components, followed by the state after the step.
+        Of "stress" the components, followed by the state after the step; of "losses" one number
+        for each of `LOSSES`, zeros where the material has no such function.
     """
 
 
@@ -175,9 +268,18 @@ def _ask(quantity, material, args, state):
 def _ask_material(quantity, material, args, state):
     if not isinstance(quantity, types.Literal):
         return None
-    name = quantity.literal_value
-    function = _compiled(material.instance_class, name)
-    own = state_width(material.instance_class, isqrt(len(args[0])))
+    name, kind = quantity.literal_value, material.instance_class
+    if name in OPTIONAL and not has(kind, name):
+        value = OPTIONAL[name]
+        return lambda quantity, material, args, state: value
+    function = _compiled(kind, name)
+    own = state_width(kind, isqrt(len(args[0])))
+    if name == "stress" and len(args) > _WITHOUT_Q and not takes_viscous_pressure(kind):
+        return lambda quantity, material, args, state: _ask(
+            name, material, args[:_WITHOUT_Q], state
+        )
+    if name == "stress" and len(args) == _WITHOUT_Q and takes_viscous_pressure(kind):
+        return lambda quantity, material, args, state: _ask(name, material, (*args, 0.0), state)
     if len(state) == 0:
         return lambda quantity, material, args, state: function(material, *args)
     if own == 0 and name == "stress":
@@ -197,8 +299,13 @@ def _ask_material(quantity, material, args, state):
 def _takes_vectors(material: Any, quantity: str, args: Any, state: Any) -> bool:
     """Whether a material's function compiles for vectors: one that branches does not."""
     kind = material.instance_class
+    if quantity in OPTIONAL and not has(kind, quantity):
+        return True
     own = state_width(kind, isqrt(len(args[0])))
     seen = (types.UniTuple(state[0], own),) if own else ()
+    if quantity == "stress":
+        q = (args[_WITHOUT_Q] if len(args) > _WITHOUT_Q else types.float64,)
+        args = (*args[:_WITHOUT_Q], *(q if takes_viscous_pressure(kind) else ()))
     try:
         _compiled(kind, quantity).compile((material, *args, *seen))
     except errors.NumbaError:

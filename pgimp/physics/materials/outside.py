@@ -25,12 +25,15 @@ from pgimp.jit.outside import is_outside, part_of, tag
 from pgimp.jit.simd import vec4
 from pgimp.physics.fields import EVERY
 from pgimp.physics.materials.base import (
+    OPTIONAL,
     STATE_NAME,
     Material,
     State,
     _compiled,
+    has,
     state_width,
     states_of,
+    takes_viscous_pressure,
     with_states,
 )
 
@@ -38,6 +41,8 @@ _ARGUMENTS = {
     "stress": ("material", "F", "J", "sigma", "L", "dt"),
     "energy": ("material", "F", "J", "sigma"),
     "speed": ("material", "F", "J"),
+    "diffusivity": ("material", "F", "J"),
+    "margin": ("material", "F", "J", "sigma"),
 }
 #: Components of a symmetric tensor, as `pgimp.jit.algebra` has them, and how many there are.
 _COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz")
@@ -91,7 +96,7 @@ def parameters_of(entry: Material, dimensions: int) -> Any:
         with_states(entry, parameters)
     except ValueError as error:
         raise UsageError(f"{who}: {error}; give each material a NamedTuple of its own") from error
-    for quantity in _ARGUMENTS:
+    for quantity in _quantities(kind):
         names = _arguments(kind, quantity)
         function = inspect.getattr_static(kind, quantity, None)
         call = f"{quantity}({', '.join(names)})"
@@ -114,14 +119,20 @@ def parameters_of(entry: Material, dimensions: int) -> Any:
 
 def _arguments(kind: type, quantity: str) -> tuple[str, ...]:
     """Names of what a material's function is given; those with a memory get their state as well."""
-    return (*_ARGUMENTS[quantity], *(("state",) if states_of(kind) else ()))
+    q = ("q",) if quantity == "stress" and takes_viscous_pressure(kind) else ()
+    return (*_ARGUMENTS[quantity], *q, *(("state",) if states_of(kind) else ()))
+
+
+def _quantities(kind: type) -> list[str]:
+    """Functions that a material must have, and those that it has besides."""
+    return [name for name in _ARGUMENTS if name not in OPTIONAL or has(kind, name)]
 
 
 def _require_states(who: str, entry: Material, parameters: Any) -> None:
     """Refuse state variables that are not declared as they must be."""
     kind = type(entry)
     names: list[str] = []
-    states: Any = entry.STATE
+    states: Any = entry.states
     if not isinstance(states, tuple) or not all(isinstance(each, State) for each in states):
         raise UsageError(
             f"{who}: STATE of {kind.__qualname__} ({_file(kind)}) must be a tuple of "
@@ -155,13 +166,14 @@ class _Kinds(NamedTuple):
     L: Any
     dt: Any
     state: Any
+    q: Any
 
     @classmethod
     def of(cls, kind: type, dimensions: int, number: Any) -> _Kinds:
         matrix = types.UniTuple(number, dimensions**2)
         tensor = types.UniTuple(number, _COUNTS[dimensions - 1])
         state = types.UniTuple(number, state_width(kind, dimensions))
-        return cls(matrix, number, tensor, matrix, types.float64, state)
+        return cls(matrix, number, tensor, matrix, types.float64, state, number)
 
 
 def _result(parameters: Any, quantity: str, kinds: _Kinds) -> Any:
@@ -194,7 +206,7 @@ def takes_vectors(entry: Material, dimensions: int) -> bool:
     """
     parameters = parameters_of(entry, dimensions)
     try:
-        for quantity in ("stress", "speed"):
+        for quantity in (name for name in _quantities(type(parameters)) if name != "energy"):
             _result(parameters, quantity, _Kinds.of(type(parameters), dimensions, vec4))
     except errors.NumbaError:
         return False
@@ -229,7 +241,7 @@ def _require_fit(who: str, parameters: Any, dimensions: int) -> None:
 
 def _examine(who: str, parameters: Any, dimensions: int) -> None:
     kinds = _Kinds.of(type(parameters), dimensions, types.float64)
-    for quantity in _ARGUMENTS:
+    for quantity in _quantities(type(parameters)):
         where = f"{who}: {_place(type(parameters), quantity)}"
         try:
             result = _result(parameters, quantity, kinds)

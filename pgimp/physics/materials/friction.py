@@ -1,0 +1,93 @@
+"""Friction of soils: angles of the case, and the cone of Drucker and Prager that fits them.
+
+p is the pressure, tau the root of J2; the cone is tau = alpha p + k.
+"""
+
+from math import cos, inf, radians, sin, sqrt, tan
+from typing import ClassVar, Literal
+
+from pydantic import Field, model_validator
+
+from pgimp.physics.materials.base import Material, Poisson, State, Young
+from pgimp.schema.base import NonNegative
+from pgimp.schema.problems import Problem, raise_problems
+
+PLASTIC_WORK = State("plastic-work", "energy/volume", "plastic work, by initial volume")
+
+Match = Literal["plane-strain", "compression", "extension"]
+
+
+def slope(angle: float, match: Match) -> float:
+    """Slope alpha of the cone for an angle of friction or dilation in degrees."""
+    a = radians(angle)
+    if match == "plane-strain":
+        return 3.0 * tan(a) / sqrt(9.0 + 12.0 * tan(a) ** 2)
+    side = 3.0 - sin(a) if match == "compression" else 3.0 + sin(a)
+    return 6.0 * sin(a) / (sqrt(3.0) * side)
+
+
+def strength(cohesion: float, angle: float, match: Match) -> float:
+    """Strength k of the cone without pressure."""
+    a = radians(angle)
+    if match == "plane-strain":
+        return 3.0 * cohesion / sqrt(9.0 + 12.0 * tan(a) ** 2)
+    side = 3.0 - sin(a) if match == "compression" else 3.0 + sin(a)
+    return 6.0 * cohesion * cos(a) / (sqrt(3.0) * side)
+
+
+class Soil(Material):
+    """What soils with cohesion, friction and dilation have in common."""
+
+    SPELLINGS: ClassVar[dict[str, str]] = {
+        "friction_angle": "friction-angle", "dilation_angle": "dilation-angle",
+    }  # fmt: skip
+
+    young: Young
+    poisson: Poisson
+    cohesion: NonNegative = Field(description="shear strength without pressure, c [stress]")
+    friction_angle: NonNegative = Field(
+        alias="friction-angle", lt=90.0, description="angle of internal friction [degrees]"
+    )
+    dilation_angle: NonNegative = Field(
+        alias="dilation-angle", default=0.0, lt=90.0,
+        description="angle of dilation, at most that of friction: shear makes the soil swell, "
+        "without end [degrees]",
+    )  # fmt: skip
+    tension: NonNegative | None = Field(
+        default=None,
+        description="greatest tension that it bears, at most cohesion/tan(friction-angle), which "
+        "is that of null [stress]",
+    )
+
+    @property
+    def apex(self) -> float:
+        """Tension in all directions that friction and cohesion bear."""
+        if self.friction_angle == 0.0:
+            return inf if self.cohesion > 0.0 else 0.0
+        return self.cohesion / tan(radians(self.friction_angle))
+
+    @property
+    def greatest_tension(self) -> float:
+        """Tension that it bears."""
+        return self.apex if self.tension is None else self.tension
+
+    @model_validator(mode="after")
+    def _check(self) -> "Soil":
+        if self.cohesion == 0.0 and self.friction_angle == 0.0:
+            text = "without friction (friction-angle: 0) it must be above 0: the soil has no other "
+            raise_problems("soil", [Problem(("cohesion",), f"{text}strength")])
+        if self.dilation_angle > self.friction_angle:
+            text = (
+                f"is above the friction-angle, {self.friction_angle:g}: such a soil would make "
+                "energy from nothing; sand has about friction-angle - 30, clay 0"
+            )
+            raise_problems("soil", [Problem(("dilation-angle",), text)])
+        if self.tension is not None and self.tension > self.apex * (1.0 + 1e-12):
+            text = (
+                "a soil without cohesion bears none; leave it out, or give it a cohesion"
+                if self.cohesion == 0.0
+                else f"is above cohesion/tan(friction-angle) = {self.apex:.6g}, the most that "
+                "cohesion and friction bear"
+            )
+            raise_problems("soil", [Problem(("tension",), text)])
+        return self

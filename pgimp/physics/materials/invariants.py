@@ -1,0 +1,27 @@
+"""Invariants of stresses that soils and fluids are told by."""
+
+from math import sqrt
+
+from pgimp.jit.algebra import contract
+from pgimp.jit.kernel import specialise
+
+#: A number of no weight beside any stress, for quotients of what may both be zero.
+TINY = 1e-300
+
+
+def mean(S):
+    """A third of the trace of a symmetric tensor."""
+
+
+@specialise(mean)
+def _mean(S):
+    return lambda S: (S[0] + S[1] + S[2]) * (1.0 / 3.0)
+
+
+def shear_stress(s):
+    """The root of J2, sqrt(s : s/2), of a deviator s: the shear stress in simple shear."""
+
+
+@specialise(shear_stress)
+def _shear_stress(s):
+    return lambda s: sqrt(0.5 * contract(s, s))

@@ -1,0 +1,212 @@
+"""Mohr and Coulomb's soil, with dilation and tension cut-off, returned to in principal stresses.
+
+The elastic law is Hencky's: the Kirchhoff stress, J times Cauchy's, is linear in the logarithm of
+the elastic stretch. What is kept of that is b_e - 1, b_e = F_e F_e^T, a tensor that is small. With
+principal stresses s1 >= s2 >= s3, S and s the sines of the angles of friction and dilation,
+
+    f_ij = s_i - s_j + (s_i + s_j) S - 2 c cos(friction) <= 0,
+
+the trial stress returns to the plane f_13 = 0, to one of its edges, where f_12 or f_23 is zero as
+well, or to the apex (De Souza Neto, Peric and Owen, Computational Methods for Plasticity, 2008,
+sec. 8.2). All four are computed, and the first that leaves the order of the stresses is taken.
+What is then above the greatest tension is cut off. Where all three are, the soil opens, and the
+volume by which it does is closed first (see `drucker_prager`).
+"""
+
+from math import cos, radians, sin, sqrt
+from typing import ClassVar, Literal, NamedTuple
+
+from pydantic import Field
+
+from pgimp.jit.choose import choose
+from pgimp.jit.functions import exp, log
+from pgimp.jit.kernel import specialise
+from pgimp.jit.series import carry
+from pgimp.jit.spectral import eigen, spectral
+from pgimp.jit.tuples import scaled
+from pgimp.physics.materials.base import State, lame
+from pgimp.physics.materials.friction import PLASTIC_WORK, Soil
+
+#: Tension of a soil without an apex.
+_BOUNDLESS = 1e200
+
+
+def returned(material, s1, s2, s3, J):
+    """Principal Kirchhoff stresses on or within the pyramid, from those of a trial, in order."""
+
+
+@specialise(returned)
+def _returned(material, s1, s2, s3, J):
+    def stresses(material, s1, s2, s3, J):
+        A, B, E = material.first, material.second, material.third
+        S, c, a = material.sine, material.strength * J, material.plane
+        rise = (1.0 - material.flow) * s1 - 2.0 * s2 + (1.0 + material.flow) * s3
+        right = rise > 0.0
+        f13 = s1 - s3 + (s1 + s3) * S - c
+        f12 = s1 - s2 + (s1 + s2) * S - c
+        f23 = s2 - s3 + (s2 + s3) * S - c
+        # Plane.
+        g = f13 / a
+        p1, p2, p3 = s1 - A * g, s2 + B * g, s3 + E * g
+        # Edges: with s2 = s3 on the right, s1 = s2 on the left.
+        b = choose(right, material.right, material.left)
+        other = choose(right, f12, f23)
+        part = 1.0 / (a * a - b * b)
+        g, h = (a * f13 - b * other) * part, (a * other - b * f13) * part
+        e1 = choose(right, s1 - A * (g + h), s1 - A * g + B * h)
+        e3 = choose(right, s3 + E * g + B * h, s3 + E * (g + h))
+        e2 = choose(right, e3, e1)
+        on_plane = (p1 >= p2) & (p2 >= p3)
+        apex = material.apex * J
+        on_edge = e1 >= e3
+        r1 = choose(on_plane, p1, choose(on_edge, e1, apex))
+        r2 = choose(on_plane, p2, choose(on_edge, e2, apex))
+        r3 = choose(on_plane, p3, choose(on_edge, e3, apex))
+        sound = f13 <= 0.0
+        return choose(sound, s1, r1), choose(sound, s2, r2), choose(sound, s3, r3)
+
+    return stresses
+
+
+def choose_all(condition, a, b):
+    """Of two tuples the entries of `a` where the condition is true, else those of `b`."""
+
+
+@specialise(choose_all)
+def _choose_all(condition, a, b):
+    if len(a) == 1:
+        return lambda condition, a, b: (choose(condition, a[0], b[0]),)
+    return lambda condition, a, b: (
+        choose(condition, a[0], b[0]), *choose_all(condition, a[1:], b[1:]),
+    )  # fmt: skip
+
+
+class MohrCoulombParameters(NamedTuple):
+    """Moduli; sines and strength; what stresses change by (A, B, E) and edges (a, b, b); tensions.
+
+    The elastic constants lambda and mu, bulk modulus; sines of friction and dilation; 2 c cos;
+    A, B, E, a, and b of the right and the left edge, see `returned`; tension at the apex, greatest
+    tension, density.
+    """
+
+    lam: float
+    mu: float
+    bulk: float
+    sine: float
+    flow: float
+    strength: float
+    first: float
+    second: float
+    third: float
+    plane: float
+    right: float
+    left: float
+    apex: float
+    tension: float
+    density: float
+
+    @staticmethod
+    def stress(material, F, J, sigma, L, dt, state):
+        """Stress; b_e - 1, the volume that is open, and the plastic shear."""
+        lam, twice = material.lam, 2.0 * material.mu
+        gap, sheared, work = state[-3], state[-2], state[-1]
+        trial = carry(scaled(dt, L), state[:-3])
+        values, Q = eigen(trial)
+        x = 0.5 * log(1.0 + values[0]) + gap / 3.0
+        y = 0.5 * log(1.0 + values[1]) + gap / 3.0
+        z = 0.5 * log(1.0 + values[2]) + gap / 3.0
+        volume = x + y + z
+        a, b, c = (
+            lam * volume + twice * x, lam * volume + twice * y, lam * volume + twice * z,
+        )  # fmt: skip
+        s1, s3 = max(max(a, b), c), min(min(a, b), c)
+        s2 = max(min(a, b), min(max(a, b), c))
+        r1, r2, r3 = returned(material, s1, s2, s3, J)
+        most = material.tension * J
+        opens = r3 >= most
+        r1, r2, r3 = min(r1, most), min(r2, most), min(r3, most)
+        sheared = sheared + ((s1 - s3) - (r1 - r3)) / twice
+        kept = (s1 <= r1) & (s3 >= r3) & (s2 <= r2) & (gap == 0.0)
+        # Back to the order of the eigenvectors, by how many of the others each is not below.
+        ab, ac, bc = (
+            choose(a >= b, 1.0, 0.0), choose(a >= c, 1.0, 0.0), choose(b >= c, 1.0, 0.0),
+        )  # fmt: skip
+        m = (r1 + r2 + r3) / 3.0
+        fallen = (s1 + s2 + s3) / 3.0 - m
+        work = work + m * (fallen / material.bulk - gap)
+        work = work + (r1 * (s1 - r1) + r2 * (s2 - r2) + r3 * (s3 - r3) - 3.0 * m * fallen) / twice
+        open_now = choose(opens, volume - m / material.bulk, 0.0)
+        a, b, c = (
+            _placed(ab + ac, r1, r2, r3), _placed(1.0 - ab + bc, r1, r2, r3),
+            _placed(2.0 - ac - bc, r1, r2, r3),
+        )  # fmt: skip
+        third = m / (3.0 * material.bulk) - m / twice
+        strains = (
+            exp(2.0 * (a / twice + third)) - 1.0, exp(2.0 * (b / twice + third)) - 1.0,
+            exp(2.0 * (c / twice + third)) - 1.0,
+        )  # fmt: skip
+        elastic = choose_all(kept, trial, spectral(strains, Q))
+        stress = spectral((a / J, b / J, c / J), Q)
+        return stress, (*elastic, open_now, sheared, work)
+
+    @staticmethod
+    def energy(material, F, J, sigma, state):
+        """Elastic energy of the Kirchhoff stress per initial volume."""
+        values = eigen(sigma)[0]
+        a, b, c = J * values[0], J * values[1], J * values[2]
+        m = (a + b + c) / 3.0
+        shear = (a - m) * (a - m) + (b - m) * (b - m) + (c - m) * (c - m)
+        return shear / (4.0 * material.mu) + 0.5 * m * m / material.bulk
+
+    @staticmethod
+    def losses(material, F, J, sigma, state):
+        """Plastic work."""
+        return state[-1], 0.0, 0.0
+
+    @staticmethod
+    def speed(material, F, J, state):
+        """Longitudinal wave, rho0 c^2 = lambda + 2 mu, less the stress along it."""
+        modulus = (material.lam + 2.0 * material.mu) * (1.0 - log(min(J, 1.0)))
+        return sqrt(modulus / material.density)
+
+
+def _placed(rank, r1, r2, r3):
+    """Of stresses in order the one of which two (r1), one (r2) or none (r3) are not greater."""
+
+
+@specialise(_placed)
+def _placed_by(rank, r1, r2, r3):
+    return lambda rank, r1, r2, r3: choose(rank > 1.5, r1, choose(rank < 0.5, r3, r2))
+
+
+class MohrCoulomb(Soil):
+    """Soil or rock with the strength of Mohr and Coulomb, exact on edges and at the apex."""
+
+    LOSSES: ClassVar[tuple[str, ...]] = ("plastic-work",)
+
+    STATE: ClassVar[tuple[State, ...]] = (
+        State("elastic-stretch", "1", "elastic b - 1, b = F_e F_e^T", tensor=True),
+        State("gap", "1", "volume by which the soil has opened, over its volume"),
+        State("plastic-shear", "1", "sum of the plastic parts of the greatest shear strain"),
+        PLASTIC_WORK,
+    )
+
+    model: Literal["mohr-coulomb"] = Field(description="name of the model")
+
+    def parameters(self) -> MohrCoulombParameters:
+        """Parameters of the kernels."""
+        lam, G = lame(self.young, self.poisson)
+        K = lam + 2.0 / 3.0 * G
+        angle = radians(self.friction_angle)
+        S, s = sin(angle), sin(radians(self.dilation_angle))
+        apex = min(self.apex, _BOUNDLESS)
+        return MohrCoulombParameters(
+            lam, G, K, S, s, 2.0 * self.cohesion * cos(angle),
+            2.0 * G * (1.0 + s / 3.0) + 2.0 * K * s,
+            (4.0 / 3.0 * G - 2.0 * K) * s,
+            2.0 * G * (1.0 - s / 3.0) - 2.0 * K * s,
+            4.0 * G * (1.0 + S * s / 3.0) + 4.0 * K * S * s,
+            2.0 * G * (1.0 + S + s - S * s / 3.0) + 4.0 * K * S * s,
+            2.0 * G * (1.0 - S - s - S * s / 3.0) + 4.0 * K * S * s,
+            apex, min(self.greatest_tension, apex), self.density,
+        )  # fmt: skip

@@ -1,0 +1,121 @@
+"""Tait's equation of state of weakly compressible fluids, p = K/g ((rho/rho0)^g - 1)."""
+
+from math import inf, log
+from typing import ClassVar
+
+from pydantic import Field
+
+from pgimp.jit.functions import power
+from pgimp.jit.kernel import specialise
+from pgimp.physics.materials.base import Material, State
+from pgimp.schema.base import NonNegative, Number, Positive
+
+#: Smallest J: at twice its density no liquid is one, and g = 7 makes the pressure 18 K.
+LEAST = 0.5
+
+VISCOUS_WORK = State("viscous-work", "energy/volume", "work of viscous stresses, by initial volume")
+
+#: The exponent of water, whose power takes no logarithm.
+_WATER = 7.0
+
+
+def raised(r, exponent):
+    """The power r^exponent of positive r; quick for the exponents 1 and 7."""
+
+
+@specialise(raised)
+def _raised(r, exponent):
+    def quickly(r, exponent):
+        if exponent == _WATER:
+            square = r * r
+            fourth = square * square
+            return fourth * square * r
+        return r if exponent == 1.0 else power(r, exponent)
+
+    return quickly
+
+
+def pressure(stiffness, exponent, least, r):
+    """Pressure at r = rho/rho0, at least `least`, the greatest tension with a minus.
+
+    `stiffness` is K/g.
+    """
+
+
+@specialise(pressure)
+def _pressure(stiffness, exponent, least, r):
+    return lambda stiffness, exponent, least, r: max(stiffness * (raised(r, exponent) - 1.0), least)
+
+
+def sound_squared(stiffness, exponent, density, J):
+    """Square of the speed of sound, c^2 = dp/drho; where the fluid has expanded that at rest.
+
+    Nothing moves through fluid that has no pressure, but it is as stiff again in a moment.
+    """
+
+
+@specialise(sound_squared)
+def _sound_squared(stiffness, exponent, density, J):
+    def square(stiffness, exponent, density, J):
+        whole = min(J, 1.0)
+        return stiffness * exponent / density * raised(1.0 / whole, exponent) * whole
+
+    return square
+
+
+def compression(stiffness, exponent, least, J):
+    """Energy of a compression to J, per initial volume; a number, for `energy`."""
+
+
+@specialise(compression)
+def _compression(stiffness, exponent, least, J):
+    def energy(stiffness, exponent, least, J):
+        if least == 0.0:
+            J = min(J, 1.0)
+        if exponent == 1.0:
+            return stiffness * (J - 1.0 - log(J))
+        return stiffness * ((J * raised(1.0 / J, exponent) - 1.0) / (exponent - 1.0) + J - 1.0)
+
+    return energy
+
+
+class Liquid(Material):
+    """What fluids with Tait's equation of state have in common."""
+
+    VOLUME_ONLY: ClassVar[bool] = True
+    SPELLINGS: ClassVar[dict[str, str]] = {"shear_viscosity": "shear-viscosity"}
+
+    bulk: Positive = Field(
+        description="bulk modulus at rest K, a hundred times the greatest density times velocity "
+        "squared, or more; only as great as need be: the step goes with its root [stress]"
+    )
+    shear_viscosity: NonNegative = Field(
+        alias="shear-viscosity", default=0.0, description="shear viscosity mu [stress time]"
+    )
+    exponent: Number = Field(
+        ge=1.0, le=20.0, default=7.0,
+        description="g in p = K/g ((density/initial density)^g - 1); 7 is that of water [1]",
+    )  # fmt: skip
+    tension: bool = Field(
+        default=False,
+        description="whether it can pull, p < 0: a free surface that can draws strings and tears",
+    )
+
+    @property
+    def stiffness(self) -> float:
+        """K/g."""
+        return self.bulk / self.exponent
+
+    @property
+    def least(self) -> float:
+        """Least pressure."""
+        return -inf if self.tension else 0.0
+
+    def out_of_range(self, J: float, state: tuple[float, ...]) -> tuple[str, str]:
+        """See `Material.out_of_range`."""
+        return (
+            f"is compressed to {J:.3g} of its volume, where a liquid is none (at least {LEAST:g})",
+            f"a greater bulk modulus than {self.bulk:g}: a hundred times the density times the "
+            "square of the greatest velocity; smaller steps (time.step); bodies or tools that "
+            "begin apart",
+        )

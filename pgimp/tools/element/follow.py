@@ -1,0 +1,118 @@
+"""A particle taken along a path, with the strains found at which given stresses act."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pgimp.errors import RunError
+from pgimp.tools.element.march import Array, Element
+from pgimp.tools.element.paths import Path, gradient
+
+#: Newton's method for the strains at which given stresses act.
+_MOST_ROUNDS = 40
+_DIFFERENCE = 1e-7
+_TOLERANCE = 1e-13
+_LARGEST_STRAIN = 0.1
+
+
+def follow(
+    element: Element, path: Path, values: Array, confine: float, rate: float
+) -> tuple[Array, Array, Array]:
+    """Take a particle along a path.
+
+    Parameters
+    ----------
+    element : Element
+        The particle, at rest and undeformed.
+    path : Path
+        The path.
+    values : (n,) float64
+        Of the path at the end of each step.
+    confine : float
+        Pressure under which it is put first, from all sides; strains count from there.
+    rate : float
+        Of the value, 1/time.
+
+    Returns
+    -------
+    rows : (n + 1, columns) float64
+        Stress and state before the first step and after each.
+    F : (n + 1, D, D) float64
+        Deformation gradients.
+    times : (n + 1,) float64
+        Since the path began.
+
+    Raises
+    ------
+    RunError
+        If no strain gives the stress that a path asks for, or the material gives no finite stress.
+    """
+    strains = np.zeros(3)
+    if confine:
+        _confine(element, strains, confine, rate)
+    start = strains.copy()
+    rows, gradients, times = [element.row.copy()], [element.F.copy()], [0.0]
+    before = 0.0
+    for value in values:
+        dt = abs(value - before) / rate or 1.0 / rate
+        added = path.stretch(float(value))
+        held = start + added[:3]
+        for i in path.free:
+            held[i] = strains[i]
+        strains = _step(element, held, added[3], path.free, -confine, dt)
+        if not np.isfinite(element.row).all():
+            raise RunError(
+                f"the material gives no finite stress or state at {value:.6g} of the path"
+            )
+        rows.append(element.row.copy())
+        gradients.append(element.F.copy())
+        times.append(times[-1] + dt)
+        before = value
+    return np.array(rows), np.array(gradients), np.array(times)
+
+
+def _confine(element: Element, strains: Array, pressure: float, rate: float) -> None:
+    """Put a particle under pressure from all sides, in ten steps."""
+    for k in range(1, 11):
+        strains[:] = _step(element, strains, 0.0, (0, 1, 2), -pressure * k / 10.0, 0.1 / rate)
+
+
+def _step(
+    element: Element, strains: Array, shear: float, free: tuple[int, ...], target: float, dt: float
+) -> Array:
+    """Take one step to strains of which some are free, so that their stress is the target."""
+    D, found = element.dimensions, strains.copy()
+
+    def stresses(trial: Array) -> Array:
+        row, _ = element.tried(gradient(trial, shear, D)[None], dt)
+        return row[0, list(free)] - target
+
+    if free:
+        left = stresses(found)
+        slope = np.zeros((len(free), len(free)))
+        for k, i in enumerate(free):
+            moved = found.copy()
+            moved[i] += _DIFFERENCE
+            slope[:, k] = (stresses(moved) - left) / _DIFFERENCE
+        scale = np.abs(slope).max()
+        for _ in range(_MOST_ROUNDS):
+            if not np.isfinite(left).all() or scale == 0.0:
+                break
+            if np.abs(left).max() <= _TOLERANCE * scale:
+                break
+            step = np.linalg.lstsq(slope, -left, rcond=None)[0]
+            step = np.clip(step, -_LARGEST_STRAIN, _LARGEST_STRAIN)
+            trial = found.copy()
+            trial[list(free)] += step
+            now = stresses(trial)
+            # Broyden's update of the slope: exact along the step that was taken.
+            if (length := step @ step) > 0.0:
+                slope += np.outer(now - left - slope @ step, step) / length
+            found, left = trial, now
+        if not np.abs(left).max() <= 1e3 * _TOLERANCE * scale:
+            raise RunError(
+                f"no strain across gives a stress of {target:.6g} there: the material has no "
+                "stiffness left, or the steps are too long; give more of them (--steps)"
+            )
+    element.advance(gradient(found, shear, D)[None], dt)
+    return found

@@ -1,0 +1,120 @@
+"""What is said of a particle along its path: columns, exact ones beside them, and a picture."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from pgimp.physics.fields import TENSOR
+from pgimp.physics.materials import Material
+from pgimp.tools.element.follow import follow
+from pgimp.tools.element.march import Array, Element
+from pgimp.tools.element.paths import legs, path_of
+
+#: Columns beside which exact ones stand have these before their names.
+EXACT = "exact-"
+
+
+def curve(
+    material: Material,
+    name: str,
+    values: list[float],
+    steps: int,
+    confine: float = 0.0,
+    rate: float = 1.0,
+) -> dict[str, Array]:
+    """Return the table of a path, with a row for its start and one for each step.
+
+    Parameters
+    ----------
+    material : Material
+        The entry of the case.
+    name : str
+        Of the path.
+    values : list of float
+        Where it leads, one after the other.
+    steps : int
+        To each of them.
+    confine, rate : float
+        Pressure before, rate of the value.
+
+    Returns
+    -------
+    dict of str to (n,) float64
+        By the names of columns: value, time, det-F, stresses, pressure, q (positive), states; where
+        the material knows the exact curve, its columns too, with ``exact-`` before their names.
+    """
+    element = Element(material)
+    path = path_of(name)
+    along = legs(values, steps)
+    rows, F, times = follow(element, path, along, confine, rate)
+    sigma = element.stress(rows)
+    xx, yy, zz, xy, yz, xz = sigma.T
+    shear = 3.0 * (xy**2 + yz**2 + xz**2)
+    table = {
+        "value": np.concatenate([[0.0], along]),
+        "time": times,
+        "det-F": np.linalg.det(F),
+        **{f"stress-{part}": sigma[:, i] for i, part in enumerate(TENSOR.split())},
+        "pressure": -(xx + yy + zz) / 3.0,
+        "q": np.sqrt(0.5 * ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) + shear),
+    }
+    for state, found in element.states(rows).items():
+        if found.ndim == 1:
+            table[state] = found
+        else:
+            table |= {
+                f"{state}-{part}": found[:, i]
+                for i, part in enumerate(TENSOR.split()[: found.shape[1]])
+            }
+    if len(values) == 1 and confine == 0.0:
+        exact = material.exact_path(name, table["value"], rate) or {}
+        table |= {f"{EXACT}{column}": exact[column] for column in exact if column in table}
+    return table
+
+
+def errors(table: dict[str, Array]) -> dict[str, float]:
+    """Return the greatest difference from each exact column, over that column's greatest value."""
+    found = {}
+    for name, exact in table.items():
+        if name.startswith(EXACT):
+            size = float(np.abs(exact).max()) or 1.0
+            found[name.removeprefix(EXACT)] = (
+                float(np.abs(table[name.removeprefix(EXACT)] - exact).max()) / size
+            )
+    return found
+
+
+def text(table: dict[str, Array]) -> str:
+    """Return the table as CSV, with all digits."""
+    lines = [",".join(table)]
+    columns = (values.tolist() for values in table.values())
+    lines += [",".join(map(repr, row)) for row in zip(*columns, strict=True)]
+    return "\n".join(lines) + "\n"
+
+
+def draw(table: dict[str, Array], name: str, title: str) -> Any:
+    """Return a figure of the path's stress, and of what the material remembers."""
+    from matplotlib.figure import Figure
+
+    from pgimp.tools.plot.style import COLOURS, plain
+
+    path = path_of(name)
+    known = {"value", "time", "det-F", "pressure", "q"}
+    states = [c for c in table if c not in known and not c.startswith((EXACT, "stress-"))]
+    states = [c for c in states if np.ptp(table[c])]
+    shown = [path.component, *states[:3]]
+    figure = Figure(figsize=(5.2 * min(len(shown), 2), 3.6 * ((len(shown) + 1) // 2)))
+    for number, column in enumerate(shown):
+        axes = figure.add_subplot((len(shown) + 1) // 2, min(len(shown), 2), number + 1)
+        axes.plot(table["value"], table[column], color=COLOURS[0], label="pgimp")
+        if EXACT + column in table:
+            axes.plot(
+                table["value"], table[EXACT + column], "--", color=COLOURS[1], label="exact"
+            )
+            axes.legend()
+        axes.set_xlabel(plain(path.meaning.partition(";")[0].partition(",")[0]))
+        axes.set_ylabel(plain(column))
+    figure.suptitle(plain(title))
+    return figure
