@@ -51,8 +51,8 @@ def slope(dimensions, cell, angle, friction, floor, times=None, affine=True):
 
     Both over those of a rigid one, which rolls if friction is more than tan/(1 + 1/k), with the
     inertia k M R^2: g sin/(1 + k), and g sin/(1 + k)/R. Else it slips: g (sin - mu cos), and
-    mu g cos/(k R). Velocities are fitted by lines between two times, as the weight sets in at once, and
-    bodies rock on what they lie on.
+    mu g cos/(k R). Velocities are fitted by lines between two times, as the weight sets in at once,
+    and bodies rock on what they lie on.
     """
     D, g, k = dimensions, 1.0, INERTIA[dimensions]
     s, c = sin(radians(angle)), cos(radians(angle))
