@@ -135,7 +135,7 @@ def _table(found, cells):
     for what, exact, values in rows:
         head = head if what.startswith("the same") else what
         line = f"| {what} | {exact} | {' | '.join((*values, '', '')[:2])} |\n"
-        text += line if values else known.get((head, what), line)
+        text += line if values else known.get((head, what), "")
     return text
 
 
@@ -144,7 +144,7 @@ def _known():
     lines, head = {}, ""
     path = PAGES / "tables" / "contact-motion.md"
     for line in path.read_text(encoding="utf-8").splitlines()[2:] if path.exists() else ():
-        if line.startswith("| "):
+        if line.startswith("| ") and not line.endswith("|  |  |"):
             what = line[2:].split(" | ")[0]
             head = head if what.startswith("the same") else what
             lines[head, what] = line + "\n"

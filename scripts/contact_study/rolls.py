@@ -46,16 +46,18 @@ def _motion_of(simulation, D):
     return mean[0], spin / (m * (x[:, up] ** 2 + x[:, 0] ** 2)).sum()
 
 
-def slope(dimensions, cell, angle, friction, floor, times=(1.0, 3.0), affine=True):
+def slope(dimensions, cell, angle, friction, floor, times=None, affine=True):
     """A cylinder or sphere with a radius of 1 on a slope: acceleration, and that of its spin.
 
     Both over those of a rigid one, which rolls if friction is more than tan/(1 + 1/k), with the
     inertia k M R^2: g sin/(1 + k), and g sin/(1 + k)/R. Else it slips: g (sin - mu cos), and
-    mu g cos/(k R). They are means between two times, as the weight sets in at once.
+    mu g cos/(k R). Velocities are fitted by lines between two times, as the weight sets in at once,
+    and bodies rock on what they lie on.
     """
     D, g, k = dimensions, 1.0, INERTIA[dimensions]
     s, c = sin(radians(angle)), cos(radians(angle))
     rolls = friction >= s / c / (1.0 + 1.0 / k)
+    times = times or ((1.0, 3.0) if D == 3 else ((2.0, 8.0) if rolls else (1.0, 4.0)))
     exact = (g * s / (1.0 + k),) * 2 if rolls else (g * (s - friction * c), friction * g * c / k)
     way = 0.5 * exact[0] * times[1] ** 2
     low = 0.0 if floor == "wall" else FLOOR
@@ -66,17 +68,19 @@ def slope(dimensions, cell, angle, friction, floor, times=(1.0, 3.0), affine=Tru
     gravity = [g * s, *[0.0] * (D - 2), -g * c]
     case = motion.case_of(bodies, size, cell, times[1], gravity=gravity)
     _floor(case, floor, friction, size)
-    case["materials"]["solid"] = motion.SOLID | {"young": 300.0}
+    case["materials"]["solid"] = motion.SOLID | {"young": 1000.0 if D == 2 else 300.0}
     case["method"]["affine"] = affine
     case["output"] = {"fields": ["velocity", "mass"]}
     simulation = pgimp.Simulation(case)
     found = []
-    for time in times:
+    for time in np.linspace(*times, 61):
         simulation.advance(time)
         found.append((simulation.time, *_motion_of(simulation, D)))
-    begin, end = found
-    rates = (np.array(end[1:]) - begin[1:]) / (end[0] - begin[0])
-    return rates[0] / exact[0], rates[1] / exact[1]
+    time, velocity, spin = np.transpose(found)
+    return tuple(
+        np.polyfit(time, values, 1)[0] / one
+        for values, one in ((velocity, exact[0]), (spin, exact[1]))
+    )
 
 
 def at_vertices(simulation, dt):

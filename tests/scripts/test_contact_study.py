@@ -12,7 +12,6 @@ sys.path.append(str(ROOT / "scripts" / "contact_study"))
 
 import detection  # noqa: E402
 import gap  # noqa: E402
-import hertz  # noqa: E402
 import motion  # noqa: E402
 import problems  # noqa: E402
 import rolls  # noqa: E402
@@ -52,12 +51,6 @@ def test_momenta_at_the_vertices(dimensions):
     on_grid, particles, momentum = rolls.collision(dimensions, 1.0)
     assert on_grid < 1e-12 and momentum < 1e-12
     assert 1e-4 < particles < 0.1
-
-
-def test_cylinders_press_on_each_other():
-    """Two cells in half the width: Hertz's width to a tenth, the pressure to a fifth."""
-    width, pressure = hertz.line(2)
-    assert width == pytest.approx(1.0, abs=0.1) and pressure == pytest.approx(1.0, abs=0.2)
 
 
 def test_blocks_that_stick():
