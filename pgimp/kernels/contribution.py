@@ -5,10 +5,11 @@ from typing import NamedTuple
 from pgimp.jit.algebra import determinant
 from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import pack
-from pgimp.jit.tuples import read
+from pgimp.jit.tuples import read, scaled
 from pgimp.kernels.clearance import moment, wall
 from pgimp.kernels.mean import set_apart
-from pgimp.kernels.place import deformation
+from pgimp.kernels.piola import kept_force
+from pgimp.kernels.place import deformation, is_initial
 from pgimp.kernels.viscosity import viscous_pressure
 
 
@@ -31,8 +32,10 @@ class VolumeSums(NamedTuple):
     mean: tuple[()] = ()
 
 
-def contribution(loads, frame, particles, p):
+def contribution(loads, frame, particles, p, forces, j):
     """What a particle adds to the sums of vertices, times its weights, as vectors.
+
+    Particle `p` is number `j` of a batch; `forces` is what `keep_forces` has kept of that.
 
     Returns
     -------
@@ -41,8 +44,21 @@ def contribution(loads, frame, particles, p):
     S : tuple of Vec4
         For each direction i the column (m_p w_i, -V_p (sigma_xi, sigma_yi, sigma_zi)), for (16),
         the stress less the viscous pressure (45), or less all of its mean, see `set_apart`; w is
-        what `pgimp.kernels.clearance` wants.
+        what `pgimp.kernels.clearance` wants. In the initial configuration
+        (0, -V0_p (P_xi, P_yi, P_zi)).
     """
+
+
+def _mass_and_momentum(m, p):
+    """The vector (m, p)."""
+
+
+@specialise(_mass_and_momentum)
+def _mass_and_momentum_of(m, p):
+    one = lambda m, p: pack(m, p[0], 0.0, 0.0)  # noqa: E731
+    two = lambda m, p: pack(m, p[0], p[1], 0.0)  # noqa: E731
+    three = lambda m, p: pack(m, p[0], p[1], p[2])  # noqa: E731
+    return (one, two, three)[len(p) - 1]
 
 
 def _outward(V, d):
@@ -73,11 +89,11 @@ def _moved_by(F, d):
 
 
 @specialise(contribution)
-def _contribution(loads, frame, particles, p):
+def _contribution(loads, frame, particles, p, forces, j):
     D = len(frame.types[0])
     if loads.instance_class is VolumeSums:
 
-        def volumes(loads, frame, particles, p):
+        def volumes(loads, frame, particles, p, forces, j):
             F = deformation(frame, particles, p)
             V, d = particles.V0[p] * determinant(F), read(particles.offset, p, 0, frame.origin)
             cut = 0.0
@@ -87,9 +103,17 @@ def _contribution(loads, frame, particles, p):
             return A, _outward(V, _moved(F, d))
 
         return volumes
+    if is_initial(frame):
+
+        def initial(loads, frame, particles, p, forces, j):
+            m = particles.m[p]
+            v = scaled(m, read(particles.v, p, 0, frame.origin))
+            return _mass_and_momentum(m, v), kept_force(forces, j, frame.origin)
+
+        return initial
     if D == 1:
 
-        def contribution1(loads, frame, particles, p):
+        def contribution1(loads, frame, particles, p, forces, j):
             m = particles.m[p]
             V = -particles.V[p]
             q = viscous_pressure(loads.viscosity, particles, p)
@@ -101,7 +125,7 @@ def _contribution(loads, frame, particles, p):
         return contribution1
     if D == 2:
 
-        def contribution2(loads, frame, particles, p):
+        def contribution2(loads, frame, particles, p, forces, j):
             m = particles.m[p]
             V = -particles.V[p]
             q = set_apart(loads, frame, particles, p)
@@ -114,7 +138,7 @@ def _contribution(loads, frame, particles, p):
 
         return contribution2
 
-    def contribution3(loads, frame, particles, p):
+    def contribution3(loads, frame, particles, p, forces, j):
         m = particles.m[p]
         V = -particles.V[p]
         q = set_apart(loads, frame, particles, p)

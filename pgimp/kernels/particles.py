@@ -137,7 +137,6 @@ class Particles(NamedTuple):
     state: Annotated[
         FloatArray, Column("state variables of the material", "", lambda c: c.state)
     ]
-
     offset: Annotated[
         FloatArray,
         Column(
@@ -212,6 +211,17 @@ class Frame(NamedTuple):
     def vertices(self) -> tuple[int, ...]:
         """Number of vertices of each direction, with `ghost` more beyond either face."""
         return tuple(n + 1 + 2 * self.ghost for n in self.cells)
+
+
+class InitialFrame(Frame):
+    """Where a grid of the initial configuration lies (total Lagrangian).
+
+    Kernels that get it, in a `Setting`, take weights of the particles' initial places and
+    gradients by these, forces from the first Piola-Kirchhoff stress, and never move a particle
+    from a layer to another. They choose by its type, so that others are compiled as without it.
+    """
+
+    __slots__ = ()
 
 
 class Window(NamedTuple):

@@ -2,10 +2,10 @@
 
 Surface vectors: each particle has the integrals A0 = int N dA and K0 = int N (X - X_p) dA over the
 surface within its box, here by quadrature of the exact surface. Vertices sum A = sum S A0,
-B = sum S |A0| and Q = sum S sym(K0 + A0 (x_p - x_v)). With c = |A|/B of each body the normal is that
-of c_a^20 B_a A_a/|A_a| - c_b^20 B_b A_b/|A_b|, and the gap that of the offsets n.Qn/(A.n). Volume
-fractions are what is built, see `pgimp.kernels.contact`: gap and normal from sums of V_p S and
-V_p grad S. Particles, their volumes and weights are pgimp's.
+B = sum S |A0| and Q = sum S sym(K0 + A0 (x_p - x_v)). With c = |A|/B of each body the normal is
+that of c_a^20 B_a A_a/|A_a| - c_b^20 B_b A_b/|A_b|, and the gap that of the offsets n.Qn/(A.n).
+Volume fractions are what is built, see `pgimp.kernels.contact`: gap and normal from sums of V_p S
+and V_p grad S. Particles, their volumes and weights are pgimp's.
 
 Of volume fractions there are two: with particles that a surface cuts where they are, at their
 places on the lattice, and as they are built, where their volume is, less what curvature adds.
@@ -129,13 +129,19 @@ def balls(dimensions, radius, way, shift):
     return Touch(tuple(regions), tuple(surfaces), middle, way, distance)
 
 
+def _plane(middle):
+    """A body whose upper face is at a place."""
+    low, high = middle - np.array([10.0, 8.0]), middle + np.array([10.0, 0.0])
+    return {"box": {"min": low.tolist(), "max": high.tolist()}}
+
+
 def corner(angle, shift):
     """The corner of a square, turned by `angle`, that stands on a plane."""
     c, s = cos(radians(angle)), sin(radians(angle))
     middle, half = _middle(2, shift), 4.0
     edges = np.array([[c, s], [-s, c]])
     square = gap.turned(middle + half * edges.sum(axis=0), [half, half], angle)
-    plane = {"box": {"min": (middle - [10.0, 8.0]).tolist(), "max": (middle + [10.0, 0.0]).tolist()}}
+    plane = _plane(middle)
     u = (np.arange(round(6.0 * FINE[2])) + 0.5) / FINE[2]
     area = np.full(len(u), 1.0 / FINE[2])
     legs = [
@@ -157,7 +163,7 @@ def edge(shift):
     """The lower edge of a block that lies on a plane."""
     middle = _middle(2, shift)
     block = {"box": {"min": middle.tolist(), "max": (middle + 8.0).tolist()}}
-    plane = {"box": {"min": (middle - [10.0, 8.0]).tolist(), "max": (middle + [10.0, 0.0]).tolist()}}
+    plane = _plane(middle)
     u = (np.arange(round(6.0 * FINE[2])) + 0.5) / FINE[2]
     area = np.full(2 * len(u), 1.0 / FINE[2])
     points = middle + np.concatenate([u[:, None] * [1.0, 0.0], u[:, None] * [0.0, 1.0]])

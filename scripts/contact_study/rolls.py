@@ -1,4 +1,4 @@
-"""Cylinders and spheres on slopes, and how angular momentum is kept by the grid and by particles."""
+"""Cylinders and spheres on slopes; angular momentum on the grid, and what particles keep of it."""
 
 from math import cos, radians, sin
 

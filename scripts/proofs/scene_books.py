@@ -30,6 +30,7 @@ import numpy as np
 from scene_energy import Seen
 
 from pgimp.errors import RunError
+from pgimp.scene.facts import wave_speed
 from pgimp.schema.tables import prescribed
 
 #: Of mass times wave speed: forces on vertices that are too light to be accelerated are lost, about
@@ -87,7 +88,7 @@ class Books:
         self.wrong, self.created, self.turned = [], 0.0, 0.0
         self._line = sim.diagnostics()
         self.mass = self._line["mass"]
-        speeds = [math.sqrt(1.5 * m.young / m.density) for m in self.case.materials.values()]
+        speeds = [wave_speed(sim.scene, body) for body in range(len(sim.scene.body_names))]
         self._scale = self.mass * max(speeds)
         self._momentum = [(0.0, 0, "")]
         self._work = [(0.0, 0, "")]

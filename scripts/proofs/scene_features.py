@@ -111,6 +111,96 @@ def memory(rng, scene):
             scene.states = ("damage", "peak-energy")
 
 
+def metals(rng, scene):
+    """Metals in place of materials that remember nothing: of all kinds, with all they may have."""
+    plain = [name for name, entry in scene.case["materials"].items() if "damage" not in entry]
+    for name in plain[: rng.kind.choice((1, 2, 3))]:
+        entry = scene.case["materials"][name]
+        E, rho = entry["young"], entry["density"]
+        limit = E * 10.0 ** rng.uniform(-3.0, -1.0)
+        entry.setdefault("poisson", 0.3)
+        if rng.kind.random() < 0.5:
+            entry |= {"model": "von-mises", "yield-stress": limit}
+            entry["hardening"] = rng.choice((0.0, 0.02 * E))
+            if rng.kind.random() < 0.5:
+                entry["saturation"] = {"stress": 0.5 * limit, "rate": number(rng, 1.0, 50.0)}
+            if rng.kind.random() < 0.5:
+                entry["kinematic"] = 0.02 * E
+            scene.states += ("plastic-strain",)
+            continue
+        entry |= {"model": "johnson-cook", "a": limit, "b": limit, "n": number(rng, 0.2, 0.8)}
+        entry |= {"c": number(rng, 0.0, 0.1), "m": number(rng, 0.5, 1.5), "temperature": 300.0}
+        entry |= {"melting": 1000.0, "specific-heat": 0.02 * limit / rho, "reference-rate": 0.1}
+        if rng.kind.random() < 0.5:
+            entry["damage"] = {"d1": number(rng, 0.01, 0.2), "d2": 0.1, "d3": -1.5, "d5": 0.3}
+        if rng.kind.random() < 0.5:
+            law = {"c0": math.sqrt(E / rho), "s": number(rng, 0.5, 1.5)}
+            entry["eos"] = {"mie-gruneisen": law | {"gamma": number(rng, 0.0, 2.0)}}
+        scene.states += ("plastic-strain", "temperature")
+    scene.states = tuple(dict.fromkeys(scene.states))
+
+
+def laws(rng, modulus, density):
+    """Soils, fluids and gases whose waves are no faster than those of a solid of a modulus."""
+    angle = number(rng, 5.0, 40.0)
+    solid = {"young": modulus, "poisson": number(rng, 0.0, 0.3)}
+    cohesion = rng.choice((0.0, number(rng, 0.001, 0.05) * modulus))
+    strong = {"cohesion": cohesion, "friction-angle": angle}
+    strong |= {"dilation-angle": rng.choice((0.0, 0.5, 1.0)) * angle}
+    if cohesion and rng.random() < 0.4:
+        strong["tension"] = rng.choice((0.0, 0.5)) * cohesion
+    liquid = {"bulk": modulus, "exponent": rng.choice((1.0, 7.0, 2.5))}
+    liquid["tension"] = rng.random() < 0.4
+    viscosity = number(rng, 0.001, 0.02) * math.sqrt(modulus * density)
+    return {
+        "drucker-prager": solid | strong,
+        "mohr-coulomb": solid | strong,
+        "cam-clay": {
+            "m": number(rng, 0.8, 1.4), "lambda": 0.2, "kappa": 0.05, "void-ratio": 1.0,
+            "shear": 0.3 * modulus, "preconsolidation": 0.02 * modulus,
+            "pressure": number(rng, 0.002, 0.02) * modulus,
+        },
+        "mu-i": solid | {
+            "mu-s": 0.38, "mu-2": number(rng, 0.4, 1.0), "i0": 0.279, "grain": 0.01,
+            "grain-density": 2.0 * density,
+        },
+        "newtonian": liquid | {"shear-viscosity": viscosity},
+        "bingham": liquid | {
+            "bulk": 0.6 * modulus, "shear-viscosity": viscosity,
+            "yield-stress": number(rng, 0.001, 0.02) * modulus,
+        },
+        "ideal-gas": {
+            "gamma": number(rng, 1.1, 1.7), "energy": number(rng, 0.005, 0.03) * modulus / density,
+        },
+    }  # fmt: skip
+
+
+def flows(rng, scene):
+    """Some materials are soils, fluids or gases."""
+    from pgimp.physics.materials import MATERIALS as KNOWN
+
+    chosen, states = [*scene.case["materials"]], []
+    for name in rng.kind.sample(chosen, rng.kind.randint(1, len(chosen))):
+        entry = scene.case["materials"][name]
+        if entry["model"] in ("softening", "von-mises", "johnson-cook"):
+            continue
+        density, of = entry["density"], laws(rng, entry["young"], entry["density"])
+        model = rng.kind.choice([*of])
+        scene.case["materials"][name] = {"model": model, "density": density} | of[model]
+        scalar = [state.name for state in KNOWN[model].STATE if not state.tensor]
+        states += [each for each in scalar if each not in states]
+    scene.states = (*scene.states, *states)
+
+
+def runs(scene, body):
+    """Whether of a body's deformation only the volume is followed."""
+    from pgimp.physics.materials import MATERIALS as KNOWN
+
+    name = scene.case["bodies"][body]["material"]
+    entry = KNOWN.get(scene.case["materials"][name]["model"])
+    return entry is not None and entry.VOLUME_ONLY
+
+
 def affine(rng, scene):
     """Particles carry their velocity gradient."""
     scene.case["method"]["affine"] = True
@@ -206,7 +296,9 @@ def gravity(rng, scene):
 
 def traction(rng, scene):
     """A pressure or a traction on a face of a body that is a box; the first is made one."""
-    bodies = scene.case["bodies"]
+    bodies = {name: body for name, body in scene.case["bodies"].items() if not runs(scene, name)}
+    if not bodies:
+        return
     boxes = [name for name, body in bodies.items() if "box" in body["region"]]
     if not boxes:
         boxes = [next(iter(bodies))]
@@ -332,6 +424,19 @@ def contact(rng, scene):
     scene.case["contact"] = entries
 
 
+def initial(rng, scene):
+    """All bodies in the initial configuration, without what they cannot meet there."""
+    case = scene.case
+    case["bodies"] = {name: body | {"configuration": "initial"}
+                      for name, body in case["bodies"].items() if "rigid" not in body}  # fmt: skip
+    for part in ("contact", "escape"):
+        case.pop(part, None)
+    case["method"].pop("volume", None)
+    for face, kind in case["boundaries"].items():
+        if kind == "separating" or "separating" in kind:
+            case["boundaries"][face] = "slip"
+
+
 class Feature(NamedTuple):
     """A line of the table: see the head of this file."""
 
@@ -349,6 +454,8 @@ FEATURES = (
     Feature("relaxation", relaxation, 0.15, compiled=True),
     Feature("materials", materials),
     Feature("memory", memory, 0.2, compiled=True),
+    Feature("metals", metals, 0.2, compiled=True),
+    Feature("flows", flows, 0.35, compiled=True),
     Feature("viscosity", viscosity, 0.2, compiled=True),
     Feature("time", time),
     Feature("bodies", add_bodies),
@@ -362,6 +469,7 @@ FEATURES = (
     Feature("rigid bodies", tools, 0.3, compiled=True),
     Feature("free body", free, 0.12, compiled=True),
     Feature("contact", contact, 0.35, compiled=True),
+    Feature("initial configuration", initial, 0.2, compiled=True),
     Feature("frames", frames),
     Feature("grid frames", grid_frames, 0.4),
     Feature("precision and compression", small_files, 0.4),

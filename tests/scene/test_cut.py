@@ -632,14 +632,15 @@ def test_what_surfaces_leave_is_known_to_contact(D):
     assert (np.abs(p.V0[~cut] - 0.25**D) < 1e-15).all()
     size = 0.25 * np.ones(D)
     assert (np.abs(p.offset) <= size).all()
-    # Centres of mass: exact of a box, of high order of a ball; at the lattice's points they are not.
+    # Centres of mass: exact of a box, of high order of a ball.
     for number, middle in enumerate(([4.3, 4.1, 4.4][:D], [8.2, 3.025, 3.15][:D])):
         own = p.body == number
         centre = p.V0[own] @ (p.x + p.offset)[own] / p.V0[own].sum()
         assert centre == pytest.approx(np.array(middle), abs=1e-3 if number == 0 else 1e-12)
     bent = p.excess[:, 0] / cell
     exact = (D - 1) / radius * (1.0 / 12.0 + 1.0 / 16.0)
-    assert bent[cut & (p.body == 0)] == pytest.approx(exact, rel=0.15)  # half a box from the surface, at most
+    # Taken at the particles, up to half a box from the surface.
+    assert bent[cut & (p.body == 0)] == pytest.approx(exact, rel=0.15)
     assert (bent[~cut] == 0.0).all()
     # Only particles within a quarter of a cell of an edge, where it is rounded outside, are not 0.
     edges = np.array([[7.3, 1.15, 1.4][:D], [9.1, 4.9, 4.9][:D]])

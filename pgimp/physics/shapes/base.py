@@ -1,6 +1,7 @@
 """What the entries of all shapes have in common, and the kernels' view of a shape."""
 
-from typing import ClassVar, Literal
+from abc import abstractmethod
+from typing import Any, ClassVar, Literal
 
 from pydantic import Field
 
@@ -69,6 +70,18 @@ class Shape(Model):
     def follows(self) -> bool:
         """Whether the particles' size follows the deformation."""
         return False
+
+    @abstractmethod
+    def parameters(self, cell: tuple[float, ...]) -> Any:
+        """Parameters of the kernels, in units of the sides of a cell."""
+
+    def fixed(self, cell: tuple[float, ...]) -> Any:
+        """Parameters of the kernels for weights that stay those of the start.
+
+        Where the size follows the deformation, of a shape with the same weights whose size does
+        not: those of undeformed particles.
+        """
+        return self.parameters(cell)
 
     @property
     def mirrors(self) -> bool:

@@ -116,6 +116,10 @@ class _Fuzzy(Shape):
         """See `Shape.mirrors`."""
         return self.wall == "mirror"
 
+    def fixed(self, cell: tuple[float, ...]) -> FixedFuzzyParameters:
+        """See `Shape.fixed`."""
+        return FixedFuzzyParameters(self.parameters(cell).half)
+
     def _parameters(self, half: tuple[float, ...]) -> FixedFuzzyParameters | TrackedFuzzyParameters:
         return (TrackedFuzzyParameters if self.size == "tracked" else FixedFuzzyParameters)(half)
 
