@@ -16,7 +16,7 @@ from pgimp.solver.clock import FixedClock
 from pgimp.solver.simulation import Simulation
 
 BAR = {"model": "linear-1d", "young": 1.0, "density": 1.0}
-SOLID = {"model": "neo-hookean", "young": 1.0, "poisson": 0.3, "density": 1.0}
+SOLID = {"model": "neo-hookean", "young": 1.0, "density": 1.0}
 #: Cells along a body, cells from one to the next, bodies.
 BODIES = {1: (8, 12, 16), 2: (4, 8, 9), 3: (3, 7, 6)}
 #: Speeds of bodies that move, over that of waves.
@@ -25,7 +25,7 @@ LARGEST = 1.0
 SHAKE = 1e-7
 
 
-def free_bodies(method, dimension, per_cell, count=None, room=0.0):
+def free_bodies(method, dimension, per_cell, count=None, poisson=0.3, room=0.0):
     """Simulation of the free bodies, all of `BODIES` unless `count` says how many.
 
     There is `room` to move along x, in cells.
@@ -52,16 +52,16 @@ def free_bodies(method, dimension, per_cell, count=None, room=0.0):
             "cell": [1.0] * dimension,
         },
         "method": method | {"particles_per_cell": [per_cell] * dimension},
-        "time": {"end": 1e6, "step": 0.1},
-        "materials": {"solid": BAR if dimension == 1 else SOLID},
+        "time": {"end": 1e6, "step": 0.02},
+        "materials": {"solid": BAR if dimension == 1 else SOLID | {"poisson": poisson}},
         "bodies": bodies,
     }
     return Simulation(Case.model_validate(case), Serial())
 
 
-def shaken(method, dimension, per_cell, speed=0.0, room=0.0):
+def shaken(method, dimension, per_cell, speed=0.0, room=0.0, poisson=0.3):
     """The free bodies at their offsets, shaken, and moving along x at a speed; see this module."""
-    sim = free_bodies(method, dimension, per_cell, room=room)
+    sim = free_bodies(method, dimension, per_cell, poisson=poisson, room=room)
     count = BODIES[dimension][2]
     p, rows = sim.particles, sim.live()
     random = np.random.default_rng(1)
@@ -76,9 +76,9 @@ def shaken(method, dimension, per_cell, speed=0.0, room=0.0):
     return sim
 
 
-def stable_bodies(method, dimension, per_cell, courant, steps):
+def stable_bodies(method, dimension, per_cell, courant, steps, poisson=0.3):
     """Which bodies are stable at a Courant number, (bodies,) bool."""
-    sim = shaken(method, dimension, per_cell)
+    sim = shaken(method, dimension, per_cell, poisson=poisson)
     return _kept(sim, courant / sim.rate, steps)
 
 
@@ -124,12 +124,12 @@ def moving_limit(method, dimension, per_cell, speed, tolerance=0.01, steps=3000)
     return most * _bisect(stable, tolerance)
 
 
-def limits(method, dimension, per_cell, steps, tolerance=0.01):
+def limits(method, dimension, per_cell, steps, tolerance=0.01, poisson=0.3):
     """Largest stable Courant numbers: of all bodies together, and of the most stable body."""
     return tuple(
         _bisect(
             lambda courant, together=together: together(
-                stable_bodies(method, dimension, per_cell, courant, steps)
+                stable_bodies(method, dimension, per_cell, courant, steps, poisson)
             ),
             tolerance,
         )

@@ -7,8 +7,8 @@ from locking import KINDS, OFFSETS, locked
 from locking import METHODS as UNLOCKED
 from rows import METHODS, ROWS, grazed, measured
 
-#: In 1D they are as without.
-MEAN = ("gimp, mean", "gimp, mean, affine", "finite-gimp, mean", "cpdi, mean")
+#: Not in 1D, where they are as without, or there is no Poisson's ratio.
+MEAN = ("gimp, mean", "gimp, mean, affine", "gimp, 0.499", "gimp, mean, 0.499")
 
 
 def case_job(number, method, quick):
@@ -25,7 +25,8 @@ def courant_job(method, dimension, per_cell, quick):
     entry = {"shape": shape, "affine": "affine" in words}
     if "mean" in words:
         entry["volumetric"] = "mean"
-    both = limits(entry, dimension, per_cell, steps, 0.05 if quick else 0.01)
+    poisson = next((float(word) for word in words if word.startswith("0.")), 0.3)
+    both = limits(entry, dimension, per_cell, steps, 0.05 if quick else 0.01, poisson)
     return {
         "method": method,
         "dimension": dimension,
