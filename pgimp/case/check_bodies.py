@@ -254,6 +254,12 @@ def check_contact(
                     yield Problem((*path, k), unknown("body", name, body_names))
         elif len(body_names) < 2:
             yield Problem(path, "there is only one body, which meets no other")
+        if entry.bodies != "all" and set(entry.bodies) <= set(tools):
+            text = (
+                "all are rigid, and rigid bodies do not feel each other: leave the entry out, or "
+                "make one of them a body of a material"
+            )
+            yield Problem(path, text)
         for pair in sorted(pairs & set(told), key=sorted)[:1]:
             names = " and ".join(sorted(pair))
             yield Problem(path, f"entry {told[pair] + 1} has a law for {names} already")

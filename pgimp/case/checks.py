@@ -22,6 +22,7 @@ from pgimp.case.check_bodies import (
     check_tractions,
     check_velocities,
 )
+from pgimp.case.check_configuration import check_configuration
 from pgimp.case.check_domain import (
     check_body_force,
     check_boundaries,
@@ -126,6 +127,7 @@ _CHECKS = (
     check_constraints,
     check_contact,
     check_adhesion,
+    check_configuration,
     check_output,
     check_probes,
 )

@@ -156,6 +156,15 @@ class Body(Model):
         tuple[float, ...] | RigidMotion,
         Either("one number a direction or {rotation: ...}", {tuple: Vector, dict: RigidMotion}),
     ] = zero_vector("initial velocity: a vector or a rigid motion [length/time]")
+    configuration: Literal["current", "initial"] = Field(
+        default="current",
+        description="current: particles move over the grid; for what flows, breaks, or meets "
+        "something. initial: the grid is one of the body as it was at the start, and moves and "
+        "deforms with it (total Lagrangian): vibrations and spin last, nothing tears at any "
+        "stretch, and steps are cheaper and do not become shorter as the body moves. A face of "
+        "the domain holds what lies on it at the start, and the body meets nothing else; all "
+        "bodies of a case have the same",
+    )
 
 
 class Case(Model):

@@ -20,6 +20,7 @@ from pgimp.mpi.limits import limits
 from pgimp.running import forecast
 from pgimp.running.progress import duration
 from pgimp.scene import nearness
+from pgimp.scene.advice import advice
 from pgimp.scene.extent import extents
 from pgimp.scene.facts import BodyFacts, examine
 from pgimp.scene.geometry import share
@@ -99,7 +100,9 @@ def report(case: Case) -> None:
     found = examine(scene, lattice, counts)
     bodies = found.bodies
     inverse = max(scene.frame.inverse)
-    rate = max(body.rest_rate + body.top_speed * inverse for body in bodies)
+    # A grid of the initial configuration moves with the bodies.
+    crossing_rate = 0.0 if scene.initial else inverse
+    rate = max(body.rest_rate + crossing_rate * body.top_speed for body in bodies)
     require_end(scene, max(rate, scene.tools.first_rate))
     dt = _step(case, rate, scene.tools.first_rate)
     require_slow(scene.tools, dt)
@@ -124,7 +127,7 @@ def report(case: Case) -> None:
     number = forecast.frames(case, steps)
     size = size_text(number * forecast.frame_size(case, scene.fields, count))
     print(f"output           {number:,} frames of particles, about {size}")
-    for note in (*notes, *nearness.notes(case)):
+    for note in (*notes, *nearness.notes(case), *advice(case, bodies)):
         print(f"note: {note}")
     for text in chain(
         filter(None, [stability_warning(dt, rate, case.method.stable)]),

@@ -42,6 +42,9 @@ class Grid:
         Cells by which a particle may be farther out than where all ranks know it to be.
     fields : sequence of int
         Number of each body's velocity field; () if all bodies share one.
+    room : tuple of D pairs of float, optional
+        Coordinates between which particles have to be, where these have nothing to do with the
+        grid: it is one of the initial configuration.
 
     Attributes
     ----------
@@ -70,10 +73,17 @@ class Grid:
     """
 
     def __init__(
-        self, frame: Frame, vertices: int, slab: Slab, late: int = 0, fields: Sequence[int] = ()
+        self,
+        frame: Frame,
+        vertices: int,
+        slab: Slab,
+        late: int = 0,
+        fields: Sequence[int] = (),
+        room: tuple[tuple[float, float], ...] | None = None,
     ) -> None:
         self.frame = frame
         self.late = late
+        self._room = room
         self.fields = tuple(fields)
         self.vertices = vertices
         self.slab = slab
@@ -127,7 +137,7 @@ class Grid:
         above = self.vertices - 1 if self.slab.above is not None else 0
         self.aside = aligned(half + above * (above + 1) // 2 * plane)
         self.partial = self.aside[:half]
-        self.bounds = self._bounds()
+        self.bounds = self._bounds() if self._room is None else self._room
         self.field = Field(
             self.window, self.G, self.active, self.scratch, self.aside, self.below, self.owned,
             self.bounds,

@@ -89,6 +89,36 @@ def _inverse(A):
     return inverse3
 
 
+def cofactor(A):
+    """Cofactor matrix det(A) A^-T; in 2D that of the plane-strain extension, but for its zz."""
+
+
+@specialise(cofactor)
+def _cofactor(A):
+    if len(A) == 1:
+        return lambda A: (1.0,)
+    if len(A) == 4:
+        return lambda A: (A[3], -A[2], -A[1], A[0])
+    return lambda A: (
+        A[4] * A[8] - A[5] * A[7], A[5] * A[6] - A[3] * A[8], A[3] * A[7] - A[4] * A[6],
+        A[2] * A[7] - A[1] * A[8], A[0] * A[8] - A[2] * A[6], A[1] * A[6] - A[0] * A[7],
+        A[1] * A[5] - A[2] * A[4], A[2] * A[3] - A[0] * A[5], A[0] * A[4] - A[1] * A[3],
+    )  # fmt: skip
+
+
+def full(S):
+    """The matrix, row-major, of a symmetric tensor, in the directions of the scene."""
+
+
+@specialise(full)
+def _full(S):
+    if len(S) == 3:
+        return lambda S: (S[0],)
+    if len(S) == 4:
+        return lambda S: (S[0], S[3], S[3], S[1])
+    return lambda S: (S[0], S[3], S[5], S[3], S[1], S[4], S[5], S[4], S[2])
+
+
 def one_plus(factor, A):
     """The matrix 1 + factor A."""
 

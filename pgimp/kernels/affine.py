@@ -18,7 +18,6 @@ from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import pack, where
 from pgimp.jit.tuples import scaled
 from pgimp.kernels.batch import put_row
-from pgimp.kernels.gathered import held_weights
 from pgimp.kernels.transfer import held_codes
 
 
@@ -57,31 +56,29 @@ def _affine_momentum(affine, frame, particles, p):
     return (affine_momentum1, affine_momentum2, affine_momentum3)[D - 1]
 
 
-def keep_gradients(affine, particles, rows, L, sums):
+def keep_gradients(affine, particles, rows, L, held):
     """Let four particles keep the velocity gradients L that they carry, where they carry any.
 
-    `sums` is what `gather` gave for them.
+    `held` is what `take_from_grid` gives.
     """
 
 
 @specialise(keep_gradients)
-def _keep_gradients(affine, particles, rows, L, sums):
+def _keep_gradients(affine, particles, rows, L, held):
     D = isqrt(len(L))
 
-    def nothing(affine, particles, rows, L, sums):
+    def nothing(affine, particles, rows, L, held):
         pass
 
     # Without a branch: what a wall needs must not slow down all others.
-    def keep1(affine, particles, rows, L, sums):
-        put_row(particles.L, rows, 0, scaled(_free(held_weights(sums), 0), L))
+    def keep1(affine, particles, rows, L, held):
+        put_row(particles.L, rows, 0, scaled(_free(held, 0), L))
 
-    def keep2(affine, particles, rows, L, sums):
-        held = held_weights(sums)
+    def keep2(affine, particles, rows, L, held):
         kept = (*scaled(_free(held, 0), L[:2]), *scaled(_free(held, 1), L[2:]))
         put_row(particles.L, rows, 0, kept)
 
-    def keep3(affine, particles, rows, L, sums):
-        held = held_weights(sums)
+    def keep3(affine, particles, rows, L, held):
         kept = (
             *scaled(_free(held, 0), L[:3]), *scaled(_free(held, 1), L[3:6]),
             *scaled(_free(held, 2), L[6:]),

@@ -7,10 +7,10 @@ last particle: each particle's numbers are the same in every batch and place.
 """
 
 from pgimp.jit.kernel import specialise
-from pgimp.jit.simd import lane, load, number, pack, store, vector
+from pgimp.jit.simd import bits, lane, load, number, pack, store, vector
 from pgimp.jit.simdrows import load_row, store_row, transpose
 from pgimp.jit.tuples import scaled
-from pgimp.kernels.place import first_vertex
+from pgimp.kernels.place import first_vertex, is_initial
 from pgimp.physics.shapes.base import size, weights
 
 #: Particles in a batch.
@@ -130,6 +130,18 @@ def _deformations(frame, particles, rows):
     return lambda frame, particles, rows: take_row(particles.F, rows, 0, like)
 
 
+def coordinates(frame, particles, rows):
+    """Places of four particles where their weights are taken, a tuple of vectors; `coordinate`."""
+
+
+@specialise(coordinates)
+def _coordinates(frame, particles, rows):
+    like = (0.0,) * len(frame.types[0])
+    if is_initial(frame):
+        return lambda frame, particles, rows: take_row(particles.origin, rows, 0, like)
+    return lambda frame, particles, rows: take_row(particles.x, rows, 0, like)
+
+
 def _arms(w, f, cell):
     """Weights times the vertices' coordinates relative to the particle's."""
 
@@ -204,11 +216,9 @@ def supports(shape, frame, window, particles, rows, layer, buffer, arms):
 
 @specialise(supports)
 def _supports(shape, frame, window, particles, rows, layer, buffer, arms):
-    like = (0.0,) * len(frame.types[0])
-
     def supports(shape, frame, window, particles, rows, layer, buffer, arms):
         half = size(shape, frame.cell, deformations(frame, particles, rows))[0]
-        x = take_row(particles.x, rows, 0, like)
+        x = coordinates(frame, particles, rows)
         _along(shape, frame, buffer, arms, 0, half[0], x[0], layer)
         store(buffer, _PLACE, _across(shape, frame, window, buffer, arms, 1, half[1:], x[1:]))
 
@@ -270,6 +280,15 @@ def _entries(buffer, d, quantity, i, j, like):
     return lambda buffer, d, quantity, i, j, like: (
         entry(buffer, d, quantity, i, j), *entries(buffer, d, quantity, i + 1, j, like[1:]),
     )  # fmt: skip
+
+
+def share_support(buffer):
+    """Whether all particles of a batch have the same first vertex."""
+
+
+@specialise(share_support)
+def _share_support(buffer):
+    return lambda buffer: bits(load(buffer, _PLACE) == number(buffer, _PLACE)) == 15
 
 
 def extent(shape, buffer, d, j):

@@ -45,8 +45,8 @@ LEAST_WITHIN = 0.01
 SWEEPS = 8
 
 #: Columns of `Contact.fields`: mass, part filled, normal, velocity, that before, inverse of mass by
-#: component, which is 0 where it is held.
-WEIGHT, PART, OUTWARD, NOW, BEFORE, MOBILITY, FIELDS = 0, 1, 2, 5, 8, 11, 14
+#: component, which is 0 where it is held, and what curvature adds to the gap.
+WEIGHT, PART, OUTWARD, NOW, BEFORE, MOBILITY, EXCESS, FIELDS = 0, 1, 2, 5, 8, 11, 14, 15
 
 #: Columns of `Contact.partners`: normal, velocity at which the gap closes in the step, impulse
 #: along the normal and across it so far, the part that this is of what would make it stick, area,
@@ -143,7 +143,9 @@ def find_pairs(contact, frame, sides, count, rigid, dt):
                     continue
                 if not _find_gap(frame, fields, one, other, sides, row):
                     continue
-                row[CLOSING] *= _gap(fields[one], fields[other], row, missing) / dt
+                gap = row[CLOSING] * _gap(fields[one], fields[other], row, missing)
+                excess = max(fields[one, EXCESS] + fields[other, EXCESS], 0.0)
+                row[CLOSING] = max(gap - excess, 0.0) / dt
                 normal, shear, reach = contact.pairs.adhesion[entry - 1]
                 if row[CLOSING] * dt < reach:
                     row[PULL], row[CLING] = normal * row[AREA] * dt, shear * row[AREA] * dt

@@ -5,9 +5,11 @@ from typing import NamedTuple
 from pgimp.jit.algebra import determinant
 from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import pack
+from pgimp.jit.tuples import read, scaled
 from pgimp.kernels.clearance import moment, wall
 from pgimp.kernels.mean import set_apart
-from pgimp.kernels.place import deformation
+from pgimp.kernels.piola import kept_force
+from pgimp.kernels.place import deformation, is_initial
 from pgimp.kernels.viscosity import viscous_pressure
 
 
@@ -15,8 +17,10 @@ class VolumeSums(NamedTuple):
     """What stands for the loads where volumes are summed in place of masses.
 
     The sums are then V_p and V_p (b + 1), b being the number of the particle's body, and those of
-    the forces V_p grad S, the integral of S over the surface with its outward normal. The fields
-    are those of `Loads`.
+    the forces V_p grad S, the integral of S over the surface with its outward normal. Of particles
+    that a surface cuts there are, besides, the number and what curvature adds to their gap, and in
+    the place `HELD` what S is more where their volume is than where they are, V_p d . grad S with
+    the offset d. The fields are those of `Loads`.
     """
 
     viscosity: tuple[()] = ()
@@ -28,8 +32,10 @@ class VolumeSums(NamedTuple):
     mean: tuple[()] = ()
 
 
-def contribution(loads, frame, particles, p):
+def contribution(loads, frame, particles, p, forces, j):
     """What a particle adds to the sums of vertices, times its weights, as vectors.
+
+    Particle `p` is number `j` of a batch; `forces` is what `keep_forces` has kept of that.
 
     Returns
     -------
@@ -38,35 +44,76 @@ def contribution(loads, frame, particles, p):
     S : tuple of Vec4
         For each direction i the column (m_p w_i, -V_p (sigma_xi, sigma_yi, sigma_zi)), for (16),
         the stress less the viscous pressure (45), or less all of its mean, see `set_apart`; w is
-        what `pgimp.kernels.clearance` wants.
+        what `pgimp.kernels.clearance` wants. In the initial configuration
+        (0, -V0_p (P_xi, P_yi, P_zi)).
     """
 
 
-def _outward(V, like):
-    """Vectors V (0, e_i) of as many directions as `like` has."""
+def _mass_and_momentum(m, p):
+    """The vector (m, p)."""
+
+
+@specialise(_mass_and_momentum)
+def _mass_and_momentum_of(m, p):
+    one = lambda m, p: pack(m, p[0], 0.0, 0.0)  # noqa: E731
+    two = lambda m, p: pack(m, p[0], p[1], 0.0)  # noqa: E731
+    three = lambda m, p: pack(m, p[0], p[1], p[2])  # noqa: E731
+    return (one, two, three)[len(p) - 1]
+
+
+def _outward(V, d):
+    """Vectors V (d_i, e_i) of as many directions as the offset `d` has."""
 
 
 @specialise(_outward)
-def _outward_along(V, like):
-    one = lambda V, like: (pack(0.0, V, 0.0, 0.0),)  # noqa: E731
-    two = lambda V, like: (*_outward(V, like[:1]), pack(0.0, 0.0, V, 0.0))  # noqa: E731
-    three = lambda V, like: (*_outward(V, like[:2]), pack(0.0, 0.0, 0.0, V))  # noqa: E731
-    return (one, two, three)[len(like) - 1]
+def _outward_along(V, d):
+    one = lambda V, d: (pack(V * d[0], V, 0.0, 0.0),)  # noqa: E731
+    two = lambda V, d: (*_outward(V, d[:1]), pack(V * d[1], 0.0, V, 0.0))  # noqa: E731
+    three = lambda V, d: (*_outward(V, d[:2]), pack(V * d[2], 0.0, 0.0, V))  # noqa: E731
+    return (one, two, three)[len(d) - 1]
+
+
+def _moved(F, d):
+    """The offset F d of a particle that is deformed by F, as many numbers as `d` has."""
+
+
+@specialise(_moved)
+def _moved_by(F, d):
+    one = lambda F, d: (F[0] * d[0],)  # noqa: E731
+    two = lambda F, d: (F[0] * d[0] + F[1] * d[1], F[2] * d[0] + F[3] * d[1])  # noqa: E731
+    three = lambda F, d: (  # noqa: E731
+        F[0] * d[0] + F[1] * d[1] + F[2] * d[2], F[3] * d[0] + F[4] * d[1] + F[5] * d[2],
+        F[6] * d[0] + F[7] * d[1] + F[8] * d[2],
+    )  # fmt: skip
+    return (one, two, three)[len(d) - 1]
 
 
 @specialise(contribution)
-def _contribution(loads, frame, particles, p):
+def _contribution(loads, frame, particles, p, forces, j):
     D = len(frame.types[0])
     if loads.instance_class is VolumeSums:
 
-        def volumes(loads, frame, particles, p):
-            V = particles.V0[p] * determinant(deformation(frame, particles, p))
-            return pack(V, V * (particles.body[p] + 1), 0.0, 0.0), _outward(V, frame.origin)
+        def volumes(loads, frame, particles, p, forces, j):
+            F = deformation(frame, particles, p)
+            V, d = particles.V0[p] * determinant(F), read(particles.offset, p, 0, frame.origin)
+            cut = 0.0
+            for e in d:
+                cut = 1.0 if e != 0.0 else cut
+            A = pack(V, V * (particles.body[p] + 1), particles.excess[p, 0], cut)
+            return A, _outward(V, _moved(F, d))
 
         return volumes
+    if is_initial(frame):
+
+        def initial(loads, frame, particles, p, forces, j):
+            m = particles.m[p]
+            v = scaled(m, read(particles.v, p, 0, frame.origin))
+            return _mass_and_momentum(m, v), kept_force(forces, j, frame.origin)
+
+        return initial
     if D == 1:
 
-        def contribution1(loads, frame, particles, p):
+        def contribution1(loads, frame, particles, p, forces, j):
             m = particles.m[p]
             V = -particles.V[p]
             q = viscous_pressure(loads.viscosity, particles, p)
@@ -78,7 +125,7 @@ def _contribution(loads, frame, particles, p):
         return contribution1
     if D == 2:
 
-        def contribution2(loads, frame, particles, p):
+        def contribution2(loads, frame, particles, p, forces, j):
             m = particles.m[p]
             V = -particles.V[p]
             q = set_apart(loads, frame, particles, p)
@@ -91,7 +138,7 @@ def _contribution(loads, frame, particles, p):
 
         return contribution2
 
-    def contribution3(loads, frame, particles, p):
+    def contribution3(loads, frame, particles, p, forces, j):
         m = particles.m[p]
         V = -particles.V[p]
         q = set_apart(loads, frame, particles, p)

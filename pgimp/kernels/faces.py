@@ -157,13 +157,22 @@ def _hold(faces, forcing, frame, number, r, v, a, mass, impulse):
     return hold_all
 
 
-@inner_kernel
 def on_walls(faces, frame, number):
     """On how many of the faces a vertex is."""
-    count = 0
-    for n in range(face_count(faces)):
-        count += _is_on(faces, n, frame, number)
-    return count
+
+
+@specialise(on_walls)
+def _on_walls(faces, frame, number):
+    if len(faces) == 0:
+        return lambda faces, frame, number: 0
+
+    def count_of(faces, frame, number):
+        count = 0
+        for n in range(face_count(faces)):
+            count += _is_on(faces, n, frame, number)
+        return count
+
+    return count_of
 
 
 def wall_sides(faces, frame, number):

@@ -1,40 +1,21 @@
 """Grid to particles: positions and velocities (26, 27), deformation (29, 30), volume and stress."""
 
-from math import sqrt
-
 from pgimp.jit.algebra import determinant
 from pgimp.jit.kernel import kernel
-from pgimp.jit.simd import bits, lane, stack, vector
-from pgimp.jit.tuples import squared
+from pgimp.jit.simd import lane, stack, vector
 from pgimp.kernels.affine import keep_gradients
-from pgimp.kernels.batch import LANES, SUPPORT_SIZE, first_place, four, put, put_row, supports, take
+from pgimp.kernels.batch import LANES, SUPPORT_SIZE, four, put, put_row, supports, take
 from pgimp.kernels.concepts import Batch
-from pgimp.kernels.fields import field_of
-from pgimp.kernels.gathered import (
-    SUMS,
-    collected,
-    components,
-    gradients,
-    keep_sums,
-    repeat_sums,
-)
-from pgimp.kernels.loads import force_power, layer_power
-from pgimp.kernels.mean import keep_means, keep_rates, with_means
-from pgimp.kernels.place import first_vertex
-from pgimp.kernels.transfer import gather
-from pgimp.kernels.updates.checks import and_finite, and_positive, examine, within
-from pgimp.kernels.updates.deformation import update_deformation
-from pgimp.kernels.updates.stress import (
-    diffusion_speed,
-    keep_state,
-    margins,
-    update_stress,
-    wave_speed,
-)
+from pgimp.kernels.gathered import SUMS
+from pgimp.kernels.loads import layer_power
+from pgimp.kernels.mean import keep_means, with_means
+from pgimp.kernels.speed import grid_speed
+from pgimp.kernels.together import take_from_grid
+from pgimp.kernels.updates.checks import check
+from pgimp.kernels.updates.deformation import update_deformation, velocity_gradients
+from pgimp.kernels.updates.stress import keep_state, margins, update_stress
 from pgimp.kernels.updates.velocity import update_position, update_velocity
-from pgimp.kernels.viscosity import effective_wave_speed, update_viscous_pressure
-from pgimp.physics.shapes.base import size
-from pgimp.physics.shapes.stretch import LARGEST
+from pgimp.kernels.viscosity import update_viscous_pressure
 
 
 @kernel
@@ -71,13 +52,13 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
     faults, outflow, changed : int
         Number of particles at fault, of those that left, of those that left or changed their layer.
     rate : float
-        Largest (c_p + |v_p|)/L, if controlled.
+        Largest (c_p + |v_p|)/L, if controlled; see `pgimp.kernels.speed`.
     clamped : int
         Number of particles whose half-width is clamped.
     held : int
         Number of particles that walls held in.
     """
-    shape, frame, window, G = setting.shape, setting.frame, field.window, field.G
+    shape, frame, window = setting.shape, setting.frame, field.window
     loads, dt, start, work = forcing.loads, forcing.dt, order.start, ledger.work
     counts = (0, 0, 0, 0, 0)
     inverse = 0.0
@@ -89,7 +70,6 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
     sums = stack(SUMS)
     for layer in layers:
         number = layer + window.lower[0]
-        begin = layer * window.stride[0]
         span = (start[layer], start[layer + 1])
         power = layer_power(loads, setting, field, particles, order.rows, span, number)
         for k in range(start[layer], start[layer + 1], LANES):
@@ -98,26 +78,18 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
             batch = Batch(rows, count, k, layer, number)
             supports(shape, frame, window, particles, rows, number, buffer, ())
             keep_means(loads.mean, shape, frame, buffer)
-            for j in range(count):
-                p = order.rows[k + j]
-                place = begin + first_place(buffer, j) + field_of(window, particles, p)
-                U, A, D, M = gather(
-                    shape, G, buffer, j, place, window.stride, frame.origin, loads.mean
-                )
-                keep_sums(sums, j, U, A, D)
-                keep_rates(M, buffer, j)
-                w = components(frame.origin, U)
-                power += force_power(loads.force, frame, particles, p, w)
-            repeat_sums(sums, count, frame.origin)
-            u = collected(sums, 0, frame.origin)
-            a = collected(sums, 1, frame.origin)
-            L = gradients(sums, 2, frame.origin)  # (30)
+            u, a, grad, codes, power = take_from_grid(  # (30)
+                setting, field, particles, loads, batch, buffer, sums, power
+            )
             u, v = update_velocity(forcing, particles, batch, u, a, ledger)  # (27)
             x = update_position(forcing, particles, batch, u)  # (26)
-            keep_gradients(loads.affine, particles, rows, L, sums)
-            L = with_means(loads.mean, buffer, count, L)
+            keep_gradients(loads.affine, particles, rows, grad, codes)
+            grad = with_means(  # the cells' rates of dilatation
+                loads.mean, frame, particles, rows, buffer, sums, count, grad
+            )
+            L = velocity_gradients(frame, particles, batch, grad)
             m = materials_of(setting.material_of, particles.body, rows)
-            F = update_deformation(setting, forcing, particles, batch, m, L)  # (29)
+            F = update_deformation(setting, forcing, particles, batch, m, grad)  # (29)
             J = determinant(F)
             sigma, state = update_stress(setting, forcing, particles, rows, m, F, J, L)
             put_row(particles.x, rows, 0, x)
@@ -131,23 +103,13 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
                 loads.viscosity, setting, m, particles, rows, F, J, L
             )
             if forcing.controlled:
-                c = wave_speed(setting, m, F, J, state)
-                extra = diffusion_speed(setting, m, F, J, state, inverse, extra)
-                c = effective_wave_speed(c, extra)
-                fastest = max((c + sqrt(squared(v))) * inverse, fastest)
-            # One branch for all that rarely happens, NaN included; its speed limit is sharper.
-            half, most = size(shape, frame.cell, F)
-            now = first_vertex(frame, 0, half[0], x[0])
+                c = grid_speed(setting, m, v, F, J, state, inverse, extra)
+                fastest = max(c * inverse, fastest)
             margin = margins(setting, m, F, J, sigma, state)
-            sound = and_finite(within(field.bounds, x) & (J > 0.0), state)
-            sound = and_positive(sound, margin)
-            slower = (squared(u) + squared(v)) * limit <= 1.0
-            usual = bits(sound & slower & (now == number) & (vector(most) <= LARGEST))
-            if usual != 15:
-                counts = examine(
-                    setting, forcing, particles, batch, usual,
-                    (u, v, x, J, state, margin, half, now, most), report, ledger, counts,
-                )  # fmt: skip
+            found = (u, v, x, F, J, state, margin)
+            counts = check(
+                setting, forcing, field, particles, batch, limit, found, report, ledger, counts
+            )
         work[layer] += dt * power
     failed, outflow, moved, clamped, held = counts
     rate = max(max(lane(fastest, 0), lane(fastest, 1)), max(lane(fastest, 2), lane(fastest, 3)))

@@ -79,6 +79,15 @@ def _collected(buffer, i, like):
     return lambda buffer, i, like: _columns(buffer, i)[1:]
 
 
+def gathered_mass(buffer):
+    """Weighted sums of the masses of the vertices in reach of a batch's particles."""
+
+
+@specialise(gathered_mass)
+def _gathered_mass(buffer):
+    return lambda buffer: _columns(buffer, 0)[0]
+
+
 def held_weights(buffer):
     """Weighted sums of what the vertices in reach of a batch's particles have in `HELD`."""
 

@@ -8,6 +8,7 @@ from pgimp.kernels.contribution import contribution
 from pgimp.kernels.fields import field_of
 from pgimp.kernels.loads import scatter_loads, weight
 from pgimp.kernels.mean import keep_means, mean_force
+from pgimp.kernels.piola import PIOLA_SIZE, keep_forces
 from pgimp.kernels.record import RECORD
 from pgimp.kernels.transfer import scatter
 
@@ -43,14 +44,16 @@ def _sum_layer(setting, field, particles, loads, rows, span, number):
         low = plane
         high = 0
         buffer = stack(SUPPORT_SIZE)
+        forces = stack(PIOLA_SIZE)
         for k in range(begin, end, LANES):
             batch = four(rows, k, end)
             supports(shape, frame, window, particles, batch, number, buffer, loads.affine)
             keep_means(loads.mean, shape, frame, buffer)
+            keep_forces(loads.viscosity, frame, particles, batch, forces)
             for j in range(min(LANES, end - k)):
                 p = rows[k + j]
                 place = first_place(buffer, j) + field_of(window, particles, p)
-                A, S = contribution(loads, frame, particles, p)
+                A, S = contribution(loads, frame, particles, p, forces, j)
                 B = weight(loads.force, loads.walls, frame, particles, p)
                 C = affine_momentum(loads.affine, frame, particles, p)
                 M = mean_force(loads, frame, particles, p)

@@ -22,13 +22,24 @@ and a vertex has half of each of the two parts beside it:
 Then dD_p/dv_v is grad S_vp with a in place of the weights of the other directions. The a of a
 particle add up to one and its g to nothing: D_p of an affine field is its trace, and a particle's
 forces have neither a sum nor a moment. The support is that of S_vp.
+
+A particle that is alone in its cells has nothing to share them with, and hardly any mass at the
+vertices by which they push it: in 3D it would need steps several times shorter. What vertices have
+of mass around a particle, sum_v S_vp m_v over its density and the cell's volume, is 1 inside of
+bodies, at least 0.6 at a plane surface, 0.6^d in a corner, and 0.4^d or less for one of two
+particles a cell and direction that is alone. From `DENSE`^d down to `SPARSE`^d its rate becomes
+that at its own place, from the next step on, in the forces as in the deformation.
 """
 
 from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import load, number, pack, store, vector, where
 from pgimp.jit.simdrows import transpose
-from pgimp.kernels.batch import MEANS, entry, four_entries
+from pgimp.kernels.batch import MEANS, entry, four_entries, put_row, take, take_row
+from pgimp.kernels.gathered import gathered_mass
 from pgimp.kernels.viscosity import trace, viscous_pressure
+
+#: Roots of the parts of a full neighbourhood from which on a particle is in company, and alone.
+DENSE, SPARSE = 0.58, 0.45
 
 #: Where what is gathered of the four particles lies in the buffer for supports, behind their a.
 _GATHERED = MEANS + 48
@@ -58,7 +69,13 @@ def set_apart(loads, frame, particles, p):
 def _set_apart(loads, frame, particles, p):
     if hasattr(loads.types[loads.fields.index("mean")], "count"):  # ()
         return lambda loads, frame, particles, p: viscous_pressure(loads.viscosity, particles, p)
-    return lambda loads, frame, particles, p: _average(particles, p, frame.origin)
+
+
+    def mean_but_alone(loads, frame, particles, p):
+        s, alone = _average(particles, p, frame.origin), particles.alone[p, 0]
+        return s - alone * (s - viscous_pressure(loads.viscosity, particles, p))
+
+    return mean_but_alone
 
 
 def keep_means(mean, shape, frame, buffer):
@@ -155,7 +172,10 @@ def _plus_factored(f, M, V):
 
 
 def mean_force(loads, frame, particles, p):
-    """-V_p (mean sigma - q_p) of particle `p`, which dD_p/dv_v makes forces of; () without."""
+    """-V_p (mean sigma - q_p) of particle `p`, of which dD_p/dv_v makes forces; () without.
+
+    Where it is alone, a part of that.
+    """
 
 
 @specialise(mean_force)
@@ -166,7 +186,8 @@ def _mean_force(loads, frame, particles, p):
 
     def force(loads, frame, particles, p):
         q = viscous_pressure(loads.viscosity, particles, p)
-        f = -particles.V[p] * (_average(particles, p, frame.origin) - q)
+        V = particles.V[p] * (particles.alone[p, 0] - 1.0)
+        f = V * (_average(particles, p, frame.origin) - q)
         return pack(0.0, f, f, third * f)
 
     return force
@@ -192,11 +213,17 @@ def _keep_rates(M, buffer, j):
     return lambda M, buffer, j: store(buffer, _GATHERED + 4 * j, M)
 
 
-def with_means(mean, buffer, count, L):
+def with_means(mean, frame, particles, rows, buffer, sums, count, L):
     """Velocity gradients of a batch, those gathered with the cells' rates as their traces.
+
+    Particles learn how alone they are, for the next step.
 
     Parameters
     ----------
+    frame, particles, rows
+        See `Frame`, `Particles`; the batch's rows.
+    buffer, sums
+        What `keep_rates` and `keep_sums` have kept.
     count : int
         Particles in the batch; the last one stands for those missing.
     L : tuple of D*D Vec4
@@ -205,35 +232,52 @@ def with_means(mean, buffer, count, L):
 
 
 @specialise(with_means)
-def _with_means(mean, buffer, count, L):
+def _with_means(mean, frame, particles, rows, buffer, sums, count, L):
     if hasattr(mean, "count"):  # ()
-        return lambda mean, buffer, count, L: L
+        return lambda mean, frame, particles, rows, buffer, sums, count, L: L
+    D = {4: 2, 9: 3}[len(L)]
+    dense, sparse, part = DENSE**D, SPARSE**D, 1.0 / D
 
-    def with2(mean, buffer, count, L):
-        rates = _rates(buffer, count)
-        e = 0.5 * (rates[1] + rates[2] - trace(L))
-        return (L[0] + e, L[1], L[2], L[3] + e)
+    def with_rates(mean, frame, particles, rows, buffer, sums, count, L):
+        alone = take_row(particles.alone, rows, 0, (0.0,))[0]
+        e = part * (1.0 - alone) * (_rates(buffer, count, frame.origin) - trace(L))
+        around = gathered_mass(sums) * take(particles.V, rows)
+        for d in range(D):
+            around = around * frame.inverse[d]
+        fill = around / take(particles.m, rows)
+        now = min(max((dense - fill) * (1.0 / (dense - sparse)), 0.0), 1.0)
+        put_row(particles.alone, rows, 0, (now,))
+        return _with_trace(L, e)
 
-    def with3(mean, buffer, count, L):
-        rates = _rates(buffer, count)
-        e = (rates[1] + rates[2] + rates[3] - trace(L)) * (1.0 / 3.0)
-        return (L[0] + e, L[1], L[2], L[3], L[4] + e, L[5], L[6], L[7], L[8] + e)
-
-    return with2 if len(L) == 4 else with3
+    return with_rates
 
 
-def _rates(buffer, count):
-    """What each direction adds to D_p of a batch, from the second vector on."""
+def _with_trace(L, e):
+    """The matrix L + e 1."""
+
+
+@specialise(_with_trace)
+def _with_trace_of(L, e):
+    if len(L) == 4:
+        return lambda L, e: (L[0] + e, L[1], L[2], L[3] + e)
+    return lambda L, e: (L[0] + e, L[1], L[2], L[3], L[4] + e, L[5], L[6], L[7], L[8] + e)
+
+
+def _rates(buffer, count, like):
+    """D_p of a batch; `like` has an entry for each direction."""
 
 
 @specialise(_rates)
-def _rates_of(buffer, count):
-    def rates(buffer, count):
+def _rates_of(buffer, count, like):
+    third = float(len(like) == 3)
+
+    def rates(buffer, count, like):
         for j in range(count, 4):
             store(buffer, _GATHERED + 4 * j, load(buffer, _GATHERED + 4 * (count - 1)))
-        return transpose(
+        rate = transpose(
             load(buffer, _GATHERED), load(buffer, _GATHERED + 4),
             load(buffer, _GATHERED + 8), load(buffer, _GATHERED + 12),
         )  # fmt: skip
+        return rate[1] + rate[2] + third * rate[3]
 
     return rates

@@ -5,6 +5,7 @@ from math import inf
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.kernels.contact import (
     BEFORE,
+    EXCESS,
     MOBILITY,
     NOW,
     OUTWARD,
@@ -19,9 +20,9 @@ from pgimp.kernels.contactbooks import book
 from pgimp.kernels.faces import on_walls, wall_sides
 from pgimp.kernels.fields import field_count, field_size
 from pgimp.kernels.loads import relaxed_part
-from pgimp.kernels.record import ACCELERATION, FORCE, MASS, MOMENTUM, RECORD, VELOCITY
+from pgimp.kernels.record import ACCELERATION, FORCE, HELD, MASS, MOMENTUM, RECORD, VELOCITY
 from pgimp.kernels.selection import HIGH_Y, HIGH_Z, LOW_Y, LOW_Z, include
-from pgimp.kernels.tools import CENTRE, FILLED, FORMER, FREE, LATTER, SURFACE, fill, place_of
+from pgimp.kernels.tools import BENT, CENTRE, FILLED, FORMER, FREE, LATTER, SURFACE, fill, place_of
 
 
 @kernel
@@ -158,7 +159,9 @@ def _find_fields(contact, faces, frame, field, r, number):
         contact.places[count] = place
         contact.bodies[count] = int(V[place + MOMENTUM] / V[place + MASS] + 0.5) - 1
         contact.fields[count, WEIGHT] = G[place + MASS]
-        contact.fields[count, PART] = V[place + MASS] / cell
+        contact.fields[count, PART] = (V[place + MASS] + V[place + HELD]) / cell
+        cut = V[place + MOMENTUM + 2]
+        contact.fields[count, EXCESS] = V[place + MOMENTUM + 1] / cut if cut > 0.0 else 0.0
         for d in range(3):
             contact.fields[count, OUTWARD + d] = V[place + FORCE + d]
         count += 1
@@ -186,7 +189,7 @@ def _find_tools(contact, tools, frame, number, sides, count, last):
                 continue
             row, motion = contact.fields[found], tools.motion[t]
             contact.places[found], contact.bodies[found] = -1, tools.bodies + t
-            row[WEIGHT], row[PART] = inf, tools.at[FILLED]
+            row[WEIGHT], row[PART], row[EXCESS] = inf, tools.at[FILLED], tools.at[BENT]
             x = place_of(frame, number)
             arm = (x[0] - motion[CENTRE], x[1] - motion[CENTRE + 1], x[2] - motion[CENTRE + 2])
             for d in range(3):

@@ -6,7 +6,7 @@ import numpy as np
 
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.jit.memory import copy
-from pgimp.kernels.place import first_vertex, half_widths
+from pgimp.kernels.place import coordinate, first_vertex, half_widths
 from pgimp.physics.shapes.base import size, weights
 
 #: Cells a block has along a direction, as a power of two.
@@ -62,7 +62,7 @@ def locate(shape, frame, particles, rows, vertices):
         half = half_widths(shape, frame, particles, p)
         block, within, breadth = 0, 0, 0
         for d in range(D):
-            x = particles.x[p, d]
+            x = coordinate(frame, particles, p, d)
             vertex = first_vertex(frame, d, half[d], x)
             f = (x - frame.origin[d]) * frame.inverse[d] - (vertex - frame.ghost)
             breadth = 3 * breadth + _breadth(weights(shape, half[d], f)[0])
@@ -88,7 +88,7 @@ def reach_of(shape, frame, particles, rows, reach):
     for p in rows:
         half = half_widths(shape, frame, particles, p)
         for d in range(1, len(frame.origin)):
-            j = first_vertex(frame, d, half[d], particles.x[p, d])
+            j = first_vertex(frame, d, half[d], coordinate(frame, particles, p, d))
             reach[0, d - 1] = min(reach[0, d - 1], j)
             reach[1, d - 1] = max(reach[1, d - 1], j)
 

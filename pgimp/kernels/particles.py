@@ -29,6 +29,10 @@ class Carried(NamedTuple):
         Whether they keep their initial position, velocity gradient, viscous pressure, constraint.
     tractions, state : int
         Number of tractions, and of what the material with most state variables remembers.
+    surfaces : bool
+        Whether they know what surfaces leave of them, for contact.
+    mean : bool
+        Whether they know how alone they are, for mean dilatation.
     """
 
     dimensions: int
@@ -38,6 +42,8 @@ class Carried(NamedTuple):
     tractions: int = 0
     constraints: bool = False
     state: int = 0
+    surfaces: bool = False
+    mean: bool = False
 
 
 class Column(NamedTuple):
@@ -131,6 +137,27 @@ class Particles(NamedTuple):
     state: Annotated[
         FloatArray, Column("state variables of the material", "", lambda c: c.state)
     ]
+    offset: Annotated[
+        FloatArray,
+        Column(
+            "centroid of what a surface leaves of it, from its position, at the start", "length",
+            lambda c: c.dimensions if c.surfaces else 0,
+        ),
+    ]  # fmt: skip
+    excess: Annotated[
+        FloatArray,
+        Column(
+            "what the surface's curvature adds to the mean gap from a plane", "length",
+            lambda c: int(c.surfaces),
+        ),
+    ]  # fmt: skip
+    alone: Annotated[
+        FloatArray,
+        Column(
+            "part of its rate of dilatation that is not the cells', where it is alone in them", "1",
+            lambda c: int(c.mean), least=0.0,
+        ),
+    ]  # fmt: skip
 
     @classmethod
     def empty(cls, capacity: int, carried: Carried) -> "Particles":
@@ -184,6 +211,17 @@ class Frame(NamedTuple):
     def vertices(self) -> tuple[int, ...]:
         """Number of vertices of each direction, with `ghost` more beyond either face."""
         return tuple(n + 1 + 2 * self.ghost for n in self.cells)
+
+
+class InitialFrame(Frame):
+    """Where a grid of the initial configuration lies (total Lagrangian).
+
+    Kernels that get it, in a `Setting`, take weights of the particles' initial places and
+    gradients by these, forces from the first Piola-Kirchhoff stress, and never move a particle
+    from a layer to another. They choose by its type, so that others are compiled as without it.
+    """
+
+    __slots__ = ()
 
 
 class Window(NamedTuple):

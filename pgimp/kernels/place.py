@@ -5,7 +5,24 @@ from math import floor
 import pgimp.jit.functions  # noqa: F401  so that they work on vectors of four particles, too
 from pgimp.jit.kernel import exact, specialise
 from pgimp.jit.tuples import read
+from pgimp.kernels.particles import InitialFrame
 from pgimp.physics.shapes.base import size
+
+
+def is_initial(frame):
+    """Whether a frame, given by its Numba type, is one of the initial configuration."""
+    return frame.instance_class is InitialFrame
+
+
+def coordinate(frame, particles, p, d):
+    """Coordinate along `d` of particle `p` where its weights are taken: now, or initially."""
+
+
+@specialise(coordinate)
+def _coordinate(frame, particles, p, d):
+    if is_initial(frame):
+        return lambda frame, particles, p, d: particles.origin[p, d]
+    return lambda frame, particles, p, d: particles.x[p, d]
 
 
 def first_vertex(frame, d, half, x):

@@ -4,7 +4,8 @@ from math import isqrt, sqrt
 
 from pgimp.jit.algebra import determinant, symmetric
 from pgimp.jit.kernel import kernel, specialise
-from pgimp.jit.tuples import read, squared
+from pgimp.jit.tuples import read
+from pgimp.kernels.speed import own_speed, speed_of_waves
 from pgimp.kernels.updates.stress import has_any, state_of
 from pgimp.physics.materials.base import evaluate
 
@@ -122,7 +123,8 @@ def _with_diffusion_of(setting, k, args, state, inverse, c):
 def fastest_rate(setting, particles, rows):
     """Largest (c_p + |v_p|)/L over the particles in `rows`, 1/time; times dt the Courant number.
 
-    Where materials are viscous c_p is that of `effective_wave_speed`.
+    Where materials are viscous c_p is that of `effective_wave_speed`; in the initial configuration
+    it is that of waves alone, see `pgimp.kernels.speed`.
     """
     frame, materials, material_of = setting.frame, setting.materials, setting.material_of
     inverse = 0.0
@@ -132,8 +134,8 @@ def fastest_rate(setting, particles, rows):
     for p in rows:
         F = read(particles.F, p, 0, setting.identity)
         state = state_of(materials, particles, p, F)
-        args = (F, determinant(F))
-        c = evaluate("speed", materials, material_of[particles.body[p]], args, state)
+        args, v = (F, determinant(F)), read(particles.v, p, 0, frame.origin)
+        c = speed_of_waves(setting, material_of[particles.body[p]], args, state)
         c = _with_diffusion(setting, material_of[particles.body[p]], args, state, inverse, c)
-        rate = max(rate, (c + sqrt(squared(read(particles.v, p, 0, frame.origin)))) * inverse)
+        rate = max(rate, (c + own_speed(frame, v)) * inverse)
     return rate

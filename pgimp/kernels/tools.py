@@ -28,9 +28,9 @@ CENTRE, REFERENCE, TURN, SPACING, LOW, FORMER, LATTER, MOTION = 0, 3, 6, 15, 16,
 #: of others.
 SHAPE, FIRST, LEAST, MOST, FREE, ABOUT = 0, 3, 4, 7, 10, 11
 
-#: Columns of `Tools.at`: distance, normal, and mean distance at a point; part filled, and area with
-#: outward normal.
-DISTANCE, NORMAL, MEAN, FILLED, SURFACE, AT = 0, 1, 4, 5, 6, 9
+#: Columns of `Tools.at`: distance, normal, and mean distance at a point; part filled, area with
+#: outward normal, and what curvature adds to the mean gap from a plane.
+DISTANCE, NORMAL, MEAN, FILLED, SURFACE, BENT, AT = 0, 1, 4, 5, 6, 9, 10
 
 #: Columns of `Tools.answers`: impulse and moment that a free body has got in the step, those that
 #: it would get in the last pass, and by how much less for each velocity along and about x, y, z, a
@@ -40,6 +40,10 @@ TAKEN, GIVEN, RESPONSE, ANSWER = 0, 6, 12, 48
 #: Difference of the mean distance from that at the vertex, as part of a cell, from which on a
 #: surface is not taken for flat within the neighbourhood.
 FLAT = 0.02
+
+#: What curvature adds to the mean gap over what it adds to that mean distance, which is k/16 in
+#: cells; see `pgimp.scene.latticebody`. From `SHARP` of a cell on it is an edge.
+BEND, SHARP = (1.0 / 12.0 + 1.0 / 16.0) * 16.0, 0.5 / 16.0
 
 class Tools(NamedTuple):
     """The rigid bodies of a scene, for kernels.
@@ -179,6 +183,8 @@ def fill(tools, t, frame, number, sides):
         reach += frame.cell[d] ** 2
         volume *= frame.cell[d] * (1.0 if sides[d] == 0 else 0.5)
     reach = sqrt(reach)
+    bent = at[MEAN] - at[DISTANCE]
+    at[BENT] = BEND * bent if abs(bent) < SHARP * frame.cell[0] else 0.0
     x, y, z = place_of(frame, number)
     n0, n1, n2 = at[NORMAL], at[NORMAL + 1], at[NORMAL + 2]
     if at[DISTANCE] < -reach:  # deep inside

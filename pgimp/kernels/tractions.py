@@ -19,7 +19,7 @@ from pgimp.jit.kernel import inner_kernel, specialise
 from pgimp.jit.simd import lane, pack, stack
 from pgimp.kernels.batch import SUPPORT_SIZE, keep_support
 from pgimp.kernels.fields import field_of
-from pgimp.kernels.place import deformation, first_vertex, half_widths
+from pgimp.kernels.place import coordinate, deformation, first_vertex, half_widths
 from pgimp.kernels.transfer import gather, scatter
 
 
@@ -117,12 +117,12 @@ def _support_of(traction, shape, frame, window, particles, p, layer, F, buffer):
     like = (0.0,) * shape.instance_class.vertices()
 
     def support1(traction, shape, frame, window, particles, p, layer, F, buffer):
-        w = _along(traction, frame, F, particles.x[p, 0], 0, layer, like)
+        w = _along(traction, frame, F, coordinate(frame, particles, p, 0), 0, layer, like)
         keep_support(buffer, 0, w, w)
         return 0
 
     def support2(traction, shape, frame, window, particles, p, layer, F, buffer):
-        x, y = particles.x[p, 0], particles.x[p, 1]
+        x, y = coordinate(frame, particles, p, 0), coordinate(frame, particles, p, 1)
         j = first_vertex(frame, 1, half_widths(shape, frame, particles, p)[1], y)
         w = _along(traction, frame, F, x, 0, layer, like)
         v = _along(traction, frame, F, y, 1, j, like)
@@ -131,7 +131,8 @@ def _support_of(traction, shape, frame, window, particles, p, layer, F, buffer):
         return (j - window.lower[1]) * window.stride[1]
 
     def support3(traction, shape, frame, window, particles, p, layer, F, buffer):
-        x, y, z = particles.x[p, 0], particles.x[p, 1], particles.x[p, 2]
+        x, y = coordinate(frame, particles, p, 0), coordinate(frame, particles, p, 1)
+        z = coordinate(frame, particles, p, 2)
         half = half_widths(shape, frame, particles, p)
         j, k = first_vertex(frame, 1, half[1], y), first_vertex(frame, 2, half[2], z)
         w = _along(traction, frame, F, x, 0, layer, like)

@@ -150,10 +150,14 @@ def _places(sim: Simulation, rows: Array) -> tuple[Array, Array]:
     """Places in cells from the domain's origin, (n, D), and which of them are the positions.
 
     The others are the middle of where a particle was by its layer and, in the other directions,
-    its cell at the last re-sort.
+    its cell at the last re-sort; in the initial configuration where it was at the start.
     """
     p, frame = sim.particles, sim.scene.frame
     xi = (p.x[rows] - frame.origin) * frame.inverse
+    if sim.scene.initial:
+        before = (p.origin[rows] - frame.origin) * frame.inverse
+        drawable = np.isfinite(xi).all(axis=1)
+        return np.where(drawable[:, None], xi, before), drawable
     drawable = ((xi >= -1.0) & (xi <= np.array(frame.cells) + 1.0)).all(axis=1)
     first = vertices_of(p.cell[rows], frame.vertices)
     first[:, 0] = p.layer[rows]

@@ -90,6 +90,17 @@ class Lattice:
             for body in case.bodies.values()
         ]
 
+    def excess(self, block: ParticleBlock) -> NDArray[np.float64]:
+        """What curvature adds to the mean gap from a plane, (n,), of particles that it cuts.
+
+        See `LatticeBody.excess`; 0 of others, and of those from a file, whose surface is not known.
+        """
+        found, body = np.zeros(len(block.ids)), self.bodies[block.body]
+        cut = np.flatnonzero((block.centroids != block.positions).any(axis=1))
+        if isinstance(body, LatticeBody) and len(cut):
+            found[cut] = body.excess(block.positions[cut], np.array(self.box) * self.per_cell)
+        return found
+
     @property
     def planes(self) -> int:
         """Number of planes of points along x."""

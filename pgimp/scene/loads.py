@@ -44,10 +44,17 @@ class SceneLoads:
         Parameters of the body force, or of the exact solution that needs one.
     walls : tuple of Sides or ()
         The walls whose clearances are wanted, see `Loads`.
+    follows : bool
+        Whether the particles' size follows the deformation.
     """
 
     def __init__(
-        self, case: Case, materials: list[str], force: Any = (), walls: Any = ()
+        self,
+        case: Case,
+        materials: list[str],
+        force: Any = (),
+        walls: Any = (),
+        follows: bool = False,
     ) -> None:
         self.case = case
         self.bodies = list(case.bodies)
@@ -69,7 +76,7 @@ class SceneLoads:
         grid, method = case.grid, case.method
         self.half = 0.5 * np.array(grid.cell) / np.array(method.particles_per_cell)
         size = np.array(method.parameters(tuple(grid.cell)).half) * np.array(grid.cell)
-        self._patch = (2.0 * self.half, size, method.chi, method.follows)
+        self._patch = (2.0 * self.half, size, method.chi, follows)
         self._overlap = np.rint(size / (2.0 * self.half)).astype(int)
         self._varies = bool(force) or any(entry.varies for entry in self.tractions)
         self._constraints_vary = any(entry.varies for entry in self.constraints)
@@ -82,6 +89,7 @@ class SceneLoads:
         return {
             "affine": bool(self.affine),
             "viscous": bool(self.viscosity),
+            "mean": bool(self.mean),
             "tractions": len(self.tractions),
             "constraints": bool(self.constraints),
         }

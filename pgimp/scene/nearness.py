@@ -62,12 +62,22 @@ def warnings(case: Any) -> list[str]:
         The case, its meshes and particle files read (`pgimp.scene.geometry.share`).
     """
     boxes = _boxes(case, times := _instants(case))
+    if all(body.configuration == "initial" for body in case.bodies.values()):
+        return [*_passing(case, boxes, times), *_walls(case, boxes, at_once=True)]
     return [*_pairs(case, boxes, times), *_walls(case, boxes, at_once=True), *_rigid(case)]
 
 
 def notes(case: Any) -> list[str]:
     """Return which bodies come near walls; as `warnings`."""
+    if all(body.configuration == "initial" for body in case.bodies.values()):
+        return []
     return list(_walls(case, _boxes(case, _instants(case)), at_once=False))
+
+
+def meet(case: Any) -> bool:
+    """Whether bodies may come near each other, or a wall, that they are apart from at the start."""
+    boxes = _boxes(case, times := _instants(case))
+    return bool(_pairs_that_meet(case, boxes, times) or [*_walls(case, boxes, at_once=False)])
 
 
 def _instants(case: Any) -> np.ndarray:
@@ -158,8 +168,8 @@ def _stopped(case: Any, low: np.ndarray, high: np.ndarray, way: np.ndarray) -> n
     return way
 
 
-def _pairs(case: Any, boxes: list[Box], times: np.ndarray) -> Iterator[str]:
-    """Return which bodies are apart at the start, and come nearer, into each other's reach."""
+def _pairs_that_meet(case: Any, boxes: list[Box], times: np.ndarray) -> str:
+    """Return names of bodies that are apart at the start, and come into each other's reach."""
     cell, near = np.array(case.grid.cell), reach(case)
     low, high = (np.array([getattr(box, end) for box in boxes]) for end in ("low", "high"))
     met: list[tuple[float, str]] = []
@@ -175,11 +185,32 @@ def _pairs(case: Any, boxes: list[Box], times: np.ndarray) -> Iterator[str]:
             when = float(times[close[j].argmax()])
             names = f"'{a.name}' and '{boxes[i + 1 + j].name}'"
             met.append((when, f"{names} (from t = {when:.2g} at the earliest)"))
-    if met:
-        names = ", ".join(text for _, text in sorted(met)[:_NAMED])
-        more = f" and {len(met) - _NAMED} more pairs" if len(met) > _NAMED else ""
+    names = ", ".join(text for _, text in sorted(met)[:_NAMED])
+    return names + (f" and {len(met) - _NAMED} more pairs" if len(met) > _NAMED else "")
+
+
+def _passing(case: Any, boxes: list[Box], times: np.ndarray) -> Iterator[str]:
+    """Return what bodies in the initial configuration come to and do not feel."""
+    if names := _pairs_that_meet(case, boxes, times):
         yield (
-            f"bodies: {names}{more} may meet, and no entry of `contact` says how: they share one "
+            f"bodies: {names} may meet, but in the initial configuration they do not feel each "
+            "other, and pass through; take configuration: current and contact: [{bodies: all}]"
+        )
+    for text in _walls(case, boxes, at_once=False):
+        face, _, who = text.partition(": ")
+        yield (
+            f"{face}: {who.partition(' may come')[0]} may come to the wall, which in the initial "
+            "configuration holds what lies on it at the start: the run then stops; take "
+            "configuration: current"
+        )
+
+
+def _pairs(case: Any, boxes: list[Box], times: np.ndarray) -> Iterator[str]:
+    """Return which bodies are apart at the start, and come nearer, into each other's reach."""
+    if names := _pairs_that_meet(case, boxes, times):
+        near = reach(case)
+        yield (
+            f"bodies: {names} may meet, and no entry of `contact` says how: they share one "
             f"velocity field, feel each other when their surfaces are {_range(near)} cells apart, "
             "and stick together when closer, in tension and shear too; "
             "with contact: [{bodies: all}] they touch when they meet, slide and part"

@@ -14,7 +14,7 @@ from pgimp.kernels.concepts import Setting
 from pgimp.kernels.errors import initial_velocities
 from pgimp.kernels.mirror import Mirror
 from pgimp.kernels.order import cell_numbers
-from pgimp.kernels.particles import Carried, Frame, Particles
+from pgimp.kernels.particles import Carried, Frame, InitialFrame, Particles
 from pgimp.kernels.sums import SUMS
 from pgimp.physics.contact import Pairs
 from pgimp.physics.fields import EVERY
@@ -23,7 +23,15 @@ from pgimp.physics.materials.outside import parameters_of
 from pgimp.physics.materials.states import States
 from pgimp.scene.cloudgradients import with_gradients
 from pgimp.scene.counts import count_all
-from pgimp.scene.faces import AXES, Face, FaceTable, sides_approached, walls, walls_approached
+from pgimp.scene.faces import (
+    AXES,
+    Face,
+    FaceTable,
+    room,
+    sides_approached,
+    walls,
+    walls_approached,
+)
 from pgimp.scene.lattice import Lattice, ParticleBlock
 from pgimp.scene.loads import SceneLoads
 from pgimp.scene.pointscloud import Cloud
@@ -41,6 +49,9 @@ class Scene:
     ----------
     dimension : int
         Directions D of the scene.
+    initial : bool
+        Whether the grid is one of the initial configuration: particles keep their layers, and the
+        weights of the start.
     frame : Frame
         Where the grid lies.
     shape : NamedTuple
@@ -69,10 +80,12 @@ class Scene:
         self.case = case
         self.dimension = case.dimensions
         shape = case.method
-        self.shape = shape.parameters(tuple(case.grid.cell))
-        self.vertices: int = shape.vertices
+        self.initial = all(body.configuration == "initial" for body in case.bodies.values())
+        parameters = shape.fixed if self.initial else shape.parameters
+        self.shape = parameters(tuple(case.grid.cell))
+        self.vertices: int = self.shape.vertices()
         self.tracked = shape.tracked
-        self.follows = shape.follows
+        self.follows = shape.follows and not self.initial
         grid = case.grid
         self.frame = Frame(
             origin=tuple(float(x) for x in grid.origin),
@@ -124,7 +137,9 @@ class Scene:
         force = self.exact if case.exact and case.exact.forced else ()
         if case.body_force:
             force = case.body_force.parameters()
-        self.loads = SceneLoads(case, used, force, sides_approached(near, self.frame))
+        self.loads = SceneLoads(
+            case, used, force, sides_approached(near, self.frame), self.follows
+        )
         self.tools = SceneTools(case, self.frame)
         self.pairs: Pairs | None = None
         if case.contact or self.tools:
@@ -132,15 +147,19 @@ class Scene:
         self.states = States(used, self.materials, self.dimension)
         self.fields = EVERY | self.states.fields
         self.carried = Carried(
-            self.dimension, self.origins, **self.loads.carried, state=self.states.width
-        )
+            self.dimension, self.origins, **self.loads.carried, state=self.states.width,
+            surfaces=self.pairs is not None,
+        )  # fmt: skip
         varies = any(face.condition.varies for face in self.faces)
         self._face_table = FaceTable(self.faces)
         self._walls = None if varies else walls(self.faces, self.frame, 0.0)
+        #: Between what a particle has to be, where the grid does not say so.
+        self.room = room(self.faces, self.frame) if self.initial else None
         D = self.dimension
         self.identity = tuple(float(i == j) for i in range(D) for j in range(D))
+        frame = InitialFrame(*self.frame) if self.initial else self.frame
         self.setting = Setting(
-            self.shape, self.frame, self.identity, self.materials, self.material_of, self.tracked,
+            self.shape, frame, self.identity, self.materials, self.material_of, self.tracked,
             self.exits,
         )  # fmt: skip
 
@@ -172,7 +191,7 @@ class Scene:
     @property
     def origins(self) -> bool:
         """Whether particles keep their initial position."""
-        return bool(self.exact) or "displacement" in self.case.output.fields
+        return self.initial or bool(self.exact) or "displacement" in self.case.output.fields
 
     def gravity(self, t: float) -> tuple[float, float, float]:
         """Body force per mass at a time; zero in directions that the scene does not have."""
@@ -291,6 +310,9 @@ class Scene:
             p.id[rows] = block.ids
             p.body[rows] = block.body
             p.V0[rows] = p.V[rows] = lattice.volume * block.fractions  # (3)
+            if self.carried.surfaces:
+                p.offset[rows] = block.centroids - block.positions
+                p.excess[rows, 0] = lattice.excess(block)
             p.m[rows] = p.V0[rows] * self.materials[material].density  # (4)
             p.state[rows] = self.states.initial[material]
             for name, values in block.states.items():

@@ -27,6 +27,12 @@ _DRAWN_OUT = (
     "a larger grid (grid.origin, grid.size), and constraints on a part of the body instead of the "
     "condition on that face, which moves the material out of the domain, or lets it move out"
 )
+#: In the initial configuration.
+_MET = (
+    "configuration: current, in which bodies meet walls as they come (one in the initial "
+    "configuration is held by a face if it lies on it at the start, and knows of no other); or no "
+    "condition on that face (boundaries), if the body is to pass it"
+)
 
 
 class Failure(NamedTuple):
@@ -73,7 +79,9 @@ def _describe(rank: Rank, step: Step) -> tuple[str, str, str]:
     velocity = ", ".join(f"{v:.4g}" for v in p.v[row])
     body = rank.scene.body_names[p.body[row]]
     advice = _out_of_range(rank, row)[1] if fault == OUT_OF_RANGE else _ADVICE[fault]
-    if fault == OUTSIDE and _face(rank, row) in rank.scene.case.boundaries:
+    if fault == OUTSIDE and rank.scene.initial:
+        advice = _MET
+    elif fault == OUTSIDE and _face(rank, row) in rank.scene.case.boundaries:
         advice = _DRAWN_OUT
     return (
         f"particle {p.id[row]} of body '{body}' {explanation(rank, row, fault)}",
@@ -104,6 +112,10 @@ def _out_of_range(rank: Rank, row: int) -> tuple[str, str]:
 def _face(rank: Rank, row: int) -> str:
     """Name of the face, of those that let nothing go, beyond which a particle lies."""
     frame = rank.scene.frame
+    if rank.scene.initial:
+        for d, (low, high) in enumerate(rank.grid.bounds):
+            if not low <= rank.particles.x[row, d] <= high:
+                return f"{'xyz'[d]}-{'max' if rank.particles.x[row, d] > high else 'min'}"
     for d, x in enumerate(rank.particles.x[row]):
         xi = (x - frame.origin[d]) * frame.inverse[d]
         if not 0.0 <= xi <= frame.cells[d] and not rank.scene.exits >> (2 * d + (xi > 0.0)) & 1:

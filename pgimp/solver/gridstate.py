@@ -2,7 +2,8 @@
 
 It is summed again from the particles as they are, just as the next step will do: what is left
 from the last step belongs to where they were. So a frame of the grid belongs to the particles of
-the same time, also at the start, and after a resume.
+the same time, also at the start, and after a resume. Of bodies in the initial configuration it is
+the grid at the start: vertices and cells stay where they were then.
 """
 
 from functools import partial
@@ -157,7 +158,7 @@ def _cells(rank: Rank) -> tuple[np.ndarray, np.ndarray]:
     p, order, frame = rank.particles, rank.population.order, rank.scene.frame
     marks = np.zeros((grid.planes, *window.extent[1:]), bool)
     for begin, end in blocks(len(order), _BLOCK):
-        x = p.x[order[begin:end]]
+        x = (p.origin if rank.scene.initial else p.x)[order[begin:end]]
         place = [np.zeros(len(x), np.int64)] * 3
         for d in range(rank.scene.dimension):
             cell = np.floor((x[:, d] - frame.origin[d]) * frame.inverse[d])

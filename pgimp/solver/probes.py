@@ -138,8 +138,11 @@ class Place:
         population, frame, sums = sim.population, sim.scene.frame, []
         p = population.particles
         cell = floor((self.place[0] - frame.origin[0]) * frame.inverse[0]) + frame.ghost
-        # A particle is up to two cells beyond the first vertex of its support.
-        for number in range(cell - 3, cell + 3):
+        # A particle is up to two cells beyond the first vertex of its support, now or initially.
+        near = range(cell - 3, cell + 3)
+        if sim.scene.initial:
+            near = range(population.first, population.first + population.layers)
+        for number in near:
             layer = number - population.first
             if not 0 <= layer < population.layers:
                 continue

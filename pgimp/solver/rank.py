@@ -91,7 +91,9 @@ class Rank:
         self.scene, self.comm = scene, comm
         self.lightest = 0.0
         self.call = Bound()
-        self.population = Population(particles, count, scene.shape, scene.frame, slab, start)
+        self.population = Population(
+            particles, count, scene.shape, scene.setting.frame, slab, start
+        )
         self.timings = dict.fromkeys((*PHASES, "sort", "balance"), 0.0)
         self.worked = dict.fromkeys(PHASES, 0.0) if shares_cores(comm) else self.timings
         self.particle_steps = self.clamped = self.held = 0
@@ -100,15 +102,17 @@ class Rank:
         self.reach = np.zeros((2, 2), np.int64)
         self.meetings = Meetings(scene, comm) if scene.pairs else None
         self.clearances = Clearances(scene)
+        #: Whether there are other layers than when rows were last sorted.
+        self.moved = False
         self._allocate(slab)
 
     def _allocate(self, slab: Slab) -> None:
         """Make grid, messages and books for a slab; the window is still to be set."""
         scene, comm = self.scene, self.comm
         self.slab = slab
-        late = LATE if comm.size > 1 else 0
+        late = LATE if comm.size > 1 and not scene.initial else 0
         fields = self.meetings.fields if self.meetings else ()
-        self.grid = Grid(scene.frame, scene.vertices, slab, late, fields)
+        self.grid = Grid(scene.frame, scene.vertices, slab, late, fields, scene.room)
         self.halo = Halo(comm, slab, scene.vertices - 1)
         self.migration = Migration(comm, slab, self.particles)
         outflow = (len(scene.body_names), scene.sums) if scene.exits else (0, 0)
@@ -127,6 +131,11 @@ class Rank:
     def count(self) -> int:
         """Number of the rank's particles."""
         return len(self.population.order)
+
+    @property
+    def migrates(self) -> bool:
+        """Whether particles may go to other ranks in a step, or come from them."""
+        return self.slab.neighbours and not self.scene.initial
 
     @property
     def free(self) -> FreeBodies | None:
@@ -153,6 +162,7 @@ class Rank:
         """
         window, extra = self.grid.base, self.scene.vertices - 1
         sums = redistribute(self.comm, old, new, extra, self.population, self.booked())
+        self.moved = True
         self._allocate(slab_of(new, self.comm.rank))
         self.grid.store(window)
         for booked, values in zip(self.booked(), sums, strict=True):

@@ -330,7 +330,9 @@ class Simulation:
     def _sort(self) -> None:
         """Sort the rows, report the load, and shrink a window that has become far too wide."""
         begin, rank = perf_counter(), self.rank
-        rank.population.sort()
+        if not self.scene.initial or rank.moved:
+            rank.population.sort()
+            rank.moved = False
         rank.timings["sort"] += perf_counter() - begin
         if self.comm.size > 1:
             planes = int(rank.grid.active.sum())

@@ -101,7 +101,7 @@ def step(
         rank.clamped += clamped
         rank.held += held
         lap("G2P")
-        if moved or rank.slab.neighbours:
+        if moved or rank.migrates:
             migration.proceed(population, changed[found : found + moved])
             found += moved
             lap("migrate")
@@ -115,7 +115,7 @@ def step(
     if outflow:
         rank.remove_outflow(changed)
     coming = changed
-    if found or rank.slab.neighbours:
+    if found or rank.migrates:
         coming = migration.receive(population)
     lap("migrate")
 

@@ -12,7 +12,12 @@ def open_window(rank: Rank, reduction: StepReduction) -> None:
 
 
 def shrink_window(rank: Rank, reduction: StepReduction) -> None:
-    """Reallocate it if it has become far too wide; collective, between reductions."""
+    """Reallocate it if it has become far too wide; collective, between reductions.
+
+    In the initial configuration it is as narrow as can be from the start.
+    """
+    if rank.scene.initial:
+        return
     reach = _reach_of_all(rank)
     needed = np.prod(np.maximum(reach[1] - reach[0], 0) + 4.0)
     stored = np.prod(rank.grid.base[1] - rank.grid.base[0] + 1.0)
@@ -21,7 +26,10 @@ def shrink_window(rank: Rank, reduction: StepReduction) -> None:
 
 
 def _cover(rank: Rank, reduction: StepReduction, reach: np.ndarray) -> None:
-    rank.grid.cover(reach)
+    if rank.scene.initial:
+        rank.grid.store(reach)
+    else:
+        rank.grid.cover(reach)
     rank.reach[:] = reduction.reach[:] = rank.grid.known
 
 

@@ -6,12 +6,16 @@ import subprocess
 import sys
 from concurrent.futures import ProcessPoolExecutor
 from datetime import date
+from functools import partial
 from importlib.metadata import version
 from multiprocessing import get_context
 
+import detection
 import gap
+import hertz
 import motion
 import problems
+import rolls
 import walls
 
 from pgimp.io.rundir.runinfo import cpu
@@ -32,9 +36,15 @@ def _figures(quick):
         jobs["bars", cell] = (motion.bars, 2.5 * cell)
         jobs["disks", cell] = (motion.disks, 0.2 * cell)
         jobs["edges", cell] = (motion.edges, 5.0 * cell)
-        jobs["collision", cell] = (motion.collision, 5.0 * cell)
+        for D in (2, 3):
+            jobs[f"collision {D}", cell] = (rolls.collision, D, 5.0 * cell)
+            jobs[f"affine {D}", cell] = (rolls.collision, D, 5.0 * cell, True)
+            floor = "slab" if D == 2 else "rigid"
+            jobs[f"rolls {D}", cell] = (rolls.slope, D, cell, 10.0, 0.5, floor)
+            jobs[f"slips {D}", cell] = (rolls.slope, D, cell, 30.0, 0.15, floor)
         jobs["incline", cell] = (motion.incline, 0.5 * cell)
-        jobs["rolling", cell] = (motion.rolling, cell)
+        jobs["stuck", cell] = (motion.sticking, 0.5 * cell)
+        jobs["line", cell] = (hertz.line, round(0.4 / cell))
         jobs["bar", cell] = (walls.bar, 2.5 * cell)
         jobs["wall", cell] = (walls.incline, 5.0 * cell)
         jobs["rods", cell] = (problems.rods, round(8.0 / cell))
@@ -43,8 +53,7 @@ def _figures(quick):
         jobs["nairn", cell] = (problems.disks, 5.0 * cell)
         jobs["ball", cell] = (problems.ball, 0.05 * cell)
         jobs["pressed", cell] = (problems.pressed, 5.0 * cell)
-        jobs["held", cell] = (walls.incline, 5.0 * cell, 24.0, 0.6)
-    jobs["stuck", cells[0]] = (motion.incline, 0.5 * cells[0], 24.0, 0.7)
+        jobs["held", cell] = (walls.sticking, 5.0 * cell)
     return jobs
 
 
@@ -55,11 +64,14 @@ def _table(found, cells):
         values = [found[name, cell] for cell in cells if (name, cell) in found]
         return [form.format(v if place is None else v[place]) for v in values]
 
+    def once(name):
+        return [f"{found[name,]:.0e}"] if (name,) in found else []
+
     rows = [
-        ("tied bodies and one body, difference after 1,000 steps", "0", [f"{found['tied',]:.0e}"]),
-        ("the same on a wall that lets go", "0", [f"{found['lying',]:.0e}"]),
+        ("tied bodies and one body, difference after 1,000 steps", "0", once("tied")),
+        ("the same on a wall that lets go", "0", once("lying")),
         ("a block at rest, of one that touches it and moves away: momentum taken", "0",
-         [f"{found['parting',]:.0e}"]),
+         once("parting")),
         ("bars of 20 and 40 cells meet: rebound", "1", at("bars", 0)),
         ("the same: energy lost", "0", at("bars", 1)),
         ("Sulsky's disks, R = 5 and 10 cells: energy lost when they have parted", "0",
@@ -74,17 +86,26 @@ def _table(found, cells):
          at("ball", 0)),
         ("the same: greatest force", "1", at("ball", 1)),
         ("the same: energy lost", "0", at("ball", 2)),
-        ("blocks of 3 and 6 cells meet with friction: momentum that changes", "0",
-         at("collision", 0, "{:.0e}")),
-        ("the same: angular momentum", "0", at("collision", 1, "{:.0e}")),
+        *(row for D in (2, 3) for row in (
+            (f"blocks of 3 and 6 cells meet with friction, {D}D: momentum that changes", "0",
+             at(f"collision {D}", 2, "{:.0e}")),
+            ("the same: angular momentum of the grid, greatest change in a step", "0",
+             at(f"collision {D}", 0, "{:.0e}")),
+            ("the same: angular momentum of the particles, in all", "0",
+             at(f"collision {D}", 1, "{:.0e}")),
+            ("the same with `affine`", "0", at(f"affine {D}", 1, "{:.0e}")),
+        )),
+        ("cylinders pressed on each other, half-width of contact 2 and 4 cells: over Hertz's", "1",
+         at("line", 0)),
+        ("the same: greatest pressure over Hertz's, as vertices see it", "1", at("line", 1)),
         ("they slide over each other's edges without: momentum along the faces that changes", "0",
          at("edges")),
         ("block of 10 and 20 cells on an incline of 24 degrees, friction 0.3: acceleration", "1",
          at("incline", 0)),
         ("the same: heat of friction", "1", at("incline", 1)),
         ("the same: cells by which it has sunk in, also by its weight", "0", at("incline", 2)),
-        ("friction 0.7, where it sticks: cells by which it slips, bending of the slab included",
-         "0", at("stuck", 0)),
+        ("friction 0.7, where it sticks: cells by which it is off a block that is tied",
+         "0", at("stuck")),
         ("Uintah's friction block, 16 x 6 and 32 x 12 cells: acceleration", "1",
          at("friction block", 0)),
         ("the same: tangential over normal impulse and coefficient", "1",
@@ -100,14 +121,34 @@ def _table(found, cells):
         ("block of 6 and 12 cells on a wall inclined by 24 degrees, friction 0.3: acceleration",
          "1", at("wall", 0)),
         ("the same: cells by which it has sunk in, also by its weight", "0", at("wall", 1)),
-        ("friction 0.6, where it sticks: cells by which it slips, shear included", "0",
-         at("held", 0)),
-        ("cylinder that rolls, R = 5 and 10 cells: acceleration", "1", at("rolling")),
+        ("friction 0.6, where it sticks: cells by which it is off one on a wall that holds it", "0",
+         at("held")),
+        *(row for D, what in ((2, "cylinder on a slab"), (3, "sphere on a rigid body")) for row in (
+            (f"{what} that rolls, R = 5 and 10 cells: acceleration", "1", at(f"rolls {D}", 0)),
+            ("the same: of its rotation", "1", at(f"rolls {D}", 1)),
+            (f"{what} that slips and rolls: acceleration", "1", at(f"slips {D}", 0)),
+            ("the same: of its rotation", "1", at(f"slips {D}", 1)),
+        )),
     ]  # fmt: skip
     text = "| test | exact | measured | on half the cells |\n|---|---|---|---|\n"
+    known, head = _known(), ""
     for what, exact, values in rows:
-        text += f"| {what} | {exact} | {' | '.join((*values, '', '')[:2])} |\n"
+        head = head if what.startswith("the same") else what
+        line = f"| {what} | {exact} | {' | '.join((*values, '', '')[:2])} |\n"
+        text += line if values else known.get((head, what), line)
     return text
+
+
+def _known():
+    """Lines of the table that there is, by the row that they belong to and what they say."""
+    lines, head = {}, ""
+    path = PAGES / "tables" / "contact-motion.md"
+    for line in path.read_text(encoding="utf-8").splitlines()[2:] if path.exists() else ():
+        if line.startswith("| "):
+            what = line[2:].split(" | ")[0]
+            head = head if what.startswith("the same") else what
+            lines[head, what] = line + "\n"
+    return lines
 
 
 def _gaps(rows):
@@ -147,27 +188,47 @@ def _costs(quick):
     return text
 
 
+def _every_gap(quick):
+    """Rows of the gaps, between bodies and at walls."""
+    return gap.rows(quick) + walls.gaps(quick)
+
+
+def _show(name, future):
+    """Say what has been measured, as all of it takes some time."""
+    if not future.cancelled() and future.exception() is None:
+        print(*name, future.result(), file=sys.stderr, flush=True)
+
+
 def main():
     """Measure all, write contact.out/contact.md and, unless --quick, docs/contact.md."""
     parser = argparse.ArgumentParser(prog="scripts/contact")
     parser.add_argument("--quick", action="store_true", help="fewer and coarser; writes no page")
+    parser.add_argument(
+        "--only", nargs="+", metavar="NAME",
+        help="these motions, 'gaps', 'detection' or 'costs'; the other figures stay as they are",
+    )  # fmt: skip
     options = parser.parse_args()
     jobs, cells = _figures(options.quick), (0.2, 0.1)
+    jobs["detection",] = (detection.text, options.quick)
+    jobs["gaps",] = (_every_gap, options.quick)
+    wanted = options.only or [*{name[0] for name in jobs}, "costs"]
+    found = {}
     with ProcessPoolExecutor(min(2, os.cpu_count()), get_context("spawn")) as pool:
-        waiting = {name: pool.submit(*job) for name, job in jobs.items()}
-        near = pool.submit(walls.gaps, options.quick)
-        gaps = pool.submit(gap.rows, options.quick)
+        waiting = {name: pool.submit(*job) for name, job in jobs.items() if name[0] in wanted}
+        for name, future in waiting.items():
+            future.add_done_callback(partial(_show, name))
         found = {name: future.result() for name, future in waiting.items()}
-        gaps = gaps.result() + near.result()
     where = (
         f"Measured by `scripts/contact` on one core of {cpu()}, pgimp {version('pgimp')}, numba "
         f"{version('numba')}, {date.today()}.\n"
     )
-    texts = {
-        "contact-motion": _table(found, cells) + "\n" + where,
-        "contact-gaps": _gaps(gaps),
-        "contact-costs": _costs(options.quick),
-    }
+    texts = {"contact-motion": _table(found, cells) + "\n" + where}
+    if ("gaps",) in found:
+        texts["contact-gaps"] = _gaps(found["gaps",])
+    if ("detection",) in found:
+        texts["contact-detection"] = found["detection",]
+    if "costs" in wanted:
+        texts["contact-costs"] = _costs(options.quick)
     OUT.mkdir(exist_ok=True)
     (OUT / "contact.md").write_text("\n".join(texts.values()), encoding="utf-8")
     print("\n".join(texts.values()))

@@ -63,8 +63,12 @@ def _first(case, gap):
 
 
 def flat(dimensions, angle, shift):
-    """Gap of two flat faces, turned by `angle`, that meet at any place in a cell."""
-    way, gap = _direction(dimensions, angle), 1.5
+    """Gap of two flat faces, turned by `angle`, that meet at any place in a cell.
+
+    Their distance at the start is no multiple of that of the particles, so that each lies elsewhere
+    on the lattice.
+    """
+    way, gap = _direction(dimensions, angle), 1.0 + 0.5 * ((7.0 * shift) % 1.0)
     middle = np.full(dimensions, 0.5 * CELLS[dimensions]) + shift * way
     half = [3.0, 4.0, 4.0][:dimensions]
     bodies = {
@@ -75,20 +79,22 @@ def flat(dimensions, angle, shift):
 
 
 def balls(dimensions, radius, angle, shift):
-    """Gap of two disks or balls that meet head on."""
-    way, gap = _direction(dimensions, angle), 1.0
+    """Gap of two disks or balls that meet head on; of large balls only the caps are there."""
+    way, gap = _direction(dimensions, angle), 0.6 + 0.5 * ((7.0 * shift) % 1.0)
     middle = np.full(dimensions, 0.5 * CELLS[dimensions]) + shift
 
     def ball(side):
         centre = middle + side * (radius + 0.5 * gap) * way
-        return {"ball": {"centre": centre.tolist(), "radius": radius}}
+        whole = {"ball": {"centre": centre.tolist(), "radius": radius}}
+        near = {"box": {"min": (middle - 7.0).tolist(), "max": (middle + 7.0).tolist()}}
+        return whole if dimensions == 2 else {"intersection": [whole, near]}
 
     return _first(stiff({"a": ball(-1.0), "b": ball(1.0)}, way), gap)
 
 
 def corner(angle, shift):
     """Gap of the corner of a square, turned by `angle`, that comes down on a plane."""
-    way, gap, half = np.array([0.0, -1.0]), 1.0, 3.0
+    way, gap, half = np.array([0.0, -1.0]), 1.0 + 0.5 * ((7.0 * shift) % 1.0), 3.0
     middle = np.array([15.0 + shift, 12.0 + shift])
     up = np.array([0.0, gap + half * (cos(radians(angle)) + sin(radians(angle)))])
     bodies = {
@@ -109,11 +115,11 @@ def rows(quick):
         found[f"flat faces at {angle:.0f} degrees, 3D"] = [flat(3, angle, s) for s in shifts[:4]]
     for radius in radii:
         found[f"disks, R = {radius:.0f} cells"] = [
-            balls(2, radius, 30.0 * i, s) for i, s in enumerate(shifts[:4])
+            balls(2, radius, 30.0 * i, s) for i, s in enumerate(shifts)
         ]
-    if not quick:
-        found["balls, R = 4 cells, 3D"] = [
-            balls(3, 4.0, 15.0 * i, s) for i, s in enumerate(shifts[:2])
+    for radius in () if quick else (5.0, 10.0):
+        found[f"balls, R = {radius:.0f} cells, 3D"] = [
+            balls(3, radius, 15.0 * i, s) for i, s in enumerate(shifts[:4])
         ]
     found["a square's corner and a plane"] = [
         corner(angle, s) for angle in (45.0, 20.0) for s in shifts[:4]

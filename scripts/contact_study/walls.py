@@ -106,6 +106,28 @@ def incline(cell, angle=24.0, friction=0.3):
     return change / end["mass"] / (end["time"] - begin["time"]) / exact, sunk
 
 
+def sticking(cell, angle=24.0, friction=0.6):
+    """A block that should stick on a wall: greatest way, in cells, by which it is off a held one.
+
+    The wall that holds does so from the beginning; shear of the block is in both.
+    """
+    slope, ways = (sin(radians(angle)), cos(radians(angle))), []
+    for condition in ({"separating": {"friction": friction}}, "fixed"):
+        ramp = {"table": [[0.0, [0.0, 0.0]], [1.0, [slope[0], -slope[1]]]]}
+        case = motion.case_of(
+            {"block": (motion.box([2.0, 0.0], [8.0, 2.0]), [0.0, 0.0])}, [12.0, 5.0], cell, 6.0,
+            gravity=ramp, boundaries={"y-min": condition},
+        )  # fmt: skip
+        case["materials"]["solid"] = motion.SOLID | {"young": 1e3}
+        simulation = pgimp.Simulation(case)
+        way = []
+        for time in np.arange(0.25, 6.001, 0.25):
+            simulation.advance(min(time, 6.0))
+            way.append(simulation.diagnostics()["body.block.centre-x"])
+        ways.append(np.array(way))
+    return np.abs(ways[0] - ways[1]).max() / cell
+
+
 def cost(dimensions, rounds):
     """Time of a step of a block on a separating floor over that on one that holds it."""
     cells = {2: 120, 3: 20}[dimensions]

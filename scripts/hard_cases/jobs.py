@@ -3,7 +3,7 @@
 from itertools import product
 
 from courant import limits
-from locking import CELLS, OFFSETS, POISSONS, locked
+from locking import KINDS, OFFSETS, locked
 from locking import METHODS as UNLOCKED
 from rows import METHODS, ROWS, grazed, measured
 
@@ -52,8 +52,7 @@ def jobs(quick, words):
                     key = ("courant", dimension, per_cell, m)
                     found[key] = (courant_job, m, dimension, per_cell, quick)
     if "locking" in words:
-        for poisson, cell in product(POISSONS[: 1 if quick else 3], CELLS[: 1 if quick else 2]):
+        for kind in KINDS[: 1 if quick else None]:
             for method, offset in product(UNLOCKED, OFFSETS[: 1 if quick else None]):
-                key = ("locking", poisson, cell, method, offset)
-                found[key] = (locked, method, poisson, cell, offset)
+                found["locking", *kind, method, offset] = (locked, method, *kind, offset)
     return found

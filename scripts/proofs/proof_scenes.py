@@ -195,6 +195,8 @@ def _holds(case, body, face):
 
     One that is free across, or moves outwards, may; and constraints move particles through it.
     """
+    if case["bodies"][body].get("configuration") == "initial":  # a wall holds what lies on it
+        return False
     if any(each["body"] == body for each in case.get("constraints", {}).values()):
         return False
     entry = case.get("boundaries", {}).get(face)

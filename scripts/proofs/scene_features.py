@@ -111,6 +111,35 @@ def memory(rng, scene):
             scene.states = ("damage", "peak-energy")
 
 
+def metals(rng, scene):
+    """Metals in place of materials that remember nothing: of all kinds, with all they may have."""
+    plain = [name for name, entry in scene.case["materials"].items() if "damage" not in entry]
+    for name in plain[: rng.kind.choice((1, 2, 3))]:
+        entry = scene.case["materials"][name]
+        E, rho = entry["young"], entry["density"]
+        limit = E * 10.0 ** rng.uniform(-3.0, -1.0)
+        entry.setdefault("poisson", 0.3)
+        if rng.kind.random() < 0.5:
+            entry |= {"model": "von-mises", "yield-stress": limit}
+            entry["hardening"] = rng.choice((0.0, 0.02 * E))
+            if rng.kind.random() < 0.5:
+                entry["saturation"] = {"stress": 0.5 * limit, "rate": number(rng, 1.0, 50.0)}
+            if rng.kind.random() < 0.5:
+                entry["kinematic"] = 0.02 * E
+            scene.states += ("plastic-strain",)
+            continue
+        entry |= {"model": "johnson-cook", "a": limit, "b": limit, "n": number(rng, 0.2, 0.8)}
+        entry |= {"c": number(rng, 0.0, 0.1), "m": number(rng, 0.5, 1.5), "temperature": 300.0}
+        entry |= {"melting": 1000.0, "specific-heat": 0.02 * limit / rho, "reference-rate": 0.1}
+        if rng.kind.random() < 0.5:
+            entry["damage"] = {"d1": number(rng, 0.01, 0.2), "d2": 0.1, "d3": -1.5, "d5": 0.3}
+        if rng.kind.random() < 0.5:
+            law = {"c0": math.sqrt(E / rho), "s": number(rng, 0.5, 1.5)}
+            entry["eos"] = {"mie-gruneisen": law | {"gamma": number(rng, 0.0, 2.0)}}
+        scene.states += ("plastic-strain", "temperature")
+    scene.states = tuple(dict.fromkeys(scene.states))
+
+
 def laws(rng, modulus, density):
     """Soils, fluids and gases whose waves are no faster than those of a solid of a modulus."""
     angle = number(rng, 5.0, 40.0)
@@ -153,7 +182,7 @@ def flows(rng, scene):
     chosen, states = [*scene.case["materials"]], []
     for name in rng.kind.sample(chosen, rng.kind.randint(1, len(chosen))):
         entry = scene.case["materials"][name]
-        if entry["model"] == "softening":
+        if entry["model"] in ("softening", "von-mises", "johnson-cook"):
             continue
         density, of = entry["density"], laws(rng, entry["young"], entry["density"])
         model = rng.kind.choice([*of])
@@ -395,6 +424,19 @@ def contact(rng, scene):
     scene.case["contact"] = entries
 
 
+def initial(rng, scene):
+    """All bodies in the initial configuration, without what they cannot meet there."""
+    case = scene.case
+    case["bodies"] = {name: body | {"configuration": "initial"}
+                      for name, body in case["bodies"].items() if "rigid" not in body}  # fmt: skip
+    for part in ("contact", "escape"):
+        case.pop(part, None)
+    case["method"].pop("volume", None)
+    for face, kind in case["boundaries"].items():
+        if kind == "separating" or "separating" in kind:
+            case["boundaries"][face] = "slip"
+
+
 class Feature(NamedTuple):
     """A line of the table: see the head of this file."""
 
@@ -412,6 +454,7 @@ FEATURES = (
     Feature("relaxation", relaxation, 0.15, compiled=True),
     Feature("materials", materials),
     Feature("memory", memory, 0.2, compiled=True),
+    Feature("metals", metals, 0.2, compiled=True),
     Feature("flows", flows, 0.35, compiled=True),
     Feature("viscosity", viscosity, 0.2, compiled=True),
     Feature("time", time),
@@ -426,6 +469,7 @@ FEATURES = (
     Feature("rigid bodies", tools, 0.3, compiled=True),
     Feature("free body", free, 0.12, compiled=True),
     Feature("contact", contact, 0.35, compiled=True),
+    Feature("initial configuration", initial, 0.2, compiled=True),
     Feature("frames", frames),
     Feature("grid frames", grid_frames, 0.4),
     Feature("precision and compression", small_files, 0.4),

@@ -21,8 +21,11 @@ class MeanRank(Rank):
 
 def pair(name, D, seed=SEED):
     """Rank, reference and copied particles, as `setting`, with one rate a cell."""
-    pointwise, _, _ = setting(name, D, seed)
-    rank = MeanRank(entry(name, PER_CELL[:D]), pointwise.frame, copied(pointwise))
+    pointwise, _, _ = setting(name, D, seed, mean=True)
+    particles = copied(pointwise)
+    for volume in (particles.V, particles.V0):
+        volume *= 0.3  # some are alone, some are not
+    rank = MeanRank(entry(name, PER_CELL[:D]), pointwise.frame, particles)
     return rank, Reference(name, PER_CELL[:D], rank.frame, mean=True), copied(rank)
 
 
@@ -53,8 +56,10 @@ def test_a_step_is_that_of_the_cells(name, D):
     assert rank.grid_to_particles(DT)[0] == 0
     reference.grid_to_particles(p, rank.setting.materials, rank.setting.material_of, DT, True)
     after = copied(rank)
-    for each in ("x", "v", "F", "sigma", "V"):
+    for each in ("x", "v", "F", "sigma", "V", "alone"):
         assert close(getattr(after, each), getattr(p, each)), each
+    assert (after.alone == 0).any() and (after.alone == 1).any()
+    assert ((after.alone > 0) & (after.alone < 1)).any()
 
 
 @pytest.mark.parametrize(("name", "D"), [("gimp", 2), ("finite-gimp", 3)])
@@ -64,7 +69,7 @@ def test_the_power_of_the_forces_is_that_of_the_stresses(name, D):
     for cells in ((5, 4, 3), (9, 2, 6)):
         shape = entry(name, (2, 1, 3)[:D])
         frame = make_frame(shape, rng.normal(size=D), CELL[:D], cells[:D])
-        p = random_particles(rng, random_positions(rng, frame, 37, 0.03))
+        p = random_particles(rng, random_positions(rng, frame, 37, 0.03), mean=True)
         rank = MeanRank(shape, frame, p)
         rank.particles_to_grid()
         before, grid = copied(rank), rank.grid
@@ -93,7 +98,7 @@ def test_affine_fields_are_seen_as_they_are(name, D):
     rng = np.random.default_rng(SEED)
     found = []
     for kind in (Rank, MeanRank):
-        pointwise, _, _ = setting(name, D)
+        pointwise, _, _ = setting(name, D, mean=True)
         rank = kind(entry(name, PER_CELL[:D]), pointwise.frame, copied(pointwise))
         rank.particles_to_grid()
         before, grid = copied(rank), rank.grid
@@ -121,6 +126,7 @@ def test_viscous_pressure_acts_through_the_cells():
     forces = []
     for q in (np.zeros(len(rows)), rng.uniform(0.0, 9.0, len(rows))):
         p.q[rows, 0] = q
+        p.alone[rows] = 0.0
         sum_particles(sim.rank, sim.scene.loads.at(0.0), False)
         G = grid.G.reshape(*grid.window.extent, RECORD).copy()
         G[grid.active == 0] = 0.0

@@ -13,6 +13,10 @@ from material_driver import (
     response,
 )
 
+from pgimp.kernels.concepts import Setting
+from pgimp.kernels.particles import Carried, InitialFrame, Particles
+from pgimp.kernels.sums import fastest_rate
+
 
 def acoustic(parameters, F, n):
     """Squares of the speeds of waves with normal n in the deformed body, from its stresses.
@@ -29,6 +33,47 @@ def acoustic(parameters, F, n):
     directions = [np.outer(np.eye(D)[k], N) for k in range(D)]
     A = [(traction(F + h * d) - traction(F - h * d)) / (2 * h) for d in directions]
     return np.linalg.eigvalsh(np.array(A)) / parameters[0].density
+
+
+def rate_on_initial_grid(parameters, F):
+    """`fastest_rate` on a grid of the initial configuration with cells of 1, of a particle."""
+    D = len(F)
+    frame = InitialFrame((0.0,) * D, (1.0,) * D, (1.0,) * D, (4,) * D, 2)
+    one = Particles.empty(1, Carried(D, origin=True))
+    one.F[0], one.v[0] = np.ravel(F), 1e6  # which does not count
+    of = np.zeros(1, np.int64)
+    setting = Setting((), frame, tuple(np.eye(D).ravel().tolist()), parameters, of)
+    return fastest_rate(setting, one, np.zeros(1, np.int32))
+
+
+@pytest.mark.parametrize(("model", "D"), [("neo-hookean", 2), ("linear-1d", 1)])
+def test_rate_on_a_grid_of_the_initial_configuration(model, D):
+    """A wave along n goes c |F^-T N| of initial length, N the initial normal, and none is faster.
+
+    As fast is one along principal stretches, however the body has turned.
+    """
+    parameters = (material(model),)
+
+    def fastest(F):
+        found = []
+        for N in normals(D):
+            m = np.linalg.inv(F).T @ N
+            length = np.linalg.norm(m)
+            found.append(length**2 * acoustic(parameters, F, m / length).max())
+        return np.sqrt(max(found))
+
+    for F in deformations(D, n=5):
+        assert rate_on_initial_grid(parameters, F) >= fastest(F) * (1 - 1e-8)
+    Q = np.array([[0.6, -0.8], [0.8, 0.6]]) if D == 2 else np.eye(1)
+    for stretches in ([1.4, 0.8], [5.0, 0.6], [0.5, 0.7], [1.0, 1.0]):
+        F = Q @ np.diag(stretches[:D])
+        assert rate_on_initial_grid(parameters, F) == pytest.approx(fastest(F), rel=1e-7)
+
+
+def test_rate_of_other_materials_is_bounded_by_the_least_stretch():
+    F = np.array([[0.6, -0.8], [0.8, 0.6]]) @ np.diag([1.3, 0.5])
+    c = response(HOOKE, F)[2]
+    assert rate_on_initial_grid(HOOKE, F) == pytest.approx(c / 0.5, rel=1e-12)
 
 
 def normals(D):

@@ -613,3 +613,37 @@ def test_more_surfaces_in_a_box_than_can_be_told_apart_are_refused():
     balls = [ball([0.5, 0.5], 0.1 + 1e-4 * i) for i in range(200)]
     with pytest.raises(TangledError, match="more surfaces in one particle's box"):
         measure(region({"union": balls}), np.zeros((1, 2)), np.ones((1, 2)))
+
+
+@pytest.mark.parametrize("D", [2, 3])
+def test_what_surfaces_leave_is_known_to_contact(D):
+    """Moments of a body are those of its parts, and curvature is that of a ball, none of a box."""
+    radius, cell = 5.0, 0.5
+    bodies = {
+        "round": body(ball([4.3, 4.1, 4.4][:D], radius * cell)),
+        "flat": body(box([7.3, 1.15, 1.4][:D], [9.1, 4.9, 4.9][:D])),
+    }
+    case = scene(D, bodies, cells=[20, 16, 16][:D], cell=cell, contact=[{"bodies": "all"}])
+    p, _ = particles(case)
+    without, _ = particles(case | {"contact": []})
+    assert p.offset.shape == (len(p.m), D) and without.offset.shape == (len(p.m), 0)
+    assert (p.x == without.x).all() and (p.m == without.m).all()
+    cut = (p.offset != 0.0).any(axis=1)
+    assert (np.abs(p.V0[~cut] - 0.25**D) < 1e-15).all()
+    size = 0.25 * np.ones(D)
+    assert (np.abs(p.offset) <= size).all()
+    # Centres of mass: exact of a box, of high order of a ball.
+    for number, middle in enumerate(([4.3, 4.1, 4.4][:D], [8.2, 3.025, 3.15][:D])):
+        own = p.body == number
+        centre = p.V0[own] @ (p.x + p.offset)[own] / p.V0[own].sum()
+        assert centre == pytest.approx(np.array(middle), abs=1e-3 if number == 0 else 1e-12)
+    bent = p.excess[:, 0] / cell
+    exact = (D - 1) / radius * (1.0 / 12.0 + 1.0 / 16.0)
+    # Taken at the particles, up to half a box from the surface.
+    assert bent[cut & (p.body == 0)] == pytest.approx(exact, rel=0.15)
+    assert (bent[~cut] == 0.0).all()
+    # Only particles within a quarter of a cell of an edge, where it is rounded outside, are not 0.
+    edges = np.array([[7.3, 1.15, 1.4][:D], [9.1, 4.9, 4.9][:D]])
+    near = np.abs(p.x[:, None] - edges).min(axis=1) < 0.3 * cell
+    plain = cut & (p.body == 1) & (near.sum(axis=1) < 2)
+    assert plain.sum() > 10 and np.abs(bent[plain]).max() < 1e-9

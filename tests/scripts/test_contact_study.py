@@ -1,23 +1,68 @@
 """The study of contact: what it measures, in short, and that the page shows all of it."""
 
 import sys
+from functools import partial
 from pathlib import Path
+
+import numpy as np
+import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.append(str(ROOT / "scripts" / "contact_study"))
 
+import detection  # noqa: E402
 import gap  # noqa: E402
+import hertz  # noqa: E402
 import motion  # noqa: E402
 import problems  # noqa: E402
+import rolls  # noqa: E402
 import walls  # noqa: E402
 
 from pgimp.kernels.clearance import CLOSED  # noqa: E402
 
 
 def test_gaps_of_flat_and_round_bodies():
-    """Flat faces within 0.03 of a cell; disks enter by a third of a cell over their radius."""
-    assert abs(gap.flat(2, 20.0, 0.3)) < 0.03
-    assert -0.08 < gap.balls(2, 5.0, 30.0, 0.3) < 0.0
+    """Flat faces within 0.02 of a cell, anywhere on the lattice; disks, R = 5, within 0.03."""
+    for shift in (0.3, 0.71):
+        assert abs(gap.flat(2, 0.0, shift)) < 0.02
+    assert abs(gap.balls(2, 5.0, 30.0, 0.3)) < 0.03
+
+
+def test_two_ways_to_find_gap_and_normal():
+    """Surface vectors are exact for planes; what is built is within 0.02, and 0.05 of disks."""
+    rng, found = np.random.default_rng(5), {}
+    for make in [partial(detection.flat, 2, [0.9, 0.3])] * 3:
+        shift, *lattices = rng.random((3, 2)) - 0.5
+        detection.measure(make, shift, lattices, found)
+    assert max(map(abs, found["surfaces"].first)) < 1e-3
+    assert np.sqrt(max(found["surfaces"].angles)) < 0.1
+    assert max(map(abs, found["built"].first)) < 0.02
+    found = {}
+    for turn in (0.0, 0.4, 0.9):
+        shift, *lattices = rng.random((3, 2)) - 0.5
+        make = partial(detection.balls, 2, 5.0, [1.0, turn])
+        detection.measure(make, shift, lattices, found)
+    assert max(found["surfaces"].first) < 0.0  # they see the mean
+    assert max(map(abs, found["built"].first)) < 0.05
+
+
+@pytest.mark.parametrize("dimensions", [2, 3])
+def test_momenta_at_the_vertices(dimensions):
+    """To rounding in every step; what particles lose of it is much more, and less with `affine`."""
+    on_grid, particles, momentum = rolls.collision(dimensions, 1.0)
+    assert on_grid < 1e-12 and momentum < 1e-12
+    assert 1e-4 < particles < 0.1
+
+
+def test_cylinders_press_on_each_other():
+    """Two cells in half the width: Hertz's width to a tenth, the pressure to a fifth."""
+    width, pressure = hertz.line(2)
+    assert width == pytest.approx(1.0, abs=0.1) and pressure == pytest.approx(1.0, abs=0.2)
+
+
+def test_blocks_that_stick():
+    """What a block does on a slab it does tied to it, to a twentieth of a cell."""
+    assert motion.sticking(0.1) < 0.05
 
 
 def test_what_is_exact():
@@ -67,6 +112,6 @@ def test_a_block_slides_down_a_wall():
 
 def test_the_page_shows_all_tables():
     page = (ROOT / "docs" / "contact.md").read_text(encoding="utf-8")
-    for name in ("motion", "gaps", "costs"):
+    for name in ("motion", "gaps", "detection", "costs"):
         table = ROOT / "scripts" / "pages" / "tables" / f"contact-{name}.md"
         assert table.read_text(encoding="utf-8").strip() in page

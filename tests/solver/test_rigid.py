@@ -193,6 +193,15 @@ def test_what_cannot_be_is_refused(change, said):
     assert said in str(raised.value)
 
 
+def test_contact_of_rigid_bodies_alone_is_refused():
+    """They do not feel each other, and an entry for them would be thought to do something."""
+    case = struck(2, {"friction": 0.1})
+    case["bodies"]["wall"] = rigid([10.0, 1.0], [12.0, 6.0])
+    case["contact"].append({"bodies": ["ram", "wall"]})
+    with pytest.raises((CaseError, ValueError), match=r"contact\.1\.bodies: all are rigid"):
+        start(case)
+
+
 def test_a_fast_ram_shortens_the_steps():
     """Under Courant control it moves by no more than that part of a cell in a step."""
     case = struck(2, {"friction": 0.1}, velocity={"table": [[0.0, [0.0, 0.0]], [0.2, [50.0, 0.0]]]})

@@ -88,10 +88,10 @@ def make_frame(shape: Any, origin: Sequence[float], cell: Sequence[float], cells
     return Frame(tuple(origin), tuple(cell), inverse, tuple(cells), shape.vertices - 1)
 
 
-def random_particles(rng: np.random.Generator, x: np.ndarray) -> Particles:
+def random_particles(rng: np.random.Generator, x: np.ndarray, mean: bool = False) -> Particles:
     """Particles of two bodies at `x` (n, D), deformed, stressed, of various masses and sizes."""
     n, D = x.shape
-    p = Particles.empty(n, Carried(D))
+    p = Particles.empty(n, Carried(D, mean=mean))
     p.x[:] = x
     p.v[:] = rng.normal(size=p.v.shape)
     p.F[:] += 0.2 * rng.uniform(-1.0, 1.0, p.F.shape)
@@ -101,6 +101,7 @@ def random_particles(rng: np.random.Generator, x: np.ndarray) -> Particles:
     p.m[:] = rng.uniform(0.5, 2.0, n)
     p.id[:] = rng.permutation(n)
     p.body[:] = rng.integers(0, 2, n)
+    p.alone[:] = rng.uniform(0.0, 1.0, p.alone.shape) * rng.integers(0, 2, p.alone.shape)
     return p
 
 

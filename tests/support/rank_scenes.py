@@ -360,6 +360,42 @@ def meeting():
     )
 
 
+#: Metals with all they may have: state of several widths, one with artificial viscosity.
+METAL = {"young": 100.0, "poisson": 0.3, "density": 1.0}
+METALS = {
+    "soft": {"model": "von-mises", "yield-stress": 1.0, "hardening": 0.5, "kinematic": 2.0}
+    | METAL | {"saturation": {"stress": 0.5, "rate": 5.0}},
+    "stiff": METAL | {"model": "johnson-cook", "a": 1.0, "b": 2.0, "n": 0.4, "c": 0.05, "m": 1.1}
+    | {"reference-rate": 0.1, "specific-heat": 0.02, "temperature": 1.0, "melting": 3.0}
+    | {"damage": {"d1": 0.05, "d2": 0.1, "d3": -1.5, "d4": 0.01, "d5": 0.3}}
+    | {"eos": {"mie-gruneisen": {"c0": 9.0, "s": 1.5, "gamma": 2.0}}}
+    | {"viscosity": {"linear": 0.2, "quadratic": 1.0}},
+}  # fmt: skip
+
+
+def metals():
+    """Squares of metals collide across slabs, flow, harden, heat and fail; affine."""
+    bodies = {
+        "flies": turning(box([1.0, 2.0], [5.0, 5.0]), [3.0, 3.5], 0.6, [6.0, 0.5]),
+        "meets": box([8.0, 1.5], [12.0, 4.5], [-3.0, 0.2], "stiff"),
+        "falls": box([14.0, 1.0], [17.0, 4.0], [-5.0, -1.0]),
+    }
+    states = ["plastic-strain", "back-stress", "temperature", "damage", "internal-energy"]
+    case = scene(
+        2,
+        bodies,
+        cells=[20, 8],
+        end=1.0,
+        step={"courant": 0.3},
+        materials=METALS,
+        boundaries={"y-min": "slip", "y-max": "separating"},
+        output={"every": 0.25, "fields": [*EVERYTHING, *states]},
+        history={"every": {"steps": 10}},
+    )
+    case["method"]["affine"] = True
+    return case
+
+
 def flowing():
     """Soils, grains, fluids and a gas beside a solid fly, fall on a floor, meet; with affine."""
     soil = {"young": 100.0, "poisson": 0.3, "density": 1.0, "cohesion": 0.3}
@@ -408,6 +444,42 @@ def flowing():
     )
     case["method"]["affine"] = True
     return case
+
+
+def initial():
+    """In the initial configuration: held, dragged, loaded and turning bodies fly out of the grid.
+
+    Courant control; a rotor far across the slabs, two cut bodies that share vertices, and a frame
+    of the grid between steps.
+    """
+    held = {"body": "bar", "region": {"box": {"min": [0.0, 1.0], "max": [1.0, 3.0]}}}
+    disk = {"ball": {"centre": [8.3, 5.6], "radius": 1.4}}
+    bodies = {
+        "bar": box([0.0, 1.0], [7.0, 3.0], [0.0, 1.0]),
+        "disk": {"material": "stiff", "region": disk, "velocity": [-3.0, 5.0]},
+        "flap": box([9.8, 5.0], [11.4, 6.0]),
+        "rotor": turning(box([12.5, 5.0], [15.5, 6.0]), [14.0, 5.5], 1.5, [9.0, 4.0]),
+    }
+    load = {"body": "bar", "face": "x-max", "pressure": {"table": [[0.0, 0.0], [1.0, 9.0]]}}
+    return scene(
+        2,
+        {name: body | {"configuration": "initial"} for name, body in bodies.items()},
+        cells=[16, 8],
+        shape="finite-gimp",
+        end=1.0,
+        step={"courant": 0.3},
+        materials=PAIR,
+        gravity=[0.0, -1.0],
+        boundaries={"x-min": "fixed"},
+        constraints={"grip": held | {"velocity": [None, {"table": [[0.0, 0.0], [1.0, 3.0]]}]}},
+        tractions={"push": load},
+        output={"every": 0.25, "fields": EVERYTHING, "grid": GRID},
+        history={"every": {"steps": 10}},
+        probes={
+            "tip": {"body": "rotor", "at": [15.5, 5.5]},
+            "gate": {"place": [15.0, 6.0], "every": {"steps": 3}},
+        },
+    )
 
 
 def cut():
@@ -463,7 +535,9 @@ SCENES = (
             dilating,
             meeting,
             flowing,
+            initial,
             cut,
+            metals,
         )
     }
     | SIZED

@@ -9,6 +9,7 @@ from kernel_driver import follows, initial_half
 from quadrature import chi_of, integrals
 
 from pgimp.kernels.clearance import CLOSED
+from pgimp.kernels.mean import DENSE, SPARSE
 
 
 def matrix(F):
@@ -143,6 +144,11 @@ class Reference:
             found[cells] += part[..., None] * signs / self.frame.cell
         return found
 
+    def alone(self, S, volume_of_mass):
+        """Of a particle, from what the vertices around have of a full neighbourhood's mass."""
+        fill = (S * self.m).sum() * volume_of_mass / np.prod(self.frame.cell)
+        return np.interp(fill, [SPARSE**self.D, DENSE**self.D], [1.0, 0.0])
+
     def particles_to_grid(self, particles):
         """(16), (21), (22)."""
         self.m = np.zeros(self.shape)
@@ -154,7 +160,7 @@ class Reference:
             self.m += particles.m[k] * S
             self.p += particles.m[k] * S[..., None] * particles.v[k]
             if self.mean:
-                mean = np.trace(sigma) / self.D
+                mean = (1.0 - particles.alone[k, 0]) * np.trace(sigma) / self.D
                 rates = self.dilatation_of(particles.x[k], particles.F[k])
                 self.f -= particles.V[k] * mean * rates
                 sigma = sigma - mean * np.eye(self.D)
@@ -319,7 +325,9 @@ class Reference:
                     L[r, c] = (self.v[..., r] * grad[..., c]).sum()
             if self.mean:
                 rate = (self.v * self.dilatation_of(particles.x[k], particles.F[k])).sum()
-                L[: self.D, : self.D] += (rate - np.trace(L)) / self.D * np.eye(self.D)
+                part = (1.0 - particles.alone[k, 0]) / self.D
+                L[: self.D, : self.D] += part * (rate - np.trace(L)) * np.eye(self.D)
+                particles.alone[k] = self.alone(S, particles.V[k] / particles.m[k])
             particles.x[k] += dt * np.tensordot(S, self.v, self.D)
             particles.v[k] += dt * np.tensordot(S, self.a, self.D)
             F = (np.eye(3) + dt * L) @ matrix(particles.F[k])

@@ -15,8 +15,11 @@ DT, GRAVITY = 0.002, (1.5, -9.0, 4.0)
 LIGHTEST = 0.01
 
 
-def setting(name, D, seed=SEED):
-    """Rank with random particles and the reference with the same, both before a step."""
+def setting(name, D, seed=SEED, mean=False):
+    """Rank with random particles and the reference with the same, both before a step.
+
+    With `mean` the particles carry what mean dilatation wants of them.
+    """
     rng = np.random.default_rng(seed)
     shape = entry(name, PER_CELL[:D])
     frame = make_frame(shape, ORIGIN[:D], CELL[:D], CELLS[:D])
@@ -25,7 +28,7 @@ def setting(name, D, seed=SEED):
         x[2 * d, d] = ORIGIN[d] + CELL[d] * 0.03
         x[2 * d + 1, d] = ORIGIN[d] + CELL[d] * (CELLS[d] - 0.03)
     # ... and some next to where the layer changes, on either side.
-    p = random_particles(rng, x)
+    p = random_particles(rng, x, mean)
     reference = Reference(name, PER_CELL[:D], frame)
     for k in range(6, 14):
         half = reference.half_widths(p.F[k])[0][0]

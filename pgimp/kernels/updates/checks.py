@@ -4,10 +4,11 @@ from math import isfinite
 
 from pgimp.jit.kernel import inner_kernel, specialise
 from pgimp.jit.lanes import of_lane
-from pgimp.jit.simd import lane, vec4, vector
-from pgimp.jit.tuples import read
-from pgimp.kernels.place import first_vertex
+from pgimp.jit.simd import bits, lane, vec4, vector
+from pgimp.jit.tuples import read, squared
+from pgimp.kernels.place import first_vertex, is_initial
 from pgimp.kernels.walls import hold_inside
+from pgimp.physics.shapes.base import size
 from pgimp.physics.shapes.stretch import LARGEST
 
 #: What is wrong with a particle at fault.
@@ -56,8 +57,8 @@ def _and_positive(mask, margin):
 
 
 @inner_kernel
-def _unsound(frame, x, v, u, J, state, margin, dt):
-    """Name the fault of a particle that failed the combined check, wherever it is; 0 for none."""
+def _broken(x, v, J, state):
+    """Name the fault of a particle, wherever it is and moves; 0 for none."""
     for d in range(len(x)):
         if not (isfinite(x[d]) and isfinite(v[d])):
             return NOT_FINITE
@@ -65,8 +66,15 @@ def _unsound(frame, x, v, u, J, state, margin, dt):
         return NOT_FINITE
     if not J > 0.0:
         return INVERTED
-    if not and_finite(True, state):
-        return NOT_FINITE
+    return 0 if and_finite(True, state) else NOT_FINITE
+
+
+@inner_kernel
+def _unsound(frame, x, v, u, J, state, margin, dt):
+    """Name the fault of a particle that failed the combined check, wherever it is; 0 for none."""
+    fault = _broken(x, v, J, state)
+    if fault != 0:
+        return fault
     for d in range(len(x)):
         if not abs(u[d]) * dt * frame.inverse[d] <= 1.0:
             return TOO_FAST
@@ -84,6 +92,89 @@ def _outside(frame, exits, x):
                 return OUTSIDE
             fault = _LEAVES
     return fault
+
+
+def check(setting, forcing, field, particles, batch, limit, found, report, ledger, counts):
+    """See whether all is as usual with four particles, and if not, what happened to them.
+
+    In the initial configuration they keep their layers, and may be anywhere but beyond a wall.
+
+    Parameters
+    ----------
+    setting, forcing, field, particles, batch, report, ledger
+        See `Setting`, `Forcing`, `Field`, `Particles`, `Batch`, `Report`, `Ledger`.
+    limit : float
+        Greatest (dt/L)^2: a particle is slow for which its product with the speed squared is not
+        above 1.
+    found : tuple
+        u, v, x, F, J, state and margin of the four.
+    counts : tuple of 5 int
+        As in `examine`.
+
+    Returns
+    -------
+    tuple of 5 int
+        The counts with these particles.
+    """
+
+
+@specialise(check)
+def _check(setting, forcing, field, particles, batch, limit, found, report, ledger, counts):
+    def check(setting, forcing, field, particles, batch, limit, found, report, ledger, counts):
+        shape, frame, number = setting.shape, setting.frame, batch.number
+        u, v, x, F, J, state, margin = found
+        # One branch for all that rarely happens, NaN included; its speed limit is sharper.
+        half, most = size(shape, frame.cell, F)
+        now = first_vertex(frame, 0, half[0], x[0])
+        sound = and_finite(within(field.bounds, x) & (J > 0.0), state)
+        sound = and_positive(sound, margin)
+        slower = (squared(u) + squared(v)) * limit <= 1.0
+        usual = bits(sound & slower & (now == number) & (vector(most) <= LARGEST))
+        if usual != 15:
+            counts = examine(
+                setting, forcing, particles, batch, usual,
+                (u, v, x, J, state, margin, half, now, most), report, ledger, counts,
+            )  # fmt: skip
+        return counts
+
+    def check_initial(
+        setting, forcing, field, particles, batch, limit, found, report, ledger, counts
+    ):
+        _, v, x, _, J, state, margin = found
+        sound = and_finite(and_finite(within(field.bounds, x) & (J > 0.0), state), v)
+        usual = bits(and_positive(sound, margin))
+        if usual != 15:
+            counts = _count_faults(
+                field.bounds, batch, usual, (v, x, J, state, margin), report, counts
+            )
+        return counts
+
+    return check_initial if is_initial(setting.types[setting.fields.index("frame")]) else check
+
+
+def _count_faults(bounds, batch, usual, found, report, counts):
+    """As `examine`, in the initial configuration: faults alone."""
+
+
+@specialise(_count_faults)
+def _count_faults_of(bounds, batch, usual, found, report, counts):
+    def count(bounds, batch, usual, found, report, counts):
+        v, x, J, state, _ = found
+        failed, outflow, moved, clamped, held = counts
+        for j in range(batch.size):
+            if usual >> j & 1:
+                continue
+            xj = of_lane(x, j)
+            fault = _broken(xj, of_lane(v, j), lane(J, j), of_lane(state, j))
+            if fault == 0:
+                fault = OUT_OF_RANGE if within(bounds, xj) else OUTSIDE
+            if failed < len(report.faults):
+                report.faults[failed, 0] = batch.rows[j]
+                report.faults[failed, 1] = fault
+            failed += 1
+        return failed, outflow, moved, clamped, held
+
+    return count
 
 
 def examine(setting, forcing, particles, batch, usual, found, report, ledger, counts):

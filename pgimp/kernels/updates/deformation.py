@@ -7,16 +7,36 @@ step is 1 + dt L = R, it stays as it is, where exp(dt tr L) would shrink it in e
 
 from math import sqrt
 
-from pgimp.jit.algebra import determinant, multiply, one_plus
+from pgimp.jit.algebra import determinant, inverse, multiply, one_plus
 from pgimp.jit.functions import cbrt
 from pgimp.jit.kernel import specialise
 from pgimp.jit.lanes import where_all
 from pgimp.jit.simd import bits, pack, vector, where
+from pgimp.jit.tuples import plus_scaled
 from pgimp.kernels.batch import deformations
+from pgimp.kernels.place import is_initial
 from pgimp.physics.materials.base import volume_only
 
 #: Change of volume in a step up to which `_cube_root` is right; steps seldom have more.
 _NEAR = 0.25
+
+
+def velocity_gradients(frame, particles, batch, D):
+    """Velocity gradients L of four particles at the step's beginning, by present places.
+
+    `D` is what the grid gives: L itself or, in the initial configuration, the gradient of the
+    velocity by initial places, which is the rate of F; then L = D F^-1. Either way F after the step
+    is (1 + dt L) F, to rounding.
+    """
+
+
+@specialise(velocity_gradients)
+def _velocity_gradients(frame, particles, batch, D):
+    if not is_initial(frame):
+        return lambda frame, particles, batch, D: D
+    return lambda frame, particles, batch, D: multiply(
+        D, inverse(deformations(frame, particles, batch.rows))
+    )
 
 
 def update_deformation(setting, forcing, particles, batch, numbers, L):
@@ -29,7 +49,7 @@ def update_deformation(setting, forcing, particles, batch, numbers, L):
     numbers : tuple of 4 int
         Their materials.
     L : tuple of D*D Vec4
-        Velocity gradients.
+        Velocity gradients, as the grid gives them: see `velocity_gradients`.
     """
 
 
@@ -37,6 +57,9 @@ def update_deformation(setting, forcing, particles, batch, numbers, L):
 def _update_deformation(setting, forcing, particles, batch, numbers, L):
     materials = setting.types[setting.fields.index("materials")]
     flows = tuple(float(volume_only(each.instance_class)) for each in materials)
+
+    def initial(setting, forcing, particles, batch, numbers, L):
+        return plus_scaled(forcing.dt, L, deformations(setting.frame, particles, batch.rows))
 
     def full(setting, forcing, particles, batch, numbers, L):
         return multiply(one_plus(forcing.dt, L), deformations(setting.frame, particles, batch.rows))
@@ -54,6 +77,8 @@ def _update_deformation(setting, forcing, particles, batch, numbers, L):
         volume = _diagonal(F[0] * _side(determinant(grown), L), L)
         return where_all(kinds > 0.0, volume, multiply(grown, F))
 
+    if is_initial(setting.types[setting.fields.index("frame")]):
+        return initial
     if not any(flows):
         return full
     return isotropic if all(flows) else each_its_own

@@ -25,6 +25,7 @@ from pgimp.physics.materials.cam_clay import CamClay
 from pgimp.physics.materials.drucker_prager import DruckerPrager
 from pgimp.physics.materials.hooke import Hooke
 from pgimp.physics.materials.ideal_gas import IdealGas
+from pgimp.physics.materials.johnson_cook import JohnsonCook
 from pgimp.physics.materials.linear_1d import Linear1d
 from pgimp.physics.materials.mohr_coulomb import MohrCoulomb
 from pgimp.physics.materials.mu_i import MuI
@@ -61,5 +62,6 @@ MATERIALS = Registry(
         "newtonian": Newtonian,
         "bingham": Bingham,
         "ideal-gas": IdealGas,
+        "johnson-cook": JohnsonCook,
     }
 )

@@ -74,6 +74,9 @@ class Material(Model):
     CARRIES_STRESS: ClassVar[bool] = False
     """Whether the stress of a step starts from that before, which a file of particles may give."""
 
+    ELASTIC: ClassVar[bool] = False
+    """Whether it springs back whatever it goes through: it never flows, yields or breaks."""
+
     STATE: ClassVar[tuple[State, ...]] = ()
     """What its particles remember besides their stress; see `pgimp.physics.materials`."""
 

@@ -6,12 +6,13 @@ logarithm gives the stress if the step is elastic: exactly hyperelastic, with an
 shear, and no other state. Flow along s then is the radial return of small strains, verbatim
 (de Souza Neto, Peric, Owen, Computational Methods for Plasticity, 14.4). No eigenvectors are
 needed: what is summed are series in the small tensors b_e - 1 and h (`pgimp.jit.series`), to
-1e-15 for elastic strains up to 0.2, to 1e-9 at 0.5.
+1e-15 for elastic strains up to 0.2, to 1e-9 at 0.4.
 """
 
-from math import log, sqrt
+from math import sqrt
 
 from pgimp.jit.algebra import contract, determinant, isotropic, one_plus
+from pgimp.jit.functions import log
 from pgimp.jit.kernel import specialise
 from pgimp.jit.series import carry, series_expm1, series_log1p
 from pgimp.jit.tuples import scaled
@@ -36,7 +37,7 @@ def elastic_trial(shear, J, sigma, L, dt):
 def _elastic_trial(shear, J, sigma, L, dt):
     def trial(shear, J, sigma, L, dt):
         mean = (sigma[0] + sigma[1] + sigma[2]) * (1.0 / 3.0)
-        r = J / (determinant(one_plus(dt, L)) * shear)
+        r = J / determinant(one_plus(dt, L)) * (1.0 / shear)
         before = series_expm1(isotropic(r, sigma, -r * mean))  # b_e - 1 = exp(s/G) - 1
         twice = series_log1p(carry(scaled(dt, L), before))
         third = (twice[0] + twice[1] + twice[2]) * (1.0 / 3.0)

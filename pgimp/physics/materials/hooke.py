@@ -59,6 +59,7 @@ class Hooke(Material):
     """Linear elasticity in rate form, for small strains and any rotation."""
 
     CARRIES_STRESS: ClassVar[bool] = True
+    ELASTIC: ClassVar[bool] = True
 
     model: Literal["hooke"] = Field(description="name of the model")
     young: Young

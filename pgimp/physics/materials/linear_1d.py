@@ -29,9 +29,16 @@ class Linear1dParameters(NamedTuple):
         """Speed F sqrt(E/rho0) through the deformed bar."""
         return F[0] * sqrt(material.young / material.density)
 
+    @staticmethod
+    def initial_speed(material, F, J):
+        """Speed sqrt(E/rho0) in the initial configuration; see `pgimp.kernels.speed`."""
+        return sqrt(material.young / material.density)
+
 
 class Linear1d(Material):
     """Bar of unit cross-section, stress linear in the stretch; only in one dimension."""
+
+    ELASTIC: ClassVar[bool] = True
 
     model: Literal["linear-1d"] = Field(description="name of the model")
     young: Young

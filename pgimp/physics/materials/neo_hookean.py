@@ -1,11 +1,11 @@
 """Compressible neo-Hookean solid: s = mu/J (b - 1) + lambda ln J / J 1, b = F F^T."""
 
 from math import log, sqrt
-from typing import Literal, NamedTuple
+from typing import ClassVar, Literal, NamedTuple
 
 from pydantic import Field
 
-from pgimp.jit.algebra import isotropic, largest_stretch_squared, left_cauchy_green
+from pgimp.jit.algebra import inverse, isotropic, largest_stretch_squared, left_cauchy_green
 from pgimp.physics.materials.base import Material, Poisson, Young, lame
 
 
@@ -45,9 +45,21 @@ class NeoHookeanParameters(NamedTuple):
         along = material.mu + material.lam * (1.0 - log(J))
         return sqrt((material.mu * s2 + max(along, 0.0)) / material.density)
 
+    @staticmethod
+    def initial_speed(material, F, J):
+        """Longitudinal wave in the initial configuration; see `pgimp.kernels.speed`.
+
+        With n along F^-T N the acoustic tensor is mu 1 + (mu + lambda (1-ln J)) |F^-T N|^2 n (x) n.
+        """
+        r2 = largest_stretch_squared(left_cauchy_green(inverse(F)))
+        along = material.mu + material.lam * (1.0 - log(J))
+        return sqrt((material.mu + r2 * max(along, 0.0)) / material.density)
+
 
 class NeoHookean(Material):
     """Compressible neo-Hookean solid, for large elastic deformation."""
+
+    ELASTIC: ClassVar[bool] = True
 
     model: Literal["neo-hookean"] = Field(description="name of the model")
     young: Young

@@ -11,14 +11,13 @@ The back stress grows by 2/3 H_k times the plastic strain and turns with the rot
 (Nagtegaal, de Jong 1982), with that of R it grows steadily (Dienes 1979).
 """
 
-from math import log
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 from pydantic import AfterValidator, Field
 
 from pgimp.jit.algebra import contract, isotropic, rotate
-from pgimp.jit.functions import exp
+from pgimp.jit.functions import exp, log
 from pgimp.jit.kernel import specialise
 from pgimp.jit.tuples import plus_scaled
 from pgimp.physics.materials.base import Material, Poisson, State, Young, lame
@@ -70,7 +69,7 @@ class VonMisesParameters(NamedTuple):
         q = equivalent(s)
         stiffness = 3.0 * material.shear
         excess = q - (material.yield_stress + material.hardening * state[0])
-        flow = max(excess, 0.0) / (stiffness + material.hardening)
+        flow = max(excess, 0.0) * (1.0 / (stiffness + material.hardening))
         r = 1.0 / J
         kept = r * (1.0 - stiffness * flow / (q + TINY))
         return isotropic(kept, s, material.bulk * log(J) * r), (state[0] + flow,)

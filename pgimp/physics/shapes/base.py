@@ -1,6 +1,7 @@
 """What the entries of all shapes have in common, and the kernels' view of a shape."""
 
-from typing import ClassVar, Literal
+from abc import abstractmethod
+from typing import Any, ClassVar, Literal
 
 from pydantic import Field
 
@@ -42,8 +43,20 @@ class Shape(Model):
     vertices: ClassVar[int]
 
     #: Courant number up to which free surfaces stay stable wherever they lie in their cells, up to
-    #: four particles a cell and direction (``scripts/hard courant``); above, there is a warning.
-    stable: ClassVar[float] = 0.45
+    #: four particles a cell and direction (``scripts/hard courant``), with pointwise volumes.
+    stable_pointwise: ClassVar[float] = 0.45
+
+    @property
+    def stable(self) -> float:
+        """Courant number up to which free surfaces stay stable; above, there is a warning.
+
+        Outermost vertices get more force from cells than from particles, the more so the smaller
+        these are, so that mean dilatation needs shorter steps.
+        """
+        if self.volumetric == "pointwise" or len(self.particles_per_cell) == 1:
+            return self.stable_pointwise
+        most, of_one = (0.45, 0.75) if len(self.particles_per_cell) == 2 else (0.35, 0.52)
+        return min(most, of_one / max(self.particles_per_cell))
 
     @property
     def tracked(self) -> bool:
@@ -57,6 +70,18 @@ class Shape(Model):
     def follows(self) -> bool:
         """Whether the particles' size follows the deformation."""
         return False
+
+    @abstractmethod
+    def parameters(self, cell: tuple[float, ...]) -> Any:
+        """Parameters of the kernels, in units of the sides of a cell."""
+
+    def fixed(self, cell: tuple[float, ...]) -> Any:
+        """Parameters of the kernels for weights that stay those of the start.
+
+        Where the size follows the deformation, of a shape with the same weights whose size does
+        not: those of undeformed particles.
+        """
+        return self.parameters(cell)
 
     @property
     def mirrors(self) -> bool:

@@ -57,6 +57,35 @@ class CpdiParameters(NamedTuple):
         )
 
 
+class FixedCpdiParameters(NamedTuple):
+    """Half-widths of the particles' boxes by direction, in cells; at most 1/2, and constant."""
+
+    half: tuple[float, ...]
+
+    @staticmethod
+    def vertices():
+        """Vertices a direction in a support."""
+        return 3
+
+    @staticmethod
+    def size(shape, cell, F):
+        """Constant in time."""
+        return shape.half, 0.0
+
+    @staticmethod
+    def weights(shape, half, f):
+        """As `CpdiParameters.weights`, for half-widths up to half a cell: b_2 = 0."""
+        a = f - half
+        b = f + half
+        b1 = max(b - 1.0, 0.0)
+        q = 0.5 / half
+        n0 = 1.0 - b + b1
+        w0 = 0.5 * ((1.0 - a) + n0)
+        g0 = q * (n0 - (1.0 - a))
+        g2 = q * b1
+        return (w0, 1.0 - w0 - 0.5 * b1, 0.5 * b1), (g0, -g0 - g2, g2)
+
+
 class Cpdi(Shape):
     """Boxes whose ends move with the grid (convected particle domains): bars do not tear."""
 
@@ -72,3 +101,7 @@ class Cpdi(Shape):
     def parameters(self, cell: tuple[float, ...]) -> CpdiParameters:
         """Parameters of the kernels."""
         return CpdiParameters(tuple(0.5 / n for n in self.particles_per_cell))
+
+    def fixed(self, cell: tuple[float, ...]) -> FixedCpdiParameters:
+        """See `Shape.fixed`."""
+        return FixedCpdiParameters(self.parameters(cell).half)

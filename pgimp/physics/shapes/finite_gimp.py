@@ -14,6 +14,7 @@ from typing import ClassVar, Literal, NamedTuple
 from pydantic import Field
 
 from pgimp.physics.shapes.base import Shape
+from pgimp.physics.shapes.gimp import GimpParameters
 from pgimp.physics.shapes.stretch import stretched
 
 
@@ -69,3 +70,7 @@ class FiniteGimp(Shape):
     def parameters(self, cell: tuple[float, ...]) -> FiniteGimpParameters:
         """Parameters of the kernels."""
         return FiniteGimpParameters(tuple(0.5 / n for n in self.particles_per_cell))
+
+    def fixed(self, cell: tuple[float, ...]) -> GimpParameters:
+        """See `Shape.fixed`: undeformed boxes are those of `gimp`."""
+        return GimpParameters(self.parameters(cell).half)

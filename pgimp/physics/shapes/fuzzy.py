@@ -116,6 +116,10 @@ class _Fuzzy(Shape):
         """See `Shape.mirrors`."""
         return self.wall == "mirror"
 
+    def fixed(self, cell: tuple[float, ...]) -> FixedFuzzyParameters:
+        """See `Shape.fixed`."""
+        return FixedFuzzyParameters(self.parameters(cell).half)
+
     def _parameters(self, half: tuple[float, ...]) -> FixedFuzzyParameters | TrackedFuzzyParameters:
         return (TrackedFuzzyParameters if self.size == "tracked" else FixedFuzzyParameters)(half)
 
@@ -125,7 +129,7 @@ class FuzzyNearest(_Fuzzy):
 
     shape: Literal["fuzzy-nearest"] = Field(description="name of the shape")
 
-    stable: ClassVar[float] = 0.5
+    stable_pointwise: ClassVar[float] = 0.5
 
     def parameters(self, cell: tuple[float, ...]) -> NamedTuple:
         """Parameters of the kernels: d = L/(particles per cell)."""
@@ -137,7 +141,7 @@ class FuzzyConstant(_Fuzzy):
 
     shape: Literal["fuzzy-constant"] = Field(description="name of the shape")
 
-    stable: ClassVar[float] = 0.9
+    stable_pointwise: ClassVar[float] = 0.9
 
     def parameters(self, cell: tuple[float, ...]) -> NamedTuple:
         """Parameters of the kernels: d = L."""

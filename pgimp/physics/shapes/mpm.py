@@ -42,7 +42,7 @@ class Mpm(PointShape):
     chi: ClassVar[Literal["point", "box", "tent"]] = "point"
     #: No step is stable at every free surface: the lighter the last vertex, the shorter it has to
     #: be. At this much a last vertex with a hundredth of a particle still is.
-    stable: ClassVar[float] = 0.1
+    stable_pointwise: ClassVar[float] = 0.1
 
     def parameters(self, cell: tuple[float, ...]) -> MpmParameters:
         """Parameters of the kernels."""

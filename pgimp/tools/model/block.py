@@ -40,9 +40,11 @@ class Block(Simulation):
         count = int(counts[:, begin:end].sum())
         cell = np.array(self.scene.frame.cell)
         corner = np.floor(p.x[:count] / cell) * cell
-        p.x[:count] = corner + _uniform(p.id[:count]) * cell
+        p.x[:count] = corner + _uniform(p.id[:count])[:, : len(cell)] * cell
+        if p.origin.shape[1]:
+            p.origin[:] = p.x
         rows = np.arange(count, dtype=np.int32)
-        locate(self.scene.shape, self.scene.frame, p, rows, self.scene.frame.vertices)
+        locate(self.scene.shape, self.scene.setting.frame, p, rows, self.scene.frame.vertices)
         here = slab.first <= p.layer[:count]
         here &= p.layer[:count] < slab.first + slab.layers
         arrays: list[np.ndarray] = list(p)

@@ -64,8 +64,10 @@ class Scattered(Simulation):
         phase = (p.x[:count] / cell).sum(axis=1)[:, None] * _WAVE
         p.x[:count] += 0.49 * cell / lattice.per_cell * np.sin(phase + np.arange(D))
         p.F[:count] += _STRAIN * np.sin(phase + np.arange(D * D))
+        if scene.initial:
+            p.origin[:] = p.x
         rows = np.arange(count, dtype=np.int32)
-        locate(scene.shape, scene.frame, p, rows, scene.frame.vertices)
+        locate(scene.shape, scene.setting.frame, p, rows, scene.frame.vertices)
         here = (p.layer[:count] >= slab.first) | (slab.below is None)
         here &= (p.layer[:count] < end) | (slab.above is None)
         rows = rows[here]
@@ -186,7 +188,7 @@ def resized(case: Case, factor: float) -> Case:
     cells = [max(1, round(n / factor)) for n in grid.cells]
     data = case.model_dump(by_alias=True, exclude={"history", "checkpoint"})
     data["output"] = {"fields": case.output.fields}
-    data["escape"] = _open(case.dimensions, case.boundaries)
+    data["escape"] = _open(case, case.boundaries)
     data["grid"]["cell"] = [size / n for size, n in zip(grid.size, cells, strict=True)]
     if isinstance(time.step, float | int):
         step = float(time.step) * min(n / m for n, m in zip(grid.cells, cells, strict=True))
@@ -196,9 +198,11 @@ def resized(case: Case, factor: float) -> Case:
     return Case.model_validate(data)
 
 
-def _open(dimensions: int, boundaries: Collection[str]) -> dict[str, str]:
+def _open(case: Case, boundaries: Collection[str]) -> dict[str, str]:
     """``escape`` of a sample: it does not end because of a few particles at an open face."""
-    faces = (f"{axis}-{end}" for axis in "xyz"[:dimensions] for end in ("min", "max"))
+    if any(body.configuration == "initial" for body in case.bodies.values()):
+        return {}
+    faces = (f"{axis}-{end}" for axis in "xyz"[: case.dimensions] for end in ("min", "max"))
     return {face: "remove" for face in faces if face not in boundaries}
 
 
@@ -220,12 +224,13 @@ def plain(case: Case, count: int) -> Case:
             if name == next(iter(case.bodies.values())).material
         },
         "boundaries": {"x-min": "fixed"},
-        "escape": _open(D, {"x-min"}),
+        "escape": _open(case, {"x-min"}),
     }
     data["bodies"] = {
         "sample": {
             "material": next(iter(data["materials"])),
             "region": {"box": {"min": [h] * D, "max": [h * (cells + 1)] * D}},
+            "configuration": next(iter(case.bodies.values())).configuration,
         }
     }
     if isinstance(step, float | int):

@@ -1,0 +1,128 @@
+"""How fast waves and particles cross the grid: what limits the step.
+
+In the current configuration particles move over the grid, at (c + |v|)/L. A grid of the initial
+configuration moves and deforms with the material: what crosses it is waves alone, and how fast
+follows from lengths at the start. A wave of speed c along n goes along N = F^T n/|F^T n| there, at
+c |F^-T N|: at most c over the least stretch, of which the greatest row sum of C^-1 = F^-1 F^-T,
+which no rotation changes, gives a bound, exact where the stretches lie along the grid. That takes
+the fastest wave and the least stretch together, though a stretched bar has them along directions of
+its own; a material may know better by an `initial_speed(material, F, J)`.
+"""
+
+from math import sqrt
+
+from pgimp.jit.algebra import inverse, largest_stretch_squared, left_cauchy_green
+from pgimp.jit.kernel import specialise
+from pgimp.jit.simd import vec4
+from pgimp.jit.tuples import squared
+from pgimp.kernels.place import is_initial
+from pgimp.kernels.updates.stress import diffusion_speed, wave_speed
+from pgimp.kernels.viscosity import effective_wave_speed
+from pgimp.physics.materials.base import evaluate, evaluate_four
+
+
+def has_initial_speed(materials):
+    """Whether all materials, given by their Numba types, have an `initial_speed`."""
+    return all(hasattr(material.instance_class, "initial_speed") for material in materials)
+
+
+def shortening(F):
+    """Bound of 1 over the least stretch of a deformation gradient."""
+
+
+@specialise(shortening)
+def _shortening(F):
+    return lambda F: sqrt(largest_stretch_squared(left_cauchy_green(inverse(F))))
+
+
+def _initial_speed(setting, numbers, F, J, state, by):
+    """Speeds of waves in the initial configuration; `by` is what `shortening` gives."""
+
+
+@specialise(_initial_speed)
+def _initial_speed_of(setting, numbers, F, J, state, by):
+    if has_initial_speed(setting.types[setting.fields.index("materials")]):
+        return lambda setting, numbers, F, J, state, by: evaluate_four(
+            "initial_speed", setting.materials, numbers, (F, J), state, J
+        )
+    return lambda setting, numbers, F, J, state, by: (
+        by * wave_speed(setting, numbers, F, J, state)
+    )
+
+
+def grid_speed(setting, numbers, v, F, J, state, inverse, extra):
+    """Speeds at which four particles, and waves through them, cross the grid.
+
+    Parameters
+    ----------
+    setting
+        See `Setting`.
+    numbers : tuple of 4 int
+        Their materials.
+    v, F, J, state
+        As in `grid_to_particles`, after the step.
+    inverse : float
+        1 over the side of a cell.
+    extra : Vec4 or float
+        What `update_viscous_pressure` gives.
+    """
+
+
+@specialise(grid_speed)
+def _grid_speed(setting, numbers, v, F, J, state, inverse, extra):
+    def current(setting, numbers, v, F, J, state, inverse, extra):
+        c = wave_speed(setting, numbers, F, J, state)
+        extra = diffusion_speed(setting, numbers, F, J, state, inverse, extra)
+        c = effective_wave_speed(c, extra)
+        return c + sqrt(squared(v))
+
+    def initial(setting, numbers, v, F, J, state, inverse, extra):
+        by = shortening(F)
+        c = _initial_speed(setting, numbers, F, J, state, by)
+        extra = diffusion_speed(setting, numbers, F, J, state, inverse, extra)
+        return effective_wave_speed(c, _steeper(by, extra))
+
+    return initial if is_initial(setting.types[setting.fields.index("frame")]) else current
+
+
+def _steeper(by, extra):
+    """What viscosity adds, by lengths of the initial configuration: a vector by^2 extra."""
+
+
+@specialise(_steeper)
+def _steeper_of(by, extra):
+    if extra != vec4:
+        return lambda by, extra: extra
+    return lambda by, extra: by * by * extra
+
+
+def speed_of_waves(setting, number, args, state):
+    """Speed of waves over the grid through one particle; `args` are F and J."""
+
+
+@specialise(speed_of_waves)
+def _speed_of_waves(setting, number, args, state):
+    def current(setting, number, args, state):
+        return evaluate("speed", setting.materials, number, args, state)
+
+    def known(setting, number, args, state):
+        return evaluate("initial_speed", setting.materials, number, args, state)
+
+    def bounded(setting, number, args, state):
+        return shortening(args[0]) * evaluate("speed", setting.materials, number, args, state)
+
+    if not is_initial(setting.types[setting.fields.index("frame")]):
+        return current
+    materials = setting.types[setting.fields.index("materials")]
+    return known if has_initial_speed(materials) else bounded
+
+
+def own_speed(frame, v):
+    """Speed at which a particle crosses the grid: that of the velocity v, 0 where it cannot."""
+
+
+@specialise(own_speed)
+def _own_speed(frame, v):
+    if is_initial(frame):
+        return lambda frame, v: 0.0
+    return lambda frame, v: sqrt(squared(v))

@@ -1,0 +1,279 @@
+"""What four particles take from the grid: one after the other, or together if they share a support.
+
+One after the other, each takes whole records of vertices, as vectors, with its own weights, and the
+sums are transposed. In the initial configuration the particles of a lattice's cell share their
+vertices for ever: four of them take each number of a record once, with vectors of their weights.
+Which particles come together follows from the canonical order, which never changes there, so that
+the bits do not depend on ranks.
+"""
+
+from pgimp.jit.kernel import specialise
+from pgimp.jit.lanes import of_lane
+from pgimp.jit.simd import bits, vector
+from pgimp.jit.tuples import joined, plus_scaled, scaled
+from pgimp.kernels.batch import LANES, first_place, four_entries, share_support
+from pgimp.kernels.fields import field_of
+from pgimp.kernels.gathered import (
+    collected,
+    components,
+    gradients,
+    held_weights,
+    keep_sums,
+    repeat_sums,
+)
+from pgimp.kernels.loads import force_power
+from pgimp.kernels.mean import keep_rates
+from pgimp.kernels.place import is_initial
+from pgimp.kernels.record import ACCELERATION, HELD, RECORD, VELOCITY
+from pgimp.kernels.transfer import gather
+
+
+def take_from_grid(setting, field, particles, loads, batch, buffer, sums, power):
+    """What the grid gives to four particles.
+
+    Parameters
+    ----------
+    setting, field, particles, batch
+        See `Setting`, `Field`, `Particles`, `Batch`.
+    loads
+        See `Loads`.
+    buffer, sums
+        The supports of the batch, and room for what `keep_sums` keeps.
+    power : float
+        Of the body force, so far.
+
+    Returns
+    -------
+    u, a : tuple of D Vec4
+        Velocity and acceleration at their places.
+    grad : tuple of D*D Vec4
+        Gradient of the velocity, row-major.
+    held : Vec4
+        Weighted sums of what vertices have in `HELD`.
+    power : float
+        With that of the force on them.
+    """
+
+
+@specialise(take_from_grid)
+def _take_from_grid(setting, field, particles, loads, batch, buffer, sums, power):
+    def where_shared(setting, field, particles, loads, batch, buffer, sums, power):
+        if batch.size < LANES or not share_support(buffer):
+            return _take_separately(setting, field, particles, loads, batch, buffer, sums, power)
+        shape, frame, window, rows = setting.shape, setting.frame, field.window, batch.rows
+        place = batch.layer * window.stride[0] + first_place(buffer, 0)
+        place += field_of(window, particles, rows[0])
+        u, a, D, held = _gather_shared(shape, field.G, buffer, place, window.stride, frame.origin)
+        for j in range(LANES):
+            power += force_power(loads.force, frame, particles, rows[j], of_lane(u, j))
+        return u, a, _row_major(D), held, power
+
+    if is_initial(setting.types[setting.fields.index("frame")]):
+        return where_shared
+    return lambda setting, field, particles, loads, batch, buffer, sums, power: _take_separately(
+        setting, field, particles, loads, batch, buffer, sums, power
+    )
+
+
+def _take_separately(setting, field, particles, loads, batch, buffer, sums, power):
+    """As `take_from_grid`, one particle after the other."""
+
+
+@specialise(_take_separately)
+def _take_one_by_one(setting, field, particles, loads, batch, buffer, sums, power):
+    def one_by_one(setting, field, particles, loads, batch, buffer, sums, power):
+        shape, frame, window = setting.shape, setting.frame, field.window
+        begin = batch.layer * window.stride[0]
+        for j in range(batch.size):
+            p = batch.rows[j]
+            place = begin + first_place(buffer, j) + field_of(window, particles, p)
+            U, A, D, M = gather(
+                shape, field.G, buffer, j, place, window.stride, frame.origin, loads.mean
+            )
+            keep_sums(sums, j, U, A, D)
+            keep_rates(M, buffer, j)
+            w = components(frame.origin, U)
+            power += force_power(loads.force, frame, particles, p, w)
+        repeat_sums(sums, batch.size, frame.origin)
+        u, a = collected(sums, 0, frame.origin), collected(sums, 1, frame.origin)
+        return u, a, gradients(sums, 2, frame.origin), held_weights(sums), power
+
+    return one_by_one
+
+
+def _row_major(D):
+    """Gradients, row-major, from the derivatives of a vector along each direction."""
+
+
+@specialise(_row_major)
+def _row_major_of(D):
+    one = lambda D: D[0]  # noqa: E731
+    two = lambda D: (D[0][0], D[1][0], D[0][1], D[1][1])  # noqa: E731
+    three = lambda D: (  # noqa: E731
+        D[0][0], D[1][0], D[2][0], D[0][1], D[1][1], D[2][1], D[0][2], D[1][2], D[2][2],
+    )  # fmt: skip
+    return (one, two, three)[len(D) - 1]
+
+
+def _numbers(G, at, like):
+    """Numbers from `at` on, as many as `like` has."""
+
+
+@specialise(_numbers)
+def _numbers_of(G, at, like):
+    if len(like) == 1:
+        return lambda G, at, like: (G[at],)
+    return lambda G, at, like: (G[at], *_numbers(G, at + 1, like[1:]))
+
+
+def _zeros(like):
+    """Zero vectors, as many as `like` has."""
+
+
+@specialise(_zeros)
+def _zeros_of(like):
+    if len(like) == 1:
+        return lambda like: (vector(0.0),)
+    return lambda like: (vector(0.0), *_zeros(like[1:]))
+
+
+def _zero_gradients(counts, like):
+    """Zero derivatives, of one direction more than there are counts."""
+
+
+@specialise(_zero_gradients)
+def _zero_gradients_of(counts, like):
+    if len(counts) == 0:
+        return lambda counts, like: (_zeros(like),)
+    return lambda counts, like: (_zeros(like), *_zero_gradients(counts[1:], like))
+
+
+def _add_gradients(w, ds, Ds):
+    """Derivatives Ds + w ds, direction by direction."""
+
+
+@specialise(_add_gradients)
+def _add_gradients_of(w, ds, Ds):
+    if len(ds) == 1:
+        return lambda w, ds, Ds: (plus_scaled(w, ds[0], Ds[0]),)
+    return lambda w, ds, Ds: (
+        plus_scaled(w, ds[0], Ds[0]), *_add_gradients(w, ds[1:], Ds[1:]),
+    )  # fmt: skip
+
+
+def _line(G, buffer, d, i, place, step, like, most):
+    """Sums over the vertices i, i + 1, ... of a line, as many as `most` has, `step` apart."""
+
+
+@specialise(_line)
+def _line_of(G, buffer, d, i, place, step, like, most):
+    def last(G, buffer, d, i, place, step, like, most):
+        w, g = four_entries(buffer, d, 0, i), four_entries(buffer, d, 1, i)
+        v = _numbers(G, place + VELOCITY, like)
+        a = _numbers(G, place + ACCELERATION, like)
+        return scaled(w, v), scaled(w, a), (scaled(g, v),), w * G[place + HELD]
+
+    def more(G, buffer, d, i, place, step, like, most):
+        U, A, D, held = _line(G, buffer, d, i + 1, place + step, step, like, most[1:])
+        w, g = four_entries(buffer, d, 0, i), four_entries(buffer, d, 1, i)
+        v = _numbers(G, place + VELOCITY, like)
+        a = _numbers(G, place + ACCELERATION, like)
+        return (
+            plus_scaled(w, v, U), plus_scaled(w, a, A), (plus_scaled(g, v, D[0]),),
+            w * G[place + HELD] + held,
+        )  # fmt: skip
+
+    return last if len(most) == 1 else more
+
+
+def _line_of_some(most, count, G, buffer, d, place, step, like):
+    """Sums over a line of `count` vertices, two at least and no more than `most` has."""
+
+
+@specialise(_line_of_some)
+def _line_of_number(most, count, G, buffer, d, place, step, like):
+    def exactly(most, count, G, buffer, d, place, step, like):
+        return _line(G, buffer, d, 0, place, step, like, most)
+
+    def at_most(most, count, G, buffer, d, place, step, like):
+        if count < len(most):
+            return _line_of_some(most[1:], count, G, buffer, d, place, step, like)
+        return _line(G, buffer, d, 0, place, step, like, most)
+
+    return exactly if len(most) == 2 else at_most
+
+
+def _lines(G, buffer, d, place, counts, stride, like, most, count):
+    """Sums over the lines of a support, from direction `d` on."""
+
+
+@specialise(_lines)
+def _lines_of(G, buffer, d, place, counts, stride, like, most, count):
+    if len(counts) == 0:
+        if len(like) == 1:
+            return lambda G, buffer, d, place, counts, stride, like, most, count: _line_of_some(
+                most, count, G, buffer, d, place, stride[0], like
+            )
+        return lambda G, buffer, d, place, counts, stride, like, most, count: _line_of_some(
+            most, count, G, buffer, d, place, RECORD, like
+        )
+
+    def lines(G, buffer, d, place, counts, stride, like, most, count):
+        U, A, D, held = _zeros(like), _zeros(like), _zero_gradients(counts, like), vector(0.0)
+        for i in range(counts[0]):
+            w, g = four_entries(buffer, d, 0, i), four_entries(buffer, d, 1, i)
+            u, a, b, h = _lines(
+                G, buffer, d + 1, place + i * stride[0], counts[1:], stride[1:], like, most, count
+            )
+            D = joined(plus_scaled(g, u, D[0]), _add_gradients(w, b, D[1:]))
+            U, A, held = plus_scaled(w, u, U), plus_scaled(w, a, A), w * h + held
+        return U, A, D, held
+
+    return lines
+
+
+def _reached(shape, buffer, d):
+    """Number of vertices along direction `d` that any of four particles has weight on."""
+
+
+@specialise(_reached)
+def _reached_of(shape, buffer, d):
+    vertices = shape.instance_class.vertices()
+    if vertices == 2:
+        return lambda shape, buffer, d: 2
+    if vertices == 3:
+        return lambda shape, buffer, d: 2 if bits(four_entries(buffer, d, 0, 2) == 0.0) == 15 else 3
+    return lambda shape, buffer, d: (
+        4 if bits(four_entries(buffer, d, 0, 3) == 0.0) != 15
+        else (3 if bits(four_entries(buffer, d, 0, 2) == 0.0) != 15 else 2)
+    )  # fmt: skip
+
+
+def _all_reached(shape, buffer, d, like):
+    """Numbers of vertices along the directions from `d` on, as many as `like` has."""
+
+
+@specialise(_all_reached)
+def _all_reached_of(shape, buffer, d, like):
+    if len(like) == 0:
+        return lambda shape, buffer, d, like: ()
+    return lambda shape, buffer, d, like: (
+        _reached(shape, buffer, d), *_all_reached(shape, buffer, d + 1, like[1:]),
+    )  # fmt: skip
+
+
+def _gather_shared(shape, G, buffer, place, stride, like):
+    """Sums of velocities, accelerations, derivatives along each direction, and codes."""
+
+
+@specialise(_gather_shared)
+def _gather_shared_of(shape, G, buffer, place, stride, like):
+    last, outer = len(like) - 1, (0,) * (len(like) - 1)
+    most = (0.0,) * shape.instance_class.vertices()
+
+    def gather_shared(shape, G, buffer, place, stride, like):
+        counts = _all_reached(shape, buffer, 0, outer)
+        count = _reached(shape, buffer, last)
+        return _lines(G, buffer, 0, place, counts, stride, like, most, count)
+
+    return gather_shared

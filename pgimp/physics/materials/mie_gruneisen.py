@@ -1,0 +1,111 @@
+"""Mie and Gruneisen's pressure of shocked solids, about the Hugoniot U_s = c0 + s u_p.
+
+With eta = 1 - J, p_H = rho0 c0^2 eta/(1 - s eta)^2 (rho0 c0^2 eta in tension) and the internal
+energy e per mass, p = p_H (1 - gamma eta/2) + gamma rho0 e. In a step e grows by the heat h of
+plastic flow and by the work of the mean pressure and of the artificial viscosity's q,
+
+    rho0 (e' - e) = h - ((p + p')/2 + q) (J' - J),
+
+which is linear in p'.
+"""
+
+from typing import NamedTuple
+
+from pydantic import Field
+
+from pgimp.jit.choose import choose
+from pgimp.jit.kernel import specialise
+from pgimp.schema.base import Model, NonNegative, Positive
+
+#: Where s eta would reach 1 the pressure is infinite; up to here it is computed.
+LARGEST = 0.95
+
+
+class MieGruneisen(NamedTuple):
+    """rho0 c0^2, s and gamma, and the initial density."""
+
+    stiffness: float
+    s: float
+    gamma: float
+    density: float
+
+
+class MieGruneisenEntry(Model):
+    """Mie and Gruneisen's equation of state."""
+
+    c0: Positive = Field(description="c0 in U_s = c0 + s u_p, of shocks [length/time]")
+    s: NonNegative = Field(description="s in it [1]")
+    gamma: NonNegative = Field(description="Gruneisen's gamma at the initial density [1]")
+
+
+def _cold(eos, J):
+    """The pressure without internal energy, and its derivative by eta."""
+
+
+@specialise(_cold)
+def _cold_of(eos, J):
+    def cold(eos, J):
+        eta = 1.0 - J
+        squeezed = max(eta, 0.0)
+        held = min(eos.s * squeezed, LARGEST)
+        r = 1.0 / (1.0 - held)
+        hugoniot = eos.stiffness * eta * r * r
+        slope = eos.stiffness * choose(eta > 0.0, (1.0 + held) * r * r * r, 1.0)
+        half = 1.0 - 0.5 * eos.gamma * eta
+        return hugoniot * half, slope * half - 0.5 * eos.gamma * hugoniot
+
+    return cold
+
+
+def pressure_and_energy(eos, J, before, p, q, heat, e):
+    """Pressure and internal energy after a step.
+
+    Parameters
+    ----------
+    eos : MieGruneisen
+        The constants.
+    J, before : float
+        Volume ratio after and before the step.
+    p, q : float
+        Pressure before the step, viscous pressure in it.
+    heat : float
+        Of plastic flow, per initial volume.
+    e : float
+        Internal energy per mass before the step.
+    """
+
+
+@specialise(pressure_and_energy)
+def _pressure_and_energy(eos, J, before, p, q, heat, e):
+    def pressure(eos, J, before, p, q, heat, e):
+        grown = J - before
+        cold, _ = _cold(eos, J)
+        known = eos.density * e + heat - (0.5 * p + q) * grown
+        now = (cold + eos.gamma * known) / (1.0 + 0.5 * eos.gamma * grown)
+        return now, (known - 0.5 * now * grown) / eos.density
+
+    return pressure
+
+
+def shock_speed_squared(eos, J, e, shear):
+    """Square of the speed of longitudinal waves, J^2 (-dp/dJ at constant entropy) + 4/3 G."""
+
+
+@specialise(shock_speed_squared)
+def _shock_speed_squared(eos, J, e, shear):
+    def squared(eos, J, e, shear):
+        cold, slope = _cold(eos, J)
+        p = cold + eos.gamma * eos.density * e
+        stiff = max(slope + eos.gamma * p, 0.1 * eos.stiffness)
+        return (J * J * stiff + 4.0 / 3.0 * shear) / eos.density
+
+    return squared
+
+
+def margin_of(eos, J):
+    """How far a particle is from the end of the equation's range."""
+
+
+@specialise(margin_of)
+def _margin_of(eos, J):
+    return lambda eos, J: LARGEST - eos.s * (1.0 - J)

@@ -1,0 +1,45 @@
+"""When the initial configuration is the better one, for ``pgimp check``."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from pgimp.scene import nearness
+from pgimp.scene.facts import BodyFacts
+from pgimp.scene.sanity import strains
+
+#: Cells by which a body moves, and strain, from which the configuration makes a difference.
+_FAR, _MUCH = 0.5, 0.05
+
+
+def advice(case: Any, bodies: Sequence[BodyFacts]) -> list[str]:
+    """Return whether bodies that move, turn or stretch would do better in the initial one.
+
+    That is for elastic bodies which meet nothing but what holds them from the start.
+    """
+    if not all(_fits(case, body) for body in case.bodies.values()):
+        return []
+    if case.contact or case.tools or case.escape or nearness.meet(case):
+        return []
+    if any(face.approaches for face in case.boundaries.values()):
+        return []
+    cell, end = min(case.grid.cell), case.time.end
+    moved = [
+        body.name
+        for body in bodies
+        if body.top_speed * end > _FAR * cell or max(strains(case, body).values()) > _MUCH
+    ]
+    if not moved:
+        return []
+    them = "it moves" if len(moved) == 1 else "they move"
+    return [
+        f"bodies: {', '.join(map(repr, moved[:3]))}{' and others' * (len(moved) > 3)}: elastic, "
+        f"and {them} or deform, but meet nothing: with configuration: initial vibrations and spin "
+        "last, nothing can tear, and a step costs less"
+    ]
+
+
+def _fits(case: Any, body: Any) -> bool:
+    """Whether a body is elastic, and not in the initial configuration yet."""
+    return body.configuration == "current" and case.materials[body.material].ELASTIC

@@ -1,0 +1,218 @@
+"""Bodies in the initial configuration: a step in plain NumPy, and what such a grid promises."""
+
+import re
+
+import numpy as np
+import pytest
+from reference import STRESS, Reference, matrix, tensor, voigt
+from scenes import BAR, SOFT, box, field, finish, scene, start, wall
+
+from pgimp.errors import RunError
+
+SEED = 41
+STIFF = {"model": "hooke", "young": 300.0, "poisson": 0.25, "density": 2.0}
+
+
+def initial(body):
+    return body | {"configuration": "initial"}
+
+
+class Lagrangian(Reference):
+    """The method on the grid of the start: weights of the first places of undeformed particles.
+
+    f = -sum V0 P grad0 S with P = J s F^-T, and F grows by dt sum v (x) grad0 S (de Vaucorbeil,
+    Nguyen and Hutchinson 2020).
+    """
+
+    def weights_of(self, p, k):
+        return self.of(p.origin[k], np.eye(self.D).ravel())
+
+    def particles_to_grid(self, p, affine=False):
+        D = self.D
+        self.m = np.zeros(self.shape)
+        self.p, self.f = np.zeros((2, *self.shape, D))
+        x = np.stack(np.meshgrid(*self.vertices, indexing="ij"), axis=-1)
+        for k in range(len(p.m)):
+            S, grad = self.weights_of(p, k)
+            F = matrix(p.F[k])
+            J = np.linalg.det(F) if D > 1 else F[0, 0]
+            P = J * tensor(p.sigma[k]) @ np.linalg.inv(F).T
+            v = p.v[k] + ((x - p.origin[k]) @ p.L[k].reshape(D, D).T if affine else 0.0)
+            self.m += p.m[k] * S
+            self.p += p.m[k] * S[..., None] * v
+            self.f -= p.V0[k] * grad @ P[:D, :D].T
+        self.particles = p
+
+    def grid_to_particles(self, p, materials, material_of, dt):
+        D = self.D
+        for k in range(len(p.m)):
+            S, grad = self.weights_of(p, k)
+            rate = np.zeros((3, 3))
+            rate[:D, :D] = np.tensordot(np.moveaxis(self.v, -1, 0), grad, D)
+            p.x[k] += dt * np.tensordot(S, self.v, D)
+            p.v[k] += dt * np.tensordot(S, self.a, D)
+            F = matrix(p.F[k])
+            L = rate @ np.linalg.inv(F)
+            F = F + dt * rate
+            p.F[k] = F[:D, :D].ravel()
+            J = np.linalg.det(F)
+            p.V[k] = J * p.V0[k]
+            material = materials[material_of[p.body[k]]]
+            if type(material).__name__ == "Linear1dParameters":
+                sigma = np.diag([material.young * (F[0, 0] - 1.0), 0.0, 0.0])
+            else:
+                law = STRESS[type(material).__name__]
+                sigma = law(material, F, tensor(p.sigma[k]), dt * L)
+            p.sigma[k] = voigt(sigma, p.sigma.shape[1])
+            if p.L.shape[1]:
+                p.L[k] = rate[:D, :D].ravel()
+
+
+def disturbed(case):
+    """Its simulation, with particles of any deformation, stress and velocity, far from the grid."""
+    sim = start(case)
+    rng = np.random.default_rng(SEED)
+    p, rows = sim.particles, sim.live()
+    p.v[rows] = rng.normal(size=p.v[rows].shape)
+    p.sigma[rows] = rng.normal(size=p.sigma[rows].shape)
+    p.F[rows] += 0.25 * rng.uniform(-1.0, 1.0, p.F[rows].shape)
+    p.x[rows] += rng.normal(size=p.x[rows].shape) + (100.0 if sim.scene.room[0][1] > 1e9 else 0.0)
+    if p.L.shape[1]:
+        p.L[rows] = rng.normal(size=p.L[rows].shape)
+    return sim
+
+
+def plane(**parts):
+    """Two bodies of two models, one cut by its surface, which share the grid where they touch."""
+    ball = {"ball": {"centre": [2.7, 3.1], "radius": 1.3}}
+    bodies = {
+        "ball": initial({"material": "soft", "region": ball}),
+        "box": initial(box([4.0, 2.0], [6.0, 4.0], material="stiff")),
+    }
+    two = {"soft": SOFT, "stiff": STIFF}
+    grid = {"cells": [8, 6], "cell": [1.0, 0.8]}
+    return scene(2, bodies, materials=two, step=0.004, end=0.4, **grid, **parts)
+
+
+def space(**parts):
+    """A block between a slip wall, a fixed one and one that moves."""
+    return scene(3, initial(box([0.0, 1.0, 0.0], [3.0, 3.0, 2.0])), cells=[4, 4, 4],
+                 shape="finite-gimp", per_cell=1, step=0.004, end=0.4,
+                 boundaries={"x-min": "fixed", "z-min": "slip", "y-max": wall(0.3, None, -0.5)},
+                 **parts)  # fmt: skip
+
+
+def line(**parts):
+    return scene(1, initial(box([1.3], [5.2])), cells=[7], step=0.004, end=0.4, **parts)
+
+
+CASES = {
+    "gimp": plane(gravity=[0.4, -0.7]),
+    "affine": plane() | {"method": {"shape": "gimp", "particles_per_cell": [2, 2], "affine": True}},
+    "finite-gimp": space(gravity=[0.1, 0.2, -0.3]),
+    "cpdi": line(shape="cpdi", boundaries={"x-min": "slip"}),
+    "fuzzy-nearest": line(shape="fuzzy-nearest", wall="ghost", per_cell=3),
+    "mpm": line(shape="mpm", per_cell=3),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_a_step_is_that_of_the_equations(name):
+    case = CASES[name]
+    sim = disturbed(case)
+    scene, rows = sim.scene, sim.live()
+    p = type(sim.particles)(*(column[rows].copy() for column in sim.particles))
+    shape = case["method"]["shape"]
+    grid = Lagrangian(shape, case["method"]["particles_per_cell"], scene.frame)
+    grid.particles_to_grid(p, case["method"].get("affine", False))
+    faces = []
+    for face in scene.faces:
+        kind = case["boundaries"][face.name]
+        given = kind["velocity"] if isinstance(kind, dict) else None
+        kind = "velocity" if given else kind
+        faces.append((kind, face.axis, face.side, given, [0.0] * scene.dimension))
+    grid.update_momentum(0.004, case.get("gravity", [0.0] * 3), faces, sim.rank.lightest)
+    grid.grid_to_particles(p, scene.materials, scene.material_of, 0.004)
+    sim.diagnostics()  # what reactions count from
+    sim.advance()
+    # Rounding of sums of up to a hundred terms of size 1, of stresses of size 1e3.
+    for column in ("x", "v", "F", "V", "sigma", "L"):
+        mine, theirs = getattr(sim.particles, column)[rows], getattr(p, column)
+        np.testing.assert_allclose(mine, theirs, rtol=1e-11, atol=1e-11, err_msg=column)
+    reactions = sim.diagnostics()
+    for face, impulse in zip(scene.faces, grid.impulse, strict=True):
+        found = [reactions[f"reaction.{face.name}-{a}"] for a in "xyz"[: scene.dimension]]
+        np.testing.assert_allclose(found, impulse / 0.004, rtol=1e-9, atol=1e-9)
+
+
+def test_translation_at_any_speed_is_free_and_exact():
+    """A thousand wave speeds: no stress, and no shorter steps; it flies out of the domain."""
+    steps = []
+    for speed in (0.0, 1.0e4):
+        case = plane()
+        case["time"]["step"] = {"courant": 0.3}
+        for body in case["bodies"].values():
+            body["velocity"] = [speed, -0.3 * speed]
+        sim = finish(start(case))
+        steps.append(sim.step)
+        strain = np.abs(field(sim, "F") - np.eye(2).ravel()).max()
+        assert strain < 1e-10  # of displacements of 4000 cells, to rounding
+        way = field(sim, "x") - field(sim, "origin")
+        np.testing.assert_allclose(way, np.tile([0.4 * speed, -0.12 * speed], (len(way), 1)))
+    assert steps[0] == steps[1]
+
+
+def test_spin_and_momentum_last():
+    """A square on eight cells loses less than a hundredth of its spin in three turns."""
+    motion = {"rotation": {"about": [2.0, 2.0], "rate": 1.0}, "translation": [0.3, 0.1]}
+    body = initial(box([1.0, 1.0], [3.0, 3.0])) | {"velocity": motion}
+    case = scene(2, body, cells=[16, 16], cell=0.25, end=20.0, step={"courant": 0.4})
+    case["materials"]["soft"] = SOFT | {"young": 2600.0}  # edges move at a sixtieth of the waves
+    sim = start(case)
+    first = sim.diagnostics()
+    last = finish(sim).diagnostics()
+    lost = first["angular-momentum-z"] - last["angular-momentum-z"]
+    assert 0.0 < lost < 0.01 * first["mass"] * (2.0**2 + 2.0**2) / 12.0
+    assert last["momentum-x"] == pytest.approx(first["momentum-x"], rel=1e-12)
+    assert last["momentum-y"] == pytest.approx(first["momentum-y"], rel=1e-12)
+
+
+def test_even_stretch_to_five_times_stays_even():
+    """A bar between two grips that begins in the velocities of even stretch; F is 5 all over."""
+    body = initial(box([1.0], [12.0]))
+    grips = {
+        side: {"body": "body", "velocity": [v], "region": {"box": {"min": [a], "max": [a + 1.0]}}}
+        for side, a, v in (("low", 1.0, -2.0), ("high", 11.0, 2.0))
+    }
+    case = scene(1, body, cells=[13], shape="cpdi", end=9.0, constraints=grips)
+    sim = start(case | {"time": {"end": 9.0, "step": {"courant": 0.3}}})
+    p, rows = sim.particles, sim.live()
+    p.v[rows, 0] = np.clip((p.x[rows, 0] - 6.5) / 4.5, -1.0, 1.0) * 2.0
+    finish(sim)
+    free = rows[p.constraint[rows, 0] == 0]
+    assert len(free) == 18
+    # Of 4,000 steps, whose rounding adds up.
+    np.testing.assert_allclose(p.F[free, 0], 5.0, rtol=1e-11)
+    np.testing.assert_allclose(p.sigma[free, 0], 4.0 * BAR["young"], rtol=1e-11)
+
+
+def test_a_particle_inside_out_stops_the_run():
+    case = line(shape="mpm", per_cell=3)
+    case["bodies"]["body"]["velocity"] = [0.0]
+    sim = start(case)
+    p, rows = sim.particles, sim.live()
+    p.v[rows, 0] = -300.0 * (p.x[rows, 0] - 3.0)
+    with pytest.raises(RunError, match=r"particle \d+ of body 'body' is turned inside out"):
+        finish(sim)
+
+
+def test_passing_a_wall_that_does_not_hold_it_stops_the_run():
+    case = space()
+    case["bodies"]["body"]["region"] = {"box": {"min": [0.0, 1.0, 1.0], "max": [3.0, 3.0, 3.0]}}
+    case["boundaries"] = {"x-min": "slip", "z-min": "fixed"}
+    case["bodies"]["body"]["velocity"] = [0.0, 0.0, -9.0]
+    with pytest.raises(RunError) as caught:
+        finish(start(case))
+    text = str(caught.value)
+    assert re.search(r"particle \d+ of body 'body' left the domain through z-min", text), text
+    assert "configuration: current" in text
