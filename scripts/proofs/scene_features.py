@@ -427,6 +427,8 @@ def contact(rng, scene):
 def initial(rng, scene):
     """All bodies in the initial configuration, without what they cannot meet there."""
     case = scene.case
+    if any(runs(scene, name) for name, body in case["bodies"].items() if "rigid" not in body):
+        return
     case["bodies"] = {name: body | {"configuration": "initial"}
                       for name, body in case["bodies"].items() if "rigid" not in body}  # fmt: skip
     for part in ("contact", "escape"):
