@@ -5,6 +5,7 @@ import argparse
 from column import compaction
 from cost import error_and_cost
 from exact import shock, spinning_block, vortex
+from flowing import channel, dam_break, sand_column, slope, sod
 from looking import block3d, paraview
 from meeting import corner, drum, hertz_impact
 from scenes import bar_vibration, disks, incline, pile, rolling, upsetting
@@ -25,6 +26,11 @@ PICTURES = {
     "shock": shock,
     "vortex": vortex,
     "spinning-block": spinning_block,
+    "sod": sod,
+    "channel": channel,
+    "sand-column": sand_column,
+    "slope": slope,
+    "dam-break": dam_break,
     "error-and-cost": error_and_cost,
 }
 

@@ -199,17 +199,21 @@ def flows(rng, scene):
     """Some materials are soils, fluids or gases."""
     from pgimp.physics.materials import MATERIALS as KNOWN
 
-    chosen, states = [*scene.case["materials"]], []
+    chosen = [*scene.case["materials"]]
     for name in rng.kind.sample(chosen, rng.kind.randint(1, len(chosen))):
         entry = scene.case["materials"][name]
-        if entry["model"] in ("softening", "von-mises", "johnson-cook"):
+        if entry["model"] == "softening":
             continue
         density, of = entry["density"], laws(rng, entry["young"], entry["density"])
         model = rng.kind.choice([*of])
         scene.case["materials"][name] = {"model": model, "density": density} | of[model]
-        scalar = [state.name for state in KNOWN[model].STATE if not state.tensor]
-        states += [each for each in scalar if each not in states]
-    scene.states = (*scene.states, *states)
+    states = []
+    for entry in scene.case["materials"].values():
+        law = KNOWN.get(entry["model"])
+        known = law.model_validate(entry).states if law else ()
+        states += [state.name for state in known if not state.tensor]
+        states += ["damage", "peak-energy"] if law is None else []
+    scene.states = tuple(dict.fromkeys(states))
 
 
 def runs(scene, body):
@@ -447,6 +451,8 @@ def contact(rng, scene):
 def initial(rng, scene):
     """All bodies in the initial configuration, without what they cannot meet there."""
     case = scene.case
+    if any(runs(scene, name) for name, body in case["bodies"].items() if "rigid" not in body):
+        return
     case["bodies"] = {name: body | {"configuration": "initial"}
                       for name, body in case["bodies"].items() if "rigid" not in body}  # fmt: skip
     for part in ("contact", "escape"):

@@ -45,9 +45,14 @@ COARSER = {
     "hertz": ["grid.cell=[0.02,0.02,0.02]", "output.every=0.04"],
     "corner": ["grid.cell=[0.05,0.05]", "gravity.table.1.0=0.4", "time.end=0.6"],
     "drum": ["grid.cell=[0.024,0.024]", "time.end=0.1", "history.every={steps: 10}"],
+    "sod": ["grid.cell=[0.005]", "output.every=0.1"],
+    "channel": ["output.every=0.25"],
+    "sand-column": ["grid.cell=[0.04,0.04]", "time.end=0.75", "output.every=0.75"],
+    "slope": ["grid.cell=[0.2,0.2]", "output.every=0.5"],
+    "dam-break": ["grid.cell=[0.07,0.06]", "time.end=1.0", "output.every=0.5"],
 }
 #: Run on one rank only, which takes less time: what they have others have on two.
-ALONE = {"hertz", "corner", "drum"}
+ALONE = {"hertz", "corner", "drum", "sod", "slope", "channel"}
 
 
 @pytest.fixture(scope="module")
@@ -299,6 +304,65 @@ def test_grains_of_the_drum_are_those_that_its_program_writes():
     text = (CASES / "drum.yaml").read_text(encoding="utf-8")
     written = run([sys.executable, CASES / "drum.py"]).stdout
     assert text.endswith(f"come loose.\n{written}")
+
+
+def test_a_shock_runs_down_the_tube(runs):
+    """Cells twice as large: plateaus to 1 %, energy, and where the shock is."""
+    found = runs("sod")
+    frame, t = found.frame(-1), 0.2
+    x, u = frame["position"][:, 0], frame["velocity"][:, 0]
+    contact, shock = 0.927453 * t, 1.752156 * t
+    tail = contact - t * np.sqrt(1.4 * 0.303130 / 0.426319)
+    for low, high, density in ((tail, contact, 0.426319), (contact, shock, 0.265574)):
+        inside = np.abs(x - 0.5 * (low + high)) < 0.3 * (high - low)
+        assert inside.sum() > 15
+        assert frame["pressure"][inside].mean() == pytest.approx(0.303130, rel=0.01)
+        assert u[inside].mean() == pytest.approx(0.927453, rel=0.01)
+        assert frame["density"][inside].mean() == pytest.approx(density, rel=0.01)
+    behind = x[frame["pressure"] > 0.5 * (0.303130 + 0.1)].max()
+    assert behind == pytest.approx(shock, abs=2 * 0.005)
+    energy = found.history["kinetic-energy"] + found.history["strain-energy"]
+    assert energy[0] == pytest.approx(1.375, rel=1e-12)
+    assert np.abs(energy - energy[0]).max() < 1e-3 * energy[0]
+
+
+def test_mud_moves_as_a_plug(runs):
+    frame = runs("channel").frame(-1)
+    x, v = frame["position"], frame["velocity"][:, 1]
+    middle = np.abs(x[:, 1] - x[:, 1].mean()) < 0.1
+    plug = middle & (np.abs(x[:, 0]) < 0.015)
+    assert v[plug].mean() == pytest.approx(0.178282, rel=0.02)
+    assert np.ptp(v[plug]) < 0.03 * 0.178282
+    exact = 9810.0 / (2.0 * 24.76136) * (0.03**2 - (np.maximum(abs(x[:, 0]), 0.02) - 0.02) ** 2)
+    assert np.sqrt(np.mean((v - exact)[middle] ** 2)) < 0.03 * 0.178282
+
+
+def test_sand_column_falls_to_a_heap(runs):
+    """Cells twice as large; Tesserae.jl's height is 0.1184."""
+    found = runs("sand-column")
+    assert found.frame(-1).time == 0.75
+    assert found.frame(-1)["position"][:, 1].mean() == pytest.approx(0.1184, rel=0.1)
+    history = found.history
+    assert (np.diff(history["plastic-work"]) > -1e-9).all()
+    # What falls becomes work of friction, plastic flow among it.
+    assert 0.5 < history["plastic-work"][-1] / history["external-work"][-1] < 1.0
+
+
+def test_a_bank_of_clay_slides(runs):
+    frame = runs("slope").frame(-1)
+    down = -frame["displacement"][:, 1]
+    assert down.max() > 0.3 and frame["plastic-shear"].max() > 1.0
+    # It slides along a curve from the foot: the ground before it rises, that far behind stays.
+    far = frame["position"][:, 0] < 1.0
+    assert down[far].max() < 0.4 * down.max()
+
+
+def test_water_runs_to_the_far_wall(runs):
+    history = runs("dam-break").history
+    wall = -history["reaction.x-max-x"]
+    first = history["time"][np.flatnonzero(wall > 10.0)[0]]
+    assert 2.02 / (2 * np.sqrt(9.81 * 0.6)) < first < 0.8
+    assert history["mass"] == pytest.approx(np.full(len(history), history["mass"][0]), rel=1e-12)
 
 
 def test_block_bounces(runs):

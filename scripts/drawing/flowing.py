@@ -1,0 +1,138 @@
+"""Cases of soils, fluids and gases: Sod's tube, channel, sand column, slope, dam break."""
+
+import numpy as np
+from common import BLUE, GREY, ORANGE, RED, boxes, frame_at, plt, run, save
+
+
+def _instants(results, times, name, limits, label, sizes, view):
+    """Frames one below the other, coloured by a field."""
+    figure, axes = plt.subplots(len(times), 1, figsize=sizes, sharex=True, squeeze=False)
+    for axis, time in zip(axes[:, 0], times, strict=True):
+        frame = frame_at(results, time)
+        values = frame[name] if isinstance(name, str) else name(frame)
+        shown = boxes(axis, frame["position"], frame["radius"], values, limits)
+        axis.set(xlim=view[0], ylim=view[1], ylabel="y [m]", aspect="equal")
+        axis.set_title(f"t = {frame.time:.2f} s", fontsize=10, loc="left")
+    axes[-1, 0].set_xlabel("x [m]")
+    figure.colorbar(shown, ax=axes, label=label, shrink=0.8, extend="max")
+    return figure
+
+
+def _speed(frame):
+    return np.hypot(*frame["velocity"][:, :2].T)
+
+
+def sod(redraw):
+    """Pressure, velocity and density at the end, and the exact plateaus."""
+    results = run("sod", redraw, ranks=1)
+    frame, t = results.frame(-1), 0.2
+    x = frame["position"][:, 0]
+    head, tail = -np.sqrt(1.4) * t, (0.927453 - np.sqrt(1.4 * 0.303130 / 0.426319)) * t
+    contact, shock = 0.927453 * t, 1.752156 * t
+    ends = np.array([-0.5, head, tail, contact, contact, shock, shock, 0.5])
+    exact = {
+        "pressure": (1.0, 1.0, 0.303130, 0.303130, 0.303130, 0.303130, 0.1, 0.1),
+        "velocity": (0.0, 0.0, 0.927453, 0.927453, 0.927453, 0.927453, 0.0, 0.0),
+        "density": (1.0, 1.0, 0.426319, 0.426319, 0.265574, 0.265574, 0.125, 0.125),
+    }
+    figure, axes = plt.subplots(1, 3, figsize=(9, 3.2))
+    inside = np.linspace(head, tail, 40)
+    u = 2.0 / 2.4 * (np.sqrt(1.4) + inside / t)
+    c = np.sqrt(1.4) - 0.2 * u
+    fan = {"velocity": u, "density": (c / np.sqrt(1.4)) ** 5, "pressure": (c / np.sqrt(1.4)) ** 7}
+    for axis, (name, values) in zip(axes, exact.items(), strict=True):
+        own = frame[name][:, 0] if name == "velocity" else frame[name]
+        axis.plot(x, own, ".", ms=2.5, color=BLUE, label="pgimp")
+        axis.plot(ends[2:], values[2:], "k--", lw=0.9, label="exact")
+        axis.plot(ends[:2], values[:2], "k--", lw=0.9)
+        axis.plot(inside, fan[name], "k--", lw=0.9)
+        axis.set(xlabel="x", title=name, xlim=(-0.5, 0.5))
+    axes[0].legend()
+    save(figure, "sod")
+
+
+def channel(redraw):
+    """Profiles of Bingham's and Newton's fluid across the channel, and the column."""
+    law = "{model: newtonian, bulk: 5.0e4, density: 1000.0, shear-viscosity: 24.76136, "
+    law += "tension: true}"
+    mud = run("channel", redraw)
+    changed = [f"materials.mud={law}", "time.end=0.1"]
+    water = run("channel", redraw, "channel-newtonian", changed)
+    figure, axes = plt.subplots(1, 2, figsize=(9, 4.0), width_ratios=(1.0, 2.2))
+    frame = mud.frame(-1)
+    shown = boxes(axes[0], frame["position"], frame["radius"], frame["velocity"][:, 1], (0.0, 0.2))
+    axes[0].set(xlim=(-0.08, 0.08), ylim=(1.45, 1.15), xlabel="x [m]", ylabel="y, downwards [m]")
+    figure.colorbar(shown, ax=axes[0], label="velocity of the mud [m/s]", shrink=0.9)
+    across = np.linspace(-0.05, 0.05, 201)
+    far = np.maximum(np.abs(across), 0.02)
+    exact = 9810.0 / (2.0 * 24.76136) * (0.03**2 - (far - 0.02) ** 2)
+    t, parabola = water.frame(-1).time, 9810.0 / (2.0 * 24.76136) * (0.05**2 - across**2)
+    for k in range(30):
+        q = 2 * k + 1
+        size = 16.0 * 9810.0 * 0.05**2 / (24.76136 * np.pi**3 * q**3) * (-1) ** k
+        parabola -= size * np.cos(0.5 * q * np.pi * across / 0.05) * np.exp(-q * q * t / 0.040919)
+    for results, colour, name, curve in (
+        (mud, BLUE, "Bingham", exact), (water, RED, "Newton", parabola)
+    ):  # fmt: skip
+        frame = results.frame(-1)
+        x, v = frame["position"], frame["velocity"][:, 1]
+        middle = np.abs(x[:, 1] - x[:, 1].mean()) < 0.05
+        axes[1].plot(x[middle, 0], v[middle], ".", ms=4, color=colour, label=name)
+        axes[1].plot(across, curve, "k--", lw=1.0)
+    axes[1].set(xlabel="x [m]", ylabel="velocity at half the height [m/s]")
+    axes[1].legend()
+    save(figure, "channel")
+
+
+def sand_column(redraw):
+    """Four instants coloured by speed."""
+    results = run("sand-column", redraw)
+    times = (0.0, 0.2, 0.4, 1.0)
+    view = ((-1.8, 1.8), (0.0, 0.85))
+    figure = _instants(results, times, _speed, (0.0, 2.5), "speed [m/s]", (9, 8.2), view)
+    save(figure, "sand-column")
+
+
+def slope(redraw):
+    """The bank that slides, and that of stiffer clay: where it is sheared."""
+    weak = run("slope", redraw)
+    strong = run("slope", redraw, "slope-strong", ["materials.clay.cohesion=13.0e3"])
+    figure, axes = plt.subplots(2, 1, figsize=(9, 6.6), sharex=True)
+    for axis, results, name in ((axes[0], weak, "7"), (axes[1], strong, "13")):
+        frame = results.frame(-1)
+        shown = boxes(
+            axis, frame["position"], frame["radius"], frame["plastic-shear"], (0.0, 1.0)
+        )
+        axis.plot([0.0, 4.0, 4.0, 9.0], [3.0, 3.0, 1.0, 1.0], "--", color=GREY, lw=1.0)
+        axis.set(xlim=(0.0, 9.0), ylim=(0.0, 3.3), ylabel="y [m]", aspect="equal")
+        axis.set_title(f"c = {name} kPa, t = {frame.time:.1f} s", fontsize=10, loc="left")
+    axes[1].set_xlabel("x [m]")
+    figure.colorbar(shown, ax=axes, label="plastic shear", shrink=0.8, extend="max")
+    save(figure, "slope")
+
+
+def dam_break(redraw):
+    """Four instants coloured by speed; and the front against Ritter's."""
+    results = run("dam-break", redraw)
+    figure = plt.figure(figsize=(9, 7.6))
+    grid = figure.add_gridspec(3, 2, height_ratios=(1.0, 1.0, 1.0))
+    axes = []
+    for k, time in enumerate((0.2, 0.5, 0.9, 1.6)):
+        axis = figure.add_subplot(grid[k // 2, k % 2], aspect="equal")
+        frame = frame_at(results, time)
+        shown = boxes(axis, frame["position"], frame["radius"], _speed(frame), (0.0, 4.0))
+        axis.set(xlim=(0.0, 3.22), ylim=(0.0, 1.8))
+        axis.set_title(f"t = {frame.time:.1f} s", fontsize=10, loc="left")
+        axes.append(axis)
+    figure.colorbar(shown, ax=axes, label="speed [m/s]", shrink=0.85, extend="max")
+    axis = figure.add_subplot(grid[2, :])
+    history, weight = results.history, 1000.0 * 0.72 * 9.81
+    for name, colour, label in (
+        ("y-min-y", BLUE, "floor"), ("x-max-x", ORANGE, "far wall, against the water")
+    ):  # fmt: skip
+        sign = 1.0 if name == "y-min-y" else -1.0
+        axis.plot(history["time"], sign * history[f"reaction.{name}"], color=colour, label=label)
+    axis.axhline(weight, color="k", ls="--", lw=1.0)
+    axis.set(xlabel="time [s]", ylabel="force [N/m]")
+    axis.legend()
+    save(figure, "dam-break")

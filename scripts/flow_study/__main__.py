@@ -1,0 +1,162 @@
+"""Measures soils, fluids and gases and writes the table of their page; see scripts/flows."""
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+from datetime import date
+from importlib.metadata import version
+from time import process_time
+
+import numpy as np
+import problems
+
+import pgimp
+from pgimp.io.rundir.runinfo import cpu
+
+PAGES = problems.ROOT / "scripts" / "pages"
+OUT = problems.ROOT / "flows.out"
+
+#: What is measured: its words, the reference, how it is computed, on which cells.
+ROWS = (
+    ("Sod's tube, cells of 1/200 and 1/400: p", 0.303130, (problems.sod,), 0, (0.005, 0.0025)),
+    ("the same: u", 0.927453, (problems.sod,), 1, (0.005, 0.0025)),
+    ("the same: density left of the surface", 0.426319, (problems.sod,), 2, (0.005, 0.0025)),
+    ("the same: density right of it", 0.265574, (problems.sod,), 3, (0.005, 0.0025)),
+    ("Newton's fluid in a channel of 10 and 20 cells: velocity over the exact", 1.0,
+     (problems.channel, "newtonian"), 0, (0.01, 0.005)),
+    ("Bingham's: velocity of the plug over the exact", 1.0,
+     (problems.channel, "bingham"), 0, (0.01, 0.005)),
+    ("the same: width of the plug over the exact", 1.0,
+     (problems.channel, "bingham"), 1, (0.01, 0.005)),
+    ("water at rest, 10 and 20 cells deep: error of p over the greatest", 0.0,
+     (problems.hydrostatic,), 0, (0.02, 0.01)),
+    ("column of sand, cells of 40 and 20 mm, drucker-prager: mean height (Tesserae.jl) [m]", 0.1184,
+     (problems.column, "drucker-prager"), 0, (0.04, 0.02)),
+    ("the same, mohr-coulomb", 0.1184, (problems.column, "mohr-coulomb"), 0, (0.04, 0.02)),
+    ("bank of clay, c = 13 kPa (stands above 10.4): settlement over height", None,
+     (problems.bank, 13.0e3), 0, (0.2, 0.1)),
+    ("the same, c = 7 kPa (falls)", None, (problems.bank, 7.0e3), 0, (0.2, 0.1)),
+)  # fmt: skip
+
+_SOIL = {"young": 1.0e3, "poisson": 0.3, "cohesion": 1.0, "friction-angle": 30.0}
+#: Materials whose cost is measured; the others' is over that of the first.
+LAWS = {
+    "neo-hookean": {"young": 1.0e3, "poisson": 0.3},
+    "newtonian": {"bulk": 1.0e3, "shear-viscosity": 0.03},
+    "newtonian without viscosity": {"bulk": 1.0e3},
+    "bingham": {"bulk": 1.0e3, "shear-viscosity": 0.3, "yield-stress": 1.0},
+    "ideal-gas": {"gamma": 1.4, "energy": 100.0},
+    "drucker-prager": _SOIL,
+    "mohr-coulomb": _SOIL,
+    "cam-clay": {
+        "m": 1.2, "lambda": 0.2, "kappa": 0.04, "void-ratio": 1.0, "shear": 500.0,
+        "preconsolidation": 10.0,
+    },
+    "mu-i": {
+        "young": 1.0e3, "poisson": 0.3, "mu-s": 0.38, "mu-2": 0.64, "i0": 0.28, "grain": 0.01,
+        "grain-density": 2.0,
+    },
+}  # fmt: skip
+
+
+def _block(law, name, cells):
+    """A block in 3D that flies through the cells."""
+    entry = {"model": name.split()[0], "density": 1.0} | law
+    body = {"box": {"min": [4.0] * 3, "max": [4.0 + cells] * 3}}
+    return pgimp.Simulation({
+        "format": 1,
+        "dimensions": 3,
+        "grid": {"size": [cells + 8.0] * 3, "cell": [1.0] * 3},
+        "method": {"shape": "gimp", "particles_per_cell": [2] * 3},
+        "time": {"end": 10.0, "step": 1.0e-3},
+        "materials": {"law": entry},
+        "bodies": {"block": {"material": "law", "region": body, "velocity": [3.0, 1.0, 0.5]}},
+    })  # fmt: skip
+
+
+def _costs(cells, rounds):
+    """Particle-steps/s of each material in 3D, and over neo-Hookean: medians of turns."""
+    sims = {name: _block(law, name, cells) for name, law in LAWS.items()}
+    spent = {name: [] for name in LAWS}
+    for _ in range(rounds):
+        for name, sim in sims.items():
+            began = process_time()
+            sim.step(4)
+            spent[name].append(process_time() - began)
+    first = np.array(spent["neo-hookean"][1:])
+    rows = []
+    for name, times in spent.items():
+        own = np.array(times[1:])
+        speed = 4.0 * len(sims[name].particles["id"]) / np.median(own)
+        rows.append((name, speed / 1e6, float(np.median(first / own))))
+    return rows
+
+
+def _cells_of(value, reference):
+    text = f"{value:.4g}"
+    if reference:
+        text += f" ({100.0 * (value / reference - 1.0):+.2g} %)"
+    return text
+
+
+def _problems(kept, quick):
+    """Lines of the table of problems; what `kept` has is not measured again."""
+    lines = ["| problem | reference | measured (error), two cell sizes | million "
+             "particle-steps/s |", "|---|---|---|---|"]  # fmt: skip
+    for words, reference, (function, *rest), place, cells in ROWS:
+        found = []
+        for cell in cells[: 1 if quick else 2]:
+            key = " ".join(map(str, (function.__name__, *rest, cell)))
+            if key not in kept:
+                kept[key] = function(cell, *rest)
+            found.append(kept[key])
+        values = ", ".join(_cells_of(each[0][place], reference) for each in found)
+        speeds = ", ".join(f"{each[1] / 1e6:.1f}" for each in found)
+        shown = "" if reference is None else f"{reference:g}"
+        lines.append(f"| {words} | {shown} | {values} | {speeds} |")
+        print(lines[-1], flush=True)
+        yield lines
+
+
+def _costs_table(rows, cells):
+    lines = [f"What the materials cost: a block of {8 * cells**3:,} particles, 3D, gimp, one core.",
+             "", "| material | million particle-steps/s | over neo-hookean |", "|---|---|---|"]
+    return lines + [f"| {name} | {speed:.1f} | {part:.2f} |" for name, speed, part in rows]
+
+
+def main():
+    """Measure, and write flows.out/flows.md and docs/soils-and-fluids.md."""
+    parser = argparse.ArgumentParser(prog="scripts/flows")
+    parser.add_argument("words", nargs="*", metavar="WHAT", help="problems, costs; both by default")
+    parser.add_argument("--quick", action="store_true", help="coarse cells alone; writes no page")
+    options = parser.parse_args()
+    OUT.mkdir(exist_ok=True)
+    store = OUT / ("quick.json" if options.quick else "flows.json")
+    kept = json.loads(store.read_text()) if store.exists() else {}
+    words = options.words or ["problems", "costs"]
+    for word in words:
+        kept[word] = {} if word == "problems" else []
+    versions = ", ".join(f"{name} {version(name)}" for name in ("pgimp", "numba", "numpy"))
+    kept["origin"] = f"{cpu()} ({os.cpu_count()} cores), {versions}, {date.today()}"
+    lines = []
+    for lines in _problems(kept.setdefault("problems", {}), options.quick):
+        store.write_text(json.dumps(kept, indent=1))
+    cells = 8 if options.quick else 16
+    if "costs" in words:
+        kept["costs"] = _costs(cells, 3 if options.quick else 9)
+        store.write_text(json.dumps(kept, indent=1))
+    if kept.get("costs"):
+        lines += ["", *_costs_table(kept["costs"], cells)]
+    lines += ["", f"By `scripts/flows`: {kept['origin']}. Speeds are per second of CPU time of one "
+              "rank."]  # fmt: skip
+    text = "\n".join(lines) + "\n"
+    (OUT / "flows.md").write_text(text, encoding="utf-8")
+    if not options.quick:
+        (PAGES / "tables" / "soils-and-fluids.md").write_text(text, encoding="utf-8")
+        subprocess.run([sys.executable, PAGES], check=True)
+
+
+if __name__ == "__main__":
+    main()
