@@ -7,6 +7,7 @@ from cost import error_and_cost
 from exact import shock, spinning_block, vortex
 from looking import block3d, paraview
 from meeting import corner, drum, hertz_impact
+from metal import plate_impact, taylor_bar
 from scenes import bar_vibration, disks, incline, pile, rolling, upsetting
 
 PICTURES = {
@@ -23,6 +24,8 @@ PICTURES = {
     "drum": drum,
     "bar-vibration": bar_vibration,
     "shock": shock,
+    "plate-impact": plate_impact,
+    "taylor-bar": taylor_bar,
     "vortex": vortex,
     "spinning-block": spinning_block,
     "error-and-cost": error_and_cost,
