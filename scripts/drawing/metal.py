@@ -38,8 +38,8 @@ def taylor_bar(redraw):
     for column, time in enumerate((0.0, 2e-5, 4e-5, 8e-5)):
         axis = figure.add_subplot(grid[0, column], aspect="equal")
         frame = frame_at(results, time)
-        position, half = frame["position"], frame["radius"]
-        cut = position[:, 2] < 2.0 * half
+        position, start = frame["position"], results.frame(0)
+        cut = start["position"][:, 2] < 2.0 * start["radius"]  # the layer beside the section
         x, y = 1e3 * position[cut, 0], 1e3 * position[cut, 1]
         strain = frame["plastic-strain"][cut]
         for side in (1.0, -1.0):

@@ -252,14 +252,14 @@ def test_plates_meet(runs):
 
 
 def test_a_cylinder_becomes_a_mushroom(runs):
-    """Two cells to the radius: its length to 3 %, and where its energy goes."""
+    """Two cells to the radius: its length to 5 %, and where its energy goes."""
     run = runs("taylor-bar")
     frame, history = run.frame(-1), run.history
     length = (frame["position"][:, 0] + frame["radius"]).max()
-    assert length == pytest.approx(21.6e-3, rel=0.03)
+    assert length == pytest.approx(21.6e-3, rel=0.05)
     assert frame["plastic-strain"].max() > 1.5
     energy = history["kinetic-energy"][0]
-    assert 0.9 < history["plastic-work"][-1] / energy < 1.01
+    assert 0.85 < history["plastic-work"][-1] / energy < 1.0
     assert history["kinetic-energy"][-1] < 0.02 * energy
     lost = history["dissipated-energy"] - history["plastic-work"]
     assert (np.abs(lost) < 0.1 * energy).all()
