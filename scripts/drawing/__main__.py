@@ -8,6 +8,7 @@ from exact import shock, spinning_block, vortex
 from flowing import channel, dam_break, sand_column, slope, sod
 from looking import block3d, paraview
 from meeting import corner, drum, hertz_impact
+from metal import plate_impact, taylor_bar
 from scenes import bar_vibration, disks, incline, pile, rolling, upsetting
 
 PICTURES = {
@@ -24,6 +25,8 @@ PICTURES = {
     "drum": drum,
     "bar-vibration": bar_vibration,
     "shock": shock,
+    "plate-impact": plate_impact,
+    "taylor-bar": taylor_bar,
     "vortex": vortex,
     "spinning-block": spinning_block,
     "sod": sod,

@@ -30,6 +30,12 @@ COARSER = {
         "history.every={steps: 100}",
     ],
     "shock": ["grid.cell=[2.0]", "time.step=2.5e-4", "output.at=[]"],
+    "plate-impact": ["grid.cell=[2.0e-4]"],
+    "taylor-bar": [
+        "grid.cell=[1.6e-3,1.6e-3,1.6e-3]",
+        "grid.size=[0.0336,0.0096,0.0096]",
+        "output.every=4.0e-5",
+    ],
     "vortex": ["grid.cell=[0.1,0.1]", "time.step=1.0e-2", "time.end=0.6", "output.every=0.3"],
     "spinning-block": [
         "grid.cell=[0.2,0.2,0.2]",
@@ -236,6 +242,32 @@ def test_a_hammer_drives_a_pile(runs):
     assert total == pytest.approx(np.full(len(time), -5.0 * 15600.0), rel=1e-9)
     assert (history["tool.hammer.force-x"][time > 0.0125] == 0.0).all()
     assert speed[-1] == speed[-20]
+
+
+def test_plates_meet(runs):
+    """Cells twice as large: plateau to 1 %, what the precursor bears to 5 %, momentum."""
+    run = runs("plate-impact")
+    frame, history = run.frame(-1), run.history
+    x, p = frame["position"][:, 0], -frame["stress"][:, 0]
+    assert p[np.abs(x) < 0.009].mean() == pytest.approx(1053.5e6, rel=0.01)
+    between = (np.abs(x) > 0.0128) & (np.abs(x) < 0.0144)
+    assert p[between].mean() == pytest.approx(700.0e6, rel=0.05)
+    assert history["plastic-work"][-1] == pytest.approx(np.max(history["plastic-work"]))
+    assert 0.0 < history["plastic-work"][-1] < history["dissipated-energy"][-1]
+
+
+def test_a_cylinder_becomes_a_mushroom(runs):
+    """Two cells to the radius: its length to 5 %, and where its energy goes."""
+    run = runs("taylor-bar")
+    frame, history = run.frame(-1), run.history
+    length = (frame["position"][:, 0] + frame["radius"]).max()
+    assert length == pytest.approx(21.6e-3, rel=0.05)
+    assert frame["plastic-strain"].max() > 1.5
+    energy = history["kinetic-energy"][0]
+    assert 0.85 < history["plastic-work"][-1] / energy < 1.0
+    assert history["kinetic-energy"][-1] < 0.02 * energy
+    lost = history["dissipated-energy"] - history["plastic-work"]
+    assert (np.abs(lost) < 0.1 * energy).all()
 
 
 def test_ball_hits_a_wall(runs):

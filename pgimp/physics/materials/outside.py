@@ -25,6 +25,7 @@ from pgimp.jit.outside import is_outside, part_of, tag
 from pgimp.jit.simd import vec4
 from pgimp.physics.fields import EVERY
 from pgimp.physics.materials.base import (
+    LOSSES,
     OPTIONAL,
     STATE_NAME,
     Material,
@@ -43,7 +44,10 @@ _ARGUMENTS = {
     "speed": ("material", "F", "J"),
     "diffusivity": ("material", "F", "J"),
     "margin": ("material", "F", "J", "sigma"),
+    "losses": ("material", "F", "J", "sigma"),
 }
+#: Functions that are called for a line of the history only, and may branch.
+_FOR_HISTORY = ("energy", "losses")
 #: Components of a symmetric tensor, as `pgimp.jit.algebra` has them, and how many there are.
 _COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz")
 _COUNTS = (3, 4, 6)
@@ -112,9 +116,24 @@ def parameters_of(entry: Material, dimensions: int) -> Any:
             raise UsageError(
                 f"{who}: {_place(kind, quantity)} takes {given} arguments instead of {call}"
             )
+    _require_told(who, entry, kind)
     tag(kind)
     _require_fit(who, parameters, dimensions)
     return parameters
+
+
+def _require_told(who: str, entry: Material, kind: type) -> None:
+    """Refuse losses that are not known, or that no function tells."""
+    if not isinstance(entry.LOSSES, tuple) or not set(entry.LOSSES) <= set(LOSSES):
+        raise UsageError(
+            f"{who}: LOSSES of {type(entry).__qualname__} ({_file(type(entry))}) must be a tuple "
+            f"of some of {', '.join(LOSSES)}"
+        )
+    if bool(entry.LOSSES) != has(kind, "losses"):
+        raise UsageError(
+            f"{who}: LOSSES of {type(entry).__qualname__} and the function losses of "
+            f"{kind.__qualname__} belong together; one of them is missing"
+        )
 
 
 def _arguments(kind: type, quantity: str) -> tuple[str, ...]:
@@ -206,7 +225,9 @@ def takes_vectors(entry: Material, dimensions: int) -> bool:
     """
     parameters = parameters_of(entry, dimensions)
     try:
-        for quantity in (name for name in _quantities(type(parameters)) if name != "energy"):
+        for quantity in _quantities(type(parameters)):
+            if quantity in _FOR_HISTORY:
+                continue
             _result(parameters, quantity, _Kinds.of(type(parameters), dimensions, vec4))
     except errors.NumbaError:
         return False
@@ -256,6 +277,8 @@ def _examine(who: str, parameters: Any, dimensions: int) -> None:
             if width:
                 result = _require_state(where, result, width)
             _require_stress(where, result, dimensions)
+        elif quantity == "losses":
+            _require_losses(where, result)
         elif result != types.float64:
             raise UsageError(
                 f"{where} must return a float, but returns {_described(result)}"
@@ -279,6 +302,16 @@ def _require_state(where: str, result: Any, width: int) -> Any:
             f"{_described(state)}{listed}"
         )
     return result[0]
+
+
+def _require_losses(where: str, result: Any) -> None:
+    """Refuse what is no tuple with a float for each of `LOSSES`."""
+    parts = [*result] if _is_tuple(result) else []
+    if len(parts) != len(LOSSES) or any(part != types.float64 for part in parts):
+        raise UsageError(
+            f"{where} must return a tuple of {len(LOSSES)} floats, {', '.join(LOSSES)}, but "
+            f"returns {_described(result)}"
+        )
 
 
 def _require_stress(where: str, result: Any, dimensions: int) -> None:
