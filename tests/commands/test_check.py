@@ -350,3 +350,30 @@ def test_number_of_frames(output, number):
     schedule = Schedule(case.output.every, case.output.at)
     steps = [n for n in range(1, 21) if schedule.due(n / 20, n, 0.05)]
     assert len({0, 20, *steps}) == number == forecast.frames(case, 20.0)
+
+
+@pytest.mark.parametrize(
+    ("poisson", "method", "expected"),
+    [
+        (0.499, "shape: gimp", "0.499 is nearly incompressible"),
+        (0.499, "shape: mpm", "with boxes (shape: gimp)"),
+        (0.499, "shape: gimp, volumetric: mean", ""),
+        (0.499, "shape: fuzzy-constant", ""),
+        (0.4, "shape: gimp", ""),
+    ],
+)
+def test_locking_is_foreseen(poisson, method, expected):
+    case = read_case(
+        f"""
+format: 1
+dimensions: 2
+grid: {{size: [4.0, 4.0], cell: [1.0, 1.0]}}
+method: {{{method}, particles_per_cell: [1, 1]}}
+time: {{end: 1.0, step: {{courant: 0.3}}}}
+materials: {{rubber: {{model: neo-hookean, young: 1.0, poisson: {poisson}, density: 1.0}}}}
+bodies: {{block: {{material: rubber, region: {{box: {{min: [1.0, 1.0], max: [3.0, 3.0]}}}}}}}}
+"""
+    )
+    texts = [text for text in said(case) if "poisson" in text]
+    assert len(texts) == bool(expected)
+    assert all(expected in text and "volumetric: mean" in text for text in texts)
