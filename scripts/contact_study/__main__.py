@@ -12,7 +12,6 @@ from multiprocessing import get_context
 
 import detection
 import gap
-import hertz
 import motion
 import problems
 import rolls
@@ -44,7 +43,6 @@ def _figures(quick):
             jobs[f"slips {D}", cell] = (rolls.slope, D, cell, 30.0, 0.15, floor)
         jobs["incline", cell] = (motion.incline, 0.5 * cell)
         jobs["stuck", cell] = (motion.sticking, 0.5 * cell)
-        jobs["line", cell] = (hertz.line, round(0.4 / cell))
         jobs["bar", cell] = (walls.bar, 2.5 * cell)
         jobs["wall", cell] = (walls.incline, 5.0 * cell)
         jobs["rods", cell] = (problems.rods, round(8.0 / cell))
@@ -95,9 +93,6 @@ def _table(found, cells):
              at(f"collision {D}", 1, "{:.0e}")),
             ("the same with `affine`", "0", at(f"affine {D}", 1, "{:.0e}")),
         )),
-        ("cylinders pressed on each other, half-width of contact 2 and 4 cells: over Hertz's", "1",
-         at("line", 0)),
-        ("the same: greatest pressure over Hertz's, as vertices see it", "1", at("line", 1)),
         ("they slide over each other's edges without: momentum along the faces that changes", "0",
          at("edges")),
         ("block of 10 and 20 cells on an incline of 24 degrees, friction 0.3: acceleration", "1",
