@@ -57,7 +57,7 @@ MISTAKES = [
     ("cell: [0.5, 0.5]", "cell:0.5", "5: grid.cell:0.5", "a space is missing", "'cell: 0.5'"),
     ("{steps: 10}", "{steps:10}", "30: history.every.steps:10", "a space is missing"),
     ("    density: 1.0\n", "", "11: materials.steel.density", "missing (initial density"),
-    ("    model: hooke\n", "", "11: materials.steel.model", "missing", "known models: hooke"),
+    ("    model: hooke\n", "", "11: materials.steel.model", "missing; known models: bingham,"),
     ("shape: gimp, ", "", "6: method.shape", "missing; known shapes: bspline-cubic,"),
     ("format: 1\n", "", " format", "missing (version of the case file's format)"),
     ("end: 1.0", "end: 1.0\n  stop: 1.0", "9: time.stop", "unknown key", "allowed: end, step"),
