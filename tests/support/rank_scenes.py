@@ -263,8 +263,8 @@ SIZED = {
         size="fixed",
     ),
 }  # fmt: skip
-#: Long enough for a look at the energy.
-SIZED["plane_mirror"]["time"] = {"end": 0.96, "step": {"courant": "auto"}}
+#: Long enough for looks at the energy, and for three checkpoints.
+SIZED["plane_mirror"]["time"] = {"end": 2.4, "step": {"courant": "auto"}}
 
 
 def affine():
