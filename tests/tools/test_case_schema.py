@@ -24,6 +24,12 @@ from pgimp.solver.columns import HISTORY
 from pgimp.solver.diagnostics import column_names
 from pgimp.tools.reference.jsonschema import json_schema
 
+#: What loses energy in all ways.
+METAL = {"model": "johnson-cook", "young": 1, "poisson": 0, "density": 1, "a": 1, "b": 1, "n": 1,
+         "c": 0, "m": 1, "reference-rate": 1, "specific-heat": 1, "temperature": 1,
+         "melting": 2}  # fmt: skip
+WATER = {"model": "newtonian", "bulk": 1, "density": 1}
+
 PAGE = Path(__file__).parents[2] / "cases" / "reference.md"
 
 
@@ -57,9 +63,10 @@ def test_every_column_of_the_history_is_written(dimensions):
             "grid": {"size": vector(4), "cell": vector(1)},
             "method": {"shape": "mpm", "particles_per_cell": vector(1)},
             "time": {"end": 1, "step": {"courant": 0.3}},
-            "materials": {"m": {"model": "hooke", "young": 1, "poisson": 0, "density": 1}},
+            "materials": {"m": METAL, "w": {**WATER, "shear-viscosity": 1}},
             "bodies": {
-                **{name: {"material": "m", "region": box(i)} for i, name in enumerate("ab")},
+                "a": {"material": "m", "region": box(0)},
+                "b": {"material": "w", "region": box(1)},
                 "aba": {"rigid": {"density": 1}, "region": box(2)},
                 "baa": {"rigid": {}, "region": box(3)},
             },
