@@ -213,7 +213,7 @@ def test_block_slides_down_a_slope(runs):
 
 
 def test_bar_is_pressed_and_rolled(runs):
-    """A radius of six cells: Hertz's force to 4 %, half of the punch's way, energy given back."""
+    """A radius of six cells: Hertz's force to 4 %, half of the punch's way to 3 %, energy given back."""
     history = runs("upsetting").history
     time, punch = history["time"], history["tool.punch.force-y"]
     holds = (time > 0.3) & (time < 0.4)
@@ -223,7 +223,7 @@ def test_bar_is_pressed_and_rolled(runs):
     assert history["tool.punch.displacement-y"].min() == pytest.approx(-0.09, abs=1e-12)
     at = np.searchsorted(time, 0.9)
     assert history["tool.punch.displacement-x"][at] == pytest.approx(0.3, abs=1e-12)
-    assert history["body.bar.centre-x"][at] - 0.45 == pytest.approx(0.15, rel=0.02)
+    assert history["body.bar.centre-x"][at] - 0.45 == pytest.approx(0.15, rel=0.03)
     work = history["tool.punch.work"]
     assert work == pytest.approx(history["external-work"], abs=1e-9)  # the die does none
     assert (history["tool.die.work"] == 0.0).all()
