@@ -457,7 +457,8 @@ def initial(rng, scene):
                       for name, body in case["bodies"].items() if "rigid" not in body}  # fmt: skip
     for part in ("contact", "escape"):
         case.pop(part, None)
-    case["method"].pop("volume", None)
+    for part in ("volume", "volumetric"):
+        case["method"].pop(part, None)
     for face, kind in case["boundaries"].items():
         if kind == "separating" or "separating" in kind:
             case["boundaries"][face] = "slip"
