@@ -213,7 +213,7 @@ def test_block_slides_down_a_slope(runs):
 
 
 def test_bar_is_pressed_and_rolled(runs):
-    """A radius of six cells: Hertz's force to 4 %, half of the punch's way to 3 %, energy given back."""
+    """A radius of six cells: Hertz's force to 4 %, half of the punch's way to 3 %, no loss."""
     history = runs("upsetting").history
     time, punch = history["time"], history["tool.punch.force-y"]
     holds = (time > 0.3) & (time < 0.4)

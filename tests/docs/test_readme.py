@@ -159,7 +159,7 @@ def test_table_of_the_readme_is_that_of_the_methods():
     for name, row in short.items():
         there = whole[f"{name}, 2 a cell"]
         assert all(there[title] == cell for title, cell in row.items() if title != "method"), name
-    (origin,) = re.findall(r"^Measured on .*$", page, re.M)
+    origin, *_ = re.findall(r"^Measured on .*$", page, re.M)
     assert origin in PAGES["README.md"]
     peers = rows(PAGES["docs/performance.md"], "|  | pgimp | pgimp, lattice")
     one, two = (peers[f"3D, {cores}"]["pgimp"].split()[0] for cores in ("1 core", "2 cores"))

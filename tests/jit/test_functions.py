@@ -170,8 +170,9 @@ def test_functions_of_tensors(D):
         if size > 1.0:
             continue
         assert (np.abs(log - matrices) <= 4e-15).all()
-        # The series keep their digits however small the tensor is.
-        assert (np.abs(expm1 - exact(matrices, np.expm1)) <= 4e-15 * norms).all()
+        # The series keep their digits however small the tensor is, and end early for large ones.
+        most = (4e-15 if size < 0.3 else 1e-11) * norms
+        assert (np.abs(expm1 - exact(matrices, np.expm1)) <= most).all()
         assert (np.abs(log1p - matrices) <= (6e-15 if size < 0.3 else 1e-9) * norms).all()
 
 
