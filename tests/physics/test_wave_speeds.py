@@ -43,7 +43,7 @@ def rate_on_initial_grid(parameters, F):
     one.F[0], one.v[0] = np.ravel(F), 1e6  # which does not count
     of = np.zeros(1, np.int64)
     setting = Setting((), frame, tuple(np.eye(D).ravel().tolist()), parameters, of)
-    return fastest_rate(setting, one, np.zeros(1, np.int32))
+    return fastest_rate(setting, one, np.zeros(1, np.int32), True)
 
 
 @pytest.mark.parametrize(("model", "D"), [("neo-hookean", 2), ("linear-1d", 1)])
