@@ -7,7 +7,7 @@ from pgimp.kernels.affine import keep_gradients
 from pgimp.kernels.batch import LANES, SUPPORT_SIZE, four, put, put_row, supports, take
 from pgimp.kernels.concepts import Batch
 from pgimp.kernels.gathered import SUMS
-from pgimp.kernels.loads import layer_power
+from pgimp.kernels.loads import add_force_power, layer_power
 from pgimp.kernels.mean import keep_means, with_means
 from pgimp.kernels.speed import grid_speed
 from pgimp.kernels.together import take_from_grid
@@ -78,9 +78,10 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
             batch = Batch(rows, count, k, layer, number)
             supports(shape, frame, window, particles, rows, number, buffer, ())
             keep_means(loads.mean, shape, frame, buffer)
-            u, a, grad, codes, power = take_from_grid(  # (30)
-                setting, field, particles, loads, batch, buffer, sums, power
+            u, a, grad, codes = take_from_grid(  # (30)
+                setting, field, particles, loads, order, batch, buffer, sums
             )
+            power = add_force_power(loads.force, frame, particles, batch, u, power)
             u, v = update_velocity(forcing, particles, batch, u, a, ledger)  # (27)
             x = update_position(forcing, particles, batch, u)  # (26)
             keep_gradients(loads.affine, particles, rows, grad, codes)

@@ -1,24 +1,11 @@
 """Results of `gather` for a batch, transposed: from a vector a particle to one a component."""
 
 from pgimp.jit.kernel import specialise
-from pgimp.jit.simd import lane, load, store
+from pgimp.jit.simd import load, store
 from pgimp.jit.simdrows import transpose
 
 #: Room for what `gather` gives of a batch: at most five vectors of four particles each.
 SUMS = 80
-
-
-def components(like, U):
-    """The vector's components along the directions of the scene; `like` has that many entries."""
-
-
-@specialise(components)
-def _components(like, U):
-    if len(like) == 1:
-        return lambda like, U: (lane(U, 1),)
-    if len(like) == 2:
-        return lambda like, U: (lane(U, 1), lane(U, 2))
-    return lambda like, U: (lane(U, 1), lane(U, 2), lane(U, 3))
 
 
 def keep_sums(buffer, j, U, A, D):

@@ -6,6 +6,7 @@ Each is `()` in a scene without it; the types decide what is compiled, so that i
 from typing import Any, NamedTuple, Self
 
 from pgimp.jit.kernel import specialise
+from pgimp.jit.lanes import of_lane
 from pgimp.jit.simd import pack
 from pgimp.jit.tuples import plus_scaled, read, scaled
 from pgimp.kernels.clearance import divergence
@@ -197,20 +198,23 @@ def _layer_power(loads, setting, field, particles, rows, span, layer):
     )
 
 
-def force_power(force, frame, particles, p, u):
-    """Power of the body force on particle `p`, which moves at `u`."""
+def add_force_power(force, frame, particles, batch, u, power):
+    """The power so far, and that of the body force on a batch, which moves at `u`."""
 
 
-@specialise(force_power)
-def _force_power(force, frame, particles, p, u):
+@specialise(add_force_power)
+def _add_force_power(force, frame, particles, batch, u, power):
     if not hasattr(force, "instance_class"):
-        return lambda force, frame, particles, p, u: 0.0
+        return lambda force, frame, particles, batch, u, power: power
 
-    def power(force, frame, particles, p, u):
-        b = _force(force, frame, particles, p)
-        rate = 0.0
-        for d in range(len(u)):
-            rate += b[d] * u[d]
-        return particles.m[p] * rate
+    def add(force, frame, particles, batch, u, power):
+        for j in range(batch.size):
+            p, w = batch.rows[j], of_lane(u, j)
+            b = _force(force, frame, particles, p)
+            rate = 0.0
+            for d in range(len(w)):
+                rate += b[d] * w[d]
+            power += particles.m[p] * rate
+        return power
 
-    return power
+    return add

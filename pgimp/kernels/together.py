@@ -8,39 +8,32 @@ the bits do not depend on ranks.
 """
 
 from pgimp.jit.kernel import specialise
-from pgimp.jit.lanes import of_lane
 from pgimp.jit.simd import bits, vector
 from pgimp.jit.tuples import joined, plus_scaled, scaled
 from pgimp.kernels.batch import LANES, first_place, four_entries, share_support
 from pgimp.kernels.fields import field_of
 from pgimp.kernels.gathered import (
     collected,
-    components,
     gradients,
     held_weights,
     keep_sums,
     repeat_sums,
 )
-from pgimp.kernels.loads import force_power
 from pgimp.kernels.mean import keep_rates
 from pgimp.kernels.place import is_initial
 from pgimp.kernels.record import ACCELERATION, HELD, RECORD, VELOCITY
 from pgimp.kernels.transfer import gather
 
 
-def take_from_grid(setting, field, particles, loads, batch, buffer, sums, power):
+def take_from_grid(setting, field, particles, loads, order, batch, buffer, sums):
     """What the grid gives to four particles.
 
     Parameters
     ----------
-    setting, field, particles, batch
-        See `Setting`, `Field`, `Particles`, `Batch`.
-    loads
-        See `Loads`.
+    setting, field, particles, loads, order, batch
+        See `Setting`, `Field`, `Particles`, `Loads`, `Order`, `Batch`.
     buffer, sums
         The supports of the batch, and room for what `keep_sums` keeps.
-    power : float
-        Of the body force, so far.
 
     Returns
     -------
@@ -50,53 +43,47 @@ def take_from_grid(setting, field, particles, loads, batch, buffer, sums, power)
         Gradient of the velocity, row-major.
     held : Vec4
         Weighted sums of what vertices have in `HELD`.
-    power : float
-        With that of the force on them.
     """
 
 
 @specialise(take_from_grid)
-def _take_from_grid(setting, field, particles, loads, batch, buffer, sums, power):
-    def where_shared(setting, field, particles, loads, batch, buffer, sums, power):
+def _take_from_grid(setting, field, particles, loads, order, batch, buffer, sums):
+    def where_shared(setting, field, particles, loads, order, batch, buffer, sums):
         if batch.size < LANES or not share_support(buffer):
-            return _take_separately(setting, field, particles, loads, batch, buffer, sums, power)
-        shape, frame, window, rows = setting.shape, setting.frame, field.window, batch.rows
+            return _take_separately(setting, field, particles, loads, order, batch, buffer, sums)
+        shape, frame, window = setting.shape, setting.frame, field.window
         place = batch.layer * window.stride[0] + first_place(buffer, 0)
-        place += field_of(window, particles, rows[0])
+        place += field_of(window, particles, batch.rows[0])
         u, a, D, held = _gather_shared(shape, field.G, buffer, place, window.stride, frame.origin)
-        for j in range(LANES):
-            power += force_power(loads.force, frame, particles, rows[j], of_lane(u, j))
-        return u, a, _row_major(D), held, power
+        return u, a, _row_major(D), held
 
     if is_initial(setting.types[setting.fields.index("frame")]):
         return where_shared
-    return lambda setting, field, particles, loads, batch, buffer, sums, power: _take_separately(
-        setting, field, particles, loads, batch, buffer, sums, power
+    return lambda setting, field, particles, loads, order, batch, buffer, sums: _take_separately(
+        setting, field, particles, loads, order, batch, buffer, sums
     )
 
 
-def _take_separately(setting, field, particles, loads, batch, buffer, sums, power):
+def _take_separately(setting, field, particles, loads, order, batch, buffer, sums):
     """As `take_from_grid`, one particle after the other."""
 
 
 @specialise(_take_separately)
-def _take_one_by_one(setting, field, particles, loads, batch, buffer, sums, power):
-    def one_by_one(setting, field, particles, loads, batch, buffer, sums, power):
+def _take_one_by_one(setting, field, particles, loads, order, batch, buffer, sums):
+    def one_by_one(setting, field, particles, loads, order, batch, buffer, sums):
         shape, frame, window = setting.shape, setting.frame, field.window
         begin = batch.layer * window.stride[0]
         for j in range(batch.size):
-            p = batch.rows[j]
+            p = order.rows[batch.first + j]  # of the tuple LLVM would check the bounds
             place = begin + first_place(buffer, j) + field_of(window, particles, p)
             U, A, D, M = gather(
                 shape, field.G, buffer, j, place, window.stride, frame.origin, loads.mean
             )
             keep_sums(sums, j, U, A, D)
             keep_rates(M, buffer, j)
-            w = components(frame.origin, U)
-            power += force_power(loads.force, frame, particles, p, w)
         repeat_sums(sums, batch.size, frame.origin)
         u, a = collected(sums, 0, frame.origin), collected(sums, 1, frame.origin)
-        return u, a, gradients(sums, 2, frame.origin), held_weights(sums), power
+        return u, a, gradients(sums, 2, frame.origin), held_weights(sums)
 
     return one_by_one
 
