@@ -22,6 +22,9 @@ from pgimp.io.rundir.runinfo import cpu
 PAGES = motion.ROOT / "scripts" / "pages"
 OUT = motion.ROOT / "contact.out"
 
+#: What marks rows that were measured earlier than the others.
+EARLIER = " \\*"
+
 
 def _figures(quick):
     """What is measured, by name, as functions and arguments."""
@@ -135,14 +138,18 @@ def _table(found, cells):
 
 
 def _known():
-    """Lines of the table that there is, by the row that they belong to and what they say."""
+    """Lines of the table that there is, by the row that they belong to and what they say.
+
+    They are marked: it was not now that they were measured.
+    """
     lines, head = {}, ""
     path = PAGES / "tables" / "contact-motion.md"
     for line in path.read_text(encoding="utf-8").splitlines()[2:] if path.exists() else ():
         if line.startswith("| ") and not line.endswith("|  |  |"):
-            what = line[2:].split(" | ")[0]
+            what, rest = line[2:].split(" | ", 1)
+            what = what.removesuffix(EARLIER)
             head = head if what.startswith("the same") else what
-            lines[head, what] = line + "\n"
+            lines[head, what] = f"| {what}{EARLIER} | {rest}\n"
     return lines
 
 
@@ -217,7 +224,10 @@ def main():
         f"Measured by `scripts/contact` on one core of {cpu()}, pgimp {version('pgimp')}, numba "
         f"{version('numba')}, {date.today()}.\n"
     )
-    texts = {"contact-motion": _table(found, cells) + "\n" + where}
+    table = _table(found, cells)
+    if EARLIER in table:
+        where = where[:-1] + " Rows with \\* were measured before the last changes of contact.\n"
+    texts = {"contact-motion": table + "\n" + where}
     if ("gaps",) in found:
         texts["contact-gaps"] = _gaps(found["gaps",])
     if ("detection",) in found:
