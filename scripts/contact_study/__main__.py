@@ -16,6 +16,7 @@ import motion
 import problems
 import rolls
 import walls
+from kept import Kept
 
 from pgimp.io.rundir.runinfo import cpu
 
@@ -209,17 +210,21 @@ def main():
         "--only", nargs="+", metavar="NAME",
         help="these motions, 'gaps', 'detection' or 'costs'; the other figures stay as they are",
     )  # fmt: skip
+    parser.add_argument("--jobs", type=int, default=min(2, os.cpu_count()), help="at a time")
     options = parser.parse_args()
     jobs, cells = _figures(options.quick), (0.2, 0.1)
     jobs["detection",] = (detection.text, options.quick)
     jobs["gaps",] = (_every_gap, options.quick)
     wanted = options.only or [*{name[0] for name in jobs}, "costs"]
-    found = {}
-    with ProcessPoolExecutor(min(2, os.cpu_count()), get_context("spawn")) as pool:
+    OUT.mkdir(exist_ok=True)
+    kept = Kept(OUT / ("quick.json" if options.quick else "figures.json"))
+    with ProcessPoolExecutor(options.jobs, get_context("spawn")) as pool:
         waiting = {name: pool.submit(*job) for name, job in jobs.items() if name[0] in wanted}
         for name, future in waiting.items():
             future.add_done_callback(partial(_show, name))
-        found = {name: future.result() for name, future in waiting.items()}
+        for name, future in waiting.items():
+            kept.add(name, future.result())
+    found = kept.found
     where = (
         f"Measured by `scripts/contact` on one core of {cpu()}, pgimp {version('pgimp')}, numba "
         f"{version('numba')}, {date.today()}.\n"
@@ -234,7 +239,6 @@ def main():
         texts["contact-detection"] = found["detection",]
     if "costs" in wanted:
         texts["contact-costs"] = _costs(options.quick)
-    OUT.mkdir(exist_ok=True)
     (OUT / "contact.md").write_text("\n".join(texts.values()), encoding="utf-8")
     print("\n".join(texts.values()))
     if not options.quick:
