@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from pydantic import ValidationError
 
+from pgimp.case.places import located
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.geometry.regions import Points
@@ -131,6 +132,10 @@ class Variations:
         layout = self.layouts[material]
         if layout is None:
             return None
+        with located(self.case):
+            return self._of(block, material, layout)
+
+    def _of(self, block: ParticleBlock, material: int, layout: Layout) -> Own:
         body = list(self.case.bodies)[block.body]
         name = self.names[material]
         entry, base = self.case.materials[name], leaves(self._parameters[material])

@@ -20,7 +20,7 @@ from pydantic import Field, GetJsonSchemaHandler, StringConstraints, model_valid
 
 from pgimp.physics.materials.profile import read_profile
 from pgimp.physics.randomfield import EXPONENTIAL, lognormal, waves
-from pgimp.schema.base import Count, Model, NonNegative, Number, Positive
+from pgimp.schema.base import Model, NonNegative, Number, Positive
 from pgimp.schema.dispatch import Dispatch, Either, plain
 from pgimp.schema.messages import describe, got
 from pgimp.schema.paths import FileName
@@ -56,6 +56,8 @@ class NoValueError(Exception):
 class _ByKind(Dispatch):
     """A mapping whose key says how a parameter varies."""
 
+    what = "variation"
+
     def validate(self, value: Any) -> Variation:
         """See `Dispatch`."""
         if isinstance(value, Variation):
@@ -74,7 +76,7 @@ class _ByKind(Dispatch):
 
     def document(self, handler: GetJsonSchemaHandler) -> dict[str, Any]:
         """Refer to a definition, since variations contain one another."""
-        return {"$comment": COMMENT + "variation"}
+        return {"$comment": COMMENT + self.what}
 
 
 #: What ``{table: ...}`` and so on are validated by.
@@ -379,10 +381,10 @@ class RandomField(Model):
     )
     seed: Annotated[int, Field(strict=True, ge=0, le=2**53)] = Field(
         default=0,
-        description="which of all such fields; parameters with the same seed, lengths and "
-        "covariance are fully correlated, others are independent",
+        description="which of all such fields: parameters with the same seed, lengths, covariance "
+        "and modes are fully correlated, with another seed they are independent",
     )
-    modes: Annotated[Count, Field(ge=16, le=100_000)] = Field(
+    modes: Annotated[int, Field(strict=True, ge=16, le=100_000)] = Field(
         default=1000,
         description="waves that a field is a sum of: correlations are off by up to 1/sqrt(2 modes)",
     )
