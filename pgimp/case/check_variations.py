@@ -25,7 +25,8 @@ def check_variations(
             columns = [column for part in variation.parts() for column in part.columns]
             for column in columns:
                 if column in _TAKEN:
-                    yield Problem(path, f"the column '{column}' of particles has a meaning of its own")
+                    text = f"the column '{column}' of particles has a meaning of its own"
+                    yield Problem(path, text)
             yield from _not_from_file(path, name, columns, bodies)
 
 
@@ -36,6 +37,6 @@ def _not_from_file(
         if columns and entry.material == material and not isinstance(entry.region, Points):
             yield Problem(
                 path,
-                f"the column '{columns[0]}' is one of a file of particles, but the body '{body}' has "
-                "none: region: {points: {file: ..}}",
+                f"the column '{columns[0]}' is one of a file of particles, but the body '{body}' "
+                "has none: region: {points: {file: ..}}",
             )

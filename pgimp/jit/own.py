@@ -19,14 +19,15 @@ class Own(NamedTuple):
 
 def is_own(kind: Any) -> bool:
     """Whether a Numba type is that of `Own`."""
-    return isinstance(kind, types.BaseNamedTuple) and kind.instance_class is Own
+    return getattr(kind, "instance_class", None) is Own
 
 
 def count_own(kind: Any) -> int:
     """How many `Own` there are in values of a Numba type, at any depth."""
     if is_own(kind):
         return 1
-    return sum(map(count_own, kind)) if isinstance(kind, types.BaseTuple) else 0
+    parts: Any = kind if isinstance(kind, types.BaseTuple) else ()
+    return sum(count_own(part) for part in parts)
 
 
 def _type_of(kind, number):
@@ -45,25 +46,27 @@ def filled(typing_context, structure, values):
 
     `values` are as many numbers, or vectors, as there are, or more.
     """
-    if not isinstance(values, types.BaseTuple) or count_own(structure) > len(values):
+    given: list[Any] = [*values] if isinstance(values, types.BaseTuple) else []
+    if not given or count_own(structure) > len(given):
         return None
+    number = given[0]
 
     def generate(context, builder, sig, args):
-        given = iter(cgutils.unpack_tuple(builder, args[1]))
+        found = iter(cgutils.unpack_tuple(builder, args[1]))
 
         def build(kind, value):
             if is_own(kind):
-                return next(given)
+                return next(found)
             if not count_own(kind):
                 return value
             parts = [
                 build(part, builder.extract_value(value, i)) for i, part in enumerate(kind)
             ]
-            return context.make_tuple(builder, _type_of(kind, values[0]), parts)
+            return context.make_tuple(builder, _type_of(kind, number), parts)
 
         return build(sig.args[0], args[0])
 
-    return _type_of(structure, values[0])(structure, values), generate
+    return _type_of(structure, number)(structure, values), generate
 
 
 @intrinsic

@@ -200,7 +200,8 @@ class _Varied:
         if self._layout is None:
             return {}
         rows = np.stack([self._least, self._sums / self._count, self._most], axis=1).tolist()
-        return {".".join(path): tuple(row) for path, row in zip(self._layout.paths, rows, strict=True)}
+        keys = (".".join(path) for path in self._layout.paths)
+        return {key: (row[0], row[1], row[2]) for key, row in zip(keys, rows, strict=True)}
 
 
 def wave_speed(scene: Scene, body: int, points: tuple[_Reals, _Reals] | None = None) -> float:

@@ -160,7 +160,10 @@ def _read_points(case: Case, comm: Any) -> None:
         points.expect(dict.fromkeys(wanted, False) | states)
 
         def read(
-            name: str = name, points: Points = points, material: Any = material, wanted: Any = wanted
+            name: str = name,
+            points: Points = points,
+            material: Any = material,
+            wanted: Any = wanted,
         ) -> Any:
             try:
                 found = points.read(room)

@@ -12,18 +12,12 @@ from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.geometry.regions import Points
 from pgimp.physics.fields import Field, Source
+from pgimp.physics.materials.layout import Layout, layout_of
 from pgimp.physics.materials.outside import parameters_of
 from pgimp.physics.materials.states import initial_row
-from pgimp.physics.materials.variation import NoValueError, Places, TableVariation
-from pgimp.physics.materials.vary import (
-    Layout,
-    field_of,
-    first_text,
-    layout_of,
-    leaves,
-    same,
-    value_at,
-)
+from pgimp.physics.materials.vary import field_of, first_text
+from pgimp.physics.variation import NoValueError, Places, TableVariation
+from pgimp.physics.variation.find import value_at
 from pgimp.scene.lattice import ParticleBlock
 
 Reals = np.ndarray
@@ -86,21 +80,21 @@ class Variations:
             else None
             for entry in entries
         ]
-        self._parameters = materials
         self.width = max((one.width for one in self.layouts if one), default=0)
         self.materials = tuple(
-            one if layout is None else layout.marked(one)
+            one if layout is None else layout.marked
             for one, layout in zip(materials, self.layouts, strict=True)
         )
         self.typical = np.zeros((len(names), self.width))
         for i, (entry, layout) in enumerate(zip(entries, self.layouts, strict=True)):
             if layout:
                 values = [value_at(entry, path) for path in layout.paths]
-                self.typical[i, : layout.width] = layout.row(materials[i], values)
+                self.typical[i, : layout.width] = layout.packer()(materials[i], values)
         paths = {path for layout in self.layouts if layout for path in layout.paths}
         self.fields = {field_of(path): self._field(path) for path in sorted(paths)}
 
     def __bool__(self) -> bool:
+        """Return whether anything varies."""
         return any(self.layouts)
 
     def _field(self, path: tuple[str, ...]) -> Field:
@@ -138,7 +132,7 @@ class Variations:
     def _of(self, block: ParticleBlock, material: int, layout: Layout) -> Own:
         body = list(self.case.bodies)[block.body]
         name = self.names[material]
-        entry, base = self.case.materials[name], leaves(self._parameters[material])
+        entry = self.case.materials[name]
         columns = {key: table[:, 0] for key, table in block.states.items() if table.shape[1] == 1}
         places = Places(block.centroids, columns)
         values = np.empty((len(block.ids), len(layout.paths)))
@@ -151,33 +145,28 @@ class Variations:
                     f"{error}"
                 ) from None
         distinct, which = np.unique(values, axis=0, return_inverse=True)
-        which = which.reshape(-1)
-        make, D = entry.maker(), self.case.dimensions
-        varying = set(layout.varying)
+        which, make, pack = which.reshape(-1), entry.maker(), layout.packer()
         found = Own(
             np.zeros((len(distinct), self.width)), np.empty(len(distinct)), np.empty(len(distinct)),
             np.zeros((len(distinct), self._states)), distinct,
         )  # fmt: skip
         for i, row in enumerate(distinct.tolist()):
             try:
-                one = make(dict(zip(layout.paths, row, strict=True)))
-                parameters: Any = one.parameters()  # type: ignore[attr-defined]
+                one: Any = make(dict(zip(layout.paths, row, strict=True)))
+                parameters = one.parameters()
+                carried = pack(parameters, row)
+                if carried is None:
+                    raise CaseError(
+                        "with that the law is another one than elsewhere (a viscosity or a "
+                        "hardening is 0 at some places only, a limit sets in): give such a part a "
+                        "body and a material of its own"
+                    )
             except Exception as error:  # a user's own material may raise anything
                 particle = self._particle(block, int(np.argmax(which == i)), body)
-                raise CaseError(self._refused(name, layout, row, particle, error)) from None
-            now = leaves(parameters)
-            if type(parameters) is not layout.kind or not all(
-                j in varying or same(leaf, base[j]) for j, leaf in enumerate(now)
-            ):
-                particle = self._particle(block, int(np.argmax(which == i)), body)
-                raise CaseError(
-                    f"materials.{name}: {particle} has {_listed(layout, row)}, with which the law "
-                    "is another one than elsewhere (a viscosity or a hardening is 0 at some places "
-                    "only, a limit sets in): give such a part a body and a material of its own"
-                )
-            found.columns[i, : layout.width] = layout.row(parameters, row)
+                raise CaseError(_refused(name, layout, row, particle, error)) from None
+            found.columns[i, : layout.width] = carried
             found.density[i], found.pressure[i] = parameters.density, one.initial_pressure
-            found.state[i] = initial_row(parameters, D, self._states)
+            found.state[i] = initial_row(parameters, self.case.dimensions, self._states)
         return Own(*(part[which] for part in found))
 
     def _particle(self, block: ParticleBlock, row: int, body: str) -> str:
@@ -186,20 +175,9 @@ class Variations:
         region = self.case.bodies[body].region
         text = f"the particle at ({place}) of body '{body}'"
         if isinstance(region, Points) and block.rows is not None:
-            text += "".join(f", {line} of {region.file}," for line in region.lines([block.rows[row]]))
+            lines = region.lines([int(block.rows[row])])
+            text += "".join(f", {line} of {region.file}," for line in lines)
         return text
-
-    @staticmethod
-    def _refused(
-        name: str, layout: Layout, row: list[float], particle: str, error: Exception
-    ) -> str:
-        """Say which value of a particle is not allowed."""
-        if not isinstance(error, ValidationError):
-            text = f"{type(error).__name__}: {error}"
-            return f"materials.{name}: {particle} has {_listed(layout, row)}: {text}"
-        where = tuple(str(part) for part in error.errors(include_url=False)[0]["loc"])
-        key = ".".join((name, *where))
-        return f"materials.{key}: {particle} has {_listed(layout, row)}: {first_text(error)}"
 
     def entry(self, material: int, own: Reals) -> Any:
         """Return the entry of a particle's material as it is there, from its column `own`."""
@@ -207,6 +185,19 @@ class Variations:
         if layout is None:
             return entry
         return entry.maker()(dict(zip(layout.paths, layout.values(own), strict=True)))
+
+
+def _refused(
+    name: str, layout: Layout, row: list[float], particle: str, error: Exception
+) -> str:
+    """Say which value of a particle is not allowed."""
+    if isinstance(error, ValidationError):
+        where = error.errors(include_url=False)[0]["loc"]
+        key, text = ".".join((name, *map(str, where))), first_text(error)
+    else:
+        known = type(error) is CaseError
+        key, text = name, str(error) if known else f"{type(error).__name__}: {error}"
+    return f"materials.{key}: {particle} has {_listed(layout, row)}: {text}"
 
 
 def _listed(layout: Layout, row: list[float]) -> str:

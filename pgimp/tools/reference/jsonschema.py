@@ -6,7 +6,7 @@ from typing import Any
 
 from pgimp.case.schema import Case
 from pgimp.geometry.regions import REGION
-from pgimp.physics.materials.variation import KINDS, VARIATION
+from pgimp.physics.variation import KINDS, VARIATION
 from pgimp.schema.registries import COMMENT, ByKey
 
 Schema = dict[str, Any]
@@ -40,7 +40,7 @@ def _let_vary(form: Schema, definitions: Schema) -> None:
     """Let numbers of a material, or of a part of it, vary in space."""
     for name, value in form["properties"].items():
         branches = value.get("anyOf", [value])
-        if name == "viscosity" or "anyOf" in value and VARIES in branches:
+        if name == "viscosity" or VARIES in branches:
             continue
         for branch in branches:
             if "$ref" in branch:

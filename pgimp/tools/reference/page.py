@@ -9,7 +9,7 @@ from typing import NamedTuple
 from pgimp.case.writer import flow
 from pgimp.physics.columns import GRID, PLACE, POINT, Vertex
 from pgimp.physics.fields import ALWAYS, FAILURE, OPTIONAL, Field
-from pgimp.physics.materials.variation import KINDS, VARIATION
+from pgimp.physics.variation import KINDS, VARIATION
 from pgimp.schema.base import LARGEST_COUNT
 from pgimp.solver.columns import HISTORY
 from pgimp.tools.reference.jsonschema import VARIES, Schema, json_schema, study_schema
@@ -41,8 +41,8 @@ letter followed by letters, digits, `-` and `_`. Each key may be overridden on t
 
 _VARIATIONS = """\
 Every number of a material, but for its artificial viscosity, may be a mapping instead, by which it
-depends on the place of a particle at the start: `young: {table: [[0.0, 5e6], [10.0, 4e7]], over: depth,
-surface: 12.0}`. See [docs/variation.md](../docs/variation.md).
+depends on the place of a particle at the start: `young: {table: [[0.0, 5e6], [10.0, 4e7]], over:
+depth, surface: 12.0}`. See [docs/variation.md](../docs/variation.md).
 """
 
 
