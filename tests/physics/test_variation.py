@@ -49,7 +49,7 @@ def test_rows_of_tables_are_met_exactly():
 
 
 def test_beyond_the_ends_of_a_table():
-    with pytest.raises(NoValueError, match="lies at x 2.1, where the table, from -1 to 2,"):
+    with pytest.raises(NoValueError, match=r"lies at x 2\.1, where the table, from -1 to 2,"):
         at({"table": ROWS, "over": "x"}, [[0.0], [2.1]])
     found = at({"table": ROWS, "over": "x", "beyond": "hold"}, [[-3.0], [9.0]])
     assert found.tolist() == [3.0, -1.0]
@@ -61,7 +61,7 @@ def test_layers_begin_where_they_say():
     layers = {"layers": [[0.0, 1.0], [2.0, 5.0], [3.0, 2.0]], "over": "y"}
     x = [[9.0, y] for y in (0.0, 1.9, 2.0, 2.9, 3.0, 99.0)]
     assert at(layers, x).tolist() == [1.0, 1.0, 5.0, 5.0, 2.0, 2.0]
-    with pytest.raises(NoValueError, match="at y -0.5, before the first layer"):
+    with pytest.raises(NoValueError, match=r"at y -0\.5, before the first layer"):
         at(layers, [[0.0, -0.5]])
 
 
