@@ -151,13 +151,13 @@ def _read_points(case: Case, comm: Any) -> None:
             continue
         material = case.materials[body.material]
         states = {state.name: state.tensor for state in material.states}
-        wanted = {
-            column: (path, part)
+        wanted = [
+            (column, ".".join(path), part)
             for path, variation in material.variations.items()
             for part in variation.parts()
             for column in part.columns
-        }
-        points.expect(dict.fromkeys(wanted, False) | states)
+        ]
+        points.expect(dict.fromkeys((column for column, _, _ in wanted), False) | states)
 
         def read(
             name: str = name,
@@ -169,9 +169,8 @@ def _read_points(case: Case, comm: Any) -> None:
                 found = points.read(room)
             except CaseError as error:
                 raise CaseError(f"bodies.{name}.region: {error}") from None
-            for column, (path, _) in wanted.items():
+            for column, key, _ in wanted:
                 if column not in found.states:
-                    key = ".".join(path)
                     raise CaseError(
                         f"bodies.{name}.region: the particles {points.file} have no column "
                         f"'{column}', from which materials.{case.bodies[name].material}.{key} is "
@@ -193,7 +192,7 @@ def _read_points(case: Case, comm: Any) -> None:
 
         points.__dict__["summary"] = found = on_root(comm, read)
         means = dict(zip(found.states, found.means, strict=True))
-        for column, (_, part) in wanted.items():
+        for column, _, part in wanted:
             part.learn(means[column])
 
 
@@ -239,3 +238,7 @@ def release(case: Case) -> None:
     for body in case.bodies.values():
         if isinstance(body.region, Points):
             body.region.__dict__.pop("summary", None)
+    for material in case.materials.values():
+        for variation in material.variations.values():
+            for part in variation.parts():
+                part.release()

@@ -17,7 +17,7 @@ from pgimp.physics.materials.outside import parameters_of
 from pgimp.physics.materials.states import initial_row
 from pgimp.physics.materials.vary import field_of, first_text
 from pgimp.physics.variation import NoValueError, Places, TableVariation
-from pgimp.physics.variation.find import value_at
+from pgimp.physics.variation.find import described, value_at
 from pgimp.scene.lattice import ParticleBlock
 
 Reals = np.ndarray
@@ -99,11 +99,13 @@ class Variations:
 
     def _field(self, path: tuple[str, ...]) -> Field:
         """The field of a parameter that varies in one material at least."""
-        place, constant = [], []
+        place, constant, meaning = [], [], ""
         for name, layout in zip(self.names, self.layouts, strict=True):
             varies = layout is not None and path in layout.paths
             place.append(layout.places[layout.paths.index(path)] if layout and varies else -1)
             constant.append(np.nan if varies else _constant(self.case.materials[name], path))
+            if varies:
+                meaning = meaning or described(type(self.case.materials[name]), path)
         columns, constants = np.array(place), np.array(constant)
 
         def values(source: Source) -> Reals:
@@ -112,8 +114,7 @@ class Variations:
             rows = np.arange(len(table))
             return np.where(column < 0, constants[number], table[rows, np.maximum(column, 0)])
 
-        key = ".".join(path)
-        return Field(values, f"the material's {key} where the particle was at the start")
+        return Field(values, f"{'.'.join(path)} of the particle's material: {meaning}")
 
     def of(self, block: ParticleBlock, material: int) -> Own | None:
         """Return what particles have of their own; None where nothing of their material varies.

@@ -11,7 +11,7 @@ import pgimp
 from pgimp.errors import CaseError
 from pgimp.mpi.comm import Serial
 from pgimp.scene.facts import examine
-from pgimp.scene.geometry import share
+from pgimp.scene.geometry import release, share
 from pgimp.scene.scene import Scene, count_particles
 
 
@@ -278,3 +278,25 @@ def test_samples_carry_as_much():
     made, sample = (Scene(pgimp.load(crash(VARIED))), Scene(plain(pgimp.load(crash(VARIED)), 100)))
     assert sample.variations.layouts[0].varying == made.variations.layouts[0].varying
     assert sample.variations.width == made.variations.layouts[0].width
+
+
+def test_files_are_read_once_and_forgotten(tmp_path):
+    """A table from a file, whose numbers are not known when the case is read."""
+    (tmp_path / "soil.csv").write_text("depth,young,poisson\n0.0,50.0,0.1\n4.0,90.0,0.3\n")
+    over = {"table": str(tmp_path / "soil.csv"), "over": "depth", "surface": 4.0}
+    varies = {"young": over, "poisson": over, "density": over | {"column": "young"}}
+    made, p, n = particles(
+        scene(2, box([1.0, 0.0], [3.0, 4.0]), materials={"soft": SOFT | varies})
+    )
+    depth = 4.0 - p.x[:n, 1]
+    young, poisson = 50.0 + 10.0 * depth, 0.1 + 0.05 * depth
+    np.testing.assert_allclose(p.own[:n, 1], young / (2.0 + 2.0 * poisson), rtol=1e-14)
+    np.testing.assert_allclose(p.m[:n], 0.25 * young, rtol=1e-14)
+    assert "Young's modulus [stress]" in made.fields["parameter-young"].meaning
+    release(made.case)
+    assert made.case.materials["soft"].variations["young",].typical is None
+    (tmp_path / "soil.csv").write_text("depth,young,poisson\n0.0,50.0,0.1\n4.0,90.0,0.5\n")
+    with pytest.raises(CaseError, match=r"poisson: the particle at .* must be below 0\.5, got"):
+        particles(scene(2, box([1.0, -0.0], [3.0, 4.0]), materials={
+            "soft": SOFT | varies | {"poisson": over | {"times": 1.1}}
+        }))  # fmt: skip

@@ -116,6 +116,11 @@ class TableVariation(_Along):
         """The rows, of the case or of the file."""
         return self.read() if isinstance(self.table, str) else self.table
 
+    def release(self) -> None:
+        """See `Variation`."""
+        if self.from_file:
+            self.__dict__.pop("rows", None)
+
     @property
     def from_file(self) -> bool:
         """Whether the rows are in a file."""

@@ -129,6 +129,9 @@ class Variation(Model):
         if isinstance(self.times, Variation):
             yield from self.times.parts()
 
+    def release(self) -> None:
+        """Forget what was read from files."""
+
     def called(self, name: str) -> None:
         """Learn the name of the parameter."""
 

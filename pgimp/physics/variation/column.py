@@ -28,6 +28,10 @@ class FromColumn(Variation):
         """Take the mean of the column."""
         self.__dict__["mean"] = mean
 
+    def release(self) -> None:
+        """See `Variation`."""
+        self.__dict__.pop("mean", None)
+
     def _typical(self) -> float | None:
         return self.__dict__.get("mean")
 

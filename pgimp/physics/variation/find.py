@@ -115,6 +115,16 @@ def value_at(entry: BaseModel, path: Sequence[str]) -> Any:
     return inner
 
 
+def described(model: type[BaseModel], path: Sequence[str]) -> str:
+    """Return what an entry says of the number at keys of the case, with its unit."""
+    *above, last = names_of(model, tuple(path))
+    for name in above:
+        below = _below(model.model_fields[name].annotation)
+        assert below is not None
+        model = below
+    return model.model_fields[last].description or path[-1]
+
+
 def names_of(model: type[BaseModel], path: tuple[str, ...]) -> tuple[str, ...]:
     """Names of the fields at keys of the case."""
     fields = model.model_fields
