@@ -13,7 +13,8 @@ from math import ceil
 import numpy as np
 
 from pgimp.case.load import load
-from pgimp.case.schema import AUTO, Case
+from pgimp.case.schema import Case
+from pgimp.case.steps import AUTO
 from pgimp.jit.cache import announced
 from pgimp.mpi.comm import Serial, say
 from pgimp.mpi.limits import limits
