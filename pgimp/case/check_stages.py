@@ -129,6 +129,15 @@ def _own(stage: Stage, before: Case, names: set[str]) -> Problems:
                         "the case, with the pressure 0"
                     )
                 yield Problem((section, name), unknown(what, name, known) + advice)
+    for name, entry in stage.materials.items():
+        model = entry.get("model") if isinstance(entry, Mapping) else None
+        if name in before.materials and model not in (None, before.materials[name].model):
+            yield Problem(
+                ("materials", name, "model"),
+                f"particles of '{before.materials[name].model}' do not have what those of another "
+                "model remember: a stage can change parameters only; take the model of the later "
+                "stage from the start, with a strength that is not reached",
+            )
     for section in (*BY_KEY, *BY_ENTRY):
         for name, entry in getattr(stage, section).items():
             if entry is None and name not in getattr(before, section) and section != "escape":
@@ -170,13 +179,6 @@ def _changed(before: Case, now: Case, stage: Stage) -> Problems:
 
 def _material(path: Path, before: Any, now: Any, dimensions: int) -> Problems:
     """Check that particles of a material can go on with another's parameters."""
-    if type(now) is not type(before):
-        yield Problem(
-            (*path, "model"),
-            f"{now.model} cannot take over what particles of {before.model} are like; a stage can "
-            "change the parameters of a model, such as its strength",
-        )
-        return
     if now.density != before.density:
         yield Problem(
             (*path, "density"), "cannot change in a stage: particles keep the mass that they have"
@@ -254,10 +256,21 @@ def _relocated(item: Problem, stage: Stage, place: Path) -> Problem:
     return item._replace(text=f"in the stage '{stage.name}': {item.text}")
 
 
-def steps_of(case: Case) -> Iterator[int | None]:
-    """Yield the number of fixed steps of each stage; None where steps are not fixed."""
-    for one in case.stages:
-        if isinstance(one.time.step, float | int):
-            yield round((one.time.end - one.staged.start) / one.time.step)
+def steps_in(case: Case) -> int | None:
+    """Return the number of fixed steps of a stage; None where steps are not fixed."""
+    if not isinstance(case.time.step, float | int):
+        return None
+    return round((case.time.end - case.staged.start) / case.time.step)
+
+
+def changes_of(stage: Stage) -> Iterator[str]:
+    """Yield what a stage changes, by key paths that are not longer than need be."""
+    for section, value in stage.changes.items():
+        if section == "remove":
+            yield f"remove {', '.join(value)}"
+        elif isinstance(value, Mapping):
+            for name, entry in value.items():
+                keys = entry if section == "materials" and isinstance(entry, Mapping) else [""]
+                yield from (f"{section}.{name}{'.' if key else ''}{key}" for key in keys)
         else:
-            yield None
+            yield section

@@ -88,7 +88,8 @@ def advance(
         state = "stopped" if isinstance(error, KeyboardInterrupt) else "failed"
         directory.record_failure(state, sim.step, sim.time, describe(error))
         if isinstance(error, RunError):
-            text = f"{error}\n  {recorder.kept()}"
+            stage = f"\n  in {sim.case.staged.title}" if len(sim.cases) > 1 else ""
+            text = f"{error}{stage}\n  {recorder.kept()}"
             bundle = failure.write(directory.path, sim, str(error), recorder.history.path)
             if bundle:
                 text += f"\n  {bundle} shows the particles: report.txt, particles.xdmf for ParaView"
