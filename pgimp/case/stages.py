@@ -7,7 +7,7 @@ whatever is checked of a case is checked of every stage, before the first step.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from pydantic import Field, model_serializer
 
@@ -23,8 +23,24 @@ SECTIONS, WHOLE = ("method", "output", "history"), ("gravity", "body_force", "co
 _Entries = dict[str, Any]
 
 
+def _unchanged(schema: dict[str, Any]) -> None:
+    """Document what is not given: it changes nothing."""
+    schema.pop("default", None)
+    schema["x-default"] = "as before"
+
+
+def _change(what: str, default: Any = None) -> Any:
+    return Field(default=default, description=what, json_schema_extra=_unchanged)
+
+
 def _keyed(what: str) -> Any:
-    return Field(default={}, description=what)
+    return _change(what, {})
+
+
+def _any_form(schema: dict[str, Any]) -> None:
+    _unchanged(schema)
+    schema["oneOf"] = [{"type": kind} for kind in ("string", "null")]
+    schema["oneOf"].insert(1, {"type": "object", "additionalProperties": True})
 
 
 class Stage(Model):
@@ -32,10 +48,9 @@ class Stage(Model):
 
     name: Name = Field(description="its name, for messages")
     end: Positive = Field(description="simulated time at which it is done [time]")
-    step: AnyStep | None = Field(
-        default=None,
-        description="as `time.step`; a fixed one is counted from where the stage begins, if it is "
-        "another than before; null: as before",
+    step: AnyStep | None = _change(
+        "as `time.step`; a fixed one is counted from where the stage begins, if it is another than "
+        "before"
     )
     remove: tuple[Name, ...] = Field(
         default=(),
@@ -47,11 +62,11 @@ class Stage(Model):
         "by name, parameters that change, {soil: {cohesion: 2.0e3}}; not `model`, `density`, and "
         "what particles only start with"
     )
-    gravity: VaryingVector = Field(
-        default=None, description="as in the case, in place of it; null: none [length/time^2]"
-    )
-    body_force: Annotated[Any, Field(json_schema_extra={"type": ["string", "object", "null"]})] = (
-        Field(default=None, description="as in the case, in place of it; null: none")
+    gravity: VaryingVector = _change("as in the case, in place of it; null: none [length/time^2]")
+    body_force: Any = Field(
+        default=None,
+        description="as in the case, in place of it; null: none",
+        json_schema_extra=_any_form,
     )
     boundaries: _Entries = _keyed(
         "by face, conditions in place of those before; null: none from here on"
@@ -64,9 +79,7 @@ class Stage(Model):
         "by name, keys that change; null ends a constraint. One that is new, or has another "
         "region or body, holds the particles that are in its region as the stage begins"
     )
-    contact: tuple[_Entries, ...] = Field(
-        default=(), description="the list as in the case, in place of it"
-    )
+    contact: tuple[_Entries, ...] = _change("the list as in the case, in place of it", ())
     output: _Entries = _keyed("keys of the case's that change, but `at`, which is for all stages")
     history: _Entries = _keyed("keys of the case's that change")
 

@@ -131,7 +131,7 @@ def report(case: Case) -> None:
     tried = pilot(case, count, steps, costs, _thinnest(case, bodies))
     steps = _report_steps(case, steps, tried)
     if whole.time.stages:
-        steps += _report_stages(whole, steps * dt / case.time.end)
+        steps += report_stages(whole, steps * dt / case.time.end)
     _report_memory(memory)
     _report_cost(scene, lattice, counts, costs, crossing, steps)
     number = forecast.frames(whole, steps)
@@ -286,7 +286,7 @@ def _report_steps(case: Case, steps: float, tried: Pilot | None) -> float:
     return tried.steps
 
 
-def _report_stages(case: Case, factor: float) -> float:
+def report_stages(case: Case, factor: float) -> float:
     """Say what the stages after the first change; return how many steps they take, about.
 
     `factor` is by how much the first has more steps than at rest, where waves set their length.
