@@ -179,6 +179,14 @@ def _changed(before: Case, now: Case, stage: Stage) -> Problems:
 
 def _material(path: Path, before: Any, now: Any, dimensions: int) -> Problems:
     """Check that particles of a material can go on with another's parameters."""
+    varying = any(getattr(each, "variations", None) for each in (before, now))
+    if varying and plain(now) != plain(before):
+        yield Problem(
+            path,
+            "varies in space: its parameters are the particles' own from the start, and cannot "
+            "change in a stage",
+        )
+        return
     if now.density != before.density:
         yield Problem(
             (*path, "density"), "cannot change in a stage: particles keep the mass that they have"
