@@ -63,28 +63,30 @@ def check_method(dimensions: int, method: Any) -> Problems:
         )
 
 
-def check_time(time: Any) -> Problems:
-    """Check that the end is a whole number of fixed steps."""
+def check_time(time: Any, counted: float) -> Problems:
+    """Check that the end is a whole number of fixed steps, which are counted from some time on."""
     if time.steps is None:
         return
-    count, exact = whole(time.end, time.step)
+    length = time.end - counted
+    count, exact = whole(length, time.step)
     if count > MOST_STEPS:
-        yield Problem(("time", "step"), f"{time.end / time.step:.3g} steps are too many")
+        yield Problem(("time", "step"), f"{length / time.step:.3g} steps are too many")
     elif not exact:
+        after = f"{counted:.15g} and " if counted else ""
         yield Problem(
             ("time", "end"),
-            f"{time.end:.15g} is not a whole number of steps of {time.step:.15g} "
-            f"({time.end / time.step:.9g} steps); the nearest is "
-            f"{nearest_whole(time.end, time.step)}",
+            f"{time.end:.15g} is not {after}a whole number of steps of {time.step:.15g} "
+            f"({length / time.step:.9g} steps); the nearest is "
+            f"{after}{nearest_whole(length, time.step)}",
         )
 
 
 def check_output(time: Any, output: Any) -> Problems:
     """Check that frames lie between the start and the end."""
     for i, instant in enumerate(output.at):
-        if instant > time.end:
+        if instant > time.last:
             yield Problem(
-                ("output", "at", i), f"{instant:.15g} is after the end at {time.end:.15g}"
+                ("output", "at", i), f"{instant:.15g} is after the end at {time.last:.15g}"
             )
 
 

@@ -125,6 +125,10 @@ class Scene:
         self.exits = sum(
             1 << order.index(face) for face, way in case.escape.items() if way == "remove"
         )
+        #: Whether particles may leave, or might in a stage before this one.
+        self.escapes = bool(self.exits) or case.staged.escapes
+        #: Whether there may be fewer particles than at the start.
+        self.loses = self.escapes or bool(case.staged.removed)
         # Those that may let go come last: where they meet others, they see the sums of both.
         self.mirrors = sorted(
             (

@@ -23,19 +23,22 @@ START = Step(0, 0.0, 0.0, 0.0)
 
 
 class FixedClock:
-    """Steps of one length: t = n * step, never a running sum.
+    """Steps of one length: t = begin + n * step, never a running sum.
 
     Parameters
     ----------
     step, end : float
-        Length of a step and end of the run, a whole number of steps.
+        Length of a step and end of the run, a whole number of steps after `begin`.
+    begin, before : float, int
+        Time from which these steps are counted, and number of steps before it.
     """
 
     controlled = False
 
-    def __init__(self, step: float, end: float) -> None:
+    def __init__(self, step: float, end: float, begin: float = 0.0, before: int = 0) -> None:
         self._dt = step
-        self._steps = round(end / step)
+        self._begin, self.before = begin, before
+        self._steps = before + round((end - begin) / step)
         self.end = end
 
     def finished(self, done: Step) -> bool:
@@ -45,11 +48,15 @@ class FixedClock:
     def next(self, done: Step, rate: float) -> Step:
         """Return the step after `done`."""
         n = done.number
-        return Step(n + 1, n * self._dt, self._dt, (n + 1) * self._dt)
+        return Step(n + 1, self._after(n), self._dt, self._after(n + 1))
+
+    def _after(self, n: int) -> float:
+        """Time after `n` steps."""
+        return self._begin + (n - self.before) * self._dt
 
     def after(self, number: int, time: float, dt: float) -> Step:
         """Return what was done last in a run that goes on after `number` steps."""
-        return Step(number, (number - 1) * self._dt, dt, number * self._dt)
+        return Step(number, self._after(number - 1), dt, self._after(number))
 
     def time(self, done: Step) -> float:
         """Return the reported time at the end of a step.
@@ -76,6 +83,7 @@ class CourantClock:
     """
 
     controlled = True
+    before = 0
 
     def __init__(
         self, courant: float, end: float, stops: tuple[float, ...], rest_rate: float = inf
@@ -124,10 +132,20 @@ class CourantClock:
         return done.end
 
 
-def clock_of(case: Case, rest_rate: float = inf) -> FixedClock | CourantClock:
-    """Clock of a case; `rest_rate` is the largest c_p/L of its materials at rest."""
+def clock_of(case: Case, rest_rate: float = inf, before: int = 0) -> FixedClock | CourantClock:
+    """Clock of a case, or of a stage of one.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+    rest_rate : float
+        The largest c_p/L of its materials at rest.
+    before : int
+        Steps before those of its length, if it is a stage.
+    """
     time = case.time
     if isinstance(time.step, float | int):
-        return FixedClock(float(time.step), float(time.end))
+        return FixedClock(float(time.step), float(time.end), case.staged.counted, before)
     assert case.courant is not None
     return CourantClock(case.courant, float(time.end), case.output.at, rest_rate)

@@ -104,7 +104,7 @@ class EnergyWatch:
         sums = np.zeros((rank.slab.layers, len(scene.body_names), SUMS))
         setting = scene.setting.without_shape()
         layer_sums(setting, population.particles, population.ordered, sums)
-        escaped = own.escaped if scene.exits else np.zeros((len(own.work), 1, SUMS))
+        escaped = own.escaped if scene.escapes else np.zeros((len(own.work), 1, SUMS))
         mine = [(found[:, :, KINETIC] + found[:, :, STRAIN], found[:, :, MASS])
                 for found in (sums, escaped)]  # fmt: skip
         rows = [each.sum(axis=1) for pair in mine for each in pair]

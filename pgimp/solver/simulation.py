@@ -10,7 +10,7 @@ from pgimp.case.schema import Case
 from pgimp.decomposition.balance import Balance
 from pgimp.decomposition.population import Population
 from pgimp.decomposition.slabs import Slab
-from pgimp.errors import CaseError, RunError
+from pgimp.errors import CaseError, DamagedError, RunError
 from pgimp.jit.cache import messages, problems
 from pgimp.jit.kernel import FOLDER
 from pgimp.kernels.order import layers_of
@@ -33,6 +33,8 @@ from pgimp.solver.rank import Rank
 from pgimp.solver.reduction import Request, StepReduction
 from pgimp.solver.restore import outline, read_books, read_particles
 from pgimp.solver.stability import check_first_step, require_end
+from pgimp.solver.stages import absent, enter, look_ahead
+from pgimp.solver.state import State
 from pgimp.solver.step import step
 from pgimp.solver.warmup import warm_up
 from pgimp.solver.window import open_window, shrink_window
@@ -59,8 +61,12 @@ class Simulation:
 
     Attributes
     ----------
+    cases : tuple of Case
+        Those of the stages; `stage` is the number of the present one, `case` its case.
     scene, clock : Scene, FixedClock or CourantClock
-        What does not change.
+        What does not change, but from stage to stage.
+    columns : list of str
+        Columns of the history of a run of several stages, all that any has; empty of others.
     rank : Rank
         What this rank holds.
     balance : Balance
@@ -101,8 +107,14 @@ class Simulation:
     balance: Balance
 
     def __init__(self, case: Case, comm: Any, source: Any = None) -> None:
-        self.case, self.comm = case, comm
+        state = None if source is None else State.of(source)
+        self.cases, self.comm = case.stages, comm
+        self.stage = state.stage if state else 0
+        if self.stage >= len(self.cases):
+            raise DamagedError(f"it is of stage {self.stage + 1}, of {len(self.cases)}")
+        self.case = case = self.cases[self.stage]
         self.scene = scene = Scene(case)
+        self.columns = look_ahead(self.cases) if len(self.cases) > 1 else []
         self.done = START
         self.doing: Step | None = None
         self.notes: list[str] = []
@@ -116,7 +128,7 @@ class Simulation:
         scene.tools.measure(comm)
         warm_up(scene, comm)
         rate = max(rest_rate(scene, body) for body in range(len(scene.body_names)))
-        self.clock = clock_of(case, rate)
+        self.clock = clock_of(case, rate, state.counted if state else 0)
         self.watch = EnergyWatch(rate * min(scene.frame.cell)) if case.watched else None
         self._tell_of_kernels()
         if source is None:
@@ -176,7 +188,7 @@ class Simulation:
                 self.watch.begin(self.rank)
             else:
                 self.watch.numbers = state.watch
-            self._shorten()
+            self.shorten()
 
     def decompose(self, counts: np.ndarray) -> Slab:
         """Give each rank its layers, so that no rank has more particles than need be."""
@@ -256,7 +268,12 @@ class Simulation:
 
     @property
     def finished(self) -> bool:
-        """Whether the end of the case is reached."""
+        """Whether the end of the last stage is reached."""
+        return self.stage == len(self.cases) - 1 and self.stage_done
+
+    @property
+    def stage_done(self) -> bool:
+        """Whether the end of the stage is reached."""
         return self.clock.finished(self.doing or self.done)
 
     @property
@@ -287,8 +304,19 @@ class Simulation:
         """Rows of this rank's particles in canonical order, (n,) int64."""
         return self.rank.live()
 
+    def next_stage(self) -> None:
+        """Begin the next stage, when one is done; collective.
+
+        Raises
+        ------
+        RunError
+            On every rank, if the last step of the one before has failed, or the next cannot begin.
+        """
+        self.agree()
+        enter(self, RESORT)
+
     def advance(self, agree: bool = True) -> None:
-        """Do one step; collective.
+        """Do one step, the first of the next stage where one is done; collective.
 
         Parameters
         ----------
@@ -304,6 +332,8 @@ class Simulation:
         """
         if self.failure:
             raise RunError(self.failure.text)
+        if self.stage_done and not self.finished:
+            self.next_stage()
         self.agreed_request = Request.PENDING
         rank, reduction, balance = self.rank, self.reduction, self.balance
         doing, rate = step(rank, self.time, self._next, self.controlled)
@@ -371,10 +401,10 @@ class Simulation:
         assert self.watch is not None
         begin = perf_counter()
         self.watch.look(self.rank, self.step, self.time)
-        self._shorten()
+        self.shorten()
         self.rank.timings["order"] += perf_counter() - begin
 
-    def _shorten(self) -> None:
+    def shorten(self) -> None:
         """Take what is left of the Courant number that pgimp has chosen."""
         if self.watch and isinstance(self.clock, CourantClock):
             self.clock.part = min(max(self.watch.part, LEAST), 1.0)
@@ -393,4 +423,7 @@ class Simulation:
 
     def diagnostics(self) -> dict[str, float] | None:
         """The columns of history.csv, in order, on rank 0; None elsewhere; collective."""
-        return self.diagnostic_sums.line(self.rank, self.now)
+        line = self.diagnostic_sums.line(self.rank, self.now)
+        if line is None or not self.columns:
+            return line
+        return {name: line.get(name, absent(name)) for name in self.columns}

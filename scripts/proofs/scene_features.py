@@ -17,6 +17,7 @@ from typing import NamedTuple
 
 from scene_bodies import add_bodies, ball, box, middle, number, union, vector
 from scene_output import checkpoints, frames, grid_frames, history, probes, small_files
+from scene_stages import stages
 
 SHAPES = ("gimp", "cpdi", "mpm", "finite-gimp", "fuzzy-constant", "fuzzy-nearest")
 MATERIALS = {
@@ -553,6 +554,7 @@ FEATURES = (
     Feature("contact", contact, 0.35, compiled=True),
     Feature("initial configuration", initial, 0.2, compiled=True),
     Feature("variation", varied, 0.25, compiled=True),
+    Feature("stages", stages, 0.25),
     Feature("frames", frames),
     Feature("grid frames", grid_frames, 0.4),
     Feature("precision and compression", small_files, 0.4),

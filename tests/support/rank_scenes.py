@@ -366,6 +366,35 @@ def meeting():
     )
 
 
+def staged():
+    """The same in three stages: bodies are taken out, also a rigid one, and all may change.
+
+    The second stage begins between two re-sorts, the third with steps of another kind.
+    """
+    case = meeting()
+    case["probes"] = {"ghost": {"body": "ghost", "at": [5.5, 6.5]}, "gap": {"place": [10.0, 3.0]}}
+    catch = {"body": "glued", "region": {"box": {"min": [0.0, 0.0], "max": [20.0, 8.0]}}}
+    case["time"] = {
+        "end": 0.4,
+        "step": {"courant": 0.3},
+        "stages": [
+            {
+                "name": "without", "end": 0.7, "remove": ["ghost", "ram"], "step": 0.01,
+                "materials": {"soft": {"young": 60.0}, "stiff": {"young": 200.0}},
+                "constraints": {"grip": {"velocity": [1.0, 0.5]}},
+                "contact": [{"bodies": "all", "friction": 0.1}],
+                "output": {"every": 0.1}, "history": {"every": {"steps": 1}},
+            },
+            {
+                "name": "last", "end": 1.0, "step": {"courant": 0.25}, "remove": ["flies"],
+                "gravity": [2.0, 0.0], "boundaries": {"y-max": None, "x-max": "slip"},
+                "constraints": {"grip": None, "catch": catch | {"velocity": [-0.5, None]}},
+            },
+        ],
+    }  # fmt: skip
+    return case
+
+
 #: Metals with all they may have: state of several widths, one with artificial viscosity.
 METAL = {"young": 100.0, "poisson": 0.3, "density": 1.0}
 METALS = {
@@ -579,6 +608,7 @@ SCENES = (
             affine,
             dilating,
             meeting,
+            staged,
             flowing,
             initial,
             cut,

@@ -150,7 +150,9 @@ def _rows(
             always = all(name in form.get("required", ()) for form in forms)
             default = "required" if always else ""
         else:
-            default = _code(flow(value["default"])) if "default" in value else "zero"
+            default = value.get("x-default", "zero")
+            if "default" in value:
+                default = _code(flow(value["default"]))
         meaning = _split(value.get("description", whole.get("description", "")))
         yield _code(key), *meaning, _allowed(whole, definitions), default
         yield from _below(key, whole, definitions, sections)
@@ -242,6 +244,8 @@ def _form(form: Schema, definitions: Schema) -> str:
         )
     if kind == "object":
         keys = [key for key in form.get("required", ()) if key in form.get("properties", {})]
+        if form.get("additionalProperties") is True:
+            return "keys as in the case"
         return _code("{" + ", ".join(f"{key}: .." for key in keys) + "}") if keys else "keys below"
     if kind == "string":
         return "name" if "pattern" in form else "text"
