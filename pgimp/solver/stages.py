@@ -50,7 +50,10 @@ def look_ahead(cases: Sequence[Case]) -> list[str]:
     for case in cases:
         scene = Scene(case)
         if case.staged.number and not case.watched and isinstance(case.time.step, float | int):
-            rate = max(rest_rate(scene, body) for body in range(len(scene.body_names)))
+            number = range(len(scene.body_names))
+            # Of materials that vary only typical numbers are known, of which some are guessed.
+            uniform = [i for i in number if not scene.varies(i)]
+            rate = max((rest_rate(scene, body) for body in uniform), default=0.0)
             try:
                 require_stable(float(case.time.step), rate, case.method.stable)
             except CaseError as error:
@@ -88,6 +91,8 @@ def enter(sim: Simulation, resort: int) -> None:
     rank, comm, records = sim.rank, sim.comm, sim.diagnostic_sums
     old, case = sim.scene, sim.cases[sim.stage + 1]
     new = Scene(case)
+    if old.densest is not None:
+        new.weigh(old.densest)
     take_as_empty(case, comm)
     new.tools.measure(comm)
     warm_up(new, comm)
@@ -125,6 +130,8 @@ def enter(sim: Simulation, resort: int) -> None:
     )
     sim.rate = max(sim.rate, *comm.allgather(fastest))
     rate = max(rest_rate(new, body) for body in range(len(new.body_names)))
+    if new.variations:  # as in `Simulation`
+        rate = sim.rate
     same = isinstance(case.time.step, float | int) and case.time.step == old.case.time.step
     sim.clock = clock_of(case, rate, sim.clock.before if same else sim.done.number)
     _watch(sim, rate * min(new.frame.cell))

@@ -495,13 +495,13 @@ VARIED = {
 
 
 def varied():
-    """Squares whose materials vary in space collide across slabs and leave; grid frames, probes."""
+    """Squares whose materials vary in space collide across slabs and leave, in two stages."""
     bodies = {
         "flies": turning(box([1.0, 2.0], [5.0, 5.0]), [3.0, 3.5], 0.6, [6.0, 0.5]),
         "meets": box([8.0, 1.5], [12.0, 4.5], [-3.0, 0.2], "stiff"),
         "leaves": box([14.0, 1.0], [17.0, 4.0], [6.0, -1.0]),
     }
-    return scene(
+    case = scene(
         2,
         bodies,
         cells=[20, 8],
@@ -518,6 +518,9 @@ def varied():
         history={"every": {"steps": 10}},
         probes={"tip": {"body": "flies", "at": [5.0, 3.5]}},
     )
+    later = {"name": "later", "end": 1.7, "gravity": [0.0, 0.0], "remove": ["leaves"]}
+    case["time"] = {"end": 1.2, "step": {"courant": "auto"}, "stages": [later]}
+    return case
 
 
 def initial():
