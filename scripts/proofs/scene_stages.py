@@ -64,7 +64,9 @@ def parameters(rng, scene, now, stage):
     """Materials become weaker or stiffer."""
     for name, entry in now["materials"].items():
         parameter = PARAMETERS.get(entry["model"], ("young", 0.4, 1.2))
-        if any(isinstance(entry[key], dict) for key in VARY if key in entry):
+        if any(isinstance(entry.get(key), dict) and key != "damage" for key in VARY) or (
+            isinstance(entry.get("damage"), dict) and "d1" not in entry["damage"]
+        ):
             continue  # what varies in space stays what it is
         if parameter and rng.random() < 0.7:
             key, least, most = parameter
