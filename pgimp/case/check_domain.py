@@ -8,6 +8,7 @@ from typing import Any
 
 from pgimp.physics.fields import OPTIONAL
 from pgimp.physics.loads import BODY_FORCES
+from pgimp.physics.materials.vary import field_of
 from pgimp.schema.messages import unknown
 from pgimp.schema.problems import Problem
 from pgimp.schema.registries import name_of
@@ -62,38 +63,41 @@ def check_method(dimensions: int, method: Any) -> Problems:
         )
 
 
-def check_time(time: Any) -> Problems:
-    """Check that the end is a whole number of fixed steps."""
+def check_time(time: Any, counted: float) -> Problems:
+    """Check that the end is a whole number of fixed steps, which are counted from some time on."""
     if time.steps is None:
         return
-    count, exact = whole(time.end, time.step)
+    length = time.end - counted
+    count, exact = whole(length, time.step)
     if count > MOST_STEPS:
-        yield Problem(("time", "step"), f"{time.end / time.step:.3g} steps are too many")
+        yield Problem(("time", "step"), f"{length / time.step:.3g} steps are too many")
     elif not exact:
+        after = f"{counted:.15g} and " if counted else ""
         yield Problem(
             ("time", "end"),
-            f"{time.end:.15g} is not a whole number of steps of {time.step:.15g} "
-            f"({time.end / time.step:.9g} steps); the nearest is "
-            f"{nearest_whole(time.end, time.step)}",
+            f"{time.end:.15g} is not {after}a whole number of steps of {time.step:.15g} "
+            f"({length / time.step:.9g} steps); the nearest is "
+            f"{after}{nearest_whole(length, time.step)}",
         )
 
 
 def check_output(time: Any, output: Any) -> Problems:
     """Check that frames lie between the start and the end."""
     for i, instant in enumerate(output.at):
-        if instant > time.end:
+        if instant > time.last:
             yield Problem(
-                ("output", "at", i), f"{instant:.15g} is after the end at {time.end:.15g}"
+                ("output", "at", i), f"{instant:.15g} is after the end at {time.last:.15g}"
             )
 
 
 def check_fields(
     materials: Mapping[str, Any], declared: tuple[str, ...], output: Any
 ) -> Problems:
-    """Check that fields which are not those of every case are states of its materials."""
+    """Check that fields which are not those of every case are what its materials have."""
     if len(materials) < len(declared):
         return  # what the others would have is not known
     states = {state.name for entry in materials.values() for state in entry.states}
+    states |= {field_of(keys) for entry in materials.values() for keys in entry.variations}
     for i, name in enumerate(output.fields):
         if name not in OPTIONAL and name not in states:
             known = [*OPTIONAL, *sorted(states)]

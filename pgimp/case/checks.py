@@ -36,6 +36,7 @@ from pgimp.case.check_domain import (
 )
 from pgimp.case.check_numbers import check_numbers
 from pgimp.case.check_probes import check_probes
+from pgimp.case.check_variations import check_variations
 from pgimp.physics.rigid import RigidBody
 from pgimp.schema.problems import Problem
 from pgimp.schema.sizes import Problems
@@ -44,8 +45,12 @@ _NAMED = ("materials", "bodies", "boundaries", "escape", "tractions", "constrain
 """Parts of a case that are made of named entries."""
 
 
-def check(parts: Mapping[str, Any]) -> list[Problem]:
-    """Return what is wrong between the `parts` of a case, given by their key."""
+def check(parts: Mapping[str, Any], counted: float = 0.0) -> list[Problem]:
+    """Return what is wrong between the `parts` of a case, given by their key.
+
+    `counted` is the time from which fixed steps are counted, see `pgimp.case.stages.Staged`.
+    """
+    parts = {**parts, "counted": counted}
     if "every_body" in parts:
         every = parts["every_body"]
         tools = {name: body for name, body in every.items() if isinstance(body, RigidBody)}
@@ -60,7 +65,8 @@ def check(parts: Mapping[str, Any]) -> list[Problem]:
         if all(name in parts for name in names):
             problems.extend(run(**{name: parts[name] for name in names}))
     known = {item.path for item in problems}
-    numbers = {name: part for name, part in parts.items() if name not in ("every_body", "tools")}
+    others = ("every_body", "tools", "counted")
+    numbers = {name: part for name, part in parts.items() if name not in others}
     if "every_body" in parts:
         numbers["bodies"] = parts["every_body"]
     problems += [item for item in check_numbers(numbers) if item.path not in known]
@@ -115,6 +121,7 @@ _CHECKS = (
     check_method,
     check_time,
     check_materials,
+    check_variations,
     check_velocities,
     check_regions,
     check_tools,

@@ -19,7 +19,9 @@ _KEY = re.compile(r"([a-z]+(?:\.[A-Za-z0-9_-]+)*): ")
 
 def remember(case: Case, document: Document, filename: str) -> None:
     """Keep with a case in which file, and on which lines, its parts were written."""
-    case.__dict__["written"] = (filename, Document(None, document.places))
+    # The first stage has the keys where the case has them.
+    for each in (case, case.stages[0]):
+        each.__dict__["written"] = (filename, Document(None, document.places))
 
 
 @contextmanager

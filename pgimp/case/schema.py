@@ -16,11 +16,16 @@ from pydantic import (
     Field,
     ModelWrapValidatorHandler,
     ValidationError,
+    ValidationInfo,
     model_validator,
 )
 
+from pgimp.case.check_stages import arrange
 from pgimp.case.checks import check, sound_parts
 from pgimp.case.output import Checkpoint, History, Output, ProbeEntry
+from pgimp.case.stages import Staged
+from pgimp.case.steps import AUTO, CourantStep
+from pgimp.case.time import Time
 from pgimp.geometry.regions import RegionEntry
 from pgimp.physics.contact import ContactEntry
 from pgimp.physics.loads.constraints import ConstraintEntry
@@ -32,7 +37,6 @@ from pgimp.schema.base import (
     Label,
     Model,
     Name,
-    Number,
     Positive,
     Vector,
 )
@@ -112,43 +116,6 @@ class Grid(Model):
     def corner(self) -> tuple[float, ...]:
         """High corner of the domain [length]."""
         return tuple(low + size for low, size in zip(self.origin, self.size, strict=True))
-
-
-#: Part of the largest stable Courant number that `auto` takes.
-AUTO = 0.9
-
-CourantNumber = Annotated[Number, Field(gt=0, le=1)]
-
-
-class CourantStep(Model):
-    """A step that follows the fastest wave: dt = courant min(cell)/(wave speed + velocity)."""
-
-    courant: Annotated[
-        float | Literal["auto"],
-        Either("a number up to 1 or auto", {float: CourantNumber, str: Literal["auto"]}),
-    ] = Field(
-        description="Courant number: cells that the fastest wave crosses in a step; smaller steps "
-        "lose less energy of waves, but without method.affine more of slow vibrations and of spin. "
-        "auto: nine tenths of the largest that has been found stable with the method, see "
-        "docs/hard-cases.md; what moves may then cross half a cell, and energy is watched",
-    )
-
-
-class Time(Model):
-    """How long is simulated, and in which steps."""
-
-    end: Positive = Field(description="simulated time at which the run is done [time]")
-    step: Annotated[
-        float | CourantStep,
-        Either("a step above zero or {courant: 0.3}", {float: Positive, dict: CourantStep}),
-    ] = Field(
-        description="a fixed time step, of which end is a whole number [time], or {courant: ..}"
-    )
-
-    @property
-    def steps(self) -> int | None:
-        """Number of steps to the end; None where the step is not fixed."""
-        return None if isinstance(self.step, CourantStep) else whole(self.end, self.step)[0]
 
 
 class Body(Model):
@@ -271,6 +238,18 @@ class Case(Model):
     checkpoint: Checkpoint = Field(default=Checkpoint(), description="checkpoints")
 
     @property
+    def stages(self) -> tuple[Case, ...]:
+        """The case of each stage; itself where it has none."""
+        found: tuple[Case, ...] = self.__dict__.get("arranged") or (self,)
+        return found
+
+    @property
+    def staged(self) -> Staged:
+        """What it knows, as a stage, of those before it."""
+        found: Staged = self.__dict__.get("staged_as", Staged())
+        return found
+
+    @property
     def courant(self) -> float | None:
         """Courant number of steps that follow the fastest wave; None where they are fixed."""
         step = self.time.step
@@ -298,20 +277,25 @@ class Case(Model):
 
     @model_validator(mode="wrap")
     @classmethod
-    def _check_parts(cls, data: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
+    def _check_parts(
+        cls, data: Any, handler: ModelWrapValidatorHandler[Self], info: ValidationInfo
+    ) -> Self:
         """Check what holds between the parts, also where some of them are wrong."""
         if not isinstance(data, dict):
             return handler(data)
         data = _with_zeros(data)
+        counted = (info.context or {}).get("counted", 0.0)
         try:
             case = handler(data)
         except ValidationError as error:
             problems = explain(cls, error, data)
-            problems.extend(check(sound_parts(cls, data, problems)))
+            problems.extend(check(sound_parts(cls, data, problems), counted))
         else:
-            problems = check({name: getattr(case, name) for name in cls.model_fields})
+            problems = check({name: getattr(case, name) for name in cls.model_fields}, counted)
             if case.exact is not None and not problems:
                 problems = list(case.exact.problems(case))
+            if case.time.stages and not problems:
+                case.__dict__["arranged"], problems = arrange(case)
         raise_problems(cls.__name__, problems, data)
         return case
 

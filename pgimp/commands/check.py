@@ -12,8 +12,10 @@ from math import ceil
 
 import numpy as np
 
+from pgimp.case.check_stages import changes_of, steps_in
 from pgimp.case.load import load
-from pgimp.case.schema import AUTO, Case
+from pgimp.case.schema import Case
+from pgimp.case.steps import AUTO
 from pgimp.jit.cache import announced
 from pgimp.mpi.comm import Serial, say
 from pgimp.mpi.limits import limits
@@ -22,7 +24,7 @@ from pgimp.running.progress import duration
 from pgimp.scene import nearness
 from pgimp.scene.advice import advice
 from pgimp.scene.extent import extents
-from pgimp.scene.facts import BodyFacts, examine
+from pgimp.scene.facts import BodyFacts, examine, rest_rate
 from pgimp.scene.geometry import share
 from pgimp.scene.lattice import Lattice
 from pgimp.scene.sanity import body_warnings, case_warnings, small_step_warning, strains
@@ -30,6 +32,7 @@ from pgimp.scene.scene import MOST_CELLS, Scene, count_particles
 from pgimp.scene.toolchecks import require_apart, require_clear, require_slow
 from pgimp.solver.memory import Estimate, MemoryShortError, estimate, require, size_text
 from pgimp.solver.stability import require_end, require_stable, stability_warning
+from pgimp.solver.stages import look_ahead
 from pgimp.tools.model.costs import Costs, Network
 from pgimp.tools.model.layout import layout_now, layout_of
 from pgimp.tools.model.measure import costs_of, run_in_turn
@@ -82,6 +85,9 @@ def report(case: Case) -> None:
     CaseError
         For what would stop a run before its first step.
     """
+    whole, case = case, case.stages[0]
+    if whole.time.stages:
+        look_ahead(whole.stages)
     scene = Scene(case)
     share(case, Serial())
     cells = " x ".join(str(n) for n in scene.frame.cells)
@@ -124,9 +130,11 @@ def report(case: Case) -> None:
     costs, crossing = _measure(scene, count)
     tried = pilot(case, count, steps, costs, _thinnest(case, bodies))
     steps = _report_steps(case, steps, tried)
+    if whole.time.stages:
+        steps += report_stages(whole, steps * dt / case.time.end)
     _report_memory(memory)
     _report_cost(scene, lattice, counts, costs, crossing, steps)
-    number = forecast.frames(case, steps)
+    number = forecast.frames(whole, steps)
     size = size_text(number * forecast.frame_size(case, scene.fields, count))
     print(f"output           {number:,} frames of particles, about {size}")
     for note in (*notes, *nearness.notes(case), *advice(case, bodies)):
@@ -135,11 +143,11 @@ def report(case: Case) -> None:
         filter(None, [] if case.watched else [stability_warning(dt, rate, case.method.stable)]),
         filter(None, [small_step_warning(dt, rate)]),
         _pilot_warnings(case, dt * rate, tried),
-        *(body_warnings(case, body, case.time.end) for body in bodies),
+        *(body_warnings(case, body, whole.time.last) for body in bodies),
         case_warnings(case, found),
         nearness.bonded(scene, lattice, counts),
         nearness.warnings(case),
-        forecast.warnings(case, steps),
+        forecast.warnings(whole, steps),
     ):
         print(f"warning: {text}")
 
@@ -201,6 +209,8 @@ def _report_body(body: BodyFacts, case: Case) -> None:
     )
     for fact in case.bodies[body.name].region.facts():
         print(f"{'':<16} {fact}")
+    for key, (least, mean, most) in body.varies.items():
+        print(f"{'':<16} {key} varies from {least:.6g} to {most:.6g}, mean {mean:.6g}")
     texts = (f"{what} {strain:.2g}" for what, strain in strains(case, body).items())
     print(f"{'':<16} strain {', '.join(texts)}")
 
@@ -276,6 +286,30 @@ def _report_steps(case: Case, steps: float, tried: Pilot | None) -> float:
         return steps
     print(f"steps            {_predicted(case, tried)}; {start} if no wave became faster")
     return tried.steps
+
+
+def report_stages(case: Case, factor: float) -> float:
+    """Say what the stages after the first change; return how many steps they take, about.
+
+    `factor` is by how much the first has more steps than at rest, where waves set their length.
+    """
+    total = 0.0
+    for stage, one in zip(case.time.stages, case.stages[1:], strict=True):
+        steps = steps_in(one)
+        about = ""
+        if steps is None:
+            scene = Scene(one)
+            rate = max(rest_rate(scene, body) for body in range(len(scene.body_names)))
+            assert one.courant is not None
+            length = one.time.end - one.staged.start
+            steps, about = ceil(max(factor, 1.0) * length * rate / one.courant), "about "
+        total += steps
+        what = ", ".join(changes_of(stage)) or "nothing"
+        print(
+            f"stage {one.staged.number + 1:<10} '{stage.name}' to t = {stage.end:g}, "
+            f"{about}{steps:,} steps; changes {what}"
+        )
+    return total
 
 
 def _predicted(case: Case, tried: Pilot) -> str:

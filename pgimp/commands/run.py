@@ -254,8 +254,9 @@ def _set_up(case: Case, comm: Any, log: Log, began: float) -> Any:
 
     sim = Simulation(case, comm)
     ranks = f"{comm.size} ranks" if comm.size > 1 else "1 rank"
+    stages = f" in {len(case.stages)} stages" if case.time.stages else ""
     log.say(
         f"{sim.count} particles in {sim.scene.dimension}D on {ranks}, "
-        f"to t = {case.time.end:.6g}; set up in {duration(perf_counter() - began)}"
+        f"to t = {case.time.last:.6g}{stages}; set up in {duration(perf_counter() - began)}"
     )
     return sim

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import errno
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from pgimp.errors import RunError, explain
-from pgimp.files.atomic import sync_folder
+from pgimp.files.atomic import sync_folder, write
 from pgimp.files.linereader import numbered
 from pgimp.files.plain import open_plain
 from pgimp.mpi.collective import on_root
@@ -37,6 +37,7 @@ class LineFile:
         self.count = 0
         self._descriptor = -1
         self._columns = ""
+        self._filled: dict[str, float] = {}
         self._unlisted = False  # in its folder, as far as a crash of the machine is concerned
 
     def resume(self, comm: Any, step: int) -> None:
@@ -85,6 +86,40 @@ class LineFile:
             raise RunError(f"cannot go on with {self.path}: {explain(error)}") from error
         return last, count
 
+    def widen(self, columns: Sequence[str], absent: Callable[[str], float]) -> None:
+        """Let a file that is gone on with have further columns; on rank 0.
+
+        Those that it has and that are not among them stay, too.
+
+        Parameters
+        ----------
+        columns : sequence of str
+            Those that the lines will have.
+        absent : callable
+            What stands in lines that do not have a column, by its name.
+
+        Raises
+        ------
+        RunError
+            If that is not possible; the file is then as it was.
+        """
+        had = self._columns.split(",") if self._columns else []
+        self._filled = {name: absent(name) for name in had if name not in columns}
+        if not had or all(name in had for name in columns):
+            return
+        wide = list(columns) if not self._filled else [*had, *(c for c in columns if c not in had)]
+        try:
+            rows = self.path.read_text().splitlines()[1:]
+            lines = [",".join(wide)]
+            for row in rows:
+                values = dict(zip(had, row.split(","), strict=True))
+                lines.append(",".join(values.get(c, _text(absent(c))) for c in wide))
+            write(self.path, "".join(f"{line}\n" for line in lines))
+        except (OSError, ValueError) as error:
+            cause = explain(error) if isinstance(error, OSError) else "a line is damaged"
+            raise RunError(f"cannot go on with {self.path}: {cause}") from error
+        self._columns = lines[0]
+
     def sync(self) -> None:
         """Ensure that the lines so far outlast a crash of the machine; on rank 0.
 
@@ -117,6 +152,10 @@ class LineFile:
         RunError
             If that is not possible; the lines before it stay.
         """
+        if self._filled:
+            values = {**values, **self._filled}
+            if {*values} == {*(names := self._columns.split(","))}:
+                values = {name: values[name] for name in names}
         columns = ",".join(values)
         if self._columns not in ("", columns):
             raise RunError(

@@ -16,8 +16,13 @@ _MANY = 10_000
 
 def frames(case: Any, steps: float) -> int:
     """Frames of a run of `steps` steps, the first and the last included."""
-    times = {0.0, case.time.end, *case.output.at}
-    return int(min(steps + 1, len(times) + _between(case.output.every, case.time.end, steps)))
+    last = case.time.last
+    times = {0.0, *case.output.at, *(stage.time.end for stage in case.stages)}
+    between = 0.0
+    for stage in case.stages:
+        length = stage.time.end - stage.staged.start
+        between += _between(stage.output.every, length, steps * length / last)
+    return int(min(steps + 1, len(times) + between))
 
 
 def frame_size(case: Any, fields: Mapping[str, Field], particles: int) -> float:
@@ -60,7 +65,7 @@ def warnings(case: Any, steps: float) -> Iterator[str]:
         wanted.append(("history.every", case.history.every, f"lines only {ends}"))
     for name, probe in case.probes.items():
         wanted.append((f"probes.{name}.every", probe.every, f"lines only {ends}"))
-    end = case.time.end
+    end = case.time.last
     for key, every, what in wanted:
         if every is None or hasattr(every, "wall"):
             continue

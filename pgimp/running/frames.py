@@ -28,6 +28,10 @@ class Frames(Series):
 
     def __init__(self, directory: Path, case: Any, sim: Any) -> None:
         super().__init__(sim.comm, Collection(directory / "particles.xdmf"), FRAME)
+        self.enter(case, sim)
+
+    def enter(self, case: Any, sim: Any) -> None:
+        """Write what a case, or another stage of one, asks for."""
         self.fields = [*ALWAYS, *(name for name in sim.scene.fields if name in case.output.fields)]
         compressed = case.output.compression != "none"
         self._file = ParticleFile(case, sim.scene, self.fields, case.output.precision, compressed)
@@ -51,7 +55,7 @@ class Frames(Series):
         path = self.folder / f"particles-{self.written:06d}.h5"
         storage = sim.live()
         rows = self._file.rows(
-            self.comm, sim.particles.id[storage], storage, sim.count, not sim.scene.exits
+            self.comm, sim.particles.id[storage], storage, sim.count, not sim.scene.loses
         )
         time, step = float(sim.time), int(sim.step)
         what = f"write the frame {path} at step {step}"

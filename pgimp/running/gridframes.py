@@ -44,6 +44,10 @@ class GridFrames(Series):
 
     def __init__(self, directory: Path, case: Any, sim: Any) -> None:
         super().__init__(sim.comm, Collection(directory / "grid.xdmf"), GRID_FRAME)
+        self.enter(case)
+
+    def enter(self, case: Any) -> None:
+        """Write what a case, or another stage of one, asks for."""
         self.fields = [name for name in GRID if name in case.output.grid]
         self._type = np.dtype(case.output.precision).newbyteorder("<").str
         self._dimension = case.dimensions

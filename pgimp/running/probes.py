@@ -101,6 +101,14 @@ class _Probe(NamedTuple):
         )
 
 
+def _schedules(case: Any) -> list[tuple[Schedule, list[str]]]:
+    """When lines of probes fall due, with the names of those that have them together."""
+    times: dict[Any, list[str]] = {}
+    for name, entry in case.probes.items():
+        times.setdefault(entry.every or case.history.every, []).append(name)
+    return [(Schedule(every), names) for every, names in times.items()]
+
+
 class Probes:
     """Writes the lines of all probes of a run.
 
@@ -118,12 +126,7 @@ class Probes:
         self._directory = directory
         self._case, self._sim = case, sim
         self._probes: dict[str, _Probe] = {}
-        self._schedules: list[tuple[Schedule, list[str]]] = []
-        times: dict[Any, list[str]] = {}
-        for name, entry in case.probes.items():
-            times.setdefault(entry.every or case.history.every, []).append(name)
-        for every, names in times.items():
-            self._schedules.append((Schedule(every), names))
+        self._schedules = _schedules(case)
 
     def begin(self) -> None:
         """Find the particles that are followed, and write the lines of the start; collective.
@@ -165,6 +168,13 @@ class Probes:
         for schedule, _ in self._schedules:
             schedule.skip(sim.time, sim.step, sim.dt)
         return notes
+
+    def enter(self, case: Any) -> None:
+        """Go on in another stage of the case, whose history may have lines at other times."""
+        sim = self._sim
+        self._schedules = _schedules(case)
+        for schedule, _ in self._schedules:
+            schedule.skip(sim.time, sim.step, sim.dt)
 
     def _open(self, records: Mapping[str, Record]) -> None:
         for name, entry in self._case.probes.items():

@@ -19,6 +19,7 @@ from pgimp.running.probes import Probes
 from pgimp.running.rigidframes import RigidFrames
 from pgimp.running.schedule import Schedule
 from pgimp.solver.reduction import Request
+from pgimp.solver.stages import absent
 
 
 class Recorder:
@@ -29,7 +30,7 @@ class Recorder:
     directory : RunDirectory
         Prepared for the run.
     case : Case
-        Says when what is written.
+        The whole case, with all its stages; the present one says when what is written.
     sim : Simulation
         The run, at its begin or as resumed.
 
@@ -49,12 +50,13 @@ class Recorder:
     def __init__(self, directory: RunDirectory, case: Any, sim: Any) -> None:
         self._sim = sim
         self._directory = directory
+        whole, case = case, sim.case
         self.frames = Frames(directory.path, case, sim)
         self.grid = GridFrames(directory.path, case, sim)
         self.rigid = RigidFrames(directory.path, case, sim)
         self.history = History(directory.path / "history.csv")
         self.probes = Probes(directory.path, case, sim)
-        self.checkpoints = Checkpoints(directory.path, case, sim)
+        self.checkpoints = Checkpoints(directory.path, whole, sim)
         self._frame_times = Schedule(case.output.every, case.output.at)
         self._line_times = Schedule(case.history.every)
         self.seconds = {"frames": 0.0, "history": 0.0, "checkpoints": 0.0}
@@ -92,6 +94,8 @@ class Recorder:
         self.checkpoints.resume(sim.comm, sim.step, about)
         notes = [note for series in self._series for note in series.resume(about.frames)]
         self.history.resume(sim.comm, about.history)
+        if sim.columns:
+            on_root(sim.comm, lambda: self.history.widen(sim.columns, absent))
         if self.history.step != about.history:
             notes.append(
                 f"{self.history.path} ends at step {self.history.step}, but it had a line of step "
@@ -101,6 +105,21 @@ class Recorder:
         for schedule in (self._frame_times, self._line_times):
             schedule.skip(sim.time, sim.step, sim.dt)
         return notes
+
+    def enter(self) -> None:
+        """Go on in the stage that the run has entered; collective."""
+        sim, case = self._sim, self._sim.case
+        with self._timed("frames"):
+            for series in self._series:
+                series.finish()
+        self.frames.enter(case, sim)
+        self.grid.enter(case)
+        self.rigid.enter(case)
+        self.probes.enter(case)
+        self._frame_times = Schedule(case.output.every, case.output.at)
+        self._line_times = Schedule(case.history.every)
+        for schedule in (self._frame_times, self._line_times):
+            schedule.skip(sim.time, sim.step, sim.dt)
 
     def step(self) -> None:
         """Write what falls due after a step, or is asked for; collective.
@@ -130,12 +149,12 @@ class Recorder:
             self._look(probes)
         if frame or line:
             self._record(frame, line)
-        # The one of the end comes after the frame of the end.
-        if (checkpoint or sim.agreed_request == Request.CHECKPOINT) and not sim.finished:
+        # The one of a stage's end comes after the frame of the end.
+        if (checkpoint or sim.agreed_request == Request.CHECKPOINT) and not sim.stage_done:
             self.checkpoint()
 
     def end(self) -> None:
-        """Write the state at the end, as far as it is not there yet; collective."""
+        """Write the state at the end of a stage, as far as it is not there yet; collective."""
         self._look(None)
         self._record(frame=self.frames.step != self._sim.step, line=True)
         self.checkpoint()

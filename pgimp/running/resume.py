@@ -72,10 +72,10 @@ def resume(case: Case, comm: Any, directory: RunDirectory, log: Log) -> Resumed 
             if isinstance(file, DamagedError):
                 raise file
             about, state = About.of(file), State.of(file)
-            began_as = _compare(about.case, case, f"{path}", log)
+            began_as = _compare(about.case, case, f"{path}", log, state.stage)
             require_known(case, about.probes)
             on_root(comm, partial(_require_lines, directory.path, case, about))
-            clock = clock_of(began_as)
+            clock = clock_of(began_as, before=state.counted)
             expected = clock.time(clock.after(state.step, state.time, state.dt))
             if state.time > clock.end * (1.0 + 1e-12) or expected != state.time:
                 raise DamagedError("its time is not that of its step, or past the end of its case")
@@ -127,26 +127,39 @@ def _case_of(directory: Path) -> str | None:
 
 def _ended(case: Case, state: State) -> bool:
     """Return whether nothing is left to do; a checkpoint from after the end is no use."""
-    clock = clock_of(case)
+    stage = case.stages[state.stage]
+    clock = clock_of(stage, before=state.counted)
     if state.time > clock.end * (1.0 + 1e-12):
+        key = f"time.stages.{state.stage - 1}.end" if state.stage else "time.end"
         raise UsageError(
-            f"time.end: {clock.end:.6g} has passed, the run is at t = {state.time:.6g} already; "
+            f"{key}: {clock.end:.6g} has passed, the run is at t = {state.time:.6g} already; "
             "--overwrite starts over"
         )
-    return clock.finished(clock.after(state.step, state.time, state.dt))
+    last = state.stage == len(case.stages) - 1
+    return last and clock.finished(clock.after(state.step, state.time, state.dt))
 
 
-def _compare(text: str, case: Case, source: str, log: Log) -> Case:
-    """Refuse a case that is another one than that of a run, which is returned; tell of changes."""
+def _compare(text: str, case: Case, source: str, log: Log, stage: int = 0) -> Case:
+    """Refuse a case that is another one than that of a run; tell of changes.
+
+    Stages that have not begun yet may be others, and more. Returned is the case of the stage that
+    the run is in.
+    """
     try:
         before = read_case(text, source)
     except CaseError as error:
         raise UsageError(
             f"this version of pgimp does not read the case of the run:\n{error}"
         ) from None
-    old, new = (each.model_dump(by_alias=True) for each in (before, case))
-    accepted = [(key, _taken(old, key), _taken(new, key)) for key in MAY_CHANGE]
-    refused = [f"{key} is {now}, was {then}" for key, then, now in _changes(old, new)]
+    if stage >= len(before.stages):
+        raise DamagedError(f"it is of stage {stage + 1}, of {len(before.stages)}")
+    if stage >= len(case.stages):
+        raise UsageError(
+            f"time.stages: the run is in stage {stage + 1} already, '"
+            f"{before.stages[stage].staged.name}', which the case does not have; --overwrite "
+            "starts over"
+        )
+    accepted, refused = _differences(before, case, stage)
     if refused:
         most = 20
         lines = [f"  {line}" for line in refused[:most]]
@@ -154,12 +167,15 @@ def _compare(text: str, case: Case, source: str, log: Log) -> Case:
             lines.append(f"  and {len(refused) - most} more")
         raise UsageError(
             "a resumed run must be the same case; only title, time.end, output, history, "
-            "probes and checkpoint may change, but\n" + "\n".join(lines) + "\n"
-            "Undo these changes, or choose another directory with -o."
+            "probes, checkpoint and stages that have not begun may change, but\n"
+            + "\n".join(lines)
+            + "\nUndo these changes, or choose another directory with -o. To go on with changes "
+            "where the run ends, add a stage with them (time.stages)."
         )
     for key, then, now in accepted:
         if then != now:
             log.say(f"note: {key} is now {_short(now)}, was {_short(then)}")
+    before, case = before.stages[stage], case.stages[stage]
     ends = [(each.time.end, each.output.at) for each in (before, case)]
     if not isinstance(case.time.step, float | int) and ends[0] != ends[1]:
         log.say(
@@ -167,6 +183,35 @@ def _compare(text: str, case: Case, source: str, log: Log) -> Case:
             "on are not those of a run that had them from the start"
         )
     return before
+
+
+def _differences(
+    before: Case, case: Case, stage: int
+) -> tuple[list[tuple[str, Any, Any]], list[str]]:
+    """Return what is another and may be, with both values, and what may not, in words."""
+    accepted, refused = [], []
+    for number in range(stage + 1):
+        old, new = (
+            each.stages[number].model_dump(by_alias=True, exclude={"time": {"stages"}})
+            for each in (before, case)
+        )
+        label = case.stages[number].staged.title
+        ends = [each.stages[number].time.end for each in (before, case)]
+        changed = [(key, _taken(old, key), _taken(new, key)) for key in MAY_CHANGE]
+        found = [f"{key} is {now}, was {then}" for key, then, now in _changes(old, new)]
+        gone = [each.stages[number].staged.removed for each in (before, case)]
+        if gone[0] != gone[1]:
+            found.append(f"remove: without {_short(gone[1])}, was without {_short(gone[0])}")
+        if number < stage and ends[0] != ends[1]:
+            found.append(f"time.end is {ends[1]!r}, was {ends[0]!r}")
+        if number:
+            found = [f"{label}: {text}" for text in found]
+        refused += found
+        if number == stage:
+            accepted = changed
+        if found:
+            break  # what follows is made from it
+    return accepted, refused
 
 
 def _taken(case: dict[str, Any], key: str) -> Any:

@@ -36,6 +36,10 @@ class RigidFrames(Series):
 
     def __init__(self, directory: Path, case: Any, sim: Any) -> None:
         super().__init__(sim.comm, Collection(directory / "rigid.xdmf"), RIGID_FRAME)
+        self.enter(case)
+
+    def enter(self, case: Any) -> None:
+        """Write the bodies of a case, or of another stage of one."""
         self._attributes = {
             "format": FORMAT_VERSION,
             "title": str(case.title),

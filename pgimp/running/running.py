@@ -53,7 +53,7 @@ def advance(
         If the run fails, on the ranks that find it.
     """
     recorder = Recorder(directory, case, sim)
-    progress = Progress(log, sim, case.time.end, terminal_columns() if log.speaks else 0)
+    progress = Progress(log, sim, case.time.last, terminal_columns() if log.speaks else 0)
     began, first = perf_counter(), sim.step
     try:
         if about is None:
@@ -64,6 +64,8 @@ def advance(
         # What came before the first step, set-up included, has been held until here.
         stopped = stop.agree(recorder.checkpoints.seconds if about is None else 0.0)
         while not (stopped or sim.finished):
+            if sim.stage_done:
+                _next_stage(sim, recorder, log)
             each = (perf_counter() - began) / (sim.step - first + 1)
             sim.request = _request(sim, recorder, stop, each)
             sim.advance(agree=False)
@@ -86,7 +88,8 @@ def advance(
         state = "stopped" if isinstance(error, KeyboardInterrupt) else "failed"
         directory.record_failure(state, sim.step, sim.time, describe(error))
         if isinstance(error, RunError):
-            text = f"{error}\n  {recorder.kept()}"
+            stage = f"\n  in {sim.case.staged.title}" if len(sim.cases) > 1 else ""
+            text = f"{error}{stage}\n  {recorder.kept()}"
             bundle = failure.write(directory.path, sim, str(error), recorder.history.path)
             if bundle:
                 text += f"\n  {bundle} shows the particles: report.txt, particles.xdmf for ParaView"
@@ -116,6 +119,22 @@ def advance(
         None if ended else f"stopped {stop}",
     )
     return ended
+
+
+def _next_stage(sim: Simulation, recorder: Recorder, log: Log) -> None:
+    """Keep the state at the end of a stage, and begin the next one; collective."""
+    sim.agree()
+    recorder.end()
+    known = len(sim.warnings)
+    sim.next_stage()
+    recorder.enter()
+    staged = sim.case.staged
+    log.say(
+        f"stage {staged.number + 1} of {len(sim.cases)}, '{staged.name}': from t = {sim.time:.6g}, "
+        f"step {sim.step}, to t = {sim.case.time.end:.6g}"
+    )
+    for warning in sim.warnings[known:]:
+        log.say(f"warning: {warning}")
 
 
 def _request(sim: Simulation, recorder: Recorder, stop: Stop, step: float) -> Request:
@@ -160,12 +179,17 @@ def _say_done(
         f"{frames} frame{'s' if frames > 1 else ''} and history.csv in {directory.path}; "
         f"look at them with: paraview {collection}"
     )
-    left = sim.count - sim.present() if sim.scene.exits else 0
+    left = sim.count - sim.present() if sim.scene.loses else 0
     if left:
-        faces = [face for face, way in sim.case.escape.items() if way == "remove"]
+        faces = dict.fromkeys(
+            face for case in sim.cases for face, way in case.escape.items() if way == "remove"
+        )
+        ways = [f"left through {' or '.join(faces)}"] if faces else []
+        ways += ["were removed with their bodies"] if sim.case.staged.removed else []
+        columns = [*["escaped"] * bool(faces), *["removed"] * bool(sim.case.staged.removed)]
         log.say(
-            f"note: {left} of {sim.count} particles left through {' or '.join(faces)}; the columns "
-            "escaped of history.csv tell what they took along"
+            f"note: {left} of {sim.count} particles {' or '.join(ways)}; the columns "
+            f"{' and '.join(columns)} of history.csv tell what they took along"
         )
     clamped = sim.comm.allreduce(sim.rank.clamped)
     if clamped:

@@ -117,6 +117,15 @@ class SceneLoads:
     def _constraints_at(self, start: float, end: float) -> tuple:
         return tuple(entry.parameters(start, end) for entry in self.constraints)
 
+    def displacement(self, number: int, t: float) -> tuple[float | None, ...]:
+        """Displacement that a constraint has prescribed until `t`, in stages before too."""
+        name, entry = list(self.case.constraints)[number], self.constraints[number]
+        ways = self.case.staged.ways.get(name, (0.0,) * len(entry.velocity))
+        return tuple(
+            None if way is None else way + before
+            for way, before in zip(entry.displacement(t), ways, strict=True)
+        )
+
     def attach(self, p: Particles, n: int) -> None:
         """Give the first `n` particles, in their initial state, their patches and constraints."""
         rows = slice(0, n)

@@ -23,19 +23,22 @@ START = Step(0, 0.0, 0.0, 0.0)
 
 
 class FixedClock:
-    """Steps of one length: t = n * step, never a running sum.
+    """Steps of one length: t = begin + n * step, never a running sum.
 
     Parameters
     ----------
     step, end : float
-        Length of a step and end of the run, a whole number of steps.
+        Length of a step and end of the run, a whole number of steps after `begin`.
+    begin, before : float, int
+        Time from which these steps are counted, and number of steps before it.
     """
 
     controlled = False
 
-    def __init__(self, step: float, end: float) -> None:
+    def __init__(self, step: float, end: float, begin: float = 0.0, before: int = 0) -> None:
         self._dt = step
-        self._steps = round(end / step)
+        self._begin, self.before = begin, before
+        self._steps = before + round((end - begin) / step)
         self.end = end
 
     def finished(self, done: Step) -> bool:
@@ -45,11 +48,15 @@ class FixedClock:
     def next(self, done: Step, rate: float) -> Step:
         """Return the step after `done`."""
         n = done.number
-        return Step(n + 1, n * self._dt, self._dt, (n + 1) * self._dt)
+        return Step(n + 1, self._after(n), self._dt, self._after(n + 1))
+
+    def _after(self, n: int) -> float:
+        """Time after `n` steps."""
+        return self._begin + (n - self.before) * self._dt
 
     def after(self, number: int, time: float, dt: float) -> Step:
         """Return what was done last in a run that goes on after `number` steps."""
-        return Step(number, (number - 1) * self._dt, dt, number * self._dt)
+        return Step(number, self._after(number - 1), dt, self._after(number))
 
     def time(self, done: Step) -> float:
         """Return the reported time at the end of a step.
@@ -76,13 +83,14 @@ class CourantClock:
     """
 
     controlled = True
+    before = 0
 
     def __init__(
         self, courant: float, end: float, stops: tuple[float, ...], rest_rate: float = inf
     ) -> None:
         #: What is left of the Courant number, see `pgimp.solver.energywatch`.
         self.part = 1.0
-        self._courant, self._rest_rate = courant, rest_rate or inf  # 0: dust, a gas at rest
+        self._courant, self.rest_rate = courant, rest_rate or inf  # 0: dust, a gas at rest
         self._stops = sorted({t for t in stops if 0.0 < t < end} | {end})
         self.end = end
 
@@ -103,10 +111,10 @@ class CourantClock:
         left = stop - start
         courant = self._courant * self.part
         steps = (self.end - start) * rate / courant
-        if not steps < (BLOWN_UP_STEPS if rate > BLOWN_UP * self._rest_rate else MOST_STEPS):
+        if not steps < (BLOWN_UP_STEPS if rate > BLOWN_UP * self.rest_rate else MOST_STEPS):
             raise EndlessError(
                 f"after step {done.number}, at time {start:.6g}, waves or particles have become "
-                f"so fast, {rate:.3g} cells in a unit of time ({self._rest_rate:.3g} at rest), "
+                f"so fast, {rate:.3g} cells in a unit of time ({self.rest_rate:.3g} at rest), "
                 f"that the end would take {steps:.0e} steps more: the solution has blown up\n"
                 "  try: a smaller time.step: {courant: ...}, slower loading, finer cells"
             )
@@ -124,10 +132,20 @@ class CourantClock:
         return done.end
 
 
-def clock_of(case: Case, rest_rate: float = inf) -> FixedClock | CourantClock:
-    """Clock of a case; `rest_rate` is the largest c_p/L of its materials at rest."""
+def clock_of(case: Case, rest_rate: float = inf, before: int = 0) -> FixedClock | CourantClock:
+    """Clock of a case, or of a stage of one.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+    rest_rate : float
+        The largest c_p/L of its materials at rest.
+    before : int
+        Steps before those of its length, if it is a stage.
+    """
     time = case.time
     if isinstance(time.step, float | int):
-        return FixedClock(float(time.step), float(time.end))
+        return FixedClock(float(time.step), float(time.end), case.staged.counted, before)
     assert case.courant is not None
     return CourantClock(case.courant, float(time.end), case.output.at, rest_rate)

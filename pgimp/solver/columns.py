@@ -71,12 +71,14 @@ HISTORY = (
             Column(
                 "dissipated-energy", "energy",
                 "what closes the balance: energy at the start plus external work less kinetic and "
-                "strain energy, and less that of particles that were removed; of the order of the "
+                "strain energy, and less that of particles that were removed (and with what "
+                "stages have changed, `stages.strain-energy`); of the order of the "
                 "time step also where nothing is lost, for instance in free fall, because work is "
                 "force times displacement",
                 lambda s, _: (
                     s.first_energy + s.work - s.total[KINETIC] - s.total[STRAIN]
                     - (s.escaped[KINETIC] + s.escaped[STRAIN])
+                    - (s.removed[KINETIC] + s.removed[STRAIN]) + s.changed
                 ),
             ),
             Column(
@@ -96,7 +98,7 @@ HISTORY = (
     _loss("viscous-work", "energy that viscous stresses of materials took, likewise"),
     _loss("heat", "energy that became heat in materials with a temperature: a part of the others"),
     Group(
-        lambda scene: [""] if scene.exits else [],
+        lambda scene: [""] if scene.escapes else [],
         (
             Column(
                 "escaped.mass", "mass",
@@ -119,6 +121,44 @@ HISTORY = (
             Column(
                 "escaped.strain-energy", "energy", "their strain energy then",
                 lambda s, _: s.escaped[STRAIN],
+            ),
+        ),
+    ),
+    Group(
+        lambda scene: [""] if scene.case.staged.number else [],
+        (
+            Column(
+                "stages.strain-energy", "energy",
+                "only with `time.stages`, as the next columns: strain energy that materials got as "
+                "stages began because their parameters are others, the stress and deformation "
+                "being what they were",
+                lambda s, _: s.changed,
+            ),
+        ),
+    ),
+    Group(
+        lambda scene: [""] if scene.case.staged.removed else [],
+        (
+            Column(
+                "removed.mass", "mass",
+                "mass of the bodies that stages have removed, so that with `mass` it is constant",
+                lambda s, _: s.removed[MASS],
+            ),
+            Column(
+                "removed.momentum-AXIS", "mass length/time",
+                "their momentum when they were removed", lambda s, _: s.along(s.removed, MOMENTUM),
+            ),
+            Column(
+                "removed.angular-momentum-AXIS", "mass length^2/time",
+                "their angular momentum then", lambda s, _: s.moment(s.removed),
+            ),
+            Column(
+                "removed.kinetic-energy", "energy", "their kinetic energy then",
+                lambda s, _: s.removed[KINETIC],
+            ),
+            Column(
+                "removed.strain-energy", "energy", "their strain energy then",
+                lambda s, _: s.removed[STRAIN],
             ),
         ),
     ),
@@ -177,7 +217,7 @@ HISTORY = (
                 "of its `velocity` since the start; its particles move in steps by the velocity at "
                 "each step's end, so that theirs differs from it by an error of first order in the "
                 "step",
-                lambda s, k: s.scene.loads.constraints[k].displacement(s.done.end),
+                lambda s, k: s.scene.loads.displacement(k, s.done.end),
             ),
         ),
     ),

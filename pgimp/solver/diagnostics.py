@@ -20,6 +20,51 @@ def _mass(sums: np.ndarray, unit: float) -> float:
     return ldexp(float((high << LOW) + low), -LOW) / unit
 
 
+def _own_sums(rank: Rank, scene: Any, order: Any) -> tuple[np.ndarray, np.ndarray, float]:
+    """Sums by layer and body of some particles of a rank, their masses, and the unit of these."""
+    particles = rank.particles
+    sums = np.zeros((rank.slab.layers, len(scene.body_names), scene.sums))
+    layer_sums(scene.setting.without_shape(), particles, order, sums)
+    masses = np.zeros((len(scene.body_names), 2), np.int64)
+    unit = 2.0 ** (HIGH - 2 - frexp(scene.most_mass)[1])  # see `Simulation.initialise`
+    exact_masses(particles, order.rows, unit, masses)
+    return sums, masses, unit
+
+
+def _reduced(
+    sums: list[np.ndarray], masses: list[np.ndarray], unit: float
+) -> tuple[np.ndarray, float]:
+    """Sums by body over the layers of all ranks, and the mass of all."""
+    bodies = np.add.reduce(np.concatenate(sums), axis=0)
+    every = np.stack(masses)  # by rank and body
+    bodies[:, MASS] = [_mass(every[:, body], unit) for body in range(len(bodies))]
+    return bodies, _mass(every.reshape(-1, 2), unit)
+
+
+def sums_of_bodies(rank: Rank, scene: Any, order: Any) -> np.ndarray:
+    """Sums by body of some particles, as `layer_sums` has them, on rank 0; collective.
+
+    Parameters
+    ----------
+    rank : Rank
+        Has the particles.
+    scene : Scene
+        With the parameters that count.
+    order : Order
+        Which particles of the rank, by layer.
+
+    Returns
+    -------
+    (bodies, columns) float64
+        Zeros but on rank 0.
+    """
+    sums, masses, unit = _own_sums(rank, scene, order)
+    parts = rank.comm.gather((sums, masses))
+    if parts is None:
+        return np.zeros((len(scene.body_names), scene.sums))
+    return _reduced([part[0] for part in parts], [part[1] for part in parts], unit)[0]
+
+
 def column_names(scene: Any) -> list[str]:
     """Names of the columns that history.csv will have, found without a particle.
 
@@ -37,8 +82,8 @@ def column_names(scene: Any) -> list[str]:
     return list(
         line_of(
             Totals(
-                scene, START, bodies, none, none, 0.0, 0.0, force, np.zeros(faces), contact,
-                tools, {}, errors, errors,
+                scene, START, bodies, none, none, none, 0.0, 0.0, 0.0, force, np.zeros(faces),
+                contact, tools, {}, errors, errors,
             )
         )
     )
@@ -52,6 +97,13 @@ class Diagnostics:
         self.beyond = (0.0, 0.0, "")
         self.first_energy: float | None = None
         self.last: tuple[float, np.ndarray, np.ndarray] | None = None
+        #: Of stages, see `Totals`; of use on rank 0.
+        self.removed: np.ndarray | None = None
+        self.changed = 0.0
+
+    def removed_so_far(self, scene: Any) -> np.ndarray:
+        """Sums of the bodies that stages have removed."""
+        return np.zeros(scene.sums) if self.removed is None else self.removed
 
     def line(self, rank: Rank, done: Step) -> dict[str, float] | None:
         """One line of the history on rank 0, None elsewhere; collective.
@@ -59,15 +111,10 @@ class Diagnostics:
         The reaction of a face, or of a constraint, is the mean force that it exerted on the
         material since the last line: its impulse over the time. The dissipated energy closes the
         balance: initial energy plus external work less kinetic and strain energy, also that of
-        particles that were removed.
+        particles that were removed, plus what changes of stages brought.
         """
-        scene, population = rank.scene, rank.population
-        sums = np.zeros((rank.slab.layers, len(scene.body_names), scene.sums))
-        setting = scene.setting.without_shape()
-        layer_sums(setting, population.particles, population.ordered, sums)
-        masses = np.zeros((len(scene.body_names), 2), np.int64)
-        unit = 2.0 ** (HIGH - 2 - frexp(scene.most_mass)[1])  # see `Simulation.initialise`
-        exact_masses(population.particles, population.order, unit, masses)
+        scene = rank.scene
+        sums, masses, unit = _own_sums(rank, scene, rank.population.ordered)
         own = rank.booked()
         impulse = np.concatenate(
             [
@@ -82,19 +129,17 @@ class Diagnostics:
         parts = rank.comm.gather((sums, own.work, booked, errors, own.escaped, masses))
         if parts is None:
             return None
-        bodies = np.add.reduce(np.concatenate([part[0] for part in parts]), axis=0)
+        bodies, every = _reduced([part[0] for part in parts], [part[5] for part in parts], unit)
         work = float(np.concatenate([part[1] for part in parts]).sum())
         impulse, beyond, contact, tools = (
             np.add.reduce(np.concatenate([part[2][i] for part in parts]), axis=0) for i in range(4)
         )
-        masses = np.stack([part[5] for part in parts])  # by rank and body
-        bodies[:, MASS] = [_mass(masses[:, body], unit) for body in range(len(bodies))]
         total = np.add.reduce(bodies, axis=0)
-        total[MASS] = _mass(masses.reshape(-1, 2), unit)
+        total[MASS] = every
         if self.first_energy is None:
             self.first_energy = float(total[KINETIC] + total[STRAIN])
         escaped, added, most = np.zeros(scene.sums), np.zeros(ERRORS), np.zeros(ERRORS)
-        if scene.exits:
+        if scene.escapes:
             escaped = np.add.reduce(np.concatenate([part[4] for part in parts]), axis=(0, 1))
         if scene.exact:
             added = np.add.reduce(np.concatenate([part[3][0] for part in parts]), axis=0)
@@ -106,8 +151,9 @@ class Diagnostics:
         force = self._forces(done.end, impulse)
         return line_of(
             Totals(
-                scene, done, bodies, total, escaped, self.first_energy, work, force, beyond,
-                contact, tools, rank.free.now if rank.free else {}, added, most,
+                scene, done, bodies, total, escaped, self.removed_so_far(scene), self.changed,
+                self.first_energy, work, force, beyond, contact, tools,
+                rank.free.now if rank.free else {}, added, most,
             )
         )  # fmt: skip
 

@@ -62,7 +62,7 @@ class Simulation:
 
     def __repr__(self) -> str:
         """Return how far it is."""
-        return f"<Simulation: t = {self.time:.6g} of {self.case.time.end:.6g}, step {self.steps}>"
+        return f"<Simulation: t = {self.time:.6g} of {self.case.time.last:.6g}, step {self.steps}>"
 
     @property
     def time(self) -> float:
@@ -81,8 +81,13 @@ class Simulation:
 
     @property
     def finished(self) -> bool:
-        """Whether the end of the case is reached."""
+        """Whether the end of the case, and of its last stage, is reached."""
         return self.core.finished
+
+    @property
+    def stage(self) -> int:
+        """Number of the stage, from 0 on; it begins with its first step."""
+        return self.core.stage
 
     def step(self, count: int = 1) -> None:
         """Do a step, or several; collective.

@@ -45,7 +45,7 @@ class EnergyWatch:
     """
 
     def __init__(self, speed: float) -> None:
-        self._speed = speed
+        self.speed = speed
         self.part = 1.0
         self.said: list[str] = []
         self._first = self._most = 0.0
@@ -64,7 +64,7 @@ class EnergyWatch:
         """Take the energy that there is from now on; collective."""
         energy, work, mass = self._sums(rank)
         self._first = energy - work
-        self._most = max(energy, NONE * mass * self._speed * self._speed)
+        self._most = max(energy, NONE * mass * self.speed * self.speed)
 
     def look(self, rank: Any, step: int, time: float) -> None:
         """Compare the energy with what it should be; collective.
@@ -104,7 +104,7 @@ class EnergyWatch:
         sums = np.zeros((rank.slab.layers, len(scene.body_names), SUMS))
         setting = scene.setting.without_shape()
         layer_sums(setting, population.particles, population.ordered, sums)
-        escaped = own.escaped if scene.exits else np.zeros((len(own.work), 1, SUMS))
+        escaped = own.escaped if scene.escapes else np.zeros((len(own.work), 1, SUMS))
         mine = [(found[:, :, KINETIC] + found[:, :, STRAIN], found[:, :, MASS])
                 for found in (sums, escaped)]  # fmt: skip
         rows = [each.sum(axis=1) for pair in mine for each in pair]

@@ -115,7 +115,7 @@ class Rank:
         self.grid = Grid(scene.frame, scene.vertices, slab, late, fields, scene.room)
         self.halo = Halo(comm, slab, scene.vertices - 1)
         self.migration = Migration(comm, slab, self.particles)
-        outflow = (len(scene.body_names), scene.sums) if scene.exits else (0, 0)
+        outflow = (len(scene.body_names), scene.sums) if scene.escapes else (0, 0)
         constraints = len(scene.loads.constraints)
         contacts = len(scene.pairs.law) if scene.pairs else 0
         self.ledger = Ledger.empty(
@@ -167,6 +167,23 @@ class Rank:
         self.grid.store(window)
         for booked, values in zip(self.booked(), sums, strict=True):
             booked[:] = values
+
+    def enter(self, scene: Scene, particles: Particles) -> None:
+        """Go over to the scene of another stage between two steps; the books begin anew.
+
+        Parameters
+        ----------
+        scene : Scene
+            Of the same bodies.
+        particles : Particles
+            The same, with the columns that the scene wants.
+        """
+        window, self.scene, self.call = self.grid.base, scene, Bound()
+        self.population.particles = particles
+        self.meetings = Meetings(scene, self.comm) if scene.pairs else None
+        self.clearances = Clearances(scene)
+        self._allocate(self.slab)
+        self.grid.store(window)
 
     def remove_outflow(self, left: np.ndarray) -> None:
         """Book the particles that have left the domain, and give up their rows.

@@ -106,6 +106,9 @@ def read_books(rank: Rank, source: Any, state: State, records: Diagnostics) -> N
     first = rank.slab.first
 
     def read() -> dict[str, np.ndarray]:
+        gone = bool(scene.case.staged.removed)
+        if gone != (state.removed is not None) or len(state.removed or ()) != gone * scene.sums:
+            raise DamagedError("what it has of removed bodies is not of its stage")
         found = {}
         for name, mine in own._asdict().items():
             if mine.shape[1:] and 0 in mine.shape[1:]:
@@ -135,6 +138,8 @@ def read_books(rank: Rank, source: Any, state: State, records: Diagnostics) -> N
     rank.lightest = state.lightest
     records.first_energy = state.first_energy
     records.beyond = (state.beyond, state.beyond_time, state.beyond_face)
+    records.removed = None if state.removed is None else np.array(state.removed)
+    records.changed = state.changed
     if state.last_line is not None:
         none = np.zeros((0, 3))
         last = (found.get("last-impulse", none), found.get("last-force", none))

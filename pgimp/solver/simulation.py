@@ -10,12 +10,13 @@ from pgimp.case.schema import Case
 from pgimp.decomposition.balance import Balance
 from pgimp.decomposition.population import Population
 from pgimp.decomposition.slabs import Slab
-from pgimp.errors import CaseError, RunError
+from pgimp.errors import CaseError, DamagedError, RunError
 from pgimp.jit.cache import messages, problems
 from pgimp.jit.kernel import FOLDER
 from pgimp.kernels.order import layers_of
 from pgimp.kernels.particles import Particles
 from pgimp.kernels.sums import fastest_rate
+from pgimp.mpi.collective import all_or_none
 from pgimp.scene import nearness
 from pgimp.scene.facts import rest_rate
 from pgimp.scene.geometry import release, share, take_as_empty
@@ -32,6 +33,8 @@ from pgimp.solver.rank import Rank
 from pgimp.solver.reduction import Request, StepReduction
 from pgimp.solver.restore import outline, read_books, read_particles
 from pgimp.solver.stability import check_first_step, require_end
+from pgimp.solver.stages import absent, enter, look_ahead
+from pgimp.solver.state import State
 from pgimp.solver.step import step
 from pgimp.solver.warmup import warm_up
 from pgimp.solver.window import open_window, shrink_window
@@ -58,8 +61,12 @@ class Simulation:
 
     Attributes
     ----------
+    cases : tuple of Case
+        Those of the stages; `stage` is the number of the present one, `case` its case.
     scene, clock : Scene, FixedClock or CourantClock
-        What does not change.
+        What does not change, but from stage to stage.
+    columns : list of str
+        Columns of the history of a run of several stages, all that any has; empty of others.
     rank : Rank
         What this rank holds.
     balance : Balance
@@ -100,8 +107,14 @@ class Simulation:
     balance: Balance
 
     def __init__(self, case: Case, comm: Any, source: Any = None) -> None:
-        self.case, self.comm = case, comm
+        state = None if source is None else State.of(source)
+        self.cases, self.comm = case.stages, comm
+        self.stage = state.stage if state else 0
+        if self.stage >= len(self.cases):
+            raise DamagedError(f"it is of stage {self.stage + 1}, of {len(self.cases)}")
+        self.case = case = self.cases[self.stage]
         self.scene = scene = Scene(case)
+        self.columns = look_ahead(self.cases) if len(self.cases) > 1 else []
         self.done = START
         self.doing: Step | None = None
         self.notes: list[str] = []
@@ -115,7 +128,7 @@ class Simulation:
         scene.tools.measure(comm)
         warm_up(scene, comm)
         rate = max(rest_rate(scene, body) for body in range(len(scene.body_names)))
-        self.clock = clock_of(case, rate)
+        self.clock = clock_of(case, rate, state.counted if state else 0)
         self.watch = EnergyWatch(rate * min(scene.frame.cell)) if case.watched else None
         self._tell_of_kernels()
         if source is None:
@@ -139,7 +152,10 @@ class Simulation:
         layer = np.empty(len(lattice.coordinates[0]), np.int64)
         layers_of(scene.shape, scene.frame, scene.identity, lattice.coordinates[0], layer)
         slab = self.decompose(np.bincount(layer, counts.sum(axis=0), scene.frame.vertices[0]))
-        self.initialise(slab, *self._create(slab, lattice, counts, layer))
+        made = all_or_none(
+            comm, lambda: self._create(slab, lattice, counts, layer), CaseError
+        )
+        self.initialise(slab, *made)
         if scene.tools:
             p, order = self.particles, self.population.order
             require_apart(scene.tools, [(p.x[order], p.body[order])], comm)
@@ -160,6 +176,8 @@ class Simulation:
         state, layers = outline(scene, source, comm)
         require_same(scene.tools, state.tools)
         self.count = state.count
+        if state.densest is not None:
+            scene.weigh(state.densest)
         slab = self.decompose(layers)
         self.initialise(slab, *read_particles(scene, slab, source, state, layers, comm))
         read_books(self.rank, source, state, self.diagnostic_sums)
@@ -170,7 +188,7 @@ class Simulation:
                 self.watch.begin(self.rank)
             else:
                 self.watch.numbers = state.watch
-            self._shorten()
+            self.shorten()
 
     def decompose(self, counts: np.ndarray) -> Slab:
         """Give each rank its layers, so that no rank has more particles than need be."""
@@ -196,8 +214,11 @@ class Simulation:
         """
         scene, comm = self.scene, self.comm
         mine = particles.m[:count]
-        masses = comm.allgather((float(mine.min(initial=np.inf)), float(mine.sum())))
-        total = sum(mass for _, mass in masses)
+        dense = float((mine / particles.V0[:count]).max(initial=0.0))
+        masses = comm.allgather((float(mine.min(initial=np.inf)), float(mine.sum()), dense))
+        total = sum(mass for _, mass, _ in masses)
+        if scene.variations and scene.densest is None:
+            scene.weigh(max(dense for _, _, dense in masses))
         if total > 2.0 * scene.most_mass:  # only particles from a file can
             with located(self.case):
                 raise CaseError(
@@ -205,7 +226,7 @@ class Simulation:
                     f"the densest material, {scene.most_mass:.6g}; look at the volumes of points"
                 )
         self.rank = rank = Rank(scene, comm, slab, particles, count, start)
-        rank.lightest = LIGHT * min(least for least, _ in masses)
+        rank.lightest = LIGHT * min(least for least, _, _ in masses)
         self.balance.watch(count)
         open_window(rank, self.reduction)
         if start is None:
@@ -214,6 +235,15 @@ class Simulation:
         order, controlled = rank.population.order, scene.controlled or True
         fastest = fastest_rate(setting, rank.particles, order, controlled)
         self.rate = max(comm.allgather(fastest))
+        if scene.variations:
+            self._learn_rate()
+
+    def _learn_rate(self) -> None:
+        """Take the particles' waves for those at rest, where typical ones may be far from them."""
+        if isinstance(self.clock, CourantClock):
+            self.clock.rest_rate = self.rate or np.inf
+        if self.watch:
+            self.watch.speed = self.rate * min(self.scene.frame.cell)
 
     @property
     def now(self) -> Step:
@@ -238,7 +268,12 @@ class Simulation:
 
     @property
     def finished(self) -> bool:
-        """Whether the end of the case is reached."""
+        """Whether the end of the last stage is reached."""
+        return self.stage == len(self.cases) - 1 and self.stage_done
+
+    @property
+    def stage_done(self) -> bool:
+        """Whether the end of the stage is reached."""
         return self.clock.finished(self.doing or self.done)
 
     @property
@@ -269,8 +304,19 @@ class Simulation:
         """Rows of this rank's particles in canonical order, (n,) int64."""
         return self.rank.live()
 
+    def next_stage(self) -> None:
+        """Begin the next stage, when one is done; collective.
+
+        Raises
+        ------
+        RunError
+            On every rank, if the last step of the one before has failed, or the next cannot begin.
+        """
+        self.agree()
+        enter(self, RESORT)
+
     def advance(self, agree: bool = True) -> None:
-        """Do one step; collective.
+        """Do one step, the first of the next stage where one is done; collective.
 
         Parameters
         ----------
@@ -286,6 +332,8 @@ class Simulation:
         """
         if self.failure:
             raise RunError(self.failure.text)
+        if self.stage_done and not self.finished:
+            self.next_stage()
         self.agreed_request = Request.PENDING
         rank, reduction, balance = self.rank, self.reduction, self.balance
         doing, rate = step(rank, self.time, self._next, self.controlled)
@@ -353,10 +401,10 @@ class Simulation:
         assert self.watch is not None
         begin = perf_counter()
         self.watch.look(self.rank, self.step, self.time)
-        self._shorten()
+        self.shorten()
         self.rank.timings["order"] += perf_counter() - begin
 
-    def _shorten(self) -> None:
+    def shorten(self) -> None:
         """Take what is left of the Courant number that pgimp has chosen."""
         if self.watch and isinstance(self.clock, CourantClock):
             self.clock.part = min(max(self.watch.part, LEAST), 1.0)
@@ -375,4 +423,7 @@ class Simulation:
 
     def diagnostics(self) -> dict[str, float] | None:
         """The columns of history.csv, in order, on rank 0; None elsewhere; collective."""
-        return self.diagnostic_sums.line(self.rank, self.now)
+        line = self.diagnostic_sums.line(self.rank, self.now)
+        if line is None or not self.columns:
+            return line
+        return {name: line.get(name, absent(name)) for name in self.columns}

@@ -37,7 +37,12 @@ class State(BaseModel):
     beyond_time: float = Field(ge=0.0)
     beyond_face: str
     tools: str = ""
+    densest: float | None = Field(default=None, gt=0.0)
     watch: list[float] | None = Field(default=None, min_length=4, max_length=4)
+    stage: int = Field(ge=0, le=1000, default=0)
+    counted: int = Field(ge=0, le=2**53, default=0)
+    removed: list[float] | None = Field(default=None, max_length=100)
+    changed: float = 0.0
 
     @classmethod
     def of(cls, source: Any) -> Self:
@@ -94,7 +99,14 @@ class Ordered(Mapping[str, np.ndarray]):
 
 
 def capture(
-    rank: Rank, done: Step, rate: float, count: int, records: Diagnostics, watch: Any = None
+    rank: Rank,
+    done: Step,
+    rate: float,
+    count: int,
+    records: Diagnostics,
+    watch: Any = None,
+    stage: int = 0,
+    counted: int = 0,
 ) -> tuple[dict[str, Any], Ordered, dict[str, np.ndarray]]:
     """Take the state out of a simulation between two steps; collective.
 
@@ -112,6 +124,8 @@ def capture(
         What the history keeps from line to line.
     watch : EnergyWatch, optional
         What guards the steps.
+    stage, counted : int
+        Number of the stage, and of the steps before those that its clock counts.
 
     Returns
     -------
@@ -141,7 +155,12 @@ def capture(
         beyond_time=records.beyond[1],
         beyond_face=records.beyond[2],
         tools=rank.scene.tools.checksum,
+        densest=rank.scene.densest,
         watch=watch.numbers if watch else None,
+        stage=stage,
+        counted=counted,
+        removed=None if records.removed is None else records.removed.tolist(),
+        changed=records.changed,
     )
     whole = {"layers": np.concatenate([part[0] for part in parts]).astype(np.int64)}
     for i, name in enumerate(own._fields):

@@ -32,6 +32,10 @@ class Totals(NamedTuple):
         Those over all particles.
     escaped : (columns,) float64
         Those of the particles that were removed since the start, when they were.
+    removed : (columns,) float64
+        Those of bodies that stages have removed, when they did.
+    changed : float
+        Strain energy that other parameters of materials brought as stages began.
     first_energy : float
         Kinetic and strain energy at the start.
     work : float
@@ -56,6 +60,8 @@ class Totals(NamedTuple):
     bodies: np.ndarray
     total: np.ndarray
     escaped: np.ndarray
+    removed: np.ndarray
+    changed: float
     first_energy: float
     work: float
     force: np.ndarray
@@ -81,9 +87,9 @@ class Totals(NamedTuple):
         return tuple(moment[i] if i in axes else None for i in range(3))
 
     def lost(self, name: str) -> float:
-        """Return one of `LOSSES` of all particles, those too that were removed."""
+        """Return one of `LOSSES` of all particles, those too that have gone."""
         column = SUMS + LOSSES.index(name)
-        return self.total[column] + self.escaped[column]
+        return self.total[column] + self.escaped[column] + self.removed[column]
 
     def contact_force(self, k: int) -> np.ndarray | tuple[()]:
         """Return the force of an entry of contact, nothing where it is for more than two bodies."""

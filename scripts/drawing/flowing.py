@@ -111,6 +111,34 @@ def slope(redraw):
     save(figure, "slope")
 
 
+def excavation(redraw):
+    """The cut that stands and the cut that slides: where they are sheared; the way of the edge."""
+    results = run("excavation", redraw)
+    figure = plt.figure(figsize=(9, 8.4))
+    grid = figure.add_gridspec(3, 1, height_ratios=(1.0, 1.0, 0.8))
+    axes = []
+    for k, (time, state) in enumerate(((1.5, "dug out, c = 13 kPa"), (2.5, "weak, c = 7 kPa"))):
+        axis = figure.add_subplot(grid[k], aspect="equal")
+        frame = frame_at(results, time)
+        shown = boxes(
+            axis, frame["position"], frame["radius"], frame["plastic-shear"], (0.0, 0.3)
+        )
+        axis.plot([0.0, 4.0, 4.0, 9.0], [3.0, 3.0, 1.0, 1.0], "--", color=GREY, lw=1.0)
+        axis.set(xlim=(0.0, 9.0), ylim=(0.0, 3.3), ylabel="y [m]")
+        axis.set_title(f"{state}, t = {frame.time:.1f} s", fontsize=10, loc="left")
+        axes.append(axis)
+    figure.colorbar(shown, ax=axes, label="plastic shear", shrink=0.8, extend="max")
+    axis = figure.add_subplot(grid[2])
+    edge = results.probes["edge"]
+    axis.plot(edge["time"], edge["displacement-x"], color=BLUE, label="edge, towards the pit")
+    axis.plot(edge["time"], -edge["displacement-y"], color=ORANGE, label="edge, downwards")
+    for begin in (0.6, 0.9, 1.5):
+        axis.axvline(begin, color=GREY, ls="--", lw=1.0)
+    axis.set(xlabel="time [s]", ylabel="displacement [m]", xlim=(0.0, 2.5))
+    axis.legend(frameon=False)
+    save(figure, "excavation")
+
+
 def dam_break(redraw):
     """Four instants coloured by speed; and the front against Ritter's."""
     results = run("dam-break", redraw)

@@ -178,7 +178,8 @@ def examine(case, files, where, number, what=""):
     books = what.startswith("books")
     if not books:
         step = case["time"]["step"]
-        steps = 40 if isinstance(step, dict) else round(case["time"]["end"] / step)
+        end = [case["time"], *case["time"].get("stages", [])][-1]["end"]
+        steps = 40 if isinstance(step, dict) else round(end / step)
         rng = random.Random(f"ways {number}")
         outcome, failures = scene_runs.compare(path, where / "runs", rng, max(steps, 1))
         lost = _LOST.search(outcome.said)

@@ -93,8 +93,12 @@ class Books:
         self._momentum = [(0.0, 0, "")]
         self._work = [(0.0, 0, "")]
         self._lines = [self._line]
-        conditions = [*self.case.boundaries.values(), *self.case.constraints.values()]
-        meets = bool(self.case.contact or self.case.tools)
+        conditions = [
+            each
+            for case in sim.cases
+            for each in (*case.boundaries.values(), *case.constraints.values())
+        ]
+        meets = any(case.contact or case.tools for case in sim.cases)
         self._accelerates = meets or any(each.varies for each in conditions)
         self._explained = [0.0]
 
@@ -112,6 +116,9 @@ class Books:
 
     def _step(self):
         sim, D = self.sim, self.D
+        if sim.stage_done:
+            sim.next_stage()
+            self.case, self._line = sim.case, sim.diagnostics()
         rows, start, last = sim.live(), sim.time, self._line
         gravity = np.array(sim.scene.gravity(start)[:D])
         impulse = last["mass"] * gravity + patch_forces(sim)
@@ -134,7 +141,7 @@ class Books:
         )
         gained = sum(
             self._vector(line, name) - self._vector(last, name)
-            for name in ("momentum", "escaped.momentum")
+            for name in ("momentum", "escaped.momentum", "removed.momentum")
         )
         for name in self.case.tools:
             impulse -= (line["time"] - last["time"]) * self._vector(line, f"tool.{name}.force")
@@ -170,7 +177,8 @@ class Books:
         every = {name: np.array([line[name] for line in self._lines]) for name in self._lines[0]}
 
         def total(name):
-            return every[name] + every.get(f"escaped.{name}", 0.0)
+            gone = (every.get(f"{how}.{name}", 0.0) for how in ("escaped", "removed"))
+            return every[name] + sum(gone)
 
         off = np.abs(total("mass") - self.mass).max() / self.mass
         if off > 1e-13:
@@ -187,9 +195,10 @@ class Books:
         largest = energy.max() + np.abs(work).max()
         if largest > 0.0:
             gained = energy - energy[0] - work - np.array(self._explained)
+            gained -= every.get("stages.strain-energy", 0.0)
             for name, values in every.items():
                 if name.endswith((".friction-heat", ".impact-loss")):
-                    gained += values
+                    gained += _kept(values)
             self.created = float(max(0.0, gained.max()) / largest)
         case = self.case
         for name in (name for name, tool in case.tools.items() if tool.free and not case.gravity):
@@ -198,7 +207,10 @@ class Books:
             if (gained := float((own - own[0] + done).max()) / most) > RIGID:
                 text = f"{name} gains {gained:.3g} of its energy"
                 self.wrong.append(("books: free rigid body", text))
-        held = case.boundaries or case.constraints or case.tractions or case.gravity or case.tools
+        held = any(
+            case.boundaries or case.constraints or case.tractions or case.gravity or case.tools
+            for case in self.sim.cases
+        )
         if not held and self.D > 1 and len(self._lines) > 1:
             speed = math.sqrt(2.0 * energy.max() / self.mass)
             size = max(case.grid.size)
@@ -209,6 +221,14 @@ class Books:
         if self.turned > ANGULAR:
             text = f"it changes by {self.turned:.3g} of mass times speed times size"
             self.wrong.append(("books: angular momentum", text))
+
+
+def _kept(values):
+    """Values of a column, those of a stage that does not have it as they were last; else 0."""
+    found, last = np.zeros(len(values)), 0.0
+    for i, value in enumerate(values):
+        last = found[i] = last if np.isnan(value) else value
+    return found
 
 
 def check(load):

@@ -55,10 +55,12 @@ COARSER = {
     "channel": ["output.every=0.25"],
     "sand-column": ["grid.cell=[0.04,0.04]", "time.end=0.75", "output.every=0.75"],
     "slope": ["grid.cell=[0.2,0.2]", "output.every=0.5"],
+    "excavation": ["grid.cell=[0.2,0.2]", "output.every=0.5"],
+    "graded": ["grid.cell=[1.0]", "output.every=11.0", "history.every=1.0"],
     "dam-break": ["grid.cell=[0.07,0.06]", "time.end=1.0", "output.every=0.5"],
 }
 #: Run on one rank only, which takes less time: what they have others have on two.
-ALONE = {"hertz", "corner", "drum", "sod", "slope", "channel"}
+ALONE = {"hertz", "corner", "drum", "sod", "slope", "channel", "graded", "excavation"}
 
 
 @pytest.fixture(scope="module")
@@ -389,6 +391,23 @@ def test_a_bank_of_clay_slides(runs):
     assert down[far].max() < 0.4 * down.max()
 
 
+def test_a_cut_in_clay_stands_until_the_clay_is_weak(runs):
+    """Cells twice as large; what is dug out and what softens is in the books."""
+    found = runs("excavation")
+    edge = found.probes["edge"]
+    sunk = np.interp([0.6, 1.4, 1.5, 2.5], edge["time"], -edge["displacement-y"])
+    assert sunk[2] - sunk[0] < 0.06 and abs(sunk[2] - sunk[1]) < 0.005  # it has come to rest
+    assert sunk[3] - sunk[2] > 0.2
+    history = found.history
+    together = history["mass"] + history["removed.mass"]
+    assert together == pytest.approx(np.full(len(history), 54.0e3), rel=1e-12)
+    assert history["removed.mass"][-1] == pytest.approx(20.0e3, rel=1e-12)
+    # Strength stores nothing; and what is lost is work of plastic flow for the most part.
+    assert (history["stages.strain-energy"] == 0.0).all()
+    lost = history["dissipated-energy"][-1] - history["plastic-work"][-1]
+    assert abs(lost) < 0.3 * history["plastic-work"][-1]
+
+
 def test_water_runs_to_the_far_wall(runs):
     history = runs("dam-break").history
     wall = -history["reaction.x-max-x"]
@@ -417,3 +436,14 @@ def test_block_bounces(runs):
     momentum = history["momentum-z"][-1] + history["mass"][0] * 9.81 * time[-1]
     assert impulse == pytest.approx(momentum, rel=1e-6)
     assert 3.0e4 < push.max() < 8.0e4
+
+
+def test_graded_ground_settles(runs):
+    """Gibson's soil: the settlement of the surface, on cells twice as large."""
+    frame = runs("graded").frame(-1)
+    young, rise, high, weight = 20.0e6, 4.0e6, 20.0, 9.81 * 2000.0
+    x = frame["position"][-1, 0] - frame["displacement"][-1, 0]
+    E = young + rise * (high - x)
+    assert frame["parameter-young"][-1] == pytest.approx(E, rel=1e-12)
+    exact = weight / rise * (x - young / rise * np.log((young + rise * high) / E))
+    assert -frame["displacement"][-1, 0] == pytest.approx(exact, rel=3e-3)

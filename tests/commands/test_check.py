@@ -377,3 +377,29 @@ bodies: {{block: {{material: rubber, region: {{box: {{min: [1.0, 1.0], max: [3.0
     texts = [text for text in said(case) if "poisson" in text]
     assert len(texts) == bool(expected)
     assert all(expected in text and "volumetric: mean" in text for text in texts)
+
+
+def test_stages_are_listed_with_their_steps_and_changes(capsys):
+    case = block(**SI)
+    first = case.stages[0]
+    data = case.model_dump(by_alias=True)
+    data["time"]["stages"] = [
+        {"name": "hot", "end": 2.0e-3, "materials": {"steel": {"young": 8.4e11}}},
+        {"name": "loose", "end": 2.5e-3, "step": 1.0e-7, "boundaries": {"x-min": None}},
+        {"name": "same", "end": 3.0e-3, "output": {"every": 1.0e-4}},
+    ]
+    staged = type(case).model_validate(data)
+    (body,) = facts(first)
+    steps = check.report_stages(staged, 1.0)
+    lines = [" ".join(line.split()) for line in capsys.readouterr().out.splitlines()]
+    # Twice the wave speed takes twice the steps: 0.3 cells each.
+    hot = 2.0 * body.wave_speed * 1.0e-3 / (0.3 * 0.01)
+    assert steps == pytest.approx(hot + 5000 + 5000, abs=1.0)
+    assert lines[0].startswith("stage 2 'hot' to t = 0.002, about ")
+    assert lines[0].endswith(" steps; changes materials.steel.young")
+    assert lines[1:] == [
+        "stage 3 'loose' to t = 0.0025, 5,000 steps; changes boundaries.x-min",
+        "stage 4 'same' to t = 0.003, 5,000 steps; changes output.every",
+    ]
+    # At the start, at the end of each stage, and four times in the last one.
+    assert forecast.frames(staged, 15_000.0) == 5 + 4

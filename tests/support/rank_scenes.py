@@ -366,6 +366,35 @@ def meeting():
     )
 
 
+def staged():
+    """The same in three stages: bodies are taken out, also a rigid one, and all may change.
+
+    The second stage begins between two re-sorts, the third with steps of another kind.
+    """
+    case = meeting()
+    case["probes"] = {"ghost": {"body": "ghost", "at": [5.5, 6.5]}, "gap": {"place": [10.0, 3.0]}}
+    catch = {"body": "glued", "region": {"box": {"min": [0.0, 0.0], "max": [20.0, 8.0]}}}
+    case["time"] = {
+        "end": 0.4,
+        "step": {"courant": 0.3},
+        "stages": [
+            {
+                "name": "without", "end": 0.7, "remove": ["ghost", "ram"], "step": 0.01,
+                "materials": {"soft": {"young": 60.0}, "stiff": {"young": 200.0}},
+                "constraints": {"grip": {"velocity": [1.0, 0.5]}},
+                "contact": [{"bodies": "all", "friction": 0.1}],
+                "output": {"every": 0.1}, "history": {"every": {"steps": 1}},
+            },
+            {
+                "name": "last", "end": 1.0, "step": {"courant": 0.25}, "remove": ["flies"],
+                "gravity": [2.0, 0.0], "boundaries": {"y-max": None, "x-max": "slip"},
+                "constraints": {"grip": None, "catch": catch | {"velocity": [-0.5, None]}},
+            },
+        ],
+    }  # fmt: skip
+    return case
+
+
 #: Metals with all they may have: state of several widths, one with artificial viscosity.
 METAL = {"young": 100.0, "poisson": 0.3, "density": 1.0}
 METALS = {
@@ -450,6 +479,45 @@ def flowing():
     )
     case["method"]["affine"] = True
     return case
+
+
+#: As `PAIR`, but stiffness and density of the one and Poisson's ratio of the other vary in space.
+VARIED = {
+    "soft": SOFT | {
+        "young": {
+            "random": {"mean": 100.0, "cov": 0.3, "correlation": [2.0, 1.0], "seed": 4},
+            "times": {"table": [[0.0, 1.2], [8.0, 0.8]], "over": "depth", "surface": 8.0},
+        },
+        "density": {"layers": [[0.0, 1.0], [3.2, 1.7]], "over": "y"},
+    },
+    "stiff": STIFF | {"poisson": {"table": [[0.0, 0.1], [24.0, 0.4]], "over": "x"}},
+}  # fmt: skip
+
+
+def varied():
+    """Squares whose materials vary in space collide across slabs and leave; grid frames, probes."""
+    bodies = {
+        "flies": turning(box([1.0, 2.0], [5.0, 5.0]), [3.0, 3.5], 0.6, [6.0, 0.5]),
+        "meets": box([8.0, 1.5], [12.0, 4.5], [-3.0, 0.2], "stiff"),
+        "leaves": box([14.0, 1.0], [17.0, 4.0], [6.0, -1.0]),
+    }
+    return scene(
+        2,
+        bodies,
+        cells=[20, 8],
+        end=1.7,
+        step={"courant": "auto"},
+        materials=VARIED,
+        gravity=[0.0, -2.0],
+        boundaries={"y-min": "slip", "y-max": "separating"},
+        escape={"x-max": "remove"},
+        output={
+            "every": 0.25,
+            "fields": [*EVERYTHING, "parameter-young", "parameter-density", "parameter-poisson"],
+        },
+        history={"every": {"steps": 10}},
+        probes={"tip": {"body": "flies", "at": [5.0, 3.5]}},
+    )
 
 
 def initial():
@@ -540,10 +608,12 @@ SCENES = (
             affine,
             dilating,
             meeting,
+            staged,
             flowing,
             initial,
             cut,
             metals,
+            varied,
         )
     }
     | SIZED

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from pgimp.case.load import load
 from pgimp.case.schema import Case
+from pgimp.errors import UsageError
 
 #: Cells of the runs over those of the case. Finer ones would cost 2^(D + 1) times as much.
 FACTORS = (4.0, 2.0, 1.0)
@@ -50,6 +51,11 @@ def study_of(name: str | Path, path: Path) -> str:
         If the case cannot be read, or is wrong.
     """
     case = load(name)
+    if case.time.stages:
+        raise UsageError(
+            f"{name}: has stages (time.stages), each with steps and an end of its own; write the "
+            "study of it yourself, from that of `pgimp init study`"
+        )
     sizes = _cells(case)
     steps = ""
     end = float(f"{SHORT * case.time.end:.3g}")

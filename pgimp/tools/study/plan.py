@@ -170,7 +170,7 @@ class _Cases:
             if known:
                 self._check_measure(path, self.study.error, wanted, known, case, one)
         everywhere = list(dict.fromkeys(name for known in names for name in known))
-        last = max(cases, key=lambda case: case.time.end)
+        last = max(cases, key=lambda case: case.time.last)
         for i, entry in enumerate(self.study.columns):
             self._check_measure(
                 ("columns", i), entry, measure_of(entry), everywhere, last, found[0]
@@ -190,7 +190,7 @@ class _Cases:
             text = unknown("column", wanted.column, known, "history.csv will have")
             label = self.label((*path, "column") if inside else path)
             self.wrong[f"{label}: {text}"].append(variant.name)
-        end = case.time.end
+        end = case.time.last
         if isinstance(wanted.at, float) and wanted.at > end * (1.0 + SAME_TIME):
             text = f"{wanted.at:.15g} is after the end at {end:.15g} (time.end)"
             self.wrong[f"{self.label((*path, 'at'))}: {text}"].append(variant.name)

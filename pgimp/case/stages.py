@@ -1,0 +1,189 @@
+"""Stages, as the case file says them: what changes while a run goes on.
+
+Each stage is a case of its own: that of the stage before with the changes, see `merged`. So
+whatever is checked of a case is checked of every stage, before the first step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from pydantic import Field, model_serializer
+
+from pgimp.case.steps import AnyStep
+from pgimp.schema.base import Model, Name, Positive
+from pgimp.schema.tables import VaryingVector
+
+#: Sections whose named entries change key by key; those whose entries are replaced; those that
+#: change key by key themselves; those that are replaced.
+BY_KEY, BY_ENTRY = ("materials", "tractions", "constraints"), ("boundaries", "escape")
+SECTIONS, WHOLE = ("method", "output", "history"), ("gravity", "body_force", "contact")
+
+_Entries = dict[str, Any]
+
+
+def _unchanged(schema: dict[str, Any]) -> None:
+    """Document what is not given: it changes nothing."""
+    schema.pop("default", None)
+    schema["x-default"] = "as before"
+
+
+def _change(what: str, default: Any = None) -> Any:
+    return Field(default=default, description=what, json_schema_extra=_unchanged)
+
+
+def _keyed(what: str) -> Any:
+    return _change(what, {})
+
+
+def _any_form(schema: dict[str, Any]) -> None:
+    _unchanged(schema)
+    schema["oneOf"] = [{"type": kind} for kind in ("string", "null")]
+    schema["oneOf"].insert(1, {"type": "object", "additionalProperties": True})
+
+
+class Stage(Model):
+    """A stage: its name, its end, and what changes as it begins."""
+
+    name: Name = Field(description="its name, for messages")
+    end: Positive = Field(description="simulated time at which it is done [time]")
+    step: AnyStep | None = _change(
+        "as `time.step`; a fixed one is counted from where the stage begins, if it is another than "
+        "before"
+    )
+    remove: tuple[Name, ...] = Field(
+        default=(),
+        description="bodies that are taken out as it begins, also rigid ones; what they had of "
+        "mass, momentum and energy goes into the columns `removed` of the history",
+    )
+    method: _Entries = _keyed("`relaxation`, as in the case")
+    materials: _Entries = _keyed(
+        "by name, parameters that change, {soil: {cohesion: 2.0e3}}; not `model`, `density`, and "
+        "what particles only start with"
+    )
+    gravity: VaryingVector = _change("as in the case, in place of it; null: none [length/time^2]")
+    body_force: Any = Field(
+        default=None,
+        description="as in the case, in place of it; null: none",
+        json_schema_extra=_any_form,
+    )
+    boundaries: _Entries = _keyed(
+        "by face, conditions in place of those before; null: none from here on"
+    )
+    escape: _Entries = _keyed("by face, as in the case; null: `stop`")
+    tractions: _Entries = _keyed(
+        "by name, keys that change of a traction of the case; null ends it; no new ones"
+    )
+    constraints: _Entries = _keyed(
+        "by name, keys that change; null ends a constraint. One that is new, or has another "
+        "region or body, holds the particles that are in its region as the stage begins"
+    )
+    contact: tuple[_Entries, ...] = _change("the list as in the case, in place of it", ())
+    output: _Entries = _keyed("keys of the case's that change, but `at`, which is for all stages")
+    history: _Entries = _keyed("keys of the case's that change")
+
+    @model_serializer(mode="wrap")
+    def _as_written(self, handler: Any) -> dict[str, Any]:
+        """What is not given changes nothing, and is not written either."""
+        return {key: value for key, value in handler(self).items() if key in self.model_fields_set}
+
+    @property
+    def changes(self) -> dict[str, Any]:
+        """What it changes, by section, as written."""
+        named = ("name", "end", "step")
+        return {key: value for key, value in self.model_dump().items() if key not in named}
+
+
+class Staged(NamedTuple):
+    """What a stage knows of those before it.
+
+    Attributes
+    ----------
+    number : int
+        From 0 on, which is the case as it is.
+    name : str
+        Empty for number 0.
+    start : float
+        Time at which it begins.
+    counted : float
+        Time from which its fixed steps are counted: that at which one began to have this length.
+    removed : tuple of str
+        Bodies of a material that are gone.
+    escapes : bool
+        Whether particles may leave, or might in a stage before.
+    ways : dict of str to tuple
+        What constraints have prescribed before, to be added to their displacement.
+    """
+
+    number: int = 0
+    name: str = ""
+    start: float = 0.0
+    counted: float = 0.0
+    removed: tuple[str, ...] = ()
+    escapes: bool = False
+    ways: Mapping[str, tuple[float, ...]] = {}
+
+    @property
+    def title(self) -> str:
+        """How messages name it."""
+        return f"stage '{self.name}'" if self.number else "the first stage"
+
+
+def merged(
+    before: Mapping[str, Any], stage: Stage, spellings: Mapping[str, Mapping[str, str]]
+) -> dict[str, Any]:
+    """Return the case of a stage, as plain data.
+
+    Parameters
+    ----------
+    before : mapping
+        The case of the stage before, as `Case.model_dump` writes it.
+    stage : Stage
+        The changes.
+    spellings : mapping
+        Other spellings of keys, by the name of the material.
+    """
+    data, changes = dict(before), stage.changes
+    for section in (*BY_KEY, *BY_ENTRY):
+        entries = dict(data[section])
+        for name, entry in changes.get(section, {}).items():
+            if entry is None:
+                entries.pop(name, None)
+            elif section in BY_KEY and name in entries and isinstance(entry, Mapping):
+                known = spellings.get(name, {}) if section == "materials" else {}
+                entries[name] = _updated(
+                    entries[name], {known.get(key, key): value for key, value in entry.items()}
+                )
+            else:
+                entries[name] = entry
+        data[section] = entries
+    for section in SECTIONS:
+        data[section] = _updated(data[section], changes.get(section, {}))
+    data |= {section: changes[section] for section in WHOLE if section in changes}
+    step = stage.step if stage.step is not None else before["time"]["step"]
+    data["time"] = {"end": stage.end, "step": step}
+    for name in stage.remove:
+        if "rigid" in data["bodies"].get(name, {}):
+            data["bodies"] = {key: body for key, body in data["bodies"].items() if key != name}
+            data["contact"] = _without(data["contact"], name, len(data["bodies"]))
+    return data
+
+
+def _updated(entry: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """Return an entry with other values of some keys; null gives a key its default."""
+    gone = {key for key, value in changes.items() if value is None}
+    return {key: value for key, value in {**entry, **changes}.items() if key not in gone}
+
+
+def _without(contact: Any, name: str, bodies: int) -> tuple[Any, ...]:
+    """Entries of contact without a rigid body; those that are left with one body go."""
+    found = []
+    for entry in contact:
+        rest, enough = entry.get("bodies", ()), bodies > 1
+        if not isinstance(rest, str):
+            rest = tuple(each for each in rest if each != name)
+            enough = len(rest) > 1
+        if enough:
+            found.append({**entry, "bodies": rest})
+    return tuple(found)

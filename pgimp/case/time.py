@@ -1,0 +1,39 @@
+"""Time, as the case file says it: the end, and the stages in which something else acts."""
+
+from __future__ import annotations
+
+from pydantic import Field
+
+from pgimp.case.stages import Stage
+from pgimp.case.steps import AnyStep, CourantStep
+from pgimp.schema.base import Model, Positive
+from pgimp.schema.sizes import whole
+
+
+class Time(Model):
+    """How long is simulated, and in which steps."""
+
+    end: Positive = Field(
+        description="simulated time at which the run is done, or its first stage, the case as it "
+        "is, where there are `stages` [time]"
+    )
+    step: AnyStep = Field(
+        description="a fixed time step, of which end is a whole number [time], or {courant: ..}"
+    )
+    stages: tuple[Stage, ...] = Field(
+        default=(),
+        max_length=100,
+        description="stages that follow, each as a run that goes on where the one before has "
+        "ended, with changes: of materials' parameters, boundaries, constraints, loads, and "
+        "without bodies that are removed",
+    )
+
+    @property
+    def last(self) -> float:
+        """Simulated time at which the last stage is done."""
+        return float(self.stages[-1].end if self.stages else self.end)
+
+    @property
+    def steps(self) -> int | None:
+        """Number of steps to `end`; None where the step is not fixed."""
+        return None if isinstance(self.step, CourantStep) else whole(self.end, self.step)[0]

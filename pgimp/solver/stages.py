@@ -1,0 +1,260 @@
+"""From a stage of a run to the next: what particles and books keep, and what becomes another.
+
+All of it follows from the state at the end of a stage, which a checkpoint holds, and from the two
+stages' cases. So it is the same whether the run has come there or has been resumed there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pgimp.case.check_stages import begins_anew
+from pgimp.errors import CaseError, RunError
+from pgimp.kernels.concepts import Order
+from pgimp.kernels.ledger import Ledger
+from pgimp.kernels.particles import Particles
+from pgimp.kernels.sums import STRAIN, fastest_rate
+from pgimp.scene.facts import rest_rate
+from pgimp.scene.geometry import take_as_empty
+from pgimp.scene.scene import Scene
+from pgimp.solver.clock import clock_of
+from pgimp.solver.decomposition import partition
+from pgimp.solver.diagnostics import column_names, sums_of_bodies
+from pgimp.solver.energywatch import EnergyWatch
+from pgimp.solver.stability import check_first_step, require_stable
+from pgimp.solver.warmup import warm_up
+
+if TYPE_CHECKING:
+    from pgimp.case.schema import Case
+    from pgimp.solver.rank import Rank
+    from pgimp.solver.simulation import Simulation
+
+#: Columns of the history that are zero where a stage does not have them; others are nan.
+_SUMS = ("removed.", "escaped.", "stages.")
+
+
+def look_ahead(cases: Sequence[Case]) -> list[str]:
+    """Return the columns that the history of a run of several stages has, in their order.
+
+    Everything that can be known of the stages without their particles is looked at.
+
+    Raises
+    ------
+    CaseError
+        If a stage cannot be run.
+    """
+    columns: list[str] = []
+    for case in cases:
+        scene = Scene(case)
+        if case.staged.number and not case.watched and isinstance(case.time.step, float | int):
+            rate = max(rest_rate(scene, body) for body in range(len(scene.body_names)))
+            try:
+                require_stable(float(case.time.step), rate, case.method.stable)
+            except CaseError as error:
+                raise CaseError(f"time.stages: {case.staged.title}: {error}") from None
+        place = 0
+        for name in column_names(scene):
+            if name in columns:
+                place = columns.index(name) + 1
+            else:
+                columns.insert(place, name)
+                place += 1
+    return columns
+
+
+def absent(column: str) -> float:
+    """Return what a line has in a column that its stage does not have."""
+    return 0.0 if column.startswith(_SUMS) else float("nan")
+
+
+def enter(sim: Simulation, resort: int) -> None:
+    """Go over to the next stage, once the last step of the one before is done; collective.
+
+    Parameters
+    ----------
+    sim : Simulation
+        At the end of a stage.
+    resort : int
+        Steps between two reports of the load.
+
+    Raises
+    ------
+    RunError
+        On every rank: a constraint that begins and holds no particle, a step that is too long.
+    """
+    rank, comm, records = sim.rank, sim.comm, sim.diagnostic_sums
+    old, case = sim.scene, sim.cases[sim.stage + 1]
+    new = Scene(case)
+    take_as_empty(case, comm)
+    new.tools.measure(comm)
+    warm_up(new, comm)
+
+    gone = set(case.staged.removed) - set(old.case.staged.removed)
+    if gone:
+        taken = _remove(rank, [old.body_names.index(name) for name in gone])
+        records.removed = records.removed_so_far(old) + taken
+    if new.case.materials != old.case.materials:
+        order = rank.population.ordered
+        strain = [sums_of_bodies(rank, scene, order)[:, STRAIN].sum() for scene in (old, new)]
+        records.changed += float(strain[1] - strain[0])
+    particles = _carried(rank, old, new)
+    if records.last:
+        time, *parts = records.last
+        impulse, force = (_rows(_forces(old), _forces(new), part) for part in parts)
+        records.last = (time, impulse, force)
+
+    counts = np.concatenate(comm.allgather(np.diff(rank.population.start)))
+    _, balance, _ = partition(new, comm, counts, resort)
+    if balance.cuts != sim.balance.cuts:
+        rank.population.particles = particles
+        rank.move(sim.balance.cuts, balance.cuts)
+        particles = rank.particles
+    balance.watch(rank.count)
+    books, free = rank.booked(), dict(_free(rank))
+    rank.enter(new, particles)
+    _take_over(old, new, books, rank.booked())
+    if rank.free:
+        rank.free.states = [free[name] for name, _ in _free(rank)]
+
+    sim.stage, sim.case, sim.scene, sim.balance = sim.stage + 1, case, new, balance
+    fastest = fastest_rate(
+        new.setting.without_shape(), particles, rank.population.order, new.controlled or True
+    )
+    sim.rate = max(sim.rate, *comm.allgather(fastest))
+    rate = max(rest_rate(new, body) for body in range(len(new.body_names)))
+    same = isinstance(case.time.step, float | int) and case.time.step == old.case.time.step
+    sim.clock = clock_of(case, rate, sim.clock.before if same else sim.done.number)
+    _watch(sim, rate * min(new.frame.cell))
+    try:
+        sim.warnings += check_first_step(new, sim.clock.next(sim.done, sim.fastest).dt, sim.rate)
+    except CaseError as error:
+        raise RunError(f"{case.staged.title}: {error}") from None
+
+
+def _remove(rank: Rank, bodies: list[int]) -> np.ndarray:
+    """Take out all particles of some bodies; return their sums, of use on rank 0."""
+    population = rank.population
+    order = population.order
+    places = np.flatnonzero(np.isin(rank.particles.body[order], bodies)).astype(np.int32)
+    rows = order[places]
+    start = np.searchsorted(places, population.start)
+    taken = sums_of_bodies(rank, rank.scene, Order(rows, start))
+    population.release(rows)
+    population.restore_order(places, np.empty(0, np.int32))
+    return np.add.reduce(taken, axis=0)
+
+
+def _carried(rank: Rank, old: Scene, new: Scene) -> Particles:
+    """The particles with the columns of the next stage; what is new in them is zero."""
+    p, rows = rank.particles, rank.live()
+    arrays = {}
+    for name, like in Particles.empty(0, new.carried)._asdict().items():
+        array = getattr(p, name)
+        shape = like.shape[1:]
+        same = array.shape[1:] == shape
+        arrays[name] = array if same else np.zeros((p.capacity, *shape), like.dtype)
+    names = [list(scene.case.tractions) for scene in (old, new)]
+    if names[0] != names[1]:
+        kept = [names[0].index(name) for name in names[1]]
+        arrays["patch"] = np.ascontiguousarray(p.patch[:, kept])
+    if old.case.constraints or new.case.constraints:
+        found = _held(rank, old.case, new)
+        if new.case.constraints:
+            arrays["constraint"][rows, 0] = found
+    return Particles(**arrays)
+
+
+def _held(rank: Rank, before: Case, new: Scene) -> np.ndarray:
+    """Number of the constraint that holds each particle, in canonical order; collective.
+
+    Those that were there before keep their particles; of several the last has it.
+    """
+    p, rows = rank.particles, rank.live()
+    had = p.constraint[rows, 0] if p.constraint.shape[1] else np.zeros(len(rows), np.int32)
+    number = {name: i for i, name in enumerate(before.constraints, 1)}
+    found = np.zeros(len(rows), np.int32)
+    begin = []
+    for i, (name, entry) in enumerate(new.case.constraints.items(), 1):
+        if begins_anew(before, new.case, name):
+            mine = np.flatnonzero(p.body[rows] == new.body_names.index(entry.body))
+            mine = mine[entry.region.contains(p.x[rows[mine]])]
+            begin.append((name, entry.body, len(mine)))
+        else:
+            mine = np.flatnonzero(had == number[name])
+        found[mine] = i
+    for each in zip(*rank.comm.allgather(begin), strict=True):
+        name, body, _ = each[0]
+        if not sum(count for _, _, count in each):
+            raise RunError(
+                f"{new.case.staged.title}: constraints.{name}.region holds no particle of body "
+                f"'{body}' as the stage begins\n"
+                "  try: another region; the checkpoint of the stage before is intact"
+            )
+    return found
+
+
+def _forces(scene: Scene) -> list[Hashable]:
+    """What `Diagnostics.last` has rows of, in their order."""
+    faces, constraints, contact, tools = _booked(scene)
+    kinds = ("face", "constraint", "contact", "impulse", "moment")
+    return [
+        (kind, name)
+        for kind, names in zip(kinds, (faces, constraints, contact, tools, tools), strict=True)
+        for name in names
+    ]
+
+
+def _booked(scene: Scene) -> tuple[list[str], ...]:
+    """Names of faces, constraints, entries of contact and rigid bodies that are booked of."""
+    # The last law of contact is for pairs without an entry.
+    contact = [*(entry.name for entry in scene.case.contact), ""] if scene.pairs else []
+    faces = [face.name for face in scene.faces]
+    return faces, list(scene.case.constraints), contact, list(scene.tools.names)
+
+
+def _rows(old: Sequence[Hashable], new: Sequence[Hashable], values: np.ndarray) -> np.ndarray:
+    """Rows of an array by other names; those of names that are new are zero."""
+    number = {name: i for i, name in enumerate(old)}
+    found = np.zeros((len(new), *values.shape[1:]))
+    for i, name in enumerate(new):
+        if name in number:
+            found[i] = values[number[name]]
+    return found
+
+
+def _take_over(old: Scene, new: Scene, had: Ledger, has: Ledger) -> None:
+    """Put what was booked into the books of the next stage."""
+    faces, constraints, contact, tools = zip(_booked(old), _booked(new), strict=True)
+    kinds = {
+        "impulse": faces, "beyond": faces, "constraint_impulse": constraints, "contact": contact,
+        "tools": tools,
+    }  # fmt: skip
+    for name, (before, after) in kinds.items():
+        by_name = np.moveaxis(getattr(had, name), 1, 0)
+        getattr(has, name)[:] = np.moveaxis(_rows(before, after, by_name), 0, 1)
+    has.work[:] = had.work
+    if had.escaped.size:
+        has.escaped[:] = had.escaped
+
+
+def _free(rank: Rank) -> list[tuple[str, Any]]:
+    """The rigid bodies that move freely, by name, and how they do."""
+    if rank.free is None:
+        return []
+    names = [rank.scene.tools.names[number] for number in rank.scene.tools.free]
+    return list(zip(names, rank.free.states, strict=True))
+
+
+def _watch(sim: Simulation, speed: float) -> None:
+    """Watch the energy from here on, if the stage's steps are chosen; what is learned stays."""
+    before, sim.watch = sim.watch, None
+    if not sim.case.watched:
+        return
+    sim.watch = EnergyWatch(speed)
+    if before:
+        sim.watch.numbers = before.numbers
+    sim.watch.begin(sim.rank)
+    sim.shorten()
