@@ -8,6 +8,7 @@ from typing import Any
 
 from pgimp.physics.fields import OPTIONAL
 from pgimp.physics.loads import BODY_FORCES
+from pgimp.physics.materials.vary import field_of
 from pgimp.schema.messages import unknown
 from pgimp.schema.problems import Problem
 from pgimp.schema.registries import name_of
@@ -92,10 +93,11 @@ def check_output(time: Any, output: Any) -> Problems:
 def check_fields(
     materials: Mapping[str, Any], declared: tuple[str, ...], output: Any
 ) -> Problems:
-    """Check that fields which are not those of every case are states of its materials."""
+    """Check that fields which are not those of every case are what its materials have."""
     if len(materials) < len(declared):
         return  # what the others would have is not known
     states = {state.name for entry in materials.values() for state in entry.states}
+    states |= {field_of(keys) for entry in materials.values() for keys in entry.variations}
     for i, name in enumerate(output.fields):
         if name not in OPTIONAL and name not in states:
             known = [*OPTIONAL, *sorted(states)]

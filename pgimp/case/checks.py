@@ -36,6 +36,7 @@ from pgimp.case.check_domain import (
 )
 from pgimp.case.check_numbers import check_numbers
 from pgimp.case.check_probes import check_probes
+from pgimp.case.check_variations import check_variations
 from pgimp.physics.rigid import RigidBody
 from pgimp.schema.problems import Problem
 from pgimp.schema.sizes import Problems
@@ -120,6 +121,7 @@ _CHECKS = (
     check_method,
     check_time,
     check_materials,
+    check_variations,
     check_velocities,
     check_regions,
     check_tools,

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BaseModel, Field
 
 from pgimp.physics.columns import GRID
-from pgimp.physics.fields import OPTIONAL
+from pgimp.physics.fields import OPTIONAL, PREFIX
 from pgimp.schema.base import Count, Interval, Model, Name, NonNegative, Positive, Steps, Vector
 from pgimp.schema.dispatch import Either
 from pgimp.schema.messages import unknown
@@ -25,14 +25,18 @@ def _states() -> list[str]:
 
 
 def _field(value: str) -> str:
-    """Let a state variable of any material pass; `check_fields` knows those of the case."""
+    """Let what any material may have pass; `check_fields` knows what those of the case have."""
+    if value.startswith(PREFIX):
+        return value
     if value not in OPTIONAL and value not in (states := _states()):
         raise problem(unknown("field", value, [*OPTIONAL, *states]))
     return value
 
 
 def _names_fields(schema: dict[str, Any]) -> None:
-    schema["enum"] = [*OPTIONAL, *_states()]
+    schema.pop("type", None)
+    names = {"enum": [*OPTIONAL, *_states()]}
+    schema["anyOf"] = [names, {"type": "string", "pattern": f"^{PREFIX}[a-z0-9-]+$"}]
 
 
 def _quantity(value: str) -> str:
@@ -75,7 +79,7 @@ class Output(Model):
     fields: Annotated[tuple[FieldName, ...], AfterValidator(_unique)] = Field(
         default=("velocity", "stress"),
         description="what frames hold besides position and size; also the state variables of the "
-        "case's materials, by their names",
+        "case's materials, by their names, and parameters that vary in space, as parameter-young",
     )
     grid: Annotated[tuple[GridName, ...], AfterValidator(_unique)] = Field(
         default=(),

@@ -209,6 +209,8 @@ def _report_body(body: BodyFacts, case: Case) -> None:
     )
     for fact in case.bodies[body.name].region.facts():
         print(f"{'':<16} {fact}")
+    for key, (least, mean, most) in body.varies.items():
+        print(f"{'':<16} {key} varies from {least:.6g} to {most:.6g}, mean {mean:.6g}")
     texts = (f"{what} {strain:.2g}" for what, strain in strains(case, body).items())
     print(f"{'':<16} strain {', '.join(texts)}")
 

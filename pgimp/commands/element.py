@@ -55,6 +55,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="of the value, 1/time, for materials whose stress depends on it (default: 1)",
     )  # fmt: skip
     parser.add_argument(
+        "--at", metavar="X,Y,..",
+        help="a place at the start, where the material varies in space; what is a column of "
+        "particles takes a number, --set materials.NAME.KEY=NUMBER",
+    )  # fmt: skip
+    parser.add_argument(
         "--set", metavar="KEY.PATH=VALUE", action="append", default=[],
         help="change a value of the case; repeatable",
     )  # fmt: skip
@@ -96,6 +101,8 @@ def execute(args: argparse.Namespace) -> int:
     material = case.materials[args.material]
     if material.DIMENSIONS == (1,) and args.path not in ("uniaxial-strain", "oedometer"):
         raise UsageError(f"{args.material} exists in 1D only: --path uniaxial-strain is left")
+    if args.at:
+        material = material.at(_place(args.at, case.dimensions))
     table = curve(material, args.path, values, args.steps, args.confine, args.rate)
     _print(table, path.component)
     for column, error in errors(table).items():
@@ -126,6 +133,17 @@ def _values(words: str) -> list[float]:
     if not all(math.isfinite(value) and abs(value) <= 100.0 for value in values):
         raise UsageError(f"--to {words}: expected strains, at most 100 in size")
     return values
+
+
+def _place(words: str, dimensions: int) -> list[float]:
+    try:
+        place = [float(word) for word in words.split(",")]
+    except ValueError:
+        place = []
+    if len(place) != dimensions or not all(map(math.isfinite, place)):
+        text = "one number" if dimensions == 1 else f"{dimensions} numbers, with commas"
+        raise UsageError(f"--at {words}: expected {text}, a place of the case")
+    return place
 
 
 def _output(name: str) -> Path:

@@ -5,6 +5,7 @@ from typing import Any
 from numba.core import types
 
 from pgimp.jit.kernel import specialise
+from pgimp.jit.own import named
 from pgimp.jit.simd import lane, vec4, vector, where, with_lane
 
 
@@ -42,9 +43,20 @@ def _of_lane(values, j):
         return lambda values, j: values
     if len(values) == 0:
         return lambda values, j: ()
+    if isinstance(values, types.BaseNamedTuple):
+        return lambda values, j: named(values, _each_of_lane(values, j))
+    return lambda values, j: _each_of_lane(values, j)
+
+
+def _each_of_lane(values, j):
+    """As `of_lane`, of the entries of a tuple, a plain tuple."""
+
+
+@specialise(_each_of_lane)
+def _each(values, j):
     if len(values) == 1:
         return lambda values, j: (of_lane(values[0], j),)
-    return lambda values, j: (of_lane(values[0], j), *of_lane(values[1:], j))
+    return lambda values, j: (of_lane(values[0], j), *_each_of_lane(values[1:], j))
 
 
 def with_lanes(values, j, one):

@@ -119,6 +119,29 @@ def _constrained_velocity(marked, r, v):
     return by_constraints
 
 
+def former_velocity(marked, r, v, dt):
+    """As `constrained_velocity`, at the beginning of a step of the length `dt`."""
+
+
+@specialise(former_velocity)
+def _former_velocity(marked, r, v, dt):
+    if len(marked) == 0:
+        return lambda marked, r, v, dt: v
+
+    def by_constraints(marked, r, v, dt):
+        constraints, mask = marked
+        for k in range(len(constraints)):
+            if mask[r // RECORD] >> k & 1:
+                h, u, a = constraints[k].held, constraints[k].velocity, constraints[k].rate
+                v = (
+                    u[0] - dt * a[0] if h[0] else v[0], u[1] - dt * a[1] if h[1] else v[1],
+                    u[2] - dt * a[2] if h[2] else v[2],
+                )  # fmt: skip
+        return v
+
+    return by_constraints
+
+
 def is_marked(marked, r):
     """Whether a constraint holds the vertex at `r`."""
 

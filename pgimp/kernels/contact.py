@@ -16,11 +16,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pgimp.jit.kernel import inner_kernel, specialise
-from pgimp.kernels.constraints import constrained_velocity, is_marked
-from pgimp.kernels.faces import beyond_any, face_count, hold
+from pgimp.jit.kernel import inner_kernel
 from pgimp.kernels.selection import SPREAD
-from pgimp.physics.contact import FRICTION, TIED, Pairs
+from pgimp.physics.contact import FRICTION, Pairs
 
 #: Least part of a vertex's neighbourhood that either body must fill: less is too little to tell a
 #: gap by, of which it is a part that strain changes.
@@ -45,13 +43,16 @@ LEAST_WITHIN = 0.01
 SWEEPS = 8
 
 #: Columns of `Contact.fields`: mass, part filled, normal, velocity, that before, inverse of mass by
-#: component, which is 0 where it is held, and what curvature adds to the gap.
-WEIGHT, PART, OUTWARD, NOW, BEFORE, MOBILITY, EXCESS, FIELDS = 0, 1, 2, 5, 8, 11, 14, 15
+#: component, which is 0 where it is held, what curvature adds to the gap, and the inverse of mass
+#: again, which is 0 where it is held whatever its velocity is, as by no wall that lets go.
+WEIGHT, PART, OUTWARD, NOW, BEFORE, MOBILITY, EXCESS, TOLD, FIELDS = 0, 1, 2, 5, 8, 11, 14, 15, 18
 
 #: Columns of `Contact.partners`: normal, velocity at which the gap closes in the step, impulse
 #: along the normal and across it so far, the part that this is of what would make it stick, area,
-#: the impulses that adhesion has along the normal and across it.
-NORMAL, CLOSING, PUSH, SLIP, STUCK, AREA, PULL, CLING, PARTNERS = 0, 3, 4, 5, 8, 9, 10, 11, 12
+#: the impulses that adhesion has along the normal and across it, the part that the one along the
+#: normal is of what would hold.
+NORMAL, CLOSING, PUSH, SLIP, STUCK, AREA, PULL, CLING, DRAWN = 0, 3, 4, 5, 8, 9, 10, 11, 12
+PARTNERS = 13
 
 
 class Contact(NamedTuple):
@@ -208,105 +209,3 @@ def _find_gap(frame, fields, a, b, sides, row):
         row[NORMAL + d] /= length
     row[CLOSING] = length / sqrt(along)
     return True
-
-
-def _after(faces, frame, forcing, contact, number, r, v):
-    """Velocity v of the vertex at `r` after faces and constraints."""
-
-
-@specialise(_after)
-def _after_all(faces, frame, forcing, contact, number, r, v):
-    def after(faces, frame, forcing, contact, number, r, v):
-        rest = (0.0, 0.0, 0.0)
-        u, _ = hold(faces, forcing, frame, number, r, v, rest, 0.0, contact.unbooked)
-        return constrained_velocity(forcing.marked, r, u)
-
-    return after
-
-
-@inner_kernel
-def settled(contact, faces, frame, forcing, number, a, column):
-    """Velocity of a field, in `column`, as faces and constraints will leave it."""
-    row = contact.fields[a]
-    v = (row[column], row[column + 1], row[column + 2])
-    if row[WEIGHT] == inf:
-        return v
-    return _after(faces, frame, forcing, contact, number, contact.places[a], v)
-
-
-@inner_kernel
-def find_held(contact, faces, frame, forcing, number, count):
-    """Set the mobilities of the fields at a vertex; returns whether any component is held."""
-    some = False
-    near = beyond_any(faces, face_count(faces), frame, number)
-    for a in range(count):
-        row = contact.fields[a]
-        row[MOBILITY : MOBILITY + 3] = 1.0 / row[WEIGHT]
-        if not (near or is_marked(forcing.marked, contact.places[a])):
-            continue
-        v = settled(contact, faces, frame, forcing, number, a, NOW)
-        for d in range(3):
-            own = row[NOW + d]
-            row[NOW + d] = own + 1.0
-            held = settled(contact, faces, frame, forcing, number, a, NOW)[d] == v[d]
-            row[NOW + d] = own
-            if held:
-                row[MOBILITY + d] = 0.0
-            some = some or held or v[d] != own
-    return some
-
-
-@inner_kernel
-def exchange(contact, faces, frame, forcing, number, held, pair):
-    """Let the fields of a pair exchange what impulse the law still wants."""
-    row = contact.partners[pair]
-    a, b, entry = contact.ends[pair, 0], contact.ends[pair, 1], contact.ends[pair, 2] - 1
-    first, second = contact.fields[a], contact.fields[b]
-    if contact.pairs.law[entry] == TIED:  # walls and constraints then do the same to both
-        for d in range(3):
-            mobility = 1.0 / first[WEIGHT] + 1.0 / second[WEIGHT]
-            _give(first, second, row, d, (first[NOW + d] - second[NOW + d]) / mobility)
-        return
-    u = (first[NOW], first[NOW + 1], first[NOW + 2])
-    v = (second[NOW], second[NOW + 1], second[NOW + 2])
-    if held:
-        u = settled(contact, faces, frame, forcing, number, a, NOW)
-        v = settled(contact, faces, frame, forcing, number, b, NOW)
-    normal, most, answer = 0.0, 0.0, 0.0
-    for d in range(3):
-        mobility = first[MOBILITY + d] + second[MOBILITY + d]
-        answer += row[NORMAL + d] ** 2 * mobility
-        most = max(most, mobility)
-        normal += (v[d] - u[d]) * row[NORMAL + d]
-    if not most > 0.0:
-        return
-    push, square = row[PUSH], 0.0
-    if answer > 0.0:
-        row[PUSH] = max(0.0, push - (normal + row[CLOSING]) / answer)
-        if row[PUSH] == 0.0 and row[PULL] > 0.0:
-            row[PUSH] = max(-row[PULL], min(0.0, push - normal / answer))
-    for d in range(3):
-        stick = row[SLIP + d] - ((v[d] - u[d]) - normal * row[NORMAL + d]) / most
-        square += stick * stick
-    static, kinetic = contact.pairs.coefficient[entry, 0], contact.pairs.coefficient[entry, 1]
-    length, pressed, cling = sqrt(square), max(row[PUSH], 0.0), row[CLING]
-    if row[PUSH] < 0.0:
-        cling *= sqrt(1.0 - (row[PUSH] / row[PULL]) ** 2)
-    part = 1.0
-    if length > static * pressed + cling:
-        part = (kinetic * pressed + cling) / length
-    row[STUCK] = part
-    for d in range(3):
-        stick = row[SLIP + d] - ((v[d] - u[d]) - normal * row[NORMAL + d]) / most
-        J = (row[PUSH] - push) * row[NORMAL + d]
-        first[NOW + d] -= J / first[WEIGHT]
-        second[NOW + d] += J / second[WEIGHT]
-        _give(first, second, row, d, part * stick - row[SLIP + d])
-
-
-@inner_kernel
-def _give(first, second, row, d, J):
-    """Change component `d` of two fields' velocities by an impulse across the normal."""
-    row[SLIP + d] += J
-    first[NOW + d] -= J / first[WEIGHT]
-    second[NOW + d] += J / second[WEIGHT]

@@ -3,7 +3,8 @@
 from math import inf, sqrt
 
 from pgimp.jit.kernel import inner_kernel, specialise
-from pgimp.kernels.contact import AREA, NORMAL, NOW, PUSH, SLIP, WEIGHT, settled
+from pgimp.kernels.contact import AREA, NORMAL, PUSH, SLIP, WEIGHT
+from pgimp.kernels.contactlaw import settled
 from pgimp.kernels.ledger import (
     CONTACT_AREA,
     HEAT,
@@ -15,10 +16,7 @@ from pgimp.kernels.ledger import (
     TOOL_MOMENT,
     TOOL_WORK,
 )
-from pgimp.kernels.tools import CENTRE, FREE, TAKEN, Tools, place_of
-
-#: Where the answers of free bodies are among `Tools`.
-ANSWERS = Tools._fields.index("answers")
+from pgimp.kernels.tools import ANSWERS, CENTRE, FREE, TAKEN, place_of
 
 
 @inner_kernel
@@ -30,8 +28,8 @@ def book(contact, faces, frame, forcing, number, pair, part, last, ledger, plane
     row, entry = contact.partners[pair], contact.ends[pair, 2] - 1
     a, b = contact.ends[pair, 0], contact.ends[pair, 1]
     booked = ledger.contact[plane, entry]
-    u = settled(contact, faces, frame, forcing, number, a, NOW)
-    v = settled(contact, faces, frame, forcing, number, b, NOW)
+    u = settled(contact, faces, frame, forcing, number, a, last)
+    v = settled(contact, faces, frame, forcing, number, b, last)
     square, heat, normal = 0.0, 0.0, 0.0
     for d in range(3):
         w = v[d] - u[d]

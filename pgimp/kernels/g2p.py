@@ -9,6 +9,7 @@ from pgimp.kernels.concepts import Batch
 from pgimp.kernels.gathered import SUMS
 from pgimp.kernels.loads import add_force_power, layer_power
 from pgimp.kernels.mean import keep_means, with_means
+from pgimp.kernels.own import with_own
 from pgimp.kernels.speed import grid_speed
 from pgimp.kernels.together import take_from_grid
 from pgimp.kernels.updates.checks import check
@@ -92,7 +93,8 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
             m = materials_of(setting.material_of, particles.body, rows)
             F = update_deformation(setting, forcing, particles, batch, m, grad)  # (29)
             J = determinant(F)
-            sigma, state = update_stress(setting, forcing, particles, rows, m, F, J, L)
+            own = with_own(setting, particles, rows)
+            sigma, state = update_stress(own, forcing, particles, rows, m, F, J, L)
             put_row(particles.x, rows, 0, x)
             put_row(particles.v, rows, 0, v)
             put_row(particles.F, rows, 0, F)
@@ -101,12 +103,12 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
             if setting.tracked:
                 put(particles.V, rows, J * take(particles.V0, rows))
             extra = update_viscous_pressure(  # (45)
-                loads.viscosity, setting, m, particles, rows, F, J, L
+                loads.viscosity, own, m, particles, rows, F, J, L
             )
             if forcing.controlled:
-                c = grid_speed(setting, forcing.controlled, m, v, F, J, state, inverse, extra)
+                c = grid_speed(own, forcing.controlled, m, v, F, J, state, inverse, extra)
                 fastest = max(c * inverse, fastest)
-            margin = margins(setting, m, F, J, sigma, state)
+            margin = margins(own, m, F, J, sigma, state)
             found = (u, v, x, F, J, state, margin)
             counts = check(
                 setting, forcing, field, particles, batch, limit, found, report, ledger, counts

@@ -11,12 +11,12 @@ from pgimp.kernels.contact import (
     OUTWARD,
     PART,
     SWEEPS,
+    TOLD,
     WEIGHT,
-    exchange,
-    find_held,
     find_pairs,
 )
 from pgimp.kernels.contactbooks import book
+from pgimp.kernels.contactlaw import exchange, find_held
 from pgimp.kernels.faces import on_walls, wall_sides
 from pgimp.kernels.fields import field_count, field_size
 from pgimp.kernels.loads import relaxed_part
@@ -134,10 +134,10 @@ def meet_at(contact, faces, frame, field, forcing, number, r, last):
         for d in range(3):
             v = field.G[place + VELOCITY + d] * inverse
             contact.fields[a, NOW + d] = contact.fields[a, BEFORE + d] = v
-    held = find_held(contact, faces, frame, forcing, number, count)
+    held = find_held(contact, faces, frame, forcing, number, count, last)
     for _ in range(SWEEPS if held or pairs > 1 else 1):
         for pair in range(pairs):
-            exchange(contact, faces, frame, forcing, number, held, pair)
+            exchange(contact, faces, frame, forcing, number, held, pair, last)
     return count, pairs
 
 
@@ -198,7 +198,7 @@ def _find_tools(contact, tools, frame, number, sides, count, last):
                 v += motion[spin + e] * arm[f] - motion[spin + f] * arm[e]
                 row[OUTWARD + d] = tools.at[SURFACE + d]
                 row[NOW + d] = row[BEFORE + d] = v
-                row[MOBILITY + d] = 0.0
+                row[MOBILITY + d] = row[TOLD + d] = 0.0
             found += 1
         return found - count
 

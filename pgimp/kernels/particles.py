@@ -33,6 +33,8 @@ class Carried(NamedTuple):
         Whether they know what surfaces leave of them, for contact.
     mean : bool
         Whether they know how alone they are, for mean dilatation.
+    own : int
+        Number of what each has of its own of its material's parameters.
     """
 
     dimensions: int
@@ -44,6 +46,7 @@ class Carried(NamedTuple):
     state: int = 0
     surfaces: bool = False
     mean: bool = False
+    own: int = 0
 
 
 class Column(NamedTuple):
@@ -158,6 +161,9 @@ class Particles(NamedTuple):
             lambda c: int(c.mean), least=0.0,
         ),
     ]  # fmt: skip
+    own: Annotated[
+        FloatArray, Column("parameters of the material that vary in space", "", lambda c: c.own)
+    ]
 
     @classmethod
     def empty(cls, capacity: int, carried: Carried) -> "Particles":

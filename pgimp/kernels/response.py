@@ -10,10 +10,25 @@ the normal n where it sticks.
 from math import inf, sqrt
 
 from pgimp.jit.kernel import inner_kernel, kernel
-from pgimp.kernels.contact import CLING, MOBILITY, NORMAL, PULL, PUSH, SLIP, STUCK, WEIGHT
+from pgimp.kernels.contact import (
+    CLING,
+    DRAWN,
+    MOBILITY,
+    NORMAL,
+    PULL,
+    PUSH,
+    SLIP,
+    STUCK,
+    TOLD,
+    WEIGHT,
+)
+from pgimp.kernels.contactlaw import softness
 from pgimp.kernels.meet import meet_at
-from pgimp.kernels.tools import CENTRE, FREE, GIVEN, LEAST, MOST, RESPONSE, place_of
+from pgimp.kernels.tools import CAUTIOUS, CENTRE, FREE, GIVEN, LEAST, MOST, RESPONSE, place_of
 from pgimp.physics.contact import TIED
+
+#: An impulse across the normal that counts as none; squares of less have no digits left.
+NONE = 1e-120
 
 
 @kernel
@@ -79,11 +94,17 @@ def _add(contact, tools, frame, number, pair, count, plane):
     n = (row[NORMAL], row[NORMAL + 1], row[NORMAL + 2])
     s = (row[SLIP], row[SLIP + 1], row[SLIP + 2])
     push, slip = row[PUSH], sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2])
-    along, across, drag, turn = _slopes(contact, pair, other, push)
+    tied = contact.pairs.law[contact.ends[pair, 2] - 1] == TIED
+    mobility = _mobility(contact, tools, a, b, other, TOLD if tied else MOBILITY)
+    along, across, drag, turn = _slopes(contact, pair, other, push, mobility)
     stiffness = mass / contact.fields[other, WEIGHT]
     along, across = stiffness * along, stiffness * across
-    inverse = stiffness / slip if slip > 0.0 else 0.0
-    drag, turn = inverse * drag, inverse / slip * turn if slip > 0.0 else 0.0
+    inverse = stiffness / slip if slip > NONE else 0.0
+    drag, turn = inverse * drag, inverse / slip * turn if slip > NONE else 0.0
+    if tools.motion[t, CAUTIOUS] != 0.0:  # what has a limit grows with the velocity: never too far
+        drag, turn = 0.0, 0.0
+        if push < 0.0:
+            along = stiffness * _pulled(row, mobility)
     sign = -1.0 if rigid == a else 1.0
     answer, x, motion = tools.answers[plane, free], place_of(frame, number), tools.motion[t]
     arm = (x[0] - motion[CENTRE], x[1] - motion[CENTRE + 1], x[2] - motion[CENTRE + 2])
@@ -93,7 +114,8 @@ def _add(contact, tools, frame, number, pair, count, plane):
             answer[GIVEN + u] += _turned(arm, d, u) * J
         for e in range(3):
             K = ((along - across) * n[d] + drag * s[d]) * n[e] - turn * s[d] * s[e]
-            K += across if d == e else 0.0
+            if d == e:
+                K += stiffness / mobility[d] if tied else across
             for u in range(6):
                 for v in range(6):
                     answer[RESPONSE + 6 * u + v] += _turned(arm, d, u) * K * _turned(arm, e, v)
@@ -112,20 +134,35 @@ def _turned(arm, d, u):
 
 
 @inner_kernel
-def _slopes(contact, pair, other, push):
+def _mobility(contact, tools, a, b, other, column):
+    """What a free rigid body meets at a vertex, as inverse of a mass, by component."""
+    soft, own = softness(contact, tools, a, b, column), contact.fields[other]
+    return own[column] + soft[0], own[column + 1] + soft[1], own[column + 2] + soft[2]
+
+
+@inner_kernel
+def _pulled(row, mobility):
+    """Impulse along the normal that adhesion gives, over the velocity that it is against."""
+    answer = 0.0
+    for d in range(3):
+        answer += row[NORMAL + d] ** 2 * mobility[d]
+    return row[DRAWN] / answer if answer > 0.0 else 0.0
+
+
+@inner_kernel
+def _slopes(contact, pair, other, push, mobility):
     """Derivatives of the impulse on a rigid body by its velocity, with the sign turned.
 
     Returns that along the normal, that across it, that of the slip by the velocity along the
-    normal, and what that across is less along the slip itself.
+    normal, and what that across is less along the slip itself. Bodies that are tied have none of
+    these: what they get is by component, the velocity over the mobility.
     """
-    entry, fields, row = contact.ends[pair, 2] - 1, contact.fields, contact.partners[pair]
-    if contact.pairs.law[entry] == TIED:
-        return fields[other, WEIGHT], fields[other, WEIGHT], 0.0, 0.0
+    entry, row = contact.ends[pair, 2] - 1, contact.partners[pair]
     answer, most = 0.0, 0.0
     for d in range(3):
-        answer += row[NORMAL + d] ** 2 * fields[other, MOBILITY + d]
-        most = max(most, fields[other, MOBILITY + d])
-    if not (push != 0.0 or row[CLING] > 0.0) or not most > 0.0:
+        answer += row[NORMAL + d] ** 2 * mobility[d]
+        most = max(most, mobility[d])
+    if contact.pairs.law[entry] == TIED or not (push != 0.0 or row[CLING] > 0.0):
         return 0.0, 0.0, 0.0, 0.0
     held = answer > 0.0 and push != 0.0 and push > -row[PULL]  # else it pulls as much as it can
     along, across = 1.0 / answer if held else 0.0, row[STUCK] / most

@@ -5,6 +5,7 @@ from math import isqrt, sqrt
 from pgimp.jit.algebra import determinant, symmetric
 from pgimp.jit.kernel import kernel, specialise
 from pgimp.jit.tuples import read
+from pgimp.kernels.own import with_own_of
 from pgimp.kernels.pace import pace
 from pgimp.kernels.speed import own_speed, speed_of_waves
 from pgimp.kernels.updates.stress import has_any, state_of
@@ -72,10 +73,11 @@ def layer_sums(setting, particles, order, sums):
             F = read(particles.F, p, 0, like)
             sigma = read(particles.sigma, p, 0, symmetric(like))
             J = determinant(F)
-            state = state_of(setting.materials, particles, p, F)
+            materials = with_own_of(setting, particles, p).materials
+            state = state_of(materials, particles, p, F)
             k, args = setting.material_of[body], (F, J, sigma)
-            row[STRAIN] += particles.V0[p] * evaluate("energy", setting.materials, k, args, state)
-            book_losses(row, setting.materials, k, args, state, particles.V0[p])
+            row[STRAIN] += particles.V0[p] * evaluate("energy", materials, k, args, state)
+            book_losses(row, materials, k, args, state, particles.V0[p])
 
 
 #: Bits of the two integers in which `exact_masses` holds a mass.
@@ -127,16 +129,17 @@ def fastest_rate(setting, particles, rows, controlled):
     Where materials are viscous c_p is that of `effective_wave_speed`; in the initial configuration
     it is that of waves alone, see `pgimp.kernels.speed`.
     """
-    frame, materials, material_of = setting.frame, setting.materials, setting.material_of
+    frame, material_of = setting.frame, setting.material_of
     inverse = 0.0
     for d in range(len(frame.inverse)):
         inverse = max(inverse, frame.inverse[d])
     rate = 0.0
     for p in rows:
         F = read(particles.F, p, 0, setting.identity)
-        state = state_of(materials, particles, p, F)
+        own = with_own_of(setting, particles, p)
+        state = state_of(own.materials, particles, p, F)
         args, v = (F, determinant(F)), read(particles.v, p, 0, frame.origin)
-        c = speed_of_waves(setting, material_of[particles.body[p]], args, state)
-        c = _with_diffusion(setting, material_of[particles.body[p]], args, state, inverse, c)
+        c = speed_of_waves(own, material_of[particles.body[p]], args, state)
+        c = _with_diffusion(own, material_of[particles.body[p]], args, state, inverse, c)
         rate = max(rate, pace(controlled, c, own_speed(frame, v)) * inverse)
     return rate

@@ -20,8 +20,9 @@ from pgimp.kernels.tents import cut
 
 #: Columns of `Tools.motion`: the reference point now and at the start, the matrix that turns the
 #: body, distance of the lattice's points, its first point; velocity and angular velocity at the
-#: step's beginning, both at its end.
-CENTRE, REFERENCE, TURN, SPACING, LOW, FORMER, LATTER, MOTION = 0, 3, 6, 15, 16, 19, 25, 31
+#: step's beginning, both at its end; of those that move freely whether these are sought cautiously.
+CENTRE, REFERENCE, TURN, SPACING, LOW, FORMER, LATTER, CAUTIOUS = 0, 3, 6, 15, 16, 19, 25, 31
+MOTION = 32
 
 #: Columns of `Tools.about`: the lattice's points along each direction, where they begin, the least
 #: and greatest vertex near the body, by direction, and its number among those that move freely, -1
@@ -44,6 +45,7 @@ FLAT = 0.02
 #: What curvature adds to the mean gap over what it adds to that mean distance, which is k/16 in
 #: cells; see `pgimp.scene.latticebody`. From `SHARP` of a cell on it is an edge.
 BEND, SHARP = (1.0 / 12.0 + 1.0 / 16.0) * 16.0, 0.5 / 16.0
+
 
 class Tools(NamedTuple):
     """The rigid bodies of a scene, for kernels.
@@ -70,6 +72,10 @@ class Tools(NamedTuple):
     bodies: int
     at: np.ndarray
     answers: Any
+
+
+#: Where the answers of free bodies are among `Tools`.
+ANSWERS = Tools._fields.index("answers")
 
 
 @inner_kernel

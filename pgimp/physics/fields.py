@@ -12,6 +12,9 @@ Array = np.ndarray
 #: Components of a symmetric tensor.
 TENSOR = "xx yy zz xy yz xz"
 
+#: What fields of parameters that vary in space are called: this, then their keys in the case.
+PREFIX = "parameter-"
+
 
 class Source(NamedTuple):
     """Where a field takes its values.

@@ -36,6 +36,9 @@ class BodyFacts:
         Whether all particles start with that velocity.
     rest_rate : float
         See `rest_rate`.
+    varies : dict of str to (float, float, float)
+        Least, mean and greatest value of parameters of its material that vary in space, by key;
+        density, wave speed and rate are then the greatest.
     """
 
     name: str
@@ -48,6 +51,7 @@ class BodyFacts:
     velocity: tuple[float, ...]
     rigid: bool
     rest_rate: float
+    varies: dict[str, tuple[float, float, float]]
 
     @property
     def sizes(self) -> tuple[float, ...]:
@@ -109,7 +113,7 @@ def _examine(
 ) -> BodyFacts:
     D = scene.dimension
     low, high = np.full(D, np.inf), np.full(D, -np.inf)
-    speeds = _Speeds(D)
+    speeds, own = _Speeds(D), _Varied(scene, body)
     motion = scene.case.bodies[scene.body_names[body]].velocity
     for block in lattice.make((0, lattice.planes), counts, body):
         if block.velocities is not None:
@@ -120,6 +124,7 @@ def _examine(
             speeds.add(np.array([motion], float), np.ones(1))
         ends = block.positions.min(axis=0), block.positions.max(axis=0)
         low, high = np.minimum(low, ends[0]), np.maximum(high, ends[1])
+        own.add(block)
         _count_held(scene, block, ends, found)
         _measure_probes(scene, block, ends, found)
     # Boxes round the particles, where the region itself does not say less.
@@ -131,14 +136,15 @@ def _examine(
     return BodyFacts(
         scene.body_names[body],
         int(counts[body].sum()),
-        wave_speed(scene, body),
+        own.wave_speed,
         speeds.top,
-        scene.materials[scene.body_material[body]].density,
+        own.density,
         tuple(low.tolist()),
         tuple(high.tolist()),
         tuple((speeds.momentum / speeds.mass).tolist()),
         bool((speeds.least == speeds.most).all()),
-        rest_rate(scene, body),
+        own.rest_rate,
+        own.ranges,
     )
 
 
@@ -160,23 +166,74 @@ class _Speeds:
         self.mass += float(mass.sum())
 
 
-def wave_speed(scene: Scene, body: int) -> float:
-    """Wave speed of a body at rest."""
-    return rest_rate(scene, body, 2.0**-200) * 2.0**200  # in cells in which viscosity is nothing
+class _Varied:
+    """Wave speed, density and rate at rest of a body, the greatest where its material varies."""
+
+    def __init__(self, scene: Scene, body: int) -> None:
+        self._scene, self._body = scene, body
+        number = scene.body_material[body]
+        self._layout = scene.variations.layouts[number]
+        self.wave_speed = self.rest_rate = self.density = 0.0
+        self._count, self._sums, self._least, self._most = 0, 0.0, np.inf, -np.inf
+        if self._layout is None:
+            self.wave_speed, self.rest_rate = wave_speed(scene, body), rest_rate(scene, body)
+            self.density = scene.materials[number].density
+
+    def add(self, block: ParticleBlock) -> None:
+        """Take some particles."""
+        own = self._scene.variations.of(block, self._scene.body_material[self._body])
+        if own is None:
+            return
+        _, first = np.unique(own.columns, axis=0, return_index=True)
+        points = own.columns[first], own.state[first]
+        self.wave_speed = max(self.wave_speed, wave_speed(self._scene, self._body, points))
+        self.rest_rate = max(self.rest_rate, rest_rate(self._scene, self._body, points=points))
+        self.density = max(self.density, float(own.density.max()))
+        self._count += len(own.values)
+        self._sums = self._sums + own.values.sum(axis=0)
+        self._least = np.minimum(self._least, own.values.min(axis=0))
+        self._most = np.maximum(self._most, own.values.max(axis=0))
+
+    @property
+    def ranges(self) -> dict[str, tuple[float, float, float]]:
+        """Least, mean and greatest value of what varies, by key."""
+        if self._layout is None:
+            return {}
+        rows = np.stack([self._least, self._sums / self._count, self._most], axis=1).tolist()
+        keys = (".".join(path) for path in self._layout.paths)
+        return {key: (row[0], row[1], row[2]) for key, row in zip(keys, rows, strict=True)}
 
 
-def rest_rate(scene: Scene, body: int, inverse: float = 0.0) -> float:
+def wave_speed(scene: Scene, body: int, points: tuple[_Reals, _Reals] | None = None) -> float:
+    """Wave speed of a body at rest; see `rest_rate`."""
+    # In cells in which viscosity is nothing.
+    return rest_rate(scene, body, 2.0**-200, points) * 2.0**200
+
+
+def rest_rate(
+    scene: Scene, body: int, inverse: float = 0.0, points: tuple[_Reals, _Reals] | None = None
+) -> float:
     """Rate that limits the step of a body at rest, of waves and viscosity, 1/time.
 
-    `inverse` stands for the inverse of the side of a cell; by default it is the scene's.
+    Parameters
+    ----------
+    scene, body : Scene, int
+        The body's number in a scene.
+    inverse : float
+        The inverse of the side of a cell; by default it is the scene's.
+    points : ((n, own), (n, k)) float64, optional
+        Columns `own` and `state` of particles whose material varies; by default a typical one's.
     """
-    point = Particles.empty(1, scene.carried)
-    point.body[0] = body
-    point.state[0] = scene.states.initial[scene.body_material[body]]
+    number = scene.body_material[body]
+    if points is None:
+        points = scene.variations.typical[number][None], scene.states.initial[number][None]
+    point = Particles.empty(len(points[0]), scene.carried)
+    point.body[:] = body
+    point.own[:], point.state[:] = points
     setting, D = scene.setting.without_shape(), scene.dimension
     if inverse:
         setting = setting._replace(frame=setting.frame._replace(inverse=(inverse,) * D))
-    return fastest_rate(setting, point, np.zeros(1, np.int32), True)
+    return fastest_rate(setting, point, np.arange(len(point.body), dtype=np.int32), True)
 
 
 def _gap(ends: tuple[_Reals, _Reals], low: Any, high: Any) -> _Reals:

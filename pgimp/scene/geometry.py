@@ -20,6 +20,7 @@ from pgimp.mpi.collective import on_root
 from pgimp.mpi.limits import limits
 from pgimp.mpi.node import one_rank_first
 from pgimp.scene.scene import LEAST, MOST
+from pgimp.scene.variations import tables
 from pgimp.schema.messages import dotted
 
 #: Ratio of sizes of body and grid that suggests another unit, and the ratio of the units.
@@ -65,6 +66,7 @@ def _share(case: Case, comm: Any) -> None:
         with one_rank_first(comm):
             _warm_up()
     _read_points(case, comm)
+    _read_tables(case, comm)
     if problems := on_root(comm, lambda: _beyond(case) or _away(case)):
         raise CaseError("\n".join(problems))
 
@@ -148,13 +150,32 @@ def _read_points(case: Case, comm: Any) -> None:
         if not isinstance(points, Points):
             continue
         material = case.materials[body.material]
-        points.expect({state.name: state.tensor for state in material.states})
+        states = {state.name: state.tensor for state in material.states}
+        wanted = [
+            (column, ".".join(path), part)
+            for path, variation in material.variations.items()
+            for part in variation.parts()
+            for column in part.columns
+        ]
+        points.expect(dict.fromkeys((column for column, _, _ in wanted), False) | states)
 
-        def read(name: str = name, points: Points = points, material: Any = material) -> Any:
+        def read(
+            name: str = name,
+            points: Points = points,
+            material: Any = material,
+            wanted: Any = wanted,
+        ) -> Any:
             try:
                 found = points.read(room)
             except CaseError as error:
                 raise CaseError(f"bodies.{name}.region: {error}") from None
+            for column, key, _ in wanted:
+                if column not in found.states:
+                    raise CaseError(
+                        f"bodies.{name}.region: the particles {points.file} have no column "
+                        f"'{column}', from which materials.{case.bodies[name].material}.{key} is "
+                        "to be taken"
+                    )
             if found.stress and not material.CARRIES_STRESS:
                 raise CaseError(
                     f"bodies.{name}.region: the particles {points.file} have a stress, but the "
@@ -169,7 +190,23 @@ def _read_points(case: Case, comm: Any) -> None:
                 )
             return found
 
-        points.__dict__["summary"] = on_root(comm, read)
+        points.__dict__["summary"] = found = on_root(comm, read)
+        means = dict(zip(found.states, found.means, strict=True))
+        for column, _, part in wanted:
+            part.learn(means[column])
+
+
+def _read_tables(case: Case, comm: Any) -> None:
+    """Let rank 0 read the tables over a coordinate that lie in files, and all ranks know them."""
+    for key, table in tables(case):
+
+        def read(key: str = key, table: Any = table) -> Any:
+            try:
+                return table.read()
+            except CaseError as error:
+                raise CaseError(f"{key}: {error}") from None
+
+        table.__dict__["rows"] = on_root(comm, read)
 
 
 def _most_particles(case: Case, comm: Any) -> int | None:
@@ -201,3 +238,7 @@ def release(case: Case) -> None:
     for body in case.bodies.values():
         if isinstance(body.region, Points):
             body.region.__dict__.pop("summary", None)
+    for material in case.materials.values():
+        for variation in material.variations.values():
+            for part in variation.parts():
+                part.release()

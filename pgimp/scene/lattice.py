@@ -46,7 +46,10 @@ class ParticleBlock(NamedTuple):
     gradients : (n, D * D) float64 or None
         Of the velocity.
     states : dict of str to (n, k) float64
-        State variables of the material, by name. All four as a file of particles gives them.
+        State variables of the material, and columns that its parameters are, by name. All four as
+        a file of particles gives them.
+    rows : (n,) int64 or None
+        Rows of the file.
     """
 
     body: int
@@ -58,6 +61,7 @@ class ParticleBlock(NamedTuple):
     stresses: NDArray[np.float64] | None = None
     gradients: NDArray[np.float64] | None = None
     states: Mapping[str, NDArray[np.float64]] = MappingProxyType({})
+    rows: NDArray[np.int64] | None = None
 
 
 class Lattice:
@@ -260,7 +264,7 @@ class Lattice:
                     x = block.position
                     yield ParticleBlock(
                         number, x, first + rows, block.volume / self.volume, x, block.velocity,
-                        block.stress, block.gradient, block.states,
+                        block.stress, block.gradient, block.states, rows,
                     )  # fmt: skip
                 continue
             for volumes in body.slabs(planes):

@@ -116,6 +116,8 @@ def _locking(case: Any, body: BodyFacts) -> Iterator[str]:
     """Yield advice where a material is nearly incompressible and its particles each see that."""
     name, method = case.bodies[body.name].material, case.method
     poisson = getattr(case.materials[name], "poisson", 0.0)
+    if "poisson" in body.varies:
+        poisson = body.varies["poisson"][2]
     if case.dimensions == 1 or not poisson > _NEARLY_HALF:
         return
     if method.volumetric == "pointwise" and method.shape != "fuzzy-constant":

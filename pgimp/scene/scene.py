@@ -36,6 +36,7 @@ from pgimp.scene.lattice import Lattice, ParticleBlock
 from pgimp.scene.loads import SceneLoads
 from pgimp.scene.pointscloud import Cloud
 from pgimp.scene.tools import SceneTools
+from pgimp.scene.variations import Variations
 from pgimp.schema.tables import VectorTable
 
 #: Cells that a particle may cross in a step whose length pgimp chooses.
@@ -60,7 +61,8 @@ class Scene:
     shape : NamedTuple
         Parameters of the shape; `vertices` a direction in a support.
     materials : tuple of NamedTuple
-        Parameters of the materials in use, `material_of` the one of each body.
+        Parameters of the materials in use, with typical numbers where they vary in space (see
+        `variations`); `material_of` the one of each body.
     losses : tuple of str
         Those of `LOSSES` that a material in use tells; `sums` columns of `layer_sums`.
     faces : list of Face
@@ -152,10 +154,13 @@ class Scene:
         if case.contact or self.tools:
             self.pairs = Pairs.of(case.contact, [*self.body_names, *self.tools.names])
         self.states = States(used, self.materials, self.dimension)
-        self.fields = EVERY | self.states.fields
+        self.variations = Variations(case, used, self.materials, self.states.width)
+        #: Greatest density of a particle at the start, where materials vary and it is known.
+        self.densest: float | None = None
+        self.fields = EVERY | self.states.fields | self.variations.fields
         self.carried = Carried(
             self.dimension, self.origins, **self.loads.carried, state=self.states.width,
-            surfaces=self.pairs is not None,
+            surfaces=self.pairs is not None, own=self.variations.width,
         )  # fmt: skip
         varies = any(face.condition.varies for face in self.faces)
         self._face_table = FaceTable(self.faces)
@@ -166,8 +171,8 @@ class Scene:
         self.identity = tuple(float(i == j) for i in range(D) for j in range(D))
         frame = InitialFrame(*self.frame) if self.initial else self.frame
         self.setting = Setting(
-            self.shape, frame, self.identity, self.materials, self.material_of, self.tracked,
-            self.exits,
+            self.shape, frame, self.identity, self.variations.materials, self.material_of,
+            self.tracked, self.exits,
         )  # fmt: skip
 
     def _weigh(self, materials: list[str]) -> float:
@@ -262,6 +267,21 @@ class Scene:
         )
         return v + turn[:, :D]
 
+    def _vary(self, p: Particles, rows: slice, block: ParticleBlock) -> None:
+        """Give particles what they have of their own of their material, if it varies in space."""
+        own = self.variations.of(block, self.body_material[block.body])
+        if own is None:
+            return
+        p.own[rows], p.state[rows] = own.columns, own.state
+        p.m[rows] = p.V0[rows] * own.density  # (4)
+        if block.stresses is None and own.pressure.any():
+            p.sigma[rows, :3] = -own.pressure[:, None]
+
+    def weigh(self, densest: float) -> None:
+        """Learn the greatest density of particles whose materials vary."""
+        self.densest = densest
+        self.most_mass = densest * prod(self.case.grid.size)
+
     def populate(
         self,
         lattice: Lattice,
@@ -330,9 +350,11 @@ class Scene:
                 p.excess[rows, 0] = lattice.excess(block)
             p.m[rows] = p.V0[rows] * self.materials[material].density  # (4)
             p.state[rows] = self.states.initial[material]
+            self._vary(p, rows, block)
             for name, values in block.states.items():
-                first = self.states.kept[name].first[material]
-                p.state[rows, first : first + values.shape[1]] = values
+                first = self.states.first(name, material)
+                if first >= 0:  # else a parameter that varies
+                    p.state[rows, first : first + values.shape[1]] = values
             row += len(block.ids)
         if p.origin.shape[1]:
             p.origin[:] = p.x

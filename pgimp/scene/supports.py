@@ -105,6 +105,8 @@ def own_weight(case: Any, body: BodyFacts) -> dict[str, float]:
     found = {"": column / body.wave_speed**2}
     material = case.materials[case.bodies[body.name].material]
     young = getattr(material, "young", body.density * body.wave_speed**2)
+    if "young" in body.varies:
+        young = body.varies["young"][1]
     most, words = found[""], ""
     held = list(supports(case, body))
     for down in np.flatnonzero(g).tolist():

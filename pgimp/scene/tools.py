@@ -138,7 +138,7 @@ class SceneTools:
     def _weigh(self) -> None:
         """Refuse free bodies whose mass no solution of six equations can bear."""
         used = (self.case.materials[body.material] for body in self.case.bodies.values())
-        densities = [material.density for material in used]
+        densities = [material.typical("density") for material in used]
         low, high = LIGHTEST * min(densities), max(densities) / LIGHTEST
         for name, entry in zip(self.names, self.entries, strict=True):
             if entry.free and not low <= entry.free.density <= high:

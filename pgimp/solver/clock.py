@@ -90,7 +90,7 @@ class CourantClock:
     ) -> None:
         #: What is left of the Courant number, see `pgimp.solver.energywatch`.
         self.part = 1.0
-        self._courant, self._rest_rate = courant, rest_rate or inf  # 0: dust, a gas at rest
+        self._courant, self.rest_rate = courant, rest_rate or inf  # 0: dust, a gas at rest
         self._stops = sorted({t for t in stops if 0.0 < t < end} | {end})
         self.end = end
 
@@ -111,10 +111,10 @@ class CourantClock:
         left = stop - start
         courant = self._courant * self.part
         steps = (self.end - start) * rate / courant
-        if not steps < (BLOWN_UP_STEPS if rate > BLOWN_UP * self._rest_rate else MOST_STEPS):
+        if not steps < (BLOWN_UP_STEPS if rate > BLOWN_UP * self.rest_rate else MOST_STEPS):
             raise EndlessError(
                 f"after step {done.number}, at time {start:.6g}, waves or particles have become "
-                f"so fast, {rate:.3g} cells in a unit of time ({self._rest_rate:.3g} at rest), "
+                f"so fast, {rate:.3g} cells in a unit of time ({self.rest_rate:.3g} at rest), "
                 f"that the end would take {steps:.0e} steps more: the solution has blown up\n"
                 "  try: a smaller time.step: {courant: ...}, slower loading, finer cells"
             )

@@ -45,7 +45,7 @@ class EnergyWatch:
     """
 
     def __init__(self, speed: float) -> None:
-        self._speed = speed
+        self.speed = speed
         self.part = 1.0
         self.said: list[str] = []
         self._first = self._most = 0.0
@@ -64,7 +64,7 @@ class EnergyWatch:
         """Take the energy that there is from now on; collective."""
         energy, work, mass = self._sums(rank)
         self._first = energy - work
-        self._most = max(energy, NONE * mass * self._speed * self._speed)
+        self._most = max(energy, NONE * mass * self.speed * self.speed)
 
     def look(self, rank: Any, step: int, time: float) -> None:
         """Compare the energy with what it should be; collective.

@@ -102,7 +102,7 @@ def _out_of_range(rank: Rank, row: int) -> tuple[str, str]:
     """What its material says of the particle in `row`, and advises; see `Material.out_of_range`."""
     scene, p = rank.scene, rank.particles
     number = scene.body_material[p.body[row]]
-    entry = scene.case.materials[scene.material_names[number]]
+    entry = scene.variations.entry(number, p.own[row])
     D = scene.dimension
     J = float(np.linalg.det(p.F[row].reshape(D, D)))
     what, advice = entry.out_of_range(J, tuple(p.state[row].tolist()))

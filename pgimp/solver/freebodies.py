@@ -16,7 +16,7 @@ import numpy as np
 
 from pgimp.decomposition.grid import Grid
 from pgimp.errors import EndlessError
-from pgimp.kernels.tools import ANSWER, GIVEN, LATTER, LEAST, MOST, RESPONSE, TAKEN, Tools
+from pgimp.kernels.tools import ANSWER, CAUTIOUS, GIVEN, LATTER, LEAST, MOST, RESPONSE, TAKEN, Tools
 from pgimp.scene.freebody import FreeBody, Matrix, State, solve
 from pgimp.scene.scene import Scene
 from pgimp.scene.toolchecks import require_clear
@@ -24,7 +24,9 @@ from pgimp.solver.clock import Step
 
 #: Tries of Newton's method. Contact that only opens, closes, sticks or slides takes two or three.
 #: Where a change is not smaller than the one before, only half of it is made, then a quarter.
-TRIES = 60
+#: Bodies that are light for the friction or adhesion that holds them may slip to and fro from try
+#: to try: every other `NEWTON` of them take slip for viscous, which never goes too far.
+TRIES, NEWTON = 72, 12
 
 #: Change of the velocities, over the greatest of the body, at which they are found.
 ENOUGH = 1e-11
@@ -144,8 +146,11 @@ class FreeBodies:
             self._wanted.append(wanted)
             tried.append(solve(body.mass_matrix(inertia), wanted))
         self._touched, part, before = False, 1.0, inf
-        for _ in range(TRIES):
-            self._set(tools, tried)
+        for number in range(TRIES):
+            cautious = number // NEWTON % 2 == 1
+            if number % NEWTON == 0:
+                part, before = 1.0, inf
+            self._set(tools, tried, cautious)
             find_response()
             sums = self._sum(tools, grid)
             if not sums.any():
@@ -155,7 +160,8 @@ class FreeBodies:
                 self._change(number, sums[number].tolist(), v) for number, v in enumerate(tried)
             ]
             left = max(map(self._size, range(len(tried)), tried, changes))
-            part = min(1.0, 2.0 * part) if left < before else max(0.5 * part, 1.0 / 64.0)
+            if not cautious:
+                part = min(1.0, 2.0 * part) if left < before else max(0.5 * part, 1.0 / 64.0)
             before = left
             for v, change in zip(tried, changes, strict=True):
                 for i in range(6):
@@ -167,9 +173,12 @@ class FreeBodies:
             find_response()
             self._require_found(self._sum(tools, grid), tried, t)
 
-    def _set(self, tools: Tools, velocities: list[list[float]]) -> None:
+    def _set(
+        self, tools: Tools, velocities: list[list[float]], cautious: bool = False
+    ) -> None:
         for number, v in zip(self.numbers, velocities, strict=True):
             tools.motion[number, LATTER : LATTER + 6] = v
+            tools.motion[number, CAUTIOUS] = cautious
 
     def _require_found(self, sums: np.ndarray, tried: list[list[float]], t: Step) -> None:
         """Refuse velocities that are far from those that the bodies will get; on every rank."""

@@ -104,7 +104,7 @@ def _followed(scene: Any) -> list[tuple[str, Sequence[int]]]:
     """Quantities of a material point, and which of their components the case has."""
     D = scene.dimension
     found: list[tuple[str, Sequence[int]]] = []
-    for name in (*FOLLOWED, *scene.states.fields):
+    for name in (*FOLLOWED, *scene.states.fields, *scene.variations.fields):
         columns = scene.fields[name].columns
         tensor = _STRAINS[D - 1] if name == "strain" else _COMPONENTS[D - 1]
         found.append((name, tensor if columns == 6 else range(min(D, columns) or 1)))

@@ -16,6 +16,7 @@ from pgimp.jit.kernel import FOLDER
 from pgimp.kernels.order import layers_of
 from pgimp.kernels.particles import Particles
 from pgimp.kernels.sums import fastest_rate
+from pgimp.mpi.collective import all_or_none
 from pgimp.scene import nearness
 from pgimp.scene.facts import rest_rate
 from pgimp.scene.geometry import release, share, take_as_empty
@@ -151,7 +152,10 @@ class Simulation:
         layer = np.empty(len(lattice.coordinates[0]), np.int64)
         layers_of(scene.shape, scene.frame, scene.identity, lattice.coordinates[0], layer)
         slab = self.decompose(np.bincount(layer, counts.sum(axis=0), scene.frame.vertices[0]))
-        self.initialise(slab, *self._create(slab, lattice, counts, layer))
+        made = all_or_none(
+            comm, lambda: self._create(slab, lattice, counts, layer), CaseError
+        )
+        self.initialise(slab, *made)
         if scene.tools:
             p, order = self.particles, self.population.order
             require_apart(scene.tools, [(p.x[order], p.body[order])], comm)
@@ -172,6 +176,8 @@ class Simulation:
         state, layers = outline(scene, source, comm)
         require_same(scene.tools, state.tools)
         self.count = state.count
+        if state.densest is not None:
+            scene.weigh(state.densest)
         slab = self.decompose(layers)
         self.initialise(slab, *read_particles(scene, slab, source, state, layers, comm))
         read_books(self.rank, source, state, self.diagnostic_sums)
@@ -208,8 +214,11 @@ class Simulation:
         """
         scene, comm = self.scene, self.comm
         mine = particles.m[:count]
-        masses = comm.allgather((float(mine.min(initial=np.inf)), float(mine.sum())))
-        total = sum(mass for _, mass in masses)
+        dense = float((mine / particles.V0[:count]).max(initial=0.0))
+        masses = comm.allgather((float(mine.min(initial=np.inf)), float(mine.sum()), dense))
+        total = sum(mass for _, mass, _ in masses)
+        if scene.variations and scene.densest is None:
+            scene.weigh(max(dense for _, _, dense in masses))
         if total > 2.0 * scene.most_mass:  # only particles from a file can
             with located(self.case):
                 raise CaseError(
@@ -217,7 +226,7 @@ class Simulation:
                     f"the densest material, {scene.most_mass:.6g}; look at the volumes of points"
                 )
         self.rank = rank = Rank(scene, comm, slab, particles, count, start)
-        rank.lightest = LIGHT * min(least for least, _ in masses)
+        rank.lightest = LIGHT * min(least for least, _, _ in masses)
         self.balance.watch(count)
         open_window(rank, self.reduction)
         if start is None:
@@ -226,6 +235,15 @@ class Simulation:
         order, controlled = rank.population.order, scene.controlled or True
         fastest = fastest_rate(setting, rank.particles, order, controlled)
         self.rate = max(comm.allgather(fastest))
+        if scene.variations:
+            self._learn_rate()
+
+    def _learn_rate(self) -> None:
+        """Take the particles' waves for those at rest, where typical ones may be far from them."""
+        if isinstance(self.clock, CourantClock):
+            self.clock.rest_rate = self.rate or np.inf
+        if self.watch:
+            self.watch.speed = self.rate * min(self.scene.frame.cell)
 
     @property
     def now(self) -> Step:

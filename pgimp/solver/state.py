@@ -37,6 +37,7 @@ class State(BaseModel):
     beyond_time: float = Field(ge=0.0)
     beyond_face: str
     tools: str = ""
+    densest: float | None = Field(default=None, gt=0.0)
     watch: list[float] | None = Field(default=None, min_length=4, max_length=4)
     stage: int = Field(ge=0, le=1000, default=0)
     counted: int = Field(ge=0, le=2**53, default=0)
@@ -154,6 +155,7 @@ def capture(
         beyond_time=records.beyond[1],
         beyond_face=records.beyond[2],
         tools=rank.scene.tools.checksum,
+        densest=rank.scene.densest,
         watch=watch.numbers if watch else None,
         stage=stage,
         counted=counted,

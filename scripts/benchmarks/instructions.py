@@ -39,8 +39,16 @@ BEFORE = 3
 
 
 def record(name):
-    """Kernel calls of one step of a scene: (module, function, arguments as they were), and work."""
-    sim = create(block(SCENES[name]), random=True)
+    """Kernel calls of one step of a scene: (module, function, arguments as they were), and work.
+
+    The name of a scene with ``-own`` behind it: particles have a stiffness of their own.
+    """
+    case = block(SCENES[name.removesuffix("-own")])
+    if name.endswith("-own"):
+        solid = case["materials"]["solid"]
+        young = {"layers": [[0.0, solid["young"]]], "over": "x"}
+        case["materials"] = {"solid": solid | {"young": young}}
+    sim = create(case, random=True)
     for _ in range(BEFORE):
         sim.advance()
     calls = []

@@ -16,11 +16,15 @@ import motion
 import problems
 import rolls
 import walls
+from kept import Kept
 
 from pgimp.io.rundir.runinfo import cpu
 
 PAGES = motion.ROOT / "scripts" / "pages"
 OUT = motion.ROOT / "contact.out"
+
+#: What marks rows that were measured earlier than the others.
+EARLIER = " \\*"
 
 
 def _figures(quick):
@@ -135,14 +139,18 @@ def _table(found, cells):
 
 
 def _known():
-    """Lines of the table that there is, by the row that they belong to and what they say."""
+    """Lines of the table that there is, by the row that they belong to and what they say.
+
+    They are marked: it was not now that they were measured.
+    """
     lines, head = {}, ""
     path = PAGES / "tables" / "contact-motion.md"
     for line in path.read_text(encoding="utf-8").splitlines()[2:] if path.exists() else ():
         if line.startswith("| ") and not line.endswith("|  |  |"):
-            what = line[2:].split(" | ")[0]
+            what, rest = line[2:].split(" | ", 1)
+            what = what.removesuffix(EARLIER)
             head = head if what.startswith("the same") else what
-            lines[head, what] = line + "\n"
+            lines[head, what] = f"| {what}{EARLIER} | {rest}\n"
     return lines
 
 
@@ -202,29 +210,35 @@ def main():
         "--only", nargs="+", metavar="NAME",
         help="these motions, 'gaps', 'detection' or 'costs'; the other figures stay as they are",
     )  # fmt: skip
+    parser.add_argument("--jobs", type=int, default=min(2, os.cpu_count()), help="at a time")
     options = parser.parse_args()
     jobs, cells = _figures(options.quick), (0.2, 0.1)
     jobs["detection",] = (detection.text, options.quick)
     jobs["gaps",] = (_every_gap, options.quick)
     wanted = options.only or [*{name[0] for name in jobs}, "costs"]
-    found = {}
-    with ProcessPoolExecutor(min(2, os.cpu_count()), get_context("spawn")) as pool:
+    OUT.mkdir(exist_ok=True)
+    kept = Kept(OUT / ("quick.json" if options.quick else "figures.json"))
+    with ProcessPoolExecutor(options.jobs, get_context("spawn")) as pool:
         waiting = {name: pool.submit(*job) for name, job in jobs.items() if name[0] in wanted}
         for name, future in waiting.items():
             future.add_done_callback(partial(_show, name))
-        found = {name: future.result() for name, future in waiting.items()}
+        for name, future in waiting.items():
+            kept.add(name, future.result())
+    found = kept.found
     where = (
         f"Measured by `scripts/contact` on one core of {cpu()}, pgimp {version('pgimp')}, numba "
         f"{version('numba')}, {date.today()}.\n"
     )
-    texts = {"contact-motion": _table(found, cells) + "\n" + where}
+    table = _table(found, cells)
+    if EARLIER in table:
+        where = where[:-1] + " Rows with \\* were measured before the last changes of contact.\n"
+    texts = {"contact-motion": table + "\n" + where}
     if ("gaps",) in found:
         texts["contact-gaps"] = _gaps(found["gaps",])
     if ("detection",) in found:
         texts["contact-detection"] = found["detection",]
     if "costs" in wanted:
         texts["contact-costs"] = _costs(options.quick)
-    OUT.mkdir(exist_ok=True)
     (OUT / "contact.md").write_text("\n".join(texts.values()), encoding="utf-8")
     print("\n".join(texts.values()))
     if not options.quick:

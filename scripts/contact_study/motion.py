@@ -115,7 +115,7 @@ def parting():
 
 
 def incline(cell, angle=24.0, friction=0.3, law="friction"):
-    """A block slides down a held slab: acceleration and heat over the exact ones, way sunk in.
+    """A block slides down a held slab: acceleration, heat over Coulomb's, cells by which it sinks.
 
     The velocity is fitted by a line, as the block vibrates: at the beginning the weight sets in at
     once.
@@ -145,7 +145,9 @@ def incline(cell, angle=24.0, friction=0.3, law="friction"):
     way = [line["body.block.centre-x"] for line in (first, begin, end)]
     sunk = (end["body.block.centre-y"] - first["body.block.centre-y"]) / cell
     heat = end["contact.slab+block.friction-heat"] - begin["contact.slab+block.friction-heat"]
-    press = 5.0 * g * slope[1]
+    # While the block bounces it is not its weight that presses.
+    name = "contact.slab+block.normal-impulse"
+    press = (end[name] - begin[name]) / (end["time"] - begin["time"])
     acceleration = np.polyfit(*rows.T, 1)[0]
     return acceleration / exact, heat / (friction * press * (way[2] - way[1])), sunk
 

@@ -9,7 +9,7 @@ from flowing import channel, dam_break, excavation, sand_column, slope, sod
 from looking import block3d, paraview
 from meeting import corner, drum, hertz_impact
 from metal import plate_impact, taylor_bar
-from scenes import bar_vibration, disks, incline, pile, rolling, upsetting
+from scenes import bar_vibration, disks, graded, incline, pile, rolling, upsetting
 
 PICTURES = {
     "compaction": compaction,
@@ -33,6 +33,7 @@ PICTURES = {
     "channel": channel,
     "sand-column": sand_column,
     "slope": slope,
+    "graded": graded,
     "excavation": excavation,
     "dam-break": dam_break,
     "error-and-cost": error_and_cost,

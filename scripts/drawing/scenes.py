@@ -219,3 +219,25 @@ def bar_vibration(redraw):
     right.legend(ncol=3, loc="upper center", fontsize=9, columnspacing=1.0)
     print(f"pictures: greatest error {np.abs(moved - bar_displacement(place, last['time'])).max()}")
     save(figure, "bar-vibration")
+
+
+def graded(redraw):
+    """Stiffness of the ground over the depth; settlement and stress against the exact ones."""
+    frame = run("graded", redraw, ranks=1).frame(-1)
+    young, rise, high, weight = 20.0e6, 4.0e6, 20.0, 9.81 * 2000.0
+    u = frame["displacement"][:, 0]
+    depth = high - (frame["position"][:, 0] - u)
+    far = np.linspace(0.0, high, 200)
+    E = young + rise * far
+    exact = weight / rise * (high - far - young / rise * np.log((young + rise * high) / E))
+    figure, axes = plt.subplots(1, 3, figsize=(9, 3.4), sharey=True)
+    axes[0].plot(1e-6 * frame["parameter-young"], depth, ".", ms=4, color=BLUE)
+    axes[0].set(xlabel="Young's modulus [MPa]", ylabel="depth [m]", xlim=(0.0, 110.0))
+    axes[1].plot(-1e3 * u, depth, ".", ms=4, color=BLUE, label="pgimp")
+    axes[1].plot(1e3 * exact, far, "k--", lw=1.0, label="exact")
+    axes[1].set(xlabel="settlement [mm]")
+    axes[1].legend(loc="lower right")
+    axes[2].plot(-1e-3 * frame["stress"][:, 0], depth, ".", ms=4, color=BLUE)
+    axes[2].plot(1e-3 * weight * far, far, "k--", lw=1.0)
+    axes[2].set(xlabel="pressure [kPa]", ylim=(high, 0.0))
+    save(figure, "graded")

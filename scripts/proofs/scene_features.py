@@ -279,6 +279,58 @@ def components(rng, scene, most):
     return found
 
 
+#: Numbers of materials that may be a third larger or smaller, whatever the others are.
+VARY = ("young", "density", "poisson", "yield-stress", "a", "bulk", "shear-viscosity", "energy",
+        "damage", "toughness", "shear")  # fmt: skip
+
+
+def variation(rng, scene, value, column=None):
+    """What a number may be that varies in space: by a third of it at most."""
+    low, size = scene.case["grid"]["origin"], scene.case["grid"]["size"]
+    kind = rng.choice(("table", "layers", "random", "random", "product"))
+    if column is not None and rng.random() < 0.6:
+        return {"column": column}
+    if kind == "random":
+        lengths = [number(rng, 0.5, 6.0) * h for h in scene.cell]
+        field = {
+            "mean": value, "cov": number(rng, 0.0, 0.3), "seed": rng.randint(0, 99), "modes": 40,
+            "correlation": lengths if rng.random() < 0.5 else min(lengths),
+            "covariance": rng.choice(("exponential", "gaussian")),
+            "distribution": rng.choice(("normal", "lognormal")),
+        }  # fmt: skip
+        return {"random": field, "between": [0.7 * value, 1.4 * value]}
+    d = rng.randrange(scene.dimension)
+    over = {"over": "xyz"[d]}
+    begin, end = low[d] - 1.0, low[d] + size[d] + 1.0
+    if d == scene.dimension - 1 and rng.random() < 0.5:
+        over = {"over": "depth", "surface": low[d] + size[d]}
+        begin, end = -1.0, size[d] + 1.0
+    places = sorted({round(rng.uniform(begin, end), 3) for _ in range(rng.randint(0, 3))})
+    rows = [[place, number(rng, 0.75, 1.3) * value] for place in (begin, *places, end)]
+    if kind == "product":
+        return over | {"table": [[t, v / value] for t, v in rows], "times": value}
+    return over | {kind: rows}
+
+
+def varied(rng, scene):
+    """Numbers of materials vary in space; some are columns of particles of a file."""
+    for name, entry in scene.case["materials"].items():
+        keys = [key for key in VARY if isinstance(entry.get(key), float) and entry[key]]
+        bodies = [body for body in scene.case["bodies"].values() if body.get("material") == name]
+        files = [body["region"].get("points", {}).get("file") for body in bodies]
+        for key in rng.kind.sample(keys, min(len(keys), rng.kind.randint(0, 3))):
+            column = f"own-{key}" if files and all(files) else None
+            value = entry[key]
+            entry[key] = variation(rng, scene, value, column)
+            scene.states += (f"parameter-{key}",)
+            if entry[key] == {"column": column}:
+                for file in set(files):
+                    head, *rows = scene.files[file].rstrip("\n").split("\n")
+                    rows = [f"{row},{number(rng, 0.75, 1.3) * value!r}" for row in rows]
+                    scene.files[file] = "\n".join([f"{head},{column}", *rows]) + "\n"
+    scene.states = tuple(dict.fromkeys(scene.states))
+
+
 def walls(rng, scene):
     """Conditions on some faces."""
     for face in scene.faces:
@@ -501,6 +553,7 @@ FEATURES = (
     Feature("free body", free, 0.12, compiled=True),
     Feature("contact", contact, 0.35, compiled=True),
     Feature("initial configuration", initial, 0.2, compiled=True),
+    Feature("variation", varied, 0.25, compiled=True),
     Feature("stages", stages, 0.25),
     Feature("frames", frames),
     Feature("grid frames", grid_frames, 0.4),

@@ -56,10 +56,11 @@ COARSER = {
     "sand-column": ["grid.cell=[0.04,0.04]", "time.end=0.75", "output.every=0.75"],
     "slope": ["grid.cell=[0.2,0.2]", "output.every=0.5"],
     "excavation": ["grid.cell=[0.2,0.2]", "output.every=0.5"],
+    "graded": ["grid.cell=[1.0]", "output.every=11.0", "history.every=1.0"],
     "dam-break": ["grid.cell=[0.07,0.06]", "time.end=1.0", "output.every=0.5"],
 }
 #: Run on one rank only, which takes less time: what they have others have on two.
-ALONE = {"hertz", "corner", "drum", "sod", "slope", "channel", "excavation"}
+ALONE = {"hertz", "corner", "drum", "sod", "slope", "channel", "graded", "excavation"}
 
 
 @pytest.fixture(scope="module")
@@ -435,3 +436,14 @@ def test_block_bounces(runs):
     momentum = history["momentum-z"][-1] + history["mass"][0] * 9.81 * time[-1]
     assert impulse == pytest.approx(momentum, rel=1e-6)
     assert 3.0e4 < push.max() < 8.0e4
+
+
+def test_graded_ground_settles(runs):
+    """Gibson's soil: the settlement of the surface, on cells twice as large."""
+    frame = runs("graded").frame(-1)
+    young, rise, high, weight = 20.0e6, 4.0e6, 20.0, 9.81 * 2000.0
+    x = frame["position"][-1, 0] - frame["displacement"][-1, 0]
+    E = young + rise * (high - x)
+    assert frame["parameter-young"][-1] == pytest.approx(E, rel=1e-12)
+    exact = weight / rise * (x - young / rise * np.log((young + rise * high) / E))
+    assert -frame["displacement"][-1, 0] == pytest.approx(exact, rel=3e-3)

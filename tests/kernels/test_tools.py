@@ -9,7 +9,7 @@ from pgimp.geometry.distancefield import distance_field
 from pgimp.geometry.outline import outline
 from pgimp.geometry.regions import Ball, Box
 from pgimp.jit.kernel import kernel
-from pgimp.kernels.tools import FILLED, SURFACE, fill
+from pgimp.kernels.tools import BENT, FILLED, SURFACE, fill
 from pgimp.mpi.comm import Serial
 from pgimp.scene.scene import Scene
 
@@ -24,6 +24,14 @@ def filled(tools, frame, numbers, sides, out):
             out[i, 0] = tools.at[FILLED]
             for d in range(3):
                 out[i, 1 + d] = tools.at[SURFACE + d]
+
+
+@kernel
+def bends(tools, frame, numbers, out):
+    """What curvature of the first body adds to the gap at vertices near it."""
+    for i in range(len(numbers)):
+        if fill(tools, 0, frame, (numbers[i, 0], numbers[i, 1], numbers[i, 2]), (0, 0, 0)):
+            out[i] = tools.at[BENT]
 
 
 def tool_of(D, region, cell, motion=None):
@@ -151,3 +159,36 @@ def test_outlines_are_closed_and_on_the_surface(D):
     edges = 0 if D < 3 else 2 * len(cells)
     count = len(points) - edges + len(cells) if D == 3 else len(points) - len(cells) * (D == 2)
     assert count == faces
+
+
+@pytest.mark.parametrize("D", [2, 3])
+@pytest.mark.parametrize("radius", [6.0, 9.0])
+@pytest.mark.parametrize("hollow", [False, True])
+def test_curvature_of_balls_and_hollows(D, radius, hollow):
+    """What it adds to the gap, (1/12 + 1/16)/R of a cell a direction; less in hollows, as it bends.
+
+    To what the lattice of half cells leaves: at vertices within a cell of the surface.
+    """
+    centre = np.full(D, 6.3) + (radius - 2.0 if hollow else -radius + 1.0) * np.eye(D)[0]
+    region = {"ball": {"centre": centre.tolist(), "radius": radius}}
+    if hollow:
+        whole = {"box": {"min": [-4.0] * D, "max": [20.0] * D}}
+        region = {"difference": [whole, region]}
+    scene_, tools = tool_of(D, region, [1.0] * D)
+    numbers = np.stack(np.meshgrid(*[np.arange(3, 10)] * D, indexing="ij"), axis=-1).reshape(-1, D)
+    away = np.linalg.norm(numbers - centre, axis=1)
+    near = np.abs(away - radius) < 1.0
+    numbers = np.pad(numbers[near], ((0, 0), (0, 3 - D)))
+    out = np.zeros(len(numbers))
+    bends(tools, scene_.frame, numbers + scene_.frame.ghost, out)
+    exact = (1.0 / 12.0 + 1.0 / 16.0) * (D - 1) / away[near] * (-1.0 if hollow else 1.0)
+    assert len(out) > 4
+    assert out == pytest.approx(exact, rel=0.1)
+
+
+def test_edges_and_flat_faces_have_no_curvature():
+    scene_, tools = tool_of(2, {"box": {"min": [3.3, 2.6], "max": [8.4, 8.1]}}, [1.0, 1.0])
+    numbers = np.array([[3, 5, 0], [8, 6, 0], [5, 8, 0], [6, 3, 0], [3, 3, 0], [8, 8, 0]])
+    out = np.ones(len(numbers))
+    bends(tools, scene_.frame, numbers + scene_.frame.ghost, out)
+    assert np.abs(out).max() < 1e-9

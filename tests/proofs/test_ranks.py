@@ -28,7 +28,7 @@ GO_ON = {
     (3, 2): ("line_leaves", "plane_gimp", "plane_fuzzy", "affine", "dilating", "loaded",
                 "narrow"),
     (5, 4): ("line_mpm", "plane_leaves", "meeting", "staged", "flowing", "plane_mirror",
-                "space_finite", "narrow", "initial"),
+                "space_finite", "narrow", "initial", "varied"),
 }
 #: On 4 ranks messages go as between machines, otherwise through shared memory.
 TCP = {"OMPI_MCA_btl": "tcp,self", "OMPI_MCA_btl_tcp_if_include": "lo"}

@@ -481,6 +481,45 @@ def flowing():
     return case
 
 
+#: As `PAIR`, but stiffness and density of the one and Poisson's ratio of the other vary in space.
+VARIED = {
+    "soft": SOFT | {
+        "young": {
+            "random": {"mean": 100.0, "cov": 0.3, "correlation": [2.0, 1.0], "seed": 4},
+            "times": {"table": [[0.0, 1.2], [8.0, 0.8]], "over": "depth", "surface": 8.0},
+        },
+        "density": {"layers": [[0.0, 1.0], [3.2, 1.7]], "over": "y"},
+    },
+    "stiff": STIFF | {"poisson": {"table": [[0.0, 0.1], [24.0, 0.4]], "over": "x"}},
+}  # fmt: skip
+
+
+def varied():
+    """Squares whose materials vary in space collide across slabs and leave; grid frames, probes."""
+    bodies = {
+        "flies": turning(box([1.0, 2.0], [5.0, 5.0]), [3.0, 3.5], 0.6, [6.0, 0.5]),
+        "meets": box([8.0, 1.5], [12.0, 4.5], [-3.0, 0.2], "stiff"),
+        "leaves": box([14.0, 1.0], [17.0, 4.0], [6.0, -1.0]),
+    }
+    return scene(
+        2,
+        bodies,
+        cells=[20, 8],
+        end=1.7,
+        step={"courant": "auto"},
+        materials=VARIED,
+        gravity=[0.0, -2.0],
+        boundaries={"y-min": "slip", "y-max": "separating"},
+        escape={"x-max": "remove"},
+        output={
+            "every": 0.25,
+            "fields": [*EVERYTHING, "parameter-young", "parameter-density", "parameter-poisson"],
+        },
+        history={"every": {"steps": 10}},
+        probes={"tip": {"body": "flies", "at": [5.0, 3.5]}},
+    )
+
+
 def initial():
     """In the initial configuration: held, dragged, loaded and turning bodies fly out of the grid.
 
@@ -574,6 +613,7 @@ SCENES = (
             initial,
             cut,
             metals,
+            varied,
         )
     }
     | SIZED

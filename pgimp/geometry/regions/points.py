@@ -24,7 +24,10 @@ from pgimp.schema.paths import FileName
 
 
 class Summary(NamedTuple):
-    """What is known of a file of particles without its rows."""
+    """What is known of a file of particles without its rows.
+
+    `means` are those of `states`, of their first components.
+    """
 
     number: int
     low: tuple[float, ...]
@@ -36,6 +39,7 @@ class Summary(NamedTuple):
     stress: bool
     gradient: bool
     states: tuple[str, ...]
+    means: tuple[float, ...] = ()
 
 
 class Points(Model, Region):
@@ -48,7 +52,8 @@ class Points(Model, Region):
         description="file of the particles, from the folder of the case: .csv with a line of names "
         "(x,y,z,volume,velocity-x,...,stress-xx,...,velocity-gradient-xx,...), or .h5 with "
         "datasets position, volume, velocity, stress, velocity-gradient; either also with the "
-        "state variables of the body's material, by their names"
+        "state variables of the body's material, and with columns that its parameters are to be "
+        "taken from, by their names"
     )
 
     def belong(self, dimensions: int) -> None:
@@ -61,7 +66,7 @@ class Points(Model, Region):
         return self.__dict__.get("dimensions_of_case", 3)
 
     def expect(self, states: States) -> None:
-        """Learn the state variables of the body's material, which the file may give."""
+        """Learn of columns that the file may have: state variables, parameters that vary."""
         self.__dict__["states_of_material"] = states
 
     def _blocks(self, most: int | None = None) -> Iterator[Block]:
@@ -97,6 +102,7 @@ class Points(Model, Region):
         least, largest = np.inf, 0.0
         velocity = stress = gradient = False
         states: tuple[str, ...] = ()
+        sums: Lengths = np.zeros(0)
         for block in self._blocks(most):
             self._check(block)
             count += len(block.volume)
@@ -106,6 +112,9 @@ class Points(Model, Region):
             least, largest = min(least, block.volume.min()), max(largest, block.volume.max())
             velocity, stress = block.velocity is not None, block.stress is not None
             gradient, states = block.gradient is not None, tuple(block.states)
+            sums = np.array([table[:, 0].sum() for table in block.states.values()]) + (
+                sums if len(sums) else 0.0
+            )
         if not count:
             raise CaseError(f"the file {self.file} holds no particle")
         if gradient and not velocity:
@@ -114,7 +123,8 @@ class Points(Model, Region):
             )
         ends = tuple(low.tolist()), tuple(high.tolist())
         sizes = float(least), float(largest)
-        return Summary(count, *ends, volume, *sizes, velocity, stress, gradient, states)
+        means = tuple((sums / count).tolist())
+        return Summary(count, *ends, volume, *sizes, velocity, stress, gradient, states, means)
 
     def _check(self, block: Block) -> None:
         """Refuse what is no particle, with its row."""

@@ -45,6 +45,9 @@ class Solution(Model):
             path = ("materials", body.material, "model")
             yield Problem(path, f"the exact solution needs {self.model}, got {found}")
             return
+        for keys in case.materials[body.material].variations:
+            text = "the exact solution is that of a uniform body; give a number"
+            yield Problem(("materials", body.material, *keys), text)
         yield from self._wrong_walls(case.boundaries)
         if self.moves and any(body.velocity if isinstance(body.velocity, tuple) else (True,)):
             text = "the exact solution gives the initial velocity; leave this out"

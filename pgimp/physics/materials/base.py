@@ -15,6 +15,7 @@ from pgimp.jit.kernel import INLINE_OPTIONS
 from pgimp.jit.lanes import has_vectors, of_lane, vectors, where_all, with_lanes
 from pgimp.jit.outside import is_outside
 from pgimp.jit.simd import bits, pack
+from pgimp.physics.materials.vary import Varying
 from pgimp.schema.base import Model, NonNegative, Number, Positive
 
 Poisson = Annotated[
@@ -68,7 +69,7 @@ class State(NamedTuple):
         return (3, 4, 6)[dimensions - 1] if self.tensor else 1
 
 
-class Material(Model):
+class Material(Varying):
     """Base of the entries ``materials.NAME``."""
 
     CARRIES_STRESS: ClassVar[bool] = False
@@ -210,7 +211,7 @@ def _compiled(parameters: type, quantity: str):
 def evaluate(quantity, materials, k, args, state):
     """Value of "stress", "energy", "speed", .. of material number `k` of the scene's tuple.
 
-    Materials of one model are indexed; different models become a chain of branches; one material
+    Materials of one type are indexed; different types become a chain of branches; one material
     alone costs neither. Of the quantities in `OPTIONAL` a material need not have any.
 
     Parameters
@@ -241,10 +242,9 @@ def _evaluate(quantity, materials, k, args, state):
     if not isinstance(quantity, types.Literal):
         return None  # Numba tries that too, after an error in a material
     name = quantity.literal_value
-    models = [material.instance_class for material in materials]
-    if len(models) == 1:
+    if len(materials) == 1:
         return lambda quantity, materials, k, args, state: _ask(name, materials[0], args, state)
-    if len(set(models)) == 1:
+    if len(set(materials)) == 1:
         return lambda quantity, materials, k, args, state: _ask(name, materials[k], args, state)
 
     def branch(quantity, materials, k, args, state):
@@ -318,7 +318,8 @@ def evaluate_four(quantity, materials, numbers, args, state, like):
 
     `args` and `state` are vectors or tuples of them; so is the result, which is of the kind of
     `like`. `numbers` are the particles' materials, a tuple of four. A function that cannot take
-    vectors, because it branches, is called for one particle after the other.
+    vectors, because it branches, is called for one particle after the other. Parameters that vary
+    in space are vectors as well, see `pgimp.kernels.own`.
     """
 
 
@@ -336,7 +337,16 @@ def _evaluate_four(quantity, materials, numbers, args, state, like):
                 values = with_lanes(values, j, one)
             return values
 
-        return one_by_one
+        def one_by_one_of_own(quantity, materials, numbers, args, state, like):
+            values = like
+            for j in range(4):
+                own, given = of_lane(materials, j), of_lane(args, j)
+                values = with_lanes(
+                    values, j, evaluate(name, own, numbers[j], given, of_lane(state, j))
+                )
+            return values
+
+        return one_by_one_of_own if has_vectors(materials) else one_by_one
     if len(materials) == 1:
         return lambda quantity, materials, numbers, args, state, like: vectors(
             evaluate(name, materials, 0, args, state)

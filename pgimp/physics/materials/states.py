@@ -27,6 +27,17 @@ class Kept(NamedTuple):
     first: np.ndarray
 
 
+def initial_row(parameters: Any, dimensions: int, width: int) -> np.ndarray:
+    """What a particle of a material remembers at the start, filled up with zeros to `width`."""
+    row, first = np.zeros(width), 0
+    for state in states_of(type(parameters)):
+        last = first + state.width(dimensions)
+        start = state.initial
+        row[first:last] = getattr(parameters, start) if isinstance(start, str) else start
+        first = last
+    return row
+
+
 class States:
     """The state variables of the materials in use.
 
@@ -63,12 +74,9 @@ class States:
         self.initial = np.zeros((len(materials), self.width))
         self.kept: dict[str, Kept] = {}
         for i, each in enumerate(materials):
+            self.initial[i] = initial_row(each, dimensions, self.width)
             first = 0
             for state in states_of(type(each)):
-                last = first + state.width(dimensions)
-                start = state.initial
-                value = getattr(each, start) if isinstance(start, str) else start
-                self.initial[i, first:last] = value
                 nowhere = np.full(len(materials), -1)
                 known = self.kept.setdefault(state.name, Kept(state, nowhere))
                 if (state.unit, state.tensor) != (known.state.unit, known.state.tensor):
@@ -78,8 +86,12 @@ class States:
                         f"or unit as that of materials.{other}; give one of them another name"
                     )
                 known.first[i] = first
-                first = last
+                first += state.width(dimensions)
         self.fields = {name: _field(kept) for name, kept in self.kept.items()}
+
+    def first(self, name: str, material: int) -> int:
+        """Where in the row of a material's particles a state begins; -1 if it has none such."""
+        return int(self.kept[name].first[material]) if name in self.kept else -1
 
 
 def _field(kept: Kept) -> Field:

@@ -54,6 +54,11 @@ class Element:
     dimensions : int, optional
         1, 2 or 3; by default the most that the material exists in.
 
+    Raises
+    ------
+    UsageError
+        If the material varies in space.
+
     Attributes
     ----------
     row : (columns,) float64
@@ -65,6 +70,12 @@ class Element:
     """
 
     def __init__(self, material: Material, dimensions: int | None = None) -> None:
+        if material.variations:
+            keys = ", ".join(".".join(path) for path in material.variations)
+            raise UsageError(
+                f"{keys} of the material varies in space: say where it is wanted, --at x,y (in "
+                "Python material.at((x, y)))"
+            )
         self.dimensions = dimensions or max(material.DIMENSIONS)
         self.material = material
         self.parameters = parameters_of(material, self.dimensions)

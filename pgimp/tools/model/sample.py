@@ -219,7 +219,7 @@ def plain(case: Case, count: int) -> Case:
         "grid": {"size": [h * (cells + 2)] * D, "cell": [h] * D},
         "method": case.method.model_dump(),
         "materials": {
-            name: entry.model_dump()
+            name: entry.uniform()
             for name, entry in case.materials.items()
             if name == next(iter(case.bodies.values())).material
         },

@@ -6,9 +6,13 @@ from typing import Any
 
 from pgimp.case.schema import Case
 from pgimp.geometry.regions import REGION
+from pgimp.physics.variation import KINDS, VARIATION
 from pgimp.schema.registries import COMMENT, ByKey
 
 Schema = dict[str, Any]
+
+#: What a number of a material may be that varies in space.
+VARIES: Schema = {"$ref": f"#/$defs/{VARIATION.what}"}
 
 
 def json_schema() -> Schema:
@@ -20,10 +24,32 @@ def json_schema() -> Schema:
     definitions: Schema = {}
     schema = _collect(Case.model_json_schema(), definitions)
     definitions[REGION.what] = {"oneOf": _regions(REGION, definitions)}
+    definitions[VARIATION.what] = {
+        "oneOf": [_collect(kind.model_json_schema(), definitions) for kind in KINDS.values()]
+    }
+    materials = schema["properties"]["materials"]
+    for form in next(iter(materials["patternProperties"].values()))["oneOf"]:
+        _let_vary(form, definitions)
     schema = {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
     schema["title"] = "pgimp case file"
     schema["$defs"] = dict(sorted(definitions.items()))
     return schema
+
+
+def _let_vary(form: Schema, definitions: Schema) -> None:
+    """Let numbers of a material, or of a part of it, vary in space."""
+    for name, value in form["properties"].items():
+        branches = value.get("anyOf", [value])
+        if name == "viscosity" or VARIES in branches:
+            continue
+        for branch in branches:
+            if "$ref" in branch:
+                _let_vary(definitions[branch["$ref"].rpartition("/")[2]], definitions)
+        if any(branch.get("type") == "number" for branch in branches):
+            moved = ("description", "default")
+            said = {key: value[key] for key in moved if key in value}
+            rest = [{k: v for k, v in branch.items() if k not in moved} for branch in branches]
+            form["properties"][name] = {"anyOf": [*rest, VARIES], **said}
 
 
 def study_schema() -> Schema:

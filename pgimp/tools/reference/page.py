@@ -9,9 +9,10 @@ from typing import NamedTuple
 from pgimp.case.writer import flow
 from pgimp.physics.columns import GRID, PLACE, POINT, Vertex
 from pgimp.physics.fields import ALWAYS, FAILURE, OPTIONAL, Field
+from pgimp.physics.variation import KINDS, VARIATION
 from pgimp.schema.base import LARGEST_COUNT
 from pgimp.solver.columns import HISTORY
-from pgimp.tools.reference.jsonschema import Schema, json_schema, study_schema
+from pgimp.tools.reference.jsonschema import VARIES, Schema, json_schema, study_schema
 
 _UNIT = re.compile(
     r"\s*\[((?:length|mass|time|stress|force|energy|volume|dimensions|[\d\s/^()])+)\]"
@@ -38,6 +39,13 @@ letter followed by letters, digits, `-` and `_`. Each key may be overridden on t
 """
 
 
+_VARIATIONS = """\
+Every number of a material, but for its artificial viscosity, may be a mapping instead, by which it
+depends on the place of a particle at the start: `young: {table: [[0.0, 5e6], [10.0, 4e7]], over:
+depth, surface: 12.0}`. See [docs/variation.md](../docs/variation.md).
+"""
+
+
 class _Section(NamedTuple):
     """The keys of one type that a registry offers."""
 
@@ -56,6 +64,10 @@ def reference() -> str:
         pages += [f"### {section.heading}\n", section.schema["description"] + "\n"]
         if below := list(_rows(section.path, section.schema, schema["$defs"], [])):
             pages.append(_table(_HEAD, below))
+    pages += ["## Parameters that vary in space\n", _VARIATIONS]
+    for name, form in zip(KINDS, schema["$defs"][VARIATION.what]["oneOf"], strict=True):
+        pages += [f"### `{{{name}: ..}}`\n", form["description"] + "\n"]
+        pages.append(_table(_HEAD, _rows("", form, schema["$defs"], [])))
     pages += [
         "## Frames\n",
         "`frames/particles-NNNNNN.h5`, one row a particle in ascending `id`. Always there:\n",
@@ -194,7 +206,12 @@ def _forms(schema: Schema, definitions: Schema) -> list[Schema]:
     choices = whole.get("oneOf", whole.get("anyOf"))
     if choices is None:
         return [whole]
-    return [form for choice in choices for form in _forms(choice, definitions)]
+    return [
+        form
+        for choice in choices
+        if choice != VARIES  # the same everywhere, and said once
+        for form in _forms(choice, definitions)
+    ]
 
 
 def _resolve(schema: Schema, definitions: Schema) -> Schema:

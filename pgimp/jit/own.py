@@ -1,0 +1,80 @@
+"""NamedTuples with numbers that each particle has of its own.
+
+Of parameters that vary in space, `Own` stands in the place of a number. A kernel puts in the
+values of the particle, or of four, that it is about (`filled`). The types decide what is compiled:
+where nothing varies there is no `Own`, and nothing is done.
+"""
+
+from typing import Any, NamedTuple
+
+from numba.core import cgutils, types
+from numba.extending import intrinsic
+
+
+class Own(NamedTuple):
+    """In place of a number that each particle has of its own: its place among these."""
+
+    place: int
+
+
+def is_own(kind: Any) -> bool:
+    """Whether a Numba type is that of `Own`."""
+    return getattr(kind, "instance_class", None) is Own
+
+
+def count_own(kind: Any) -> int:
+    """How many `Own` there are in values of a Numba type, at any depth."""
+    if is_own(kind):
+        return 1
+    parts: Any = kind if isinstance(kind, types.BaseTuple) else ()
+    return sum(count_own(part) for part in parts)
+
+
+def _type_of(kind, number):
+    """The type of a structure, given by its type, with numbers in place of `Own`."""
+    if is_own(kind):
+        return number
+    if not count_own(kind):
+        return kind
+    parts = [_type_of(part, number) for part in kind]
+    return types.BaseTuple.from_types(parts, getattr(kind, "instance_class", None))
+
+
+@intrinsic
+def filled(typing_context, structure, values):
+    """The structure, tuples of any depth, with ``values[i]`` for the i-th `Own` in it.
+
+    `values` are as many numbers, or vectors, as there are, or more.
+    """
+    given: list[Any] = [*values] if isinstance(values, types.BaseTuple) else []
+    if not given or count_own(structure) > len(given):
+        return None
+    number = given[0]
+
+    def generate(context, builder, sig, args):
+        found = iter(cgutils.unpack_tuple(builder, args[1]))
+
+        def build(kind, value):
+            if is_own(kind):
+                return next(found)
+            if not count_own(kind):
+                return value
+            parts = [
+                build(part, builder.extract_value(value, i)) for i, part in enumerate(kind)
+            ]
+            return context.make_tuple(builder, _type_of(kind, number), parts)
+
+        return build(sig.args[0], args[0])
+
+    return _type_of(structure, number)(structure, values), generate
+
+
+@intrinsic
+def named(typing_context, like, values):
+    """The tuple `values` as a NamedTuple of the class of `like`."""
+    kind = types.BaseTuple.from_types([*values], like.instance_class)
+
+    def generate(context, builder, sig, args):
+        return context.make_tuple(builder, kind, cgutils.unpack_tuple(builder, args[1]))
+
+    return kind(like, values), generate

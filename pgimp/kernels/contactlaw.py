@@ -1,0 +1,187 @@
+"""The law of contact at a vertex: what is held there, and what the fields of a pair exchange."""
+
+from math import inf, sqrt
+
+from pgimp.jit.kernel import inner_kernel, specialise
+from pgimp.kernels.constraints import constrained_velocity, former_velocity, is_marked
+from pgimp.kernels.contact import (
+    CLING,
+    CLOSING,
+    DRAWN,
+    MOBILITY,
+    NORMAL,
+    NOW,
+    PULL,
+    PUSH,
+    SLIP,
+    STUCK,
+    TOLD,
+    WEIGHT,
+)
+from pgimp.kernels.faces import beyond_any, face_count, hold
+from pgimp.kernels.tools import ANSWERS, FREE
+from pgimp.physics.contact import TIED
+
+#: Of the mass of a vertex that is held its inverse, as free rigid bodies feel it: see `softness`.
+SOFT = 1e-3
+
+
+def _after(faces, frame, forcing, contact, number, r, v, last):
+    """Velocity v of the vertex at `r` after faces and constraints."""
+
+
+@specialise(_after)
+def _after_all(faces, frame, forcing, contact, number, r, v, last):
+    def after(faces, frame, forcing, contact, number, r, v, last):
+        rest = (0.0, 0.0, 0.0)
+        u, _ = hold(faces, forcing, frame, number, r, v, rest, 0.0, contact.unbooked)
+        if last:
+            return constrained_velocity(forcing.marked, r, u)
+        return former_velocity(forcing.marked, r, u, forcing.dt)
+
+    return after
+
+
+@inner_kernel
+def settled(contact, faces, frame, forcing, number, a, last):
+    """Velocity of a field as faces and constraints will leave it.
+
+    What particles bring meets constraints as they are at the step's beginning, what forces make of
+    it those at its end, so that what they push gets their acceleration.
+    """
+    row = contact.fields[a]
+    v = (row[NOW], row[NOW + 1], row[NOW + 2])
+    if row[WEIGHT] == inf:
+        return v
+    return _after(faces, frame, forcing, contact, number, contact.places[a], v, last)
+
+
+@inner_kernel
+def find_held(contact, faces, frame, forcing, number, count, last):
+    """Set the mobilities of the fields at a vertex; returns whether any component is held."""
+    some = False
+    near = beyond_any(faces, face_count(faces), frame, number)
+    for a in range(count):
+        row = contact.fields[a]
+        row[MOBILITY : MOBILITY + 3] = row[TOLD : TOLD + 3] = 0.0
+        for d in range(len(frame.cell)):
+            row[MOBILITY + d] = row[TOLD + d] = 1.0 / row[WEIGHT]
+        if not (near or is_marked(forcing.marked, contact.places[a])):
+            continue
+        v = settled(contact, faces, frame, forcing, number, a, last)
+        for d in range(len(frame.cell)):
+            own, far = row[NOW + d], abs(row[NOW + d]) + 1.0
+            row[NOW + d] = own + 1.0
+            held = settled(contact, faces, frame, forcing, number, a, last)[d] == v[d]
+            if held:
+                row[MOBILITY + d] = 0.0
+                row[NOW + d] = far
+                if settled(contact, faces, frame, forcing, number, a, last)[d] == v[d]:
+                    row[TOLD + d] = 0.0
+            row[NOW + d] = own
+            some = some or held or v[d] != own
+    return some
+
+
+def softness(contact, tools, a, b, column):
+    """By component, how much a free rigid body yields to a field that is held: for an impulse of 1.
+
+    Held is what has 0 in `column`, `MOBILITY` or `TOLD`. Neither's velocity follows from the
+    impulse, that of the body but at the end of the step. This is what would be left of the velocity
+    into what is held if the body had no mass: hardly any.
+    """
+
+
+@specialise(softness)
+def _softness(contact, tools, a, b, column):
+    if not hasattr(tools, "instance_class") or not hasattr(tools.types[ANSWERS], "ndim"):
+        return lambda contact, tools, a, b, column: (0.0, 0.0, 0.0)
+
+    def of_free(contact, tools, a, b, column):
+        fields, rigid, other = contact.fields, b, a
+        if fields[a, WEIGHT] == inf:
+            rigid, other = a, b
+        if fields[rigid, WEIGHT] < inf:
+            return 0.0, 0.0, 0.0
+        if tools.about[contact.bodies[rigid] - tools.bodies, FREE] < 0:
+            return 0.0, 0.0, 0.0
+        soft = SOFT / fields[other, WEIGHT]
+        return (
+            soft if fields[other, column] == 0.0 else 0.0,
+            soft if fields[other, column + 1] == 0.0 else 0.0,
+            soft if fields[other, column + 2] == 0.0 else 0.0,
+        )
+
+    return of_free
+
+
+@inner_kernel
+def exchange(contact, faces, frame, forcing, number, held, pair, last):
+    """Let the fields of a pair exchange what impulse the law still wants."""
+    row = contact.partners[pair]
+    a, b, entry = contact.ends[pair, 0], contact.ends[pair, 1], contact.ends[pair, 2] - 1
+    first, second = contact.fields[a], contact.fields[b]
+    u = (first[NOW], first[NOW + 1], first[NOW + 2])
+    v = (second[NOW], second[NOW + 1], second[NOW + 2])
+    if held:
+        u = settled(contact, faces, frame, forcing, number, a, last)
+        v = settled(contact, faces, frame, forcing, number, b, last)
+    tied = contact.pairs.law[entry] == TIED
+    soft = (0.0, 0.0, 0.0)
+    if held:
+        soft = softness(contact, contact.tools, a, b, TOLD if tied else MOBILITY)
+    if tied:
+        for d in range(len(frame.cell)):
+            mobility = first[TOLD + d] + second[TOLD + d] + soft[d]
+            if not mobility > 0.0:  # both move as they are told
+                continue
+            # Who is told takes the other along; what walls that let go do, they do to both.
+            w = u[d] if first[TOLD + d] == 0.0 else first[NOW + d]
+            w -= v[d] if second[TOLD + d] == 0.0 else second[NOW + d]
+            _give(first, second, row, d, (w - soft[d] * row[SLIP + d]) / mobility)
+        return
+    w = (
+        v[0] - u[0] + soft[0] * (row[SLIP] + row[PUSH] * row[NORMAL]),
+        v[1] - u[1] + soft[1] * (row[SLIP + 1] + row[PUSH] * row[NORMAL + 1]),
+        v[2] - u[2] + soft[2] * (row[SLIP + 2] + row[PUSH] * row[NORMAL + 2]),
+    )
+    normal, most, answer = 0.0, 0.0, 0.0
+    for d in range(3):
+        mobility = first[MOBILITY + d] + second[MOBILITY + d] + soft[d]
+        answer += row[NORMAL + d] ** 2 * mobility
+        most = max(most, mobility)
+        normal += w[d] * row[NORMAL + d]
+    if not most > 0.0:
+        return
+    push, square = row[PUSH], 0.0
+    if answer > 0.0:
+        row[PUSH] = max(0.0, push - (normal + row[CLOSING]) / answer)
+        if row[PUSH] == 0.0 and row[PULL] > 0.0:
+            wanted = min(0.0, push - normal / answer)
+            row[PUSH] = max(-row[PULL], wanted)
+            row[DRAWN] = row[PUSH] / wanted if wanted < 0.0 else 1.0
+    for d in range(3):
+        stick = row[SLIP + d] - (w[d] - normal * row[NORMAL + d]) / most
+        square += stick * stick
+    static, kinetic = contact.pairs.coefficient[entry, 0], contact.pairs.coefficient[entry, 1]
+    length, pressed, cling = sqrt(square), max(row[PUSH], 0.0), row[CLING]
+    if row[PUSH] < 0.0:
+        cling *= sqrt(1.0 - (row[PUSH] / row[PULL]) ** 2)
+    part = 1.0
+    if length > static * pressed + cling:
+        part = (kinetic * pressed + cling) / length
+    row[STUCK] = part
+    for d in range(3):
+        stick = row[SLIP + d] - (w[d] - normal * row[NORMAL + d]) / most
+        J = (row[PUSH] - push) * row[NORMAL + d]
+        first[NOW + d] -= J / first[WEIGHT]
+        second[NOW + d] += J / second[WEIGHT]
+        _give(first, second, row, d, part * stick - row[SLIP + d])
+
+
+@inner_kernel
+def _give(first, second, row, d, J):
+    """Change component `d` of two fields' velocities by an impulse across the normal."""
+    row[SLIP + d] += J
+    first[NOW + d] -= J / first[WEIGHT]
+    second[NOW + d] += J / second[WEIGHT]

@@ -1,0 +1,144 @@
+"""How particles carry what varies of their material: parameters of kernels, values of the case.
+
+Which of the parameters vary is found by asking for them with other numbers: with another Young's
+modulus both of Lame's constants do, with another density that alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from pydantic import ValidationError
+
+from pgimp.jit.own import Own
+from pgimp.physics.variation import Variation
+from pgimp.physics.variation.find import Variations, value_at
+
+
+def leaves(value: tuple[Any, ...]) -> list[Any]:
+    """Numbers and whatever else is in a structure of tuples, in order."""
+    found: list[Any] = []
+    for part in value:
+        if isinstance(part, tuple):
+            found += leaves(part)
+        else:
+            found.append(part)
+    return found
+
+
+def _rebuilt(value: Any, given: Iterator[Any]) -> Any:
+    """A structure of tuples with other leaves."""
+    if not isinstance(value, tuple):
+        return next(given)
+    parts = [_rebuilt(part, given) for part in value]
+    return type(value)(*parts) if hasattr(value, "_fields") else tuple(parts)
+
+
+class Layout(NamedTuple):
+    """How the particles of a material carry what varies of it.
+
+    Attributes
+    ----------
+    base : NamedTuple
+        Its parameters with typical numbers.
+    varying : list of int
+        Which of the numbers in the parameters vary, in order: the first columns of a particle.
+    paths : list of tuple of str
+        Keys of the case that vary.
+    places : list of int
+        Column in which the value of each lies.
+    width : int
+        Columns.
+    """
+
+    base: Any
+    varying: list[int]
+    paths: list[tuple[str, ...]]
+    places: list[int]
+    width: int
+
+    @property
+    def marked(self) -> Any:
+        """Its parameters with `Own` in place of what varies."""
+        found = leaves(self.base)
+        for place, leaf in enumerate(self.varying):
+            found[leaf] = Own(place)
+        return _rebuilt(self.base, iter(found))
+
+    def packer(self) -> Callable[[Any, Sequence[float]], list[float] | None]:
+        """Return a function that gives the columns of a particle.
+
+        It takes the particle's parameters and values of the case, and returns None if its
+        parameters differ from `base` in more than what varies.
+        """
+        kind, base, varying = type(self.base), leaves(self.base), self.varying
+        fixed = [(i, leaf) for i, leaf in enumerate(base) if i not in varying]
+        others = [j for j, place in enumerate(self.places) if place >= len(varying)]
+
+        def pack(parameters: Any, values: Sequence[float]) -> list[float] | None:
+            if type(parameters) is not kind:
+                return None
+            found = leaves(parameters)
+            for i, leaf in fixed:
+                if not same(found[i], leaf):
+                    return None
+            return [found[i] for i in varying] + [values[j] for j in others]
+
+        return pack
+
+    def values(self, row: np.ndarray) -> list[float]:
+        """Return the values of the case that a particle carries."""
+        return [float(row[place]) for place in self.places]
+
+
+def layout_of(entry: Any, make: Callable[[Any], Any]) -> Layout:
+    """Find which numbers of the kernels' parameters depend on what varies.
+
+    They are those that are others with another value of any one; `make` makes the parameters of an
+    entry.
+    """
+    variations: Variations = entry.variations
+    paths = list(variations)
+    base, entry_with = make(entry), entry.maker()
+    own = [value_at(entry, path) for path in paths]
+    first = leaves(base)
+    varying: set[int] = set()
+    given = [{i for i, leaf in enumerate(first) if same(leaf, value)} for value in own]
+    for number, path in enumerate(paths):
+        for value in _probes(variations[path], own[number]):
+            try:
+                other = make(entry_with({path: value}))
+            except (ValidationError, ValueError):
+                continue
+            if type(other) is not type(base):
+                continue
+            found = leaves(other)
+            varying |= {i for i, leaf in enumerate(found) if not same(leaf, first[i])}
+            for j in range(len(paths)):
+                now = value if j == number else own[j]
+                given[j] &= {i for i, leaf in enumerate(found) if same(leaf, now)}
+    order, places = sorted(varying), []
+    width = len(order)
+    for j in range(len(paths)):
+        there = [order.index(i) for i in given[j] & varying]
+        places.append(there[0] if there else width)
+        width += not there
+    return Layout(base, order, paths, places, width)
+
+
+def same(a: Any, b: Any) -> bool:
+    """Whether two leaves are equal."""
+    if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
+        return bool(np.array_equal(a, b))
+    return bool(a == b)
+
+
+def _probes(variation: Variation, typical: float) -> list[float]:
+    """Values near and far from a typical one, of those that there may be where they are known."""
+    known = sorted({value for _, value in variation.known()})
+    found = known[:: max(1, len(known) // 20)] + known[-1:]
+    return found + [typical * factor for factor in (1.01, 0.99, 1.3, 0.7, 2.0, 0.5)] + [
+        typical + step for step in (1e-3, -1e-3)
+    ]

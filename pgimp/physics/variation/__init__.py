@@ -1,0 +1,22 @@
+"""Parameters of materials that vary in space: by a table, layers, a column, at random.
+
+In place of a number a case has a mapping that says how to get it from the place of a particle at
+the start, ``young: {table: [[0.0, 5e6], [10.0, 4e7]], over: depth, surface: 12.0}``. Each way is a
+type here, with its values at places; what the numbers then do to the material is in
+`pgimp.physics.materials.vary`.
+"""
+
+from pgimp.physics.variation.along import LayersVariation, TableVariation
+from pgimp.physics.variation.base import VARIATION, NoValueError, Path, Places, Variation
+from pgimp.physics.variation.column import FromColumn
+from pgimp.physics.variation.randomfield import RandomVariation
+
+__all__ = ["KINDS", "VARIATION", "NoValueError", "Path", "Places", "TableVariation", "Variation"]
+
+#: What a parameter may be in place of a number, by the key that says so; the first one counts.
+KINDS: dict[str, type[Variation]] = {
+    "table": TableVariation,
+    "layers": LayersVariation,
+    "random": RandomVariation,
+    "column": FromColumn,
+}

@@ -1,0 +1,127 @@
+"""Contact where constraints and walls hold the material: prescribed rigid bodies, free ones, tied.
+
+What is held moves as it is told, whoever presses on it: it exchanges nothing with a rigid body that
+moves as prescribed, and a free one stops on it.
+"""
+
+import numpy as np
+import pytest
+from scenes import box, energy, field, finish, scene, start
+
+from pgimp.kernels.ledger import HEAT, LOSS
+
+#: Speeds up, slows down and goes back, along the surfaces and towards them.
+WAY = {"table": [[0.0, [0.0, 0.0]], [0.2, [3.0, -0.2]], [0.6, [-2.0, 0.1]], [1.0, [0.0, 0.0]]]}
+
+STICKY = {"normal": 2.0, "shear": 2.0, "reach": 0.3}
+LAWS = {
+    "without an entry": [],
+    "tied": [{"bodies": "all", "law": "tied"}],
+    "friction": [{"bodies": "all", "friction": 0.5}],
+    "adhesion": [{"bodies": "all", "friction": 0.5, "adhesion": STICKY}],
+}
+
+
+def rigid(low, high, **motion):
+    """A rigid body that fills a box."""
+    return {"rigid": motion, "region": {"box": {"min": low, "max": high}}}
+
+
+def held(law, density, grip):
+    """A block that is gripped, one that a wall holds; on them rigid bodies that slide, and fall.
+
+    The ball falls on the gripped block, from a twentieth of a cell.
+    """
+    bodies = {
+        "gripped": box([2.0, 3.0], [6.0, 5.0]),
+        "lies": box([8.0, 0.0], [12.0, 0.5]),
+        "under": rigid([1.0, 1.0], [5.0, 3.0], velocity=WAY),
+        "slides": rigid([8.5, 0.5], [11.5, 2.5], velocity=WAY),
+        "falls": {
+            "rigid": {"density": density},
+            "velocity": [0.3, -1.0],
+            "region": {"ball": {"centre": [4.1, 6.55], "radius": 1.5}},
+        },
+    }
+    whole = {"box": {"min": [2.0, 3.0], "max": [6.0, 5.0]}}
+    return scene(
+        2, bodies, cells=[14, 10], end=1.0, boundaries={"y-min": "fixed"}, contact=LAWS[law],
+        constraints={"grip": {"body": "gripped", "region": whole, "velocity": grip}},
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("density", [0.01, 1.0, 100.0])
+def test_rigid_bodies_on_what_is_held(law, density):
+    """No energy comes from nothing, however a tool slows down; a free body does not pass through.
+
+    A tool and a gripped body, which both move as they are told, exchange nothing.
+    """
+    sim = start(held(law, density, [0.0, 0.0]))
+    lines, spent = [sim.diagnostics()], [0.0]
+    while not sim.finished:
+        sim.advance()
+        lines.append(sim.diagnostics())
+        spent.append(sim.rank.ledger.contact[:, :, [HEAT, LOSS]].sum())
+        assert lines[-1]["tool.under.force-x"] == lines[-1]["tool.under.force-y"] == 0.0
+    every = {name: np.array([line[name] for line in lines]) for name in lines[0]}
+    gained = energy(every) - energy(every)[0] - every["external-work"] + np.array(spent)
+    assert gained.max() <= 1e-9 * energy(every).max()
+    assert np.diff(spent).min() >= -1e-12
+    assert every["tool.under.work"][-1] == 0.0
+    assert np.abs(every["tool.slides.work"]).max() > 1.0
+    # What the ball loses the grip takes.
+    for axis in "xy":
+        change = np.diff(every[f"tool.falls.momentum-{axis}"])
+        force = every[f"constraint.grip-{axis}"][1:]
+        scale = 1e-12 * np.abs(every["tool.falls.momentum-y"]).max()
+        assert change == pytest.approx(force * np.diff(every["time"]), abs=scale)
+    own, done = every["tool.falls.kinetic-energy"], every["tool.falls.work"]
+    assert (own - own[0] + done).max() <= 1e-3 * own[0]
+    # It comes down by a twentieth, and its surface is as round as a cell.
+    assert every["tool.falls.displacement-y"].min() > -0.2
+    assert abs(every["tool.falls.velocity-y"][-1]) < 0.1
+    if "friction" not in law and law != "adhesion":
+        assert np.abs([every[f"tool.falls.velocity-{a}"][-1] for a in "xy"]).max() < 1e-6
+
+
+def pushed(bodies, contact):
+    """The left half of a block of 4 by 3 cells is gripped, and moved faster and faster."""
+    half = {"box": {"min": [2.0, 1.0], "max": [4.0, 4.0]}}
+    motion = {"table": [[0.0, 0.0], [1.5, 1.5], [2.0, 1.0]]}
+    parts = {"grip": {"body": "a", "region": half, "velocity": [motion, None]}}
+    return scene(2, bodies, cells=[12, 6], end=2.0, constraints=parts, contact=contact)
+
+
+HALVES = {"a": box([2.0, 1.0], [4.0, 4.0]), "b": box([4.0, 1.0], [6.0, 4.0])}
+
+
+def test_what_is_tied_to_a_gripped_body_moves_with_it():
+    """As if both were one body, but for forces on what of one body is too light to be accelerated."""
+    sims = [
+        finish(start(pushed({"a": box([2.0, 1.0], [6.0, 4.0])}, []))),
+        finish(start(pushed(HALVES, [{"bodies": "all", "law": "tied"}]))),
+    ]
+    places = (field(start(sim.case), "x") for sim in sims)
+    orders = [np.lexsort(np.round(x, 6).T) for x in places]
+    first, second = (
+        np.concatenate([field(sim, name)[order] for name in ("x", "v", "F", "sigma")], axis=1)
+        for sim, order in zip(sims, orders, strict=True)
+    )
+    assert np.allclose(first, second, rtol=0.0, atol=1e-5)
+    # The history names what the grip does, with what it drags.
+    one, two = (sim.diagnostics() for sim in sims)
+    assert two["external-work"] == pytest.approx(one["external-work"], rel=1e-7)
+
+
+def test_what_a_grip_pushes_gets_its_acceleration():
+    """A block before one that is gripped: after a time of loading it moves as fast."""
+    sim = start(pushed(HALVES, [{"bodies": "all", "friction": 0.2}]))
+    sim.diagnostics()
+    while sim.time < 1.5 - 1e-9:
+        sim.advance()
+    line = sim.diagnostics()
+    force = line["contact.all.normal-impulse"] / 1.5
+    assert line["body.b.momentum-x"] / line["body.b.mass"] == pytest.approx(1.5, rel=0.02)
+    assert force == pytest.approx(line["body.b.mass"], rel=0.02)
+    assert line["constraint.grip-x"] == pytest.approx(line["mass"], rel=0.02)
