@@ -49,10 +49,11 @@ def look_ahead(cases: Sequence[Case]) -> list[str]:
     columns: list[str] = []
     for case in cases:
         scene = Scene(case)
-        if case.staged.number and not case.watched and isinstance(case.time.step, float | int):
+        step = case.time.step
+        if case.staged.number and isinstance(step, float | int) and not scene.variations:
             rate = max(rest_rate(scene, body) for body in range(len(scene.body_names)))
             try:
-                require_stable(float(case.time.step), rate, case.method.stable)
+                require_stable(float(step), rate, case.method.stable)
             except CaseError as error:
                 raise CaseError(f"time.stages: {case.staged.title}: {error}") from None
         place = 0
@@ -88,6 +89,8 @@ def enter(sim: Simulation, resort: int) -> None:
     rank, comm, records = sim.rank, sim.comm, sim.diagnostic_sums
     old, case = sim.scene, sim.cases[sim.stage + 1]
     new = Scene(case)
+    if old.densest is not None:
+        new.weigh(old.densest)
     take_as_empty(case, comm)
     new.tools.measure(comm)
     warm_up(new, comm)
@@ -125,6 +128,8 @@ def enter(sim: Simulation, resort: int) -> None:
     )
     sim.rate = max(sim.rate, *comm.allgather(fastest))
     rate = max(rest_rate(new, body) for body in range(len(new.body_names)))
+    if new.variations:  # typical waves may be far from the particles'
+        rate = sim.rate
     same = isinstance(case.time.step, float | int) and case.time.step == old.case.time.step
     sim.clock = clock_of(case, rate, sim.clock.before if same else sim.done.number)
     _watch(sim, rate * min(new.frame.cell))

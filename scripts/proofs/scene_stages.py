@@ -60,7 +60,11 @@ def parameters(rng, scene, now, stage):
     """Materials become weaker or stiffer."""
     for name, entry in now["materials"].items():
         parameter = PARAMETERS.get(entry["model"], ("young", 0.4, 1.2))
-        if parameter and rng.random() < 0.7:
+        varies = any(
+            isinstance(value, dict) and {"over", "random", "column"} & set(value)
+            for value in entry.values()
+        )  # which a stage cannot change
+        if parameter and not varies and rng.random() < 0.7:
             key, least, most = parameter
             entry = now["materials"][name] = dict(entry)
             entry[key] = number(rng, least, most) * entry[key]

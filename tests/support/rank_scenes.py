@@ -495,17 +495,17 @@ VARIED = {
 
 
 def varied():
-    """Squares whose materials vary in space collide across slabs and leave; grid frames, probes."""
+    """Squares whose materials vary in space collide across slabs and leave; probes, a stage."""
     bodies = {
         "flies": turning(box([1.0, 2.0], [5.0, 5.0]), [3.0, 3.5], 0.6, [6.0, 0.5]),
         "meets": box([8.0, 1.5], [12.0, 4.5], [-3.0, 0.2], "stiff"),
         "leaves": box([14.0, 1.0], [17.0, 4.0], [6.0, -1.0]),
     }
-    return scene(
+    case = scene(
         2,
         bodies,
         cells=[20, 8],
-        end=1.7,
+        end=1.3,
         step={"courant": "auto"},
         materials=VARIED,
         gravity=[0.0, -2.0],
@@ -518,6 +518,9 @@ def varied():
         history={"every": {"steps": 10}},
         probes={"tip": {"body": "flies", "at": [5.0, 3.5]}},
     )
+    stage = {"name": "without", "end": 1.7, "remove": ["meets"], "gravity": [0.0, 2.0]}
+    case["time"]["stages"] = [stage]
+    return case
 
 
 def initial():
