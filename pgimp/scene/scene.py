@@ -277,6 +277,10 @@ class Scene:
         if block.stresses is None and own.pressure.any():
             p.sigma[rows, :3] = -own.pressure[:, None]
 
+    def varies(self, body: int) -> bool:
+        """Whether the material of a body varies in space."""
+        return self.variations.layouts[self.body_material[body]] is not None
+
     def weigh(self, densest: float) -> None:
         """Learn the greatest density of particles whose materials vary."""
         self.densest = densest

@@ -49,11 +49,13 @@ def look_ahead(cases: Sequence[Case]) -> list[str]:
     columns: list[str] = []
     for case in cases:
         scene = Scene(case)
-        step = case.time.step
-        if case.staged.number and isinstance(step, float | int) and not scene.variations:
-            rate = max(rest_rate(scene, body) for body in range(len(scene.body_names)))
+        if case.staged.number and not case.watched and isinstance(case.time.step, float | int):
+            number = range(len(scene.body_names))
+            # Of materials that vary only typical numbers are known, of which some are guessed.
+            uniform = [i for i in number if not scene.varies(i)]
+            rate = max((rest_rate(scene, body) for body in uniform), default=0.0)
             try:
-                require_stable(float(step), rate, case.method.stable)
+                require_stable(float(case.time.step), rate, case.method.stable)
             except CaseError as error:
                 raise CaseError(f"time.stages: {case.staged.title}: {error}") from None
         place = 0
@@ -128,7 +130,7 @@ def enter(sim: Simulation, resort: int) -> None:
     )
     sim.rate = max(sim.rate, *comm.allgather(fastest))
     rate = max(rest_rate(new, body) for body in range(len(new.body_names)))
-    if new.variations:  # typical waves may be far from the particles'
+    if new.variations:  # as in `Simulation`
         rate = sim.rate
     same = isinstance(case.time.step, float | int) and case.time.step == old.case.time.step
     sim.clock = clock_of(case, rate, sim.clock.before if same else sim.done.number)

@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 from scene_bodies import add_bodies, ball, box, middle, number, union, vector
 from scene_output import checkpoints, frames, grid_frames, history, probes, small_files
-from scene_stages import stages
+from scene_stages import VARY, stages
 
 SHAPES = ("gimp", "cpdi", "mpm", "finite-gimp", "fuzzy-constant", "fuzzy-nearest")
 MATERIALS = {
@@ -277,11 +277,6 @@ def components(rng, scene, most):
     if all(each is None for each in found):
         found[0] = 0.0
     return found
-
-
-#: Numbers of materials that may be a third larger or smaller, whatever the others are.
-VARY = ("young", "density", "poisson", "yield-stress", "a", "bulk", "shear-viscosity", "energy",
-        "damage", "toughness", "shear")  # fmt: skip
 
 
 def variation(rng, scene, value, column=None):

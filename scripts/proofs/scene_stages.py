@@ -18,6 +18,10 @@ PARAMETERS = {
     "ideal-gas": None,
 }
 
+#: Numbers of materials that may be a third larger or smaller, whatever the others are.
+VARY = ("young", "density", "poisson", "yield-stress", "a", "bulk", "shear-viscosity", "energy",
+        "damage", "toughness", "shear")  # fmt: skip
+
 
 def stages(rng, scene):
     """One or two stages after the first, each with some changes."""
@@ -60,11 +64,9 @@ def parameters(rng, scene, now, stage):
     """Materials become weaker or stiffer."""
     for name, entry in now["materials"].items():
         parameter = PARAMETERS.get(entry["model"], ("young", 0.4, 1.2))
-        varies = any(
-            isinstance(value, dict) and {"over", "random", "column"} & set(value)
-            for value in entry.values()
-        )  # which a stage cannot change
-        if parameter and not varies and rng.random() < 0.7:
+        if any(isinstance(entry[key], dict) for key in VARY if key in entry):
+            continue  # what varies in space stays what it is
+        if parameter and rng.random() < 0.7:
             key, least, most = parameter
             entry = now["materials"][name] = dict(entry)
             entry[key] = number(rng, least, most) * entry[key]

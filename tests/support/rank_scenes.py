@@ -495,7 +495,7 @@ VARIED = {
 
 
 def varied():
-    """Squares whose materials vary in space collide across slabs and leave; probes, a stage."""
+    """Squares whose materials vary in space collide across slabs and leave, in two stages."""
     bodies = {
         "flies": turning(box([1.0, 2.0], [5.0, 5.0]), [3.0, 3.5], 0.6, [6.0, 0.5]),
         "meets": box([8.0, 1.5], [12.0, 4.5], [-3.0, 0.2], "stiff"),
@@ -518,8 +518,8 @@ def varied():
         history={"every": {"steps": 10}},
         probes={"tip": {"body": "flies", "at": [5.0, 3.5]}},
     )
-    stage = {"name": "without", "end": 1.7, "remove": ["meets"], "gravity": [0.0, 2.0]}
-    case["time"]["stages"] = [stage]
+    later = {"name": "later", "end": 1.7, "gravity": [0.0, 0.0], "remove": ["leaves"]}
+    case["time"] = {"end": 1.2, "step": {"courant": "auto"}, "stages": [later]}
     return case
 
 
