@@ -179,8 +179,7 @@ def _changed(before: Case, now: Case, stage: Stage) -> Problems:
 
 def _material(path: Path, before: Any, now: Any, dimensions: int) -> Problems:
     """Check that particles of a material can go on with another's parameters."""
-    varying = any(getattr(each, "variations", None) for each in (before, now))
-    if varying and plain(now) != plain(before):
+    if (before.variations or now.variations) and plain(now) != plain(before):
         yield Problem(
             path,
             "varies in space: its parameters are the particles' own from the start, and cannot "

@@ -26,7 +26,7 @@ _Entries = dict[str, Any]
 def _unchanged(schema: dict[str, Any]) -> None:
     """Document what is not given: it changes nothing."""
     schema.pop("default", None)
-    schema["x-default"] = "as before"
+    schema["$comment"] = "as before"
 
 
 def _change(what: str, default: Any = None) -> Any:

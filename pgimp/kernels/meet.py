@@ -26,13 +26,15 @@ from pgimp.kernels.tools import BENT, CENTRE, FILLED, FORMER, FREE, LATTER, SURF
 
 
 @kernel
-def find_meetings(field, met, spread):
+def find_meetings(field, where, met, spread):
     """Count, in each of a rank's planes, the vertices at which several fields have mass.
 
     Parameters
     ----------
     field : Field
         After the halo exchange, so that ranks find the same in planes that they share.
+    where : (planes,) bool
+        Which of the planes may hold several fields at all.
     met : (planes,) int64
         Set here.
     spread : (planes, SPREAD) int64
@@ -44,7 +46,7 @@ def find_meetings(field, met, spread):
     for i in range(len(met)):
         spread[i, LOW_Y] = spread[i, LOW_Z] = 1 << 40
         spread[i, HIGH_Y] = spread[i, HIGH_Z] = -1
-        if field.active[i] == 0 or count == 1:
+        if field.active[i] == 0 or count == 1 or not where[i]:
             continue
         r = i * window.stride[0]
         for j in range(window.extent[1]):

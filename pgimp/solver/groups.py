@@ -20,6 +20,10 @@ from pgimp.scene.scene import Scene
 #: all is found anew. In a step a particle moves by a cell at most, or the run ends.
 FEWEST, MOST = 2, 64
 
+#: The most steps where there are several fields: between two looks bodies may go as many cells, and
+#: so far around them planes are searched for where they meet.
+NEAR = 16
+
 
 def body_boxes(frame: Frame, particles: Any, rows: np.ndarray, bodies: int, comm: Any) -> Any:
     """Least and greatest coordinates of each body's particles, (2, bodies, D) in cells; collective.
@@ -39,6 +43,37 @@ def reach(scene: Scene) -> float:
     """Distance in cells, of two particles along a direction, from which they share no vertex."""
     half = scene.vertices - 2.0 if scene.follows else max(scene.shape.half)
     return 2.0 * (1.0 + half) + 1e-6
+
+
+def where_near(boxes: np.ndarray, fields: tuple[int, ...], reach: float, steps: int) -> np.ndarray:
+    """Find between which planes bodies of different fields may share vertices.
+
+    Parameters
+    ----------
+    boxes, fields, reach, steps
+        As of `assign`.
+
+    Returns
+    -------
+    (pairs, 2) float64
+        Ends of an interval for each pair that may, along x in cells.
+    """
+    low, high = boxes
+    first, second = np.triu_indices(len(fields), 1)
+    own = np.array(fields)
+    differ = own[first] != own[second]
+    first, second = first[differ], second[differ]
+    wide = 2.0 * steps + reach
+    near = np.ones(len(first), bool)
+    for d in range(low.shape[1]):
+        near &= low[first, d] - high[second, d] < wide
+        near &= low[second, d] - high[first, d] < wide
+    first, second = first[near], second[near]
+    ends = np.stack(
+        [np.maximum(low[first, 0], low[second, 0]), np.minimum(high[first, 0], high[second, 0])],
+        axis=1,
+    )
+    return ends + 0.5 * wide * np.array([-1.0, 1.0])
 
 
 def assign(boxes: np.ndarray, reach: float) -> tuple[tuple[int, ...], int]:
@@ -75,4 +110,4 @@ def assign(boxes: np.ndarray, reach: float) -> tuple[tuple[int, ...], int]:
         own = next(f for f in range(b + 1) if f not in taken)
         steps = min(steps, int(near[before == own].min(initial=MOST)))
         fields[b] = own
-    return tuple(fields.tolist()), steps
+    return tuple(fields.tolist()), min(steps, NEAR) if fields.any() else steps

@@ -20,7 +20,7 @@ from pgimp.kernels.selection import HIGH_Y, HIGH_Z, LOW_Y, LOW_Z, select_near
 from pgimp.kernels.tools import find_touched
 from pgimp.scene.scene import Scene
 from pgimp.solver.freebodies import FreeBodies
-from pgimp.solver.groups import assign, body_boxes, reach
+from pgimp.solver.groups import assign, body_boxes, reach, where_near
 
 #: Where bodies meet in more than this part of the planes, all particles of these are near.
 _MOST_OF_A_PLANE = 0.6
@@ -55,6 +55,8 @@ class Meetings:
         self.free = FreeBodies(scene, comm) if scene.tools.free else None
         self._reach = reach(scene)
         self._steps = 0
+        self._intervals = np.empty((0, 2))
+        self._where: Any = None
         self._rows = np.empty(0, np.int32)
         self._known: Any = None
         self._halos: dict[tuple[bool, bool], Halo] = {}
@@ -70,6 +72,8 @@ class Meetings:
         )
         self.fields, steps = assign(boxes, self._reach)
         self._steps = steps - 1
+        self._intervals = where_near(boxes, self.fields, self._reach, steps)
+        self._where = None
         if self.fields != grid.fields:
             grid.fields = self.fields
             grid.store(grid.base)
@@ -85,7 +89,9 @@ class Meetings:
         scene, tools = self.scene, self.scene.tools
         if max(self.fields) == 0 and not tools:
             return contact
-        self.call(find_meetings, grid.field, contact.met, contact.spread)
+        if self._where is None:
+            self._where = self._find_planes(grid)
+        self.call(find_meetings, grid.field, self._where, contact.met, contact.spread)
         if tools:
             placed = tools.at(start, end, self.free.states if self.free else None)
             if self.free:
@@ -98,12 +104,21 @@ class Meetings:
             self._sum_volumes(grid, population, found)
         return contact
 
+    def _find_planes(self, grid: Grid) -> np.ndarray:
+        """Find the planes in which bodies of different fields may meet until they are regrouped."""
+        first = int(grid.window.lower[0]) - self.scene.frame.ghost
+        place = np.arange(first, first + grid.planes, dtype=float)
+        low, high = self._intervals.T
+        # Each begins behind as many ends as lie before the plane.
+        begun = np.searchsorted(np.sort(low), place, "right")
+        return begun > np.searchsorted(np.sort(high), place, "left")
+
     def _connect(self, grid: Grid) -> None:
         """Make room for the sums in the planes of `grid`."""
         for halo in self._halos.values():
             halo.close()
         self._halos.clear()
-        self._known, scene = grid.field, self.scene
+        self._known, self._where, scene = grid.field, None, self.scene
         self._volumes = Grid(scene.frame, scene.vertices, grid.slab, grid.late, self.fields)
         self._volumes.store(grid.base)
         most = 1 + max(self.fields)
@@ -112,10 +127,10 @@ class Meetings:
             scene.tools.in_planes(grid.planes) if scene.tools else (),
         )  # fmt: skip
 
-    def _near(self, grid: Grid, population: Population) -> Order:
-        """Find the particles that may have weight where bodies meet."""
+    def _near(self, grid: Grid, population: Population, planes: np.ndarray) -> Order:
+        """Find the particles that may have weight where bodies meet, in some of the planes."""
         order, shared = population.ordered, grid.vertices - 1
-        spread, extent = self._contact.spread, grid.window.extent
+        spread, extent = self._contact.spread[planes], grid.window.extent
         low_y, low_z = spread[:, (LOW_Y, LOW_Z)].min(axis=0).tolist()
         high_y, high_z = spread[:, (HIGH_Y, HIGH_Z)].max(axis=0).tolist()
         part = (high_y - low_y + 1) * (high_z - low_z + 1) / (extent[1] * extent[2])
@@ -133,7 +148,7 @@ class Meetings:
     def _sum_volumes(self, grid: Grid, population: Population, planes: np.ndarray) -> None:
         """Sum volumes into some of the planes."""
         slab, shared, volumes = grid.slab, grid.vertices - 1, self._volumes
-        order, layers = self._near(grid, population), grid.slab.layers
+        order, layers = self._near(grid, population, planes), grid.slab.layers
         near = np.zeros(layers + shared, bool)
         for i in range(shared + 1):
             near[np.maximum(planes - i, 0)] = True

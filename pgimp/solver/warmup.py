@@ -79,7 +79,9 @@ def _calls(scene: Scene) -> Iterator[Call]:
             yield 2.0, lambda: contact_forces(
                 contact, faces, frame, grid.field, vertex_forcing, np.zeros((0, 3))
             )
-        yield 0.3, lambda: find_meetings(grid.field, contact.met, contact.spread)
+        yield 0.3, lambda: find_meetings(
+            grid.field, np.zeros(grid.planes, bool), contact.met, contact.spread
+        )
         yield 0.3, lambda: select_near(
             frame, grid.window, p, order, contact.spread, vertices - 1, rows.copy(), start.copy()
         )

@@ -60,21 +60,26 @@ def test_many_steps_leave_no_trace_in_the_memory():
 
 
 def test_random_scenes_are_the_same_on_any_ranks_and_their_books_balance():
-    """Fifteen; a failing one is printed as a case file, made smaller."""
+    """Ten; a failing one is printed as a case file, made smaller."""
     numbers = [(proof_scenes.GROUP * group + n, group) for group in proof_scenes.SHORT
-               for n in range(3)]  # fmt: skip
+               for n in range(2)]  # fmt: skip
     scenes = [scene_features.make(1, *each) for each in numbers]
     seen = {feature for *_, features in scenes for feature in features}
-    kinds = {"affine", "relaxation", "constraint", "walls", "gravity", "probes", "free body"}
+    kinds = {
+        "affine", "relaxation", "constraint", "walls", "gravity", "probes", "free body", "contact",
+        "initial configuration", "mean dilatation", "mirrors", "metals", "flows", "variation",
+        "stages",
+    }  # fmt: skip
     assert kinds <= seen
     cases = [case for case, *_ in scenes]
+    assert {case["dimensions"] for case in cases} == {1, 2, 3}
     assert {case["method"]["shape"] for case in cases} >= {"mpm", "gimp"}
     assert {case["dimensions"] for case in cases if "points" in json.dumps(case)} >= {1, 2}
     for kind in ("boundaries", "constraints"):  # accelerated ones, and gravity where one is held
         assert any("table" in json.dumps(case.get(kind, {})) for case in cases)
         assert any(case.get(kind) and "gravity" in case for case in cases)
-    said = prove("scenes", "--short", "--runs", "15", "--shrink", "60", timeout=1200)
-    assert int(re.search(r"(\d+) done", said)[1]) >= 12 and "wrong: 0" in said
+    said = prove("scenes", "--short", "--runs", "10", "--shrink", "60", timeout=1200)
+    assert int(re.search(r"(\d+) done", said)[1]) >= 8 and "wrong: 0" in said
 
 
 def books_of_a_push(axis, kind):

@@ -7,7 +7,7 @@ from hypothesis import strategies as some
 from scenes import box, energy, field, finish, scene, start, stir, tracked
 
 from pgimp.physics.contact import ContactEntry, Pairs
-from pgimp.solver.groups import assign
+from pgimp.solver.groups import assign, where_near
 from pgimp.solver.meetings import Meetings
 
 
@@ -203,6 +203,15 @@ def test_bodies_that_share_a_field_cannot_meet(bodies, reach):
                 assert apart - 2.0 * steps >= reach
     # No field is left out, and one is enough for bodies that are far apart.
     assert set(fields) == set(range(max(fields) + 1))
+    # In which planes those of different fields may share vertices meanwhile.
+    ends, far = where_near(boxes, fields, reach, steps), steps + 0.5 * reach
+    for plane in np.arange(-80.0, 150.0, 1.7):
+        for a in range(len(bodies)):
+            for b in range(a):
+                apart = boxes[0, [a, b]] - boxes[1, [b, a]] - 2.0 * far
+                both = ((boxes[0, [a, b], 0] - far <= plane) & (plane <= boxes[1, [a, b], 0] + far))
+                if fields[a] != fields[b] and both.all() and (apart < 0.0).all():
+                    assert ((ends[:, 0] <= plane) & (plane <= ends[:, 1])).any()
 
 
 def test_bodies_apart_share_a_field():

@@ -97,7 +97,7 @@ HALVES = {"a": box([2.0, 1.0], [4.0, 4.0]), "b": box([4.0, 1.0], [6.0, 4.0])}
 
 
 def test_what_is_tied_to_a_gripped_body_moves_with_it():
-    """As if both were one body, but for forces on what of one body is too light to be accelerated."""
+    """As if both were one body, but for forces on what of one is too light to be accelerated."""
     sims = [
         finish(start(pushed({"a": box([2.0, 1.0], [6.0, 4.0])}, []))),
         finish(start(pushed(HALVES, [{"bodies": "all", "law": "tied"}]))),

@@ -505,7 +505,7 @@ def varied():
         2,
         bodies,
         cells=[20, 8],
-        end=1.7,
+        end=1.3,
         step={"courant": "auto"},
         materials=VARIED,
         gravity=[0.0, -2.0],

@@ -2,7 +2,7 @@
 
 import re
 
-NOTES = {"$schema", "$defs", "title", "description", "default"}
+NOTES = {"$schema", "$defs", "$comment", "title", "description", "default"}
 
 
 class Checker:

@@ -150,7 +150,7 @@ def _rows(
             always = all(name in form.get("required", ()) for form in forms)
             default = "required" if always else ""
         else:
-            default = value.get("x-default", "zero")
+            default = value.get("$comment", "zero")
             if "default" in value:
                 default = _code(flow(value["default"]))
         meaning = _split(value.get("description", whole.get("description", "")))
