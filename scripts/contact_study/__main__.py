@@ -191,11 +191,6 @@ def _costs(quick):
     return text
 
 
-def _every_gap(quick):
-    """Rows of the gaps, between bodies and at walls."""
-    return gap.rows(quick) + walls.gaps(quick)
-
-
 def _show(name, future):
     """Say what has been measured, as all of it takes some time."""
     if not future.cancelled() and future.exception() is None:
@@ -214,7 +209,8 @@ def main():
     options = parser.parse_args()
     jobs, cells = _figures(options.quick), (0.2, 0.1)
     jobs["detection",] = (detection.text, options.quick)
-    jobs["gaps",] = (_every_gap, options.quick)
+    jobs["gaps", "bodies"] = (gap.rows, options.quick)
+    jobs["gaps", "walls"] = (walls.gaps, options.quick)
     wanted = options.only or [*{name[0] for name in jobs}, "costs"]
     OUT.mkdir(exist_ok=True)
     kept = Kept(OUT / ("quick.json" if options.quick else "figures.json"))
@@ -233,8 +229,8 @@ def main():
     if EARLIER in table:
         where = where[:-1] + " Rows with \\* were measured before the last changes of contact.\n"
     texts = {"contact-motion": table + "\n" + where}
-    if ("gaps",) in found:
-        texts["contact-gaps"] = _gaps(found["gaps",])
+    if ("gaps", "bodies") in found and ("gaps", "walls") in found:
+        texts["contact-gaps"] = _gaps([*found["gaps", "bodies"], *found["gaps", "walls"]])
     if ("detection",) in found:
         texts["contact-detection"] = found["detection",]
     if "costs" in wanted:
