@@ -135,4 +135,4 @@ def test_a_run_whose_step_collapses_is_stopped():
 
 def test_a_simulation_knows_its_waves_at_rest():
     sim = start(scene(1, box([2.0], [5.0], [0.5]), end=1.0, step={"courant": 0.3}))
-    assert sim.clock._rest_rate == pytest.approx(10.0, rel=1e-12)
+    assert sim.clock.rest_rate == pytest.approx(10.0, rel=1e-12)

@@ -53,7 +53,7 @@ def make_sim(comm, count, dimension, empty=(), gone=()):
         body_names=("left", "right"),
         material_names=("soft", "hard"),
         body_material=(1, 0),
-        exits=int(len(gone) > 0),
+        loses=len(gone) > 0,
         fields=EVERY,
     )
     sim = SimpleNamespace(
