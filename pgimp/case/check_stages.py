@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from pydantic import ValidationError
 
@@ -13,9 +13,8 @@ from pgimp.schema.messages import explain, unknown
 from pgimp.schema.problems import Problem
 from pgimp.schema.sizes import Problems
 
-if TYPE_CHECKING:
-    from pgimp.case.schema import Case
-
+#: Of `pgimp.case.schema`, which arranges its stages with this file.
+Case = Any
 Path = tuple[str | int, ...]
 
 

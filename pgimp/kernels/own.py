@@ -6,6 +6,8 @@ and lies in their column `own`: first what belongs in place of the first `Own` o
 material, and so on. The functions of materials see numbers, or vectors of four, as ever.
 """
 
+from numba.core import types
+
 from pgimp.jit.kernel import specialise
 from pgimp.jit.own import count_own, filled
 from pgimp.jit.tuples import read
@@ -44,8 +46,22 @@ def _setting_with(setting, materials):
     )  # fmt: skip
 
 
+def _values(own, rows, like):
+    """The first numbers of the column `own`, as many as `like` has: of a particle, or of four."""
+
+
+@specialise(_values)
+def _values_of(own, rows, like):
+    if isinstance(rows, types.Integer):
+        return lambda own, rows, like: read(own, rows, 0, like)
+    return lambda own, rows, like: take_row(own, rows, 0, like)
+
+
 def with_own(setting, particles, rows):
-    """The setting with the materials' parameters of four particles; itself if nothing varies."""
+    """The setting with the materials' parameters of a particle, or of four: `rows` is a tuple then.
+
+    Where nothing varies it is the setting itself.
+    """
 
 
 @specialise(with_own)
@@ -55,20 +71,5 @@ def _with_own(setting, particles, rows):
         return lambda setting, particles, rows: setting
     zeros = (0.0,) * width
     return lambda setting, particles, rows: _with_materials(
-        setting, _each_filled(setting.materials, take_row(particles.own, rows, 0, zeros))
-    )
-
-
-def with_own_of(setting, particles, p):
-    """As `with_own`, of one particle."""
-
-
-@specialise(with_own_of)
-def _with_own_of(setting, particles, p):
-    width = _width(setting)
-    if not width:
-        return lambda setting, particles, p: setting
-    zeros = (0.0,) * width
-    return lambda setting, particles, p: _with_materials(
-        setting, _each_filled(setting.materials, read(particles.own, p, 0, zeros))
+        setting, _each_filled(setting.materials, _values(particles.own, rows, zeros))
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -38,6 +38,34 @@ def _loss(name: str, meaning: str) -> Group:
         lambda scene: [""] if name in scene.losses else [],
         (Column(name, "energy", meaning, lambda s, _: s.lost(name)),),
     )
+
+
+def _gone(
+    name: str, there: Callable[[Any], bool], sums: Callable[[Totals], np.ndarray], mass: str
+) -> Group:
+    """The columns of particles that have gone, in scenes where `there` says that some may."""
+    return Group(
+        lambda scene: [""] if there(scene) else [],
+        (
+            Column(f"{name}.mass", "mass", mass, lambda s, _: sums(s)[MASS]),
+            Column(
+                f"{name}.momentum-AXIS", "mass length/time",
+                "their momentum when they were removed", lambda s, _: s.along(sums(s), MOMENTUM),
+            ),
+            Column(
+                f"{name}.angular-momentum-AXIS", "mass length^2/time",
+                "their angular momentum then", lambda s, _: s.moment(sums(s)),
+            ),
+            Column(
+                f"{name}.kinetic-energy", "energy", "their kinetic energy then",
+                lambda s, _: sums(s)[KINETIC],
+            ),
+            Column(
+                f"{name}.strain-energy", "energy", "their strain energy then",
+                lambda s, _: sums(s)[STRAIN],
+            ),
+        ),
+    )  # fmt: skip
 
 
 HISTORY = (
@@ -97,32 +125,10 @@ HISTORY = (
     ),
     _loss("viscous-work", "energy that viscous stresses of materials took, likewise"),
     _loss("heat", "energy that became heat in materials with a temperature: a part of the others"),
-    Group(
-        lambda scene: [""] if scene.escapes else [],
-        (
-            Column(
-                "escaped.mass", "mass",
-                "only where `escape` removes particles, as all columns of this name: mass of those "
-                "that were removed since the start, so that with `mass` it is constant",
-                lambda s, _: s.escaped[MASS],
-            ),
-            Column(
-                "escaped.momentum-AXIS", "mass length/time",
-                "their momentum when they were removed", lambda s, _: s.along(s.escaped, MOMENTUM),
-            ),
-            Column(
-                "escaped.angular-momentum-AXIS", "mass length^2/time",
-                "their angular momentum then", lambda s, _: s.moment(s.escaped),
-            ),
-            Column(
-                "escaped.kinetic-energy", "energy", "their kinetic energy then",
-                lambda s, _: s.escaped[KINETIC],
-            ),
-            Column(
-                "escaped.strain-energy", "energy", "their strain energy then",
-                lambda s, _: s.escaped[STRAIN],
-            ),
-        ),
+    _gone(
+        "escaped", lambda scene: scene.escapes, lambda s: s.escaped,
+        "only where `escape` removes particles, as all columns of this name: mass of those "
+        "that were removed since the start, so that with `mass` it is constant",
     ),
     Group(
         lambda scene: [""] if scene.case.staged.number else [],
@@ -136,31 +142,9 @@ HISTORY = (
             ),
         ),
     ),
-    Group(
-        lambda scene: [""] if scene.case.staged.removed else [],
-        (
-            Column(
-                "removed.mass", "mass",
-                "mass of the bodies that stages have removed, so that with `mass` it is constant",
-                lambda s, _: s.removed[MASS],
-            ),
-            Column(
-                "removed.momentum-AXIS", "mass length/time",
-                "their momentum when they were removed", lambda s, _: s.along(s.removed, MOMENTUM),
-            ),
-            Column(
-                "removed.angular-momentum-AXIS", "mass length^2/time",
-                "their angular momentum then", lambda s, _: s.moment(s.removed),
-            ),
-            Column(
-                "removed.kinetic-energy", "energy", "their kinetic energy then",
-                lambda s, _: s.removed[KINETIC],
-            ),
-            Column(
-                "removed.strain-energy", "energy", "their strain energy then",
-                lambda s, _: s.removed[STRAIN],
-            ),
-        ),
+    _gone(
+        "removed", lambda scene: bool(scene.case.staged.removed), lambda s: s.removed,
+        "mass of the bodies that stages have removed, so that with `mass` it is constant",
     ),
     Group(
         lambda scene: scene.body_names,

@@ -214,7 +214,7 @@ class Simulation:
         """
         scene, comm = self.scene, self.comm
         mine = particles.m[:count]
-        dense = float((mine / particles.V0[:count]).max(initial=0.0))
+        dense = float((mine / particles.V0[:count]).max(initial=0.0)) if scene.variations else 0.0
         masses = comm.allgather((float(mine.min(initial=np.inf)), float(mine.sum()), dense))
         total = sum(mass for _, mass, _ in masses)
         if scene.variations and scene.densest is None:

@@ -30,7 +30,6 @@ from pgimp.solver.warmup import warm_up
 if TYPE_CHECKING:
     from pgimp.case.schema import Case
     from pgimp.solver.rank import Rank
-    from pgimp.solver.simulation import Simulation
 
 #: Columns of the history that are zero where a stage does not have them; others are nan.
 _SUMS = ("removed.", "escaped.", "stages.")
@@ -73,13 +72,13 @@ def absent(column: str) -> float:
     return 0.0 if column.startswith(_SUMS) else float("nan")
 
 
-def enter(sim: Simulation, resort: int) -> None:
+def enter(sim: Any, resort: int) -> None:
     """Go over to the next stage, once the last step of the one before is done; collective.
 
     Parameters
     ----------
     sim : Simulation
-        At the end of a stage.
+        At the end of a stage; it begins stages, so that its type is not known here.
     resort : int
         Steps between two reports of the load.
 
@@ -255,7 +254,7 @@ def _free(rank: Rank) -> list[tuple[str, Any]]:
     return list(zip(names, rank.free.states, strict=True))
 
 
-def _watch(sim: Simulation, speed: float) -> None:
+def _watch(sim: Any, speed: float) -> None:
     """Watch the energy from here on, if the stage's steps are chosen; what is learned stays."""
     before, sim.watch = sim.watch, None
     if not sim.case.watched:
