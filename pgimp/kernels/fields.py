@@ -5,6 +5,7 @@ layers, planes and messages are those of one field, and only what takes a plane 
 """
 
 from pgimp.jit.kernel import inner_kernel, specialise
+from pgimp.jit.simd import load, pack, store
 from pgimp.kernels.record import RECORD
 
 
@@ -33,7 +34,27 @@ def field_of(window, particles, p):
 def _field_of(window, particles, p):
     if hasattr(window.types[3], "count"):  # ()
         return lambda window, particles, p: 0
-    # As long as there is one field, nothing is read.
     return lambda window, particles, p: (
-        0 if window.stride[0] == field_size(window) else window.bodies[particles.body[p]]
+        window.bodies[particles.body[p]] if len(window.bodies) else 0
     )
+
+
+def move_to_fields(window, particles, rows, buffer, at):
+    """Move four places, which the buffer has from `at` on, to where their particles' fields begin."""
+
+
+@specialise(move_to_fields)
+def _move_to_fields(window, particles, rows, buffer, at):
+    if hasattr(window.types[3], "count"):  # ()
+        return lambda window, particles, rows, buffer, at: None
+
+    def move(window, particles, rows, buffer, at):
+        bodies, body = window.bodies, particles.body
+        if len(bodies) > 0:
+            begin = pack(
+                bodies[body[rows[0]]], bodies[body[rows[1]]], bodies[body[rows[2]]],
+                bodies[body[rows[3]]],
+            )  # fmt: skip
+            store(buffer, at, load(buffer, at) + begin)
+
+    return move

@@ -5,7 +5,6 @@ from pgimp.jit.simd import stack
 from pgimp.kernels.affine import affine_momentum
 from pgimp.kernels.batch import LANES, SUPPORT_SIZE, first_place, four, supports
 from pgimp.kernels.contribution import contribution
-from pgimp.kernels.fields import field_of
 from pgimp.kernels.loads import scatter_loads, weight
 from pgimp.kernels.mean import keep_means, mean_force
 from pgimp.kernels.piola import PIOLA_SIZE, keep_forces
@@ -52,7 +51,7 @@ def _sum_layer(setting, field, particles, loads, rows, span, number):
             keep_forces(loads.viscosity, frame, particles, batch, forces)
             for j in range(min(LANES, end - k)):
                 p = rows[k + j]
-                place = first_place(buffer, j) + field_of(window, particles, p)
+                place = first_place(buffer, j)
                 A, S = contribution(loads, frame, particles, p, forces, j)
                 B = weight(loads.force, loads.walls, frame, particles, p)
                 C = affine_momentum(loads.affine, frame, particles, p)

@@ -11,7 +11,6 @@ from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import bits, vector
 from pgimp.jit.tuples import joined, plus_scaled, scaled
 from pgimp.kernels.batch import LANES, first_place, four_entries, share_support
-from pgimp.kernels.fields import field_of
 from pgimp.kernels.gathered import (
     collected,
     gradients,
@@ -53,7 +52,6 @@ def _take_from_grid(setting, field, particles, loads, order, batch, buffer, sums
             return _take_separately(setting, field, particles, loads, order, batch, buffer, sums)
         shape, frame, window = setting.shape, setting.frame, field.window
         place = batch.layer * window.stride[0] + first_place(buffer, 0)
-        place += field_of(window, particles, batch.rows[0])
         u, a, D, held = _gather_shared(shape, field.G, buffer, place, window.stride, frame.origin)
         return u, a, _row_major(D), held
 
@@ -74,8 +72,7 @@ def _take_one_by_one(setting, field, particles, loads, order, batch, buffer, sum
         shape, frame, window = setting.shape, setting.frame, field.window
         begin = batch.layer * window.stride[0]
         for j in range(batch.size):
-            p = order.rows[batch.first + j]  # of the tuple LLVM would check the bounds
-            place = begin + first_place(buffer, j) + field_of(window, particles, p)
+            place = begin + first_place(buffer, j)
             U, A, D, M = gather(
                 shape, field.G, buffer, j, place, window.stride, frame.origin, loads.mean
             )
