@@ -117,21 +117,21 @@ def _fastest(fields, count):
     return most if most > 0.0 else 1.0
 
 
-def softness(contact, tools, a, b, column):
+def softness(contact, tools, a, b):
     """By component, how much a free rigid body yields to a field that is held: for an impulse of 1.
 
-    Held is what has 0 in `column`, `MOBILITY` or `TOLD`. Neither's velocity follows from the
-    impulse, that of the body but at the end of the step. So that it is found with the body's, a
-    thousandth of what the body itself would yield is left, see `pgimp.scene.tools.SOFT`.
+    Held is what has 0 in `TOLD`. Neither's velocity follows from the impulse, that of the body but
+    at the end of the step. So that it is found with the body's, a thousandth of what the body
+    itself would yield is left, see `pgimp.scene.tools.SOFT`.
     """
 
 
 @specialise(softness)
-def _softness(contact, tools, a, b, column):
+def _softness(contact, tools, a, b):
     if not hasattr(tools, "instance_class") or not hasattr(tools.types[ANSWERS], "ndim"):
-        return lambda contact, tools, a, b, column: (0.0, 0.0, 0.0)
+        return lambda contact, tools, a, b: (0.0, 0.0, 0.0)
 
-    def of_free(contact, tools, a, b, column):
+    def of_free(contact, tools, a, b):
         fields, rigid, other = contact.fields, b, a
         if fields[a, WEIGHT] == inf:
             rigid, other = a, b
@@ -141,9 +141,9 @@ def _softness(contact, tools, a, b, column):
             return 0.0, 0.0, 0.0
         soft = tools.motion[contact.bodies[rigid] - tools.bodies, YIELDS]
         return (
-            soft if fields[other, column] == 0.0 else 0.0,
-            soft if fields[other, column + 1] == 0.0 else 0.0,
-            soft if fields[other, column + 2] == 0.0 else 0.0,
+            soft if fields[other, TOLD] == 0.0 else 0.0,
+            soft if fields[other, TOLD + 1] == 0.0 else 0.0,
+            soft if fields[other, TOLD + 2] == 0.0 else 0.0,
         )
 
     return of_free
@@ -161,9 +161,12 @@ def exchange(contact, faces, frame, forcing, number, held, pair, last):
         u = settled(contact, faces, frame, forcing, number, a, last)
         v = settled(contact, faces, frame, forcing, number, b, last)
     tied = contact.pairs.law[entry] == TIED
+    # A rigid body may tear off what a wall holds that lets go, or its friction.
+    rigid = first[WEIGHT] == inf or second[WEIGHT] == inf
+    column = TOLD if tied or rigid else MOBILITY
     soft = (0.0, 0.0, 0.0)
     if held:
-        soft = softness(contact, contact.tools, a, b, TOLD if tied else MOBILITY)
+        soft = softness(contact, contact.tools, a, b)
     if tied:
         for d in range(len(frame.cell)):
             mobility = first[TOLD + d] + second[TOLD + d] + soft[d]
@@ -181,7 +184,7 @@ def exchange(contact, faces, frame, forcing, number, held, pair, last):
     )
     normal, most, answer = 0.0, 0.0, 0.0
     for d in range(3):
-        mobility = first[MOBILITY + d] + second[MOBILITY + d] + soft[d]
+        mobility = first[column + d] + second[column + d] + soft[d]
         answer += row[NORMAL + d] ** 2 * mobility
         most = max(most, mobility)
         normal += w[d] * row[NORMAL + d]
