@@ -140,9 +140,14 @@ class Grid:
         self.bounds = self._bounds() if self._room is None else self._room
         self.field = Field(
             self.window, self.G, self.active, self.scratch, self.aside, self.below, self.owned,
-            self.bounds,
+            self.bounds, np.zeros(self.planes, np.int64) if self.fields else (),
         )  # fmt: skip
         self._marks = np.zeros(0, np.int64)
+
+    def clear(self, i: int) -> None:
+        """Set a plane to zero."""
+        plane = self.window.stride[0]
+        self.G[i * plane : (i + 1) * plane] = 0.0
 
     @property
     def marks(self) -> np.ndarray:

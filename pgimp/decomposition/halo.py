@@ -151,11 +151,11 @@ class Halo:
         if marked and self._marks is not grid.marks:
             self._connect_marks(grid)
         if self.slab.above is not None:
-            top, plane = self.slab.layers, grid.window.stride[0]
+            top = self.slab.layers
             for i in range(top, top + self.shared):
                 if not grid.active[i]:
                     grid.active[i] = 1
-                    grid.G[i * plane : (i + 1) * plane] = 0.0
+                    grid.clear(i)
         if self.slab.below is not None:
             grid.active[: self.shared] = 1
         self._started += self._requests

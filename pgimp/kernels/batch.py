@@ -10,6 +10,7 @@ from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import bits, lane, load, number, pack, store, vector
 from pgimp.jit.simdrows import load_row, store_row, transpose
 from pgimp.jit.tuples import scaled
+from pgimp.kernels.fields import move_to_fields
 from pgimp.kernels.place import first_vertex, is_initial
 from pgimp.physics.shapes.base import size, weights
 
@@ -221,6 +222,7 @@ def _supports(shape, frame, window, particles, rows, layer, buffer, arms):
         x = coordinates(frame, particles, rows)
         _along(shape, frame, buffer, arms, 0, half[0], x[0], layer)
         store(buffer, _PLACE, _across(shape, frame, window, buffer, arms, 1, half[1:], x[1:]))
+        move_to_fields(window, particles, rows, buffer, _PLACE)
 
     return supports
 
@@ -239,7 +241,7 @@ def _keep_support(buffer, d, w, g):
 
 
 def first_place(buffer, j):
-    """Place of the first vertex of the batch's particle `j` within a field's part of its plane."""
+    """Place of the first vertex of the batch's particle `j` within its plane."""
 
 
 @specialise(first_place)

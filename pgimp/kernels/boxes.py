@@ -16,5 +16,7 @@ def grow_boxes(frame, particles, rows, boxes):
         body = particles.body[p]
         for d in range(len(frame.origin)):
             x = (particles.x[p, d] - frame.origin[d]) * frame.inverse[d]
-            boxes[0, body, d] = min(boxes[0, body, d], x)
-            boxes[1, body, d] = max(boxes[1, body, d], x)
+            if x < boxes[0, body, d]:  # nearly never: nothing is stored, and nothing waits
+                boxes[0, body, d] = x
+            if x > boxes[1, body, d]:
+                boxes[1, body, d] = x

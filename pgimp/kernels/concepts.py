@@ -112,6 +112,10 @@ class Field(NamedTuple):
         Number of planes, from the first, whose sums this rank accounts for.
     bounds : tuple of D pairs of float
         Coordinates between which a particle is certainly in the domain and in the window.
+    used : (planes,) int64 or ()
+        Bit f: what bodies of the field f have left in the plane is not zero, and has to be cleared
+        before the plane is active again; see `pgimp.kernels.fields`. () in scenes that always have
+        one field.
     """
 
     window: Window
@@ -122,6 +126,7 @@ class Field(NamedTuple):
     below: int
     owned: int
     bounds: tuple[tuple[float, float], ...]
+    used: Any = ()
 
 
 class Forcing(NamedTuple):

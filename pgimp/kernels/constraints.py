@@ -20,7 +20,6 @@ from pgimp.kernels.batch import (
     supports,
     take,
 )
-from pgimp.kernels.fields import field_of
 from pgimp.kernels.loads import given
 from pgimp.kernels.record import ACCELERATION, HELD, MASS, RECORD, VELOCITY
 from pgimp.kernels.transfer import LEAST_WEIGHT, SEVERAL
@@ -87,7 +86,6 @@ def mark_constrained_vertices(setting, window, particles, order, mask):
                 number = particles.constraint[p, 0]
                 if number > 0:
                     place = first_place(buffer, j) + layer * window.stride[0]
-                    place += field_of(window, particles, p)
                     bit = 1 << (number - 1)
                     _mark(shape, mask, bit, place, buffer, j, 0, window.stride, frame.origin)
 

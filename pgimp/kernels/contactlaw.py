@@ -19,11 +19,13 @@ from pgimp.kernels.contact import (
     WEIGHT,
 )
 from pgimp.kernels.faces import beyond_any, face_count, hold
-from pgimp.kernels.tools import ANSWERS, FREE
+from pgimp.kernels.tools import ANSWERS, FREE, YIELDS
 from pgimp.physics.contact import TIED
 
-#: Of the mass of a vertex that is held its inverse, as free rigid bodies feel it: see `softness`.
-SOFT = 1e-3
+#: Changes of a velocity, as part of the greatest speed at a vertex, that are small and great: what
+#: is held does not move with either. Great are those that no wall holds which lets go, or by
+#: friction.
+SMALL, GREAT = 2.0**-20, 2.0**10
 
 
 def _after(faces, frame, forcing, contact, number, r, v, last):
@@ -57,9 +59,14 @@ def settled(contact, faces, frame, forcing, number, a, last):
 
 
 @inner_kernel
-def find_held(contact, faces, frame, forcing, number, count, last):
-    """Set the mobilities of the fields at a vertex; returns whether any component is held."""
-    some = False
+def find_held(contact, faces, frame, forcing, number, count, rigid, last):
+    """Set the mobilities of the fields at a vertex; returns whether any component is held.
+
+    Held is what does not change with the velocity, to neither side: also by a wall that lets go as
+    long as what it holds presses on it, or by friction as long as that sticks. Of this and that
+    `TOLD` knows nothing. There are `count` fields of bodies and `rigid` ones of rigid bodies.
+    """
+    some, speed = False, -1.0
     near = beyond_any(faces, face_count(faces), frame, number)
     for a in range(count):
         row = contact.fields[a]
@@ -68,36 +75,63 @@ def find_held(contact, faces, frame, forcing, number, count, last):
             row[MOBILITY + d] = row[TOLD + d] = 1.0 / row[WEIGHT]
         if not (near or is_marked(forcing.marked, contact.places[a])):
             continue
+        if speed < 0.0:
+            speed = _fastest(contact.fields, count + rigid)
         v = settled(contact, faces, frame, forcing, number, a, last)
         for d in range(len(frame.cell)):
-            own, far = row[NOW + d], abs(row[NOW + d]) + 1.0
-            row[NOW + d] = own + 1.0
-            held = settled(contact, faces, frame, forcing, number, a, last)[d] == v[d]
+            held = True
+            for sign in (-1.0, 1.0):
+                held = held and v[d] == _changed(
+                    contact, faces, frame, forcing, number, a, last, d, sign * SMALL * speed
+                )
+            told = held
             if held:
                 row[MOBILITY + d] = 0.0
-                row[NOW + d] = far
-                if settled(contact, faces, frame, forcing, number, a, last)[d] == v[d]:
-                    row[TOLD + d] = 0.0
-            row[NOW + d] = own
-            some = some or held or v[d] != own
+                for sign in (-1.0, 1.0):
+                    told = told and v[d] == _changed(
+                        contact, faces, frame, forcing, number, a, last, d, sign * GREAT * speed
+                    )
+            if told:
+                row[TOLD + d] = 0.0
+            some = some or held or v[d] != row[NOW + d]
     return some
 
 
-def softness(contact, tools, a, b, column):
+@inner_kernel
+def _changed(contact, faces, frame, forcing, number, a, last, d, change):
+    """Component `d` of a field's velocity after faces and constraints, if it were changed."""
+    own = contact.fields[a, NOW + d]
+    contact.fields[a, NOW + d] = own + change
+    v = settled(contact, faces, frame, forcing, number, a, last)[d]
+    contact.fields[a, NOW + d] = own
+    return v
+
+
+@inner_kernel
+def _fastest(fields, count):
+    """Greatest component of the velocities of `count` fields; 1 if all are at rest."""
+    most = 0.0
+    for a in range(count):
+        for d in range(3):
+            most = max(most, abs(fields[a, NOW + d]))
+    return most if most > 0.0 else 1.0
+
+
+def softness(contact, tools, a, b):
     """By component, how much a free rigid body yields to a field that is held: for an impulse of 1.
 
-    Held is what has 0 in `column`, `MOBILITY` or `TOLD`. Neither's velocity follows from the
-    impulse, that of the body but at the end of the step. This is what would be left of the velocity
-    into what is held if the body had no mass: hardly any.
+    Held is what has 0 in `TOLD`. Neither's velocity follows from the impulse, that of the body but
+    at the end of the step. So that it is found with the body's, a thousandth of what the body
+    itself would yield is left, see `pgimp.scene.tools.SOFT`.
     """
 
 
 @specialise(softness)
-def _softness(contact, tools, a, b, column):
+def _softness(contact, tools, a, b):
     if not hasattr(tools, "instance_class") or not hasattr(tools.types[ANSWERS], "ndim"):
-        return lambda contact, tools, a, b, column: (0.0, 0.0, 0.0)
+        return lambda contact, tools, a, b: (0.0, 0.0, 0.0)
 
-    def of_free(contact, tools, a, b, column):
+    def of_free(contact, tools, a, b):
         fields, rigid, other = contact.fields, b, a
         if fields[a, WEIGHT] == inf:
             rigid, other = a, b
@@ -105,11 +139,11 @@ def _softness(contact, tools, a, b, column):
             return 0.0, 0.0, 0.0
         if tools.about[contact.bodies[rigid] - tools.bodies, FREE] < 0:
             return 0.0, 0.0, 0.0
-        soft = SOFT / fields[other, WEIGHT]
+        soft = tools.motion[contact.bodies[rigid] - tools.bodies, YIELDS]
         return (
-            soft if fields[other, column] == 0.0 else 0.0,
-            soft if fields[other, column + 1] == 0.0 else 0.0,
-            soft if fields[other, column + 2] == 0.0 else 0.0,
+            soft if fields[other, TOLD] == 0.0 else 0.0,
+            soft if fields[other, TOLD + 1] == 0.0 else 0.0,
+            soft if fields[other, TOLD + 2] == 0.0 else 0.0,
         )
 
     return of_free
@@ -127,9 +161,12 @@ def exchange(contact, faces, frame, forcing, number, held, pair, last):
         u = settled(contact, faces, frame, forcing, number, a, last)
         v = settled(contact, faces, frame, forcing, number, b, last)
     tied = contact.pairs.law[entry] == TIED
+    # A rigid body may tear off what a wall holds that lets go, or its friction.
+    rigid = first[WEIGHT] == inf or second[WEIGHT] == inf
+    column = TOLD if tied or rigid else MOBILITY
     soft = (0.0, 0.0, 0.0)
     if held:
-        soft = softness(contact, contact.tools, a, b, TOLD if tied else MOBILITY)
+        soft = softness(contact, contact.tools, a, b)
     if tied:
         for d in range(len(frame.cell)):
             mobility = first[TOLD + d] + second[TOLD + d] + soft[d]
@@ -147,7 +184,7 @@ def exchange(contact, faces, frame, forcing, number, held, pair, last):
     )
     normal, most, answer = 0.0, 0.0, 0.0
     for d in range(3):
-        mobility = first[MOBILITY + d] + second[MOBILITY + d] + soft[d]
+        mobility = first[column + d] + second[column + d] + soft[d]
         answer += row[NORMAL + d] ** 2 * mobility
         most = max(most, mobility)
         normal += w[d] * row[NORMAL + d]

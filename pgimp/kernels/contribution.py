@@ -1,6 +1,8 @@
 """What one particle adds to the sums of the grid: mass, momentum, stress."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
+
+from numba.core import types
 
 from pgimp.jit.algebra import determinant
 from pgimp.jit.kernel import specialise
@@ -18,9 +20,12 @@ class VolumeSums(NamedTuple):
 
     The sums are then V_p and V_p (b + 1), b being the number of the particle's body, and those of
     the forces V_p grad S, the integral of S over the surface with its outward normal. Of particles
-    that a surface cuts there are, besides, the number and what curvature adds to their gap, and in
-    the place `HELD` what S is more where their volume is than where they are, V_p d . grad S with
-    the offset d. The fields are those of `Loads`.
+    that a surface cuts there are, besides, the number and what curvature adds to their gap. The
+    fields are those of `Loads`, and
+
+    slopes : float or ()
+        A number where S is that of whole particles: in the place `HELD` there is then what it is
+        more where their volume is, V_p d . grad S with the offset d; see `pgimp.kernels.cutboxes`.
     """
 
     viscosity: tuple[()] = ()
@@ -30,6 +35,7 @@ class VolumeSums(NamedTuple):
     affine: tuple[()] = ()
     walls: tuple[()] = ()
     mean: tuple[()] = ()
+    slopes: Any = ()
 
 
 def contribution(loads, frame, particles, p, forces, j):
@@ -73,11 +79,11 @@ def _outward_along(V, d):
     return (one, two, three)[len(d) - 1]
 
 
-def _moved(F, d):
+def moved(F, d):
     """The offset F d of a particle that is deformed by F, as many numbers as `d` has."""
 
 
-@specialise(_moved)
+@specialise(moved)
 def _moved_by(F, d):
     one = lambda F, d: (F[0] * d[0],)  # noqa: E731
     two = lambda F, d: (F[0] * d[0] + F[1] * d[1], F[2] * d[0] + F[3] * d[1])  # noqa: E731
@@ -86,6 +92,17 @@ def _moved_by(F, d):
         F[6] * d[0] + F[7] * d[1] + F[8] * d[2],
     )  # fmt: skip
     return (one, two, three)[len(d) - 1]
+
+
+def _told(slopes, d):
+    """The offset `d` where slopes tell what it does to weights; else it is in these, see there."""
+
+
+@specialise(_told)
+def _told_of(slopes, d):
+    if slopes == types.float64:
+        return lambda slopes, d: d
+    return lambda slopes, d: scaled(0.0, d)
 
 
 @specialise(contribution)
@@ -100,7 +117,7 @@ def _contribution(loads, frame, particles, p, forces, j):
             for e in d:
                 cut = 1.0 if e != 0.0 else cut
             A = pack(V, V * (particles.body[p] + 1), particles.excess[p, 0], cut)
-            return A, _outward(V, _moved(F, d))
+            return A, _outward(V, _told(loads.slopes, moved(F, d)))
 
         return volumes
     if is_initial(frame):

@@ -5,7 +5,11 @@ layers, planes and messages are those of one field, and only what takes a plane 
 """
 
 from pgimp.jit.kernel import inner_kernel, specialise
+from pgimp.jit.simd import load, pack, store
 from pgimp.kernels.record import RECORD
+
+#: The last bit of `Field.used` is that of all fields from this one on.
+_LAST = 62
 
 
 @inner_kernel
@@ -33,7 +37,87 @@ def field_of(window, particles, p):
 def _field_of(window, particles, p):
     if hasattr(window.types[3], "count"):  # ()
         return lambda window, particles, p: 0
-    # As long as there is one field, nothing is read.
     return lambda window, particles, p: (
-        0 if window.stride[0] == field_size(window) else window.bodies[particles.body[p]]
+        window.bodies[particles.body[p]] if len(window.bodies) else 0
     )
+
+
+def move_to_fields(window, particles, rows, buffer, at):
+    """Move four places, in the buffer from `at` on, to where their particles' fields begin."""
+
+
+@specialise(move_to_fields)
+def _move_to_fields(window, particles, rows, buffer, at):
+    if hasattr(window.types[3], "count"):  # ()
+        return lambda window, particles, rows, buffer, at: None
+
+    def move(window, particles, rows, buffer, at):
+        bodies, body = window.bodies, particles.body
+        if len(bodies) > 0:
+            begin = pack(
+                bodies[body[rows[0]]], bodies[body[rows[1]]], bodies[body[rows[2]]],
+                bodies[body[rows[3]]],
+            )  # fmt: skip
+            store(buffer, at, load(buffer, at) + begin)
+
+    return move
+
+
+def clear_plane(field, i):
+    """Set plane `i` to zero, of several fields those that are used."""
+
+
+@specialise(clear_plane)
+def _clear_plane(field, i):
+    def clear(field, i):
+        plane = field.window.stride[0]
+        field.G[i * plane : (i + 1) * plane] = 0.0
+
+    def clear_used(field, i):
+        size = field_size(field.window)
+        for f in range(field_count(field.window)):
+            if is_used(field, i, f):
+                begin = i * field.window.stride[0] + f * size
+                field.G[begin : begin + size] = 0.0
+        field.used[i] = 0
+
+    return clear if _is_single(field) else clear_used
+
+
+def _is_single(field):
+    """Whether scenes with such a `Field` always have one field."""
+    return hasattr(field.types[field.fields.index("used")], "count")  # ()
+
+
+def is_used(field, i, f):
+    """Whether anything in field `f` of plane `i` may be other than zero."""
+
+
+@specialise(is_used)
+def _is_used(field, i, f):
+    if _is_single(field):
+        return lambda field, i, f: True
+    return lambda field, i, f: (
+        len(field.window.bodies) == 0 or field.used[i] >> min(f, _LAST) & 1 != 0
+    )
+
+
+def use(field, i, low, high):
+    """Note that plane `i` is not zero between `low` and `high`, in float64 from its beginning."""
+
+
+@specialise(use)
+def _use(field, i, low, high):
+    def note(field, i, low, high):
+        size = field_size(field.window)
+        for f in range(low // size, (high - 1) // size + 1):
+            field.used[i] |= 1 << min(f, _LAST)
+
+    return (lambda field, i, low, high: None) if _is_single(field) else note
+
+
+@inner_kernel
+def has_several(field, i):
+    """Whether bodies of several fields may have something in plane `i`."""
+    used = field.used[i]
+    return used & (used - 1) != 0 or used >> _LAST != 0

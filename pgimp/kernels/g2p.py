@@ -80,7 +80,7 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
             supports(shape, frame, window, particles, rows, number, buffer, ())
             keep_means(loads.mean, shape, frame, buffer)
             u, a, grad, codes = take_from_grid(  # (30)
-                (shape, frame), field, particles, loads.mean, order.rows, batch, buffer, sums
+                (shape, frame), field, loads.mean, batch, buffer, sums
             )
             power = add_force_power(loads.force, frame, particles, batch, u, power)
             u, v = update_velocity(forcing, particles, batch, u, a, ledger)  # (27)

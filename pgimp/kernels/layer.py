@@ -3,9 +3,9 @@
 from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import stack
 from pgimp.kernels.affine import affine_momentum
-from pgimp.kernels.batch import LANES, SUPPORT_SIZE, first_place, four, supports
+from pgimp.kernels.batch import LANES, SUPPORT_SIZE, first_place, four
 from pgimp.kernels.contribution import contribution
-from pgimp.kernels.fields import field_of
+from pgimp.kernels.cutboxes import summed_supports
 from pgimp.kernels.loads import scatter_loads, weight
 from pgimp.kernels.mean import keep_means, mean_force
 from pgimp.kernels.piola import PIOLA_SIZE, keep_forces
@@ -47,12 +47,12 @@ def _sum_layer(setting, field, particles, loads, rows, span, number):
         forces = stack(PIOLA_SIZE)
         for k in range(begin, end, LANES):
             batch = four(rows, k, end)
-            supports(shape, frame, window, particles, batch, number, buffer, loads.affine)
+            summed_supports(loads, shape, frame, window, particles, batch, number, buffer)
             keep_means(loads.mean, shape, frame, buffer)
             keep_forces(loads.viscosity, frame, particles, batch, forces)
             for j in range(min(LANES, end - k)):
                 p = rows[k + j]
-                place = first_place(buffer, j) + field_of(window, particles, p)
+                place = first_place(buffer, j)
                 A, S = contribution(loads, frame, particles, p, forces, j)
                 B = weight(loads.force, loads.walls, frame, particles, p)
                 C = affine_momentum(loads.affine, frame, particles, p)

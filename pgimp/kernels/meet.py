@@ -18,7 +18,7 @@ from pgimp.kernels.contact import (
 from pgimp.kernels.contactbooks import book
 from pgimp.kernels.contactlaw import exchange, find_held
 from pgimp.kernels.faces import on_walls, wall_sides
-from pgimp.kernels.fields import field_count, field_size
+from pgimp.kernels.fields import field_count, field_size, has_several
 from pgimp.kernels.loads import relaxed_part
 from pgimp.kernels.record import ACCELERATION, FORCE, HELD, MASS, MOMENTUM, RECORD, VELOCITY
 from pgimp.kernels.selection import HIGH_Y, HIGH_Z, LOW_Y, LOW_Z, include
@@ -46,7 +46,7 @@ def find_meetings(field, where, met, spread):
     for i in range(len(met)):
         spread[i, LOW_Y] = spread[i, LOW_Z] = 1 << 40
         spread[i, HIGH_Y] = spread[i, HIGH_Z] = -1
-        if field.active[i] == 0 or count == 1 or not where[i]:
+        if field.active[i] == 0 or count == 1 or not where[i] or not has_several(field, i):
             continue
         r = i * window.stride[0]
         for j in range(window.extent[1]):
@@ -136,7 +136,7 @@ def meet_at(contact, faces, frame, field, forcing, number, r, last):
         for d in range(3):
             v = field.G[place + VELOCITY + d] * inverse
             contact.fields[a, NOW + d] = contact.fields[a, BEFORE + d] = v
-    held = find_held(contact, faces, frame, forcing, number, count, last)
+    held = find_held(contact, faces, frame, forcing, number, count, rigid, last)
     for _ in range(SWEEPS if held or pairs > 1 else 1):
         for pair in range(pairs):
             exchange(contact, faces, frame, forcing, number, held, pair, last)

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.kernels.clearance import clearance_at
-from pgimp.kernels.fields import field_count, field_size
+from pgimp.kernels.fields import field_count, field_size, is_used, use
 from pgimp.kernels.loads import given, relaxed_part
 from pgimp.kernels.record import ACCELERATION, FORCE, HELD, MASS, MOMENTUM, RECORD, VELOCITY
 from pgimp.kernels.transfer import also_held
@@ -64,7 +64,7 @@ def fold(frame, field, mirror, forcing, ledger):
     for f in range(field_count(window)):
         begin = f * field_size(window)
         for i in range(i0, i1):
-            if active[i] == 0:
+            if active[i] == 0 or not is_used(field, i, f):
                 continue
             for j in range(j0, j1):
                 for k in range(k0, k1):
@@ -85,6 +85,8 @@ def fold(frame, field, mirror, forcing, ledger):
                         part = relaxed_part(relaxation, dt)
                         force, momentum = G[g + FORCE + axis] + weight, G[g + MOMENTUM + axis]
                         impulse[i, mirror.number, axis] -= 2.0 * dt * force + 2.0 * part * momentum
+                    place = r - begin  # the plane of the image has this field, if it had not
+                    use(field, place // window.stride[0], begin, begin + RECORD)
                     G[r + MASS] += G[g + MASS]
                     G[r + HELD] += G[g + HELD]
                     for d in range(3):

@@ -4,7 +4,7 @@ from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.kernels.clearance import clear
 from pgimp.kernels.constraints import constrained_velocity
 from pgimp.kernels.faces import beyond_any, face_count, hold, side_of, wall_of
-from pgimp.kernels.fields import field_count, field_size
+from pgimp.kernels.fields import field_count, field_size, is_used
 from pgimp.kernels.loads import given
 from pgimp.kernels.meet import meet
 from pgimp.kernels.record import ACCELERATION, FORCE, HELD, MASS, MOMENTUM, RECORD, VELOCITY
@@ -40,26 +40,16 @@ def update_momentum(frame, field, faces, forcing, ledger, contact, part):
     if part != REST:
         ledger.beyond[:] = 0.0
     heavy = gravity[0] != 0.0 or gravity[1] != 0.0 or gravity[2] != 0.0
+    size = field_size(field.window)
     for i in range(len(active)):
         if active[i] == 0:
             continue
         if part != REST:
             meet(contact, faces, frame, field, forcing, i, ledger, False)
-            for r in range(i * plane, (i + 1) * plane, RECORD):
-                m = G[r + MASS]
-                if m > lightest:
-                    inverse = 1.0 / m
-                    for d in range(3):
-                        a = G[r + FORCE + d] * inverse + gravity[d]
-                        G[r + ACCELERATION + d] = a
-                        G[r + VELOCITY + d] = G[r + MOMENTUM + d] * inverse + dt * a
-                else:
-                    inverse = 1.0 / m if m > 0.0 else 0.0
-                    for d in range(3):
-                        G[r + ACCELERATION + d] = 0.0
-                        G[r + VELOCITY + d] *= inverse
-                if m >= 0.0:
-                    clear(forcing.clearances, G, r)
+            for f in range(field_count(field.window)):
+                if is_used(field, i, f):
+                    begin = i * plane + f * size
+                    _accelerate(G, begin, begin + size, dt, gravity, lightest, forcing.clearances)
         if part == BEGINNING:
             continue
         meet(contact, faces, frame, field, forcing, i, ledger, True)
@@ -67,11 +57,33 @@ def update_momentum(frame, field, faces, forcing, ledger, contact, part):
             constrain_plane(faces, n, frame, field, forcing, i, ledger)
         if heavy and i < owned:
             power = 0.0
-            for r in range(i * plane, (i + 1) * plane, RECORD):
-                v = r + VELOCITY
-                b_v = gravity[0] * G[v] + gravity[1] * G[v + 1] + gravity[2] * G[v + 2]
-                power += G[r + MASS] * b_v
+            for f in range(field_count(field.window)):
+                if is_used(field, i, f):
+                    for r in range(i * plane + f * size, i * plane + (f + 1) * size, RECORD):
+                        v = r + VELOCITY
+                        b_v = gravity[0] * G[v] + gravity[1] * G[v + 1] + gravity[2] * G[v + 2]
+                        power += G[r + MASS] * b_v
             work[i] += dt * power
+
+
+@inner_kernel
+def _accelerate(G, begin, end, dt, gravity, lightest, clearances):
+    """Turn the sums of a field of a plane into velocities and accelerations."""
+    for r in range(begin, end, RECORD):
+        m = G[r + MASS]
+        if m > lightest:
+            inverse = 1.0 / m
+            for d in range(3):
+                a = G[r + FORCE + d] * inverse + gravity[d]
+                G[r + ACCELERATION + d] = a
+                G[r + VELOCITY + d] = G[r + MOMENTUM + d] * inverse + dt * a
+        else:
+            inverse = 1.0 / m if m > 0.0 else 0.0
+            for d in range(3):
+                G[r + ACCELERATION + d] = 0.0
+                G[r + VELOCITY + d] *= inverse
+        if m >= 0.0:
+            clear(clearances, G, r)
 
 
 def constrain_plane(faces, n, frame, field, forcing, i, ledger):

@@ -10,6 +10,7 @@ a layer then has to add later is put aside.
 
 from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.jit.simd import load, pack, store
+from pgimp.kernels.fields import clear_plane, use
 from pgimp.kernels.layer import sum_layer
 
 
@@ -49,12 +50,14 @@ def particles_to_grid(setting, field, particles, loads, order, runs):
                     continue
                 if high > 0 and active[target] == 0:
                     active[target] = 1
-                    G[target * plane : (target + 1) * plane] = 0.0
+                    clear_plane(field, target)
                 if runs[run, 2] != 0 and target < layers:
                     slot = kept + _slot(layer - layers + shared, shared) + i
                     _set_aside(scratch, i * plane, aside, slot * plane, low, high, plane)
                     continue
                 _flush(scratch, i * plane, G, target * plane, low, high)
+                if high > 0:
+                    use(field, target, low, high)
 
 
 @inner_kernel
@@ -100,18 +103,21 @@ def complete(field, shared, layers, kept, received):
     received : float64
         What the rank above has put aside for the planes shared with it; empty where there is none.
     """
-    G, aside, below, plane = field.G, field.aside, field.below, field.window.stride[0]
+    aside, below = field.aside, field.below
     if below > 0:
-        _add(G, 0, aside, 0, shared, plane)
+        _add(field, 0, aside, 0, shared)
     if kept:
-        _add(G, layers - shared, aside, below * (below + 1) // 2, shared, plane)
+        _add(field, layers - shared, aside, below * (below + 1) // 2, shared)
     if len(received) > 0:
-        _add(G, layers, received, 0, shared, plane)
+        _add(field, layers, received, 0, shared)
 
 
 @inner_kernel
-def _add(G, first, sums, slot, shared, plane):
+def _add(field, first, sums, slot, shared):
     """Add sums that were put aside, from `slot` on, to planes from `first` on, in layer order."""
+    G, plane = field.G, field.window.stride[0]
+    for i in range(shared):
+        use(field, first + i, 0, plane)
     for layer in range(shared):
         for i in range(layer, shared):
             target = (first + i) * plane

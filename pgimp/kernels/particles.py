@@ -238,7 +238,7 @@ class Window(NamedTuple):
 
     Where bodies have velocity fields of their own, those of a plane follow each other. `bodies`,
     (bodies,) int64, then tells how far behind the plane's first vertex each body's field begins,
-    in float64; () where all share one field.
+    in float64. It is empty as long as all share one field, and () in scenes where they always do.
     """
 
     lower: tuple[int, int, int]
@@ -261,5 +261,5 @@ class Window(NamedTuple):
         """
         size = RECORD * extent[1] * extent[2]
         count = 1 + max(fields) if len(fields) else 1
-        bodies = np.array(fields, np.int64) * size if len(fields) else ()
+        bodies = np.array(fields if count > 1 else (), np.int64) * size if len(fields) else ()
         return cls(lower, extent, (count * size, RECORD * extent[2], RECORD), bodies)

@@ -13,7 +13,6 @@ from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.kernels.contact import (
     CLING,
     DRAWN,
-    MOBILITY,
     NORMAL,
     PULL,
     PUSH,
@@ -95,16 +94,14 @@ def _add(contact, tools, frame, number, pair, count, plane):
     s = (row[SLIP], row[SLIP + 1], row[SLIP + 2])
     push, slip = row[PUSH], sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2])
     tied = contact.pairs.law[contact.ends[pair, 2] - 1] == TIED
-    mobility = _mobility(contact, tools, a, b, other, TOLD if tied else MOBILITY)
+    mobility = _mobility(contact, tools, a, b, other, contact.fields[other, WEIGHT] / mass)
     along, across, drag, turn = _slopes(contact, pair, other, push, mobility)
-    stiffness = mass / contact.fields[other, WEIGHT]
-    along, across = stiffness * along, stiffness * across
-    inverse = stiffness / slip if slip > NONE else 0.0
+    inverse = 1.0 / slip if slip > NONE else 0.0
     drag, turn = inverse * drag, inverse / slip * turn if slip > NONE else 0.0
     if tools.motion[t, CAUTIOUS] != 0.0:  # what has a limit grows with the velocity: never too far
         drag, turn = 0.0, 0.0
         if push < 0.0:
-            along = stiffness * _pulled(row, mobility)
+            along = _pulled(row, mobility)
     sign = -1.0 if rigid == a else 1.0
     answer, x, motion = tools.answers[plane, free], place_of(frame, number), tools.motion[t]
     arm = (x[0] - motion[CENTRE], x[1] - motion[CENTRE + 1], x[2] - motion[CENTRE + 2])
@@ -115,7 +112,7 @@ def _add(contact, tools, frame, number, pair, count, plane):
         for e in range(3):
             K = ((along - across) * n[d] + drag * s[d]) * n[e] - turn * s[d] * s[e]
             if d == e:
-                K += stiffness / mobility[d] if tied else across
+                K += 1.0 / mobility[d] if tied else across
             for u in range(6):
                 for v in range(6):
                     answer[RESPONSE + 6 * u + v] += _turned(arm, d, u) * K * _turned(arm, e, v)
@@ -134,10 +131,16 @@ def _turned(arm, d, u):
 
 
 @inner_kernel
-def _mobility(contact, tools, a, b, other, column):
-    """What a free rigid body meets at a vertex, as inverse of a mass, by component."""
-    soft, own = softness(contact, tools, a, b, column), contact.fields[other]
-    return own[column] + soft[0], own[column + 1] + soft[1], own[column + 2] + soft[2]
+def _mobility(contact, tools, a, b, other, part):
+    """What a free rigid body meets at a vertex, as inverse of a mass, by component.
+
+    `part` is that which the field has of what may answer together. What is held answers alone.
+    """
+    soft, own = softness(contact, tools, a, b), contact.fields[other]
+    return (
+        part * own[TOLD] + soft[0], part * own[TOLD + 1] + soft[1],
+        part * own[TOLD + 2] + soft[2],
+    )  # fmt: skip
 
 
 @inner_kernel

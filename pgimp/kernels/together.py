@@ -11,7 +11,6 @@ from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import bits, vector
 from pgimp.jit.tuples import joined, plus_scaled, scaled
 from pgimp.kernels.batch import LANES, first_place, four_entries, share_support
-from pgimp.kernels.fields import field_of
 from pgimp.kernels.gathered import (
     collected,
     gradients,
@@ -25,19 +24,17 @@ from pgimp.kernels.record import ACCELERATION, HELD, RECORD, VELOCITY
 from pgimp.kernels.transfer import gather
 
 
-def take_from_grid(places, field, particles, mean, rows, batch, buffer, sums):
+def take_from_grid(places, field, mean, batch, buffer, sums):
     """What the grid gives to four particles.
 
     Parameters
     ----------
     places : tuple
         The shape and the frame; nothing of materials and loads, of which there are many.
-    field, particles, batch
-        See `Field`, `Particles`, `Batch`.
+    field, batch
+        See `Field`, `Batch`.
     mean
         As `Loads` has it.
-    rows : (n,) int32
-        The particles in canonical order.
     buffer, sums
         The supports of the batch, and room for what `keep_sums` keeps.
 
@@ -53,35 +50,33 @@ def take_from_grid(places, field, particles, mean, rows, batch, buffer, sums):
 
 
 @specialise(take_from_grid)
-def _take_from_grid(places, field, particles, mean, rows, batch, buffer, sums):
-    def where_shared(places, field, particles, mean, rows, batch, buffer, sums):
+def _take_from_grid(places, field, mean, batch, buffer, sums):
+    def where_shared(places, field, mean, batch, buffer, sums):
         if batch.size < LANES or not share_support(buffer):
-            return _take_separately(places, field, particles, mean, rows, batch, buffer, sums)
+            return _take_separately(places, field, mean, batch, buffer, sums)
         (shape, frame), window = places, field.window
         place = batch.layer * window.stride[0] + first_place(buffer, 0)
-        place += field_of(window, particles, batch.rows[0])
         u, a, D, held = _gather_shared(shape, field.G, buffer, place, window.stride, frame.origin)
         return u, a, _row_major(D), held
 
     if is_initial(places[1]):
         return where_shared
-    return lambda places, field, particles, mean, rows, batch, buffer, sums: _take_separately(
-        places, field, particles, mean, rows, batch, buffer, sums
+    return lambda places, field, mean, batch, buffer, sums: _take_separately(
+        places, field, mean, batch, buffer, sums
     )
 
 
-def _take_separately(places, field, particles, mean, rows, batch, buffer, sums):
+def _take_separately(places, field, mean, batch, buffer, sums):
     """As `take_from_grid`, one particle after the other."""
 
 
 @specialise(_take_separately)
-def _take_one_by_one(places, field, particles, mean, rows, batch, buffer, sums):
-    def one_by_one(places, field, particles, mean, rows, batch, buffer, sums):
+def _take_one_by_one(places, field, mean, batch, buffer, sums):
+    def one_by_one(places, field, mean, batch, buffer, sums):
         (shape, frame), window = places, field.window
         begin = batch.layer * window.stride[0]
         for j in range(batch.size):
-            p = rows[batch.first + j]  # of the tuple LLVM would check the bounds
-            place = begin + first_place(buffer, j) + field_of(window, particles, p)
+            place = begin + first_place(buffer, j)
             U, A, D, M = gather(
                 shape, field.G, buffer, j, place, window.stride, frame.origin, mean
             )

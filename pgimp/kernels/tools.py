@@ -20,9 +20,10 @@ from pgimp.kernels.tents import cut
 
 #: Columns of `Tools.motion`: the reference point now and at the start, the matrix that turns the
 #: body, distance of the lattice's points, its first point; velocity and angular velocity at the
-#: step's beginning, both at its end; of those that move freely whether these are sought cautiously.
+#: step's beginning, both at its end; of those that move freely whether these are sought cautiously,
+#: and how much they yield to what is held, see `pgimp.kernels.contactlaw.softness`.
 CENTRE, REFERENCE, TURN, SPACING, LOW, FORMER, LATTER, CAUTIOUS = 0, 3, 6, 15, 16, 19, 25, 31
-MOTION = 32
+YIELDS, MOTION = 32, 33
 
 #: Columns of `Tools.about`: the lattice's points along each direction, where they begin, the least
 #: and greatest vertex near the body, by direction, and its number among those that move freely, -1

@@ -34,6 +34,7 @@ from pgimp.kernels.tools import (
     SHAPE,
     SPACING,
     TURN,
+    YIELDS,
     Tools,
 )
 from pgimp.mpi.collective import on_root
@@ -47,6 +48,10 @@ _INSTANTS = 2000
 
 #: Least density of a free body, over that of the material around it; and the other way round.
 LIGHTEST = 1e-10
+
+#: How much a free body yields to what is held, over how much it would if nothing else held it: of
+#: the velocity that a step's forces give it this part is left, divided among the vertices it is on.
+SOFT = 1e-3
 
 #: Points that a lattice may have: about 1 GB.
 _MOST_POINTS = 30_000_000
@@ -317,6 +322,8 @@ class SceneTools:
                 row[SPACING], row[LOW : LOW + 3] = field.spacing, field.low
                 one[SHAPE : SHAPE + 3], one[FIRST] = field.shape, first
                 one[FREE] = [*self.free].index(number) if number in self.free else -1
+                if number in self.free:
+                    row[YIELDS] = SOFT / self.free[number].bulk.mass
                 first += len(field.values)
             values = [field.values for field in self.fields]
             self._kept = Tools(

@@ -58,6 +58,8 @@ def where_near(boxes: np.ndarray, fields: tuple[int, ...], reach: float, steps: 
     (pairs, 2) float64
         Ends of an interval for each pair that may, along x in cells.
     """
+    if not any(fields):
+        return np.empty((0, 2))
     low, high = boxes
     first, second = np.triu_indices(len(fields), 1)
     own = np.array(fields)

@@ -12,11 +12,11 @@ from pgimp.decomposition.population import Population
 from pgimp.jit.bound import Bound
 from pgimp.kernels.concepts import Order
 from pgimp.kernels.contact import Contact
-from pgimp.kernels.contribution import VolumeSums
+from pgimp.kernels.cutboxes import volume_sums
 from pgimp.kernels.ledger import CONTACT_AREA, Ledger
 from pgimp.kernels.meet import find_meetings
 from pgimp.kernels.p2g import particles_to_grid
-from pgimp.kernels.selection import HIGH_Y, HIGH_Z, LOW_Y, LOW_Z, select_near
+from pgimp.kernels.selection import select_near
 from pgimp.kernels.tools import find_touched
 from pgimp.scene.scene import Scene
 from pgimp.solver.freebodies import FreeBodies
@@ -58,6 +58,7 @@ class Meetings:
         self._intervals = np.empty((0, 2))
         self._where: Any = None
         self._rows = np.empty(0, np.int32)
+        self._planes, self._runs = np.empty(0, np.int64), np.empty((0, 3), np.int64)
         self._known: Any = None
         self._halos: dict[tuple[bool, bool], Halo] = {}
 
@@ -119,6 +120,7 @@ class Meetings:
             halo.close()
         self._halos.clear()
         self._known, self._where, scene = grid.field, None, self.scene
+        self._planes = np.empty(0, np.int64)
         self._volumes = Grid(scene.frame, scene.vertices, grid.slab, grid.late, self.fields)
         self._volumes.store(grid.base)
         most = 1 + max(self.fields)
@@ -131,8 +133,8 @@ class Meetings:
         """Find the particles that may have weight where bodies meet, in some of the planes."""
         order, shared = population.ordered, grid.vertices - 1
         spread, extent = self._contact.spread[planes], grid.window.extent
-        low_y, low_z = spread[:, (LOW_Y, LOW_Z)].min(axis=0).tolist()
-        high_y, high_z = spread[:, (HIGH_Y, HIGH_Z)].max(axis=0).tolist()
+        low_y, _, low_z, _ = spread.min(axis=0).tolist()
+        _, high_y, _, high_z = spread.max(axis=0).tolist()
         part = (high_y - low_y + 1) * (high_z - low_z + 1) / (extent[1] * extent[2])
         if part > _MOST_OF_A_PLANE:
             return order
@@ -149,15 +151,12 @@ class Meetings:
         """Sum volumes into some of the planes."""
         slab, shared, volumes = grid.slab, grid.vertices - 1, self._volumes
         order, layers = self._near(grid, population, planes), grid.slab.layers
-        near = np.zeros(layers + shared, bool)
-        for i in range(shared + 1):
-            near[np.maximum(planes - i, 0)] = True
-        edges = np.flatnonzero(np.diff(near[:layers], prepend=False, append=False)).reshape(-1, 2)
-        runs = np.concatenate([edges, np.zeros((len(edges), 1), np.int64)], axis=1)
+        if not np.array_equal(planes, self._planes):  # they stay the same for many steps
+            self._planes, self._runs = planes, _runs(planes, layers, shared)
         volumes.active.fill(0)
         self.call(
             particles_to_grid, self.scene.setting.without_materials(), volumes.field,
-            population.particles, VolumeSums(), order, runs,
+            population.particles, volume_sums(self.scene.shape), order, self._runs,
         )  # fmt: skip
         below = slab.below is not None and bool(planes[0] < shared)
         above = slab.above is not None and bool(planes[-1] >= layers)
@@ -171,3 +170,12 @@ class Meetings:
             halo = self._halos[below, above] = Halo(self.comm, part, shared)
         halo.proceed(volumes)
         halo.finish(volumes)
+
+
+def _runs(planes: np.ndarray, layers: int, shared: int) -> np.ndarray:
+    """Find the layers that add to some of the planes, as runs for `particles_to_grid`."""
+    near = np.zeros(layers + shared, bool)
+    for i in range(shared + 1):
+        near[np.maximum(planes - i, 0)] = True
+    edges = np.flatnonzero(np.diff(near[:layers], prepend=False, append=False)).reshape(-1, 2)
+    return np.concatenate([edges, np.zeros((len(edges), 1), np.int64)], axis=1)

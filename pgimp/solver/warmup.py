@@ -14,7 +14,7 @@ from pgimp.kernels.concepts import Forcing, Order, Report
 from pgimp.kernels.constraints import apply_constraints, mark_constrained_vertices
 from pgimp.kernels.contact import Contact
 from pgimp.kernels.contactforces import contact_forces
-from pgimp.kernels.contribution import VolumeSums
+from pgimp.kernels.cutboxes import volume_sums
 from pgimp.kernels.errors import ERRORS, initial_velocities, layer_errors
 from pgimp.kernels.g2p import grid_to_particles
 from pgimp.kernels.layerchanges import pack_rows, partition_migrants, sort_rows, unpack_rows
@@ -87,7 +87,7 @@ def _calls(scene: Scene) -> Iterator[Call]:
         )
         yield 0.3, lambda: grow_boxes(frame, p, rows, np.zeros((2, len(fields), len(frame.cell))))
         yield 6.0, lambda: particles_to_grid(
-            shaped, grid.field, p, VolumeSums(), order, np.zeros((0, 3), np.int64)
+            shaped, grid.field, p, volume_sums(shape), order, np.zeros((0, 3), np.int64)
         )
     yield 10.4, lambda: grid_to_particles(
         setting, grid.field, p, order, np.zeros(0, np.int64), on_particles(forcing), report,

@@ -12,6 +12,7 @@ from multiprocessing import get_context
 
 import detection
 import gap
+import hertz
 import motion
 import problems
 import rolls
@@ -54,6 +55,8 @@ def _figures(quick):
         jobs["corner", cell] = (problems.corner, 2.5 * cell)
         jobs["nairn", cell] = (problems.disks, 5.0 * cell)
         jobs["ball", cell] = (problems.ball, 0.05 * cell)
+        jobs["cylinders", cell] = (hertz.cylinders, round(0.8 / cell))
+        jobs["balls", cell] = (hertz.balls, 0.05 * cell)
         jobs["pressed", cell] = (problems.pressed, 5.0 * cell)
         jobs["held", cell] = (walls.sticking, 5.0 * cell)
     return jobs
@@ -88,6 +91,16 @@ def _table(found, cells):
          at("ball", 0)),
         ("the same: greatest force", "1", at("ball", 1)),
         ("the same: energy lost", "0", at("ball", 2)),
+        ("two of these balls meet: time in touch over Hertz's", "1", at("balls", 0)),
+        ("the same: greatest force", "1", at("balls", 1)),
+        ("the same: radius of the circle", "1", at("balls", 2)),
+        ("the same: pressure in its middle", "1", at("balls", 3)),
+        ("the same: energy lost", "0", at("balls", 4)),
+        ("cylinders pressed on each other, 4 and 8 cells in the half-width: it, over Hertz's", "1",
+         at("cylinders", 0)),
+        ("the same: pressure in the middle", "1", at("cylinders", 1)),
+        ("the same: greatest pressure, over that in the middle of Hertz's", "1",
+         at("cylinders", 2)),
         *(row for D in (2, 3) for row in (
             (f"blocks of 3 and 6 cells meet with friction, {D}D: momentum that changes", "0",
              at(f"collision {D}", 2, "{:.0e}")),

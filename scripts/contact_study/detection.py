@@ -8,7 +8,8 @@ Volume fractions are what is built, see `pgimp.kernels.contact`: gap and normal 
 and V_p grad S. Particles, their volumes and weights are pgimp's.
 
 Of volume fractions there are two: with particles that a surface cuts where they are, at their
-places on the lattice, and as they are built, where their volume is, less what curvature adds.
+places on the lattice, and as they are built, with what is left of their boxes, less what curvature
+adds.
 
 Nothing moves: bodies touch in a point or along a face, so that the exact gap is known everywhere.
 """
@@ -23,6 +24,7 @@ import numpy as np
 
 import pgimp
 from pgimp.kernels.contact import LEAST_FILLED
+from pgimp.kernels.cutboxes import LEAST
 from pgimp.physics.shapes.gimp import GimpParameters
 
 #: Particles a cell along each direction.
@@ -175,21 +177,24 @@ def edge(shift):
                  np.array([0.0, 1.0]), lambda x: np.zeros(len(x)))  # fmt: skip
 
 
-def _weights(x):
-    """Lowest vertex, weights and their slopes, (n, D, 3), of particles at x."""
-    half = 0.5 / PER_CELL
-    first = np.floor(x - half)
+def _weights(x, way=0.0):
+    """Lowest vertex, weights and their slopes, (n, D, 3), of particles at x.
+
+    Of those that are cut with the way to their centroids, see `pgimp.kernels.cutboxes`.
+    """
+    half = np.maximum(0.5 / PER_CELL - np.abs(way), LEAST)
+    first = np.floor(x + way - half)
     each = np.vectorize(
-        lambda f: np.array(GimpParameters.weights(None, half, f)), signature="()->(k,n)"
-    )(x - first)
+        lambda half, f: np.array(GimpParameters.weights(None, half, f)), signature="(),()->(k,n)"
+    )(half + 0.0 * x, x + way - first)
     w, g = each[..., 0, :], each[..., 1, :]
     return first.astype(int), w, g
 
 
-def _spread(x, values, low, count):
+def _spread(x, values, low, count, way=0.0):
     """Sums of S and of its slopes, times values (n, k): (vertices, k) and (vertices, k, D)."""
     D = x.shape[1]
-    first, w, g = _weights(x)
+    first, w, g = _weights(x, way)
     sums = np.zeros((count**D, values.shape[1]))
     slopes = np.zeros((count**D, values.shape[1], D))
     for corner_ in np.ndindex(*[3] * D):
@@ -301,10 +306,10 @@ def _by_volumes(low, count, bodies, built):
         near = (body.x > low - 2.0).all(axis=1) & (body.x < low + count + 1.0).all(axis=1)
         x, V, d, e = (values[near] for values in body[:4])
         cut = (d != 0.0).any(axis=1)
-        sums, slopes = _spread(x, np.column_stack([V, e, cut, V[:, None] * d]), low, count)
+        values = np.column_stack([V, e, cut])
+        sums, slopes = _spread(x, values, low, count, d if built else 0.0)
         part = sums[:, 0]
         if built:
-            part = part + sum(slopes[:, 3 + i, i] for i in range(len(low)))
             excess = excess + sums[:, 1] / np.maximum(sums[:, 2], 1e-300)
         parts.append(part)
         outward.append(slopes[:, 0])
@@ -335,7 +340,7 @@ def measure(make, shift, lattices, found):
     count = 2 * REACH + 2
     grid = low + np.stack(np.meshgrid(*[np.arange(count)] * D, indexing="ij"), -1).reshape(-1, D)
     plain, n, _ = _by_volumes(low, count, bodies, built=False)
-    built, _, parts = _by_volumes(low, count, bodies, built=True)
+    built, n_built, parts = _by_volumes(low, count, bodies, built=True)
     by_surfaces, n_surfaces = _by_surfaces(grid, low, count, bodies)
     x = grid - touch.middle
     aside = x - (x @ touch.normal)[:, None] * touch.normal
@@ -345,7 +350,7 @@ def measure(make, shift, lattices, found):
     weight = parts[0] * parts[1] / (parts[0] + parts[1] + 1e-300)
     exact = touch.distance(x)
     ways = {
-        "surfaces": (by_surfaces, n_surfaces), "plain": (plain, n), "built": (built, n),
+        "surfaces": (by_surfaces, n_surfaces), "plain": (plain, n), "built": (built, n_built),
     }
     for name, (gaps, normals) in ways.items():
         use = met & np.isfinite(gaps) & np.isfinite(normals).all(axis=1)

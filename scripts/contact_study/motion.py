@@ -3,7 +3,7 @@
 from math import cos, radians, sin
 from pathlib import Path
 from statistics import median
-from time import perf_counter
+from time import process_time
 
 import numpy as np
 
@@ -205,16 +205,16 @@ def cost(apart, dimensions, rounds=5):
 
 
 def by_turns(simulations, rounds, steps):
-    """Time of steps of the second of two simulations over that of the first."""
+    """CPU time of steps of the second of two simulations over that of the first."""
     ratios = []
     for simulation in simulations:
         simulation.step(3)
     for _ in range(rounds):
         times = []
         for simulation in simulations:
-            began = perf_counter()
+            began = process_time()
             simulation.step(steps)
-            times.append(perf_counter() - began)
+            times.append(process_time() - began)
         ratios.append(times[1] / times[0])
     return median(ratios)
 
@@ -251,8 +251,8 @@ def heap(count=48, steps=800, radius=4.0, columns=(8,), gravity=1.0):
     times, fields = np.zeros(2), 0
     for _ in range(steps // 20):
         for which, simulation in enumerate(simulations):  # by turns, as other work comes and goes
-            began = perf_counter()
+            began = process_time()
             simulation.step(20)
-            times[which] += perf_counter() - began
+            times[which] += process_time() - began
         fields = max(fields, 1 + max(simulations[0].core.rank.meetings.fields))
     return times[0] / times[1], fields

@@ -16,6 +16,8 @@ from pgimp.solver.step import acting, fold_mirrors, on_vertices, sum_particles
 INERTIA = {2: 0.5, 3: 0.4}
 #: Height of the floor.
 FLOOR = 0.4
+#: Time in which the weight sets in.
+RAMP = 1.0
 
 
 def _floor(case, floor, friction, size):
@@ -51,21 +53,22 @@ def slope(dimensions, cell, angle, friction, floor, times=None, affine=True):
 
     Both over those of a rigid one, which rolls if friction is more than tan/(1 + 1/k), with the
     inertia k M R^2: g sin/(1 + k), and g sin/(1 + k)/R. Else it slips: g (sin - mu cos), and
-    mu g cos/(k R). Velocities are fitted by lines between two times, as the weight sets in at once,
-    and bodies rock on what they lie on.
+    mu g cos/(k R). Velocities are fitted by lines between two times, as bodies rock on what they
+    lie on; they would do so much more, for a while, if the weight did not set in gradually.
     """
     D, g, k = dimensions, 1.0, INERTIA[dimensions]
     s, c = sin(radians(angle)), cos(radians(angle))
     rolls = friction >= s / c / (1.0 + 1.0 / k)
-    times = times or ((1.0, 3.0) if D == 3 else ((2.0, 8.0) if rolls else (1.0, 4.0)))
+    times = times or ((1.5, 3.5) if D == 3 else ((2.5, 8.5) if rolls else (1.5, 4.5)))
     exact = (g * s / (1.0 + k),) * 2 if rolls else (g * (s - friction * c), friction * g * c / k)
-    way = 0.5 * exact[0] * times[1] ** 2
+    way = 0.5 * exact[0] * (times[1] - 0.5 * RAMP) ** 2
     low = 0.0 if floor == "wall" else FLOOR
     size = [np.ceil(2.6 + way), *[2.8] * (D - 2), low + 2.2]
     centre = [1.3, *[1.4] * (D - 2), low + 1.0]
     bodies = {"wheel": ({"ball": {"centre": centre, "radius": 1.0}}, [0.0] * D)}
     size = [round(float(n) / cell) * cell for n in size]
-    gravity = [g * s, *[0.0] * (D - 2), -g * c]
+    weight = [g * s, *[0.0] * (D - 2), -g * c]
+    gravity = {"table": [[0.0, [0.0] * D], [RAMP, weight]]}
     case = motion.case_of(bodies, size, cell, times[1], gravity=gravity)
     _floor(case, floor, friction, size)
     case["materials"]["solid"] = motion.SOLID | {"young": 1000.0 if D == 2 else 300.0}

@@ -1,0 +1,105 @@
+"""What surfaces have left of particles' boxes, and its supports: for the sums of volumes.
+
+A particle that a surface cuts keeps its place on the lattice and its box, but what it has of the
+body is less, with a centroid of its own, which deforms with it. Of that the sums of volumes see a
+box round the centroid, as wide as is left of the whole one: exact where the surface is along the
+grid. It lies within the whole one, and its supports within that one's. Shapes that are no boxes
+have the weights of whole particles, and what these change by on the way to the centroid.
+"""
+
+from typing import Any
+
+from numba.core import types
+
+from pgimp.jit.kernel import specialise
+from pgimp.jit.tuples import scaled
+from pgimp.kernels.batch import coordinates, deformations, keep_support, supports, take_row
+from pgimp.kernels.contribution import VolumeSums, moved
+from pgimp.kernels.place import first_vertex
+from pgimp.physics.shapes.base import size
+from pgimp.physics.shapes.finite_gimp import FiniteGimpParameters
+from pgimp.physics.shapes.gimp import GimpParameters
+
+#: Least half-width, in cells, that is taken to be left of a box.
+LEAST = 1e-4
+
+
+def volume_sums(shape: Any) -> VolumeSums:
+    """Sums of volumes for particles of a shape, given by its parameters."""
+    boxes = isinstance(shape, GimpParameters | FiniteGimpParameters)
+    return VolumeSums() if boxes else VolumeSums(slopes=1.0)
+
+
+def summed_supports(loads, shape, frame, window, particles, rows, layer, buffer):
+    """As `supports`, for what `loads` sum: of volumes those of what is left of the boxes."""
+
+
+@specialise(summed_supports)
+def _summed_supports(loads, shape, frame, window, particles, rows, layer, buffer):
+    def whole(loads, shape, frame, window, particles, rows, layer, buffer):
+        supports(shape, frame, window, particles, rows, layer, buffer, loads.affine)
+
+    def left(loads, shape, frame, window, particles, rows, layer, buffer):
+        supports(shape, frame, window, particles, rows, layer, buffer, ())
+        F = deformations(frame, particles, rows)
+        way = moved(F, take_row(particles.offset, rows, 0, frame.origin))
+        half, x = size(shape, frame.cell, F)[0], coordinates(frame, particles, rows)
+        _narrow(shape, frame, buffer, 0, half, x, way, layer)
+
+    volumes = loads.instance_class is VolumeSums
+    if not volumes or loads.types[VolumeSums._fields.index("slopes")] == types.float64:
+        return whole
+    return left
+
+
+def _narrow(shape, frame, buffer, d, half, x, way, vertex):
+    """Put the weights of what is left of four boxes, from direction `d` on, into the buffer.
+
+    Along that they begin at `vertex`.
+    """
+
+
+@specialise(_narrow)
+def _narrow_along(shape, frame, buffer, d, half, x, way, vertex):
+    def last(shape, frame, buffer, d, half, x, way, vertex):
+        inverse = frame.inverse[d]
+        f = (x[0] + way[0] - frame.origin[d]) * inverse - (vertex - frame.ghost)
+        w, g = _weights(shape, max(half[0] - abs(way[0]) * inverse, LEAST), f)
+        keep_support(buffer, d, w, scaled(inverse, g))
+
+    def more(shape, frame, buffer, d, half, x, way, vertex):
+        _narrow(shape, frame, buffer, d, half[:1], x[:1], way[:1], vertex)
+        first = first_vertex(frame, d + 1, half[1], x[1])
+        _narrow(shape, frame, buffer, d + 1, half[1:], x[1:], way[1:], first)
+
+    return last if len(x) == 1 else more
+
+
+def _weights(shape, half, f):
+    """Weights and gradients of boxes, also of those that the first vertex does not reach.
+
+    As those of `finite-gimp`.
+    """
+
+
+@specialise(_weights)
+def _weights_of(shape, half, f):
+    def three(shape, half, f):
+        t, u = max(1.0 + half - f, 0.0), max(1.0 - half - f, 0.0)
+        a, b, q = max(f + half - 1.0, 0.0), max(f - half - 1.0, 0.0), 0.25 / half
+        w0, w2 = (t * t - u * u) * q, (a * a - b * b) * q
+        g0, g2 = -2.0 * (t - u) * q, 2.0 * (a - b) * q
+        return (w0, 1.0 - w0 - w2, w2), (g0, -g0 - g2, g2)
+
+    def four(shape, half, f):
+        t, u = max(1.0 + half - f, 0.0), max(1.0 - half - f, 0.0)
+        a1, b1 = max(f + half - 1.0, 0.0), max(f - half - 1.0, 0.0)
+        a2, b2 = max(f + half - 2.0, 0.0), max(f - half - 2.0, 0.0)
+        q = 0.25 / half
+        w0, w3 = (t * t - u * u) * q, (a2 * a2 - b2 * b2) * q
+        w2 = (a1 * a1 - b1 * b1) * q - 2.0 * w3
+        g0, g3 = -2.0 * (t - u) * q, 2.0 * (a2 - b2) * q
+        g2 = 2.0 * (a1 - b1) * q - 2.0 * g3
+        return (w0, 1.0 - w0 - w2 - w3, w2, w3), (g0, -g0 - g2 - g3, g2, g3)
+
+    return three if shape.instance_class.vertices() == 3 else four
