@@ -37,3 +37,20 @@ def _field_of(window, particles, p):
     return lambda window, particles, p: (
         0 if window.stride[0] == field_size(window) else window.bodies[particles.body[p]]
     )
+
+
+def share_field(window, particles, rows):
+    """Whether four particles, in canonical order and in one cell, are of one field.
+
+    In a cell particles follow each other by their bodies.
+    """
+
+
+@specialise(share_field)
+def _share_field(window, particles, rows):
+    if hasattr(window.types[3], "count"):  # ()
+        return lambda window, particles, rows: True
+    return lambda window, particles, rows: (
+        window.stride[0] == field_size(window)
+        or particles.body[rows[0]] == particles.body[rows[3]]
+    )

@@ -11,7 +11,7 @@ from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import bits, vector
 from pgimp.jit.tuples import joined, plus_scaled, scaled
 from pgimp.kernels.batch import LANES, first_place, four_entries, share_support
-from pgimp.kernels.fields import field_of
+from pgimp.kernels.fields import field_of, share_field
 from pgimp.kernels.gathered import (
     collected,
     gradients,
@@ -49,9 +49,13 @@ def take_from_grid(setting, field, particles, loads, order, batch, buffer, sums)
 @specialise(take_from_grid)
 def _take_from_grid(setting, field, particles, loads, order, batch, buffer, sums):
     def where_shared(setting, field, particles, loads, order, batch, buffer, sums):
-        if batch.size < LANES or not share_support(buffer):
-            return _take_separately(setting, field, particles, loads, order, batch, buffer, sums)
         shape, frame, window = setting.shape, setting.frame, field.window
+        if (
+            batch.size < LANES
+            or not share_support(buffer)
+            or not share_field(window, particles, batch.rows)
+        ):
+            return _take_separately(setting, field, particles, loads, order, batch, buffer, sums)
         place = batch.layer * window.stride[0] + first_place(buffer, 0)
         place += field_of(window, particles, batch.rows[0])
         u, a, D, held = _gather_shared(shape, field.G, buffer, place, window.stride, frame.origin)

@@ -11,7 +11,7 @@ from pathlib import Path
 from time import process_time
 
 import meetings
-from problems import cube, order, ringing, speed, spin, stretch, vortex
+from keeping import cube, order, ringing, speed, spin, stretch, vortex
 
 from pgimp.io.rundir.runinfo import cpu
 

@@ -105,7 +105,9 @@ def table(of, configurations):
                 for fine in (0, 1):
                     found = of(one, name, fine)
                     value = None if found is None else found[place or 0]
-                    cells.append("" if value is None else
-                                 f"{value:.3f}" if abs(value) >= 1e-3 else f"{value:.0e}")  # fmt: skip
+                    text = "" if value is None else f"{value:.3f}"
+                    if value is not None and abs(value) < 1e-3:
+                        text = f"{value:.0e}"
+                    cells.append(text)
             lines.append(f"| {words} | {exact} | {' | '.join(cells)} |")
     return "\n".join(lines)

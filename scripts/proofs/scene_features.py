@@ -518,9 +518,6 @@ def initial(rng, scene):
     laws = laws[1:] or laws
     if laws and len(case["bodies"]) > 1:
         case["contact"] = laws
-    grid = case.get("output", {}).get("grid")
-    if grid and "contact" in grid:
-        grid.remove("contact")
     for part in ("volume", "volumetric"):
         case["method"].pop(part, None)
     for face, kind in case["boundaries"].items():

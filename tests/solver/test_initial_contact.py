@@ -119,3 +119,14 @@ def test_bodies_that_touch_are_bonded_only_if_tied():
     assert ways["tied"] == ways[None]
     assert ways["friction"] == pytest.approx((4 * 6 * 0.25 * 0.3, 0.0), abs=1e-12)
     assert ways["tied"][1] > 0.1
+
+
+def test_bodies_that_meet_within_a_cell_have_their_own_fields():
+    """Four particles of a cell, of two bodies, take each what its own body has on the grid."""
+    lower, upper = initial(box([2.0, 1.0], [5.0, 2.5])), initial(box([2.0, 2.5], [5.0, 4.0]))
+    bodies = {"a": lower | {"velocity": [1.0, 0.0]}, "b": upper | {"velocity": [-1.0, 0.0]}}
+    case = scene(2, bodies, cells=[8, 8], end=0.2, step={"courant": 0.3},
+                 contact=[{"bodies": "all"}])  # fmt: skip
+    sim = finish(start(case))
+    p, rows = sim.particles, sim.live()
+    np.testing.assert_allclose(p.v[rows, 0], np.where(p.body[rows] == 0, 1.0, -1.0), rtol=1e-12)
