@@ -20,6 +20,7 @@ from typing import Any
 import numba
 from numba.core.caching import NullCache
 from numba.core.compiler import CompileResult
+from numba.core.runtime import rtsys
 from numba.core.serialize import dumps
 
 from pgimp.jit import sealed
@@ -104,7 +105,7 @@ class KernelCache(NullCache):
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Return what is compiled for a signature, or None; it will then be compiled."""
-        target_context.refresh()
+        rtsys.initialize(target_context)  # what kernels call; the rest of Numba only compiles
         found = None
         if store := self._store(sig):
             key = self._key(sig, target_context.codegen())

@@ -14,11 +14,39 @@ from typing import Any, Self
 import llvmlite.binding as llvm
 import numba
 from numba.core import compiler
+from numba.core import typed_passes as typed
+from numba.core import untyped_passes as untyped
 from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler_machinery import PassManager
 from numba.core.environment import lookup_environment
 
 from pgimp.jit.cache import Store
 from pgimp.jit.outside import part_of
+
+#: What Numba does with closures, ``with``, literals, array expressions and loops of its own making,
+#: of which there are none in the package.
+_NOT_NEEDED = (
+    untyped.WithLifting, untyped.InlineClosureLikes, untyped.RewriteDynamicRaises,
+    untyped.MakeFunctionToJitFunction, untyped.InlineInlinables, untyped.FindLiterallyCalls,
+    untyped.LiteralUnroll, untyped.LiteralPropagationSubPipelinePass, typed.InlineOverloads,
+    typed.NopythonRewrites, typed.NoPythonSupportedFeatureValidation, typed.DumpParforDiagnostics,
+)  # fmt: skip
+
+
+class _Kernel(JITCodeLibrary):
+    """A kernel, whose entry for Python is translated as it stands.
+
+    An entry takes dozens of arrays apart, once a step: to optimise it takes a tenth of the time of
+    compiling, and is not to be seen in that of a run.
+    """
+
+    def add_ir_module(self, module: Any) -> None:
+        """Add the kernel, or its entry."""
+        for function in module.functions:
+            if function.name.startswith("_ZN7cpython"):  # cpython::, mangled
+                function.attributes.add("noinline")
+                function.attributes.add("optnone")
+        super().add_ir_module(module)
 
 
 class _Linked(JITCodeLibrary):
@@ -84,6 +112,17 @@ class Compiler(compiler.Compiler):
 
     folder: Path | None = None
 
+    def define_pipelines(self) -> list[PassManager]:
+        """Return Numba's, for the package's own functions without what they do not need."""
+        pipelines = super().define_pipelines()
+        if self.state.func_id.modname.partition(".")[0] == "pgimp":
+            for pipeline in pipelines:
+                pipeline.passes = [
+                    (one, what) for one, what in pipeline.passes if one not in _NOT_NEEDED
+                ]
+                pipeline.finalize()
+        return pipelines
+
     def _compile_core(self) -> Any:
         if not gc.isenabled():  # as within the compilation of another function
             return self._compile()
@@ -96,8 +135,10 @@ class Compiler(compiler.Compiler):
     def _compile(self) -> Any:
         if self.state.flags.no_cpython_wrapper:
             return self._part()
-        found = super()._compile_core()
         codegen = self.state.targetctx.codegen()
+        self.state.library = _Kernel(codegen, self.state.func_id.func_qualname)
+        self.state.library.enable_object_caching()
+        found = super()._compile_core()
         for variable in found.library._final_module.global_variables:
             if environment := lookup_environment(variable.name):
                 codegen.set_env(variable.name, environment)

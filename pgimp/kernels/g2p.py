@@ -12,7 +12,7 @@ from pgimp.kernels.mean import keep_means, with_means
 from pgimp.kernels.own import with_own
 from pgimp.kernels.speed import grid_speed
 from pgimp.kernels.together import take_from_grid
-from pgimp.kernels.updates.checks import check
+from pgimp.kernels.updates.checks import check, limits_of
 from pgimp.kernels.updates.deformation import update_deformation, velocity_gradients
 from pgimp.kernels.updates.stress import keep_state, margins, update_stress
 from pgimp.kernels.updates.velocity import update_position, update_velocity
@@ -65,7 +65,7 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
     inverse = 0.0
     for d in range(len(frame.inverse)):
         inverse = max(inverse, frame.inverse[d])
-    limit = (dt * inverse) ** 2
+    limits = limits_of(setting, forcing, inverse)
     fastest = vector(0.0)
     buffer = stack(SUPPORT_SIZE)
     sums = stack(SUMS)
@@ -80,7 +80,7 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
             supports(shape, frame, window, particles, rows, number, buffer, ())
             keep_means(loads.mean, shape, frame, buffer)
             u, a, grad, codes = take_from_grid(  # (30)
-                setting, field, particles, loads, order, batch, buffer, sums
+                (shape, frame), field, particles, loads.mean, order.rows, batch, buffer, sums
             )
             power = add_force_power(loads.force, frame, particles, batch, u, power)
             u, v = update_velocity(forcing, particles, batch, u, a, ledger)  # (27)
@@ -110,9 +110,7 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
                 fastest = max(c * inverse, fastest)
             margin = margins(own, m, F, J, sigma, state)
             found = (u, v, x, F, J, state, margin)
-            counts = check(
-                setting, forcing, field, particles, batch, limit, found, report, ledger, counts
-            )
+            counts = check(limits, field, particles, batch, found, report, ledger, counts)
         work[layer] += dt * power
     failed, outflow, moved, clamped, held = counts
     rate = max(max(lane(fastest, 0), lane(fastest, 1)), max(lane(fastest, 2), lane(fastest, 3)))

@@ -25,13 +25,19 @@ from pgimp.kernels.record import ACCELERATION, HELD, RECORD, VELOCITY
 from pgimp.kernels.transfer import gather
 
 
-def take_from_grid(setting, field, particles, loads, order, batch, buffer, sums):
+def take_from_grid(places, field, particles, mean, rows, batch, buffer, sums):
     """What the grid gives to four particles.
 
     Parameters
     ----------
-    setting, field, particles, loads, order, batch
-        See `Setting`, `Field`, `Particles`, `Loads`, `Order`, `Batch`.
+    places : tuple
+        The shape and the frame; nothing of materials and loads, of which there are many.
+    field, particles, batch
+        See `Field`, `Particles`, `Batch`.
+    mean
+        As `Loads` has it.
+    rows : (n,) int32
+        The particles in canonical order.
     buffer, sums
         The supports of the batch, and room for what `keep_sums` keeps.
 
@@ -47,41 +53,41 @@ def take_from_grid(setting, field, particles, loads, order, batch, buffer, sums)
 
 
 @specialise(take_from_grid)
-def _take_from_grid(setting, field, particles, loads, order, batch, buffer, sums):
-    def where_shared(setting, field, particles, loads, order, batch, buffer, sums):
-        shape, frame, window = setting.shape, setting.frame, field.window
+def _take_from_grid(places, field, particles, mean, rows, batch, buffer, sums):
+    def where_shared(places, field, particles, mean, rows, batch, buffer, sums):
+        (shape, frame), window = places, field.window
         if (
             batch.size < LANES
             or not share_support(buffer)
             or not share_field(window, particles, batch.rows)
         ):
-            return _take_separately(setting, field, particles, loads, order, batch, buffer, sums)
+            return _take_separately(places, field, particles, mean, rows, batch, buffer, sums)
         place = batch.layer * window.stride[0] + first_place(buffer, 0)
         place += field_of(window, particles, batch.rows[0])
         u, a, D, held = _gather_shared(shape, field.G, buffer, place, window.stride, frame.origin)
         return u, a, _row_major(D), held
 
-    if is_initial(setting.types[setting.fields.index("frame")]):
+    if is_initial(places[1]):
         return where_shared
-    return lambda setting, field, particles, loads, order, batch, buffer, sums: _take_separately(
-        setting, field, particles, loads, order, batch, buffer, sums
+    return lambda places, field, particles, mean, rows, batch, buffer, sums: _take_separately(
+        places, field, particles, mean, rows, batch, buffer, sums
     )
 
 
-def _take_separately(setting, field, particles, loads, order, batch, buffer, sums):
+def _take_separately(places, field, particles, mean, rows, batch, buffer, sums):
     """As `take_from_grid`, one particle after the other."""
 
 
 @specialise(_take_separately)
-def _take_one_by_one(setting, field, particles, loads, order, batch, buffer, sums):
-    def one_by_one(setting, field, particles, loads, order, batch, buffer, sums):
-        shape, frame, window = setting.shape, setting.frame, field.window
+def _take_one_by_one(places, field, particles, mean, rows, batch, buffer, sums):
+    def one_by_one(places, field, particles, mean, rows, batch, buffer, sums):
+        (shape, frame), window = places, field.window
         begin = batch.layer * window.stride[0]
         for j in range(batch.size):
-            p = order.rows[batch.first + j]  # of the tuple LLVM would check the bounds
+            p = rows[batch.first + j]  # of the tuple LLVM would check the bounds
             place = begin + first_place(buffer, j) + field_of(window, particles, p)
             U, A, D, M = gather(
-                shape, field.G, buffer, j, place, window.stride, frame.origin, loads.mean
+                shape, field.G, buffer, j, place, window.stride, frame.origin, mean
             )
             keep_sums(sums, j, U, A, D)
             keep_rates(M, buffer, j)

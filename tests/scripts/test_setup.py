@@ -40,6 +40,7 @@ echo "python $*" >>"$LOG"
 here=$(cd "$(dirname "$0")" && pwd)
 case "$*" in
 *sys.executable*) echo "$0" ;;
+*CONFIG_ARGS*) [[ " ${UNOPTIMISED:-} " != *" $(basename "$0") "* ]] ;;
 "-m venv "*)
     venv=${*: -1}
     rm -rf "$venv"; mkdir -p "$venv/bin"
@@ -154,6 +155,16 @@ def test_script_is_bash_and_executable(script):
     assert os.access(ROOT / script, os.X_OK)
     done = subprocess.run(["bash", "-n", str(ROOT / script)], capture_output=True, text=True)
     assert done.stderr == ""
+
+
+def test_an_interpreter_without_optimisations_is_the_last_choice(machine):
+    machine.add_system_packages()
+    machine.add("python3.12", PYTHON)
+    done = machine.run("scripts/setup", UNOPTIMISED="python3")
+    assert "making the environment .venv with " + str(machine.bin / "python3.12") in done.stdout
+    shutil.rmtree(machine.root / ".venv")
+    done = machine.run("scripts/setup", UNOPTIMISED="python3", PYTHON="python3")
+    assert f"making the environment .venv with {machine.bin / 'python3'}\n" in done.stdout
 
 
 @pytest.mark.parametrize("user", ["root", "sudo"])

@@ -1,6 +1,6 @@
 """Scenes whose bodies cross slabs, for whole runs on several ranks."""
 
-from exact_cases import bar, block, ramp, ring
+from exact_cases import bar, ramp, ring
 from loaded_block import loaded
 from scenes import BAR, SOFT, box, scene, wall
 
@@ -243,7 +243,6 @@ def squeezed(dimension, shape, faces, **parts):
 
 #: The shapes whose size is tracked, and tents that stay; mirrors at x-min, x-max and elsewhere.
 SIZED = {
-    "line_finite": squeezed(1, "finite-gimp", {"x-min": "slip", "x-max": "separating"}),
     "line_fuzzy": squeezed(1, "fuzzy-constant", {"x-min": "fixed", "x-max": "separating"}),
     "plane_finite": squeezed(2, "finite-gimp", {"x-min": "slip", "y-min": "separating"}),
     "plane_fuzzy": squeezed(
@@ -624,7 +623,6 @@ _SHORT = {
 #: Body forces, initial velocities and the errors of exact solutions.
 EXACT = {
     "ring": ring(0.125, end=0.2, **_SHORT),
-    "block": block(2, 0.125, end=0.2, step=0.005, **_SHORT),
     "bar": bar(
         {"compaction": {"dynamic": True}},
         gravity=ramp((0.0, 0.0), (1.0, -6.0)),

@@ -56,8 +56,26 @@ def _and_positive(mask, margin):
     return lambda mask, margin: mask
 
 
+def _all_finite(values):
+    """Bit j is set where all of the vectors are finite for particle j."""
+
+
+@specialise(_all_finite)
+def _all_finite_of(values):
+    return lambda values: bits(and_finite(vector(0.0) == 0.0, values))
+
+
+def _all_positive(margin):
+    """Bit j is set where the margin is above zero for particle j."""
+
+
+@specialise(_all_positive)
+def _all_positive_of(margin):
+    return lambda margin: bits(and_positive(vector(0.0) == 0.0, margin))
+
+
 @inner_kernel
-def _broken(x, v, J, state):
+def _broken(x, v, J, finite):
     """Name the fault of a particle, wherever it is and moves; 0 for none."""
     for d in range(len(x)):
         if not (isfinite(x[d]) and isfinite(v[d])):
@@ -66,19 +84,19 @@ def _broken(x, v, J, state):
         return NOT_FINITE
     if not J > 0.0:
         return INVERTED
-    return 0 if and_finite(True, state) else NOT_FINITE
+    return 0 if finite else NOT_FINITE
 
 
 @inner_kernel
-def _unsound(frame, x, v, u, J, state, margin, dt):
+def _unsound(frame, x, v, u, J, finite, valid, dt):
     """Name the fault of a particle that failed the combined check, wherever it is; 0 for none."""
-    fault = _broken(x, v, J, state)
+    fault = _broken(x, v, J, finite)
     if fault != 0:
         return fault
     for d in range(len(x)):
         if not abs(u[d]) * dt * frame.inverse[d] <= 1.0:
             return TOO_FAST
-    return 0 if margin > 0.0 else OUT_OF_RANGE
+    return 0 if valid else OUT_OF_RANGE
 
 
 @inner_kernel
@@ -94,18 +112,17 @@ def _outside(frame, exits, x):
     return fault
 
 
-def check(setting, forcing, field, particles, batch, limit, found, report, ledger, counts):
+def check(limits, field, particles, batch, found, report, ledger, counts):
     """See whether all is as usual with four particles, and if not, what happened to them.
 
     In the initial configuration they keep their layers, and may be anywhere but beyond a wall.
 
     Parameters
     ----------
-    setting, forcing, field, particles, batch, report, ledger
-        See `Setting`, `Forcing`, `Field`, `Particles`, `Batch`, `Report`, `Ledger`.
-    limit : float
-        Greatest (dt/L)^2: a particle is slow for which its product with the speed squared is not
-        above 1.
+    limits : tuple
+        See `limits_of`.
+    field, particles, batch, report, ledger
+        See `Field`, `Particles`, `Batch`, `Report`, `Ledger`.
     found : tuple
         u, v, x, F, J, state and margin of the four.
     counts : tuple of 5 int
@@ -119,9 +136,9 @@ def check(setting, forcing, field, particles, batch, limit, found, report, ledge
 
 
 @specialise(check)
-def _check(setting, forcing, field, particles, batch, limit, found, report, ledger, counts):
-    def check(setting, forcing, field, particles, batch, limit, found, report, ledger, counts):
-        shape, frame, number = setting.shape, setting.frame, batch.number
+def _check(limits, field, particles, batch, found, report, ledger, counts):
+    def check(limits, field, particles, batch, found, report, ledger, counts):
+        frame, shape, limit, number = limits[0], limits[1], limits[2], batch.number
         u, v, x, F, J, state, margin = found
         # One branch for all that rarely happens, NaN included; its speed limit is sharper.
         half, most = size(shape, frame.cell, F)
@@ -131,41 +148,66 @@ def _check(setting, forcing, field, particles, batch, limit, found, report, ledg
         slower = (squared(u) + squared(v)) * limit <= 1.0
         usual = bits(sound & slower & (now == number) & (vector(most) <= LARGEST))
         if usual != 15:
+            good = (usual, _all_finite(state), _all_positive(margin))
             counts = examine(
-                setting, forcing, particles, batch, usual,
-                (u, v, x, J, state, margin, half, now, most), report, ledger, counts,
+                limits, particles, batch, good, (u, v, x, J, half, now, most), report, ledger,
+                counts,
             )  # fmt: skip
         return counts
 
-    def check_initial(
-        setting, forcing, field, particles, batch, limit, found, report, ledger, counts
-    ):
+    def check_initial(limits, field, particles, batch, found, report, ledger, counts):
         _, v, x, _, J, state, margin = found
         sound = and_finite(and_finite(within(field.bounds, x) & (J > 0.0), state), v)
         usual = bits(and_positive(sound, margin))
         if usual != 15:
-            counts = _count_faults(
-                field.bounds, batch, usual, (v, x, J, state, margin), report, counts
-            )
+            good = (usual, _all_finite(state))
+            counts = _count_faults(field.bounds, batch, good, (v, x, J), report, counts)
         return counts
 
-    return check_initial if is_initial(setting.types[setting.fields.index("frame")]) else check
+    return check_initial if is_initial(limits[0]) else check
 
 
-def _count_faults(bounds, batch, usual, found, report, counts):
+def limits_of(setting, forcing, inverse):
+    """What `check` needs to know of a scene: nothing of its materials, of which there are many.
+
+    Parameters
+    ----------
+    setting, forcing
+        See `Setting`, `Forcing`.
+    inverse : float
+        The greatest 1/L.
+
+    Returns
+    -------
+    tuple
+        The frame; the shape; (dt/L)^2, with which the greatest speed squared of a slow particle is
+        1; the faces that are exits; dt; walls; constraints.
+    """
+
+
+@specialise(limits_of)
+def _limits_of(setting, forcing, inverse):
+    return lambda setting, forcing, inverse: (
+        setting.frame, setting.shape, (forcing.dt * inverse) ** 2, setting.exits, forcing.dt,
+        forcing.walls, forcing.constraints,
+    )  # fmt: skip
+
+
+def _count_faults(bounds, batch, good, found, report, counts):
     """As `examine`, in the initial configuration: faults alone."""
 
 
 @specialise(_count_faults)
-def _count_faults_of(bounds, batch, usual, found, report, counts):
-    def count(bounds, batch, usual, found, report, counts):
-        v, x, J, state, _ = found
+def _count_faults_of(bounds, batch, good, found, report, counts):
+    def count(bounds, batch, good, found, report, counts):
+        usual, finite = good
+        v, x, J = found
         failed, outflow, moved, clamped, held = counts
         for j in range(batch.size):
             if usual >> j & 1:
                 continue
             xj = of_lane(x, j)
-            fault = _broken(xj, of_lane(v, j), lane(J, j), of_lane(state, j))
+            fault = _broken(xj, of_lane(v, j), lane(J, j), finite >> j & 1)
             if fault == 0:
                 fault = OUT_OF_RANGE if within(bounds, xj) else OUTSIDE
             if failed < len(report.faults):
@@ -177,18 +219,18 @@ def _count_faults_of(bounds, batch, usual, found, report, counts):
     return count
 
 
-def examine(setting, forcing, particles, batch, usual, found, report, ledger, counts):
+def examine(limits, particles, batch, good, found, report, ledger, counts):
     """See what happened to those of four particles that are not as usual.
 
     Parameters
     ----------
-    setting, forcing, particles, batch, report, ledger
-        See `Setting`, `Forcing`, `Particles`, `Batch`, `Report`, `Ledger`.
-    usual : int
-        Bit j is set for a particle of which nothing has to be seen.
+    limits, particles, batch, report, ledger
+        As in `check`.
+    good : tuple of 3 int
+        Bit j is set for a particle of which nothing has to be seen, whose state is finite, and
+        whose material is in its range.
     found : tuple
-        u, v, x, J, state, margin, half-widths, first vertex along x and greatest stretch of the
-        four.
+        u, v, x, J, half-widths, first vertex along x and greatest stretch of the four.
     counts : tuple of 5 int
         Particles at fault, that left, that left or changed their layer, whose half-width is
         clamped, that walls held in.
@@ -201,10 +243,12 @@ def examine(setting, forcing, particles, batch, usual, found, report, ledger, co
 
 
 @specialise(examine)
-def _examine(setting, forcing, particles, batch, usual, found, report, ledger, counts):
-    def examine(setting, forcing, particles, batch, usual, found, report, ledger, counts):
-        frame, number, reach = setting.frame, batch.number, report.reach
-        u, v, x, J, state, margin, half, now, most = found
+def _examine(limits, particles, batch, good, found, report, ledger, counts):
+    def examine(limits, particles, batch, good, found, report, ledger, counts):
+        frame, _, _, exits, dt, walls, constraints = limits
+        number, reach = batch.number, report.reach
+        usual, finite, valid = good
+        u, v, x, J, half, now, most = found
         failed, outflow, moved, clamped, held = counts
         for j in range(batch.size):
             if usual >> j & 1:
@@ -214,19 +258,19 @@ def _examine(setting, forcing, particles, batch, usual, found, report, ledger, c
             xj = of_lane(x, j)
             layer_now = int(lane(now, j))
             fault = _unsound(
-                frame, xj, of_lane(v, j), of_lane(u, j), lane(J, j), of_lane(state, j),
-                of_lane(margin, j), forcing.dt,
+                frame, xj, of_lane(v, j), of_lane(u, j), lane(J, j), finite >> j & 1,
+                valid >> j & 1, dt,
             )  # fmt: skip
             if fault == 0:
-                fault = _outside(frame, setting.exits, xj)
+                fault = _outside(frame, exits, xj)
             if fault == OUTSIDE and hold_inside(
-                forcing.walls, frame, forcing.constraints, particles, p,
+                walls, frame, constraints, particles, p,
                 ledger.impulse[batch.layer], ledger.work[batch.layer : batch.layer + 1],
             ):  # fmt: skip
                 held += 1
                 xj = read(particles.x, p, 0, frame.origin)
                 layer_now = int(first_vertex(frame, 0, lane(vector(half[0]), j), xj[0]))
-                fault = _outside(frame, setting.exits, xj)
+                fault = _outside(frame, exits, xj)
             if fault == _LEAVES:
                 particles.layer[p] = OUTFLOW
                 report.changed[moved] = batch.first + j
