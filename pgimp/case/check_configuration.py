@@ -11,6 +11,17 @@ from pgimp.schema.sizes import Problems
 _INSTEAD = "; take configuration: current"
 
 
+def check_initial_output(bodies: Mapping[str, Any], output: Any) -> Problems:
+    """Check that frames of the grid of the start hold what happens there."""
+    initial = [name for name, body in bodies.items() if body.configuration == "initial"]
+    if initial and "contact" in output.grid:
+        yield Problem(
+            ("output", "grid", output.grid.index("contact")),
+            f"forces of contact act where bodies are, and frames show the grid of the start, as "
+            f"'{initial[0]}' is in the initial configuration; the history has their sums",
+        )
+
+
 def check_configuration(
     method: Any,
     materials: Mapping[str, Any],
@@ -46,19 +57,20 @@ def check_configuration(
             f"mean is for the current configuration, and '{first}' is in the initial one; take "
             "pointwise, or configuration: current",
         )
-    for name in tools:
-        text = f"a rigid body meets nothing in the initial configuration, as '{first}' is{_INSTEAD}"
-        yield Problem(("bodies", name, "rigid"), text)
-    if contact:
-        text = f"bodies in the initial configuration, as '{first}', do not meet yet{_INSTEAD}"
-        yield Problem(("contact", 0), text)
+    for name, tool in tools.items():
+        if tool.free:
+            text = (
+                "a rigid body that moves freely meets nothing in the initial configuration yet, as "
+                f"'{first}' is; let it move as prescribed, or take configuration: current"
+            )
+            yield Problem(("bodies", name, "rigid"), text)
     for face, entry in boundaries.items():
-        if entry.approaches or entry.releases:
+        if (entry.approaches or entry.releases) and not hasattr(entry, "friction"):
             yield Problem(
                 ("boundaries", face),
                 f"holds what comes against it; of bodies in the initial configuration, as "
-                f"'{first}', a face holds what lies on it at the start, and does not let go: take "
-                "fixed, slip or {velocity: ..}, or configuration: current",
+                f"'{first}', only separating does: take that, fixed, slip or {{velocity: ..}}, or "
+                "configuration: current",
             )
     for face in escape:
         yield Problem(

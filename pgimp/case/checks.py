@@ -22,7 +22,7 @@ from pgimp.case.check_bodies import (
     check_tractions,
     check_velocities,
 )
-from pgimp.case.check_configuration import check_configuration
+from pgimp.case.check_configuration import check_configuration, check_initial_output
 from pgimp.case.check_domain import (
     check_body_force,
     check_boundaries,
@@ -135,6 +135,7 @@ _CHECKS = (
     check_contact,
     check_adhesion,
     check_configuration,
+    check_initial_output,
     check_output,
     check_probes,
 )

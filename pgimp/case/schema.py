@@ -134,12 +134,12 @@ class Body(Model):
     ] = zero_vector("initial velocity: a vector or a rigid motion [length/time]")
     configuration: Literal["current", "initial"] = Field(
         default="current",
-        description="current: particles move over the grid; for what flows, breaks, or meets "
-        "something. initial: the grid is one of the body as it was at the start, and moves and "
-        "deforms with it (total Lagrangian): vibrations and spin last, nothing tears at any "
-        "stretch, and steps are cheaper and do not become shorter as the body moves. A face of "
-        "the domain holds what lies on it at the start, and the body meets nothing else; all "
-        "bodies of a case have the same",
+        description="current: particles move over the grid; for what flows or breaks. initial: the "
+        "grid is one of the body as it was at the start, and moves and deforms with it (total "
+        "Lagrangian): vibrations and spin last, nothing tears at any stretch, and steps are "
+        "cheaper and do not become shorter as the body moves. Faces of the domain hold what lies "
+        "on them at the start; `separating` ones, rigid bodies that move as prescribed and other "
+        "bodies are met where they are. All bodies of a case have the same",
     )
 
 

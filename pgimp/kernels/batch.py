@@ -285,7 +285,7 @@ def _entries(buffer, d, quantity, i, j, like):
 
 
 def share_support(buffer):
-    """Whether all particles of a batch have the same first vertex."""
+    """Whether all particles of a batch have the same first vertex, of the same field."""
 
 
 @specialise(share_support)

@@ -16,13 +16,14 @@ _FAR, _MUCH = 0.5, 0.05
 def advice(case: Any, bodies: Sequence[BodyFacts]) -> list[str]:
     """Return whether bodies that move, turn or stretch would do better in the initial one.
 
-    That is for elastic bodies which meet nothing but what holds them from the start.
+    That is for elastic bodies which meet nothing but what holds them from the start, or what they
+    feel there, too.
     """
     if not all(_fits(case, body) for body in case.bodies.values()):
         return []
-    if case.contact or case.tools or case.escape or nearness.meet(case):
+    if case.escape or any(tool.free for tool in case.tools.values()) or nearness.meet(case):
         return []
-    if any(face.approaches for face in case.boundaries.values()):
+    if case.method.volumetric == "mean" or "contact" in case.output.grid:
         return []
     cell, end = min(case.grid.cell), case.time.end
     moved = [
@@ -35,8 +36,8 @@ def advice(case: Any, bodies: Sequence[BodyFacts]) -> list[str]:
     them = "it moves" if len(moved) == 1 else "they move"
     return [
         f"bodies: {', '.join(map(repr, moved[:3]))}{' and others' * (len(moved) > 3)}: elastic, "
-        f"and {them} or deform, but meet nothing: with configuration: initial vibrations and spin "
-        "last, nothing can tear, and a step costs less"
+        f"and {them} or deform: with configuration: initial vibrations and spin last, nothing can "
+        "tear, and steps need not be shorter as bodies move"
     ]
 
 

@@ -194,14 +194,14 @@ def _passing(case: Any, boxes: list[Box], times: np.ndarray) -> Iterator[str]:
     if names := _pairs_that_meet(case, boxes, times):
         yield (
             f"bodies: {names} may meet, but in the initial configuration they do not feel each "
-            "other, and pass through; take configuration: current and contact: [{bodies: all}]"
+            "other, and pass through; with contact: [{bodies: all}] they meet, slide and part"
         )
     for text in _walls(case, boxes, at_once=False):
         face, _, who = text.partition(": ")
         yield (
             f"{face}: {who.partition(' may come')[0]} may come to the wall, which in the initial "
             "configuration holds what lies on it at the start: the run then stops; take "
-            "configuration: current"
+            "separating, or configuration: current"
         )
 
 

@@ -121,6 +121,11 @@ class Scene:
         named = case.boundaries
         order = [f"{axis}-{end}" for axis in AXES for end in ("min", "max")]
         self.faces = [Face(name, named[name]) for name in order if name in named]
+        #: Whether bodies in the initial configuration come to walls that let go: where they are,
+        #: and not on their own grid. Those then come last.
+        self.lets_go = self.initial and any(face.condition.approaches for face in self.faces)
+        if self.lets_go:
+            self.faces.sort(key=lambda face: face.condition.approaches)
         #: Faces through which particles may leave; see `grid_to_particles`.
         self.exits = sum(
             1 << order.index(face) for face, way in case.escape.items() if way == "remove"
@@ -135,11 +140,12 @@ class Scene:
                 Mirror(face.axis, face.side, number, face.condition.releases)
                 for number, face in enumerate(self.faces)
                 if shape.mirrors and face.condition.mirrors
+                and not (self.initial and face.condition.approaches)
             ),
             key=lambda mirror: mirror.releases,
         )
         # Points tell no gap: it would jump by half a cell as they move.
-        near = [] if shape.chi == "point" else self.faces
+        near = [] if shape.chi == "point" or self.initial else self.faces
         self.approached = walls_approached(near)
         self.exact: Any = case.exact.parameters(case) if case.exact else ()
         self.moves = bool(case.exact) and case.exact.moves
@@ -160,10 +166,12 @@ class Scene:
         self.fields = EVERY | self.states.fields | self.variations.fields
         self.carried = Carried(
             self.dimension, self.origins, **self.loads.carried, state=self.states.width,
-            surfaces=self.pairs is not None, own=self.variations.width,
+            surfaces=self.pairs is not None or self.lets_go, own=self.variations.width,
         )  # fmt: skip
         varies = any(face.condition.varies for face in self.faces)
-        self._face_table = FaceTable(self.faces)
+        self._face_table = FaceTable(
+            [face for face in self.faces if not (self.lets_go and face.condition.approaches)]
+        )
         self._walls = None if varies else walls(self.faces, self.frame, 0.0)
         #: Between what a particle has to be, where the grid does not say so.
         self.room = room(self.faces, self.frame) if self.initial else None
@@ -225,6 +233,10 @@ class Scene:
     def face_parameters(self, start: float, end: float) -> Any:
         """Conditions of the faces in a step, `Faces` or (); good until the next call."""
         return self._face_table.at(start, end)
+
+    def standing_faces(self) -> Any:
+        """All faces with a condition, for kernels that ask no more than where they are."""
+        return FaceTable(self.faces).at(0.0, 1.0)
 
     def walls(self, end: float) -> np.ndarray:
         """Where faces hold particles in during a step to `end`; see `pgimp.kernels.walls`."""

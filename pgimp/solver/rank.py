@@ -23,6 +23,7 @@ from pgimp.scene.scene import Scene
 from pgimp.solver.clearances import Clearances
 from pgimp.solver.freebodies import FreeBodies
 from pgimp.solver.meetings import Meetings
+from pgimp.solver.presentmeetings import PresentMeetings
 
 #: Phases of a step, as `Rank.timings` names them.
 PHASES = ("P2G", "exchange", "contact", "momentum", "G2P", "migrate", "order")
@@ -59,6 +60,8 @@ class Rank:
         What is booked by plane.
     meetings : Meetings or None
         Where bodies meet, in scenes with contact.
+    present : PresentMeetings or None
+        Where bodies in the initial configuration meet.
     call : Bound
         Calls the kernels of a step.
     lightest : float
@@ -100,18 +103,29 @@ class Rank:
         self.fault_buffer = np.zeros((2, MOST_LISTED, 2), np.int64)
         self.faults, self.failed = self.fault_buffer[0, :0], 0
         self.reach = np.zeros((2, 2), np.int64)
-        self.meetings = Meetings(scene, comm) if scene.pairs else None
+        self._meet()
         self.clearances = Clearances(scene)
         #: Whether there are other layers than when rows were last sorted.
         self.moved = False
         self._allocate(slab)
+
+    def _meet(self) -> None:
+        """Make what finds where bodies meet, anew."""
+        scene = self.scene
+        self.meetings: Meetings | None = None
+        self.present: PresentMeetings | None = None
+        if scene.initial and (scene.pairs or scene.lets_go):
+            self.present = PresentMeetings(scene, self.comm)
+        elif scene.pairs:
+            self.meetings = Meetings(scene, self.comm)
 
     def _allocate(self, slab: Slab) -> None:
         """Make grid, messages and books for a slab; the window is still to be set."""
         scene, comm = self.scene, self.comm
         self.slab = slab
         late = LATE if comm.size > 1 and not scene.initial else 0
-        fields = self.meetings.fields if self.meetings else ()
+        meetings = self.meetings or self.present
+        fields = meetings.fields if meetings else ()
         self.grid = Grid(scene.frame, scene.vertices, slab, late, fields, scene.room)
         self.halo = Halo(comm, slab, scene.vertices - 1)
         self.migration = Migration(comm, slab, self.particles)
@@ -164,6 +178,8 @@ class Rank:
         sums = redistribute(self.comm, old, new, extra, self.population, self.booked())
         self.moved = True
         self._allocate(slab_of(new, self.comm.rank))
+        if self.present:
+            self.present.forget()
         self.grid.store(window)
         for booked, values in zip(self.booked(), sums, strict=True):
             booked[:] = values
@@ -180,7 +196,7 @@ class Rank:
         """
         window, self.scene, self.call = self.grid.base, scene, Bound()
         self.population.particles = particles
-        self.meetings = Meetings(scene, self.comm) if scene.pairs else None
+        self._meet()
         self.clearances = Clearances(scene)
         self._allocate(self.slab)
         self.grid.store(window)

@@ -56,6 +56,8 @@ def step(
     if rank.meetings:
         rank.meetings.regroup(rank.grid, population)
         lap("contact")
+    elif rank.present:
+        rank.present.group(rank.grid, population)
     sum_particles(rank, loads, bool(scene.loads.constraints))
     lap("P2G")
 
@@ -87,6 +89,9 @@ def step(
     for mirror in reversed(scene.mirrors):
         call(reflect, scene.frame, field, mirror, vertex_forcing, ledger)
     lap("momentum")
+    if rank.present:
+        rank.present.exchange(grid, population, ledger, t, vertex_forcing, faces)
+        lap("contact")
 
     rate, failed, outflow, found = 0.0, [], 0, 0
     particle_forcing = on_particles(forcing)

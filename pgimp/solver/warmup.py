@@ -31,6 +31,7 @@ from pgimp.kernels.sums import exact_masses, fastest_rate, layer_sums
 from pgimp.kernels.tools import find_touched
 from pgimp.mpi.node import Call, shared_out
 from pgimp.scene.scene import Scene
+from pgimp.solver import presentmeetings
 from pgimp.solver.step import on_particles, on_vertices
 
 
@@ -66,7 +67,10 @@ def _calls(scene: Scene) -> Iterator[Call]:
     report = Report(reach, rows.copy(), np.zeros((1, 2), np.int64))
     ledger = Ledger.empty(grid.planes, count, len(constraints))
     contact: Any = ()
-    if scene.pairs:
+    if scene.initial and (scene.pairs or scene.lets_go):
+        yield 0.3, lambda: grow_boxes(frame, p, rows, np.zeros((2, bodies, len(frame.cell))))
+        yield from presentmeetings.calls(scene, grid, p, vertex_forcing, faces, ledger)
+    elif scene.pairs:
         tools: Any = scene.tools.in_planes(grid.planes) if scene.tools else ()
         contact = Contact.empty(scene.pairs, grid.G, grid.planes, 1, count, tools)
         if scene.tools.free:

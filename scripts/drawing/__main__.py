@@ -6,7 +6,7 @@ from column import compaction
 from cost import error_and_cost
 from exact import shock, spinning_block, vortex
 from flowing import channel, dam_break, excavation, sand_column, slope, sod
-from looking import block3d, paraview
+from looking import block3d, block3d_initial, paraview
 from meeting import corner, drum, hertz_impact
 from metal import plate_impact, taylor_bar
 from scenes import bar_vibration, disks, graded, incline, pile, rolling, upsetting
@@ -14,6 +14,7 @@ from scenes import bar_vibration, disks, graded, incline, pile, rolling, upsetti
 PICTURES = {
     "compaction": compaction,
     "block3d": block3d,
+    "block3d-initial": block3d_initial,
     "block3d-paraview": paraview,
     "disks": disks,
     "rolling": rolling,

@@ -10,7 +10,8 @@ from importlib.metadata import version
 from pathlib import Path
 from time import process_time
 
-from problems import cube, order, ringing, speed, spin, stretch, vortex
+import meetings
+from keeping import cube, order, ringing, speed, spin, stretch, vortex
 
 from pgimp.io.rundir.runinfo import cpu
 
@@ -18,7 +19,7 @@ ROOT = Path(__file__).resolve().parents[2]
 OUT = ROOT / "initial.out"
 PAGES = ROOT / "scripts" / "pages"
 BOTH = ("current", "initial")
-WHAT = ("ringing", "spin", "stretch", "vortex", "cube", "speed")
+WHAT = ("ringing", "spin", "stretch", "vortex", "cube", "contact", "speed")
 CELLS = (0.1, 0.05, 0.025)
 WORDS = {
     "at rest": "block at rest on the lattice",
@@ -47,6 +48,10 @@ def jobs():
     for shape in ("gimp", "cpdi"):
         for even in (True, False):
             every["stretch", shape, even] = (stretch, (shape, even))
+    for one in BOTH:
+        for name in meetings.PROBLEMS:
+            for fine in (0, 1):
+                every["contact", one, name, fine] = (meetings.meeting, (one, name, fine))
     for D in (2, 3):
         for kind in KINDS:
             every["speed", D, kind] = (speed, (D, kind))
@@ -62,6 +67,12 @@ def origin():
     """Machine, versions and date."""
     versions = ", ".join(f"{name} {version(name)}" for name in ("pgimp", "numba", "numpy"))
     return f"{cpu()} ({os.cpu_count()} cores), {versions}, {date.today()}"
+
+
+def contacts(kept):
+    """The table of docs/contact.md."""
+    found = meetings.table(lambda *name: kept.get(key(("contact", *name))), BOTH)
+    return f"{found}\n\nMeasured on one core of {kept['origin']}.\n"
 
 
 def text(kept):
@@ -147,6 +158,7 @@ def main():
         kept["origin"] = origin()
         store.write_text(json.dumps(kept, indent=1))
     (PAGES / "tables" / "initial.md").write_text(text(kept), encoding="utf-8")
+    (PAGES / "tables" / "initial-contact.md").write_text(contacts(kept), encoding="utf-8")
     subprocess.run([sys.executable, str(PAGES)], check=True)
     print(text(kept))
 

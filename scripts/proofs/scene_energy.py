@@ -8,6 +8,7 @@ import numpy as np
 from pgimp.kernels.momentum import REST
 from pgimp.kernels.record import RECORD
 from pgimp.solver import step as stepping
+from pgimp.solver.presentmeetings import PresentMeetings
 
 #: Of a free vertex's velocity; what differs by more is held.
 ROUNDING = 1e-9
@@ -26,6 +27,9 @@ class Seen:
         Sums of the particles, before the momentum update; `forcing` is what acts then.
     after
         Velocities and accelerations, as particles take them.
+    held
+        Those, but of bodies in the initial configuration before they meet others: particles get
+        just that change, and with what the grid loses by it no energy.
     active : (n,) bool
         Whether the vertex has mass.
     """
@@ -34,7 +38,8 @@ class Seen:
     def step(self):
         """Look at the vertices in the one step that is done meanwhile."""
         sum_particles, update = stepping.sum_particles, stepping.update_momentum
-        take = stepping.grid_to_particles
+        take, exchange = stepping.grid_to_particles, PresentMeetings.exchange
+        self.held = None
 
         def summed(rank, loads, marked):
             v = rank.particles.v.copy()
@@ -49,15 +54,20 @@ class Seen:
                 self.sums, self.forcing = field.G.reshape(-1, RECORD).copy(), forcing
             update(frame, field, faces, forcing, ledger, contact, part)
 
+        def exchanged(present, grid, *rest):
+            self.held = grid.field.G.reshape(-1, RECORD).copy()
+            exchange(present, grid, *rest)
+
         def taken(setting, field, *rest):
             self.after = field.G.reshape(-1, RECORD).copy()
+            self.held = self.after if self.held is None else self.held
             planes = np.repeat(field.active != 0, field.window.stride[0] // RECORD)
             self.active = planes & (self.sums[:, 0] > 0.0) & (self.after[:, 0] > 0.0)
             return take(setting, field, *rest)
 
         with mock.patch.multiple(
             stepping, sum_particles=summed, update_momentum=updated, grid_to_particles=taken
-        ):
+        ), mock.patch.object(PresentMeetings, "exchange", exchanged):
             yield
 
     def accelerated(self):
@@ -66,7 +76,7 @@ class Seen:
         Held is what the update of a free vertex would give another velocity or acceleration: the
         slot `HELD` has one code for all vertices with several such components.
         """
-        forcing, sums, G = self.forcing, self.sums[self.active], self.after[self.active]
+        forcing, sums, G = self.forcing, self.sums[self.active], self.held[self.active]
         dt, m = forcing.dt, sums[:, :1]
         own, V, A = sums[:, 1:4] / m, G[:, 1:4], G[:, 5:8]
         free = np.where(m > forcing.lightest, sums[:, 5:8] / m + forcing.gravity, 0.0)

@@ -497,18 +497,31 @@ def contact(rng, scene):
 
 
 def initial(rng, scene):
-    """All bodies in the initial configuration, without what they cannot meet there."""
+    """All bodies in the initial configuration, without what they cannot meet there.
+
+    Half of them meet others, rigid bodies and walls that let go; else they are alone.
+    """
     case = scene.case
     if any(runs(scene, name) for name, body in case["bodies"].items() if "rigid" not in body):
         return
-    case["bodies"] = {name: body | {"configuration": "initial"}
-                      for name, body in case["bodies"].items() if "rigid" not in body}  # fmt: skip
-    for part in ("contact", "escape"):
-        case.pop(part, None)
+    meets = rng.kind.random() < 0.6
+    case["bodies"] = {
+        name: body if "rigid" in body else body | {"configuration": "initial"}
+        for name, body in case["bodies"].items()
+        if "rigid" not in body or (meets and "density" not in body["rigid"])
+    }
+    case.pop("escape", None)
+    laws = [{"bodies": "all", "friction": 0.3}] if meets and "contact" in case else []
+    for entry in case.pop("contact", []) if meets else []:
+        if entry["bodies"] == "all" or all(name in case["bodies"] for name in entry["bodies"]):
+            laws.append(entry)
+    laws = laws[1:] or laws
+    if laws and len(case["bodies"]) > 1:
+        case["contact"] = laws
     for part in ("volume", "volumetric"):
         case["method"].pop(part, None)
     for face, kind in case["boundaries"].items():
-        if kind == "separating" or "separating" in kind:
+        if not meets and (kind == "separating" or "separating" in kind):
             case["boundaries"][face] = "slip"
 
 

@@ -20,6 +20,8 @@ def frames(rng, scene):
 def grid_frames(rng, scene):
     """Frames of the grid."""
     names = rng.sample(("mass", "momentum", "velocity", "force", "contact"), rng.randint(1, 4))
+    if any(body.get("configuration") == "initial" for body in scene.case["bodies"].values()):
+        names = [name for name in names if name != "contact"]
     scene.case["output"]["grid"] = names
 
 

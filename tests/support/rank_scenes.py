@@ -558,6 +558,46 @@ def initial():
     )
 
 
+def initial_contact():
+    """Bodies in the initial configuration meet, across slabs: each other, tools, a floor.
+
+    One comes from far, one is held, one lies on another and slides, one is tied to it; a ram comes
+    in, and a turning drum drags what falls onto it. Bodies leave their first slabs on the way.
+    """
+    disk = {"ball": {"centre": [4.3, 5.6], "radius": 1.4}}
+    bodies = {
+        "flies": {"material": "stiff", "region": disk, "velocity": [9.0, -1.0]},
+        "lies": box([8.0, 0.0], [13.0, 2.0]),
+        "slides": box([8.5, 2.0], [10.5, 4.0], [3.0, 0.0]),
+        "glued": box([12.0, 2.0], [13.0, 3.5]),
+        "falls": box([17.0, 4.0], [19.5, 6.0], [0.0, -3.0], "stiff"),
+    }
+    bodies = {name: body | {"configuration": "initial"} for name, body in bodies.items()}
+    rotation = {"about": [18.0, 1.5], "rate": -4.0}
+    bodies["drum"] = {"rigid": {"rotation": rotation},
+                      "region": {"ball": {"centre": [18.0, 1.5], "radius": 1.7}}}  # fmt: skip
+    bodies["ram"] = {"rigid": {"velocity": {"table": [[0.0, [6.0, 0.0]], [1.0, [2.0, 0.0]]]}},
+                     "region": {"box": {"min": [-6.0, 2.0], "max": [2.5, 8.0]}}}  # fmt: skip
+    return scene(
+        2,
+        bodies,
+        cells=[24, 8],
+        shape="finite-gimp",
+        end=1.0,
+        step={"courant": 0.3},
+        materials=PAIR,
+        gravity=[0.0, -1.0],
+        boundaries={"y-min": {"separating": {"friction": 0.2}}, "x-max": "slip"},
+        contact=[
+            {"bodies": "all", "friction": {"static": 0.4, "kinetic": 0.3}},
+            {"bodies": ["lies", "glued"], "law": "tied"},
+            {"bodies": ["lies", "drum"], "adhesion": {"normal": 1.0, "reach": 0.3}},
+        ],
+        output={"every": 0.25, "fields": EVERYTHING, "grid": GRID},
+        history={"every": {"steps": 10}},
+    )
+
+
 def cut():
     """A tilted cylinder and a ball, which the lattice cuts, spinning."""
     motion = {
@@ -612,6 +652,7 @@ SCENES = (
             staged,
             flowing,
             initial,
+            initial_contact,
             cut,
             metals,
             varied,

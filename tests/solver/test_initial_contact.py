@@ -1,0 +1,132 @@
+"""Bodies in the initial configuration meet each other, rigid bodies and walls that let go."""
+
+import numpy as np
+import pytest
+from scenes import SOFT, box, finish, scene, start
+
+HARD = SOFT | {"young": 1000.0}
+
+
+def initial(body):
+    return body | {"configuration": "initial"}
+
+
+def balls(cell, **parts):
+    """Two disks of R = 2 that meet head on at a hundredth of the wave speed."""
+    bodies = {
+        name: initial({"material": "soft", "region": {"ball": {"centre": [x, 3.0], "radius": 2.0}},
+                       "velocity": [v, 0.0]})
+        for name, x, v in (("a", 3.0, 0.2), ("b", 7.2, -0.2))
+    }  # fmt: skip
+    count = [round(12.0 / cell), round(6.0 / cell)]
+    return scene(2, bodies, cells=count, cell=cell, end=3.0, step={"courant": 0.3},
+                 materials={"soft": HARD}, contact=[{"bodies": "all"}]) | parts  # fmt: skip
+
+
+def energy(line):
+    return line["kinetic-energy"] + line["strain-energy"]
+
+
+def test_disks_meet_when_they_touch_and_keep_momentum_and_most_of_their_energy():
+    sim = start(balls(0.5))
+    first = sim.diagnostics()
+    while energy(sim.diagnostics()) > (1.0 - 1e-6) * energy(first):
+        sim.advance()
+    assert sim.time == pytest.approx(0.5, abs=0.15)  # gap of 0.2 at 0.4: a third of a cell
+    last = finish(sim).diagnostics()
+    assert last["body.a.momentum-x"] < 0.0 < last["body.b.momentum-x"]
+    change = last["momentum-x"] - first["momentum-x"]
+    assert abs(change) < 1e-12 * first["body.a.momentum-x"]
+    # Of 4 cells the current configuration keeps 0.84 of the energy in this impact.
+    assert 0.75 < energy(last) / energy(first) < 1.0
+
+
+def test_books_hold():
+    """Energy, impacts and friction add up to what there was; impulses to the change of momentum."""
+    case = balls(0.5, contact=[{"bodies": ["a", "b"], "friction": 0.4}])
+    case["bodies"]["a"]["velocity"] = [0.2, 0.15]
+    sim = start(case)
+    first, impulse = sim.diagnostics(), np.zeros(2)
+    while not sim.finished:
+        sim.advance()
+        line = sim.diagnostics()
+        impulse += [line["dt"] * line[f"contact.a+b-{axis}"] for axis in "xy"]
+    gained = [line[f"body.a.momentum-{a}"] - first[f"body.a.momentum-{a}"] for a in "xy"]
+    np.testing.assert_allclose(impulse, gained, rtol=1e-10)
+    assert line["contact.a+b.friction-heat"] > 0.0
+    assert line["contact.a+b.tangential-impulse"] <= 0.4001 * line["contact.a+b.normal-impulse"]
+
+
+@pytest.mark.parametrize("floor", ["wall", "rigid"])
+def test_a_block_slides_on_an_incline_with_coulombs_friction(floor):
+    """g (sin - mu cos): mu 0.3 at 24 degrees; on a wall, and on a rigid body."""
+    g, slope = (np.sin(np.radians(24.0)), np.cos(np.radians(24.0))), 0.3
+    bodies = {"block": initial(box([1.0, 1.0], [5.0, 3.0]))}
+    case = scene(2, bodies, cells=[14, 6], cell=1.0, end=6.0, step={"courant": 0.3},
+                 materials={"soft": HARD}, gravity=[g[0], -g[1]])  # fmt: skip
+    if floor == "wall":
+        bodies["block"]["region"] = {"box": {"min": [1.0, 0.0], "max": [5.0, 2.0]}}
+        case["boundaries"] = {"y-min": {"separating": {"friction": slope}}}
+    else:
+        bodies["floor"] = {"rigid": {}, "region": {"box": {"min": [-2.0, -3.0],
+                                                           "max": [20.0, 1.0]}}}  # fmt: skip
+        case["contact"] = [{"bodies": "all", "friction": slope}]
+    sim = start(case)
+    time, speed, push = [], [], []
+    while not sim.finished:
+        sim.advance()
+        line = sim.diagnostics()
+        if line["time"] > 1.0:
+            time.append(line["time"])
+            speed.append(line["momentum-x"] / line["mass"])
+            name = "reaction.y-min-y" if floor == "wall" else "tool.floor.force-y"
+            push.append(abs(line[name]) / line["mass"])
+    found = np.polyfit(time, speed, 1)[0]
+    # The block rocks on its elastic lower half: the fit is over six of these periods.
+    assert found == pytest.approx(g[0] - slope * g[1], rel=0.02)
+    assert np.mean(push) == pytest.approx(g[1], rel=0.02)
+
+
+def test_a_body_that_falls_onto_a_wall_comes_to_it_bounces_and_leaves_it():
+    ball = {"material": "soft", "region": {"ball": {"centre": [4.0, 3.0], "radius": 2.0}},
+            "velocity": [0.0, -0.4]}  # fmt: skip
+    case = scene(2, initial(ball), cells=[16, 12], cell=0.5, end=6.0, step={"courant": 0.3},
+                 materials={"soft": HARD}, boundaries={"y-min": "separating"})  # fmt: skip
+    sim = start(case)
+    first, lowest, reach = sim.diagnostics(), np.inf, []
+    while not sim.finished:
+        sim.advance()
+        p, rows = sim.particles, sim.live()
+        lowest = min(lowest, p.x[rows, 1].min())
+        reach.append(sim.diagnostics()["reaction.y-min-y"])
+    last = sim.diagnostics()
+    assert lowest > 0.0  # no particle's centre has passed the wall
+    assert last["momentum-y"] > -0.7 * first["momentum-y"]
+    assert reach[0] == reach[-1] == 0.0
+    assert min(reach) >= 0.0
+
+
+def test_bodies_that_touch_are_bonded_only_if_tied():
+    """A stack whose upper part is pulled off by its velocity: tied, it stays one body."""
+    lower, upper = initial(box([2.0, 1.0], [5.0, 3.0])), initial(box([2.0, 3.0], [5.0, 5.0]))
+    case = scene(2, {"a": lower, "b": upper | {"velocity": [0.0, 0.3]}}, cells=[8, 8], end=2.0,
+                 step={"courant": 0.3})  # fmt: skip
+    ways = {}
+    for law in ("friction", "tied", None):
+        contact = {"contact": [{"bodies": ["a", "b"], "law": law}]} if law else {}
+        last = finish(start(case | contact)).diagnostics()
+        ways[law] = last["body.b.momentum-y"], last["body.a.momentum-y"]
+    assert ways["tied"] == ways[None]
+    assert ways["friction"] == pytest.approx((4 * 6 * 0.25 * 0.3, 0.0), abs=1e-12)
+    assert ways["tied"][1] > 0.1
+
+
+def test_bodies_that_meet_within_a_cell_have_their_own_fields():
+    """Four particles of a cell, of two bodies, take each what its own body has on the grid."""
+    lower, upper = initial(box([2.0, 1.0], [5.0, 2.5])), initial(box([2.0, 2.5], [5.0, 4.0]))
+    bodies = {"a": lower | {"velocity": [1.0, 0.0]}, "b": upper | {"velocity": [-1.0, 0.0]}}
+    case = scene(2, bodies, cells=[8, 8], end=0.2, step={"courant": 0.3},
+                 contact=[{"bodies": "all"}])  # fmt: skip
+    sim = finish(start(case))
+    p, rows = sim.particles, sim.live()
+    np.testing.assert_allclose(p.v[rows, 0], np.where(p.body[rows] == 0, 1.0, -1.0), rtol=1e-12)
