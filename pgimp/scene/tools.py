@@ -50,7 +50,9 @@ _INSTANTS = 2000
 LIGHTEST = 1e-10
 
 #: How much a free body yields to what is held, over how much it would if nothing else held it: of
-#: the velocity that a step's forces give it this part is left, divided among the vertices it is on.
+#: a step's change of velocity this part is left, divided among the vertices that it is on.
+#: From 1e-6 to 1e-2 a ball that falls on what is held comes to rest at the same place, to a per
+#: cent of its way, with a hundredth of the material's density as with a hundred times it.
 SOFT = 1e-3
 
 #: Points that a lattice may have: about 1 GB.

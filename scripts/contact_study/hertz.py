@@ -67,7 +67,7 @@ def cylinders(cells):
     a = sqrt(8.0 * found.sum() * RADIUS / (pi * STIFFNESS))
     p0 = 0.5 * STIFFNESS * a / RADIUS
     width = 2.0 * sqrt((found * x * x).sum() / found.sum())
-    return width / a, pressure[x.argmin()] / p0, pressure.max() / p0
+    return width / a, pressure[np.abs(x).argmin()] / p0, pressure.max() / p0
 
 
 def balls(cell):

@@ -48,7 +48,7 @@ def _motion_of(simulation, D):
     return mean[0], spin / (m * (x[:, up] ** 2 + x[:, 0] ** 2)).sum()
 
 
-def slope(dimensions, cell, angle, friction, floor, times=None, affine=True):
+def slope(dimensions, cell, angle, friction, floor, times=None, affine=True, young=None):
     """A cylinder or sphere with a radius of 1 on a slope: acceleration, and that of its spin.
 
     Both over those of a rigid one, which rolls if friction is more than tan/(1 + 1/k), with the
@@ -71,7 +71,7 @@ def slope(dimensions, cell, angle, friction, floor, times=None, affine=True):
     gravity = {"table": [[0.0, [0.0] * D], [RAMP, weight]]}
     case = motion.case_of(bodies, size, cell, times[1], gravity=gravity)
     _floor(case, floor, friction, size)
-    case["materials"]["solid"] = motion.SOLID | {"young": 1000.0 if D == 2 else 300.0}
+    case["materials"]["solid"] = motion.SOLID | {"young": young or (1000.0 if D == 2 else 300.0)}
     case["method"]["affine"] = affine
     case["output"] = {"fields": ["velocity", "mass"]}
     simulation = pgimp.Simulation(case)

@@ -85,6 +85,31 @@ def test_rigid_bodies_on_what_is_held(law, density):
         assert np.abs([every[f"tool.falls.velocity-{a}"][-1] for a in "xy"]).max() < 1e-6
 
 
+def faster(case, times):
+    """The same case in a unit of time that is `times` as long, so that all is as much faster."""
+    table = [[t / times, [times * v for v in way]] for t, way in WAY["table"]]
+    bodies = {name: dict(body) for name, body in case["bodies"].items()}
+    for body in bodies.values():
+        if "velocity" in body:
+            body["velocity"] = [times * v for v in body["velocity"]]
+        if "velocity" in body.get("rigid", {}):
+            body["rigid"] = {"velocity": {"table": table}}
+    soft = case["materials"]["soft"]
+    time = {name: value / times for name, value in case["time"].items()}
+    materials = {"soft": soft | {"young": times**2 * soft["young"]}}
+    return case | {"bodies": bodies, "materials": materials, "time": time}
+
+
+@pytest.mark.parametrize("walls", ["fixed", "separating"])
+@pytest.mark.parametrize("times", [2.0**-20, 2.0**20])
+def test_units_of_time_do_not_matter(walls, times):
+    """Scaled by a power of two every number has the same digits, whatever is held, and how."""
+    case = held("friction", 1.0, [0.0, 0.0]) | {"boundaries": {"y-min": walls, "y-max": walls}}
+    one, other = finish(start(case)), finish(start(faster(case, times)))
+    assert np.array_equal(field(one, "x"), field(other, "x"))
+    assert np.array_equal(times * field(one, "v"), field(other, "v"))
+
+
 def pushed(bodies, contact):
     """The left half of a block of 4 by 3 cells is gripped, and moved faster and faster."""
     half = {"box": {"min": [2.0, 1.0], "max": [4.0, 4.0]}}
