@@ -17,6 +17,11 @@ from pgimp.schema.sizes import Problems
 Case = Any
 Path = tuple[str | int, ...]
 
+_VARIES = (
+    "varies in space: its parameters are the particles' own from the start, and cannot change in a "
+    "stage"
+)
+
 
 def arrange(case: Case) -> tuple[tuple[Case, ...], list[Problem]]:
     """Return the cases of the stages of a case, and what is wrong with them.
@@ -119,8 +124,8 @@ def _own(stage: Stage, before: Case, names: set[str]) -> Problems:
                 )
     for section, what in (("materials", "material"), ("tractions", "traction")):
         known = getattr(before, section)
-        for name in getattr(stage, section):
-            if name not in known:
+        for name, entry in getattr(stage, section).items():
+            if name not in known and entry is not None:
                 advice = ""
                 if what == "traction":
                     advice = (
@@ -128,7 +133,21 @@ def _own(stage: Stage, before: Case, names: set[str]) -> Problems:
                         "the case, with the pressure 0"
                     )
                 yield Problem((section, name), unknown(what, name, known) + advice)
+    gone = (*before.staged.removed, *stage.remove)
+    for name, entry in stage.tractions.items():
+        if entry is not None and name in before.tractions:
+            body = before.tractions[name].body
+            if body in gone:
+                yield Problem(
+                    ("tractions", name), f"acts on '{body}', which has been removed: it has ended"
+                )
     for name, entry in stage.materials.items():
+        if entry is None and name in before.materials:
+            yield Problem(
+                ("materials", name), "null ends tractions, constraints and faces; not a material"
+            )
+        elif entry and name in before.materials and before.materials[name].variations:
+            yield Problem(("materials", name), _VARIES)
         model = entry.get("model") if isinstance(entry, Mapping) else None
         if name in before.materials and model not in (None, before.materials[name].model):
             yield Problem(
@@ -179,11 +198,7 @@ def _changed(before: Case, now: Case, stage: Stage) -> Problems:
 def _material(path: Path, before: Any, now: Any, dimensions: int) -> Problems:
     """Check that particles of a material can go on with another's parameters."""
     if (before.variations or now.variations) and plain(now) != plain(before):
-        yield Problem(
-            path,
-            "varies in space: its parameters are the particles' own from the start, and cannot "
-            "change in a stage",
-        )
+        yield Problem(path, _VARIES)
         return
     if now.density != before.density:
         yield Problem(
@@ -273,7 +288,8 @@ def changes_of(stage: Stage) -> Iterator[str]:
     """Yield what a stage changes, by key paths that are not longer than need be."""
     for section, value in stage.changes.items():
         if section == "remove":
-            yield f"remove {', '.join(value)}"
+            if value:
+                yield f"remove {', '.join(value)}"
         elif isinstance(value, Mapping):
             for name, entry in value.items():
                 keys = entry if section == "materials" and isinstance(entry, Mapping) else [""]

@@ -6,7 +6,7 @@ run on coarse cells, from which the number of steps is predicted; the rest is `p
 """
 
 import argparse
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from itertools import chain
 from math import ceil
 
@@ -24,7 +24,7 @@ from pgimp.running.progress import duration
 from pgimp.scene import nearness
 from pgimp.scene.advice import advice
 from pgimp.scene.extent import extents
-from pgimp.scene.facts import BodyFacts, examine, rest_rate
+from pgimp.scene.facts import BodyFacts, examine
 from pgimp.scene.geometry import share
 from pgimp.scene.lattice import Lattice
 from pgimp.scene.sanity import body_warnings, case_warnings, small_step_warning, strains
@@ -32,7 +32,7 @@ from pgimp.scene.scene import MOST_CELLS, Scene, count_particles
 from pgimp.scene.toolchecks import require_apart, require_clear, require_slow
 from pgimp.solver.memory import Estimate, MemoryShortError, estimate, require, size_text
 from pgimp.solver.stability import require_end, require_stable, stability_warning
-from pgimp.solver.stages import look_ahead
+from pgimp.solver.stages import look_ahead, require_stable_stages, stage_rate
 from pgimp.tools.model.costs import Costs, Network
 from pgimp.tools.model.layout import layout_now, layout_of
 from pgimp.tools.model.measure import costs_of, run_in_turn
@@ -105,6 +105,8 @@ def report(case: Case) -> None:
         _look_at_rigid(scene, lattice, counts)
     found = examine(scene, lattice, counts)
     bodies = found.bodies
+    varied = {body.name: body.rest_rate for body in bodies if body.varies}
+    of_stages = require_stable_stages(whole.stages, varied)
     inverse = max(scene.frame.inverse)
     # A grid of the initial configuration moves with the bodies.
     crossing_rate = 0.0 if scene.initial else inverse
@@ -131,7 +133,7 @@ def report(case: Case) -> None:
     tried = pilot(case, count, steps, costs, _thinnest(case, bodies))
     steps = _report_steps(case, steps, tried)
     if whole.time.stages:
-        steps += report_stages(whole, steps * dt / case.time.end)
+        steps += report_stages(whole, steps * dt / case.time.end, varied)
     _report_memory(memory)
     _report_cost(scene, lattice, counts, costs, crossing, steps)
     number = forecast.frames(whole, steps)
@@ -142,6 +144,7 @@ def report(case: Case) -> None:
     for text in chain(
         filter(None, [] if case.watched else [stability_warning(dt, rate, case.method.stable)]),
         filter(None, [small_step_warning(dt, rate)]),
+        of_stages,
         _pilot_warnings(case, dt * rate, tried),
         *(body_warnings(case, body, whole.time.last) for body in bodies),
         case_warnings(case, found),
@@ -288,26 +291,25 @@ def _report_steps(case: Case, steps: float, tried: Pilot | None) -> float:
     return tried.steps
 
 
-def report_stages(case: Case, factor: float) -> float:
+def report_stages(case: Case, factor: float, varied: Mapping[str, float]) -> float:
     """Say what the stages after the first change; return how many steps they take, about.
 
-    `factor` is by how much the first has more steps than at rest, where waves set their length.
+    `factor` is by how much the first has more steps than at rest, where waves set their length;
+    `varied` has rates of bodies whose materials vary, see `stage_rate`.
     """
     total = 0.0
     for stage, one in zip(case.time.stages, case.stages[1:], strict=True):
         steps = steps_in(one)
         about = ""
         if steps is None:
-            scene = Scene(one)
-            rate = max(rest_rate(scene, body) for body in range(len(scene.body_names)))
             assert one.courant is not None
-            length = one.time.end - one.staged.start
+            rate, length = stage_rate(Scene(one), varied), one.time.end - one.staged.start
             steps, about = ceil(max(factor, 1.0) * length * rate / one.courant), "about "
         total += steps
         what = ", ".join(changes_of(stage)) or "nothing"
         print(
             f"stage {one.staged.number + 1:<10} '{stage.name}' to t = {stage.end:g}, "
-            f"{about}{steps:,} steps; changes {what}"
+            f"{about}{steps:,} step{'' if steps == 1 else 's'}; changes {what}"
         )
     return total
 

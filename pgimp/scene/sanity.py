@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from pgimp.physics.variation import Variation
+from pgimp.physics.variation.randomfield import RandomVariation
 from pgimp.scene.facts import BodyFacts, Findings
 from pgimp.scene.supports import held_at, own_weight
 from pgimp.schema.tables import Table, VectorTable
@@ -129,6 +131,21 @@ def _locking(case: Any, body: BodyFacts) -> Iterator[str]:
         )
 
 
+def _coarse(key: str, variation: Variation, case: Any) -> Iterator[str]:
+    """Yield a warning if a random field changes from one cell to the next."""
+    for part in variation.parts():
+        if isinstance(part, RandomVariation):
+            lengths = part.random.lengths(case.dimensions)
+            for length, cell in zip(lengths, case.grid.cell, strict=True):
+                if length < cell:
+                    yield (
+                        f"{key}: the correlation length {length:g} of the random field is below "
+                        f"the cell {cell:g}, so that neighbours hardly know of each other and "
+                        "results depend on the cells; take cells of a third of it or less"
+                    )
+                    return
+
+
 def case_warnings(case: Any, found: Findings) -> Iterator[str]:
     """Yield what the whole shows: thin bodies, idle probes and tractions, an unhappy method.
 
@@ -144,6 +161,9 @@ def case_warnings(case: Any, found: Findings) -> Iterator[str]:
             "method.affine: with points (mpm) it can make energy from nothing, the more "
             "the smaller the step; take it with boxes (shape: gimp)"
         )
+    for name, entry in case.materials.items():
+        for path, variation in entry.variations.items():
+            yield from _coarse(f"materials.{name}.{'.'.join(path)}", variation, case)
     pressed = _pressed(case)
     if pressed and case.method.shape == "mpm":
         yield (

@@ -33,7 +33,7 @@ from pgimp.solver.rank import Rank
 from pgimp.solver.reduction import Request, StepReduction
 from pgimp.solver.restore import outline, read_books, read_particles
 from pgimp.solver.stability import check_first_step, require_end
-from pgimp.solver.stages import absent, enter, look_ahead
+from pgimp.solver.stages import absent, enter, look_ahead, rates_at_rest, require_stable_stages
 from pgimp.solver.state import State
 from pgimp.solver.step import step
 from pgimp.solver.warmup import warm_up
@@ -156,6 +156,8 @@ class Simulation:
             comm, lambda: self._create(slab, lattice, counts, layer), CaseError
         )
         self.initialise(slab, *made)
+        if len(self.cases) > 1 and scene.variations:
+            require_stable_stages(self.cases, rates_at_rest(self.rank, scene, comm))
         if scene.tools:
             p, order = self.particles, self.population.order
             require_apart(scene.tools, [(p.x[order], p.body[order])], comm)

@@ -139,7 +139,10 @@ EXACT = {"vibrating-bar": {"amplitude": 0.01}}
         ({"materials": {"soil": {"density": 2.0}}}, "materials.soil.density", "keep the mass"),
         ({"materials": {"soil": {"model": "hooke"}}}, "materials.soil.model", "not reached"),
         ({"materials": {"soil": {"cohesion": -1.0}}}, "materials.soil.cohesion", "at least 0"),
-        ({"materials": {"soil": None}}, "", "unknown material 'soil'"),
+        ({"materials": {"soil": None}}, "materials.soil", "not a material"),
+        ({"remove": ["block"], "tractions": {"push": {"pressure": 2.0}}}, "tractions.push",
+         "acts on 'block', which has been removed"),
+        ({"tractions": {"pull": None}}, "tractions.pull", "there is none to end"),
         ({"materials": {"soil": 3.0}}, "materials.soil", "expected a mapping of the keys"),
         ({"tractions": {"pull": {"pressure": 1.0}}}, "tractions.pull", "the pressure 0"),
         ({"tractions": {"push": {"face": "x-max"}}}, "tractions.push.face", "cannot change"),
@@ -161,8 +164,16 @@ def test_what_a_stage_cannot_be_is_said_with_its_place(change, key, text):
     with pytest.raises(CaseError) as caught:
         pgimp.load(case)
     (line, *_) = str(caught.value).splitlines()
-    where = f"time.stages.0.{key}" if key else "bodies.rest.material"
-    assert line.startswith(f"case: {where}") and text in line, line
+    assert line.startswith(f"case: time.stages.0.{key}") and text in line, line
+
+
+def test_a_material_that_varies_keeps_its_parameters():
+    """Said before anything else, such as frames' fields that then would not be there."""
+    soil = SOIL | {"young": {"layers": [[0.0, 50.0], [1.0, 100.0]], "over": "y"}}
+    parts = {"materials": {"soil": soil, "soft": SOFT}, "output": {"fields": ["parameter-young"]}}
+    case = staged(stage(materials={"soil": {"young": 3.0}}), **parts)
+    with pytest.raises(CaseError, match=r"time\.stages\.0\.materials\.soil: varies in space"):
+        pgimp.load(case)
 
 
 def test_mistakes_name_file_line_and_stage():

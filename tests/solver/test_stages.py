@@ -12,6 +12,7 @@ from run_files import digests
 from scenes import box, energy, field, finish, scene, start, tracked
 
 import pgimp
+from pgimp.commands import check
 from pgimp.errors import CaseError, RunError, UsageError
 from pgimp.mpi.comm import Serial
 
@@ -244,5 +245,18 @@ def test_a_constraint_that_begins_and_holds_nothing_ends_the_run(tmp_path):
 
 
 def test_a_step_that_is_too_long_for_a_stage_is_refused_before_the_first():
-    with pytest.raises(CaseError, match=r"stages: stage 'stiff': time\.step: 0\.01 is a Courant"):
+    with pytest.raises(CaseError, match=r"^stage 'stiff': time\.step: 0\.01 is a Courant"):
         start(bar({"name": "stiff", "end": 2.0, "materials": {"soft": {"young": 4e6}}}))
+
+
+def test_the_fastest_particle_of_a_material_that_varies_counts_in_all_stages(capsys):
+    """Its typical particle would allow the step."""
+    coarse = bar({"name": "coarse", "end": 2.0, "step": 0.05})
+    coarse["materials"]["soft"]["young"] = {
+        "layers": [[0.0, 100.0], [7.0, 4000.0]], "over": "x",
+    }  # fmt: skip
+    for look in (start, lambda case: check.report(pgimp.load(case))):
+        with pytest.raises(CaseError, match=r"^stage 'coarse': time\.stages\.0\.step: 0\.05 is"):
+            look(coarse)
+    coarse["time"]["stages"][0]["step"] = 0.01
+    start(coarse)
