@@ -315,7 +315,8 @@ def varied(rng, scene):
         files = [body["region"].get("points", {}).get("file") for body in bodies]
         for key in rng.kind.sample(keys, min(len(keys), rng.kind.randint(0, 3))):
             column = f"own-{key}" if files and all(files) else None
-            value = entry[key]
+            # A share of the strength that is lost, below one wherever it varies.
+            value = min(entry[key], 0.7) if key == "damage" else entry[key]
             entry[key] = variation(rng, scene, value, column)
             scene.states += (f"parameter-{key}",)
             if entry[key] == {"column": column}:
@@ -511,11 +512,11 @@ def initial(rng, scene):
         if "rigid" not in body or (meets and "density" not in body["rigid"])
     }
     case.pop("escape", None)
-    laws = [{"bodies": "all", "friction": 0.3}] if meets and "contact" in case else []
-    for entry in case.pop("contact", []) if meets else []:
-        if entry["bodies"] == "all" or all(name in case["bodies"] for name in entry["bodies"]):
-            laws.append(entry)
-    laws = laws[1:] or laws
+    default = [{"bodies": "all", "friction": 0.3}] if meets and "contact" in case else []
+    laws = [
+        entry for entry in case.pop("contact", [])
+        if entry["bodies"] == "all" or all(name in case["bodies"] for name in entry["bodies"])
+    ] or default  # fmt: skip
     if laws and len(case["bodies"]) > 1:
         case["contact"] = laws
     for part in ("volume", "volumetric"):

@@ -58,6 +58,8 @@ def removed(rng, scene, now, stage):
     if chosen:
         stage["remove"] = [chosen]
         del now["bodies"][chosen]
+        loads = now["tractions"].items()
+        now["tractions"] = {name: load for name, load in loads if load["body"] != chosen}
 
 
 def parameters(rng, scene, now, stage):
