@@ -37,6 +37,7 @@ from pgimp.kernels.contact import (
 from pgimp.kernels.contactbooks import book
 from pgimp.kernels.contactlaw import exchange
 from pgimp.kernels.faces import face_count, on_walls, side_of, wall_of, wall_sides
+from pgimp.kernels.holding import Holding
 from pgimp.kernels.meet import find_tools
 from pgimp.kernels.present import (
     CURVED,
@@ -393,7 +394,7 @@ def settle_contacts(contact, frame, forcing, ends, partners, rigid, rows, values
     int
         Sweeps that were done.
     """
-    number = (0, 0, 0)
+    number, holding = (0, 0, 0), Holding((), frame, forcing, contact.unbooked)
     for sweep in range(sweeps):
         change, most = 0.0, 0.0
         for n in range(len(ends)):
@@ -405,7 +406,7 @@ def settle_contacts(contact, frame, forcing, ends, partners, rigid, rows, values
             contact.ends[0, 2] = end[ENTRY]
             before = (_impulse(row, 0), _impulse(row, 1), _impulse(row, 2))
             _copy(contact.partners[0], row)
-            exchange(contact, (), frame, forcing, number, False, 0, True)
+            exchange(contact, holding, number, False, 0, True)
             _copy(row, contact.partners[0])
             J = (
                 _impulse(row, 0) - before[0], _impulse(row, 1) - before[1],
@@ -431,6 +432,7 @@ def book_contacts(contact, frame, forcing, ends, partners, rigid, rows, values, 
     numbers : (walls,) int64
         Those of the walls that let go among the faces.
     """
+    holding = Holding((), frame, forcing, contact.unbooked)
     for k in range(len(ends)):
         end, row = ends[k], partners[k]
         wall = max(end[BODIES], end[BODIES + 1]) - first_wall
@@ -445,7 +447,7 @@ def book_contacts(contact, frame, forcing, ends, partners, rigid, rows, values, 
         contact.ends[0, 2] = end[ENTRY]
         _copy(contact.partners[0], row)
         number = (end[VERTEX], end[VERTEX + 1], end[VERTEX + 2])
-        book(contact, (), frame, forcing, number, 0, 1.0, True, ledger, 0)
+        book(contact, holding, number, 0, 1.0, True, ledger, 0)
 
 
 __all__ = [

@@ -15,9 +15,8 @@ import numpy as np
 from pgimp.jit.algebra import determinant
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.jit.tuples import read
-from pgimp.kernels.constraints import constrained_velocity
-from pgimp.kernels.faces import hold
 from pgimp.kernels.fields import field_of
+from pgimp.kernels.holding import Holding, held_velocity
 from pgimp.kernels.place import deformation, first_vertex
 from pgimp.kernels.record import MASS, RECORD, VELOCITY
 from pgimp.physics.shapes.base import size, weights
@@ -139,19 +138,6 @@ def _across(frame):
     return y, z
 
 
-def _settled(faces, forcing, frame, number, r, v, unbooked):
-    """Velocity v of the vertex at `r` after faces and constraints."""
-
-
-@specialise(_settled)
-def _settled_by_all(faces, forcing, frame, number, r, v, unbooked):
-    def settled(faces, forcing, frame, number, r, v, unbooked):
-        u, _ = hold(faces, forcing, frame, number, r, v, (0.0, 0.0, 0.0), 0.0, unbooked)
-        return constrained_velocity(forcing.marked, r, u)
-
-    return settled
-
-
 @kernel
 def take_vertices(faces, forcing, frame, vertices, field, particles, rows, base, w, seen, step,
                   unbooked, keys, values):  # fmt: skip
@@ -178,6 +164,7 @@ def take_vertices(faces, forcing, frame, vertices, field, particles, rows, base,
         How many there are.
     """
     window, G, found, D = field.window, field.G, 0, len(frame.origin)
+    holding = Holding(faces, frame, forcing, unbooked)
     count = window.stride[0] // (RECORD * window.extent[1] * window.extent[2])
     ny, nz = _across(frame)
     my, mz = (vertices if D > 1 else 1), (vertices if D > 2 else 1)
@@ -200,7 +187,7 @@ def take_vertices(faces, forcing, frame, vertices, field, particles, rows, base,
                     keys[found] = ((x * ny + y) * nz + z) * count + one
                     v = (G[r + VELOCITY], G[r + VELOCITY + 1], G[r + VELOCITY + 2])
                     row[INERTIA] = m
-                    u = _settled(faces, forcing, frame, (x, y, z), r, v, unbooked)
+                    u = held_velocity(holding, (x, y, z), r, v, True)
                     for d in range(3):
                         row[MOVES + d], row[YIELDS + d] = v[d], 0.0
                         if d < D and m > forcing.lightest:
@@ -208,7 +195,7 @@ def take_vertices(faces, forcing, frame, vertices, field, particles, rows, base,
                                 v[0] + (1.0 if d == 0 else 0.0), v[1] + (1.0 if d == 1 else 0.0),
                                 v[2] + (1.0 if d == 2 else 0.0),
                             )  # fmt: skip
-                            s = _settled(faces, forcing, frame, (x, y, z), r, pushed, unbooked)
+                            s = held_velocity(holding, (x, y, z), r, pushed, True)
                             row[YIELDS + d] = 0.0 if s[d] == u[d] else 1.0 / m
                     found += 1
     return found
