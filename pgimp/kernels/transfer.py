@@ -7,6 +7,8 @@ support's end are left out; the innermost direction, along which records follow 
 unrolled for each number of vertices, the others are loops.
 """
 
+from typing import Any, NamedTuple
+
 from pgimp.jit.kernel import inner_kernel, specialise
 from pgimp.jit.simd import load, store, vector
 from pgimp.jit.tuples import joined, plus_scaled, scaled
@@ -23,6 +25,45 @@ SEVERAL = _APART**3
 
 #: Least weight of a vertex that counts as being in a particle's reach; less is rounding.
 LEAST_WEIGHT = 1e-9
+
+
+class Support(NamedTuple):
+    """Where one particle of a batch has weight.
+
+    Attributes
+    ----------
+    buffer
+        The supports of the batch, see `pgimp.kernels.batch`.
+    j : int
+        Number of the particle in the batch.
+    """
+
+    buffer: Any
+    j: int
+
+
+class Share(NamedTuple):
+    """What a particle gives to the vertices of its support.
+
+    Attributes
+    ----------
+    A : Vec4
+        Mass and momentum; times S_vp, see `contribution`.
+    B : Vec4 or ()
+        What else is given times S_vp, see `weight`.
+    S : tuple of D Vec4
+        Columns of the stress times the volume; the force is the sum of S_i dS_vp/dx_i.
+    C : tuple of D Vec4 or ()
+        What `affine_momentum` gives, times arms.
+    M : Vec4 or ()
+        What `mean_force` gives; times dD_p/dv_v, see `pgimp.kernels.mean`.
+    """
+
+    A: Any
+    B: Any
+    S: tuple
+    C: tuple
+    M: Any
 
 
 @inner_kernel
@@ -76,30 +117,32 @@ def _step_of(stride):
     return (lambda stride: stride[0]) if len(stride) == 3 else (lambda stride: RECORD)
 
 
-def _scatter_line(G, place, step, w, g, e, f, A, B, S, C, M):
+def _scatter_line(G, place, step, w, g, e, f, share):
     """Add a particle to a line of vertices, which are `step` apart."""
 
 
 @specialise(_scatter_line)
-def _scatter_vertices(G, place, step, w, g, e, f, A, B, S, C, M):
-    def vertex(G, place, step, w, g, e, f, A, B, S, C, M):
+def _scatter_vertices(G, place, step, w, g, e, f, share):
+    def vertex(G, place, step, w, g, e, f, share):
+        A, B, S, C, M = share
         store(G, place, load(G, place) + _sloped(w[0], A, e[0], C))
-        more = plus_factored(f[0], M, _force(w[0], B, g[0], S))
+        more = plus_factored(f[0], M, _force(w[0], B, g[0], S[0]))
         store(G, place + 4, load(G, place + 4) + more)
 
     if len(w) == 1:
         return vertex
 
-    def vertices(G, place, step, w, g, e, f, A, B, S, C, M):
+    def vertices(G, place, step, w, g, e, f, share):
+        A, B, S, C, M = share
         store(G, place, load(G, place) + _sloped(w[0], A, e[0], C))
-        more = plus_factored(f[0], M, _force(w[0], B, g[0], S))
+        more = plus_factored(f[0], M, _force(w[0], B, g[0], S[0]))
         store(G, place + 4, load(G, place + 4) + more)
-        _scatter_line(G, place + step, step, w[1:], g[1:], e[1:], f[1:], A, B, S, C, M)
+        _scatter_line(G, place + step, step, w[1:], g[1:], e[1:], f[1:], share)
 
     return vertices
 
 
-def _scatter_lines(G, buffer, j, d, place, counts, stride, Z, A, B, S, C, M):
+def _scatter_lines(G, support, d, place, counts, stride, Z, share):
     """Add a particle to the lines of its support, from direction `d` on.
 
     Parameters
@@ -110,52 +153,50 @@ def _scatter_lines(G, buffer, j, d, place, counts, stride, Z, A, B, S, C, M):
         Vertices of the current direction and the following ones but the last; `stride` alike.
     Z : tuple
         Weights, gradients, arms and `factors` along the last direction.
-    B : Vec4 or ()
-        The force so far: the sum over the directions that came before.
-    S : tuple of Vec4
-        Stress columns of the current direction and the following ones, times the weights so far.
-    C : tuple of Vec4
-        Likewise what `affine_momentum` gives.
-    M : Vec4 or ()
-        What `mean_force` gives, times the factors so far.
+    share : Share
+        What remains of it: A and B with the sums over the directions that came before, S and C of
+        the current direction and the following ones, times the weights so far, and M times the
+        factors so far.
     """
 
 
 @specialise(_scatter_lines)
-def _scatter_all(G, buffer, j, d, place, counts, stride, Z, A, B, S, C, M):
+def _scatter_all(G, support, d, place, counts, stride, Z, share):
     if len(counts) == 0:
-        return lambda G, buffer, j, d, place, counts, stride, Z, A, B, S, C, M: _scatter_line(
-            G, place, _step(stride), Z[0], Z[1], Z[2], Z[3], A, B, S[0], C, M
+        return lambda G, support, d, place, counts, stride, Z, share: _scatter_line(
+            G, place, _step(stride), Z[0], Z[1], Z[2], Z[3], share
         )
 
-    def lines(G, buffer, j, d, place, counts, stride, Z, A, B, S, C, M):
+    def lines(G, support, d, place, counts, stride, Z, share):
+        (buffer, j), (A, B, S, C, M) = support, share
         for i in range(counts[0]):
             w, g = entry(buffer, d, 0, i, j), entry(buffer, d, 1, i, j)
             e = entry(buffer, d, 2, i, j)
-            _scatter_lines(
-                G, buffer, j, d + 1, place + i * stride[0], counts[1:], stride[1:], Z,
+            at = place + i * stride[0]
+            part = Share(
                 _sloped(w, A, e, C), _force(w, B, g, S[0]), scaled(w, S[1:]), scaled(w, C[1:]),
                 factored(factor(M, buffer, d, i, j), M),
             )  # fmt: skip
+            _scatter_lines(G, support, d + 1, at, counts[1:], stride[1:], Z, part)
 
     return lines
 
 
-def _last(buffer, d, j, like, mean):
+def _last(support, d, like, mean):
     """Weights, gradients, arms and factors along the last direction, as many as `like` has."""
 
 
 @specialise(_last)
-def _last_of(buffer, d, j, like, mean):
-    return lambda buffer, d, j, like, mean: (
-        entries(buffer, d, 0, 0, j, like),
-        entries(buffer, d, 1, 0, j, like),
-        entries(buffer, d, 2, 0, j, like),
-        factors(mean, buffer, d, 0, j, like),
+def _last_of(support, d, like, mean):
+    return lambda support, d, like, mean: (
+        entries(support.buffer, d, 0, 0, support.j, like),
+        entries(support.buffer, d, 1, 0, support.j, like),
+        entries(support.buffer, d, 2, 0, support.j, like),
+        factors(mean, support.buffer, d, 0, support.j, like),
     )
 
 
-def _scatter_some(like, count, G, buffer, j, place, counts, stride, A, B, S, C, M):
+def _scatter_some(like, count, G, support, place, counts, stride, share):
     """Add a particle that has weight on `count` vertices along the last direction.
 
     There are no more than `like` has; each number has code of its own.
@@ -163,53 +204,52 @@ def _scatter_some(like, count, G, buffer, j, place, counts, stride, A, B, S, C, 
 
 
 @specialise(_scatter_some)
-def _scatter_number(like, count, G, buffer, j, place, counts, stride, A, B, S, C, M):
-    last = len(S) - 1
+def _scatter_number(like, count, G, support, place, counts, stride, share):
+    last = len(counts)
 
-    def exactly(like, count, G, buffer, j, place, counts, stride, A, B, S, C, M):
-        Z = _last(buffer, last, j, like, M)
-        _scatter_lines(G, buffer, j, 0, place, counts, stride, Z, A, B, S, C, M)
+    def exactly(like, count, G, support, place, counts, stride, share):
+        Z = _last(support, last, like, share.M)
+        _scatter_lines(G, support, 0, place, counts, stride, Z, share)
 
     if len(like) == 2:
         return exactly
 
-    def at_most(like, count, G, buffer, j, place, counts, stride, A, B, S, C, M):
+    def at_most(like, count, G, support, place, counts, stride, share):
         if count < len(like):
-            _scatter_some(like[1:], count, G, buffer, j, place, counts, stride, A, B, S, C, M)
+            _scatter_some(like[1:], count, G, support, place, counts, stride, share)
         else:
-            Z = _last(buffer, last, j, like, M)
-            _scatter_lines(G, buffer, j, 0, place, counts, stride, Z, A, B, S, C, M)
+            Z = _last(support, last, like, share.M)
+            _scatter_lines(G, support, 0, place, counts, stride, Z, share)
 
     return at_most
 
 
-def scatter(shape, G, buffer, j, place, stride, A, B, S, C, M):
-    """Add a particle to its support: A times S_vp, and to the force the sum of S_i dS_vp/dx_i.
-
-    With a mean force M also that times dD_p/dv_v, see `pgimp.kernels.mean`.
+def scatter(shape, G, support, place, stride, share):
+    """Add a particle's share to its support.
 
     Parameters
     ----------
-    buffer, j
-        The supports of a batch (see `pgimp.kernels.batch`), and the particle's number in it.
+    support : Support
+        Where it has weight.
     place : int
         Of the first vertex in `G`.
     stride : tuple of int
         The window's.
-    A, B, S, C, M
-        What `contribution`, `weight`, `affine_momentum` and `mean_force` give.
+    share : Share
+        What it gives.
     """
 
 
 @specialise(scatter)
-def _scatter(shape, G, buffer, j, place, stride, A, B, S, C, M):
-    outer, last = (0,) * (len(S) - 1), len(S) - 1
+def _scatter(shape, G, support, place, stride, share):
+    last = len(share.types[2]) - 1
+    outer = (0,) * last
     like = (0.0,) * shape.instance_class.vertices()
 
-    def scatter(shape, G, buffer, j, place, stride, A, B, S, C, M):
-        counts = extents(shape, buffer, 0, j, outer)
-        count = extent(shape, buffer, last, j)
-        _scatter_some(like, count, G, buffer, j, place, counts, stride, A, B, S, C, M)
+    def scatter(shape, G, support, place, stride, share):
+        counts = extents(shape, support.buffer, 0, support.j, outer)
+        count = extent(shape, support.buffer, last, support.j)
+        _scatter_some(like, count, G, support, place, counts, stride, share)
 
     return scatter
 
@@ -267,23 +307,24 @@ def _nothing_of(counts):
     return lambda counts: (vector(0.0), *_nothing(counts[1:]))
 
 
-def _gather_lines(G, buffer, j, d, place, counts, stride, Z, mean):
+def _gather_lines(G, support, d, place, counts, stride, Z, mean):
     """Sums over the lines of a support, from direction `d` on; see `gather`, `_scatter_lines`."""
 
 
 @specialise(_gather_lines)
-def _gather_all(G, buffer, j, d, place, counts, stride, Z, mean):
+def _gather_all(G, support, d, place, counts, stride, Z, mean):
     if len(counts) == 0:
-        return lambda G, buffer, j, d, place, counts, stride, Z, mean: _gather_line(
+        return lambda G, support, d, place, counts, stride, Z, mean: _gather_line(
             G, place, _step(stride), Z[0], Z[1], Z[3], mean
         )
 
-    def lines(G, buffer, j, d, place, counts, stride, Z, mean):
+    def lines(G, support, d, place, counts, stride, Z, mean):
+        buffer, j = support
         U, A, D, M = vector(0.0), vector(0.0), _nothing(counts), no_rates(mean)
         for i in range(counts[0]):
             w, g = entry(buffer, d, 0, i, j), entry(buffer, d, 1, i, j)
             u, a, b, m = _gather_lines(
-                G, buffer, j, d + 1, place + i * stride[0], counts[1:], stride[1:], Z, mean
+                G, support, d + 1, place + i * stride[0], counts[1:], stride[1:], Z, mean
             )
             U, A = w * u + U, w * a + A
             D = joined(g * u + D[0], plus_scaled(w, b, D[1:]))
@@ -293,36 +334,36 @@ def _gather_all(G, buffer, j, d, place, counts, stride, Z, mean):
     return lines
 
 
-def _gather_some(like, count, G, buffer, j, place, counts, stride, mean):
+def _gather_some(like, count, G, support, place, counts, stride, mean):
     """Sums over the support of a particle that has weight on `count` vertices; `_scatter_some`."""
 
 
 @specialise(_gather_some)
-def _gather_number(like, count, G, buffer, j, place, counts, stride, mean):
+def _gather_number(like, count, G, support, place, counts, stride, mean):
     last = len(counts)
 
-    def exactly(like, count, G, buffer, j, place, counts, stride, mean):
-        Z = _last(buffer, last, j, like, mean)
-        return _gather_lines(G, buffer, j, 0, place, counts, stride, Z, mean)
+    def exactly(like, count, G, support, place, counts, stride, mean):
+        Z = _last(support, last, like, mean)
+        return _gather_lines(G, support, 0, place, counts, stride, Z, mean)
 
     if len(like) == 2:
         return exactly
 
-    def at_most(like, count, G, buffer, j, place, counts, stride, mean):
+    def at_most(like, count, G, support, place, counts, stride, mean):
         if count < len(like):
-            return _gather_some(like[1:], count, G, buffer, j, place, counts, stride, mean)
-        Z = _last(buffer, last, j, like, mean)
-        return _gather_lines(G, buffer, j, 0, place, counts, stride, Z, mean)
+            return _gather_some(like[1:], count, G, support, place, counts, stride, mean)
+        Z = _last(support, last, like, mean)
+        return _gather_lines(G, support, 0, place, counts, stride, Z, mean)
 
     return at_most
 
 
-def gather(shape, G, buffer, j, place, stride, like, mean):
+def gather(shape, G, support, place, stride, like, mean):
     """Sums over a particle's support.
 
     Parameters
     ----------
-    shape, G, buffer, j, place, stride
+    shape, G, support, place, stride
         As in `scatter`.
     like : tuple
         One entry a direction of the scene.
@@ -341,13 +382,13 @@ def gather(shape, G, buffer, j, place, stride, like, mean):
 
 
 @specialise(gather)
-def _gather(shape, G, buffer, j, place, stride, like, mean):
+def _gather(shape, G, support, place, stride, like, mean):
     outer, last = (0,) * (len(like) - 1), len(like) - 1
     most = (0.0,) * shape.instance_class.vertices()
 
-    def gather(shape, G, buffer, j, place, stride, like, mean):
-        counts = extents(shape, buffer, 0, j, outer)
-        count = extent(shape, buffer, last, j)
-        return _gather_some(most, count, G, buffer, j, place, counts, stride, mean)
+    def gather(shape, G, support, place, stride, like, mean):
+        counts = extents(shape, support.buffer, 0, support.j, outer)
+        count = extent(shape, support.buffer, last, support.j)
+        return _gather_some(most, count, G, support, place, counts, stride, mean)
 
     return gather
