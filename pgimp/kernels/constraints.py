@@ -20,9 +20,10 @@ from pgimp.kernels.batch import (
     supports,
     take,
 )
+from pgimp.kernels.heldcodes import LEAST_WEIGHT, SEVERAL
 from pgimp.kernels.loads import given
 from pgimp.kernels.record import ACCELERATION, HELD, MASS, RECORD, VELOCITY
-from pgimp.kernels.transfer import LEAST_WEIGHT, SEVERAL, Support
+from pgimp.kernels.transfer import Support
 
 
 def any_held(particles, rows):

@@ -10,7 +10,8 @@ from pgimp.kernels.loads import scatter_loads, weight
 from pgimp.kernels.mean import keep_means, mean_force
 from pgimp.kernels.piola import PIOLA_SIZE, keep_forces
 from pgimp.kernels.record import RECORD
-from pgimp.kernels.transfer import Share, Support, scatter
+from pgimp.kernels.scatter import Share, scatter
+from pgimp.kernels.transfer import Support
 
 
 def sum_layer(setting, field, particles, loads, rows, span, number):

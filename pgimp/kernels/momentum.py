@@ -5,11 +5,11 @@ from pgimp.kernels.clearance import clear
 from pgimp.kernels.constraints import constrained_velocity
 from pgimp.kernels.faces import beyond_any, face_count, side_of, wall_of
 from pgimp.kernels.fields import field_count, field_size, is_used
+from pgimp.kernels.heldcodes import also_held
 from pgimp.kernels.holding import Holding, hold
 from pgimp.kernels.loads import given
 from pgimp.kernels.meet import meet
 from pgimp.kernels.record import ACCELERATION, FORCE, HELD, MASS, MOMENTUM, RECORD, VELOCITY
-from pgimp.kernels.transfer import also_held
 
 #: What of the update is done: all; what comes before bodies meet for the last time, and the rest.
 WHOLE, BEGINNING, REST = 0, 1, 2

@@ -11,6 +11,7 @@ from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import bits, vector
 from pgimp.jit.tuples import joined, plus_scaled, scaled
 from pgimp.kernels.batch import LANES, first_place, four_entries, share_support
+from pgimp.kernels.gather import gather
 from pgimp.kernels.gathered import (
     collected,
     gradients,
@@ -21,7 +22,7 @@ from pgimp.kernels.gathered import (
 from pgimp.kernels.mean import keep_rates
 from pgimp.kernels.place import is_initial
 from pgimp.kernels.record import ACCELERATION, HELD, RECORD, VELOCITY
-from pgimp.kernels.transfer import Support, gather
+from pgimp.kernels.transfer import Support
 
 
 def take_from_grid(places, field, mean, batch, buffer, sums):

@@ -19,8 +19,10 @@ from pgimp.jit.kernel import inner_kernel, specialise
 from pgimp.jit.simd import lane, pack, stack
 from pgimp.kernels.batch import SUPPORT_SIZE, keep_support
 from pgimp.kernels.fields import field_of
+from pgimp.kernels.gather import gather
 from pgimp.kernels.place import coordinate, deformation, first_vertex, half_widths
-from pgimp.kernels.transfer import Share, Support, gather, scatter
+from pgimp.kernels.scatter import Share, scatter
+from pgimp.kernels.transfer import Support
 
 
 def columns(F):
