@@ -11,8 +11,9 @@ from math import isfinite
 
 from pgimp.jit.kernel import inner_kernel, specialise
 
-#: Columns of `walls`: the face's number or -1, where particles are put, the wall's velocity.
-FACE, PLACE, VELOCITY, WALL = 0, 1, 2, 3
+#: Columns of `walls`: the face's number or -1, where particles are put, the wall's velocity, and
+#: gravity across it.
+FACE, PLACE, VELOCITY, GRAVITY, WALL = 0, 1, 2, 3, 4
 
 
 def prescribed_by(constraints, number, d):
@@ -32,15 +33,16 @@ def hold_inside(walls, frame, constraints, particles, p, impulse, work):
 
     Parameters
     ----------
-    walls : (6, 3) float64
+    walls : (6, 4) float64
         For each face, x-min to z-max: its number among those with a condition, or -1 if it holds
-        nothing in; the coordinate where it puts particles; its velocity along the normal.
+        nothing in; the coordinate where it puts particles; its velocity along the normal; the
+        component of gravity along that axis.
     constraints : tuple of Constraint
         Constraints; a particle moves as its constraint says, also through a wall.
     impulse : (faces, 3) float64
         Grows by the momentum that the walls give.
     work : (1,) float64
-        Grows by their work.
+        Grows by their work, and by that of gravity on the way back.
 
     Returns
     -------
@@ -57,6 +59,7 @@ def hold_inside(walls, frame, constraints, particles, p, impulse, work):
         if wall[FACE] < 0.0 or prescribed_by(constraints, number, d):
             continue
         held = 1
+        work[0] += particles.m[p] * wall[GRAVITY] * (wall[PLACE] - particles.x[p, d])
         particles.x[p, d] = wall[PLACE]
         change = wall[VELOCITY] - particles.v[p, d]
         if change < 0.0 if xi > 0.0 else change > 0.0:

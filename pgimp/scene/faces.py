@@ -8,7 +8,7 @@ import numpy as np
 from pgimp.kernels.clearance import Sides, Wall
 from pgimp.kernels.faces import KIND, PARAMETERS, Faces
 from pgimp.kernels.particles import Frame
-from pgimp.kernels.walls import WALL
+from pgimp.kernels.walls import GRAVITY, WALL
 from pgimp.physics.boundaries import BOUNDARIES
 
 AXES = "xyz"
@@ -110,14 +110,15 @@ def walls(faces: Sequence[Face], frame: Frame, end: float) -> np.ndarray:
 
     Returns
     -------
-    (6, 3) float64
-        See `pgimp.kernels.walls`.
+    (6, WALL) float64
+        See `pgimp.kernels.walls`; without gravity.
     """
     found = np.full((6, WALL), -1.0)
+    found[:, GRAVITY] = 0.0
     for number, face in enumerate(faces):
         wall = face.wall(frame, end)
         if wall is not None:
-            found[2 * face.axis + (face.side > 0)] = number, *wall
+            found[2 * face.axis + (face.side > 0), :GRAVITY] = number, *wall
     return found
 
 

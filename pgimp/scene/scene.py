@@ -16,6 +16,7 @@ from pgimp.kernels.mirror import Mirror
 from pgimp.kernels.order import cell_numbers
 from pgimp.kernels.particles import Carried, Frame, InitialFrame, Particles
 from pgimp.kernels.sums import SUMS
+from pgimp.kernels.walls import GRAVITY
 from pgimp.physics.contact import Pairs
 from pgimp.physics.fields import EVERY
 from pgimp.physics.materials.base import LOSSES
@@ -238,9 +239,14 @@ class Scene:
         """All faces with a condition, for kernels that ask no more than where they are."""
         return FaceTable(self.faces).at(0.0, 1.0)
 
-    def walls(self, end: float) -> np.ndarray:
-        """Where faces hold particles in during a step to `end`; see `pgimp.kernels.walls`."""
-        return walls(self.faces, self.frame, end) if self._walls is None else self._walls
+    def walls(self, start: float, end: float) -> np.ndarray:
+        """Where faces hold particles in during a step; good until the next call.
+
+        See `pgimp.kernels.walls`.
+        """
+        found = walls(self.faces, self.frame, end) if self._walls is None else self._walls
+        found[:, GRAVITY] = np.repeat(self.gravity(start), 2)
+        return found
 
     def _velocity_gradients(self, body: int, positions: np.ndarray) -> np.ndarray:
         """Gradient of the initial velocity, (n, D*D), by differences over half a cell."""

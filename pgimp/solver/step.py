@@ -136,8 +136,8 @@ def acting(rank: Rank, t: Step, loads: Loads, controlled: bool | float) -> Forci
     constraints = scene.loads.constraints_at(t.start, t.end)
     marked = (constraints, grid.marks) if constraints else ()
     return Forcing(
-        t.dt, scene.gravity(t.start), rank.lightest, loads, constraints, marked, scene.walls(t.end),
-        controlled, rank.clearances.stored(grid),
+        t.dt, scene.gravity(t.start), rank.lightest, loads, constraints, marked,
+        scene.walls(t.start, t.end), controlled, rank.clearances.stored(grid),
     )  # fmt: skip
 
 

@@ -60,7 +60,7 @@ def _calls(scene: Scene) -> Iterator[Call]:
     clearances = np.empty((count, 0)) if scene.approached else ()
     controlled = scene.controlled
     forcing = Forcing(
-        1.0, scene.gravity(0.0), 0.0, loads, constraints, marked, scene.walls(0.0), controlled,
+        1.0, scene.gravity(0.0), 0.0, loads, constraints, marked, scene.walls(0.0, 0.0), controlled,
         clearances,
     )
     vertex_forcing = on_vertices(forcing)

@@ -38,6 +38,34 @@ checkpoint: {every: {steps: 25}, keep: 3}
 
 SHORT = CASE.replace("end: 2.0", "end: 1.2")
 
+#: Blocks with friction on a rough floor, a rigid body that pushes them, and one that moves freely.
+#: They come from afar, so that velocity fields and the slabs' boundaries change on the way.
+MEET = """\
+format: 1
+title: Blocks, a tool and a stone
+dimensions: 2
+grid: {origin: [0.0, 0.0], size: [28.0, 8.0], cell: [0.5, 0.5]}
+method: {shape: gimp, particles_per_cell: [2, 2]}
+time: {end: 3.0, step: 0.01}
+materials:
+  soft: {model: neo-hookean, young: 100.0, poisson: 0.3, density: 1.0}
+bodies:
+  left: {material: soft, region: {box: {min: [4.0, 0.0], max: [9.0, 3.0]}}, velocity: [2.0, 0.0]}
+  right: {material: soft, region: {box: {min: [12.0, 0.0], max: [18.0, 4.0]}}}
+  tool: {rigid: {velocity: [2.5, 0.0]}, region: {box: {min: [1.0, -1.0], max: [3.0, 5.0]}}}
+  stone:
+    rigid: {density: 2.0}
+    region: {ball: {centre: [16.0, 6.0], radius: 1.2}}
+    velocity: {rotation: {about: [16.0, 6.0], rate: 1.0}, translation: [1.0, -1.0]}
+gravity: [0.0, -1.0]
+boundaries: {x-min: fixed, x-max: fixed, y-min: {separating: {friction: 0.4}}}
+contact:
+  - {bodies: all, friction: 0.3}
+output: {every: {steps: 37}, grid: [contact]}
+history: {every: {steps: 10}}
+checkpoint: {every: {steps: 25}, keep: 3}
+"""
+
 #: A job that has not ended after this is taken for hung.
 PATIENCE = 60.0
 

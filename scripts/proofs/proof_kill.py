@@ -8,7 +8,7 @@ import time
 from collections import Counter
 from statistics import median
 
-from jobs import CASE, SHORT, Job, differences, scratch, unreadable, whole
+from jobs import CASE, MEET, SHORT, Job, differences, scratch, unreadable, whole
 
 
 def main(words):
@@ -18,11 +18,14 @@ def main(words):
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--tcp", action="store_true")
     parser.add_argument("--short", action="store_true", help="fewer steps, at most 3 ranks")
+    parser.add_argument("--contact", action="store_true", help="bodies that meet, up to 7 ranks")
     options = parser.parse_args(words)
     chance = random.Random(options.seed)
     moments, statuses, resumed, delays, same = Counter(), Counter(), Counter(), [], 0
     with scratch("kill") as (folder, failures):
-        (folder / "blocks.yaml").write_text(SHORT if options.short else CASE)
+        (folder / "blocks.yaml").write_text(
+            SHORT if options.short else MEET if options.contact else CASE
+        )
         began = time.monotonic()
         reference = whole(folder, "whole", ["blocks.yaml", "--quiet"])
         # Compiled now; so this is how long a run takes.
@@ -34,7 +37,7 @@ def main(words):
         while sum(moments.values()) < options.runs:
             number += 1
             name = f"run-{number}"
-            ranks = chance.choice((2, 2, 3, 3 if options.short else 4))
+            ranks = chance.choice((2, 2, 3, 3 if options.short else 7 if options.contact else 4))
             job = Job(ranks, ["blocks.yaml", "--quiet", "-o", name], folder, options.tcp)
             kind = ("start-up", "checkpoint", "any")[number % 3]
             wait_for(kind, job, folder / name, chance, length)
@@ -60,7 +63,7 @@ def main(words):
                 failures.append(f"{note}: {job.said}")
             if (folder / name).exists():
                 failures += [f"{note}: {wrong}" for wrong in unreadable(folder / name)]
-            others = chance.choice((1, 2, 3) if options.short else (1, 2, 3, 4))
+            others = chance.choice((1, 2, 3, 3 if options.short else 7 if options.contact else 4))
             job = Job(others, ["blocks.yaml", "-o", name, "--resume"], folder, options.tcp)
             status, _ = job.wait()
             lines = job.said.splitlines()
@@ -107,7 +110,8 @@ def stage(directory):
 def report(options, moments, statuses, resumed, delays, same):
     """Print the figures."""
     by = ", by TCP" if options.tcp else ""
-    print(f"{options.runs} runs on 2 to 4 ranks{by}, one rank killed -9, resumed on 1 to 4 ranks:")
+    most = 7 if options.contact else 4
+    print(f"{options.runs} runs on 2 to {most} ranks{by}, one killed -9, resumed on 1 to {most}:")
     print(f"  same bits as the undisturbed run: {same} of {options.runs}")
     print("  killed: " + ", ".join(f"{count} {what}" for what, count in moments.most_common()))
     print(f"  resumed: {dict(resumed)}; status of the killed jobs: {dict(statuses)}")

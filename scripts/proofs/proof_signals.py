@@ -7,7 +7,7 @@ import signal
 import time
 from collections import Counter
 
-from jobs import CASE, SHORT, Job, differences, scratch, unreadable, whole
+from jobs import CASE, MEET, SHORT, Job, differences, scratch, unreadable, whole
 
 from pgimp.running.checkpoints import present
 
@@ -45,10 +45,13 @@ def main(words):
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--tcp", action="store_true")
     parser.add_argument("--short", action="store_true", help="fewer steps, at most 3 ranks")
+    parser.add_argument("--contact", action="store_true", help="bodies that meet, up to 7 ranks")
     options = parser.parse_args(words)
     chance = random.Random(options.seed)
     with scratch("signals") as (folder, failures):
-        (folder / "blocks.yaml").write_text(SHORT if options.short else CASE)
+        (folder / "blocks.yaml").write_text(
+            SHORT if options.short else MEET if options.contact else CASE
+        )
         (folder / "slow.py").write_text(SLOW)
         reference = whole(folder, "whole", ["blocks.yaml", "--quiet"])
         again = time.monotonic()
@@ -66,7 +69,8 @@ def main(words):
             if what:
                 table[kind][what] += 1
         by = ", by TCP" if options.tcp else ""
-        print(f"{options.runs} signals at random moments, on 2 to 4 ranks{by}; then --resume:")
+        most = 7 if options.contact else 4
+        print(f"{options.runs} signals at random moments, 2 to {most} ranks{by}; then --resume:")
         for (number, to, _), row in table.items():
             text = ", ".join(f"{count} {what}" for what, count in row.most_common())
             print(f"  {signal.Signals(number).name} to {to}: {text}")
@@ -76,7 +80,7 @@ def main(words):
 def strike(name, kind, slow, chance, length, folder, options, failures, reference):
     """Let one run get a signal; return what became of it, empty if it came too late."""
     number, to, gentle = kind
-    ranks = chance.choice((2, 3) if options.short else (2, 3, 4))
+    ranks = chance.choice((2, 3) if options.short else (2, 3, 7 if options.contact else 4))
     program = ("slow.py",) if slow else ("-m", "pgimp")
     job = Job(ranks, ["blocks.yaml", "--quiet", "-o", name], folder, options.tcp, program)
     note = f"{name}, {signal.Signals(number).name} to {to} on {ranks} ranks"
@@ -110,7 +114,7 @@ def strike(name, kind, slow, chance, length, folder, options, failures, referenc
         what += ", within a checkpoint of 4 s"
     if directory.exists():
         failures += [f"{note}: {wrong}" for wrong in unreadable(directory)]
-    others = chance.choice((1, 2, 3) if options.short else (1, 2, 3, 4))
+    others = chance.choice((1, 2, 3) if options.short else (1, 2, 3, 7 if options.contact else 4))
     job = Job(others, ["blocks.yaml", "-o", name, "--resume"], folder, options.tcp)
     status, _ = job.wait()
     wrong = differences(reference.path, directory) if status == 0 else []

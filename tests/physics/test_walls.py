@@ -233,3 +233,18 @@ def test_a_point_on_the_upper_wall_loses_no_force():
             assert gained == pytest.approx(forces * sim.dt, abs=1e-12), (sim.step, axis)
         held, last = sim.rank.held, line
     assert held > 5 and (sim.particles.x[sim.live(), 0] > 2.999).any()
+
+
+def test_gravity_works_along_the_way_that_a_wall_sets_particles_back():
+    """Boxes at a wall have weight on the vertices before it, and creep through."""
+    case = scene(2, box([1.0, 0.5], [3.0, 2.5], [1.0, 0.0]), cells=[3, 3], gravity=[2.0, 0.1],
+                 shape="gimp", boundaries={"x-max": "slip"})  # fmt: skip
+    sim = start(case)
+    p, rows = sim.particles, sim.live()
+    p.x[rows, 0] += 2.9999 - p.x[rows, 0].max()
+    sim.population.sort()
+    before, m = field(sim, "x"), field(sim, "m")
+    sim.advance()
+    work = m @ (field(sim, "x") - before) @ [2.0, 0.1]
+    assert sim.rank.held > 0
+    assert sim.diagnostics()["external-work"] == pytest.approx(work, rel=1e-13)
