@@ -23,6 +23,7 @@ from pgimp.kernels.gather import gather
 from pgimp.kernels.place import coordinate, deformation, first_vertex, half_widths
 from pgimp.kernels.scatter import Share, scatter
 from pgimp.kernels.transfer import Support
+from pgimp.physics.shapes.stretch import LARGEST
 
 
 def columns(F):
@@ -88,14 +89,21 @@ def _means_of(tent, half, g, like):
 def _along(traction, frame, F, x, d, vertex, like):
     """Weights of the support's vertices along direction `d`; the patch stays within the support."""
     D = len(frame.origin)
-    centre, deep, wide = 0.0, 0.0, 0.0
+    centre, deep, wide, own = 0.0, 0.0, 0.0, 0.0
     for j in range(D):
         stretch = F[d * D + j] if traction.follows else (1.0 if j == d else 0.0)
         if j == traction.axis:
             centre = stretch * traction.side * traction.reach
             deep = (stretch * traction.half[j]) ** 2
+            own += (stretch * (2.0 if traction.tents else 1.0) * traction.reach) ** 2
         else:
             wide += (stretch * traction.half[j]) ** 2
+            own += (stretch * traction.half[j]) ** 2
+    own = sqrt(own) * frame.inverse[d]
+    if traction.follows and own > LARGEST:  # where chi_p grows no more, neither does the patch
+        centre *= LARGEST / own
+        deep *= (LARGEST / own) ** 2
+        wide *= (LARGEST / own) ** 2
     # The larger of the two decides on box or tent; a tent has half the second moment of a box.
     tent = traction.tents and wide > 2.0 * deep
     if tent:

@@ -73,6 +73,9 @@ class Seen:
     def accelerated(self):
         """Energy that particles gain from vertices held at a rate, above the work that is booked.
 
+        Work is booked with the velocity V that a vertex is left with, the particles gain at most
+        that of A with the velocity halfway between theirs, p_v/m, and what A makes of it.
+
         Held is what the update of a free vertex would give another velocity or acceleration: the
         slot `HELD` has one code for all vertices with several such components.
         """
@@ -82,7 +85,7 @@ class Seen:
         free = np.where(m > forcing.lightest, sums[:, 5:8] / m + forcing.gravity, 0.0)
         off = np.abs(V - own - dt * free) + dt * np.abs(A - free)
         held = off > ROUNDING * (np.abs(own) + dt * np.abs(free))
-        return dt * float((m * A * (own - V))[held].sum())
+        return dt * float((m * A * (own + 0.5 * dt * A - V))[held].sum())
 
     def unbalanced(self):
         """Energy that accelerations give to what particles carry, and that they never get.

@@ -150,8 +150,8 @@ def _check(limits, field, particles, batch, found, report, ledger, counts):
         if usual != 15:
             good = (usual, _all_finite(state), _all_positive(margin))
             counts = examine(
-                limits, particles, batch, good, (u, v, x, J, half, now, most), report, ledger,
-                counts,
+                (frame, *limits[3:]), particles, batch, good, (u, v, x, J, half, now, most),
+                report, ledger, counts,
             )  # fmt: skip
         return counts
 
@@ -224,7 +224,10 @@ def examine(limits, particles, batch, good, found, report, ledger, counts):
 
     Parameters
     ----------
-    limits, particles, batch, report, ledger
+    limits : tuple
+        Those of `limits_of` without the shape and the speed of a slow particle, so that it is the
+        same part of the kernels of many shapes.
+    particles, batch, report, ledger
         As in `check`.
     good : tuple of 3 int
         Bit j is set for a particle of which nothing has to be seen, whose state is finite, and
@@ -245,7 +248,7 @@ def examine(limits, particles, batch, good, found, report, ledger, counts):
 @specialise(examine)
 def _examine(limits, particles, batch, good, found, report, ledger, counts):
     def examine(limits, particles, batch, good, found, report, ledger, counts):
-        frame, _, _, exits, dt, walls, constraints = limits
+        frame, exits, dt, walls, constraints = limits
         number, reach = batch.number, report.reach
         usual, finite, valid = good
         u, v, x, J, half, now, most = found
