@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pgimp.jit.kernel import allocating_kernel, inner_kernel, kernel
+from pgimp.jit.kernel import allocating_kernel, inner_kernel, kernel, specialise
 from pgimp.kernels.contact import MOBILITY, NORMAL, NOW, PUSH, SLIP, TOLD, WEIGHT
 from pgimp.kernels.contactbooks import book
 from pgimp.kernels.contactlaw import exchange
@@ -157,15 +157,21 @@ def _see(contact, a, s, rigid, responses, values):
     row[WEIGHT] = 1.0 / most if most > 0.0 else 1e300
 
 
-@inner_kernel
 def _take_up(contact, encounters, k, responses, values):
     """Put what is known of pair `k` into the room for the first pair at a vertex."""
-    end = encounters.ends[k]
-    for a in range(2):
-        _see(contact, a, end[SUMS + a], encounters.rigid[k], responses, values)
-        contact.bodies[a], contact.ends[0, a] = end[BODIES + a], a
-    contact.ends[0, 2] = end[ENTRY]
-    copy(contact.partners[0], encounters.partners[k])
+
+
+@specialise(_take_up)
+def _take_up_pair(contact, encounters, k, responses, values):
+    def take_up(contact, encounters, k, responses, values):
+        end = encounters.ends[k]
+        for a in range(2):
+            _see(contact, a, end[SUMS + a], encounters.rigid[k], responses, values)
+            contact.bodies[a], contact.ends[0, a] = end[BODIES + a], a
+        contact.ends[0, 2] = end[ENTRY]
+        copy(contact.partners[0], encounters.partners[k])
+
+    return take_up
 
 
 @inner_kernel

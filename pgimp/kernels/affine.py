@@ -17,7 +17,7 @@ from math import isqrt
 from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import pack, where
 from pgimp.jit.tuples import scaled
-from pgimp.kernels.batch import put_row
+from pgimp.kernels.fours import put_row
 from pgimp.kernels.heldcodes import held_codes
 
 

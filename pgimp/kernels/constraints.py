@@ -10,16 +10,8 @@ does not matter.
 
 from pgimp.jit.kernel import kernel, specialise
 from pgimp.jit.simd import bits, lane, pack, stack, where
-from pgimp.kernels.batch import (
-    LANES,
-    SUPPORT_SIZE,
-    entry,
-    extent,
-    first_place,
-    four,
-    supports,
-    take,
-)
+from pgimp.kernels.batch import SUPPORT_SIZE, entry, extent, first_place, supports
+from pgimp.kernels.fours import LANES, four, take
 from pgimp.kernels.heldcodes import LEAST_WEIGHT, SEVERAL
 from pgimp.kernels.loads import given
 from pgimp.kernels.record import ACCELERATION, HELD, MASS, RECORD, VELOCITY

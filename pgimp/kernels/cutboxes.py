@@ -13,8 +13,9 @@ from numba.core import types
 
 from pgimp.jit.kernel import specialise
 from pgimp.jit.tuples import scaled
-from pgimp.kernels.batch import coordinates, deformations, keep_support, supports, take_row
+from pgimp.kernels.batch import keep_support, supports
 from pgimp.kernels.contribution import VolumeSums, moved
+from pgimp.kernels.fours import coordinates, deformations, take_row
 from pgimp.kernels.place import first_vertex
 from pgimp.physics.shapes.base import size
 from pgimp.physics.shapes.finite_gimp import FiniteGimpParameters

@@ -4,8 +4,9 @@ from pgimp.jit.algebra import determinant
 from pgimp.jit.kernel import kernel
 from pgimp.jit.simd import lane, stack, vector
 from pgimp.kernels.affine import keep_gradients
-from pgimp.kernels.batch import LANES, SUPPORT_SIZE, four, put, put_row, supports, take
+from pgimp.kernels.batch import SUPPORT_SIZE, supports
 from pgimp.kernels.concepts import Batch
+from pgimp.kernels.fours import LANES, four, put, put_row, take
 from pgimp.kernels.gathered import SUMS
 from pgimp.kernels.loads import add_force_power, layer_power
 from pgimp.kernels.mean import keep_means, with_means

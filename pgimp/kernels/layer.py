@@ -3,9 +3,10 @@
 from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import stack
 from pgimp.kernels.affine import affine_momentum
-from pgimp.kernels.batch import LANES, SUPPORT_SIZE, first_place, four
+from pgimp.kernels.batch import SUPPORT_SIZE, first_place
 from pgimp.kernels.contribution import contribution
 from pgimp.kernels.cutboxes import summed_supports
+from pgimp.kernels.fours import LANES, four
 from pgimp.kernels.loads import scatter_loads, weight
 from pgimp.kernels.mean import keep_means, mean_force
 from pgimp.kernels.piola import PIOLA_SIZE, keep_forces

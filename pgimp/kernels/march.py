@@ -3,7 +3,7 @@
 from pgimp.jit.algebra import determinant
 from pgimp.jit.kernel import kernel, specialise
 from pgimp.jit.lanes import of_lane
-from pgimp.kernels.batch import put_row, take_row
+from pgimp.kernels.fours import put_row, take_row
 from pgimp.physics.materials.base import evaluate_four
 
 

@@ -34,7 +34,8 @@ that at its own place, from the next step on, in the forces as in the deformatio
 from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import load, number, pack, store, vector, where
 from pgimp.jit.simdrows import transpose
-from pgimp.kernels.batch import MEANS, entry, four_entries, put_row, take, take_row
+from pgimp.kernels.batch import MEANS, entry, four_entries
+from pgimp.kernels.fours import put_row, take, take_row
 from pgimp.kernels.gathered import gathered_mass
 from pgimp.kernels.viscosity import trace, viscous_pressure
 

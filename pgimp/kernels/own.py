@@ -11,8 +11,8 @@ from numba.core import types
 from pgimp.jit.kernel import specialise
 from pgimp.jit.own import count_own, filled
 from pgimp.jit.tuples import read
-from pgimp.kernels.batch import take_row
 from pgimp.kernels.concepts import Setting
+from pgimp.kernels.fours import take_row
 
 
 def _width(setting):

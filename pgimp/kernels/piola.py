@@ -10,7 +10,7 @@ from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import load, store, vector
 from pgimp.jit.simdrows import transpose
 from pgimp.jit.tuples import scaled
-from pgimp.kernels.batch import deformations, take, take_row
+from pgimp.kernels.fours import deformations, take, take_row
 from pgimp.kernels.place import is_initial
 
 #: Numbers in the buffer: for each direction a vector a particle.

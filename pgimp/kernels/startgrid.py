@@ -137,10 +137,11 @@ def find_vertices(frame, table, supports, fields, hashes):
     """
     across = _across(frame)
     for i in range(len(table)):
+        field = int(table[i, FIELD])
         for q in range(len(supports.local)):
             supports.at[i, q] = -1
             if _has_weight(supports, i, q):
-                key = _key(across, vertex_at(supports, i, q), fields, int(table[i, FIELD]))
+                key = _key(across, vertex_at(supports, i, q), fields, field)
                 supports.at[i, q] = hashes[slot(hashes, key), 1]
 
 

@@ -7,6 +7,7 @@ All others' supports are of four particles at once, and are gone with these, see
 from typing import NamedTuple, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.kernels.particles import FloatArray, IntArray
@@ -24,7 +25,7 @@ class Supports(NamedTuple):
     w, g : (n, 3, 4) float64
         Weights and gradients times the cell, by direction; along directions that the scene does
         not have there is one vertex.
-    local : (k, 3) int64
+    local : (k, 3) uint32
         The vertices of any of them, counted from the first one, the last direction innermost.
     at : (n, k) int64
         The numbers of the vertices among those of which more is known, or -1.
@@ -33,18 +34,22 @@ class Supports(NamedTuple):
     first: IntArray
     w: FloatArray
     g: FloatArray
-    local: IntArray
+    local: NDArray[np.uint32]
     at: IntArray
 
     @classmethod
-    def empty(cls, count: int, vertices: int, dimensions: int) -> Self:
-        """Make room for the supports of `count` particles, of `vertices` vertices a direction."""
-        across = (vertices,) * dimensions + (1,) * (3 - dimensions)
-        local = np.array(list(np.ndindex(across)), np.int64)
+    def empty(cls, count: int, local: NDArray[np.uint32]) -> Self:
+        """Make room for the supports of `count` particles; `local` is of `local_vertices`."""
         return cls(
             np.empty((count, 3), np.int64), np.empty((count, 3, 4)), np.empty((count, 3, 4)),
             local, np.empty((count, len(local)), np.int64),
         )  # fmt: skip
+
+
+def local_vertices(vertices: int, dimensions: int) -> NDArray[np.uint32]:
+    """Return the vertices of any support, `vertices` a direction; see `Supports`."""
+    across = (vertices,) * dimensions + (1,) * (3 - dimensions)
+    return np.array([*np.ndindex(across)], np.uint32)
 
 
 @inner_kernel

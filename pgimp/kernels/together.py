@@ -10,7 +10,8 @@ the bits do not depend on ranks.
 from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import bits, vector
 from pgimp.jit.tuples import joined, plus_scaled, scaled
-from pgimp.kernels.batch import LANES, first_place, four_entries, share_support
+from pgimp.kernels.batch import first_place, four_entries, share_support
+from pgimp.kernels.fours import LANES
 from pgimp.kernels.gather import gather
 from pgimp.kernels.gathered import (
     collected,

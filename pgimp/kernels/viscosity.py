@@ -12,7 +12,7 @@ import numpy as np
 
 from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import vec4, where
-from pgimp.kernels.batch import put_row, take
+from pgimp.kernels.fours import put_row, take
 from pgimp.kernels.updates.stress import states, wave_speed
 
 

@@ -29,7 +29,7 @@ from pgimp.kernels.startgrid import (
     give_to_vertices,
     take_vertices,
 )
-from pgimp.kernels.support import Supports, find_supports
+from pgimp.kernels.support import Supports, find_supports, local_vertices
 from pgimp.mpi.node import Call
 from pgimp.scene.scene import Scene
 from pgimp.solver.approach import Approach, reach
@@ -79,6 +79,7 @@ class PresentMeetings:
             self.pairs, np.empty(0), 1, self.bodies + 1, len(scene.faces), tools
         )
         self._every_face = scene.standing_faces()
+        self._local = local_vertices(scene.vertices, scene.dimension)
 
     def forget(self) -> None:
         """Look at all particles anew in the next step: there are others, or of other bodies."""
@@ -201,7 +202,7 @@ class PresentMeetings:
 
     def _supports(self, count: int) -> Supports:
         """Room for the supports of so many particles."""
-        return Supports.empty(count, self.scene.vertices, self.scene.dimension)
+        return Supports.empty(count, self._local)
 
 
 def calls(
@@ -215,7 +216,8 @@ def calls(
     standing, walls = scene.standing_faces(), separating_walls(scene)
     holding = Holding(faces, frame, forcing, contact.unbooked)
     free = _nothing_held(holding)
-    table, supports = np.empty((0, NEAR)), Supports.empty(0, scene.vertices, scene.dimension)
+    local = local_vertices(scene.vertices, scene.dimension)
+    table, supports = np.empty((0, NEAR)), Supports.empty(0, local)
     vertices, encounters = StartVertices(none, np.empty((0, STARTED))), Encounters.empty(0)
     present = Present(np.zeros(3, np.int64), none, 1, none, np.empty((0, SUMMED)), none)
     rows = Responses(none, np.zeros(1, np.int64), none, np.empty(0), np.empty((0, 3)))

@@ -11,7 +11,7 @@ from pgimp.jit import functions, series, spectral
 from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.jit.simd import lane, pack
 from pgimp.jit.tuples import read
-from pgimp.kernels.batch import put_row, take_row
+from pgimp.kernels.fours import put_row, take_row
 
 LONG = np.longdouble
 pytestmark = pytest.mark.skipif(np.finfo(LONG).nmant < 63, reason="needs 80-bit floats to compare")

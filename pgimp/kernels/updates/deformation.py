@@ -13,7 +13,7 @@ from pgimp.jit.kernel import specialise
 from pgimp.jit.lanes import where_all
 from pgimp.jit.simd import bits, pack, vector, where
 from pgimp.jit.tuples import plus_scaled
-from pgimp.kernels.batch import deformations
+from pgimp.kernels.fours import deformations
 from pgimp.kernels.place import is_initial
 from pgimp.physics.materials.base import volume_only
 

@@ -5,7 +5,7 @@ from math import isqrt
 from pgimp.jit.algebra import symmetric
 from pgimp.jit.kernel import specialise
 from pgimp.jit.tuples import read
-from pgimp.kernels.batch import put_row, take_row
+from pgimp.kernels.fours import put_row, take_row
 from pgimp.physics.materials.base import (
     evaluate_four,
     has,

@@ -2,8 +2,8 @@
 
 from pgimp.jit.kernel import specialise
 from pgimp.jit.tuples import plus_scaled
-from pgimp.kernels.batch import take_row
 from pgimp.kernels.constraints import constrain_particles
+from pgimp.kernels.fours import take_row
 from pgimp.kernels.loads import relaxed
 
 

@@ -1,0 +1,120 @@
+"""The columns of history.csv about contact and rigid bodies; see `pgimp.solver.columns`."""
+
+from __future__ import annotations
+
+from pgimp.kernels.ledger import (
+    CONTACT_AREA,
+    HEAT,
+    LOSS,
+    NORMAL_IMPULSE,
+    TANGENTIAL_IMPULSE,
+    TOOL_WORK,
+)
+from pgimp.scene.freebody import FreeBody, Six
+from pgimp.solver.totals import Column, Group
+
+#: What a body's six numbers are before it is measured, where only names are wanted.
+_SIX: Six = (0.0,) * 6
+
+MEETING = (
+    Group(
+        lambda scene: [entry.name for entry in scene.case.contact],
+        (
+            Column(
+                "contact.NAME-AXIS", "force",
+                "for each entry of `contact` that names two bodies, NAME being their names with a "
+                "+ in between: mean force of the second on the first since the last line",
+                lambda s, k: s.contact_force(k),
+            ),
+            Column(
+                "contact.NAME.normal-impulse", "mass length/time",
+                "for each entry of `contact`, `all` or the names of its bodies: sum, since the "
+                "start and over the vertices, of what bodies exchanged along normals",
+                lambda s, k: s.contact[k, NORMAL_IMPULSE],
+            ),
+            Column(
+                "contact.NAME.tangential-impulse", "mass length/time",
+                "likewise across the normals", lambda s, k: s.contact[k, TANGENTIAL_IMPULSE],
+            ),
+            Column(
+                "contact.NAME.friction-heat", "energy",
+                "energy that friction turned into heat since the start: force times way",
+                lambda s, k: s.contact[k, HEAT],
+            ),
+            Column(
+                "contact.NAME.impact-loss", "energy",
+                "energy that forces along normals took since the start, force times way: what "
+                "bodies lose that still close a gap while they are stopped, of first order in the "
+                "cell size",
+                lambda s, k: s.contact[k, LOSS],
+            ),
+            Column(
+                "contact.NAME.area", "length^(dimensions - 1)",
+                "area on which bodies pressed on each other in the last step",
+                lambda s, k: s.contact[k, CONTACT_AREA],
+            ),
+        ),
+    ),
+    Group(
+        lambda scene: scene.tools.names,
+        (
+            Column(
+                "tool.NAME.force-AXIS", "force",
+                "for each rigid body: mean force of the material on it since the last line",
+                lambda s, k: s.on_tool(k),
+            ),
+            Column(
+                "tool.NAME.torque-AXIS", "force length",
+                "its mean moment, about the body's axis where it turns, about its centre of mass "
+                "where it moves freely, else about the origin of the coordinates, which moves with "
+                "it; about z alone in 2D, none in 1D",
+                lambda s, k: s.moment_on_tool(k),
+            ),
+            Column(
+                "tool.NAME.work", "energy",
+                "work of the rigid body on the material since the start, a part of external-work",
+                lambda s, k: s.tools[k, TOOL_WORK],
+            ),
+            Column(
+                "tool.NAME.displacement-AXIS", "length",
+                "way of the rigid body since the start: of its axis where it turns, of its centre "
+                "of mass where it moves freely",
+                lambda s, k: s.way_of_tool(k),
+            ),
+        ),
+    ),
+    Group(
+        lambda scene: [name for name, tool in scene.case.tools.items() if tool.free],
+        (
+            Column(
+                "tool.NAME.velocity-AXIS", "length/time",
+                "for each rigid body that moves freely: velocity of its centre of mass",
+                lambda s, k: s.along(s.of_free(k, FreeBody.velocities, _SIX), 0),
+            ),
+            Column(
+                "tool.NAME.angular-velocity-AXIS", "1/time",
+                "its angular velocity; about z alone in 2D, none in 1D, as the next two",
+                lambda s, k: s.about_axes(s.of_free(k, FreeBody.velocities, _SIX)[3:]),
+            ),
+            Column(
+                "tool.NAME.angle-AXIS", "1",
+                "the integral of its angular velocity since the start",
+                lambda s, k: s.about_axes(s.of_free(k, FreeBody.angle, _SIX)),
+            ),
+            Column(
+                "tool.NAME.angular-momentum-AXIS", "mass length^2/time",
+                "its angular momentum about the origin of the coordinates",
+                lambda s, k: s.about_axes(s.of_free(k, FreeBody.moments, _SIX)[3:]),
+            ),
+            Column(
+                "tool.NAME.momentum-AXIS", "mass length/time", "its momentum",
+                lambda s, k: s.along(s.of_free(k, FreeBody.moments, _SIX), 0),
+            ),
+            Column(
+                "tool.NAME.kinetic-energy", "energy", "its kinetic energy",
+                lambda s, k: s.of_free(k, FreeBody.energy, 0.0),
+            ),
+        ),
+    ),
+)
+"""Groups of columns, in their order."""
