@@ -13,6 +13,7 @@ from pgimp.jit.kernel import kernel
 from pgimp.jit.simd import stack
 from pgimp.kernels import batch
 from pgimp.kernels.batch import SUPPORT_SIZE
+from pgimp.kernels.fours import four
 from pgimp.kernels.particles import Carried, Particles, Window
 from pgimp.kernels.place import first_vertex, half_widths
 from pgimp.physics.shapes import SHAPES
@@ -37,7 +38,7 @@ def collect(shape, frame, window, particles, order, lowest, place, weight, slope
         p = order[k]
         half = half_widths(shape, frame, particles, p)
         layer = first_vertex(frame, 0, half[0], particles.x[p, 0])
-        rows = batch.four(order, k, k + 1 + p % 4 if k + 4 < len(order) else k + 1)
+        rows = four(order, k, k + 1 + p % 4 if k + 4 < len(order) else k + 1)
         batch.supports(shape, frame, window, particles, rows, layer, buffer, ())
         place[p] = batch.first_place(buffer, 0)
         for d in range(lowest.shape[1]):
