@@ -71,3 +71,16 @@ def test_no_file_of_tests_imports_another():
             else:
                 continue
             assert not any(name.startswith(("test_", "conftest")) for name in names), path.name
+
+
+def test_no_kernel_takes_more_than_eight_arguments():
+    """What belongs together goes in one NamedTuple, see `pgimp.kernels.concepts`."""
+    many = []
+    for path in (ROOT / "kernels").rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.FunctionDef | ast.Lambda):
+                own = node.args
+                count = len(own.posonlyargs + own.args + own.kwonlyargs)
+                if count > 8 or own.vararg or own.kwarg:
+                    many.append(f"{path.relative_to(ROOT)}:{node.lineno}: {count}")
+    assert not many, "\n".join(many)

@@ -17,7 +17,6 @@ from scenes import box, scene, write_case
 
 import pgimp
 from pgimp.errors import CaseError, RunError, UsageError
-from pgimp.io.results.reader import Run
 
 CASES = Path(__file__).resolve().parents[1] / "cases"
 
@@ -282,19 +281,6 @@ def test_ctrl_c_leaves_a_run_that_goes_on(run, folder, capsys):
         for name in mine:
             np.testing.assert_array_equal(mine[name], others[name])
     assert whole.history.tobytes() == resumed.history.tobytes()
-
-
-@pytest.mark.parametrize("ranks", [1, 2])
-def test_the_notebook(ranks, tmp_path, python, mpirun):
-    launch = python if ranks == 1 else lambda words, **rest: mpirun(2, words, **rest)
-    env = {"MPLBACKEND": "agg"}
-    done = launch([CASES / "notebook.py"], cwd=tmp_path, env=env)
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.count("the water is at") == 4 and "stress-xx" not in done.stderr
-    assert (tmp_path / "notebook.out/notebook.png").stat().st_size > 10_000
-    errors = [Run(tmp_path / f"notebook.out/{h}").history["error"][-1] for h in (5.0, 2.5, 1.0)]
-    assert errors[0] > 2.0 * errors[1] > 4.0 * errors[2] > 0.0
-    assert Run(tmp_path / "notebook.out/column").info["ranks"] == ranks
 
 
 def test_results_are_read_without_mpi_numba_or_pandas(folder):

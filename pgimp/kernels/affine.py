@@ -18,7 +18,7 @@ from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import pack, where
 from pgimp.jit.tuples import scaled
 from pgimp.kernels.batch import put_row
-from pgimp.kernels.transfer import held_codes
+from pgimp.kernels.heldcodes import held_codes
 
 
 def affine_momentum(affine, frame, particles, p):

@@ -20,9 +20,10 @@ from pgimp.kernels.batch import (
     supports,
     take,
 )
+from pgimp.kernels.heldcodes import LEAST_WEIGHT, SEVERAL
 from pgimp.kernels.loads import given
 from pgimp.kernels.record import ACCELERATION, HELD, MASS, RECORD, VELOCITY
-from pgimp.kernels.transfer import LEAST_WEIGHT, SEVERAL
+from pgimp.kernels.transfer import Support
 
 
 def any_held(particles, rows):
@@ -38,24 +39,25 @@ def _any_held(particles, rows):
     return any_held
 
 
-def _mark(shape, mask, bit, place, buffer, j, d, stride, like):
+def _mark(shape, mask, bit, place, support, d, stride, like):
     """Set a bit at the vertices that a particle reaches; as many directions as `like` has."""
 
 
 @specialise(_mark)
-def _mark_along(shape, mask, bit, place, buffer, j, d, stride, like):
+def _mark_along(shape, mask, bit, place, support, d, stride, like):
     if len(like) == 0:
 
-        def vertex(shape, mask, bit, place, buffer, j, d, stride, like):
+        def vertex(shape, mask, bit, place, support, d, stride, like):
             mask[place // RECORD] |= bit
 
         return vertex
 
-    def line(shape, mask, bit, place, buffer, j, d, stride, like):
+    def line(shape, mask, bit, place, support, d, stride, like):
+        buffer, j = support
         for i in range(extent(shape, buffer, d, j)):
             if entry(buffer, d, 0, i, j) >= LEAST_WEIGHT:
                 at = place + i * stride[0]
-                _mark(shape, mask, bit, at, buffer, j, d + 1, stride[1:], like[1:])
+                _mark(shape, mask, bit, at, support, d + 1, stride[1:], like[1:])
 
     return line
 
@@ -87,7 +89,8 @@ def mark_constrained_vertices(setting, window, particles, order, mask):
                 if number > 0:
                     place = first_place(buffer, j) + layer * window.stride[0]
                     bit = 1 << (number - 1)
-                    _mark(shape, mask, bit, place, buffer, j, 0, window.stride, frame.origin)
+                    support = Support(buffer, j)
+                    _mark(shape, mask, bit, place, support, 0, window.stride, frame.origin)
 
 
 def constrained_velocity(marked, r, v):
@@ -193,19 +196,21 @@ def apply_constraints(field, forcing, ledger):
                         work[i] += change * last[d]
 
 
-def constrain_particles(constraints, particles, rows, count, u, v, impulse, work, plane):
+def constrain_particles(constraints, particles, batch, u, v, ledger):
     """Velocities of a batch, and those at which it moves, after its constraints.
 
     Parameters
     ----------
-    rows, count
-        The batch's rows, and the number of them that count.
+    particles, batch
+        See `Particles`, `Batch`.
     u, v : tuple of Vec4
         For each direction, those of four particles.
+    ledger : Ledger
+        `constraint_impulse` and `work` grow.
     """
 
 
-def _held(constraints, k, number, m, u, v, impulse, work, plane):
+def _held(constraints, k, number, m, u, v, ledger, plane):
     """Treat the constraints from number `k` on, those in `constraints`.
 
     `number` is that of each particle's constraint, from 1; `m` is zero for particles that do not
@@ -214,55 +219,59 @@ def _held(constraints, k, number, m, u, v, impulse, work, plane):
 
 
 @specialise(_held)
-def _held_by_each(constraints, k, number, m, u, v, impulse, work, plane):
+def _held_by_each(constraints, k, number, m, u, v, ledger, plane):
     if len(constraints) == 0:
-        return lambda constraints, k, number, m, u, v, impulse, work, plane: (u, v)
+        return lambda constraints, k, number, m, u, v, ledger, plane: (u, v)
 
-    def held(constraints, k, number, m, u, v, impulse, work, plane):
+    def held(constraints, k, number, m, u, v, ledger, plane):
         chosen = number == k + 1.0
-        U, V = _hold(constraints[0], 0, chosen, m, u, v, impulse[plane, k], work, plane)
-        return _held(constraints[1:], k + 1, number, m, U, V, impulse, work, plane)
+        U, V = _hold(constraints[0], 0, chosen, m, u, v, ledger, (plane, k))
+        return _held(constraints[1:], k + 1, number, m, U, V, ledger, plane)
 
     return held
 
 
-def _hold(one, d, chosen, m, u, v, impulse, work, plane):
-    """Treat the directions from `d` on, one vector each of `u` and `v`, of one constraint."""
+def _hold(one, d, chosen, m, u, v, ledger, place):
+    """Treat the directions from `d` on, one vector each of `u` and `v`, of one constraint.
+
+    `place` is the plane and the constraint's number in the ledger.
+    """
 
 
 @specialise(_hold)
-def _hold_along(one, d, chosen, m, u, v, impulse, work, plane):
+def _hold_along(one, d, chosen, m, u, v, ledger, place):
     if len(u) == 0:
-        return lambda one, d, chosen, m, u, v, impulse, work, plane: (u, v)
+        return lambda one, d, chosen, m, u, v, ledger, place: (u, v)
 
-    def hold(one, d, chosen, m, u, v, impulse, work, plane):
-        U, V = _hold(one, d + 1, chosen, m, u[1:], v[1:], impulse, work, plane)
+    def hold(one, d, chosen, m, u, v, ledger, place):
+        U, V = _hold(one, d + 1, chosen, m, u[1:], v[1:], ledger, place)
         if not one.held[d]:
             return (u[0], *U), (v[0], *V)
         prescribed = one.velocity[d]
         given = where(chosen, m * (prescribed - v[0]), 0.0)
         total = (lane(given, 0) + lane(given, 1)) + (lane(given, 2) + lane(given, 3))
-        impulse[d] += total
-        work[plane] += total * prescribed
+        plane, k = place
+        ledger.constraint_impulse[plane, k, d] += total
+        ledger.work[plane] += total * prescribed
         return (where(chosen, prescribed, u[0]), *U), (where(chosen, prescribed, v[0]), *V)
 
     return hold
 
 
 @specialise(constrain_particles)
-def _constrain_particles(constraints, particles, rows, count, u, v, impulse, work, plane):
+def _constrain_particles(constraints, particles, batch, u, v, ledger):
     if len(constraints) == 0:
-        return lambda constraints, particles, rows, count, u, v, impulse, work, plane: (u, v)
+        return lambda constraints, particles, batch, u, v, ledger: (u, v)
 
-    def constrain_particles(constraints, particles, rows, count, u, v, impulse, work, plane):
-        column = particles.constraint
+    def constrain_particles(constraints, particles, batch, u, v, ledger):
+        column, rows = particles.constraint, batch.rows
         number = pack(
             float(column[rows[0], 0]), float(column[rows[1], 0]),
             float(column[rows[2], 0]), float(column[rows[3], 0]),
         )  # fmt: skip
         if bits(number > 0.0) == 0:
             return u, v
-        m = where(pack(0.0, 1.0, 2.0, 3.0) < count, take(particles.m, rows), 0.0)
-        return _held(constraints, 0, number, m, u, v, impulse, work, plane)
+        m = where(pack(0.0, 1.0, 2.0, 3.0) < batch.size, take(particles.m, rows), 0.0)
+        return _held(constraints, 0, number, m, u, v, ledger, batch.layer)
 
     return constrain_particles

@@ -20,7 +20,7 @@ from pgimp.kernels.tools import ANSWERS, CENTRE, FREE, TAKEN, place_of
 
 
 @inner_kernel
-def book(contact, faces, frame, forcing, number, pair, part, last, ledger, plane):
+def book(contact, holding, number, pair, part, last, ledger, plane):
     """Book what a pair has exchanged in a pass, at a vertex of `plane`: the part that counts.
 
     Energy is impulse times the velocity that is left, as the work of all other forces is.
@@ -28,8 +28,8 @@ def book(contact, faces, frame, forcing, number, pair, part, last, ledger, plane
     row, entry = contact.partners[pair], contact.ends[pair, 2] - 1
     a, b = contact.ends[pair, 0], contact.ends[pair, 1]
     booked = ledger.contact[plane, entry]
-    u = settled(contact, faces, frame, forcing, number, a, last)
-    v = settled(contact, faces, frame, forcing, number, b, last)
+    u = settled(contact, holding, number, a, last)
+    v = settled(contact, holding, number, b, last)
     square, heat, normal = 0.0, 0.0, 0.0
     for d in range(3):
         w = v[d] - u[d]
@@ -43,23 +43,24 @@ def book(contact, faces, frame, forcing, number, pair, part, last, ledger, plane
     booked[LOSS] -= part * row[PUSH] * normal
     if last and row[PUSH] != 0.0:
         booked[CONTACT_AREA] += row[AREA]
-    book_tools(contact, contact.tools, frame, number, pair, part, u, v, ledger, plane)
+    x = place_of(holding.frame, number)
+    book_tools(contact, contact.tools, x, pair, part, (u, v), ledger, plane)
 
 
-def book_tools(contact, tools, frame, number, pair, part, u, v, ledger, plane):
+def book_tools(contact, tools, x, pair, part, velocities, ledger, plane):
     """Book the impulse on the rigid body of a pair, its moment, and its work on what it met.
 
-    `u` and `v` are the velocities of the pair.
+    `x` is the vertex's place; `velocities` are those of the pair.
     """
 
 
 @specialise(book_tools)
-def _book_tools(contact, tools, frame, number, pair, part, u, v, ledger, plane):
+def _book_tools(contact, tools, x, pair, part, velocities, ledger, plane):
     if not hasattr(tools, "instance_class"):
-        return lambda contact, tools, frame, number, pair, part, u, v, ledger, plane: None
+        return lambda contact, tools, x, pair, part, velocities, ledger, plane: None
 
-    def book_each(contact, tools, frame, number, pair, part, u, v, ledger, plane):
-        row, x = contact.partners[pair], place_of(frame, number)
+    def book_each(contact, tools, x, pair, part, velocities, ledger, plane):
+        row, (u, v) = contact.partners[pair], velocities
         for sign, end, w in ((-part, contact.ends[pair, 0], u), (part, contact.ends[pair, 1], v)):
             if contact.fields[end, WEIGHT] < inf:
                 continue

@@ -2,6 +2,7 @@
 
 from pgimp.jit.kernel import kernel
 from pgimp.kernels.contact import NORMAL, PUSH, SLIP
+from pgimp.kernels.holding import Holding
 from pgimp.kernels.meet import meet_at
 
 
@@ -17,6 +18,7 @@ def contact_forces(contact, faces, frame, field, forcing, out):
         Of the rank's own planes.
     """
     window = field.window
+    holding = Holding(faces, frame, forcing, contact.unbooked)
     out[:] = 0.0
     vertex = 0
     for i in range(field.owned):
@@ -26,7 +28,7 @@ def contact_forces(contact, faces, frame, field, forcing, out):
                 if touched:
                     r = i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
                     number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
-                    _, pairs = meet_at(contact, faces, frame, field, forcing, number, r, True)
+                    _, pairs = meet_at(contact, holding, field, number, r, True)
                     for pair in range(pairs):
                         a, b = contact.ends[pair, 0], contact.ends[pair, 1]
                         sign = -1.0 if contact.bodies[a] < contact.bodies[b] else 1.0

@@ -3,7 +3,7 @@
 from math import inf, sqrt
 
 from pgimp.jit.kernel import inner_kernel, specialise
-from pgimp.kernels.constraints import constrained_velocity, former_velocity, is_marked
+from pgimp.kernels.constraints import is_marked
 from pgimp.kernels.contact import (
     CLING,
     CLOSING,
@@ -18,7 +18,8 @@ from pgimp.kernels.contact import (
     TOLD,
     WEIGHT,
 )
-from pgimp.kernels.faces import beyond_any, face_count, hold
+from pgimp.kernels.faces import beyond_any, face_count
+from pgimp.kernels.holding import held_velocity
 from pgimp.kernels.tools import ANSWERS, FREE, YIELDS
 from pgimp.physics.contact import TIED
 
@@ -28,24 +29,8 @@ from pgimp.physics.contact import TIED
 SMALL, GREAT = 2.0**-20, 2.0**10
 
 
-def _after(faces, frame, forcing, contact, number, r, v, last):
-    """Velocity v of the vertex at `r` after faces and constraints."""
-
-
-@specialise(_after)
-def _after_all(faces, frame, forcing, contact, number, r, v, last):
-    def after(faces, frame, forcing, contact, number, r, v, last):
-        rest = (0.0, 0.0, 0.0)
-        u, _ = hold(faces, forcing, frame, number, r, v, rest, 0.0, contact.unbooked)
-        if last:
-            return constrained_velocity(forcing.marked, r, u)
-        return former_velocity(forcing.marked, r, u, forcing.dt)
-
-    return after
-
-
 @inner_kernel
-def settled(contact, faces, frame, forcing, number, a, last):
+def settled(contact, holding, number, a, last):
     """Velocity of a field as faces and constraints will leave it.
 
     What particles bring meets constraints as they are at the step's beginning, what forces make of
@@ -55,11 +40,11 @@ def settled(contact, faces, frame, forcing, number, a, last):
     v = (row[NOW], row[NOW + 1], row[NOW + 2])
     if row[WEIGHT] == inf:
         return v
-    return _after(faces, frame, forcing, contact, number, contact.places[a], v, last)
+    return held_velocity(holding, number, contact.places[a], v, last)
 
 
 @inner_kernel
-def find_held(contact, faces, frame, forcing, number, count, rigid, last):
+def find_held(contact, holding, number, count, rigid, last):
     """Set the mobilities of the fields at a vertex; returns whether any component is held.
 
     Held is what does not change with the velocity, to neither side: also by a wall that lets go as
@@ -67,29 +52,29 @@ def find_held(contact, faces, frame, forcing, number, count, rigid, last):
     `TOLD` knows nothing. There are `count` fields of bodies and `rigid` ones of rigid bodies.
     """
     some, speed = False, -1.0
-    near = beyond_any(faces, face_count(faces), frame, number)
+    near = beyond_any(holding.faces, face_count(holding.faces), holding.frame, number)
     for a in range(count):
         row = contact.fields[a]
         row[MOBILITY : MOBILITY + 3] = row[TOLD : TOLD + 3] = 0.0
-        for d in range(len(frame.cell)):
+        for d in range(len(holding.frame.cell)):
             row[MOBILITY + d] = row[TOLD + d] = 1.0 / row[WEIGHT]
-        if not (near or is_marked(forcing.marked, contact.places[a])):
+        if not (near or is_marked(holding.forcing.marked, contact.places[a])):
             continue
         if speed < 0.0:
             speed = _fastest(contact.fields, count + rigid)
-        v = settled(contact, faces, frame, forcing, number, a, last)
-        for d in range(len(frame.cell)):
+        v = settled(contact, holding, number, a, last)
+        for d in range(len(holding.frame.cell)):
             held = True
             for sign in (-1.0, 1.0):
                 held = held and v[d] == _changed(
-                    contact, faces, frame, forcing, number, a, last, d, sign * SMALL * speed
+                    contact, holding, number, a, last, d, sign * SMALL * speed
                 )
             told = held
             if held:
                 row[MOBILITY + d] = 0.0
                 for sign in (-1.0, 1.0):
                     told = told and v[d] == _changed(
-                        contact, faces, frame, forcing, number, a, last, d, sign * GREAT * speed
+                        contact, holding, number, a, last, d, sign * GREAT * speed
                     )
             if told:
                 row[TOLD + d] = 0.0
@@ -98,11 +83,11 @@ def find_held(contact, faces, frame, forcing, number, count, rigid, last):
 
 
 @inner_kernel
-def _changed(contact, faces, frame, forcing, number, a, last, d, change):
+def _changed(contact, holding, number, a, last, d, change):
     """Component `d` of a field's velocity after faces and constraints, if it were changed."""
     own = contact.fields[a, NOW + d]
     contact.fields[a, NOW + d] = own + change
-    v = settled(contact, faces, frame, forcing, number, a, last)[d]
+    v = settled(contact, holding, number, a, last)[d]
     contact.fields[a, NOW + d] = own
     return v
 
@@ -150,7 +135,7 @@ def _softness(contact, tools, a, b):
 
 
 @inner_kernel
-def exchange(contact, faces, frame, forcing, number, held, pair, last):
+def exchange(contact, holding, number, held, pair, last):
     """Let the fields of a pair exchange what impulse the law still wants."""
     row = contact.partners[pair]
     a, b, entry = contact.ends[pair, 0], contact.ends[pair, 1], contact.ends[pair, 2] - 1
@@ -158,8 +143,8 @@ def exchange(contact, faces, frame, forcing, number, held, pair, last):
     u = (first[NOW], first[NOW + 1], first[NOW + 2])
     v = (second[NOW], second[NOW + 1], second[NOW + 2])
     if held:
-        u = settled(contact, faces, frame, forcing, number, a, last)
-        v = settled(contact, faces, frame, forcing, number, b, last)
+        u = settled(contact, holding, number, a, last)
+        v = settled(contact, holding, number, b, last)
     tied = contact.pairs.law[entry] == TIED
     # A rigid body may tear off what a wall holds that lets go, or its friction.
     rigid = first[WEIGHT] == inf or second[WEIGHT] == inf
@@ -168,7 +153,7 @@ def exchange(contact, faces, frame, forcing, number, held, pair, last):
     if held:
         soft = softness(contact, contact.tools, a, b)
     if tied:
-        for d in range(len(frame.cell)):
+        for d in range(len(holding.frame.cell)):
             mobility = first[TOLD + d] + second[TOLD + d] + soft[d]
             if not mobility > 0.0:  # both move as they are told
                 continue

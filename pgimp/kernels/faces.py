@@ -8,8 +8,6 @@ from typing import Any, NamedTuple
 from numba.core import types
 
 from pgimp.jit.kernel import inner_kernel, specialise
-from pgimp.kernels.clearance import clearance_at
-from pgimp.kernels.loads import given
 from pgimp.kernels.particles import FloatArray
 from pgimp.physics.boundaries.base import constrain
 
@@ -110,11 +108,11 @@ def _read_value(like, rows, n, at):
     )  # fmt: skip
 
 
-def _constrained(kinds, k, rows, n, v, a, clearance):
+def constrained(kinds, k, rows, n, v, a, clearance):
     """Velocity and acceleration that face `n` wants, which is of one of `kinds`, from `k` on."""
 
 
-@specialise(_constrained)
+@specialise(constrained)
 def _constrained_by(kinds, k, rows, n, v, a, clearance):
     kind = kinds[0].instance_class
 
@@ -124,37 +122,9 @@ def _constrained_by(kinds, k, rows, n, v, a, clearance):
     def of_one(kinds, k, rows, n, v, a, clearance):
         if int(rows[n, KIND]) == k:
             return constrain(kind(*_read(kinds[0], rows, n, PARAMETERS)), v, a, clearance)
-        return _constrained(kinds[1:], k + 1, rows, n, v, a, clearance)
+        return constrained(kinds[1:], k + 1, rows, n, v, a, clearance)
 
     return of_one if len(kinds) > 1 else of_kind
-
-
-def hold(faces, forcing, frame, number, r, v, a, mass, impulse):
-    """Apply the conditions of all faces that a vertex is on or beyond, one after the other.
-
-    A face's part of the momentum that the particles gain in a step is what its condition adds to
-    it, see `given`; `impulse`, (faces, 3), grows by that. The vertex's record is at `r`. Returns
-    its velocity and acceleration.
-    """
-
-
-@specialise(hold)
-def _hold(faces, forcing, frame, number, r, v, a, mass, impulse):
-    if len(faces) == 0:
-        return lambda faces, forcing, frame, number, r, v, a, mass, impulse: (v, a)
-
-    def hold_all(faces, forcing, frame, number, r, v, a, mass, impulse):
-        relaxation, dt = forcing.loads.relaxation, forcing.dt
-        for n in range(len(faces.rows)):
-            if is_beyond(faces, n, frame, number):
-                u, b = v, a
-                clearance = clearance_at(forcing.clearances, n, r)
-                v, a = _constrained(faces.kinds, 0, faces.rows, n, v, a, clearance)
-                for d in range(3):
-                    impulse[n, d] += given(relaxation, mass, dt, u[d], b[d], v[d], a[d])
-        return v, a
-
-    return hold_all
 
 
 def on_walls(faces, frame, number):

@@ -106,7 +106,7 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
                 loads.viscosity, own, m, particles, rows, F, J, L
             )
             if forcing.controlled:
-                c = grid_speed(own, forcing.controlled, m, v, F, J, state, inverse, extra)
+                c = grid_speed(own, forcing.controlled, m, (v, F, J, state), inverse, extra)
                 fastest = max(c * inverse, fastest)
             margin = margins(own, m, F, J, sigma, state)
             found = (u, v, x, F, J, state, margin)

@@ -10,7 +10,8 @@ from pgimp.kernels.loads import scatter_loads, weight
 from pgimp.kernels.mean import keep_means, mean_force
 from pgimp.kernels.piola import PIOLA_SIZE, keep_forces
 from pgimp.kernels.record import RECORD
-from pgimp.kernels.transfer import scatter
+from pgimp.kernels.scatter import Share, scatter
+from pgimp.kernels.transfer import Support
 
 
 def sum_layer(setting, field, particles, loads, rows, span, number):
@@ -57,7 +58,8 @@ def _sum_layer(setting, field, particles, loads, rows, span, number):
                 B = weight(loads.force, loads.walls, frame, particles, p)
                 C = affine_momentum(loads.affine, frame, particles, p)
                 M = mean_force(loads, frame, particles, p)
-                scatter(shape, scratch, buffer, j, place, window.stride, A, B, S, C, M)
+                share = Share(A, B, S, C, M)
+                scatter(shape, scratch, Support(buffer, j), place, window.stride, share)
                 low = min(low, place)
                 high = max(high, place)
         scatter_loads(loads, setting, field, particles, rows, span, number)

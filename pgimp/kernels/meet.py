@@ -19,6 +19,7 @@ from pgimp.kernels.contactbooks import book
 from pgimp.kernels.contactlaw import exchange, find_held
 from pgimp.kernels.faces import on_walls, wall_sides
 from pgimp.kernels.fields import field_count, field_size, has_several
+from pgimp.kernels.holding import Holding
 from pgimp.kernels.loads import relaxed_part
 from pgimp.kernels.record import ACCELERATION, FORCE, HELD, MASS, MOMENTUM, RECORD, VELOCITY
 from pgimp.kernels.selection import HIGH_Y, HIGH_Z, LOW_Y, LOW_Z, include
@@ -90,11 +91,12 @@ def _meet(contact, faces, frame, field, forcing, i, ledger, last):
 def _meet_in_plane(contact, faces, frame, field, forcing, i, ledger, last):
     """See `meet`."""
     window, dt = field.window, forcing.dt
+    holding = Holding(faces, frame, forcing, contact.unbooked)
     for j in range(window.extent[1]):
         for k in range(window.extent[2]):
             r = i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
             number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
-            count, pairs = meet_at(contact, faces, frame, field, forcing, number, r, last)
+            count, pairs = meet_at(contact, holding, field, number, r, last)
             if pairs == 0:
                 continue
             for a in range(count):
@@ -110,16 +112,17 @@ def _meet_in_plane(contact, faces, frame, field, forcing, i, ledger, last):
             part = 1.0 if last else relaxed_part(forcing.loads.relaxation, dt)
             if part > 0.0 and i < field.owned:
                 for pair in range(pairs):
-                    book(contact, faces, frame, forcing, number, pair, part, last, ledger, i)
+                    book(contact, holding, number, pair, part, last, ledger, i)
 
 
 @inner_kernel
-def meet_at(contact, faces, frame, field, forcing, number, r, last):
+def meet_at(contact, holding, field, number, r, last):
     """Find what fields have at the vertex whose first record is at `r` after they have met.
 
     Returns the number of fields that have particles, and that of the pairs that may act on each
     other; where there is none, nothing else is known.
     """
+    faces, frame, dt = holding.faces, holding.frame, holding.forcing.dt
     count = _find_fields(contact, faces, frame, field, r, number)
     if count == 0:
         return 0, 0
@@ -127,7 +130,7 @@ def meet_at(contact, faces, frame, field, forcing, number, r, last):
     rigid = find_tools(contact, contact.tools, frame, number, sides, count, last)
     if count + rigid < 2:
         return 0, 0
-    pairs = find_pairs(contact, frame, sides, count + rigid, rigid, forcing.dt)
+    pairs = find_pairs(contact, frame, sides, count + rigid, rigid, dt)
     if pairs == 0:
         return 0, 0
     for a in range(count):
@@ -136,10 +139,10 @@ def meet_at(contact, faces, frame, field, forcing, number, r, last):
         for d in range(3):
             v = field.G[place + VELOCITY + d] * inverse
             contact.fields[a, NOW + d] = contact.fields[a, BEFORE + d] = v
-    held = find_held(contact, faces, frame, forcing, number, count, rigid, last)
+    held = find_held(contact, holding, number, count, rigid, last)
     for _ in range(SWEEPS if held or pairs > 1 else 1):
         for pair in range(pairs):
-            exchange(contact, faces, frame, forcing, number, held, pair, last)
+            exchange(contact, holding, number, held, pair, last)
     return count, pairs
 
 

@@ -16,9 +16,9 @@ from typing import NamedTuple
 from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.kernels.clearance import clearance_at
 from pgimp.kernels.fields import field_count, field_size, is_used, use
+from pgimp.kernels.heldcodes import also_held
 from pgimp.kernels.loads import given, relaxed_part
 from pgimp.kernels.record import ACCELERATION, FORCE, HELD, MASS, MOMENTUM, RECORD, VELOCITY
-from pgimp.kernels.transfer import also_held
 
 
 class Mirror(NamedTuple):

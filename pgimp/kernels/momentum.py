@@ -3,12 +3,13 @@
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.kernels.clearance import clear
 from pgimp.kernels.constraints import constrained_velocity
-from pgimp.kernels.faces import beyond_any, face_count, hold, side_of, wall_of
+from pgimp.kernels.faces import beyond_any, face_count, side_of, wall_of
 from pgimp.kernels.fields import field_count, field_size, is_used
+from pgimp.kernels.heldcodes import also_held
+from pgimp.kernels.holding import Holding, hold
 from pgimp.kernels.loads import given
 from pgimp.kernels.meet import meet
 from pgimp.kernels.record import ACCELERATION, FORCE, HELD, MASS, MOMENTUM, RECORD, VELOCITY
-from pgimp.kernels.transfer import also_held
 
 #: What of the update is done: all; what comes before bodies meet for the last time, and the rest.
 WHOLE, BEGINNING, REST = 0, 1, 2
@@ -108,6 +109,7 @@ def _constrain_face(faces, n, frame, field, forcing, i, ledger):
     """See `constrain_plane`."""
     window, G, owned, dt = field.window, field.G, i < field.owned, forcing.dt
     relaxation, work = forcing.loads.relaxation, ledger.work
+    holding = Holding(faces, frame, forcing, ledger.impulse[i])
     axis, side = side_of(faces, n)
     wall = wall_of(faces, n, frame)
     j0, j1 = 0, window.extent[1]
@@ -138,7 +140,7 @@ def _constrain_face(faces, n, frame, field, forcing, i, ledger):
                 mass = m if owned else 0.0
                 u = (G[r + VELOCITY], G[r + VELOCITY + 1], G[r + VELOCITY + 2])
                 b = (G[r + ACCELERATION], G[r + ACCELERATION + 1], G[r + ACCELERATION + 2])
-                v, a = hold(faces, forcing, frame, number, r, u, b, mass, ledger.impulse[i])
+                v, a = hold(holding, number, r, u, b, mass)
                 last = constrained_velocity(forcing.marked, r, v)
                 held = 0.0
                 for d in range(3):

@@ -22,6 +22,7 @@ from pgimp.kernels.contact import (
     WEIGHT,
 )
 from pgimp.kernels.contactlaw import softness
+from pgimp.kernels.holding import Holding
 from pgimp.kernels.meet import meet_at
 from pgimp.kernels.tools import CAUTIOUS, CENTRE, FREE, GIVEN, LEAST, MOST, RESPONSE, place_of
 from pgimp.physics.contact import TIED
@@ -42,6 +43,7 @@ def find_response(contact, faces, frame, field, forcing):
         As in `update_momentum`, after its beginning.
     """
     window, tools = field.window, contact.tools
+    holding = Holding(faces, frame, forcing, contact.unbooked)
     for i in range(field.owned):
         tools.answers[i, :, GIVEN:] = 0.0
         if field.active[i] == 0 or contact.met[i] == 0:
@@ -52,7 +54,7 @@ def find_response(contact, faces, frame, field, forcing):
                 number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
                 if not _some_free(tools, len(frame.cell), number):
                     continue
-                count, pairs = meet_at(contact, faces, frame, field, forcing, number, r, True)
+                count, pairs = meet_at(contact, holding, field, number, r, True)
                 for pair in range(pairs):
                     _add(contact, tools, frame, number, pair, count if pairs > 1 else 1, i)
 

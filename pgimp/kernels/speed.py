@@ -51,7 +51,7 @@ def _initial_speed_of(setting, numbers, F, J, state, by):
     )
 
 
-def grid_speed(setting, controlled, numbers, v, F, J, state, inverse, extra):
+def grid_speed(setting, controlled, numbers, after, inverse, extra):
     """Speeds at which four particles, and waves through them, cross the grid.
 
     Parameters
@@ -62,8 +62,8 @@ def grid_speed(setting, controlled, numbers, v, F, J, state, inverse, extra):
         See `pace`.
     numbers : tuple of 4 int
         Their materials.
-    v, F, J, state
-        As in `grid_to_particles`, after the step.
+    after : tuple
+        v, F, J and state after the step, as in `grid_to_particles`.
     inverse : float
         1 over the side of a cell.
     extra : Vec4 or float
@@ -72,14 +72,16 @@ def grid_speed(setting, controlled, numbers, v, F, J, state, inverse, extra):
 
 
 @specialise(grid_speed)
-def _grid_speed(setting, controlled, numbers, v, F, J, state, inverse, extra):
-    def current(setting, controlled, numbers, v, F, J, state, inverse, extra):
+def _grid_speed(setting, controlled, numbers, after, inverse, extra):
+    def current(setting, controlled, numbers, after, inverse, extra):
+        v, F, J, state = after
         c = wave_speed(setting, numbers, F, J, state)
         extra = diffusion_speed(setting, numbers, F, J, state, inverse, extra)
         c = effective_wave_speed(c, extra)
         return pace(controlled, c, sqrt(squared(v)))
 
-    def initial(setting, controlled, numbers, v, F, J, state, inverse, extra):
+    def initial(setting, controlled, numbers, after, inverse, extra):
+        _, F, J, state = after
         by = shortening(F)
         c = _initial_speed(setting, numbers, F, J, state, by)
         extra = diffusion_speed(setting, numbers, F, J, state, inverse, extra)

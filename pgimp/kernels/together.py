@@ -11,6 +11,7 @@ from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import bits, vector
 from pgimp.jit.tuples import joined, plus_scaled, scaled
 from pgimp.kernels.batch import LANES, first_place, four_entries, share_support
+from pgimp.kernels.gather import gather
 from pgimp.kernels.gathered import (
     collected,
     gradients,
@@ -21,7 +22,7 @@ from pgimp.kernels.gathered import (
 from pgimp.kernels.mean import keep_rates
 from pgimp.kernels.place import is_initial
 from pgimp.kernels.record import ACCELERATION, HELD, RECORD, VELOCITY
-from pgimp.kernels.transfer import gather
+from pgimp.kernels.transfer import Support
 
 
 def take_from_grid(places, field, mean, batch, buffer, sums):
@@ -78,7 +79,7 @@ def _take_one_by_one(places, field, mean, batch, buffer, sums):
         for j in range(batch.size):
             place = begin + first_place(buffer, j)
             U, A, D, M = gather(
-                shape, field.G, buffer, j, place, window.stride, frame.origin, mean
+                shape, field.G, Support(buffer, j), place, window.stride, frame.origin, mean
             )
             keep_sums(sums, j, U, A, D)
             keep_rates(M, buffer, j)
@@ -126,12 +127,12 @@ def _zeros_of(like):
 
 
 def _zero_gradients(counts, like):
-    """Zero derivatives, of one direction more than there are counts."""
+    """Zero derivatives, of as many directions as there are counts."""
 
 
 @specialise(_zero_gradients)
 def _zero_gradients_of(counts, like):
-    if len(counts) == 0:
+    if len(counts) == 1:
         return lambda counts, like: (_zeros(like),)
     return lambda counts, like: (_zeros(like), *_zero_gradients(counts[1:], like))
 
@@ -191,27 +192,27 @@ def _line_of_number(most, count, G, buffer, d, place, step, like):
     return exactly if len(most) == 2 else at_most
 
 
-def _lines(G, buffer, d, place, counts, stride, like, most, count):
+def _lines(G, buffer, d, place, counts, stride, like, most):
     """Sums over the lines of a support, from direction `d` on."""
 
 
 @specialise(_lines)
-def _lines_of(G, buffer, d, place, counts, stride, like, most, count):
-    if len(counts) == 0:
+def _lines_of(G, buffer, d, place, counts, stride, like, most):
+    if len(counts) == 1:
         if len(like) == 1:
-            return lambda G, buffer, d, place, counts, stride, like, most, count: _line_of_some(
-                most, count, G, buffer, d, place, stride[0], like
+            return lambda G, buffer, d, place, counts, stride, like, most: _line_of_some(
+                most, counts[0], G, buffer, d, place, stride[0], like
             )
-        return lambda G, buffer, d, place, counts, stride, like, most, count: _line_of_some(
-            most, count, G, buffer, d, place, RECORD, like
+        return lambda G, buffer, d, place, counts, stride, like, most: _line_of_some(
+            most, counts[0], G, buffer, d, place, RECORD, like
         )
 
-    def lines(G, buffer, d, place, counts, stride, like, most, count):
+    def lines(G, buffer, d, place, counts, stride, like, most):
         U, A, D, held = _zeros(like), _zeros(like), _zero_gradients(counts, like), vector(0.0)
         for i in range(counts[0]):
             w, g = four_entries(buffer, d, 0, i), four_entries(buffer, d, 1, i)
             u, a, b, h = _lines(
-                G, buffer, d + 1, place + i * stride[0], counts[1:], stride[1:], like, most, count
+                G, buffer, d + 1, place + i * stride[0], counts[1:], stride[1:], like, most
             )
             D = joined(plus_scaled(g, u, D[0]), _add_gradients(w, b, D[1:]))
             U, A, held = plus_scaled(w, u, U), plus_scaled(w, a, A), w * h + held
@@ -256,12 +257,10 @@ def _gather_shared(shape, G, buffer, place, stride, like):
 
 @specialise(_gather_shared)
 def _gather_shared_of(shape, G, buffer, place, stride, like):
-    last, outer = len(like) - 1, (0,) * (len(like) - 1)
     most = (0.0,) * shape.instance_class.vertices()
 
     def gather_shared(shape, G, buffer, place, stride, like):
-        counts = _all_reached(shape, buffer, 0, outer)
-        count = _reached(shape, buffer, last)
-        return _lines(G, buffer, 0, place, counts, stride, like, most, count)
+        counts = _all_reached(shape, buffer, 0, like)
+        return _lines(G, buffer, 0, place, counts, stride, like, most)
 
     return gather_shared

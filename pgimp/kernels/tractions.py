@@ -19,8 +19,10 @@ from pgimp.jit.kernel import inner_kernel, specialise
 from pgimp.jit.simd import lane, pack, stack
 from pgimp.kernels.batch import SUPPORT_SIZE, keep_support
 from pgimp.kernels.fields import field_of
+from pgimp.kernels.gather import gather
 from pgimp.kernels.place import coordinate, deformation, first_vertex, half_widths
-from pgimp.kernels.transfer import gather, scatter
+from pgimp.kernels.scatter import Share, scatter
+from pgimp.kernels.transfer import Support
 from pgimp.physics.shapes.stretch import LARGEST
 
 
@@ -115,21 +117,26 @@ def _along(traction, frame, F, x, d, vertex, like):
     return _means(tent, half, min(max(g, half), last - half), like)
 
 
-def _support(traction, shape, frame, window, particles, p, layer, F, buffer):
-    """Put the weights of the vertices that get a patch's force into a buffer; first place."""
+def _support(traction, places, window, particles, p, layer, F, buffer):
+    """Put the weights of the vertices that get a patch's force into a buffer; first place.
+
+    `places` is the shape and the frame.
+    """
 
 
 @specialise(_support)
-def _support_of(traction, shape, frame, window, particles, p, layer, F, buffer):
-    D = len(frame.types[0])
-    like = (0.0,) * shape.instance_class.vertices()
+def _support_of(traction, places, window, particles, p, layer, F, buffer):
+    D = len(places[1].types[0])
+    like = (0.0,) * places[0].instance_class.vertices()
 
-    def support1(traction, shape, frame, window, particles, p, layer, F, buffer):
+    def support1(traction, places, window, particles, p, layer, F, buffer):
+        _, frame = places
         w = _along(traction, frame, F, coordinate(frame, particles, p, 0), 0, layer, like)
         keep_support(buffer, 0, w, w)
         return 0
 
-    def support2(traction, shape, frame, window, particles, p, layer, F, buffer):
+    def support2(traction, places, window, particles, p, layer, F, buffer):
+        shape, frame = places
         x, y = coordinate(frame, particles, p, 0), coordinate(frame, particles, p, 1)
         j = first_vertex(frame, 1, half_widths(shape, frame, particles, p)[1], y)
         w = _along(traction, frame, F, x, 0, layer, like)
@@ -138,7 +145,8 @@ def _support_of(traction, shape, frame, window, particles, p, layer, F, buffer):
         keep_support(buffer, 1, v, v)
         return (j - window.lower[1]) * window.stride[1]
 
-    def support3(traction, shape, frame, window, particles, p, layer, F, buffer):
+    def support3(traction, places, window, particles, p, layer, F, buffer):
+        shape, frame = places
         x, y = coordinate(frame, particles, p, 0), coordinate(frame, particles, p, 1)
         z = coordinate(frame, particles, p, 2)
         half = half_widths(shape, frame, particles, p)
@@ -192,10 +200,11 @@ def scatter_tractions(tractions, setting, field, particles, rows, span, layer):
                 continue
             F = deformation(frame, particles, p)
             f = patch_force(tractions[t], F, area)
-            place = _support(tractions[t], shape, frame, window, particles, p, layer, F, buffer)
+            place = _support(tractions[t], (shape, frame), window, particles, p, layer, F, buffer)
             place += field_of(window, particles, p)
             force = pack(0.0, f[0], f[1], f[2])
-            scatter(shape, scratch, buffer, 0, place, window.stride, zero, force, nothing, (), ())
+            share = Share(zero, force, nothing, (), ())
+            scatter(shape, scratch, Support(buffer, 0), place, window.stride, share)
 
 
 @inner_kernel
@@ -216,8 +225,9 @@ def traction_power(tractions, setting, field, particles, rows, span, layer):
                 continue
             F = deformation(frame, particles, p)
             f = patch_force(tractions[t], F, area)
-            place = _support(tractions[t], shape, frame, window, particles, p, layer, F, buffer)
+            place = _support(tractions[t], (shape, frame), window, particles, p, layer, F, buffer)
             place += field_of(window, particles, p)
-            U = gather(shape, G, buffer, 0, start + place, window.stride, frame.origin, ())[0]
+            support, at = Support(buffer, 0), start + place
+            U = gather(shape, G, support, at, window.stride, frame.origin, ())[0]
             power += f[0] * lane(U, 1) + f[1] * lane(U, 2) + f[2] * lane(U, 3)
     return power

@@ -7,347 +7,50 @@ support's end are left out; the innermost direction, along which records follow 
 unrolled for each number of vertices, the others are loops.
 """
 
-from pgimp.jit.kernel import inner_kernel, specialise
-from pgimp.jit.simd import load, store, vector
-from pgimp.jit.tuples import joined, plus_scaled, scaled
-from pgimp.kernels.batch import entries, entry, extent, extents
-from pgimp.kernels.mean import factor, factored, factors, no_rates, plus_factored
+from typing import Any, NamedTuple
+
+from pgimp.jit.kernel import specialise
+from pgimp.kernels.batch import entries
+from pgimp.kernels.mean import factors
 from pgimp.kernels.record import RECORD
 
-#: Codes of component d are this to the power d: so far apart that a weighted sum of them tells the
-#: greatest.
-_APART = 1e12
 
-#: Code of several components, and of what constraints hold, which need not lie along a wall.
-SEVERAL = _APART**3
+class Support(NamedTuple):
+    """Where one particle of a batch has weight.
 
-#: Least weight of a vertex that counts as being in a particle's reach; less is rounding.
-LEAST_WEIGHT = 1e-9
-
-
-@inner_kernel
-def also_held(code, d):
-    """Code of the components that are held, of which `code` is 0 for none yet, with component d."""
-    one = (1.0, _APART, _APART * _APART)[d]
-    return one if code == 0.0 or code == one else SEVERAL
-
-
-@inner_kernel
-def held_codes(d):
-    """Between what a weighted sum of codes lies whose greatest is that of component d; 3: several.
-
-    A weight below `LEAST_WEIGHT` of the next code falls to this one, which then may be missed.
+    Attributes
+    ----------
+    buffer
+        The supports of the batch, see `pgimp.kernels.batch`.
+    j : int
+        Number of the particle in the batch.
     """
-    one = (1.0, _APART, _APART * _APART, SEVERAL)[d]
-    return LEAST_WEIGHT * one, LEAST_WEIGHT * _APART * one
+
+    buffer: Any
+    j: int
 
 
-def _sloped(w, A, e, C):
-    """The vector w A + e C_0, w A where C is ()."""
-
-
-@specialise(_sloped)
-def _sloped_by(w, A, e, C):
-    if len(C) == 0:
-        return lambda w, A, e, C: w * A
-    return lambda w, A, e, C: w * A + e * C[0]
-
-
-def _force(w, B, g, S):
-    """The vector w B + g S, g S where B is ()."""
-
-
-@specialise(_force)
-def _force_of(w, B, g, S):
-    if hasattr(B, "count"):  # ()
-        return lambda w, B, g, S: g * S
-    return lambda w, B, g, S: w * B + g * S
-
-
-def _step(stride):
+def last_step(stride):
     """Distance of neighbours along the last direction, given its stride and those behind it.
 
     In 1D that is the distance of planes, which may hold several fields; else it is known.
     """
 
 
-@specialise(_step)
-def _step_of(stride):
+@specialise(last_step)
+def _last_step(stride):
     return (lambda stride: stride[0]) if len(stride) == 3 else (lambda stride: RECORD)
 
 
-def _scatter_line(G, place, step, w, g, e, f, A, B, S, C, M):
-    """Add a particle to a line of vertices, which are `step` apart."""
-
-
-@specialise(_scatter_line)
-def _scatter_vertices(G, place, step, w, g, e, f, A, B, S, C, M):
-    def vertex(G, place, step, w, g, e, f, A, B, S, C, M):
-        store(G, place, load(G, place) + _sloped(w[0], A, e[0], C))
-        more = plus_factored(f[0], M, _force(w[0], B, g[0], S))
-        store(G, place + 4, load(G, place + 4) + more)
-
-    if len(w) == 1:
-        return vertex
-
-    def vertices(G, place, step, w, g, e, f, A, B, S, C, M):
-        store(G, place, load(G, place) + _sloped(w[0], A, e[0], C))
-        more = plus_factored(f[0], M, _force(w[0], B, g[0], S))
-        store(G, place + 4, load(G, place + 4) + more)
-        _scatter_line(G, place + step, step, w[1:], g[1:], e[1:], f[1:], A, B, S, C, M)
-
-    return vertices
-
-
-def _scatter_lines(G, buffer, j, d, place, counts, stride, Z, A, B, S, C, M):
-    """Add a particle to the lines of its support, from direction `d` on.
-
-    Parameters
-    ----------
-    place : int
-        Of the first vertex.
-    counts : tuple of int
-        Vertices of the current direction and the following ones but the last; `stride` alike.
-    Z : tuple
-        Weights, gradients, arms and `factors` along the last direction.
-    B : Vec4 or ()
-        The force so far: the sum over the directions that came before.
-    S : tuple of Vec4
-        Stress columns of the current direction and the following ones, times the weights so far.
-    C : tuple of Vec4
-        Likewise what `affine_momentum` gives.
-    M : Vec4 or ()
-        What `mean_force` gives, times the factors so far.
-    """
-
-
-@specialise(_scatter_lines)
-def _scatter_all(G, buffer, j, d, place, counts, stride, Z, A, B, S, C, M):
-    if len(counts) == 0:
-        return lambda G, buffer, j, d, place, counts, stride, Z, A, B, S, C, M: _scatter_line(
-            G, place, _step(stride), Z[0], Z[1], Z[2], Z[3], A, B, S[0], C, M
-        )
-
-    def lines(G, buffer, j, d, place, counts, stride, Z, A, B, S, C, M):
-        for i in range(counts[0]):
-            w, g = entry(buffer, d, 0, i, j), entry(buffer, d, 1, i, j)
-            e = entry(buffer, d, 2, i, j)
-            _scatter_lines(
-                G, buffer, j, d + 1, place + i * stride[0], counts[1:], stride[1:], Z,
-                _sloped(w, A, e, C), _force(w, B, g, S[0]), scaled(w, S[1:]), scaled(w, C[1:]),
-                factored(factor(M, buffer, d, i, j), M),
-            )  # fmt: skip
-
-    return lines
-
-
-def _last(buffer, d, j, like, mean):
+def last_entries(support, d, like, mean):
     """Weights, gradients, arms and factors along the last direction, as many as `like` has."""
 
 
-@specialise(_last)
-def _last_of(buffer, d, j, like, mean):
-    return lambda buffer, d, j, like, mean: (
-        entries(buffer, d, 0, 0, j, like),
-        entries(buffer, d, 1, 0, j, like),
-        entries(buffer, d, 2, 0, j, like),
-        factors(mean, buffer, d, 0, j, like),
+@specialise(last_entries)
+def _last_entries(support, d, like, mean):
+    return lambda support, d, like, mean: (
+        entries(support.buffer, d, 0, 0, support.j, like),
+        entries(support.buffer, d, 1, 0, support.j, like),
+        entries(support.buffer, d, 2, 0, support.j, like),
+        factors(mean, support.buffer, d, 0, support.j, like),
     )
-
-
-def _scatter_some(like, count, G, buffer, j, place, counts, stride, A, B, S, C, M):
-    """Add a particle that has weight on `count` vertices along the last direction.
-
-    There are no more than `like` has; each number has code of its own.
-    """
-
-
-@specialise(_scatter_some)
-def _scatter_number(like, count, G, buffer, j, place, counts, stride, A, B, S, C, M):
-    last = len(S) - 1
-
-    def exactly(like, count, G, buffer, j, place, counts, stride, A, B, S, C, M):
-        Z = _last(buffer, last, j, like, M)
-        _scatter_lines(G, buffer, j, 0, place, counts, stride, Z, A, B, S, C, M)
-
-    if len(like) == 2:
-        return exactly
-
-    def at_most(like, count, G, buffer, j, place, counts, stride, A, B, S, C, M):
-        if count < len(like):
-            _scatter_some(like[1:], count, G, buffer, j, place, counts, stride, A, B, S, C, M)
-        else:
-            Z = _last(buffer, last, j, like, M)
-            _scatter_lines(G, buffer, j, 0, place, counts, stride, Z, A, B, S, C, M)
-
-    return at_most
-
-
-def scatter(shape, G, buffer, j, place, stride, A, B, S, C, M):
-    """Add a particle to its support: A times S_vp, and to the force the sum of S_i dS_vp/dx_i.
-
-    With a mean force M also that times dD_p/dv_v, see `pgimp.kernels.mean`.
-
-    Parameters
-    ----------
-    buffer, j
-        The supports of a batch (see `pgimp.kernels.batch`), and the particle's number in it.
-    place : int
-        Of the first vertex in `G`.
-    stride : tuple of int
-        The window's.
-    A, B, S, C, M
-        What `contribution`, `weight`, `affine_momentum` and `mean_force` give.
-    """
-
-
-@specialise(scatter)
-def _scatter(shape, G, buffer, j, place, stride, A, B, S, C, M):
-    outer, last = (0,) * (len(S) - 1), len(S) - 1
-    like = (0.0,) * shape.instance_class.vertices()
-
-    def scatter(shape, G, buffer, j, place, stride, A, B, S, C, M):
-        counts = extents(shape, buffer, 0, j, outer)
-        count = extent(shape, buffer, last, j)
-        _scatter_some(like, count, G, buffer, j, place, counts, stride, A, B, S, C, M)
-
-    return scatter
-
-
-def _rates(mean, f, u):
-    """The vector f u; () unless there is a `mean`."""
-
-
-@specialise(_rates)
-def _rates_of(mean, f, u):
-    return (lambda mean, f, u: ()) if hasattr(mean, "count") else (lambda mean, f, u: f * u)
-
-
-def _plus_rates(mean, f, u, M):
-    """The vector f u + M; () unless there is a `mean`."""
-
-
-@specialise(_plus_rates)
-def _plus_rates_of(mean, f, u, M):
-    if hasattr(mean, "count"):  # ()
-        return lambda mean, f, u, M: ()
-    return lambda mean, f, u, M: f * u + M
-
-
-def _gather_line(G, place, step, w, g, f, mean):
-    """Sums over a line of vertices, which are `step` apart."""
-
-
-@specialise(_gather_line)
-def _gather_vertices(G, place, step, w, g, f, mean):
-    def vertex(G, place, step, w, g, f, mean):
-        u = load(G, place)
-        return w[0] * u, w[0] * load(G, place + 4), (g[0] * u,), _rates(mean, f[0], u)
-
-    if len(w) == 1:
-        return vertex
-
-    def vertices(G, place, step, w, g, f, mean):
-        U, A, D, M = _gather_line(G, place + step, step, w[1:], g[1:], f[1:], mean)
-        u = load(G, place)
-        M = _plus_rates(mean, f[0], u, M)
-        return w[0] * u + U, w[0] * load(G, place + 4) + A, (g[0] * u + D[0],), M
-
-    return vertices
-
-
-def _nothing(counts):
-    """Zero vectors, one more than there are counts."""
-
-
-@specialise(_nothing)
-def _nothing_of(counts):
-    if len(counts) == 0:
-        return lambda counts: (vector(0.0),)
-    return lambda counts: (vector(0.0), *_nothing(counts[1:]))
-
-
-def _gather_lines(G, buffer, j, d, place, counts, stride, Z, mean):
-    """Sums over the lines of a support, from direction `d` on; see `gather`, `_scatter_lines`."""
-
-
-@specialise(_gather_lines)
-def _gather_all(G, buffer, j, d, place, counts, stride, Z, mean):
-    if len(counts) == 0:
-        return lambda G, buffer, j, d, place, counts, stride, Z, mean: _gather_line(
-            G, place, _step(stride), Z[0], Z[1], Z[3], mean
-        )
-
-    def lines(G, buffer, j, d, place, counts, stride, Z, mean):
-        U, A, D, M = vector(0.0), vector(0.0), _nothing(counts), no_rates(mean)
-        for i in range(counts[0]):
-            w, g = entry(buffer, d, 0, i, j), entry(buffer, d, 1, i, j)
-            u, a, b, m = _gather_lines(
-                G, buffer, j, d + 1, place + i * stride[0], counts[1:], stride[1:], Z, mean
-            )
-            U, A = w * u + U, w * a + A
-            D = joined(g * u + D[0], plus_scaled(w, b, D[1:]))
-            M = _plus_rates(mean, factor(mean, buffer, d, i, j), m, M)
-        return U, A, D, M
-
-    return lines
-
-
-def _gather_some(like, count, G, buffer, j, place, counts, stride, mean):
-    """Sums over the support of a particle that has weight on `count` vertices; `_scatter_some`."""
-
-
-@specialise(_gather_some)
-def _gather_number(like, count, G, buffer, j, place, counts, stride, mean):
-    last = len(counts)
-
-    def exactly(like, count, G, buffer, j, place, counts, stride, mean):
-        Z = _last(buffer, last, j, like, mean)
-        return _gather_lines(G, buffer, j, 0, place, counts, stride, Z, mean)
-
-    if len(like) == 2:
-        return exactly
-
-    def at_most(like, count, G, buffer, j, place, counts, stride, mean):
-        if count < len(like):
-            return _gather_some(like[1:], count, G, buffer, j, place, counts, stride, mean)
-        Z = _last(buffer, last, j, like, mean)
-        return _gather_lines(G, buffer, j, 0, place, counts, stride, Z, mean)
-
-    return at_most
-
-
-def gather(shape, G, buffer, j, place, stride, like, mean):
-    """Sums over a particle's support.
-
-    Parameters
-    ----------
-    shape, G, buffer, j, place, stride
-        As in `scatter`.
-    like : tuple
-        One entry a direction of the scene.
-    mean : float or ()
-        See `Loads`.
-
-    Returns
-    -------
-    U, A : Vec4
-        Sums of the first and second vectors of the records times S_vp (26, 27).
-    D : tuple of Vec4
-        For each direction, the sum of the first vector times dS_vp/dx_i (30).
-    M : Vec4 or ()
-        With a `mean`, the sum of dD_p/dv_v times velocities, component by component.
-    """
-
-
-@specialise(gather)
-def _gather(shape, G, buffer, j, place, stride, like, mean):
-    outer, last = (0,) * (len(like) - 1), len(like) - 1
-    most = (0.0,) * shape.instance_class.vertices()
-
-    def gather(shape, G, buffer, j, place, stride, like, mean):
-        counts = extents(shape, buffer, 0, j, outer)
-        count = extent(shape, buffer, last, j)
-        return _gather_some(most, count, G, buffer, j, place, counts, stride, mean)
-
-    return gather

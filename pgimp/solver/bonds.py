@@ -1,9 +1,10 @@
-"""Bodies in the initial configuration: which are bonded, and which act on each other how."""
+"""Bodies in the initial configuration: which are bonded, and what acts on each other how."""
 
 from __future__ import annotations
 
 import numpy as np
 
+from pgimp.kernels.encounters import SeparatingWalls
 from pgimp.physics.contact import FRICTION, TIED, Pairs, coefficients
 from pgimp.scene.scene import Scene
 
@@ -24,6 +25,20 @@ def with_walls(scene: Scene) -> Pairs:
         np.concatenate([pairs.coefficient, np.array(given, float).reshape(-1, 2)]),
         np.concatenate([pairs.adhesion, np.zeros((len(letting), 3))]),
     )
+
+
+def separating_walls(scene: Scene) -> SeparatingWalls:
+    """Walls that let go, as bodies behind all others; see `with_walls`."""
+    frame = scene.frame
+    letting = [(n, face) for n, face in enumerate(scene.faces) if face.condition.approaches]
+    rows = [
+        (face.axis, face.side, frame.ghost + (face.side > 0) * frame.cells[face.axis])
+        for _, face in letting
+    ]
+    return SeparatingWalls(
+        len(scene.body_names) + len(scene.tools), np.array(rows, np.int64).reshape(-1, 3),
+        np.array([n for n, _ in letting], np.int64),
+    )  # fmt: skip
 
 
 def bonded(

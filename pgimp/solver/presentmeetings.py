@@ -10,44 +10,31 @@ import numpy as np
 from pgimp.decomposition.grid import Grid
 from pgimp.decomposition.population import Population
 from pgimp.jit.bound import Bound
-from pgimp.kernels.accumulated import (
-    ENDS,
-    PARTNERS,
-    RIGID,
-    book_contacts,
-    find_contacts,
-    find_responses,
-    settle_contacts,
-)
+from pgimp.kernels.accumulated import Responses, book_contacts, find_responses, settle_contacts
 from pgimp.kernels.boxes import grow_boxes
 from pgimp.kernels.concepts import Forcing
 from pgimp.kernels.contact import Contact
+from pgimp.kernels.encounters import Encounters, find_encounters
+from pgimp.kernels.holding import Holding
 from pgimp.kernels.ledger import CONTACT_AREA, Ledger
-from pgimp.kernels.present import (
-    FIELD,
-    NEAR,
-    PLACE,
-    START,
+from pgimp.kernels.numbered import number_keys, room_for
+from pgimp.kernels.present import NEAR, PLACE, START, SUMMED, Present, sum_present, take_near
+from pgimp.kernels.startgrid import (
+    MOVES,
     STARTED,
-    SUMMED,
-    find_starts,
-    find_supports,
-    give_to_start,
-    number_vertices,
-    room_for,
-    sum_present,
-    take_near,
+    YIELDS,
+    Seen,
+    StartVertices,
+    find_vertices,
+    give_to_vertices,
     take_vertices,
 )
-from pgimp.kernels.tools import LEAST, MOST
+from pgimp.kernels.support import Supports, find_supports
 from pgimp.mpi.node import Call
 from pgimp.scene.scene import Scene
-from pgimp.solver.bonds import acting, bonded, with_walls
+from pgimp.solver.approach import Approach, reach
+from pgimp.solver.bonds import bonded, separating_walls, with_walls
 from pgimp.solver.clock import Step
-
-#: Cells by which particles may come nearer to something until all is looked at anew; the most
-#: steps until then.
-MARGIN, LONGEST = 1.0, 16
 
 #: The most sweeps over all pairs in a step, and the change of impulses, over the greatest, that is
 #: none. A hundred sweeps to 1e-4 find the same motion, and disks that meet then lose more.
@@ -82,30 +69,20 @@ class PresentMeetings:
         self.bodies = len(scene.body_names)
         self.fields: tuple[int, ...] = (0,) * self.bodies if scene.pairs else ()
         self.groups = np.zeros(self.bodies, np.int64)
-        self.sweeps = self._pause = self._step = 0
+        self.sweeps = 0
         self._grouped = False
-        self._near = np.empty(0, np.int64)
-        self._some = False
-        self._seen = np.empty(0, np.int64)
-        self.pairs = with_walls(scene)
-        letting = [(n, face) for n, face in enumerate(scene.faces) if face.condition.approaches]
-        ends = [scene.frame.ghost + (f.side > 0) * scene.frame.cells[f.axis] for _, f in letting]
-        self._numbers = np.array([n for n, _ in letting], np.int64)
-        self._walls = np.array(
-            [(face.axis, face.side, end) for (_, face), end in zip(letting, ends, strict=True)],
-            np.int64,
-        ).reshape(-1, 3)
-        self._first_wall = self.bodies + len(scene.tools)
+        self._seen = Seen(np.empty(0, np.int64), 0)
+        self.pairs, self._walls = with_walls(scene), separating_walls(scene)
+        self._approach = Approach(scene, comm, self.pairs, self._walls)
         tools: Any = scene.tools.in_planes(1) if scene.tools else ()
         self._contact = Contact.empty(
             self.pairs, np.empty(0), 1, self.bodies + 1, len(scene.faces), tools
         )
-        self._unbooked = np.zeros((len(scene.faces), 3))
         self._every_face = scene.standing_faces()
 
     def forget(self) -> None:
         """Look at all particles anew in the next step: there are others, or of other bodies."""
-        self._pause = 0
+        self._approach.forget()
 
     def group(self, grid: Grid, population: Population) -> None:
         """Find out, once, which bodies are bonded at the start; collective."""
@@ -121,7 +98,7 @@ class PresentMeetings:
         grow_boxes(scene.frame, p._replace(x=p.origin), order, boxes)
         every = np.array(self.comm.allgather(boxes))
         low, high = every[:, 0].min(axis=0), every[:, 1].max(axis=0)
-        self.fields, self.groups = bonded(self.pairs, low, high, 2.0 * self._reach())
+        self.fields, self.groups = bonded(self.pairs, low, high, 2.0 * reach(scene))
         if max(self.fields) > 0 and self.fields != grid.fields:
             grid.fields = self.fields
             grid.store(grid.base)
@@ -135,77 +112,63 @@ class PresentMeetings:
         Velocities and accelerations of the vertices change. What bodies meet is at present; what
         holds the vertices of the start, `faces` and constraints, is that of the start.
         """
-        scene = self.scene
+        scene, contact, call = self.scene, self._contact, self.call
         ledger.contact[:, :, CONTACT_AREA] = 0.0
         if scene.tools:
             scene.tools.at(t.start, t.end)  # in place
-        if self._pause == 0:
-            self._look(population, t)
-        self._pause -= 1
-        if not self._some:
+        self._approach.follow(population, self.groups, contact.tools, t)
+        if not self._approach.any:
             return
-        frame, shape, call = scene.frame, scene.shape, self.call
-        vertices, D = scene.vertices, scene.dimension
-        rows = population.order[self._near].astype(np.int64)
-        n = len(rows)
-        own = np.empty((n, NEAR))
-        fields = np.array(self.fields or (0,) * self.bodies, np.int64)
-        call(take_near, frame, population.particles, rows, self.groups, fields, own)
-        starts, w, slopes = _supports(n)
-        call(find_supports, shape, frame, scene.identity, own, START, starts, w, slopes)
-        if len(self._seen) != len(grid.G) // 8:
-            self._seen = np.full(len(grid.G) // 8, -1, np.int64)
-            self._step = 0
-        self._step += 1
-        keys, values = np.empty(n * vertices**D, np.int64), np.empty((n * vertices**D, STARTED))
-        found = call(
-            take_vertices, faces, forcing, frame, vertices, grid.field, population.particles,
-            rows, starts, w, self._seen, self._step, self._unbooked, keys, values,
-        )  # fmt: skip
-        every = self.comm.allgather((own, keys[:found].copy(), values[:found].copy()))
-        table = np.concatenate([each[0] for each in every])
-        keys = np.concatenate([each[1] for each in every])
-        values = np.concatenate([each[2] for each in every])
-        before = values[:, 1:4].copy()
-        known = self._solve(table, keys, values, t, forcing, 1 + max(fields))
+        holding = Holding(faces, scene.frame, forcing, contact.unbooked)
+        table, vertices = self._gather(grid, population, holding)
+        before = vertices.values[:, MOVES:YIELDS].copy()
+        free = _nothing_held(holding)
+        known = self._solve(table, vertices, free, t)
         if known is None:
             return
-        call(give_to_start, frame, grid.field, keys, values[:, 1:4] - before, t.dt)
+        changes = vertices.values[:, MOVES:YIELDS] - before
+        call(give_to_vertices, scene.frame, grid.field, vertices.keys, changes, t.dt)
         if grid.slab.layers and grid.slab.below is None:
-            call(
-                book_contacts, self._contact, frame, _unheld(forcing), *known, values,
-                self._first_wall, self._numbers, ledger,
-            )  # fmt: skip
+            call(book_contacts, contact, free, *known, vertices.values, self._walls, ledger)
 
-    def _solve(
-        self, table: np.ndarray, keys: np.ndarray, values: np.ndarray, t: Step, forcing: Forcing,
-        count: int,
-    ) -> Any:  # fmt: skip
-        """Find the impulses; `values` has the velocities then. None where nothing meets."""
+    def _gather(
+        self, grid: Grid, population: Population, holding: Holding
+    ) -> tuple[np.ndarray, StartVertices]:
+        """All ranks' particles near something, and the vertices of the start that these have."""
         scene, call = self.scene, self.call
-        frame, shape, D, vertices = scene.frame, scene.shape, scene.dimension, scene.vertices
-        n, groups, free = len(table), 1 + int(self.groups.max()), _unheld(forcing)
-        base, w, g = _supports(n)
-        call(find_supports, shape, frame, scene.identity, table, PLACE, base, w, g)
-        low = base.min(axis=0)
-        extent = base.max(axis=0) - low + vertices
-        most = n * vertices**D
-        at, sums = np.empty((n, vertices**D), np.int64), np.empty((most, SUMMED))
-        found_keys = np.empty(most, np.int64)
-        found = call(
-            sum_present, frame, vertices, table, base, w, g, low, extent, groups, room_for(most),
-            at, found_keys, sums,
-        )  # fmt: skip
-        order, sums = np.argsort(found_keys[:found], kind="stable"), sums[:found]
-        room = 4 * found
-        places = np.empty(max(groups, 1), np.int64)
+        rows = population.order[self._approach.near].astype(np.int64)
+        table, supports = np.empty((len(rows), NEAR)), self._supports(len(rows))
+        fields = np.array(self.fields or (0,) * self.bodies, np.int64)
+        call(take_near, scene.frame, population.particles, rows, self.groups, fields, table)
+        call(find_supports, scene.shape, scene.frame, scene.identity, table, START, supports)
+        last, step = self._seen
+        if len(last) != len(grid.G) // 8:
+            last, step = np.full(len(grid.G) // 8, -1, np.int64), 0
+        self._seen = Seen(last, step + 1)
+        most = supports.at.size
+        mine = StartVertices(np.empty(most, np.int64), np.empty((most, STARTED)))
+        found = call(take_vertices, holding, grid.field, table, supports, self._seen, mine)
+        parts = (table, mine.keys[:found].copy(), mine.values[:found].copy())
+        every = self.comm.allgather(parts)
+        table, keys, values = (np.concatenate(each) for each in zip(*every, strict=True))
+        return table, StartVertices(keys, values)
+
+    def _solve(self, table: np.ndarray, vertices: StartVertices, free: Holding, t: Step) -> Any:
+        """Find the impulses; `vertices` has the velocities then.
+
+        Returns the pairs and their responses; None where nothing meets.
+        """
+        scene, contact, call = self.scene, self._contact, self.call
+        shape, frame = scene.shape, scene.frame
+        now, start = self._supports(len(table)), self._supports(len(table))
+        call(find_supports, shape, frame, scene.identity, table, PLACE, now)
+        present = self._sum(table, now)
+        room = 4 * len(present.keys)
         while True:
-            ends = np.empty((room, ENDS), np.int64)
-            partners, rigid = np.empty((room, PARTNERS)), np.empty((room, RIGID))
+            encounters = Encounters.empty(room)
             pairs = call(
-                find_contacts, self._contact, frame, self._every_face, self._walls,
-                self._first_wall, low, extent, groups, order, found_keys, sums, places, t.dt,
-                ends, partners, rigid,
+                find_encounters, contact, frame, self._every_face, self._walls, present, t.dt,
+                encounters,
             )  # fmt: skip
             if pairs <= room:
                 break
@@ -213,61 +176,32 @@ class PresentMeetings:
         if pairs == 0:
             self.sweeps = 0
             return None
-        ends, partners, rigid = ends[:pairs], partners[:pairs], rigid[:pairs]
-        starts, w0, slopes = _supports(n)
-        call(find_supports, shape, frame, scene.identity, table, START, starts, w0, slopes)
-        hashes, at0 = room_for(len(keys)), np.empty((n, vertices**D), np.int64)
-        call(number_vertices, keys, hashes)
-        call(
-            find_starts, starts, w0, table[:, FIELD].copy(), frame, vertices, count, hashes, at0
-        )
-        rows = call(find_responses, table, vertices, D, w, w0, at, at0, ends, sums, values)
+        encounters = encounters.first(pairs)
+        call(find_supports, shape, frame, scene.identity, table, START, start)
+        hashes, values = room_for(len(vertices.keys)), vertices.values
+        call(number_keys, vertices.keys, hashes)
+        call(find_vertices, frame, table, start, 1 + max(self.fields, default=0), hashes)
+        responses = call(find_responses, table, now, start, encounters, present.sums, values)
         self.sweeps = call(
-            settle_contacts, self._contact, frame, free, ends, partners, rigid, rows, values,
-            SWEEPS, ENOUGH,
+            settle_contacts, contact, free, encounters, responses, values, SWEEPS, ENOUGH
+        )
+        return encounters, responses
+
+    def _sum(self, table: np.ndarray, now: Supports) -> Present:
+        """What groups have at the vertices; `now` are the particles' supports there."""
+        most, low = now.at.size, now.first.min(axis=0)
+        extent = now.first.max(axis=0) - low + self.scene.vertices
+        present = Present(
+            low, extent, 1 + int(self.groups.max()), np.empty(most, np.int64),
+            np.empty((most, SUMMED)), np.empty(0, np.int64),
         )  # fmt: skip
-        return ends, partners, rigid, rows
+        found = self.call(sum_present, self.scene.frame, table, now, room_for(most), present)
+        keys, sums = present.keys[:found], present.sums[:found]
+        return present._replace(keys=keys, sums=sums, order=np.argsort(keys, kind="stable"))
 
-    def _reach(self) -> np.ndarray:
-        """Cells, by direction, from a particle to the farthest vertex that it has weight on."""
-        return 1.0 + np.array(self.scene.shape.half)
-
-    def _look(self, population: Population, t: Step) -> None:
-        """Find the particles near something, and for how many steps these are all; collective."""
-        scene, frame, p = self.scene, self.scene.frame, population.particles
-        order = population.order
-        x = (p.x[order] - np.array(frame.origin)) * np.array(frame.inverse)
-        group = self.groups[p.body[order]]
-        count = 1 + int(self.groups.max())
-        boxes = np.full((2, count, scene.dimension), np.inf)
-        boxes[1] = -np.inf
-        np.minimum.at(boxes[0], group, x)
-        np.maximum.at(boxes[1], group, x)
-        speed = float(np.abs(p.v[order] * np.array(frame.inverse)).max(initial=0.0))
-        every = self.comm.allgather((boxes, speed))
-        low = np.min([each[0][0] for each in every], axis=0)
-        high = np.max([each[0][1] for each in every], axis=0)
-        speed = max(max(each[1] for each in every), scene.tools.rate)
-        way = speed * t.dt
-        self._pause = max(1, min(LONGEST, int(0.4 * MARGIN / way))) if way > 0.0 else LONGEST
-        reach = self._reach() + MARGIN
-        near = np.zeros(len(order), bool)
-        for a, b in acting(self.pairs, self.groups, self.bodies):
-            first = np.maximum(low[a], low[b]) - 2.0 * reach
-            last = np.minimum(high[a], high[b]) + 2.0 * reach
-            if (first <= last).all():
-                near |= ((group == a) | (group == b)) & ((x >= first) & (x <= last)).all(axis=1)
-        if scene.tools:
-            about = self._contact.tools.about
-            D = scene.dimension
-            for row in about:
-                first = row[LEAST : LEAST + D] - frame.ghost - reach
-                last = row[MOST : MOST + D] - frame.ghost + reach
-                near |= ((x >= first) & (x <= last)).all(axis=1)
-        for axis, side, end in self._walls:
-            near |= (x[:, axis] - (end - frame.ghost)) * side >= -1.0 - reach[axis]
-        self._near = np.flatnonzero(near)
-        self._some = bool(sum(self.comm.allgather(len(self._near))))
+    def _supports(self, count: int) -> Supports:
+        """Room for the supports of so many particles."""
+        return Supports.empty(count, self.scene.vertices, self.scene.dimension)
 
 
 def calls(
@@ -277,46 +211,29 @@ def calls(
     tools: Any = scene.tools.in_planes(1) if scene.tools else ()
     pairs, count = with_walls(scene), len(scene.faces)
     contact = Contact.empty(pairs, np.empty(0), 1, 2, count, tools)
-    frame, shape, D, vertices = scene.frame, scene.shape, scene.dimension, scene.vertices
-    none, free, standing = np.empty(0, np.int64), _unheld(forcing), scene.standing_faces()
-    table, (base, w, g) = np.empty((0, NEAR)), _supports(0)
-    values, at = np.empty((0, STARTED)), np.empty((0, vertices**D), np.int64)
-    ends, partners = np.empty((0, ENDS), np.int64), np.empty((0, PARTNERS))
-    sums, rigid = np.empty((0, SUMMED)), np.empty((0, RIGID))
-    rows = (none, np.zeros(1, np.int64), none, np.empty(0), np.empty((0, 3)))
-    low = np.zeros(3, np.int64)
+    frame, shape, none = scene.frame, scene.shape, np.empty(0, np.int64)
+    standing, walls = scene.standing_faces(), separating_walls(scene)
+    holding = Holding(faces, frame, forcing, contact.unbooked)
+    free = _nothing_held(holding)
+    table, supports = np.empty((0, NEAR)), Supports.empty(0, scene.vertices, scene.dimension)
+    vertices, encounters = StartVertices(none, np.empty((0, STARTED))), Encounters.empty(0)
+    present = Present(np.zeros(3, np.int64), none, 1, none, np.empty((0, SUMMED)), none)
+    rows = Responses(none, np.zeros(1, np.int64), none, np.empty(0), np.empty((0, 3)))
+    values = vertices.values
     yield 0.5, lambda: take_near(frame, particles, none, none, none, table)
-    yield 1.0, lambda: find_supports(shape, frame, scene.identity, table, PLACE, base, w, g)
-    yield 3.0, lambda: take_vertices(
-        faces, forcing, frame, vertices, grid.field, particles, none, base, w, none, 0,
-        np.zeros((count, 3)), none, values,
-    )
-    yield 1.0, lambda: sum_present(
-        frame, vertices, table, base, w, g, low, low, 1, room_for(0), at, none, sums
-    )
-    yield 4.0, lambda: find_contacts(
-        contact, frame, standing, np.empty((0, 3), np.int64), 0, low, low, 1, none, none, sums,
-        none, 1.0, ends, partners, rigid,
-    )
-    yield 0.2, lambda: number_vertices(none, room_for(0))
-    yield 0.3, lambda: find_starts(
-        base, w, np.empty(0), frame, vertices, 1, room_for(0), at
-    )
-    yield 2.0, lambda: find_responses(table, vertices, D, w, w, at, at, ends, sums, values)
-    yield 2.0, lambda: settle_contacts(
-        contact, frame, free, ends, partners, rigid, rows, values, 1, ENOUGH
-    )
-    yield 0.3, lambda: give_to_start(frame, grid.field, none, np.empty((0, 3)), 1.0)
-    yield 2.0, lambda: book_contacts(
-        contact, frame, free, ends, partners, rigid, rows, values, 0, none, ledger
-    )
+    yield 1.0, lambda: find_supports(shape, frame, scene.identity, table, PLACE, supports)
+    yield 3.0, lambda: take_vertices(holding, grid.field, table, supports, Seen(none, 0), vertices)
+    yield 1.0, lambda: sum_present(frame, table, supports, room_for(0), present)
+    yield 4.0, lambda: find_encounters(contact, frame, standing, walls, present, 1.0, encounters)
+    yield 0.2, lambda: number_keys(none, room_for(0))
+    yield 0.3, lambda: find_vertices(frame, table, supports, 1, room_for(0))
+    yield 2.0, lambda: find_responses(table, supports, supports, encounters, present.sums, values)
+    yield 2.0, lambda: settle_contacts(contact, free, encounters, rows, values, 1, ENOUGH)
+    yield 0.3, lambda: give_to_vertices(frame, grid.field, none, np.empty((0, 3)), 1.0)
+    yield 2.0, lambda: book_contacts(contact, free, encounters, rows, values, walls, ledger)
 
 
-def _unheld(forcing: Forcing) -> Forcing:
-    """What acts, for the law of contact: vertices that are held have no mobility, which is all."""
-    return forcing._replace(marked=(), clearances=())
-
-
-def _supports(n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Room for what `find_supports` sets."""
-    return np.empty((n, 3), np.int64), np.empty((n, 3, 4)), np.empty((n, 3, 4))
+def _nothing_held(holding: Holding) -> Holding:
+    """For the law of contact: vertices that are held have no mobility, which is all."""
+    forcing = holding.forcing._replace(marked=(), clearances=())
+    return holding._replace(faces=(), forcing=forcing)

@@ -69,7 +69,7 @@ def test_a_step_allocates_nothing(mpirun, python, tmp_path, ranks):
         # Not even a tuple a step stays, which takes 48 bytes at least; Python keeps some hundred
         # to be used again.
         assert many - few < 48 * (LAST - WARM)
-        # An arena of Python's or of the messages' may come yet; what each step leaves would be more.
+        # An arena may come yet, of Python's or of the messages'; what each step leaves is more.
         assert at_end - resident < 1_500_000
         if ranks > 1:
             # The exchange and migration, one each; a few times more move than there is room.

@@ -24,6 +24,7 @@ from pages import (
 )
 from processes import run
 
+import pgimp
 from pgimp.case.reader import read_case
 from pgimp.jit import algebra
 from pgimp.tools.study.plan import read_plan
@@ -107,6 +108,15 @@ def test_commands_are_in_blocks_that_are_run():
         assert not re.search(r"^    (mpirun|pgimp|scripts/|pip|python) ", outside, re.M), name
 
 
+def check_notebook(output, done, ranks):
+    """What cases/notebook.py leaves and says: errors fall with the cells, the water rises."""
+    assert done.stdout.count("the water is at") == 4 and "stress-xx" not in done.stderr
+    assert (output / "notebook.png").stat().st_size > 10_000
+    errors = [pgimp.open(output / f"{h}").history["error"][-1] for h in (5.0, 2.5, 1.0)]
+    assert errors[0] > 2.0 * errors[1] > 4.0 * errors[2] > 0.0
+    assert pgimp.open(output / "column").info["ranks"] == ranks
+
+
 def test_commands_run(folder, display):
     """Every command of the shell blocks, in order, in one folder."""
     listed = commands()
@@ -124,6 +134,8 @@ def test_commands_run(folder, display):
             started.add(output)
         done = run(words, cwd=folder, env=ENVIRONMENT | display)
         assert done.returncode == 0, f"{command}\n{done.stdout}\n{done.stderr}"
+        if words[-1] == "cases/notebook.py":
+            check_notebook(folder / "notebook.out", done, 2 if "mpirun" in words else 1)
     assert (folder / "installed" / "pgimp" / "__main__.py").is_file()
 
 

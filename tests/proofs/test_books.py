@@ -10,11 +10,13 @@ MOVING = wall(0.2, [[0.0, 0.0], [0.1, 0.3], [0.2, 0.3]])
 #: One of each kind, in one order, for which the momentum update is compiled once.
 WALLS = {"x-min": MOVING, "x-max": "slip", "y-min": "separating", "y-max": "fixed"}
 
-#: What decides which kernels are compiled; all else is drawn at random.
+#: What decides which kernels are compiled; all else is drawn at random. `grip` is how often a part
+#: is held: of one kind in half of the scenes, of the others always or never, which compiles less.
 KINDS = {
     "gimp": {
         "shape": "gimp",
         "boundaries": WALLS,
+        "grip": 0.5,
     },
     "affine": {
         "shape": "gimp",
@@ -25,8 +27,13 @@ KINDS = {
         "shape": "fuzzy-nearest",
         "wall": "mirror",
         "boundaries": WALLS,
+        "grip": 1.0,
     },
-    "bar": {"shape": "mpm", "boundaries": {"x-min": wall([[0.0, 0.0], [0.2, 0.3]])}},
+    "bar": {
+        "shape": "mpm",
+        "boundaries": {"x-min": wall([[0.0, 0.0], [0.2, 0.3]])},
+        "grip": 1.0,
+    },
 }
 
 
@@ -42,7 +49,7 @@ def random_scene(seed, kind):
     high = [n - float(gap) for n, gap in zip(cells, gaps, strict=True)]
     body = box(low, high, [float(v) for v in rng.uniform(-0.5, 0.5, dimension)])
     pull = [float(b) for b in rng.uniform(-1.0, 1.0, dimension)]
-    if rng.random() < 0.5:
+    if rng.random() < parts.pop("grip", 0.0):
         held = [None if rng.random() < 0.4 else float(v) for v in rng.uniform(-0.3, 0.3, dimension)]
         middle = {"box": {"min": [1.1] * dimension, "max": [2.6] * dimension}}
         parts["constraints"] = {"grip": {"body": "body", "region": middle, "velocity": held}}

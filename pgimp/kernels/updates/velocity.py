@@ -29,10 +29,7 @@ def _update_velocity(forcing, particles, batch, u, a, ledger):
     def update(forcing, particles, batch, u, a, ledger):
         v = plus_scaled(forcing.dt, a, take_row(particles.v, batch.rows, 0, u))  # (27)
         v = relaxed(forcing.loads.relaxation, forcing.dt, v, u)
-        return constrain_particles(
-            forcing.constraints, particles, batch.rows, batch.size, u, v, ledger.constraint_impulse,
-            ledger.work, batch.layer,
-        )  # fmt: skip
+        return constrain_particles(forcing.constraints, particles, batch, u, v, ledger)
 
     return update
 

@@ -1,0 +1,30 @@
+"""Codes of the components of a vertex's velocity that faces and constraints hold."""
+
+from pgimp.jit.kernel import inner_kernel
+
+#: Codes of component d are this to the power d: so far apart that a weighted sum of them tells the
+#: greatest.
+_APART = 1e12
+
+#: Code of several components, and of what constraints hold, which need not lie along a wall.
+SEVERAL = _APART**3
+
+#: Least weight of a vertex that counts as being in a particle's reach; less is rounding.
+LEAST_WEIGHT = 1e-9
+
+
+@inner_kernel
+def also_held(code, d):
+    """Code of the components that are held, of which `code` is 0 for none yet, with component d."""
+    one = (1.0, _APART, _APART * _APART)[d]
+    return one if code == 0.0 or code == one else SEVERAL
+
+
+@inner_kernel
+def held_codes(d):
+    """Between what a weighted sum of codes lies whose greatest is that of component d; 3: several.
+
+    A weight below `LEAST_WEIGHT` of the next code falls to this one, which then may be missed.
+    """
+    one = (1.0, _APART, _APART * _APART, SEVERAL)[d]
+    return LEAST_WEIGHT * one, LEAST_WEIGHT * _APART * one

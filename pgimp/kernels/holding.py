@@ -1,0 +1,79 @@
+"""What holds a vertex: faces and constraints, one after the other."""
+
+from typing import Any, NamedTuple
+
+from pgimp.jit.kernel import specialise
+from pgimp.kernels.clearance import clearance_at
+from pgimp.kernels.concepts import Forcing
+from pgimp.kernels.constraints import constrained_velocity, former_velocity
+from pgimp.kernels.faces import constrained, is_beyond
+from pgimp.kernels.loads import given
+from pgimp.kernels.particles import FloatArray, Frame
+
+
+class Holding(NamedTuple):
+    """What may hold vertices.
+
+    Attributes
+    ----------
+    faces : Faces or ()
+        The conditions of the domain's faces.
+    frame : Frame
+        Where the grid, and so the faces, lie.
+    forcing : Forcing
+        Its constraints come after the faces.
+    impulse : (faces, 3) float64
+        Grows by what each face gives: a part of the ledger, or room where nothing is booked.
+    """
+
+    faces: Any
+    frame: Frame
+    forcing: Forcing
+    impulse: FloatArray
+
+
+def hold(holding, number, r, v, a, mass):
+    """Apply the conditions of all faces that a vertex is on or beyond, one after the other.
+
+    A face's part of the momentum that the particles gain in a step is what its condition adds to
+    it, see `given`; `impulse` grows by that. The vertex's record is at `r`. Returns its velocity
+    and acceleration.
+    """
+
+
+@specialise(hold)
+def _hold(holding, number, r, v, a, mass):
+    if len(holding.types[0]) == 0:
+        return lambda holding, number, r, v, a, mass: (v, a)
+
+    def hold_all(holding, number, r, v, a, mass):
+        faces, forcing, impulse = holding.faces, holding.forcing, holding.impulse
+        relaxation, dt = forcing.loads.relaxation, forcing.dt
+        for n in range(len(faces.rows)):
+            if is_beyond(faces, n, holding.frame, number):
+                u, b = v, a
+                clearance = clearance_at(forcing.clearances, n, r)
+                v, a = constrained(faces.kinds, 0, faces.rows, n, v, a, clearance)
+                for d in range(3):
+                    impulse[n, d] += given(relaxation, mass, dt, u[d], b[d], v[d], a[d])
+        return v, a
+
+    return hold_all
+
+
+def held_velocity(holding, number, r, v, last):
+    """Velocity v of the vertex at `r` after faces and constraints.
+
+    These as they are at the step's end (`last`), or at its beginning.
+    """
+
+
+@specialise(held_velocity)
+def _held_velocity(holding, number, r, v, last):
+    def held(holding, number, r, v, last):
+        u, _ = hold(holding, number, r, v, (0.0, 0.0, 0.0), 0.0)
+        if last:
+            return constrained_velocity(holding.forcing.marked, r, u)
+        return former_velocity(holding.forcing.marked, r, u, holding.forcing.dt)
+
+    return held

@@ -1,0 +1,29 @@
+"""Numbers of keys: a table of hashes."""
+
+import numpy as np
+
+from pgimp.jit.kernel import inner_kernel, kernel
+
+
+def room_for(count: int) -> np.ndarray:
+    """Make an empty table for so many keys: (a power of two, 2) int64, key and number."""
+    return np.full((1 << max(4, int(2 * count).bit_length()), 2), -1, np.int64)
+
+
+@inner_kernel
+def slot(hashes, key):
+    """Place of a key in a table, or of the hole where it belongs."""
+    mask, mixed = len(hashes) - 1, key * 0x9E3779B97F4A7C1
+    at = (mixed ^ (mixed >> 31)) & mask
+    while hashes[at, 0] != key and hashes[at, 0] >= 0:
+        at = (at + 1) & mask
+    return at
+
+
+@kernel
+def number_keys(keys, hashes):
+    """Put the places of `keys` into a table: of those that are there twice, the first."""
+    for i in range(len(keys)):
+        at = slot(hashes, keys[i])
+        if hashes[at, 0] < 0:
+            hashes[at, 0], hashes[at, 1] = keys[i], i

@@ -1,0 +1,173 @@
+"""The vertices of the grid of the start where bodies of the initial configuration meet something.
+
+They are told from each other by a key, which is that of a vertex in the whole grid and of the
+velocity field: the same on all ranks.
+"""
+
+from typing import NamedTuple
+
+from pgimp.jit.kernel import inner_kernel, kernel
+from pgimp.kernels.fields import field_count, field_size
+from pgimp.kernels.holding import held_velocity
+from pgimp.kernels.numbered import slot
+from pgimp.kernels.particles import FloatArray, IntArray
+from pgimp.kernels.present import FIELD
+from pgimp.kernels.record import ACCELERATION, MASS, RECORD, VELOCITY
+from pgimp.kernels.support import vertex_at, weights_at
+
+#: Columns of `StartVertices.values`: mass, velocity, inverse of mass by component, which is 0 where
+#: a face or a constraint holds it.
+INERTIA, MOVES, YIELDS, STARTED = 0, 1, 4, 7
+
+
+class StartVertices(NamedTuple):
+    """What is known of vertices of the grid of the start.
+
+    Attributes
+    ----------
+    keys : (m,) int64
+    values : (m, STARTED) float64
+    """
+
+    keys: IntArray
+    values: FloatArray
+
+
+class Seen(NamedTuple):
+    """Which vertices have been copied.
+
+    Attributes
+    ----------
+    last : (planes * plane / 8,) int64
+        The step in which each has been copied last.
+    step : int
+        The current one.
+    """
+
+    last: IntArray
+    step: int
+
+
+@inner_kernel
+def _across(frame):
+    """Number of vertices along y and z."""
+    y, z, more = 1, 1, 1 + 2 * frame.ghost
+    for d in range(len(frame.cell)):
+        y, z = frame.cells[d] + more if d == 1 else y, frame.cells[d] + more if d == 2 else z
+    return y, z
+
+
+@inner_kernel
+def _key(across, number, fields, field):
+    """Key of a vertex, given by its numbers, of one of `fields` velocity fields."""
+    return ((number[0] * across[0] + number[1]) * across[1] + number[2]) * fields + field
+
+
+@inner_kernel
+def _has_weight(supports, i, q):
+    """Whether vertex `q` belongs to support `i`."""
+    x, y, z = weights_at(supports, i, q)
+    return x != 0.0 and y != 0.0 and z != 0.0
+
+
+@kernel
+def take_vertices(holding, field, table, supports, seen, vertices):
+    """Copy what is known of the vertices that particles have weight on at the start.
+
+    Parameters
+    ----------
+    holding : Holding
+        What holds vertices.
+    field : Field
+        After the update of momentum.
+    table, supports
+        The particles, and their supports at the start.
+    seen : Seen
+        Vertices that have been copied are marked.
+    vertices : StartVertices
+        Set to what is known; there must be room.
+
+    Returns
+    -------
+    int
+        How many there are.
+    """
+    frame, forcing, window, G = holding.frame, holding.forcing, field.window, field.G
+    across, fields, found, D = _across(frame), field_count(window), 0, len(frame.origin)
+    for i in range(len(table)):
+        one = int(table[i, FIELD])
+        for q in range(len(supports.local)):
+            if not _has_weight(supports, i, q):
+                continue
+            number = vertex_at(supports, i, q)
+            r = one * field_size(window) + (number[0] - window.lower[0]) * window.stride[0]
+            r += (number[1] - window.lower[1]) * window.stride[1]
+            r += (number[2] - window.lower[2]) * window.stride[2]
+            if seen.last[r // RECORD] == seen.step:
+                continue
+            seen.last[r // RECORD] = seen.step
+            m, row = G[r + MASS], vertices.values[found]
+            vertices.keys[found] = _key(across, number, fields, one)
+            v = (G[r + VELOCITY], G[r + VELOCITY + 1], G[r + VELOCITY + 2])
+            row[INERTIA] = m
+            u = held_velocity(holding, number, r, v, True)
+            for d in range(3):
+                row[MOVES + d], row[YIELDS + d] = v[d], 0.0
+                if d < D and m > forcing.lightest:
+                    pushed = (
+                        v[0] + (1.0 if d == 0 else 0.0), v[1] + (1.0 if d == 1 else 0.0),
+                        v[2] + (1.0 if d == 2 else 0.0),
+                    )  # fmt: skip
+                    s = held_velocity(holding, number, r, pushed, True)
+                    row[YIELDS + d] = 0.0 if s[d] == u[d] else 1.0 / m
+            found += 1
+    return found
+
+
+@kernel
+def find_vertices(frame, table, supports, fields, hashes):
+    """Set the numbers of the vertices of supports at the start.
+
+    Parameters
+    ----------
+    table, supports
+        The particles, of `fields` velocity fields, and their supports.
+    hashes
+        The numbers of the vertices' keys.
+    """
+    across = _across(frame)
+    for i in range(len(table)):
+        for q in range(len(supports.local)):
+            supports.at[i, q] = -1
+            if _has_weight(supports, i, q):
+                key = _key(across, vertex_at(supports, i, q), fields, int(table[i, FIELD]))
+                supports.at[i, q] = hashes[slot(hashes, key), 1]
+
+
+@kernel
+def give_to_vertices(frame, field, keys, changes, dt):
+    """Change velocities and accelerations of the vertices that a rank has.
+
+    Parameters
+    ----------
+    keys : (m,) int64
+        As of `take_vertices`, from all ranks.
+    changes : (m, 3) float64
+        Of their velocities.
+    """
+    window, G, active = field.window, field.G, field.active
+    size, count = field_size(window), field_count(window)
+    ny, nz = _across(frame)
+    for n in range(len(keys)):
+        rest, one = keys[n] // count, keys[n] % count
+        z = rest % nz - window.lower[2]
+        y = rest // nz % ny - window.lower[1]
+        x = rest // (nz * ny) - window.lower[0]
+        if x < 0 or x >= len(active) or y < 0 or y >= window.extent[1]:
+            continue
+        if z < 0 or z >= window.extent[2] or active[x] == 0:
+            continue
+        r = x * window.stride[0] + one * size + y * window.stride[1] + z * window.stride[2]
+        for d in range(3):
+            G[r + VELOCITY + d] += changes[n, d]
+            G[r + ACCELERATION + d] += changes[n, d] / dt

@@ -1,0 +1,124 @@
+"""The vertices that single particles have weight on, in memory: for the few that meet something.
+
+All others' supports are of four particles at once, and are gone with these, see
+`pgimp.kernels.batch`.
+"""
+
+from typing import NamedTuple, Self
+
+import numpy as np
+
+from pgimp.jit.kernel import inner_kernel, kernel, specialise
+from pgimp.kernels.particles import FloatArray, IntArray
+from pgimp.kernels.place import first_vertex
+from pgimp.physics.shapes.base import size, weights
+
+
+class Supports(NamedTuple):
+    """Supports of n particles with k vertices each, some of which may be without weight.
+
+    Attributes
+    ----------
+    first : (n, 3) int64
+        The first vertex of each.
+    w, g : (n, 3, 4) float64
+        Weights and gradients times the cell, by direction; along directions that the scene does
+        not have there is one vertex.
+    local : (k, 3) int64
+        The vertices of any of them, counted from the first one, the last direction innermost.
+    at : (n, k) int64
+        The numbers of the vertices among those of which more is known, or -1.
+    """
+
+    first: IntArray
+    w: FloatArray
+    g: FloatArray
+    local: IntArray
+    at: IntArray
+
+    @classmethod
+    def empty(cls, count: int, vertices: int, dimensions: int) -> Self:
+        """Make room for the supports of `count` particles, of `vertices` vertices a direction."""
+        across = (vertices,) * dimensions + (1,) * (3 - dimensions)
+        local = np.array(list(np.ndindex(across)), np.int64)
+        return cls(
+            np.empty((count, 3), np.int64), np.empty((count, 3, 4)), np.empty((count, 3, 4)),
+            local, np.empty((count, len(local)), np.int64),
+        )  # fmt: skip
+
+
+@inner_kernel
+def vertex_at(supports, i, q):
+    """Numbers of vertex `q` of support `i`."""
+    first, local = supports.first[i], supports.local[q]
+    return first[0] + local[0], first[1] + local[1], first[2] + local[2]
+
+
+@inner_kernel
+def weights_at(supports, i, q):
+    """Factors, one a direction, of the weight S of vertex `q` of support `i`."""
+    w, local = supports.w[i], supports.local[q]
+    return w[0, local[0]], w[1, local[1]], w[2, local[2]]
+
+
+@inner_kernel
+def slope_at(supports, i, q, d):
+    """Derivative of S along direction `d`, times the cell."""
+    w, g, local = supports.w[i], supports.g[i], supports.local[q]
+    slope = g[0, local[0]] if d == 0 else w[0, local[0]]
+    slope *= g[1, local[1]] if d == 1 else w[1, local[1]]
+    slope *= g[2, local[2]] if d == 2 else w[2, local[2]]
+    return slope
+
+
+def _keep(out, i, values):
+    """Set `out[i]`, `out[i + 1]`, ... to a tuple of numbers."""
+
+
+@specialise(_keep)
+def _keep_all(out, i, values):
+    if len(values) == 0:
+        return lambda out, i, values: None
+
+    def keep(out, i, values):
+        out[i] = values[0]
+        _keep(out, i + 1, values[1:])
+
+    return keep
+
+
+def _support(shape, frame, half, x, supports, i, d, like):
+    """Set support `i` along the directions from `d` on, as many as `like` has."""
+
+
+@specialise(_support)
+def _support_along(shape, frame, half, x, supports, i, d, like):
+    if len(like) == 0:
+        return lambda shape, frame, half, x, supports, i, d, like: None
+
+    def along(shape, frame, half, x, supports, i, d, like):
+        first = first_vertex(frame, d, half[d], x[d])
+        f = (x[d] - frame.origin[d]) * frame.inverse[d] - (first - frame.ghost)
+        values, slopes = weights(shape, half[d], f)
+        supports.first[i, d] = first
+        _keep(supports.w[i, d], 0, values)
+        _keep(supports.g[i, d], 0, slopes)
+        _support(shape, frame, half, x, supports, i, d + 1, like[1:])
+
+    return along
+
+
+@kernel
+def find_supports(shape, frame, identity, table, column, supports):
+    """Set the supports, but not `at`, of undeformed particles.
+
+    Their places stand in `table` from `column` on.
+    """
+    half = size(shape, frame.cell, identity)[0]
+    for i in range(len(table)):
+        supports.first[i, :] = 0
+        supports.w[i, :, :] = 0.0
+        supports.g[i, :, :] = 0.0
+        supports.w[i, :, 0] = 1.0
+        x = table[i, column : column + 3]
+        _support(shape, frame, half, x, supports, i, 0, frame.origin)
