@@ -25,7 +25,7 @@ from pgimp.kernels.contactlaw import exchange
 from pgimp.kernels.encounters import BODIES, ENTRY, SUMS, VERTEX, copy
 from pgimp.kernels.particles import FloatArray, IntArray
 from pgimp.kernels.present import HEAVY, WEIGHS
-from pgimp.kernels.startgrid import MOVES, YIELDS
+from pgimp.kernels.startgrid import LOST, MOVES, YIELDS
 from pgimp.kernels.support import weights_at
 
 
@@ -184,6 +184,8 @@ def _give(s, J, sign, responses, values):
         one = values[responses.column[k]]
         for d in range(3):
             one[MOVES + d] += sign * entry[k] * J[d] * one[YIELDS + d]
+            if one[YIELDS + d] == 0.0:
+                one[LOST + d] += sign * entry[k] * J[d]
 
 
 @inner_kernel

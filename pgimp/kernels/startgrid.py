@@ -16,8 +16,8 @@ from pgimp.kernels.record import ACCELERATION, MASS, RECORD, VELOCITY
 from pgimp.kernels.support import vertex_at, weights_at
 
 #: Columns of `StartVertices.values`: mass, velocity, inverse of mass by component, which is 0 where
-#: a face or a constraint holds it.
-INERTIA, MOVES, YIELDS, STARTED = 0, 1, 4, 7
+#: a face or a constraint holds it; the impulse of contact that went there.
+INERTIA, MOVES, YIELDS, LOST, STARTED = 0, 1, 4, 7, 10
 
 
 class StartVertices(NamedTuple):
@@ -112,7 +112,7 @@ def take_vertices(holding, field, table, supports, seen, vertices):
             row[INERTIA] = m
             u = held_velocity(holding, number, r, v, True)
             for d in range(3):
-                row[MOVES + d], row[YIELDS + d] = v[d], 0.0
+                row[MOVES + d], row[YIELDS + d], row[LOST + d] = v[d], 0.0, 0.0
                 if d < D and m > forcing.lightest:
                     pushed = (
                         v[0] + (1.0 if d == 0 else 0.0), v[1] + (1.0 if d == 1 else 0.0),
@@ -145,6 +145,22 @@ def find_vertices(frame, table, supports, fields, hashes):
                 supports.at[i, q] = hashes[slot(hashes, key), 1]
 
 
+@inner_kernel
+def place_of_key(frame, field, key):
+    """Place of a vertex in the records of a rank, -1 where it has none, and its numbers."""
+    window = field.window
+    size, count = field_size(window), field_count(window)
+    ny, nz = _across(frame)
+    rest, one = key // count, key % count
+    number = (rest // (nz * ny), rest // nz % ny, rest % nz)
+    x, y, z = number[0] - window.lower[0], number[1] - window.lower[1], number[2] - window.lower[2]
+    if x < 0 or x >= len(field.active) or y < 0 or y >= window.extent[1]:
+        return -1, number
+    if z < 0 or z >= window.extent[2] or field.active[x] == 0:
+        return -1, number
+    return x * window.stride[0] + one * size + y * window.stride[1] + z * window.stride[2], number
+
+
 @kernel
 def give_to_vertices(frame, field, keys, changes, dt):
     """Change velocities and accelerations of the vertices that a rank has.
@@ -156,19 +172,11 @@ def give_to_vertices(frame, field, keys, changes, dt):
     changes : (m, 3) float64
         Of their velocities.
     """
-    window, G, active = field.window, field.G, field.active
-    size, count = field_size(window), field_count(window)
-    ny, nz = _across(frame)
+    G = field.G
     for n in range(len(keys)):
-        rest, one = keys[n] // count, keys[n] % count
-        z = rest % nz - window.lower[2]
-        y = rest // nz % ny - window.lower[1]
-        x = rest // (nz * ny) - window.lower[0]
-        if x < 0 or x >= len(active) or y < 0 or y >= window.extent[1]:
+        r, _ = place_of_key(frame, field, keys[n])
+        if r < 0:
             continue
-        if z < 0 or z >= window.extent[2] or active[x] == 0:
-            continue
-        r = x * window.stride[0] + one * size + y * window.stride[1] + z * window.stride[2]
         for d in range(3):
             G[r + VELOCITY + d] += changes[n, d]
             G[r + ACCELERATION + d] += changes[n, d] / dt

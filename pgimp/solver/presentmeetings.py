@@ -15,6 +15,7 @@ from pgimp.kernels.boxes import grow_boxes
 from pgimp.kernels.concepts import Forcing
 from pgimp.kernels.contact import Contact
 from pgimp.kernels.encounters import Encounters, find_encounters
+from pgimp.kernels.heldbooks import book_held
 from pgimp.kernels.holding import Holding
 from pgimp.kernels.ledger import CONTACT_AREA, Ledger
 from pgimp.kernels.numbered import number_keys, room_for
@@ -129,6 +130,7 @@ class PresentMeetings:
             return
         changes = vertices.values[:, MOVES:YIELDS] - before
         call(give_to_vertices, scene.frame, grid.field, vertices.keys, changes, t.dt)
+        call(book_held, holding, grid.field, vertices, ledger)
         if grid.slab.layers and grid.slab.below is None:
             call(book_contacts, contact, free, *known, vertices.values, self._walls, ledger)
 
@@ -232,6 +234,7 @@ def calls(
     yield 2.0, lambda: find_responses(table, supports, supports, encounters, present.sums, values)
     yield 2.0, lambda: settle_contacts(contact, free, encounters, rows, values, 1, ENOUGH)
     yield 0.3, lambda: give_to_vertices(frame, grid.field, none, np.empty((0, 3)), 1.0)
+    yield 1.0, lambda: book_held(holding, grid.field, vertices, ledger)
     yield 2.0, lambda: book_contacts(contact, free, encounters, rows, values, walls, ledger)
 
 

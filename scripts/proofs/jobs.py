@@ -66,7 +66,7 @@ history: {every: {steps: 10}}
 checkpoint: {every: {steps: 25}, keep: 3}
 """
 
-#: A job that has not ended after this is taken for hung.
+#: A job on two ranks that has not ended after this is taken for hung; more share the cores.
 PATIENCE = 60.0
 
 
@@ -139,7 +139,7 @@ class Job:
         """Status and seconds until the end; None as status if it hangs, and it is ended."""
         began = time.monotonic()
         try:
-            status = self.process.wait(patience)
+            status = self.process.wait(patience * max(1.0, self.count / 2.0))
         except subprocess.TimeoutExpired:
             status = None
             for pid in (*self.ranks(), self.process.pid):
