@@ -28,6 +28,10 @@ from pgimp.kernels.present import HEAVY, WEIGHS
 from pgimp.kernels.startgrid import LOST, MOVES, YIELDS
 from pgimp.kernels.support import weights_at
 
+#: Least part of the squares of a row of B at vertices that give way. Below it the few that do would
+#: have to make good, each with many times the speed, for what the others do as they are told.
+LEAST_FREE = 0.25
+
 
 class Responses(NamedTuple):
     """How the vertices of the start answer to impulses: the rows of B for what meets.
@@ -43,7 +47,7 @@ class Responses(NamedTuple):
     entry : (k,) float64
         What B has there.
     answer : (rows, 3) float64
-        sum_j B_ij^2/m_j, by component; vertices that are held do not count.
+        sum_j B_ij^2/m_j, by component; vertices that are held do not count, see `LEAST_FREE`.
     """
 
     row_of: IntArray
@@ -51,6 +55,19 @@ class Responses(NamedTuple):
     column: IntArray
     entry: FloatArray
     answer: FloatArray
+
+
+@inner_kernel
+def _answer(column, entry, first, last, values, part):
+    """Sum of B_ij^2/m_j over a row's vertices that give way; 0 if nearly all of it is held."""
+    found, gives, every = 0.0, 0.0, 0.0
+    for k in range(first, last):
+        square = entry[k] ** 2
+        found += square * values[column[k], part]
+        every += square
+        if values[column[k], part] != 0.0:
+            gives += square
+    return found if gives >= LEAST_FREE * every else 0.0
 
 
 @allocating_kernel
@@ -127,9 +144,8 @@ def find_responses(table, now, before, encounters, sums, values):
                 x, y, z = weights_at(before, i, q)
                 entry[place[j]] += part * x * y * z
         start[r + 1] = used
-        for k in range(start[r], used):
-            for d in range(3):
-                answer[r, d] += entry[k] ** 2 * values[column[k], YIELDS + d]
+        for d in range(3):
+            answer[r, d] = _answer(column, entry, start[r], used, values, YIELDS + d)
     return Responses(row_of, start, column[:used], entry[:used], answer)
 
 

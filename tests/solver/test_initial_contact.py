@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scenes import SOFT, box, finish, scene, start
+from scenes import SOFT, box, field, finish, scene, start
 
 HARD = SOFT | {"young": 1000.0}
 
@@ -135,11 +135,12 @@ def test_bodies_that_meet_within_a_cell_have_their_own_fields():
 def test_what_is_held_bears_its_part_of_an_impact():
     """A block, one side of which a wall holds and the other a grip, is thrown on the floor.
 
-    Momentum comes from the three, and work from the grip alone, which moves.
+    Momentum comes from the three, and work from the grip alone, which moves. The few vertices near
+    the grip that give way do not make good for what it pushes into the floor.
     """
     region = {"box": {"min": [3.1, 0.1], "max": [4.1, 3.1]}}
     case = scene(
-        2, initial(box([0.0, 0.1], [4.0, 3.0], [0.0, -1.0])), cells=[6, 5], step=0.005, end=0.3,
+        2, initial(box([0.0, 0.1], [4.0, 3.0], [0.0, -1.0])), cells=[6, 5], step=0.005, end=0.6,
         boundaries={"x-min": "fixed", "y-min": {"separating": {"friction": 0.3}}},
         constraints={"grip": {"body": "body", "region": region, "velocity": [0.2, -0.1]}},
     )  # fmt: skip
@@ -159,3 +160,5 @@ def test_what_is_held_bears_its_part_of_an_impact():
         assert done == pytest.approx((0.2 * force[0] - 0.1 * force[1]) * sim.dt, abs=1e-12)
         last = line
     assert most > 1.0
+    # Thrown at 1, with a grip at 0.2; where those vertices did, the body was inside out by now.
+    assert np.abs(field(sim, "v")).max() < 3.0
