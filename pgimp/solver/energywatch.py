@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from pgimp.errors import EndlessError
-from pgimp.kernels.sums import KINETIC, MASS, STRAIN, SUMS, layer_sums
+from pgimp.kernels.sums import KINETIC, MASS, STRAIN, layer_sums
 
 #: Steps from one look to the next.
 EVERY = 10
@@ -101,10 +101,10 @@ class EnergyWatch:
     def _sums(rank: Any) -> tuple[float, float, float]:
         """Kinetic and strain energy, external work, and mass, with particles that have left."""
         scene, population, own = rank.scene, rank.population, rank.booked()
-        sums = np.zeros((rank.slab.layers, len(scene.body_names), SUMS))
+        sums = np.zeros((rank.slab.layers, len(scene.body_names), scene.sums))
         setting = scene.setting.without_shape()
         layer_sums(setting, population.particles, population.ordered, sums)
-        escaped = own.escaped if scene.escapes else np.zeros((len(own.work), 1, SUMS))
+        escaped = own.escaped if scene.escapes else np.zeros((len(own.work), 1, scene.sums))
         mine = [(found[:, :, KINETIC] + found[:, :, STRAIN], found[:, :, MASS])
                 for found in (sums, escaped)]  # fmt: skip
         rows = [each.sum(axis=1) for pair in mine for each in pair]

@@ -78,6 +78,21 @@ def test_what_falls_and_is_compressed_makes_no_energy():
     assert sim.watch.part == 1.0 and not sim.watch.said
 
 
+def test_what_is_watched_is_what_the_history_says_of_a_metal_that_yields():
+    """Its sums have more columns than those of a solid that gives back all."""
+    metal = {"model": "von-mises", "young": 100.0, "poisson": 0.0, "density": 1.0,
+             "yield-stress": 1.0}  # fmt: skip
+    sim = start(bar(-4.0, end=0.6, boundaries={"x-min": "fixed"}, materials={"soft": metal}))
+    while not sim.finished:
+        sim.advance()
+    said = sim.diagnostics()
+    assert said["plastic-work"] > 0.01 * said["kinetic-energy"]
+    found, work, mass = sim.watch._sums(sim.rank)
+    assert found == pytest.approx(energy(said), rel=1e-12)
+    assert mass == pytest.approx(said["mass"], rel=1e-12)
+    assert work == pytest.approx(said["external-work"], abs=1e-12)
+
+
 def test_what_rests_may_round():
     """No energy at all, but for rounding, is no reason to say anything."""
     sim = start(bar(end=3.0))
