@@ -1,7 +1,7 @@
 """The other cases: disks, rolling, incline, upsetting, pile, bar."""
 
 import numpy as np
-from common import BLUE, RED, boxes, frame_at, plt, run, save
+from common import BLUE, GREY, RED, boxes, frame_at, plt, run, save
 
 from pgimp.tools.plot.camera import camera
 from pgimp.tools.plot.rigid import draw_lines, lines
@@ -16,28 +16,40 @@ def energies(axis, results, unit):
     axis.set_ylabel(f"energy [{unit}]")
 
 
+def push(results, body):
+    """Times, and the force along the diagonal that a history shows to act on a body in 2D."""
+    history = results.history
+    momentum = (history[f"body.{body}.momentum-x"] + history[f"body.{body}.momentum-y"]) / 2**0.5
+    time = history["time"]
+    return 0.5 * (time[1:] + time[:-1]), -np.diff(momentum) / np.diff(time)
+
+
 def disks(redraw):
-    """Three instants coloured by the von Mises stress, and the energies."""
+    """Three instants coloured by the von Mises stress, the energies, and the force."""
     results = run("disks", redraw)
-    times = (1.0, 2.0, 3.6)
+    bonded = run("disks", redraw, "disks-bonded", ["contact=[]", "output.every=null"])
+    times = (1.5, 2.1, 3.6)
     top = np.percentile(frame_at(results, times[1])["von-mises"], 98.5)
     figure = plt.figure(figsize=(9, 5.6))
-    grid = figure.add_gridspec(2, 3, height_ratios=(1.25, 1.0))
-    axes = []
-    for column, time in enumerate(times):
-        axis = figure.add_subplot(grid[0, column], aspect="equal")
+    above, below = figure.subfigures(2, 1, height_ratios=(1.25, 1.0))
+    axes = above.subplots(1, 3, subplot_kw={"aspect": "equal"})
+    for column, (axis, time) in enumerate(zip(axes, times, strict=True)):
         frame = frame_at(results, time)
         shown = boxes(axis, frame["position"], frame["radius"], frame["von-mises"], (0.0, top))
         axis.set(xlim=(-0.05, 1.05), ylim=(-0.05, 1.05), xlabel="x [m]", xticks=(0, 0.5, 1))
         axis.set(yticks=(0, 0.5, 1), ylabel="" if column else "y [m]")
         axis.set_title(f"t = {frame.time:.2f} s", fontsize=10)
-        axes.append(axis)
-    figure.colorbar(shown, ax=axes, label="von Mises stress [Pa]", shrink=0.85, extend="max")
-    axis = figure.add_subplot(grid[1, :])
-    energies(axis, results, "J/m")
+    above.colorbar(shown, ax=axes, label="von Mises stress [Pa]", shrink=0.85, extend="max")
+    left, right = below.subplots(1, 2)
+    energies(left, results, "J/m")
     total = results.history["kinetic-energy"] + results.history["strain-energy"]
-    axis.plot(results.history["time"], total, "k--", lw=1.0, label="sum")
-    axis.legend(loc="center left", ncol=1)
+    left.plot(results.history["time"], total, "k--", lw=1.0, label="sum")
+    left.legend(loc="center left", ncol=1)
+    right.axvline((0.6 * 2**0.5 - 0.4) / (0.2 * 2**0.5), color=GREY, lw=0.8)
+    right.plot(*push(results, "left"), color=BLUE, label="with contact")
+    right.plot(*push(bonded, "left"), color=RED, ls="--", lw=1.2, label="without")
+    right.set(xlabel="time [s]", ylabel="force between the disks [N/m]", xlim=(1.3, 3.2))
+    right.legend(loc="upper right", title="line: exact instant of touch", title_fontsize=8)
     save(figure, "disks")
 
 

@@ -2,6 +2,7 @@
 
 import argparse
 import contextlib
+import itertools
 import json
 import multiprocessing
 import random
@@ -14,7 +15,7 @@ import scene_books
 import scene_runs
 import scene_shrink
 from jobs import Job, scratch
-from scene_features import make
+from scene_features import FEATURES, make
 
 import pgimp
 from pgimp.errors import PgimpError
@@ -37,6 +38,8 @@ def main(words):
     parser.add_argument("--first", type=int, default=0, help="number of the first scene")
     parser.add_argument("--scene", type=int, help="this one alone")
     parser.add_argument("--short", action="store_true", help="few kinds of scenes")
+    parser.add_argument("--having", metavar="FEATURE", help="only kinds of scenes that have it")
+    parser.add_argument("--each", type=int, default=GROUP, help="scenes of a kind, with --having")
     parser.add_argument("--jobs", type=int, default=1, help="groups at a time")
     parser.add_argument("--shrink", type=float, default=300.0, help="seconds for a failing scene")
     options = parser.parse_args(words)
@@ -46,6 +49,8 @@ def main(words):
     elif options.short:
         each = -(-options.runs // len(SHORT))
         numbers = [GROUP * group + n for group in SHORT for n in range(each)][: options.runs]
+    elif options.having:
+        numbers = [*itertools.islice(having(options), options.runs)]
     groups = {}
     for number in numbers:
         groups.setdefault(number // GROUP, []).append(number)
@@ -65,6 +70,16 @@ def main(words):
         failures += [f"scene {each['number']}: {what}" for each in results
                      for what, _ in each["failures"]]  # fmt: skip
     return 1 if failures else 0
+
+
+def having(options):
+    """Numbers of scenes of the kinds that have a feature, without end."""
+    known = [feature.name for feature in FEATURES]
+    if options.having not in known:
+        raise SystemExit(f"scripts/faults scenes: --having is one of {', '.join(known)}")
+    for group in itertools.count(options.first // GROUP):
+        if options.having in make(options.seed, GROUP * group, group)[2]:
+            yield from range(GROUP * group, GROUP * group + min(options.each, GROUP))
 
 
 def read(folder, numbers):

@@ -79,7 +79,7 @@ def test_material(source):
     assert "....." in tested
     water = "materials.jelly={model: fluid, bulk: 1.0e3, shear_viscosity: 1.0, density: 1.0e3}"
     words = ["-m", "pgimp", "cases/disks.yaml", "-o", "water.out"]
-    python(source, *words, "--set", water, "--set", "time.end=0.05")
+    python(source, *words, "--set", water, "--set", "contact=[]", "--set", "time.end=0.05")
 
 
 #: Each prints what the package of the page computes, and what it is compared with.

@@ -43,7 +43,7 @@ INSTEAD = {
     "mpirun -n 2 pgimp --import cases/fluid.py my-case.yaml": "mpirun -n 2 pgimp --import "
     "cases/fluid.py cases/disks.yaml -o fluid.out --set "
     "'materials.jelly={model: fluid, bulk: 1.0e3, shear: 0.1, density: 1.0e3}' "
-    "--set time.end=0.004 --quiet",
+    "--set contact=[] --set time.end=0.004 --quiet",
     # The run has been too short for the times of the text.
     "pgimp plot block3d.out --field von-mises --time 0,0.32,0.46,0.6": "pgimp plot block3d.out "
     "--field von-mises --frame 0,-1",
