@@ -7,9 +7,10 @@ from cost import error_and_cost
 from exact import shock, spinning_block, vortex
 from flowing import channel, dam_break, excavation, sand_column, slope, sod
 from looking import block3d, block3d_initial, paraview
-from meeting import corner, drum, hertz_impact
+from meeting import corner, drum, hertz_impact, hertz_line
 from metal import plate_impact, taylor_bar
-from scenes import bar_vibration, disks, graded, incline, pile, rolling, upsetting
+from rolls import rolling, rolling_ball
+from scenes import bar_vibration, disks, graded, incline, pile, upsetting
 
 PICTURES = {
     "compaction": compaction,
@@ -18,10 +19,12 @@ PICTURES = {
     "block3d-paraview": paraview,
     "disks": disks,
     "rolling": rolling,
+    "rolling-ball": rolling_ball,
     "incline": incline,
     "upsetting": upsetting,
     "pile": pile,
     "hertz": hertz_impact,
+    "hertz-line": hertz_line,
     "corner": corner,
     "drum": drum,
     "bar-vibration": bar_vibration,

@@ -1,4 +1,4 @@
-"""Cases of bodies that meet: Hertz's impact, a corner, grains in a drum."""
+"""Cases of bodies that meet: Hertz's impact and his line contact, a corner, grains in a drum."""
 
 import h5py
 import numpy as np
@@ -64,6 +64,50 @@ def hertz_impact(redraw):
     print(f"pictures: force over Hertz {4.0 * history['reaction.z-min-z'].max() / force.max():.4f}")
     print(f"pictures: radius {found / circle:.3f}, middle {pressures[places == 0.0] / middle}")
     save(figure, "hertz")
+
+
+def line_pressure(results, cell):
+    """Distances from the plane of symmetry, forces and pressures between the cylinders at last."""
+    number = len(results.times) - 1
+    with h5py.File(results.path / f"frames/grid-{number:06d}.h5") as file:
+        place, force = file["position"][:], np.abs(file["contact"][:, 1])
+    column, which = np.unique(np.rint(place[:, 0] / cell), return_inverse=True)
+    force = np.bincount(which, force)
+    inside = column >= 0.0
+    pressure = force / (cell * np.where(column == 0.0, 0.5, 1.0))
+    return cell * column[inside], force[inside], pressure[inside]
+
+
+def hertz_line(redraw):
+    """Both cylinders, where they touch, and the pressure between them against Hertz's."""
+    results = run("hertz-line", redraw)
+    radius, plane, cell = 0.1, 1.0e6 / (1.0 - 0.3**2), 2.4e-3
+    history = results.history
+    force = 2.0 * np.abs(history["contact.low+high-y"][history["time"] > 0.065]).mean()
+    wide = np.sqrt(4.0 * force * radius / (np.pi * plane))
+    top = 0.5 * plane * wide / radius
+    figure, (left, between, right) = plt.subplots(1, 3, figsize=(9, 3.4), width_ratios=(1, 1, 1.4))
+    frame = results.frame(-1)
+    place, stress = frame["position"], frame["von-mises"] / 1e3
+    for axis, most in ((left, 0.108), (between, 2.0 * wide)):
+        near = (np.abs(place[:, :2] - [0.0, 0.0983]) < most + 2.0 * cell).all(axis=1)
+        for side in (1.0, -1.0):
+            both = place[near] * [side, 1.0, 0.0]
+            shown = boxes(axis, both, frame["radius"][near], stress[near], (0.0, 35.0))
+        axis.set(xlim=(-most, most), ylim=(0.0983 - most, 0.0983 + most), aspect="equal")
+        axis.set(xlabel="x [m]")
+    left.set_ylabel("y [m]")
+    figure.colorbar(shown, ax=(left, between), label="von Mises stress [kPa]", location="top")
+    x, forces, pressures = line_pressure(results, cell)
+    ways = np.linspace(-wide, wide, 400)
+    for side in (1.0, -1.0):
+        right.plot(side * 1e3 * x, pressures / 1e3, "o", color=BLUE, ms=3)
+    right.plot(1e3 * ways, top / 1e3 * np.sqrt(1.0 - (ways / wide) ** 2), "k--", lw=1.0)
+    right.set(xlabel="x [mm]", ylabel="pressure between them [kPa]", xlim=(-20, 20), ylim=(0, 65))
+    found = 2.0 * np.sqrt((forces * x**2).sum() / forces.sum())
+    print(f"pictures: {force:.0f} N/m, half-width over Hertz's {found / wide:.3f}")
+    print(f"pictures: pressure {pressures[0] / top:.3f}, {pressures.max() / top:.3f} of Hertz's")
+    save(figure, "hertz-line")
 
 
 def corner(redraw):

@@ -1,4 +1,4 @@
-"""The other cases: disks, rolling, incline, upsetting, pile, bar."""
+"""The other cases: disks, incline, upsetting, pile, bar."""
 
 import numpy as np
 from common import BLUE, GREY, RED, boxes, frame_at, plt, run, save
@@ -51,46 +51,6 @@ def disks(redraw):
     right.set(xlabel="time [s]", ylabel="force between the disks [N/m]", xlim=(1.3, 3.2))
     right.legend(loc="upper right", title="line: exact instant of touch", title_fontsize=8)
     save(figure, "disks")
-
-
-def spin(frame, body):
-    """Angular velocity of a body in 2D, by its particles' angular momentum about their centre."""
-    own = frame["body"] == frame.bodies.index(body)
-    mass, x, v = frame["mass"][own], frame["position"][own], frame["velocity"][own]
-    x = x - np.average(x, axis=0, weights=mass)
-    v = v - np.average(v, axis=0, weights=mass)
-    return (mass @ (x[:, 0] * v[:, 1] - x[:, 1] * v[:, 0])) / (mass @ (x**2).sum(axis=1))
-
-
-def rolling(redraw):
-    """Three instants coloured by the velocity along the plate; velocity and spin against exact."""
-    results = run("rolling", redraw)
-    times = (0.0, 0.1, 0.8)
-    figure = plt.figure(figsize=(9, 5.2))
-    grid = figure.add_gridspec(2, 3, height_ratios=(1.0, 1.25))
-    axes = []
-    for column, time in enumerate(times):
-        axis = figure.add_subplot(grid[0, column], aspect="equal")
-        frame = frame_at(results, time)
-        speed = frame["velocity"][:, 0]
-        shown = boxes(axis, frame["position"], frame["radius"], speed, (0.0, 2.0))
-        middle = frame["position"][frame["body"] == frame.bodies.index("cylinder"), 0].mean()
-        axis.set(xlim=(middle - 0.35, middle + 0.35), ylim=(0.0, 0.55), xlabel="x [m]")
-        axis.set(ylabel="" if column else "y [m]", title=f"t = {frame.time:.2f} s")
-        axes.append(axis)
-    figure.colorbar(shown, ax=axes, label="velocity along x [m/s]", shrink=0.85)
-    axis = figure.add_subplot(grid[1, :])
-    history = results.history
-    speed = history["body.cylinder.momentum-x"] / history["body.cylinder.mass"]
-    axis.plot(history["time"], speed, color=BLUE, label="velocity of the centre")
-    turned = [(frame.time, -0.2 * spin(frame, "cylinder")) for frame in results]
-    axis.plot(*np.transpose(turned), color=RED, label="spin times radius")
-    slide = 1.5 / (3.0 * 0.3 * 9.81)
-    axis.plot([0.0, slide, 0.8], [1.5, 1.0, 1.0], "k--", lw=1.0, label="rigid bodies")
-    axis.plot([0.0, slide], [0.0, 1.0], "k--", lw=1.0)
-    axis.set(xlabel="time [s]", ylabel="velocity [m/s]", ylim=(-0.1, 1.6))
-    axis.legend(loc="lower right")
-    save(figure, "rolling")
 
 
 def incline(redraw):

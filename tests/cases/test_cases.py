@@ -4,6 +4,7 @@ import re
 import sys
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 from processes import run
@@ -46,9 +47,11 @@ COARSER = {
     "disks": ["grid.cell=[0.04,0.04]", "output.every=0.5"],
     "incline": ["grid.cell=[0.1,0.1]", "time.end=0.6", "output.every=0.3"],
     "rolling": ["grid.cell=[0.05,0.05]", "time.end=0.5", "output.every=0.25"],
+    "rolling-ball": ["grid.cell=[0.02,0.02,0.02]", "time.end=0.25", "output.every=0.05"],
     "upsetting": ["grid.cell=[0.05,0.05]", "output.every=0.4"],
     "pile": ["grid.cell=[0.2]"],
     "hertz": ["grid.cell=[0.02,0.02,0.02]", "output.every=0.04"],
+    "hertz-line": ["grid.cell=[4.8e-3,4.8e-3]"],
     "corner": ["grid.cell=[0.05,0.05]", "gravity.table.1.0=0.4", "time.end=0.6"],
     "drum": ["grid.cell=[0.024,0.024]", "time.end=0.1", "history.every={steps: 10}"],
     "sod": ["grid.cell=[0.005]", "output.every=0.1"],
@@ -60,7 +63,10 @@ COARSER = {
     "dam-break": ["grid.cell=[0.07,0.06]", "time.end=1.0", "output.every=0.5"],
 }
 #: Run on one rank only, which takes less time: what they have others have on two.
-ALONE = {"hertz", "corner", "drum", "sod", "slope", "channel", "graded", "excavation"}
+ALONE = {
+    "hertz", "hertz-line", "rolling-ball", "corner", "drum", "sod", "slope", "channel", "graded",
+    "excavation",
+}  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -212,6 +218,26 @@ def test_cylinder_slides_and_rolls(runs):
     assert slip[-1] == pytest.approx(0.3 * push[-1], rel=0.02)
 
 
+def test_ball_rolls_down_a_slope(runs):
+    """A radius of five cells: acceleration, and no slip between the ball and the slope."""
+    results = runs("rolling-ball")
+    history = results.history
+    time, late = history["time"], history["time"] > 0.15 - 1e-9
+    speed = history["body.ball.momentum-x"] / history["body.ball.mass"]
+    exact = 5.0 / 7.0 * 9.81 * np.sin(np.radians(20.0))
+    # 0.956 until 0.35 s, and 0.983 with ten cells.
+    assert np.polyfit(time[late], speed[late], 1)[0] == pytest.approx(exact, rel=0.07)
+    frame = results.frame(-1)
+    own = frame["body"] == 0
+    mass, x, v = frame["mass"][own], frame["position"][own], frame["velocity"][own]
+    x, v = x - np.average(x, axis=0, weights=mass), v - np.average(v, axis=0, weights=mass)
+    spin = mass @ (x[:, 2] * v[:, 0] - x[:, 0] * v[:, 2])
+    spin /= mass @ (x[:, 0] ** 2 + x[:, 2] ** 2)
+    assert 0.1 * spin == pytest.approx(speed[-1], rel=0.1)  # it rocks, by 6 %
+    heat = history["contact.ball+slope.friction-heat"][-1]
+    assert 0.0 <= heat < 0.05 * history["kinetic-energy"][-1]
+
+
 def test_block_slides_down_a_slope(runs):
     """Cells twice as large: acceleration and friction as Coulomb says."""
     history = runs("incline").history
@@ -294,6 +320,24 @@ def test_ball_hits_a_wall(runs):
     assert 0.8 < rebound < 1.0
     impulse = (history["reaction.z-min-z"][1:] * np.diff(time)).sum()
     assert impulse == pytest.approx(np.ptp(history["momentum-z"][[0, -1]]), rel=1e-12)
+
+
+def test_cylinders_are_pressed_on_each_other(runs):
+    """2.2 cells in Hertz's half-width, 4.4 in the case: force, half-width, pressure."""
+    results = runs("hertz-line")
+    history, radius, plane, cell = results.history, 0.1, 1.0e6 / (1.0 - 0.3**2), 4.8e-3
+    held = history["time"] > 0.065
+    force = 2.0 * np.abs(history["contact.low+high-y"][held]).mean()
+    wide = np.sqrt(4.0 * force * radius / (np.pi * plane))
+    approach = 2.0 * force / (np.pi * plane) * (2.0 * np.log(4.0 * radius / wide) - 1.0)
+    assert approach == pytest.approx(3.6e-3, rel=0.02)
+    with h5py.File(results.path / f"frames/grid-{len(results.times) - 1:06d}.h5") as file:
+        place, found = file["position"][:, 0], np.abs(file["contact"][:, 1])
+    assert 2.0 * found.sum() == pytest.approx(force, rel=0.02)
+    width = 2.0 * np.sqrt((found * place**2).sum() / found.sum())
+    assert width == pytest.approx(wide, rel=0.06)
+    middle = found[np.abs(place) < 0.5 * cell].sum() / (0.5 * cell)
+    assert middle == pytest.approx(0.5 * plane * wide / radius, rel=0.1)
 
 
 def test_bodies_lie_in_a_corner(runs):
