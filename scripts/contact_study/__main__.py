@@ -39,6 +39,8 @@ def _figures(quick):
     for cell in cells:
         jobs["bars", cell] = (motion.bars, 2.5 * cell)
         jobs["disks", cell] = (motion.disks, 0.2 * cell)
+        for which in ("current", "initial"):
+            jobs[f"leaving, {which}", cell] = (motion.leaving, which, cell)
         jobs["edges", cell] = (motion.edges, 5.0 * cell)
         for D in (2, 3):
             jobs[f"collision {D}", cell] = (rolls.collision, D, 5.0 * cell)
@@ -77,6 +79,9 @@ def _table(found, cells):
         ("the same on a wall that lets go", "0", once("lying")),
         ("a block at rest, of one that touches it and moves away: momentum taken", "0",
          once("parting")),
+        ("a ball at rest, R = 5 and 10 cells, of a plate under it that leaves, 2D and 3D: momentum "
+         "taken", "0", at("leaving, current", None, "{:.0e}")),
+        ("the same in the initial configuration", "0", at("leaving, initial", None, "{:.0e}")),
         ("bars of 20 and 40 cells meet: rebound", "1", at("bars", 0)),
         ("the same: energy lost", "0", at("bars", 1)),
         ("Sulsky's disks, R = 5 and 10 cells: energy lost when they have parted", "0",

@@ -113,6 +113,32 @@ def parting():
     return abs(last["body.a.momentum-x"]) / last["momentum-x"]
 
 
+def leaving(configuration, cell):
+    """Greatest momentum that a ball at rest takes from a plate that leaves, over the plate's.
+
+    In 2D and 3D, without friction and with it, straight and a little aside, in all steps.
+    """
+    most = 0.0
+    for D in (2, 3):
+        away = [0.3, *[0.0] * (D - 2), -1.0]
+        bodies = {
+            "ball": ({"ball": {"centre": [1.43] * (D - 1) + [1.67], "radius": 1.0}}, [0.0] * D),
+            "plate": (box([0.23] * (D - 1) + [0.37], [2.63] * (D - 1) + [0.67]), away),
+        }
+        for friction in (0.0, 0.5):
+            contact = [{"bodies": "all", "friction": friction}]
+            case = case_of(bodies, [3.0] * D, cell, 0.2, contact=contact)
+            for body in case["bodies"].values():
+                body["configuration"] = configuration
+            simulation = pgimp.Simulation(case)
+            while not simulation.finished:
+                simulation.step()
+                line = simulation.diagnostics()
+                taken = max(abs(line[f"body.ball.momentum-{axis}"]) for axis in "xyz"[:D])
+                most = max(most, taken / abs(line[f"body.plate.momentum-{'xyz'[D - 1]}"]))
+    return most
+
+
 def incline(cell, angle=24.0, friction=0.3, law="friction"):
     """A block slides down a held slab: acceleration, heat over Coulomb's, cells by which it sinks.
 
