@@ -17,6 +17,10 @@ from pgimp.scene.faces import Face
 from pgimp.scene.freebody import State
 from pgimp.scene.tools import SceneTools
 
+#: Cells within which surfaces of regions touch, and of those that distances at points of a lattice
+#: round; how far into what it does not feel a free rigid body may run; how near is looked closely.
+_TOUCH, _ROUNDED, _PAST, _NEAR = 0.05, 0.2, 0.5, 0.3
+
 
 def require_slow(tools: SceneTools, dt: float) -> None:
     """Refuse a first step in which a body would move by more than a cell."""
@@ -46,7 +50,8 @@ def require_apart(
 ) -> None:
     """Refuse bodies that overlap rigid ones at the start; collective.
 
-    Particles that a surface cuts may have their centre beyond it by half their size.
+    How far is known from the regions, at particles that lie in both. Bodies of a file have none:
+    of these a particle may have its centre as far in as half its size.
 
     Parameters
     ----------
@@ -58,17 +63,20 @@ def require_apart(
     CaseError
         On every rank.
     """
-    size = np.array(tools.frame.cell) / np.array(tools.case.method.particles_per_cell)
-    least = 0.5 * float(np.sqrt(np.square(size).sum()))
+    regions = [body.region for body in tools.case.bodies.values()]
     placed, found = tools.at(0.0, 0.0), []
     for x, body in blocks:
         distance = np.empty(len(x))
         for t, name in enumerate(tools.names):
             distances(placed, t, tools.frame, x, distance)
-            if len(x) and distance.min() < -least:
-                deepest = int(distance.argmin())
-                place = tuple(x[deepest].tolist())
-                found.append((float(distance[deepest]), place, int(body[deepest]), name))
+            near = np.flatnonzero(distance < _NEAR * min(tools.frame.cell))
+            for number in np.unique(body[near]):
+                own = near[body[near] == number]
+                depth = _depths(tools, name, regions[number], x[own], distance[own])
+                deepest = int(depth.argmax())
+                if depth[deepest] > 0.0:
+                    place = tuple(x[own[deepest]].tolist())
+                    found.append((-float(depth[deepest]), place, int(number), name))
     every = [one for some in comm.allgather(found) for one in some]
     every += on_root(comm, partial(_within_bodies, tools))
     if not every:
@@ -82,10 +90,33 @@ def require_apart(
         )
 
 
+def _depths(
+    tools: SceneTools,
+    name: str,
+    region: Any,
+    x: NDArray[np.float64],
+    distance: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """How far a body reaches into a rigid one, by particle near it; zero where that is nothing.
+
+    Between two surfaces that have passed each other the distances from them add up to how far.
+    """
+    cell = np.array(tools.frame.cell)
+    if region.WHOLE_BODY:
+        size = cell / np.array(tools.case.method.particles_per_cell)
+        depth, least = -distance, 0.5 * float(np.sqrt(np.square(size).sum()))
+    else:
+        ends = [tools.case.tools[name].region.signed_distance(x), region.signed_distance(x)]
+        depth, least = np.where(np.max(ends, axis=0) < 0.0, -np.sum(ends, axis=0), 0.0), 0.0
+    return np.where(depth > max(least, _TOUCH * float(cell.min())), depth, 0.0)
+
+
 def collisions(
-    tools: SceneTools, faces: Sequence[Face], states: list[State], time: float
+    tools: SceneTools, faces: Sequence[Face], states: list[State], time: float, first: bool
 ) -> Iterator[tuple[float, float, str, str]]:
     """Yield what free rigid bodies have run into that they do not feel: walls, and rigid bodies.
+
+    At the `first` instant, when nothing has run yet, they may but touch.
 
     Yields
     ------
@@ -105,14 +136,15 @@ def collisions(
             if face.side > 0:
                 wall += frame.cells[face.axis] * frame.cell[face.axis]
             depth = float(((mine[:, face.axis] - wall) * face.side).max(initial=0.0)) / least
-            yield depth - 0.5, depth, tools.names[number], f"the wall {face.name}"
+            limit = _TOUCH if first else _PAST
+            yield depth - limit, depth, tools.names[number], f"the wall {face.name}"
         distance = np.empty(len(mine))
         for other, name in enumerate(tools.names):
             if other != number:
                 distances(placed, other, frame, mine, distance)
                 depth = max(0.0, -float(distance.min(initial=0.0))) / least
                 # Farther in than half of a thin body it would be on its way out.
-                limit = min(0.5, 0.25 * tools.thick[other] / least)
+                limit = min(_ROUNDED if first else _PAST, 0.25 * tools.thick[other] / least)
                 yield depth - limit, depth, tools.names[number], f"the rigid body '{name}'"
 
 
@@ -139,7 +171,8 @@ def require_clear(
 
     def look() -> None:
         none = (0.0, 0.0, "", "")
-        excess, depth, name, what = max(collisions(tools, faces, states, time), default=none)
+        each = collisions(tools, faces, states, time, number == 0)
+        excess, depth, name, what = max(each, default=none)
         if excess <= 0.0:
             return
         text = (
@@ -168,8 +201,8 @@ def _within_bodies(tools: SceneTools) -> list[tuple[float, tuple[float, ...], in
         for number, body in enumerate(tools.case.bodies.values()):
             if body.region.WHOLE_BODY or not len(points):
                 continue
-            inside = body.region.distance(points) < -0.1 * min(tools.frame.cell)
-            for row in np.flatnonzero(inside)[:1]:
-                deep = float(field.values[deepest[row], 0])
+            depth = body.region.signed_distance(points)
+            for row in np.flatnonzero(depth < -0.1 * min(tools.frame.cell))[:1]:
+                deep = float(field.values[deepest[row], 0] + depth[row])
                 found.append((deep, tuple(points[row].tolist()), number, name))
     return found

@@ -128,7 +128,8 @@ def _lower(case):
         found[kind] = {k: e for k, e in entries if e["face"][0] != "xyz"[D - 1]}
     if D == 2:
         for name, each in found["materials"].items():
-            found["materials"][name] = {"model": "linear-1d", "young": each["young"],
+            modulus = each.get("young", each.get("bulk", 100.0))  # soils, fluids and gases, too
+            found["materials"][name] = {"model": "linear-1d", "young": modulus,
                                         "density": each["density"]}  # fmt: skip
         for body in found["bodies"].values():
             body.get("rigid", {}).pop("rotation", None)

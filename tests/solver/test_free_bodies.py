@@ -107,6 +107,30 @@ def test_a_body_that_meets_nothing():
     assert line["tool.ball.angular-momentum-z"] == pytest.approx(own + moment, abs=1e-11)
 
 
+@pytest.mark.parametrize(("low", "high", "said"), [
+    ([2.0, -0.2], [4.0, 2.0], "0.2 cells into the wall y-min"),
+    ([-0.5, 2.0], [2.0, 4.0], "0.5 cells into the wall x-min"),
+    ([7.3, 5.0], [9.0, 7.0], " cells into the rigid body 'post'"),
+    ([5.0, 0.0], [6.8, 2.0], None),  # touches a wall, and the post
+    ([5.0, 8.5], [7.0, 10.5], None),  # where the domain is open
+])  # fmt: skip
+def test_what_begins_in_a_wall_or_a_rigid_body_is_refused(low, high, said):
+    """They would not feel each other: where, how deep, and what to do, before the first step."""
+    bodies = {
+        "stone": free(low, high, 2.0),
+        "post": {"rigid": {}, "region": {"box": {"min": [6.8, 0.0], "max": [7.8, 6.0]}}},
+        "soft": box([2.0, 5.0], [4.0, 7.0]),
+    }
+    case = scene(2, bodies, cells=[12, 10], contact=[{"bodies": "all"}],
+                 boundaries={"x-min": "slip", "y-min": "separating"})  # fmt: skip
+    if said is None:
+        start(case)
+        return
+    with pytest.raises(CaseError, match="bodies.stone.region: reaches") as raised:
+        start(case)
+    assert said in str(raised.value) and "move it, or cut it" in str(raised.value)
+
+
 def test_a_top():
     """Torque-free: |L| exact, energy of second order; a symmetric one precesses at L/I."""
     def turn(n):

@@ -178,8 +178,9 @@ def test_poses_are_integrals_of_the_motion():
         ({"velocity": [1.0, 0.0]}, "bodies.ram.velocity"),
         ({"region": {"half-space": {"point": [3.0, 3.0], "normal": [1.0, 0.0]}}}, "has no end"),
         ({"region": {"box": {"min": [1.5, 1.0], "max": [2.0, 6.0]}}}, "0.5 thick"),
-        ({"region": {"box": {"min": [1.5, 1.0], "max": [5.5, 6.0]}}}, "'block' reaches"),
-        ({"region": {"box": {"min": [5.0, 3.0], "max": [6.0, 4.0]}}}, "'block' reaches 0.5"),
+        ({"region": {"box": {"min": [1.5, 1.0], "max": [5.5, 6.0]}}}, "'block' reaches 1.5 into the"),
+        ({"region": {"box": {"min": [1.5, 1.0], "max": [4.3, 6.0]}}}, "'block' reaches 0.3 into the"),
+        ({"region": {"box": {"min": [5.0, 3.0], "max": [6.0, 4.0]}}}, "'block' reaches 2 into the"),
         ({"region": {"points": {"file": "a.csv"}}}, "rigid body has no particles"),
         ({"rigid": {"velocity": [200.0, 0.0]}}, "moves by 2 cells in a step"),
         ({"rigid": {"rotation": {"about": [2.5, 3.0], "rate": 100.0}}}, "cells in a step"),
@@ -191,6 +192,23 @@ def test_what_cannot_be_is_refused(change, said):
     with pytest.raises((CaseError, ValueError)) as raised:
         start(case)
     assert said in str(raised.value)
+
+
+@pytest.mark.parametrize("region", [
+    {"box": {"min": [1.5, 1.0], "max": [4.0, 6.0]}},
+    {"ball": {"centre": [2.1, 3.4], "radius": 1.9}},
+    # A wedge, whose point touches: distances from its planes are much less than from the point.
+    {"intersection": [
+        {"box": {"min": [1.0, 1.0], "max": [4.0, 6.0]}},
+        {"half-space": {"point": [4.0, 3.5], "normal": [1.0, 2.0]}},
+        {"half-space": {"point": [4.0, 3.5], "normal": [1.0, -2.0]}},
+    ]},
+])  # fmt: skip
+def test_what_touches_is_not_refused(region):
+    """A flat face, a round one, and the point of a wedge."""
+    case = struck(2, {"friction": 0.1})
+    case["bodies"]["ram"] |= {"region": region}
+    start(case)
 
 
 def test_contact_of_rigid_bodies_alone_is_refused():
