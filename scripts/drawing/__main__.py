@@ -5,7 +5,7 @@ import argparse
 from column import compaction
 from cost import error_and_cost
 from exact import shock, spinning_block, vortex
-from flowing import channel, dam_break, excavation, sand_column, slope, sod
+from flowing import channel, dam_break, excavation, footing, sand_column, slope, sod
 from looking import block3d, block3d_initial, paraview
 from meeting import corner, drum, hertz_impact
 from metal import plate_impact, taylor_bar
@@ -36,6 +36,7 @@ PICTURES = {
     "slope": slope,
     "graded": graded,
     "excavation": excavation,
+    "footing": footing,
     "dam-break": dam_break,
     "error-and-cost": error_and_cost,
 }

@@ -106,3 +106,23 @@ def bank(cell, cohesion):
     changes = {"grid.cell": [cell, cell], "materials.clay.cohesion": cohesion}
     sim, speed = done("slope", **changes)
     return (float(-sim.particles["displacement"][:, 1].min()) / 2.0,), speed
+
+
+def footing(cell, volumetric):
+    """Pressure under a rough strip on clay over c: mean while it sinks from 0.12 to 0.18 cells.
+
+    The strip's edge is in the middle of a cell, up to which the vertices press that it is on.
+    """
+    half = 1.0 + 0.5 * cell
+    changes = {
+        "grid.cell": [cell, cell], "method.volumetric": volumetric,
+        "bodies.strip.region.box.max": [half, 3.0],
+        "bodies.strip.rigid.velocity.table": [[0.0, [0.0, 0.0]], [0.1, [0.0, -0.4 * cell]]],
+    }  # fmt: skip
+    sim = pgimp.Simulation(pgimp.load(ROOT / "cases/footing.yaml", changes))
+    began, count, forces = process_time(), len(sim.particles["id"]), []
+    for time in np.linspace(0.35, 0.5, 31):
+        sim.advance(time)
+        forces.append(sim.diagnostics()["tool.strip.force-y"])
+    speed = count * sim.steps / (process_time() - began)
+    return (float(np.mean(forces[1:])) / (half * 1.0e4),), speed
