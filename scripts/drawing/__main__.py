@@ -8,7 +8,7 @@ from exact import shock, spinning_block, vortex
 from flowing import channel, dam_break, excavation, footing, sand_column, slope, sod
 from looking import block3d, block3d_initial, paraview
 from meeting import corner, drum, hertz_impact
-from metal import plate_impact, taylor_bar
+from metal import plate_impact, taylor_bar, thick_tube
 from scenes import bar_vibration, disks, graded, incline, pile, rolling, upsetting
 
 PICTURES = {
@@ -28,6 +28,7 @@ PICTURES = {
     "shock": shock,
     "plate-impact": plate_impact,
     "taylor-bar": taylor_bar,
+    "thick-tube": thick_tube,
     "vortex": vortex,
     "spinning-block": spinning_block,
     "sod": sod,

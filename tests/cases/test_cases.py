@@ -36,6 +36,7 @@ COARSER = {
         "grid.size=[0.0336,0.0096,0.0096]",
         "output.every=4.0e-5",
     ],
+    "thick-tube": ["grid.cell=[0.2,0.2]"],
     "vortex": ["grid.cell=[0.1,0.1]", "time.step=1.0e-2", "time.end=0.6", "output.every=0.3"],
     "spinning-block": [
         "grid.cell=[0.2,0.2,0.2]",
@@ -67,7 +68,10 @@ COARSER = {
     "dam-break": ["grid.cell=[0.07,0.06]", "time.end=1.0", "output.every=0.5"],
 }
 #: Run on one rank only, which takes less time: what they have others have on two.
-ALONE = {"hertz", "corner", "drum", "sod", "slope", "channel", "graded", "excavation", "footing"}
+ALONE = {
+    "hertz", "corner", "drum", "sod", "slope", "channel", "graded", "excavation", "footing",
+    "thick-tube",
+}  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -277,6 +281,25 @@ def test_a_cylinder_becomes_a_mushroom(runs):
     assert history["kinetic-energy"][-1] < 0.02 * energy
     lost = history["dissipated-energy"] - history["plastic-work"]
     assert (np.abs(lost) < 0.1 * energy).all()
+
+
+def test_a_tube_yields_from_its_bore(runs):
+    """Five cells to the bore's radius: Hill's pressure to 5 %, also while a part is elastic."""
+    run = runs("thick-tube")
+    first = run.frame(0)
+    start, k, stiffness = np.hypot(*first["position"].T), 1.0 / np.sqrt(3.0), 500.0 / 0.91
+    deep = (first["body"] == 1) & (start < 0.8) & (first["position"][:, 1] > 0.6)
+    outer = (first["body"] == 0) & (start > 1.8)
+    found = []
+    for number in range(11, len(run)):
+        frame = run.frame(number)
+        moved = np.hypot(*frame["position"].T) - start
+        front = min(2.0, np.sqrt(np.mean((moved * start)[outer]) / 2.0 * stiffness / k))
+        exact = k * (2.0 * np.log(front) + 1.0 - front**2 / 4.0)
+        found.append(frame["pressure"][deep].mean() / exact)
+    assert len(found) == 15 and front == 2.0
+    assert np.abs(np.array(found) - 1.0).max() < 0.07
+    assert np.mean(found) == pytest.approx(1.0, abs=0.05)
 
 
 def test_ball_hits_a_wall(runs):
