@@ -48,6 +48,7 @@ _SOIL = {"young": 1.0e3, "poisson": 0.3, "cohesion": 1.0, "friction-angle": 30.0
 #: Materials whose cost is measured; the others' is over that of the first.
 LAWS = {
     "neo-hookean": {"young": 1.0e3, "poisson": 0.3},
+    "neo-hookean with volumetric: mean": {"young": 1.0e3, "poisson": 0.3},
     "newtonian": {"bulk": 1.0e3, "shear-viscosity": 0.03},
     "newtonian without viscosity": {"bulk": 1.0e3},
     "bingham": {"bulk": 1.0e3, "shear-viscosity": 0.3, "yield-stress": 1.0},
@@ -68,12 +69,13 @@ LAWS = {
 def _block(law, name, cells):
     """A block in 3D that flies through the cells."""
     entry = {"model": name.split()[0], "density": 1.0} | law
+    method = {"volumetric": "mean"} if "mean" in name else {}
     body = {"box": {"min": [4.0] * 3, "max": [4.0 + cells] * 3}}
     return pgimp.Simulation({
         "format": 1,
         "dimensions": 3,
         "grid": {"size": [cells + 8.0] * 3, "cell": [1.0] * 3},
-        "method": {"shape": "gimp", "particles_per_cell": [2] * 3},
+        "method": {"shape": "gimp", "particles_per_cell": [2] * 3} | method,
         "time": {"end": 10.0, "step": 1.0e-3},
         "materials": {"law": entry},
         "bodies": {"block": {"material": "law", "region": body, "velocity": [3.0, 1.0, 0.5]}},
