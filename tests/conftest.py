@@ -9,7 +9,13 @@ from pathlib import Path
 from typing import Protocol
 
 import pytest
+from hypothesis import settings
 from processes import clean_env, run
+
+# The same examples in every run, so that a change is not refused for what it did not touch; others
+# are looked for with --hypothesis-profile=default.
+settings.register_profile("same", derandomize=True)
+settings.load_profile("same")
 
 #: Files that take longest, which begin first, so that no worker is left with one at the end. Those
 #: that mostly wait, for Slurm, signals and what was killed, come between those that keep a core

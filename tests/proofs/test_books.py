@@ -10,13 +10,13 @@ MOVING = wall(0.2, [[0.0, 0.0], [0.1, 0.3], [0.2, 0.3]])
 #: One of each kind, in one order, for which the momentum update is compiled once.
 WALLS = {"x-min": MOVING, "x-max": "slip", "y-min": "separating", "y-max": "fixed"}
 
-#: What decides which kernels are compiled; all else is drawn at random. `grip` is how often a part
-#: is held: of one kind in half of the scenes, of the others always or never, which compiles less.
+#: What decides which kernels are compiled; all else is drawn at random. Where there is a `grip` a
+#: part is held: always or never, which compiles less.
 KINDS = {
     "gimp": {
         "shape": "gimp",
         "boundaries": WALLS,
-        "grip": 0.5,
+        "grip": True,
     },
     "affine": {
         "shape": "gimp",
@@ -27,12 +27,12 @@ KINDS = {
         "shape": "fuzzy-nearest",
         "wall": "mirror",
         "boundaries": WALLS,
-        "grip": 1.0,
+        "grip": True,
     },
     "bar": {
         "shape": "mpm",
         "boundaries": {"x-min": wall([[0.0, 0.0], [0.2, 0.3]])},
-        "grip": 1.0,
+        "grip": True,
     },
 }
 
@@ -49,7 +49,7 @@ def random_scene(seed, kind):
     high = [n - float(gap) for n, gap in zip(cells, gaps, strict=True)]
     body = box(low, high, [float(v) for v in rng.uniform(-0.5, 0.5, dimension)])
     pull = [float(b) for b in rng.uniform(-1.0, 1.0, dimension)]
-    if rng.random() < parts.pop("grip", 0.0):
+    if parts.pop("grip", False):
         held = [None if rng.random() < 0.4 else float(v) for v in rng.uniform(-0.3, 0.3, dimension)]
         middle = {"box": {"min": [1.1] * dimension, "max": [2.6] * dimension}}
         parts["constraints"] = {"grip": {"body": "body", "region": middle, "velocity": held}}

@@ -33,8 +33,8 @@ def prove(*words, timeout=600):
 
 
 def test_killed_runs_go_on_to_the_same_bits():
-    said = prove("kill", "--short", "--runs", "4", "--seed", "3")
-    assert "same bits as the undisturbed run: 4 of 4" in said
+    said = prove("kill", "--short", "--runs", "3", "--seed", "1")
+    assert "same bits as the undisturbed run: 3 of 3" in said
     assert re.search(r"killed: .*start-up", said) and re.search(r"killed: .*checkpoint", said)
     # mpirun gives the other ranks two seconds, and it is alone on no machine.
     assert float(re.search(r"end of the job: .* most ([\d.]+) s", said)[1]) < 15.0
