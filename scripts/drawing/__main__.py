@@ -5,10 +5,10 @@ import argparse
 from column import compaction
 from cost import error_and_cost
 from exact import shock, spinning_block, vortex
-from flowing import channel, dam_break, excavation, sand_column, slope, sod
+from flowing import channel, dam_break, excavation, footing, sand_column, slope, sod
 from looking import block3d, block3d_initial, paraview
 from meeting import corner, drum, hertz_impact, hertz_line
-from metal import plate_impact, taylor_bar
+from metal import plate_impact, taylor_bar, thick_tube
 from rolls import rolling, rolling_ball
 from scenes import bar_vibration, disks, graded, incline, pile, upsetting
 
@@ -31,6 +31,7 @@ PICTURES = {
     "shock": shock,
     "plate-impact": plate_impact,
     "taylor-bar": taylor_bar,
+    "thick-tube": thick_tube,
     "vortex": vortex,
     "spinning-block": spinning_block,
     "sod": sod,
@@ -39,6 +40,7 @@ PICTURES = {
     "slope": slope,
     "graded": graded,
     "excavation": excavation,
+    "footing": footing,
     "dam-break": dam_break,
     "error-and-cost": error_and_cost,
 }

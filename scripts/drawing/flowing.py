@@ -1,4 +1,4 @@
-"""Cases of soils, fluids and gases: Sod's tube, channel, sand column, slope, dam break."""
+"""Cases of soils, fluids and gases: Sod's tube, channel, sand, banks, a footing, dam break."""
 
 import numpy as np
 from common import BLUE, GREY, ORANGE, RED, boxes, frame_at, plt, run, save
@@ -137,6 +137,34 @@ def excavation(redraw):
     axis.set(xlabel="time [s]", ylabel="displacement [m]", xlim=(0.0, 2.5))
     axis.legend(frameon=False)
     save(figure, "excavation")
+
+
+def footing(redraw):
+    """Where clay flows under a strip, and Prandtl's mechanism; the pressure over the settlement."""
+    mean = run("footing", redraw)
+    locked = run("footing", redraw, "footing-locked", ["method.volumetric=pointwise"])
+    figure, axes = plt.subplots(1, 2, figsize=(9, 3.6), width_ratios=(1.7, 1.0))
+    frame, half, deep = mean.frame(-1), 1.05, 2.0
+    position, strain = frame["position"], frame["plastic-strain"]
+    shown = boxes(axes[0], position, frame["radius"], strain, (0.0, 0.02))
+    axes[0].plot([0.0, half, half, 0.0], [deep, deep, 2.35, 2.35], color="k", lw=1.5)
+    turn = np.linspace(1.25, 1.75, 31) * np.pi  # the fan about the edge
+    fan = np.sqrt(2.0) * half * np.stack([np.cos(turn), np.sin(turn)]) + [[half], [deep]]
+    x, y = [0.0, *fan[0], 3.0 * half], [deep - half, *fan[1], deep]
+    axes[0].plot(x, y, "--", color="w", lw=1.2)
+    for way in (fan[:, 0], fan[:, -1]):
+        axes[0].plot([half, way[0]], [deep, way[1]], "--", color="w", lw=1.2)
+    axes[0].set(xlim=(0.0, 4.0), ylim=(0.0, 2.4), xlabel="x [m]", ylabel="y [m]", aspect="equal")
+    figure.colorbar(shown, ax=axes[0], label="plastic strain", shrink=0.8, extend="max")
+    for results, colour, name in ((mean, BLUE, "mean"), (locked, RED, "pointwise")):
+        history = results.history
+        pressure = history["tool.strip.force-y"] / (half * 1.0e4)
+        down = -1e3 * history["tool.strip.displacement-y"]
+        axes[1].plot(down, pressure, color=colour, label=f"volumetric: {name}")
+    axes[1].axhline(2.0 + np.pi, color="k", ls="--", lw=1.0, label="2 + π")
+    axes[1].set(xlabel="settlement [mm]", ylabel="pressure over c", xlim=(0, 18), ylim=(0, 8))
+    axes[1].legend()
+    save(figure, "footing")
 
 
 def dam_break(redraw):

@@ -1,7 +1,7 @@
-"""The cases of metals: plates that meet, and a bar thrown at a wall."""
+"""The cases of metals: plates that meet, a bar thrown at a wall, a tube under pressure."""
 
 import numpy as np
-from common import BLUE, RED, frame_at, plt, run, save
+from common import BLUE, GREY, RED, boxes, frame_at, plt, run, save
 
 
 def plate_impact(redraw):
@@ -57,3 +57,39 @@ def taylor_bar(redraw):
     axis.set(xlabel="time [µs]", ylabel="energy of the whole bar [J]")
     axis.legend()
     save(figure, "taylor-bar")
+
+
+def thick_tube(redraw):
+    """Where the tube has yielded at two instants, and Hill's front; pressure over displacement."""
+    results = run("thick-tube", redraw)
+    figure, axes = plt.subplots(1, 3, figsize=(9, 3.2), width_ratios=(1.0, 1.0, 1.3))
+    start = np.hypot(*results.frame(0)["position"].T)
+    outer = (start > 1.9) & (results.frame(0)["body"] == 0)
+    deep = (start < 0.8) & (results.frame(0)["position"][:, 1] > 0.6)
+
+    def moved(frame):  # of the outer surface, which goes with 1/r
+        return np.mean((np.hypot(*frame["position"][outer].T) - start[outer]) * start[outer]) / 2.0
+
+    k, stiff, turn = 1.0 / np.sqrt(3.0), 500.0 / (1.0 - 0.3**2), np.linspace(0.0, 0.5 * np.pi, 40)
+    for axis, time in zip(axes[:2], (1.3, 2.5), strict=True):
+        frame = frame_at(results, time)
+        tube, x = frame["body"] == 0, frame["position"]
+        boxes(axis, x[~tube], frame["radius"][~tube], 0.0 * x[~tube, 0], (-2.0, 1.0), "Greys")
+        shown = boxes(axis, x[tube], frame["radius"][tube], frame["plastic-strain"][tube],
+                      (0.0, 0.006))  # fmt: skip
+        front = min(2.0, np.sqrt(moved(frame) * stiff / k))
+        axis.plot(front * np.cos(turn), front * np.sin(turn), "--", color="w", lw=1.5)
+        axis.set(xlim=(0, 2.1), ylim=(0, 2.1), aspect="equal", title=f"t = {time}")
+    figure.colorbar(shown, ax=axes[:2], label="plastic strain", shrink=0.8, extend="max")
+    frames = [results.frame(n) for n in range(len(results))]
+    way = [1e3 * moved(frame) for frame in frames]
+    axes[2].plot(way, [frame["pressure"][deep].mean() for frame in frames], ".", color=BLUE,
+                 label="pgimp")  # fmt: skip
+    c = np.linspace(1.0, 2.0, 50)
+    exact = k * (2.0 * np.log(c) + 1.0 - c**2 / 4.0)
+    axes[2].plot(1e3 * k * c**2 / stiff, exact, "k--", lw=1.0, label="Hill")
+    axes[2].plot([0.0, 1e3 * k / stiff], [0.0, exact[0]], "k--", lw=1.0)
+    axes[2].axhline(exact[-1], color=GREY, ls=":", lw=1.0)
+    axes[2].set(xlabel="outer displacement over a / 1000", ylabel="pressure over Y", ylim=(0, 0.9))
+    axes[2].legend(loc="lower right")
+    save(figure, "thick-tube")

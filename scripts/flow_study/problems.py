@@ -22,20 +22,42 @@ def done(case, **changes):
     return sim, count * sim.steps / (process_time() - began)
 
 
-def sod(cell):
-    """Means over the plateaus of p, u and both densities, the middle three fifths of each."""
-    sim, speed = done("sod", **{"grid.cell": [cell]})
-    p, t = sim.particles, 0.2
-    x, u = p["position"][:, 0], p["velocity"][:, 0]
-    pressure, density = -p["stress"][:, 0], p["density"]
-    contact, shock = 0.927453 * t, 1.752156 * t
-    tail = contact - t * np.sqrt(1.4 * 0.303130 / 0.426319)
+#: Shock tubes of ideal gases: time, p, u and both densities between the waves, shock's speed, case.
+TUBES = {
+    "sod": (0.2, 0.303130, 0.927453, 0.426319, 1.752156, {}),
+    "uintah": (
+        5.0e-4, 28858.3, 285.115, 0.479850, 558.115,
+        {
+            "time.end": 5.0e-4, "output.every": 1.0e-4, "history.every": 1.0e-4,
+            "materials.left.density": 1.1768, "materials.left.energy": 717.5 * 300.0,
+            "materials.right.density": 0.11768, "materials.right.energy": 717.5 * 300.0,
+        },
+    ),
+}  # fmt: skip
+
+
+def tube(cell, name):
+    """Means over the plateaus of p, u, both densities, the middle three fifths; shock's speed."""
+    t, p, u, dense, fast, changes = TUBES[name]
+    sim, speed = done("sod", **changes, **{"grid.cell": [cell]})
+    particles = sim.particles
+    x, velocity = particles["position"][:, 0], particles["velocity"][:, 0]
+    pressure, density = -particles["stress"][:, 0], particles["density"]
+    contact, shock = u * t, fast * t
+    tail = contact - t * np.sqrt(1.4 * p / dense)
     found = []
     for low, high in ((tail, contact), (contact, shock)):
         inside = np.abs(x - 0.5 * (low + high)) < 0.3 * (high - low)
-        found.append([float(each[inside].mean()) for each in (pressure, u, density)])
+        found.append([float(each[inside].mean()) for each in (pressure, velocity, density)])
     left, right = found
-    return (left[0], left[1], left[2], right[2]), speed
+    # Where the pressure is half of what the shock brings; two particles lie in a cell.
+    order = np.argsort(x)
+    x, pressure = x[order], pressure[order]
+    half = 0.5 * (left[0] + pressure[-1])
+    last = int(np.flatnonzero(pressure > half)[-1])
+    part = (pressure[last] - half) / (pressure[last] - pressure[last + 1])
+    front = float(x[last] + part * (x[last + 1] - x[last])) / t
+    return (left[0], left[1], left[2], right[2], front), speed
 
 
 def channel(cell, model):
@@ -106,3 +128,72 @@ def bank(cell, cohesion):
     changes = {"grid.cell": [cell, cell], "materials.clay.cohesion": cohesion}
     sim, speed = done("slope", **changes)
     return (float(-sim.particles["displacement"][:, 1].min()) / 2.0,), speed
+
+
+def footing(cell, volumetric):
+    """Pressure under a rough strip on clay over c: mean while it sinks from 0.12 to 0.18 cells.
+
+    The strip's edge is in the middle of a cell, up to which the vertices press that it is on.
+    """
+    half = 1.0 + 0.5 * cell
+    changes = {
+        "grid.cell": [cell, cell], "method.volumetric": volumetric,
+        "bodies.strip.region.box.max": [half, 3.0],
+        "bodies.strip.rigid.velocity.table": [[0.0, [0.0, 0.0]], [0.1, [0.0, -0.4 * cell]]],
+    }  # fmt: skip
+    sim = pgimp.Simulation(pgimp.load(ROOT / "cases/footing.yaml", changes))
+    began, count, forces = process_time(), len(sim.particles["id"]), []
+    for time in np.linspace(0.35, 0.5, 31):
+        sim.advance(time)
+        forces.append(sim.diagnostics()["tool.strip.force-y"])
+    speed = count * sim.steps / (process_time() - began)
+    return (float(np.mean(forces[1:])) / (half * 1.0e4),), speed
+
+
+def rankine(cell, way, dilation=30.0):
+    """Thrust of sand on a smooth wall that recedes or advances, over that of a fluid: K_a, K_p.
+
+    The floor is smooth as well, so that all of the sand yields; `way` is the wall's velocity. With
+    a dilation of 30 degrees flow is along the normal, for which the exact values are.
+    """
+    law = {
+        "model": "mohr-coulomb", "young": 1.0e4, "poisson": 0.3, "density": 1.0,
+        "cohesion": 0.0, "friction-angle": 30.0, "dilation-angle": dilation,
+    }  # fmt: skip
+    case = {
+        "format": 1,
+        "dimensions": 2,
+        "grid": {"size": [2.4, 1.2], "cell": [cell, cell]},
+        "method": {"shape": "gimp", "particles_per_cell": [2, 2], "volumetric": "mean"},
+        "time": {"end": 2.0, "step": {"courant": 0.3}},
+        "materials": {"sand": law},
+        "bodies": {
+            "fill": {"material": "sand", "region": {"box": {"min": [0, 0], "max": [2.0, 1.0]}}},
+            "wall": {
+                "rigid": {"velocity": {"table": [[0.5, [0.0, 0.0]], [0.6, [way, 0.0]]]}},
+                "region": {"box": {"min": [2.0, -0.5], "max": [2.8, 2.0]}},
+            },
+        },
+        "contact": [{"bodies": ["fill", "wall"]}],
+        "gravity": {"table": [[0.0, [0.0, 0.0]], [0.5, [0.0, -1.0]]]},
+        "boundaries": {"x-min": "slip", "y-min": "slip"},
+    }
+    sim = pgimp.Simulation(case)
+    began, count, thrusts = process_time(), len(sim.particles["id"]), []
+    for time in np.linspace(1.5, 2.0, 51):
+        sim.advance(time)
+        thrusts.append(sim.diagnostics()["tool.wall.force-x"])
+    speed = count * sim.steps / (process_time() - began)
+    return (float(np.mean(thrusts[1:])) / 0.5,), speed
+
+
+def undrained(steps, strain):
+    """Deviator q of clay compressed at constant volume, at the end, over the pressure before."""
+    clay = {
+        "model": "cam-clay", "density": 1.0, "m": 1.2, "lambda": 0.2, "kappa": 0.04,
+        "void-ratio": 1.0, "shear": 2.0e3, "preconsolidation": 100.0, "pressure": 100.0,
+    }  # fmt: skip
+    e = strain * np.arange(1, steps + 1) / steps
+    F = np.array([np.diag(np.exp([-x, x, 0.0])) for x in e])
+    s = pgimp.element(clay, F)["stress"][-1]
+    return (float(np.sqrt(3.0) * 0.5 * (s[1] - s[0]) / 100.0),), None

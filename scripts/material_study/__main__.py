@@ -27,7 +27,7 @@ def speed(rate):
 
 
 def rows_of_waves(quick):
-    """Rows 12, 14 and 15 on two cell sizes."""
+    """Rows 12, 14, 16 and 15 on two cell sizes."""
     cells = (100, 200) if quick else (400, 800)
     found = [metals.elastic_plastic(n) for n in cells]
     names = (
@@ -45,6 +45,10 @@ def rows_of_waves(quick):
         ("the same: shock speed [m/s]", 4305.25, 1.0),
     )):  # fmt: skip
         yield row(name, exact, cells, [one[column] * unit for one in found], found[-1][3])
+    cells = (5, 10) if quick else (10, 20)
+    found = [metals.tube(n) for n in cells]
+    name = "thick tube, all plastic: pressure over the exact one of its radii"
+    yield row(name, 1.0, cells, [one[0] for one in found], found[-1][1])
     cells = (2, 4) if quick else (4, 8)
     found = [metals.taylor(n) for n in cells]
     for column, (name, low, high) in enumerate((

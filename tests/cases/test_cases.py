@@ -37,6 +37,7 @@ COARSER = {
         "grid.size=[0.0336,0.0096,0.0096]",
         "output.every=4.0e-5",
     ],
+    "thick-tube": ["grid.cell=[0.2,0.2]"],
     "vortex": ["grid.cell=[0.1,0.1]", "time.step=1.0e-2", "time.end=0.6", "output.every=0.3"],
     "spinning-block": [
         "grid.cell=[0.2,0.2,0.2]",
@@ -59,13 +60,20 @@ COARSER = {
     "sand-column": ["grid.cell=[0.04,0.04]", "time.end=0.75", "output.every=0.75"],
     "slope": ["grid.cell=[0.2,0.2]", "output.every=0.5"],
     "excavation": ["grid.cell=[0.2,0.2]", "output.every=0.5"],
+    "footing": [
+        "grid.cell=[0.2,0.2]",
+        "grid.size=[4.0,2.6]",
+        "bodies.strip.region.box.max=[1.1,3.0]",
+        "time.end=0.4",
+        "output.every=0.4",
+    ],
     "graded": ["grid.cell=[1.0]", "output.every=11.0", "history.every=1.0"],
     "dam-break": ["grid.cell=[0.07,0.06]", "time.end=1.0", "output.every=0.5"],
 }
 #: Run on one rank only, which takes less time: what they have others have on two.
 ALONE = {
     "hertz", "hertz-line", "rolling-ball", "corner", "drum", "sod", "slope", "channel", "graded",
-    "excavation",
+    "excavation", "footing", "thick-tube",
 }  # fmt: skip
 
 
@@ -308,6 +316,25 @@ def test_a_cylinder_becomes_a_mushroom(runs):
     assert (np.abs(lost) < 0.1 * energy).all()
 
 
+def test_a_tube_yields_from_its_bore(runs):
+    """Five cells to the bore's radius: Hill's pressure to 5 %, also while a part is elastic."""
+    run = runs("thick-tube")
+    first = run.frame(0)
+    start, k, stiffness = np.hypot(*first["position"].T), 1.0 / np.sqrt(3.0), 500.0 / 0.91
+    deep = (first["body"] == 1) & (start < 0.8) & (first["position"][:, 1] > 0.6)
+    outer = (first["body"] == 0) & (start > 1.8)
+    found = []
+    for number in range(11, len(run)):
+        frame = run.frame(number)
+        moved = np.hypot(*frame["position"].T) - start
+        front = min(2.0, np.sqrt(np.mean((moved * start)[outer]) / 2.0 * stiffness / k))
+        exact = k * (2.0 * np.log(front) + 1.0 - front**2 / 4.0)
+        found.append(frame["pressure"][deep].mean() / exact)
+    assert len(found) == 15 and front == 2.0
+    assert np.abs(np.array(found) - 1.0).max() < 0.07
+    assert np.mean(found) == pytest.approx(1.0, abs=0.05)
+
+
 def test_ball_hits_a_wall(runs):
     """A radius of five cells, less than one in the circle that is pressed: force and rebound."""
     history = runs("hertz").history
@@ -443,6 +470,18 @@ def test_a_bank_of_clay_slides(runs):
     # It slides along a curve from the foot: the ground before it rises, that far behind stays.
     far = frame["position"][:, 0] < 1.0
     assert down[far].max() < 0.4 * down.max()
+
+
+def test_clay_bears_a_strip_as_prandtl_says(runs):
+    """Cells twice as large, five and a half to half of the strip: 2 + pi to 4 %, and constant."""
+    history = runs("footing").history
+    capacity = history["tool.strip.force-y"] / (1.1 * 1.0e4)
+    down = -history["tool.strip.displacement-y"]
+    first, last = ((down > a) & (down < b) for a, b in ((0.008, 0.010), (0.012, 0.014)))
+    assert capacity[last].mean() == pytest.approx(2.0 + np.pi, rel=0.04)
+    # Locked, as without mean dilatation, it rises by 10 %.
+    assert capacity[last].mean() == pytest.approx(capacity[first].mean(), rel=0.01)
+    assert history["plastic-work"][-1] > 0.9 * history["tool.strip.work"][-1]
 
 
 def test_a_cut_in_clay_stands_until_the_clay_is_weak(runs):
