@@ -2,15 +2,17 @@
 
 Where the stress is uniform, the particles' internal forces (16) cancel inside the body and leave
 -sigma grad(sum_p chi_p) at its surface. A traction is spread over the very same places: with boxes
-over the outermost particles' outer sides, with tents over the layer in which their sum falls to
-zero, and where the surface cuts particles over the outer sides of these and of their inner
-neighbours, in proportion. In equilibrium it then cancels the internal force at every vertex beyond
-the surface, however light, wherever the body has moved.
+over the outermost particles' outer sides, of weights that are means over a box's ends over the ends
+of these, with tents over the layer in which their sum falls to zero, and where the surface cuts
+particles over the outer sides of these and of their inner neighbours, in proportion. In equilibrium
+it then cancels the internal force at every vertex beyond the surface, however light, wherever the
+body has moved.
 
 So a particle at the face carries a patch: its area in the initial state is stored, its place
 relative to the particle is one for all. Patches move, stretch and turn as the particles of the
 shape do: where sizes follow F they stay exact for stretches along the grid and quarter turns; in
-between they have the right second moments. Points (mpm) carry the force where they are.
+between they have the right second moments, within the particle's own box, beyond which there may
+be no mass. Points (mpm) carry the force where they are.
 """
 
 from math import sqrt
@@ -63,25 +65,28 @@ def _rounding(tent, half, u):
 
 
 @inner_kernel
-def _mean(tent, half, g):
+def _mean(ends, tent, half, g):
     """Mean of the tent function of a vertex over a box or tent about g, in cells from the vertex.
 
-    Half-widths may be zero; nothing is lost by cancellation where the mean is small.
+    Over the two `ends` of a box if so said. Half-widths may be zero; nothing is lost by
+    cancellation where the mean is small.
     """
+    if ends:
+        return 0.5 * (max(1.0 - abs(g - half), 0.0) + max(1.0 - abs(g + half), 0.0))
     corners = _rounding(tent, half, g - 1.0) + _rounding(tent, half, g + 1.0)
     return max(1.0 - abs(g), 0.0) + 0.5 * corners - _rounding(tent, half, g)
 
 
-def _means(tent, half, g, like):
+def _means(ends, tent, half, g, like):
     """Means at vertices 0, 1, ..., as many as in `like`."""
 
 
 @specialise(_means)
-def _means_of(tent, half, g, like):
+def _means_of(ends, tent, half, g, like):
     if len(like) == 1:
-        return lambda tent, half, g, like: (_mean(tent, half, g),)
-    return lambda tent, half, g, like: (
-        _mean(tent, half, g), *_means(tent, half, g - 1.0, like[1:]),
+        return lambda ends, tent, half, g, like: (_mean(ends, tent, half, g),)
+    return lambda ends, tent, half, g, like: (
+        _mean(ends, tent, half, g), *_means(ends, tent, half, g - 1.0, like[1:]),
     )  # fmt: skip
 
 
@@ -104,6 +109,7 @@ def _along(traction, frame, F, x, d, vertex, like):
         centre *= LARGEST / own
         deep *= (LARGEST / own) ** 2
         wide *= (LARGEST / own) ** 2
+        own = LARGEST
     # The larger of the two decides on box or tent; a tent has half the second moment of a box.
     tent = traction.tents and wide > 2.0 * deep
     if tent:
@@ -112,9 +118,12 @@ def _along(traction, frame, F, x, d, vertex, like):
         wide *= 0.5
     last = len(like) - 1.0
     half = min(sqrt(deep + wide) * frame.inverse[d], 0.5 * last)
-    g = (x - frame.origin[d]) * frame.inverse[d] - (vertex - frame.ghost)
-    g += centre * frame.inverse[d]
-    return _means(tent, half, min(max(g, half), last - half), like)
+    place = (x - frame.origin[d]) * frame.inverse[d] - (vertex - frame.ghost)
+    g = place + centre * frame.inverse[d]
+    if traction.follows and not traction.tents:  # a face that is inclined reaches past the box
+        half = min(half, own)
+        g = min(max(g, place - own + half), place + own - half)
+    return _means(traction.ends, tent, half, min(max(g, half), last - half), like)
 
 
 def _support(traction, places, window, particles, p, layer, F, buffer):

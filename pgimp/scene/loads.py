@@ -77,7 +77,7 @@ class SceneLoads:
         grid, method = case.grid, case.method
         self.half = 0.5 * np.array(grid.cell) / np.array(method.particles_per_cell)
         size = np.array(method.parameters(tuple(grid.cell)).half) * np.array(grid.cell)
-        self._patch = (2.0 * self.half, size, method.chi, follows)
+        self._patch = (2.0 * self.half, size, method.chi, method.ends, follows)
         self._width = 2.0 * size if method.chi == "box" else size
         self._varies = bool(force) or any(entry.varies for entry in self.tractions)
         self._constraints_vary = any(entry.varies for entry in self.constraints)

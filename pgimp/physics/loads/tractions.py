@@ -43,6 +43,8 @@ class Traction(NamedTuple):
         across it those of chi_p; zeros for points.
     tents : bool
         Whether chi_p, and so the patch across the axis, is a tent and not a box.
+    ends : bool
+        Whether weights are means over the ends of a box, not over all of it.
     follows : bool
         Whether patches follow the deformation gradient, as the particles of the shape do.
     traction : tuple of 3 float
@@ -57,6 +59,7 @@ class Traction(NamedTuple):
     reach: float
     half: tuple[float, ...]
     tents: bool
+    ends: bool
     follows: bool
     traction: tuple[float, float, float]
     pressure: float
@@ -106,8 +109,9 @@ class TractionEntry(Model):
         return -1 if self.face.endswith("min") else 1
 
     def parameters(
-        self, column: int, spacing: np.ndarray, half: np.ndarray, chi: str, follows: bool, t: float
-    ) -> Traction:
+        self, column: int, spacing: np.ndarray, half: np.ndarray, chi: str, ends: bool,
+        follows: bool, t: float,
+    ) -> Traction:  # fmt: skip
         """Parameters of the kernels.
 
         Parameters
@@ -118,6 +122,8 @@ class TractionEntry(Model):
             Distance of the particles, and the half-widths of chi_p, in the initial state.
         chi : str
             Kind of chi_p.
+        ends : bool
+            See `Traction`.
         follows : bool
             Whether its size follows the deformation.
         t : float
@@ -135,8 +141,8 @@ class TractionEntry(Model):
         reach = {"point": 0.0, "box": boxes}.get(chi, 0.5 * wide[self.axis])
         wide[self.axis] = reach if chi == "tent" else 0.0
         return Traction(
-            self.axis, self.side, column, reach, tuple(wide), chi == "tent", follows, (x, y, z),
-            pressure,
+            self.axis, self.side, column, reach, tuple(wide), chi == "tent", ends, follows,
+            (x, y, z), pressure,
         )  # fmt: skip
 
     def areas(

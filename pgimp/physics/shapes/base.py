@@ -84,6 +84,9 @@ class Shape(Model):
     #: Kind of the characteristic function chi_p.
     chi: ClassVar[Literal["point", "box", "tent"]] = "box"
 
+    #: Whether weights are the means of the tent over the ends of a box, and not over all of it.
+    ends: ClassVar[bool] = False
+
     @property
     def follows(self) -> bool:
         """Whether the particles' size follows the deformation."""

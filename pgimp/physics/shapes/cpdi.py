@@ -94,6 +94,7 @@ class Cpdi(WideShape):
     shape: Literal["cpdi"] = Field(description="name of the shape")
 
     vertices: ClassVar[int] = CpdiParameters.vertices()
+    ends: ClassVar[bool] = True
 
     @property
     def follows(self) -> bool:
