@@ -54,7 +54,7 @@ def scene(dimension, body, *, cells=None, cell=1.0, shape="gimp", per_cell=2, **
         "grid": {"size": [n * h for n, h in zip(count, each, strict=True)], "cell": each},
         "method": method,
         "time": time,
-        "materials": {"soft": BAR if dimension == 1 else SOFT},
+        "materials": {"soft": {**(BAR if dimension == 1 else SOFT)}},
         "bodies": {"body": body} if "region" in body else body,
         **parts,
     }
