@@ -37,8 +37,7 @@ def struck(D, law, density, **parts):
     }  # fmt: skip
     contact = [{"bodies": ["block", "ball"], **law}]
     # Nothing comes near the wall, with which the kernels are those of other tests.
-    walls = {"boundaries": {"y-max": "slip"}} if D > 1 else {}
-    parts = walls | parts
+    parts = ({"boundaries": {"y-max": "slip"}} if D > 1 else {}) | parts
     return scene(D, bodies, cells=[16, 9, 9][:D], end=1.5, contact=contact, **parts)
 
 
