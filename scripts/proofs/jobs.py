@@ -154,6 +154,12 @@ class Job:
         return self._said.read()
 
 
+def come_to(frames, job, directory):
+    """Wait until a run has written so many frames, or has ended."""
+    while job.running and len(list(directory.glob("frames/*.h5"))) < frames:
+        time.sleep(0.002)
+
+
 def whole(folder, name, words, ranks=1, tcp=False):
     """Run to the end without a disturbance, and return what is left; an error if that fails."""
     job = Job(ranks, [*words, "-o", name, "--overwrite"], folder, tcp)

@@ -8,7 +8,7 @@ import time
 from collections import Counter
 from statistics import median
 
-from jobs import CASE, MEET, SHORT, Job, differences, scratch, unreadable, whole
+from jobs import CASE, MEET, SHORT, Job, come_to, differences, scratch, unreadable, whole
 
 
 def main(words):
@@ -39,8 +39,9 @@ def main(words):
             name = f"run-{number}"
             ranks = chance.choice((2, 2, 3, 3 if options.short else 7 if options.contact else 4))
             job = Job(ranks, ["blocks.yaml", "--quiet", "-o", name], folder, options.tcp)
-            kind = ("start-up", "checkpoint", "any")[number % 3]
-            wait_for(kind, job, folder / name, chance, length)
+            # A kind until it has come off: one that came too late is tried again.
+            kind = ("start-up", "checkpoint", "any")[sum(moments.values()) % 3]
+            wait_for(kind, job, folder / name, chance, length, len(reference))
             alive = job.ranks()
             if not (job.running and alive):  # it was done before, or not even started
                 job.wait()
@@ -80,15 +81,17 @@ def main(words):
     return 1 if failures else 0
 
 
-def wait_for(kind, job, directory, chance, length):
-    """Wait for a random moment of a kind."""
+def wait_for(kind, job, directory, chance, length, frames):
+    """Wait for a random moment of a kind, by what the run has written, not by how fast it is."""
     if kind == "start-up":
-        time.sleep(chance.uniform(0.0, 0.45 * length))
+        end = time.monotonic() + chance.uniform(0.0, 0.45 * length)
+        while job.running and time.monotonic() < end and not (directory / "frames").exists():
+            time.sleep(0.001)
     elif kind == "any":
-        time.sleep(chance.uniform(0.3, 1.0) * length)
+        come_to(chance.randint(1, frames - 1), job, directory)
+        time.sleep(chance.uniform(0.0, 0.1 * length))
     else:
-        # From now on look all the time for the temporary file of a checkpoint, and strike then.
-        time.sleep(chance.uniform(0.4, 0.8) * length)
+        come_to(chance.randint(1, frames - 2), job, directory)
         while job.running and not list(directory.glob("checkpoints/.*.part")):
             time.sleep(0.0005)
         time.sleep(chance.uniform(0.0, 0.004))

@@ -7,7 +7,7 @@ import signal
 import time
 from collections import Counter
 
-from jobs import CASE, MEET, SHORT, Job, differences, scratch, unreadable, whole
+from jobs import CASE, MEET, SHORT, Job, come_to, differences, scratch, unreadable, whole
 
 from pgimp.running.checkpoints import present
 
@@ -59,10 +59,11 @@ def main(words):
         length = time.monotonic() - again
         print(f"an undisturbed run on 2 ranks takes {length:.1f} s")
         table, number = {kind: Counter() for kind in KINDS}, 0
-        while sum(sum(row.values()) for row in table.values()) < options.runs:
-            kind = KINDS[number % len(KINDS)]
+        while (done := sum(sum(row.values()) for row in table.values())) < options.runs:
+            # A kind until it has come off: one that came too late is tried again.
+            kind = KINDS[done % len(KINDS)]
             # Of those who give the ranks two seconds, every second one meets a slow checkpoint.
-            slow = not kind[2] and (options.short or number // len(KINDS) % 2 == 1)
+            slow = not kind[2] and (options.short or done // len(KINDS) % 2 == 1)
             name = f"run-{number}"
             number += 1
             what = strike(name, kind, slow, chance, length, folder, options, failures, reference)
@@ -88,8 +89,11 @@ def strike(name, kind, slow, chance, length, folder, options, failures, referenc
         while job.running and not list(folder.glob(f"{name}/checkpoints/.*.part")):
             time.sleep(0.005)
         time.sleep(chance.uniform(0.5, 1.5))
+    elif chance.random() < 0.25:  # perhaps before a handler stands
+        time.sleep(chance.uniform(0.05, 0.4) * length)
     else:
-        time.sleep(chance.uniform(0.05, 0.9) * length)
+        come_to(chance.randint(1, len(reference) - 1), job, folder / name)
+        time.sleep(chance.uniform(0.0, 0.1) * length)
     alive = job.ranks()
     if not (job.running and alive):
         job.wait()
