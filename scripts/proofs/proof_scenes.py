@@ -23,7 +23,7 @@ from pgimp.errors import PgimpError
 #: Scenes of one kind: what is compiled is the same.
 GROUP = 20
 #: Groups of `--short`, which have what tests/proofs/test_proofs.py lists.
-SHORT = (542, 535, 521, 330, 169)
+SHORT = (210, 950, 1291)
 #: One scene in this number is run by mpirun too.
 MPIRUN = 25
 #: A run that fails at a face.

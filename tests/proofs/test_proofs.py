@@ -60,7 +60,7 @@ def test_many_steps_leave_no_trace_in_the_memory():
 
 
 def test_random_scenes_are_the_same_on_any_ranks_and_their_books_balance():
-    """Ten; a failing one is printed as a case file, made smaller."""
+    """Six; a failing one is printed as a case file, made smaller."""
     numbers = [(proof_scenes.GROUP * group + n, group) for group in proof_scenes.SHORT
                for n in range(2)]  # fmt: skip
     scenes = [scene_features.make(1, *each) for each in numbers]
@@ -78,8 +78,8 @@ def test_random_scenes_are_the_same_on_any_ranks_and_their_books_balance():
     for kind in ("boundaries", "constraints"):  # accelerated ones, and gravity where one is held
         assert any("table" in json.dumps(case.get(kind, {})) for case in cases)
         assert any(case.get(kind) and "gravity" in case for case in cases)
-    said = prove("scenes", "--short", "--runs", "10", "--shrink", "60", timeout=1200)
-    assert int(re.search(r"(\d+) done", said)[1]) >= 8 and "wrong: 0" in said
+    said = prove("scenes", "--short", "--runs", "6", "--shrink", "60", timeout=1200)
+    assert int(re.search(r"(\d+) done", said)[1]) == 6 and "wrong: 0" in said
 
 
 def books_of_a_push(axis, kind):
@@ -123,7 +123,7 @@ def flipped(records, particles, rows):
     particles.v[rows[:1], 0] *= 1.0 + 3e-16
 if sys.argv[2] == "flipped":
     redistribute.unpack = flipped
-case, files, _ = scene_features.make(1, 3380, 169)
+case, files, _ = scene_features.make(1, 19001, 950)
 for name, text in (files | {"case.yaml": json.dumps(case)}).items():
     Path(name).write_text(text)
 print(scene_runs.compare(Path("case.yaml"), Path("runs"), random.Random(3), 30))
