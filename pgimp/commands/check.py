@@ -6,7 +6,7 @@ run on coarse cells, from which the number of steps is predicted; the rest is `p
 """
 
 import argparse
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import chain
 from math import ceil
 
@@ -30,9 +30,9 @@ from pgimp.scene.lattice import Lattice
 from pgimp.scene.sanity import body_warnings, case_warnings, small_step_warning, strains
 from pgimp.scene.scene import MOST_CELLS, Scene, count_particles
 from pgimp.scene.toolchecks import require_apart, require_clear, require_slow
+from pgimp.solver.lookahead import look_ahead, require_stable_stages, stage_rate
 from pgimp.solver.memory import Estimate, MemoryShortError, estimate, require, size_text
 from pgimp.solver.stability import require_end, require_stable, stability_warning
-from pgimp.solver.stages import look_ahead, require_stable_stages, stage_rate
 from pgimp.tools.model.costs import Costs, Network
 from pgimp.tools.model.layout import layout_now, layout_of
 from pgimp.tools.model.measure import costs_of, run_in_turn
@@ -86,9 +86,10 @@ def report(case: Case) -> None:
         For what would stop a run before its first step.
     """
     whole, case = case, case.stages[0]
+    scenes = [Scene(each) for each in whole.stages]
     if whole.time.stages:
-        look_ahead(whole.stages)
-    scene = Scene(case)
+        look_ahead(scenes)
+    scene = scenes[0]
     share(case, Serial())
     cells = " x ".join(str(n) for n in scene.frame.cells)
     try:
@@ -106,7 +107,7 @@ def report(case: Case) -> None:
     found = examine(scene, lattice, counts)
     bodies = found.bodies
     varied = {body.name: body.rest_rate for body in bodies if body.varies}
-    of_stages = require_stable_stages(whole.stages, varied)
+    of_stages = require_stable_stages(scenes, varied)
     inverse = max(scene.frame.inverse)
     # A grid of the initial configuration moves with the bodies.
     crossing_rate = 0.0 if scene.initial else inverse
@@ -133,7 +134,7 @@ def report(case: Case) -> None:
     tried = pilot(case, count, steps, costs, _thinnest(case, bodies))
     steps = _report_steps(case, steps, tried)
     if whole.time.stages:
-        steps += report_stages(whole, steps * dt / case.time.end, varied)
+        steps += report_stages(whole, scenes, steps * dt / case.time.end, varied)
     _report_memory(memory)
     _report_cost(scene, lattice, counts, costs, crossing, steps)
     number = forecast.frames(whole, steps)
@@ -291,19 +292,22 @@ def _report_steps(case: Case, steps: float, tried: Pilot | None) -> float:
     return tried.steps
 
 
-def report_stages(case: Case, factor: float, varied: Mapping[str, float]) -> float:
+def report_stages(
+    case: Case, scenes: Sequence[Scene], factor: float, varied: Mapping[str, float]
+) -> float:
     """Say what the stages after the first change; return how many steps they take, about.
 
     `factor` is by how much the first has more steps than at rest, where waves set their length;
     `varied` has rates of bodies whose materials vary, see `stage_rate`.
     """
     total = 0.0
-    for stage, one in zip(case.time.stages, case.stages[1:], strict=True):
+    for stage, scene in zip(case.time.stages, scenes[1:], strict=True):
+        one = scene.case
         steps = steps_in(one)
         about = ""
         if steps is None:
             assert one.courant is not None
-            rate, length = stage_rate(Scene(one), varied), one.time.end - one.staged.start
+            rate, length = stage_rate(scene, varied), one.time.end - one.staged.start
             steps, about = ceil(max(factor, 1.0) * length * rate / one.courant), "about "
         total += steps
         what = ", ".join(changes_of(stage)) or "nothing"

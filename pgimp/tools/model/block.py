@@ -29,9 +29,10 @@ class Block(Simulation):
         """See `Simulation`; `counts` are those on the lattice."""
         return super().decompose(_spread(counts, self.scene.shape.half[0]))
 
-    def _create(
+    def create(
         self, slab: Slab, lattice: Lattice, counts: np.ndarray, layer: np.ndarray
     ) -> tuple[Particles, int]:
+        """See `Simulation.create`."""
         # A random position may lie in a layer next to its lattice plane's: look two cells further.
         reach = 2 * lattice.per_cell[0]
         own = np.searchsorted(layer, (slab.first, slab.first + slab.layers))
