@@ -12,6 +12,7 @@ from pgimp.decomposition.slabs import Slab
 from pgimp.errors import DamagedError, RunError
 from pgimp.kernels.particles import Particles
 from pgimp.scene.lattice import Lattice
+from pgimp.scene.populate import populate
 from pgimp.scene.scene import Scene
 from pgimp.solver.clock import START, CourantClock, FixedClock, Step
 from pgimp.solver.decomposition import RESORT, owned, partition, rebalance
@@ -125,7 +126,7 @@ class Simulation:
         """Particles of a slab's layers, and their number; `layer` holds that of each plane."""
         own = np.searchsorted(layer, (slab.first, slab.first + slab.layers))
         begin, end = int(own[0]), int(own[1])
-        particles = self.scene.populate(lattice, counts, (begin, end), owned(self.scene, slab))
+        particles = populate(self.scene, lattice, counts, (begin, end), owned(self.scene, slab))
         return particles, int(np.count_nonzero(particles.m))
 
     @property
