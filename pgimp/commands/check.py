@@ -2,8 +2,8 @@
 
 All is set up as by a run, particles a block at a time. Simulated are a few steps of the same case
 with coarser or finer cells, to measure what the parts of a step cost on this machine, and a pilot
-run on coarse cells, from which the number of steps is predicted; see `pgimp.tools.check` for what is
-said of them, and `pgimp.tools.model`.
+run on coarse cells, from which the number of steps is predicted; see `pgimp.tools.check` for
+what is said of them, and `pgimp.tools.model`.
 """
 
 import argparse
