@@ -1,7 +1,7 @@
 """Materials as the kernels evaluate them, asked from Python."""
 
 import numpy as np
-from reference import tensor
+from reference_materials import tensor
 
 from pgimp.jit.algebra import determinant
 from pgimp.jit.kernel import kernel
