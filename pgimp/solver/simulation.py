@@ -14,6 +14,7 @@ from pgimp.kernels.particles import Particles
 from pgimp.scene.lattice import Lattice
 from pgimp.scene.populate import populate
 from pgimp.scene.scene import Scene
+from pgimp.solver import setup
 from pgimp.solver.clock import START, CourantClock, FixedClock, Step
 from pgimp.solver.decomposition import RESORT, owned, partition, rebalance
 from pgimp.solver.diagnostics import Diagnostics
@@ -22,7 +23,6 @@ from pgimp.solver.faults import Failure, collect
 from pgimp.solver.lookahead import absent, look_ahead
 from pgimp.solver.rank import Rank
 from pgimp.solver.reduction import Request, StepReduction
-from pgimp.solver.setup import begin, resume
 from pgimp.solver.stages import enter
 from pgimp.solver.state import State
 from pgimp.solver.step import step
@@ -49,16 +49,11 @@ class Simulation:
         What does not change, but from stage to stage.
     columns : list of str
         Columns of the history of a run of several stages, all that any has; empty of others.
-    rank : Rank
-        What this rank holds.
-    balance : Balance
-        What is known of the load of the ranks.
-    done : Step
-        The last step of which all ranks have said that it went well.
-    doing : Step or None
-        The step after it, if this rank has done it and does not know of the others.
-    time, step, dt : float, int, float
-        Simulated time, steps done, length of the last step (0 before the first), with `doing`.
+    rank, balance : Rank, Balance
+        What this rank holds, and what is known of the load of all.
+    done, doing : Step, Step or None
+        The last step of which all ranks have said that it went well; the step after it, if this
+        rank has done it and does not know of the others.
     count : int
         Particles of all ranks at the start, which is one more than the greatest id; see `present`.
     notes, warnings : list of str
@@ -110,9 +105,9 @@ class Simulation:
         self.reduction = StepReduction(comm)
         self.diagnostic_sums = Diagnostics()
         if state is None:
-            begin(self, scenes)
+            setup.begin(self, scenes)
         else:
-            resume(self, source, state.counted)
+            setup.resume(self, source, state.counted)
 
     def decompose(self, counts: np.ndarray) -> Slab:
         """Give each rank its layers, so that no rank has more particles than need be."""
@@ -137,7 +132,7 @@ class Simulation:
 
     @property
     def time(self) -> float:
-        """Simulated time."""
+        """Simulated time, with `doing`; likewise `step` and `dt`."""
         return self.clock.time(self.doing or self.done)
 
     @property
@@ -147,7 +142,7 @@ class Simulation:
 
     @property
     def dt(self) -> float:
-        """Length of the last step."""
+        """Length of the last step, 0 before the first."""
         return (self.doing or self.done).dt
 
     @property
@@ -262,7 +257,10 @@ class Simulation:
         return max(rate, free.rate) if free else rate
 
     def agree(self) -> None:
-        """Learn what all ranks say of the last step, if not known; collective, as `advance`."""
+        """Learn what all ranks say of the last step, if that is not known; collective.
+
+        Raises `RunError` as `advance` does.
+        """
         reduction = self.reduction
         if not reduction.end() or self.doing is None:
             return
