@@ -20,31 +20,24 @@ from pydantic import (
     model_validator,
 )
 
+from pgimp.case.body import Body
 from pgimp.case.check_stages import arrange
 from pgimp.case.checks import check, sound_parts
+from pgimp.case.grid import Grid
 from pgimp.case.output import Checkpoint, History, Output, ProbeEntry
 from pgimp.case.stages import Staged
 from pgimp.case.steps import AUTO, CourantStep
 from pgimp.case.time import Time
-from pgimp.geometry.regions import RegionEntry
 from pgimp.physics.contact import ContactEntry
 from pgimp.physics.loads.constraints import ConstraintEntry
-from pgimp.physics.loads.motion import RigidMotion, zero_vector
 from pgimp.physics.loads.tractions import TractionEntry
 from pgimp.physics.rigid import RigidBody
-from pgimp.schema.base import (
-    Count,
-    Label,
-    Model,
-    Name,
-    Positive,
-    Vector,
-)
-from pgimp.schema.dispatch import Either, WithKey
+from pgimp.schema.base import Count, Label, Model, Name
+from pgimp.schema.dispatch import WithKey
 from pgimp.schema.messages import explain
 from pgimp.schema.problems import problem, raise_problems
 from pgimp.schema.registries import ByField, ByName, ByWord
-from pgimp.schema.sizes import faces, whole
+from pgimp.schema.sizes import faces
 from pgimp.schema.tables import VaryingVector
 
 
@@ -92,55 +85,6 @@ def _body_forces() -> Mapping[str, type[BaseModel]]:
     from pgimp.physics.loads import BODY_FORCES
 
     return BODY_FORCES
-
-
-class Grid(Model):
-    """Regular grid; its faces are the boundary of the domain."""
-
-    origin: Vector = zero_vector("low corner of the domain [length]")
-    size: tuple[Positive, ...] = Field(
-        min_length=1,
-        max_length=3,
-        description="extent of the domain along each direction, whole cells [length]",
-    )
-    cell: tuple[Positive, ...] = Field(
-        min_length=1, max_length=3, description="size of a cell along each direction [length]"
-    )
-
-    @property
-    def cells(self) -> tuple[int, ...]:
-        """Number of cells along each direction."""
-        return tuple(whole(size, cell)[0] for size, cell in zip(self.size, self.cell, strict=True))
-
-    @property
-    def corner(self) -> tuple[float, ...]:
-        """High corner of the domain [length]."""
-        return tuple(low + size for low, size in zip(self.origin, self.size, strict=True))
-
-
-class Body(Model):
-    """A body: a region filled with particles of one material."""
-
-    material: Name = Field(description="name of its material")
-    region: RegionEntry = Field(description="the part of space that it fills at the start")
-    surface: Literal["cut", "whole"] = Field(
-        default="cut",
-        description="cut: a particle that the surface cuts has the volume, mass and momentum of "
-        "its part inside; whole: whole particles, those whose centre lies inside",
-    )
-    velocity: Annotated[
-        tuple[float, ...] | RigidMotion,
-        Either("one number a direction or {rotation: ...}", {tuple: Vector, dict: RigidMotion}),
-    ] = zero_vector("initial velocity: a vector or a rigid motion [length/time]")
-    configuration: Literal["current", "initial"] = Field(
-        default="current",
-        description="current: particles move over the grid; for what flows or breaks. initial: the "
-        "grid is one of the body as it was at the start, and moves and deforms with it (total "
-        "Lagrangian): vibrations and spin last, nothing tears at any stretch, and steps are "
-        "cheaper and do not become shorter as the body moves. Faces of the domain hold what lies "
-        "on them at the start; `separating` ones, rigid bodies that move as prescribed and other "
-        "bodies are met where they are. All bodies of a case have the same",
-    )
 
 
 class Case(Model):

@@ -20,7 +20,7 @@ from pgimp.physics.materials.registry import imported
 from pgimp.running.stop import wall_time
 from pgimp.scene.geometry import share
 from pgimp.scene.scene import Scene, count_particles
-from pgimp.solver.stages import look_ahead
+from pgimp.solver.lookahead import look_ahead
 from pgimp.tools.batch.script import Job, write
 
 _WORD = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+:@/-]*", re.ASCII)
@@ -170,9 +170,10 @@ def execute(args: argparse.Namespace) -> int:
 def _examine(args: argparse.Namespace) -> list[str]:
     """Raise what would stop the run before its first step; return what is worth a note."""
     case = load(args.case, args.set)
+    scenes = [Scene(each) for each in case.stages]
     if case.time.stages:
-        look_ahead(case.stages)
-    scene = Scene(case.stages[0])
+        look_ahead(scenes)
+    scene = scenes[0]
     share(scene.case, Serial())
     _, _, notes = count_particles(scene, Serial())
     layers = scene.frame.vertices[0] // (scene.vertices - 1)

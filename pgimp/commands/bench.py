@@ -17,7 +17,8 @@ import numpy as np
 
 from pgimp.jit.cache import announced
 from pgimp.mpi.comm import say, world
-from pgimp.solver.simulation import RESORT, Simulation
+from pgimp.solver.decomposition import RESORT
+from pgimp.solver.simulation import Simulation
 from pgimp.tools.model.block import GRAVITY, SPEED, YOUNG, Block, block_case
 from pgimp.tools.model.costs import Network
 from pgimp.tools.model.predict import MOST_RANKS

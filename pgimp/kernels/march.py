@@ -4,7 +4,7 @@ from pgimp.jit.algebra import determinant
 from pgimp.jit.kernel import kernel, specialise
 from pgimp.jit.lanes import of_lane
 from pgimp.kernels.fours import put_row, take_row
-from pgimp.physics.materials.base import evaluate_four
+from pgimp.physics.materials.evaluate import evaluate_four
 
 
 def ask(materials, F, J, L, dt, found, rows, like):

@@ -19,7 +19,7 @@ from pgimp.kernels.pace import pace
 from pgimp.kernels.place import is_initial
 from pgimp.kernels.updates.stress import diffusion_speed, wave_speed
 from pgimp.kernels.viscosity import effective_wave_speed
-from pgimp.physics.materials.base import evaluate, evaluate_four
+from pgimp.physics.materials.evaluate import evaluate, evaluate_four
 
 
 def has_initial_speed(materials):

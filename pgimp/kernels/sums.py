@@ -9,7 +9,7 @@ from pgimp.kernels.own import with_own
 from pgimp.kernels.pace import pace
 from pgimp.kernels.speed import own_speed, speed_of_waves
 from pgimp.kernels.updates.stress import has_any, state_of
-from pgimp.physics.materials.base import evaluate
+from pgimp.physics.materials.evaluate import evaluate
 
 #: Columns of `layer_sums`.
 MASS, MOMENTUM, ANGULAR, MOMENT, KINETIC, STRAIN, SUMS = 0, 1, 4, 7, 10, 11, 12

@@ -12,6 +12,7 @@ from pgimp.geometry.regions import Points
 from pgimp.kernels.particles import Particles
 from pgimp.kernels.sums import fastest_rate
 from pgimp.scene.lattice import Lattice, ParticleBlock
+from pgimp.scene.populate import velocities
 from pgimp.scene.scene import Scene
 
 _Reals = np.ndarray[Any, np.dtype[np.float64]]
@@ -119,7 +120,7 @@ def _examine(
         if block.velocities is not None:
             speeds.add(block.velocities, block.fractions)
         elif scene.moves or not isinstance(motion, tuple):
-            speeds.add(scene.velocities(body, block.centroids), block.fractions)
+            speeds.add(velocities(scene, body, block.centroids), block.fractions)
         elif not speeds.mass:  # one for all
             speeds.add(np.array([motion], float), np.ones(1))
         ends = block.positions.min(axis=0), block.positions.max(axis=0)

@@ -181,6 +181,18 @@ class SceneLoads:
                         f"{', '.join(f'{2 * h:.6g}' for h in self.half)} apart"
                     )
 
+    def require_all_hold(self, p: Particles, n: int, comm: Any) -> None:
+        """Refuse constraints that hold none of the first `n` particles of any rank; collective.
+
+        Raises
+        ------
+        CaseError
+            On every rank, if there is one.
+        """
+        if self.constraints:
+            held = np.bincount(p.constraint[:n, 0], minlength=len(self.constraints) + 1)
+            self.require_held(np.sum(comm.allgather(held), axis=0))
+
     def _lattice(self, d: int) -> tuple[np.ndarray, np.ndarray]:
         """Edges and centres of the lattice's columns along direction `d`, as `Lattice` has them."""
         grid, n = self.case.grid, self.case.method.particles_per_cell[d]
@@ -193,23 +205,16 @@ class SceneLoads:
 
         Small parts that were merged into other particles leave a little without a carrier.
 
-        Raises
-        ------
-        CaseError
-            On every rank: if a constraint holds no particle.
         """
-        if not self.tractions and not self.constraints:
+        if not self.tractions:
             return
         p, start = population.particles, population.start
         rows = population.order.astype(np.int64)
         sums = np.zeros((len(start) - 1, len(self.tractions)))
         layer = np.repeat(np.arange(len(sums)), np.diff(start))
         np.add.at(sums, layer, p.patch[rows])  # one after the other, in canonical order
-        held = np.bincount(p.constraint[rows].ravel(), minlength=len(self.constraints) + 1)
-        everywhere = comm.allgather((sums, held))
-        total = np.add.reduce(np.concatenate([part[0] for part in everywhere]), axis=0)
+        total = np.add.reduce(np.concatenate(comm.allgather(sums)), axis=0)
         for i, (entry, area) in enumerate(zip(self.tractions, total, strict=True)):
             if area > 0.0:
                 exact = entry.area(self.case.bodies[entry.body].region)
                 p.patch[rows, i] *= exact / area
-        self.require_held(np.sum([part[1] for part in everywhere], axis=0))

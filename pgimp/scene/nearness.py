@@ -10,41 +10,26 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import product
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from pgimp.physics.contact import Pairs, sharing
-from pgimp.scene.supports import held_at
-from pgimp.schema.tables import Table, VectorTable
+from pgimp.scene.movingboxes import (
+    TOUCH,
+    Box,
+    clearance,
+    faces_with_condition,
+    instants,
+    moving_boxes,
+)
 
-AXES = "xyz"
-
-#: Number of instants at which distances of bodies are checked; fewer if there are many bodies.
-_INSTANTS, _FEWEST_INSTANTS, _PLACES = 129, 9, 20_000
-#: Distances below this part of a cell are none: the bodies touch.
-_TOUCH = 1e-6
 #: Of the part of the grid where two bodies may meet, if they are to be compared cell by cell.
 _MOST_CELLS = 20_000_000
 #: Pairs of bodies that are compared so, each in some hundredths of a second.
 _MOST_PAIRS = 100
 #: Pairs that are named; of more, the number.
 _NAMED = 3
-
-
-class Box(NamedTuple):
-    """The box round a body, and how it moves if nothing but walls and prescribed motion stop it.
-
-    Attributes
-    ----------
-    name : str
-    low, high : (instants, D) float64
-        Its corners, round all directions of a body that turns from the second instant on.
-    """
-
-    name: str
-    low: np.ndarray
-    high: np.ndarray
 
 
 def reach(case: Any) -> np.ndarray:
@@ -61,7 +46,7 @@ def warnings(case: Any) -> list[str]:
     case : Case
         The case, its meshes and particle files read (`pgimp.scene.geometry.share`).
     """
-    boxes = _boxes(case, times := _instants(case))
+    boxes = moving_boxes(case, times := instants(case))
     if all(body.configuration == "initial" for body in case.bodies.values()):
         return [*_passing(case, boxes, times), *_walls(case, boxes, at_once=True)]
     return [*_pairs(case, boxes, times), *_walls(case, boxes, at_once=True), *_rigid(case)]
@@ -71,101 +56,13 @@ def notes(case: Any) -> list[str]:
     """Return which bodies come near walls; as `warnings`."""
     if all(body.configuration == "initial" for body in case.bodies.values()):
         return []
-    return list(_walls(case, _boxes(case, _instants(case)), at_once=False))
+    return list(_walls(case, moving_boxes(case, instants(case)), at_once=False))
 
 
 def meet(case: Any) -> bool:
     """Whether bodies may come near each other, or a wall, that they are apart from at the start."""
-    boxes = _boxes(case, times := _instants(case))
+    boxes = moving_boxes(case, times := instants(case))
     return bool(_pairs_that_meet(case, boxes, times) or [*_walls(case, boxes, at_once=False)])
-
-
-def _instants(case: Any) -> np.ndarray:
-    number = min(_INSTANTS, max(_FEWEST_INSTANTS, _PLACES // len(case.bodies)))
-    return np.linspace(0.0, case.time.end, number)
-
-
-def _boxes(case: Any, times: np.ndarray) -> list[Box]:
-    fall = _integral(_fall(case, times), times)
-    boxes = []
-    for name, body in case.bodies.items():
-        low, high = (np.array(end, float) for end in body.region.bounds())
-        velocity, turns = _velocity(body.velocity, 0.5 * (low + high))
-        moved = [entry for entry in case.constraints.values() if entry.body == name]
-        if moved:
-            way = _integral(_prescribed(moved[-1].velocity, times), times)
-        elif any(_held(case, low, high)):
-            way = np.zeros((len(times), len(low)))
-        else:
-            way = velocity * times[:, None] + _integral(fall, times)
-        way = _stopped(case, low, high, way)
-        wider = np.zeros_like(way)
-        if turns:
-            wider[1:] = 0.5 * (float(np.linalg.norm(high - low)) - (high - low))
-        boxes.append(Box(name, low + way - wider, high + way + wider))
-    return boxes
-
-
-def _velocity(entry: Any, middle: np.ndarray) -> tuple[np.ndarray, bool]:
-    """Initial velocity of a point of a body, (D,), and whether the body turns."""
-    if isinstance(entry, tuple):
-        return np.array(entry, float), False
-    D, rate = len(middle), entry.rotation.rate
-    arm, translation = np.zeros(3), entry.translation
-    arm[:D] = middle - entry.rotation.about
-    omega = rate if isinstance(rate, tuple) else (0.0, 0.0, rate)
-    v = np.cross(omega, arm)[:D]
-    return v + (np.zeros(D) if translation is None else translation), True
-
-
-def _fall(case: Any, times: np.ndarray) -> np.ndarray:
-    b, D = case.gravity, case.dimensions
-    if b is None:
-        return np.zeros((len(times), D))
-    return np.array([b.value(t) if isinstance(b, VectorTable) else b for t in times], float)
-
-
-def _prescribed(velocity: Any, times: np.ndarray) -> np.ndarray:
-    """Prescribed velocity over time; zero where a component is free."""
-    columns = [[v.value(t) if isinstance(v, Table) else v or 0.0 for t in times] for v in velocity]
-    return np.array(columns, float).T
-
-
-def _integral(values: np.ndarray, times: np.ndarray) -> np.ndarray:
-    """Integral over time from the start, by the trapezoidal rule."""
-    parts = 0.5 * (values[1:] + values[:-1]) * np.diff(times)[:, None]
-    return np.concatenate([np.zeros((1, values.shape[1])), np.cumsum(parts, axis=0)])
-
-
-def _faces(case: Any) -> Iterator[tuple[str, Any, int, int]]:
-    """Faces with a condition, with their axis and side."""
-    for face, condition in case.boundaries.items():
-        yield face, condition, AXES.index(face[0]), -1 if face.endswith("min") else 1
-
-
-def _clear(case: Any, axis: int, side: int, low: np.ndarray, high: np.ndarray) -> Any:
-    """Distance of a box from a face, in cells."""
-    away = low - case.grid.origin[axis] if side < 0 else case.grid.corner[axis] - high
-    return away / case.grid.cell[axis]
-
-
-def _held(case: Any, low: np.ndarray, high: np.ndarray) -> Iterator[bool]:
-    """For each face that the body touches: whether it holds the body in all directions."""
-    for _, condition, axis, side in _faces(case):
-        if _clear(case, axis, side, low[axis], high[axis]) <= _TOUCH:
-            yield all(held_at(condition, axis, side)[: case.dimensions])
-
-
-def _stopped(case: Any, low: np.ndarray, high: np.ndarray, way: np.ndarray) -> np.ndarray:
-    """The way of a box that walls stop."""
-    for _, _, axis, side in _faces(case):
-        if side < 0:
-            least = min(0.0, case.grid.origin[axis] - low[axis])
-            way[:, axis] = np.maximum(way[:, axis], least)
-        else:
-            most = max(0.0, case.grid.corner[axis] - high[axis])
-            way[:, axis] = np.minimum(way[:, axis], most)
-    return way
 
 
 def _pairs_that_meet(case: Any, boxes: list[Box], times: np.ndarray) -> str:
@@ -179,8 +76,8 @@ def _pairs_that_meet(case: Any, boxes: list[Box], times: np.ndarray) -> str:
         step = np.abs(np.diff(gap, axis=1, append=gap[:, -1:]))
         close = (gap - step < near).all(axis=2)
         apart = gap.max(axis=2)
-        nearer = apart.min(axis=1) < apart[:, 0] - _TOUCH
-        later = close.any(axis=1) & nearer & (apart[:, 0] > _TOUCH)
+        nearer = apart.min(axis=1) < apart[:, 0] - TOUCH
+        later = close.any(axis=1) & nearer & (apart[:, 0] > TOUCH)
         for j in np.flatnonzero(later & shared[i, i + 1 :]):
             when = float(times[close[j].argmax()])
             names = f"'{a.name}' and '{boxes[i + 1 + j].name}'"
@@ -220,14 +117,14 @@ def _pairs(case: Any, boxes: list[Box], times: np.ndarray) -> Iterator[str]:
 def _walls(case: Any, boxes: list[Box], at_once: bool) -> Iterator[str]:
     """Return which bodies are within a wall's reach without touching it, or will come there."""
     near = 0.5 * reach(case)
-    for face, condition, axis, side in _faces(case):
+    for face, condition, axis, side in faces_with_condition(case):
         if condition.approaches and case.method.chi != "point":
             continue
         names = []
         for box in boxes:
-            gap = _clear(case, axis, side, box.low[:, axis], box.high[:, axis])
+            gap = clearance(case, axis, side, box.low[:, axis], box.high[:, axis])
             apart = gap[0] >= near[axis]
-            if (_TOUCH < gap[0] and not apart) if at_once else (apart and gap.min() < near[axis]):
+            if (TOUCH < gap[0] and not apart) if at_once else (apart and gap.min() < near[axis]):
                 names.append(f"'{box.name}'")
         if names:
             more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
@@ -281,7 +178,7 @@ def bonded(scene: Any, lattice: Any, counts: np.ndarray) -> Iterator[str]:
         See `count_particles`.
     """
     case = scene.case
-    boxes = _boxes(case, np.array([0.0, case.time.end]))
+    boxes = moving_boxes(case, np.array([0.0, case.time.end]))
     cell, origin = np.array(scene.frame.cell), np.array(scene.frame.origin)
     # What a surface cuts reaches farther, by half a particle at most.
     near = reach(case) + 1.0 / np.array(lattice.per_cell)
@@ -339,8 +236,8 @@ def _marks(
     for block in lattice.make(planes, counts, body):
         x = (block.positions - origin) / cell - first
         _mark(cells, np.floor(x).astype(int))
-        low = np.floor(x - 1.0 - half + _TOUCH).astype(int) + 1
-        high = np.ceil(x + 1.0 + half - _TOUCH).astype(int) - 1
+        low = np.floor(x - 1.0 - half + TOUCH).astype(int) + 1
+        high = np.ceil(x + 1.0 + half - TOUCH).astype(int) - 1
         for step in product(*(range(n) for n in (high - low).max(axis=0) + 1)):
             _mark(vertices, (low + step)[(low + step <= high).all(axis=1)])
     return cells, vertices

@@ -1,7 +1,5 @@
 """The scene: a case turned into what the solver works with, the same on every rank."""
 
-from collections.abc import Callable
-from itertools import chain
 from math import prod
 from typing import Any
 
@@ -11,10 +9,9 @@ from pgimp.case.places import located
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.kernels.concepts import Setting
-from pgimp.kernels.errors import initial_velocities
 from pgimp.kernels.mirror import Mirror
 from pgimp.kernels.order import cell_numbers
-from pgimp.kernels.particles import Carried, Frame, InitialFrame, Particles
+from pgimp.kernels.particles import Carried, Frame, InitialFrame
 from pgimp.kernels.sums import SUMS
 from pgimp.kernels.walls import GRAVITY
 from pgimp.physics.contact import Pairs
@@ -22,7 +19,6 @@ from pgimp.physics.fields import EVERY
 from pgimp.physics.materials.base import LOSSES
 from pgimp.physics.materials.outside import parameters_of
 from pgimp.physics.materials.states import States
-from pgimp.scene.cloudgradients import with_gradients
 from pgimp.scene.counts import count_all
 from pgimp.scene.faces import (
     AXES,
@@ -33,9 +29,8 @@ from pgimp.scene.faces import (
     walls,
     walls_approached,
 )
-from pgimp.scene.lattice import Lattice, ParticleBlock
+from pgimp.scene.lattice import Lattice
 from pgimp.scene.loads import SceneLoads
-from pgimp.scene.pointscloud import Cloud
 from pgimp.scene.tools import SceneTools
 from pgimp.scene.variations import Variations
 from pgimp.schema.tables import VectorTable
@@ -248,53 +243,6 @@ class Scene:
         found[:, GRAVITY] = np.repeat(self.gravity(start), 2)
         return found
 
-    def _velocity_gradients(self, body: int, positions: np.ndarray) -> np.ndarray:
-        """Gradient of the initial velocity, (n, D*D), by differences over half a cell."""
-        L = np.empty((len(positions), self.dimension, self.dimension))
-        for d in range(self.dimension):
-            step = np.zeros(self.dimension)
-            step[d] = 0.25 * self.frame.cell[d]
-            ends = (self.velocities(body, positions + side * step) for side in (1.0, -1.0))
-            L[:, :, d] = np.subtract(*ends) / (2.0 * step[d])
-        return L.reshape(len(positions), -1)
-
-    def velocities(self, body: int, positions: np.ndarray) -> np.ndarray:
-        """Initial velocity of a body's particles, (n, D): exact, or v0 + omega x (x - about)."""
-        if self.moves:
-            v = np.zeros_like(positions)
-            initial_velocities(self.exact, self.frame, positions, v)
-            return v
-        motion = list(self.case.bodies.values())[body].velocity
-        D = self.dimension
-        if isinstance(motion, tuple):
-            return np.tile(np.array(motion, float), (len(positions), 1))
-        v = np.zeros_like(positions)
-        if motion.translation is not None:
-            v += motion.translation
-        arm = np.zeros((len(positions), 3))
-        arm[:, :D] = positions - np.array(motion.rotation.about)
-        rate = motion.rotation.rate
-        omega = (0.0, 0.0, rate) if isinstance(rate, float | int) else rate
-        turn = np.stack(
-            [
-                omega[1] * arm[:, 2] - omega[2] * arm[:, 1],
-                omega[2] * arm[:, 0] - omega[0] * arm[:, 2],
-                omega[0] * arm[:, 1] - omega[1] * arm[:, 0],
-            ],
-            axis=1,
-        )
-        return v + turn[:, :D]
-
-    def _vary(self, p: Particles, rows: slice, block: ParticleBlock) -> None:
-        """Give particles what they have of their own of their material, if it varies in space."""
-        own = self.variations.of(block, self.body_material[block.body])
-        if own is None:
-            return
-        p.own[rows], p.state[rows] = own.columns, own.state
-        p.m[rows] = p.V0[rows] * own.density  # (4)
-        if block.stresses is None and own.pressure.any():
-            p.sigma[rows, :3] = -own.pressure[:, None]
-
     def varies(self, body: int) -> bool:
         """Whether the material of a body varies in space."""
         return self.variations.layouts[self.body_material[body]] is not None
@@ -303,85 +251,6 @@ class Scene:
         """Learn the greatest density of particles whose materials vary."""
         self.densest = densest
         self.most_mass = densest * prod(self.case.grid.size)
-
-    def populate(
-        self,
-        lattice: Lattice,
-        counts: np.ndarray,
-        planes: tuple[int, int],
-        own: Callable[[np.ndarray], np.ndarray] | None = None,
-    ) -> Particles:
-        """Particles of a range of lattice planes, ordered by body and position.
-
-        Parameters
-        ----------
-        counts : (bodies, planes) int64
-            Particles of each body in each plane of the lattice.
-        planes : (int, int)
-            First plane and end.
-        own : callable, optional
-            See `Lattice.make`; what it chooses need not be what the planes count.
-        """
-        # The number of particles in files is only known once they are read.
-        files: list[list[ParticleBlock] | None] = []
-        for body, found in enumerate(lattice.bodies):
-            blocks = None
-            if isinstance(found, Cloud):
-                blocks = list(lattice.make(planes, counts, body, own))
-                if self.loads.affine:
-                    blocks = with_gradients(found, lattice.box, blocks)
-            files.append(blocks)
-        n = sum(
-            int(counts[body, planes[0] : planes[1]].sum())
-            if blocks is None
-            else sum(len(block.ids) for block in blocks)
-            for body, blocks in enumerate(files)
-        )
-        p = Particles.empty(max(n, 1), self.carried)
-        row = 0
-        every = (
-            lattice.make(planes, counts, body) if blocks is None else blocks
-            for body, blocks in enumerate(files)
-        )
-        for block in chain.from_iterable(every):
-            rows = slice(row, row + len(block.ids))
-            p.x[rows] = block.positions
-            # A field linear in space has its mean over a part (5) at the part's centroid; an exact
-            # solution refers to the particle's place.
-            places = block.positions if self.moves else block.centroids
-            if block.velocities is None:
-                p.v[rows] = self.velocities(block.body, places)
-            else:
-                p.v[rows] = block.velocities
-            material = self.body_material[block.body]
-            if block.stresses is not None:
-                p.sigma[rows] = block.stresses[:, : p.sigma.shape[1]]
-            elif pressure := self.initial_pressures[material]:
-                p.sigma[rows, :3] = -pressure
-            if p.L.shape[1]:
-                p.L[rows] = (
-                    self._velocity_gradients(block.body, places)
-                    if block.gradients is None
-                    else block.gradients
-                )
-            p.id[rows] = block.ids
-            p.body[rows] = block.body
-            p.V0[rows] = p.V[rows] = lattice.volume * block.fractions  # (3)
-            if self.carried.surfaces:
-                p.offset[rows] = block.centroids - block.positions
-                p.excess[rows, 0] = lattice.excess(block)
-            p.m[rows] = p.V0[rows] * self.materials[material].density  # (4)
-            p.state[rows] = self.states.initial[material]
-            self._vary(p, rows, block)
-            for name, values in block.states.items():
-                first = self.states.first(name, material)
-                if first >= 0:  # else a parameter that varies
-                    p.state[rows, first : first + values.shape[1]] = values
-            row += len(block.ids)
-        if p.origin.shape[1]:
-            p.origin[:] = p.x
-        self.loads.attach(p, row)
-        return p
 
 
 def count_particles(scene: Scene, comm: Any) -> tuple[Lattice, np.ndarray, list[str]]:

@@ -1,4 +1,4 @@
-"""The rigid bodies of a scene: their distances, and where they are in each step."""
+"""The rigid bodies of a scene, and where they are in each step."""
 
 from __future__ import annotations
 
@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 
 from pgimp.case.places import located
 from pgimp.case.schema import Case
-from pgimp.errors import CaseError
-from pgimp.geometry.distancefield import MARGIN, DistanceField, distance_field, extent, thickness
+from pgimp.geometry.distancefield import DistanceField
 from pgimp.geometry.outline import outline
 from pgimp.kernels.particles import Frame
 from pgimp.kernels.tools import (
@@ -38,26 +37,15 @@ from pgimp.kernels.tools import (
     Tools,
 )
 from pgimp.mpi.collective import on_root
-from pgimp.physics.rigid import Motion, Pose, RigidBody, Triple
-from pgimp.scene.bulk import Bulk, bulk
+from pgimp.physics.rigid import Motion, Pose, Triple
 from pgimp.scene.freebody import FreeBody, State
-from pgimp.schema.tables import VectorTable
-
-#: Instants at which the way of a body that does not turn is looked at, to know what of it matters.
-_INSTANTS = 2000
-
-#: Least density of a free body, over that of the material around it; and the other way round.
-LIGHTEST = 1e-10
+from pgimp.scene.toolmeasure import lattice_points, measure, require_densities
 
 #: How much a free body yields to what is held, over how much it would if nothing else held it: of
 #: a step's change of velocity this part is left, divided among the vertices that it is on.
 #: From 1e-6 to 1e-2 a ball that falls on what is held comes to rest at the same place, to a per
 #: cent of its way, with a hundredth of the material's density as with a hundred times it.
 SOFT = 1e-3
-
-#: Points that a lattice may have: about 1 GB.
-_MOST_POINTS = 30_000_000
-
 
 class Surface(NamedTuple):
     """Surfaces of rigid bodies: vertices, cells of them, and the body of each vertex."""
@@ -111,7 +99,7 @@ class SceneTools:
     def points(self) -> float:
         """Return the number of points of all lattices but those of meshes."""
         return sum(
-            float(np.prod(extent(entry.region, self.frame.cell, self._within(entry))[2] * 1.0))
+            lattice_points(self.case, self.frame, entry)
             for entry in self.entries
             if not any(part.FROM_FILE for part in entry.region.simple())
         )
@@ -125,84 +113,22 @@ class SceneTools:
             On every rank: a body that is too thin, too large, too light or too heavy.
         """
         with located(self.case):
-            self._weigh()
+            require_densities(self.case)
             found = [
-                on_root(comm, partial(self._read_and_measure, name, entry))
+                on_root(comm, partial(measure, self.case, self.frame, name, entry))
                 for name, entry in zip(self.names, self.entries, strict=True)
             ]
-            self.fields = [field for field, _, _ in found]
-            self.thick = [thick for _, thick, _ in found]
-            for number, (name, entry, (_, _, inertia)) in enumerate(
+            self.fields = [one.field for one in found]
+            self.thick = [one.thick for one in found]
+            for number, (name, entry, one) in enumerate(
                 zip(self.names, self.entries, found, strict=True)
             ):
-                if inertia:
-                    self.free[number] = FreeBody(name, entry, inertia, len(self.frame.cell))
+                if one.inertia:
+                    self.free[number] = FreeBody(name, entry, one.inertia, len(self.frame.cell))
         # Steps depend on these: one rank computes them, as machines may round otherwise.
         self.rate = on_root(comm, self._greatest_rate)
         self.arms = on_root(comm, self._greatest_arms)
         self._kept = None
-
-    def _weigh(self) -> None:
-        """Refuse free bodies whose mass no solution of six equations can bear."""
-        used = (self.case.materials[body.material] for body in self.case.bodies.values())
-        densities = [material.typical("density") for material in used]
-        low, high = LIGHTEST * min(densities), max(densities) / LIGHTEST
-        for name, entry in zip(self.names, self.entries, strict=True):
-            if entry.free and not low <= entry.free.density <= high:
-                raise CaseError(
-                    f"bodies.{name}.rigid.density: {entry.free.density:.3g}, and bodies of a "
-                    f"material have {min(densities):.3g} to {max(densities):.3g}; with less than "
-                    f"{LIGHTEST:g} of the least, or more than that part says of the greatest, "
-                    "rounding decides how it moves"
-                )
-
-    def _read_and_measure(
-        self, name: str, entry: RigidBody
-    ) -> tuple[DistanceField, float, Bulk | None]:
-        """Measure a body, of which meshes are in memory no longer than that."""
-        try:
-            free, D = entry.free, len(self.frame.cell)
-            field = self._measure(entry)
-            inertia = bulk(entry.region, free.density, D) if free else None
-            return field, thickness(entry.region, D), inertia
-        except CaseError as error:
-            raise CaseError(f"bodies.{name}.region: {error}") from None
-        finally:
-            for part in entry.region.simple():
-                part.__dict__.pop("surface", None)
-
-    def _measure(self, entry: RigidBody) -> DistanceField:
-        cell, within = self.frame.cell, self._within(entry)
-        thick = thickness(entry.region, len(cell))
-        if thick < (1.0 - 1e-3) * min(cell):
-            raise CaseError(
-                f"is {thick:.2g} thick at most, and cells are {min(cell):.6g} wide: what meets it "
-                "would feel both of its sides at once; make it thicker, on a side that meets "
-                "nothing, or the cells smaller"
-            )
-        points = float(np.prod(extent(entry.region, cell, within)[2].astype(float)))
-        if points > _MOST_POINTS:
-            raise CaseError(
-                f"is too large for these cells: it would take {points:.3g} distances half a cell "
-                f"apart, where {_MOST_POINTS:.3g} are possible; leave out what meets nothing"
-            )
-        return distance_field(entry.region, cell, within)
-
-    def _within(self, entry: RigidBody) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
-        """Ends of the part of a body, where it is at the start, that comes into the domain."""
-        motion = entry.rigid
-        if not isinstance(motion, Motion) or motion.rotation is not None:
-            return None
-        D, grid = len(self.frame.cell), self.case.grid
-        end, velocity = self.case.time.end, motion.velocity
-        times = np.linspace(0.0, end, _INSTANTS if motion.moves else 1)
-        if isinstance(velocity, VectorTable):
-            rows = np.array([time for time, _ in velocity.table])
-            times = np.concatenate([times, rows[(rows > 0.0) & (rows < end)]])
-        ways = np.array([motion.displacement(float(t))[:D] for t in times])
-        slack = (MARGIN + 1.0) * np.array(self.frame.cell)
-        low = np.array(grid.origin, float) - ways.max(axis=0) - slack
-        return low, np.array(grid.corner, float) - ways.min(axis=0) + slack
 
     @cached_property
     def surface(self) -> Surface:

@@ -12,10 +12,12 @@ from pgimp.kernels.order import layers_of
 from pgimp.scene.scene import Scene
 from pgimp.solver.rank import Rank
 
+#: Steps between two re-sorts of the particles' rows, with a report of the load: a sort costs half a
+#: step, and a step becomes slower by up to a thousandth with every step that the rows grow stale.
+RESORT = 48
 
-def partition(
-    scene: Scene, comm: Any, counts: np.ndarray, interval: int
-) -> tuple[Slab, Balance, list[str]]:
+
+def partition(scene: Scene, comm: Any, counts: np.ndarray) -> tuple[Slab, Balance, list[str]]:
     """Give each rank its layers at the start, so that none has more particles than need be.
 
     Parameters
@@ -26,8 +28,6 @@ def partition(
         Of all ranks.
     counts : (layers,) int64
         Particles of each layer.
-    interval : int
-        Steps between two reports of the load.
 
     Returns
     -------
@@ -49,7 +49,7 @@ def partition(
             f"{idle} of {comm.size} ranks own no layer: the grid's {cuts[-1]} layers feed "
             f"at most {len(cuts) - 1} ranks ({each} layers each{outer}); use fewer ranks"
         )
-    balance = Balance(cuts, int(counts.sum()), vertices, ends, interval)
+    balance = Balance(cuts, int(counts.sum()), vertices, ends, RESORT)
     return slab_of(cuts, comm.rank), balance, notes
 
 

@@ -26,7 +26,7 @@ def _own_sums(rank: Rank, scene: Any, order: Any) -> tuple[np.ndarray, np.ndarra
     sums = np.zeros((rank.slab.layers, len(scene.body_names), scene.sums))
     layer_sums(scene.setting.without_shape(), particles, order, sums)
     masses = np.zeros((len(scene.body_names), 2), np.int64)
-    unit = 2.0 ** (HIGH - 2 - frexp(scene.most_mass)[1])  # see `Simulation.initialise`
+    unit = 2.0 ** (HIGH - 2 - frexp(scene.most_mass)[1])  # see `put_in_order`
     exact_masses(particles, order.rows, unit, masses)
     return sums, masses, unit
 

@@ -5,46 +5,28 @@ from typing import Any
 
 import numpy as np
 
-from pgimp.case.places import located
 from pgimp.case.schema import Case
 from pgimp.decomposition.balance import Balance
 from pgimp.decomposition.population import Population
 from pgimp.decomposition.slabs import Slab
-from pgimp.errors import CaseError, DamagedError, RunError
-from pgimp.jit.cache import messages, problems
-from pgimp.jit.kernel import FOLDER
-from pgimp.kernels.order import layers_of
+from pgimp.errors import DamagedError, RunError
 from pgimp.kernels.particles import Particles
-from pgimp.kernels.sums import fastest_rate
-from pgimp.mpi.collective import all_or_none
-from pgimp.scene import nearness
-from pgimp.scene.facts import rest_rate
-from pgimp.scene.geometry import release, share, take_as_empty
 from pgimp.scene.lattice import Lattice
-from pgimp.scene.scene import Scene, count_particles
-from pgimp.scene.toolchecks import require_apart, require_clear, require_same, require_slow
-from pgimp.solver.clock import START, CourantClock, Step, clock_of
-from pgimp.solver.decomposition import owned, partition, rebalance
+from pgimp.scene.populate import populate
+from pgimp.scene.scene import Scene
+from pgimp.solver import setup
+from pgimp.solver.clock import START, CourantClock, FixedClock, Step
+from pgimp.solver.decomposition import RESORT, owned, partition, rebalance
 from pgimp.solver.diagnostics import Diagnostics
 from pgimp.solver.energywatch import EVERY, LEAST, EnergyWatch
 from pgimp.solver.faults import Failure, collect
-from pgimp.solver.memory import require
+from pgimp.solver.lookahead import absent, look_ahead
 from pgimp.solver.rank import Rank
 from pgimp.solver.reduction import Request, StepReduction
-from pgimp.solver.restore import outline, read_books, read_particles
-from pgimp.solver.stability import check_first_step, require_end
-from pgimp.solver.stages import absent, enter, look_ahead, rates_at_rest, require_stable_stages
+from pgimp.solver.stages import enter
 from pgimp.solver.state import State
 from pgimp.solver.step import step
-from pgimp.solver.warmup import warm_up
-from pgimp.solver.window import open_window, shrink_window
-
-#: Steps between two re-sorts of the particles' rows: a sort costs half a step, and a step becomes
-#: slower by up to a thousandth with every step that the rows grow stale.
-RESORT = 48
-
-#: A vertex lighter than this part of the lightest initial particle is not accelerated.
-LIGHT = 1e-12
+from pgimp.solver.window import shrink_window
 
 
 class Simulation:
@@ -67,16 +49,11 @@ class Simulation:
         What does not change, but from stage to stage.
     columns : list of str
         Columns of the history of a run of several stages, all that any has; empty of others.
-    rank : Rank
-        What this rank holds.
-    balance : Balance
-        What is known of the load of the ranks.
-    done : Step
-        The last step of which all ranks have said that it went well.
-    doing : Step or None
-        The step after it, if this rank has done it and does not know of the others.
-    time, step, dt : float, int, float
-        Simulated time, steps done, length of the last step (0 before the first), with `doing`.
+    rank, balance : Rank, Balance
+        What this rank holds, and what is known of the load of all.
+    done, doing : Step, Step or None
+        The last step of which all ranks have said that it went well; the step after it, if this
+        rank has done it and does not know of the others.
     count : int
         Particles of all ranks at the start, which is one more than the greatest id; see `present`.
     notes, warnings : list of str
@@ -103,8 +80,12 @@ class Simulation:
         The same on every rank, if the checkpoint does not hold a state of this case.
     """
 
+    clock: FixedClock | CourantClock
+    watch: EnergyWatch | None
     rank: Rank
     balance: Balance
+    count: int
+    rate: float
 
     def __init__(self, case: Case, comm: Any, source: Any = None) -> None:
         state = None if source is None else State.of(source)
@@ -112,9 +93,9 @@ class Simulation:
         self.stage = state.stage if state else 0
         if self.stage >= len(self.cases):
             raise DamagedError(f"it is of stage {self.stage + 1}, of {len(self.cases)}")
-        self.case = case = self.cases[self.stage]
-        self.scene = scene = Scene(case)
-        self.columns = look_ahead(self.cases) if len(self.cases) > 1 else []
+        scenes = [Scene(each) for each in self.cases]
+        self.case, self.scene = self.cases[self.stage], scenes[self.stage]
+        self.columns = look_ahead(scenes) if len(scenes) > 1 else []
         self.done = START
         self.doing: Step | None = None
         self.notes: list[str] = []
@@ -123,129 +104,25 @@ class Simulation:
         self.request = self.agreed_request = Request.NONE
         self.reduction = StepReduction(comm)
         self.diagnostic_sums = Diagnostics()
-        (share if source is None else take_as_empty)(case, comm)
-        require(scene, comm, None if source is None else source.count)
-        scene.tools.measure(comm)
-        warm_up(scene, comm)
-        rate = max(rest_rate(scene, body) for body in range(len(scene.body_names)))
-        self.clock = clock_of(case, rate, state.counted if state else 0)
-        self.watch = EnergyWatch(rate * min(scene.frame.cell)) if case.watched else None
-        self._tell_of_kernels()
-        if source is None:
-            self._begin()
+        if state is None:
+            setup.begin(self, scenes)
         else:
-            self._resume(source)
-
-    def _tell_of_kernels(self) -> None:
-        """Take up, once each, what ranks have to say of the cache on their nodes."""
-        said = self.comm.allgather((problems(), FOLDER.warning))
-        self.notes += messages(found for found, _ in said)
-        self.warnings += dict.fromkeys(warning for _, warning in said if warning)
-
-    def _begin(self) -> None:
-        """Make the particles of the case, and look at its first step; collective."""
-        scene, comm = self.scene, self.comm
-        lattice, counts, notes = count_particles(scene, comm)
-        self.notes += notes
-        self.count = int(counts.sum())
-        require(scene, comm, self.count)
-        layer = np.empty(len(lattice.coordinates[0]), np.int64)
-        layers_of(scene.shape, scene.frame, scene.identity, lattice.coordinates[0], layer)
-        slab = self.decompose(np.bincount(layer, counts.sum(axis=0), scene.frame.vertices[0]))
-        made = all_or_none(
-            comm, lambda: self._create(slab, lattice, counts, layer), CaseError
-        )
-        self.initialise(slab, *made)
-        if len(self.cases) > 1 and scene.variations:
-            require_stable_stages(self.cases, rates_at_rest(self.rank, scene, comm))
-        if scene.tools:
-            p, order = self.particles, self.population.order
-            require_apart(scene.tools, [(p.x[order], p.body[order])], comm)
-            require_clear(scene.tools, scene.faces, scene.tools.first, 0, 0.0, comm)
-        self.warnings += nearness.warnings(self.case)
-        release(self.case)
-        if self.watch:
-            self.watch.begin(self.rank)
-        rate = max(self.rate, scene.tools.first_rate)
-        require_end(scene, rate)
-        dt = self.clock.next(self.done, rate).dt
-        self.warnings += check_first_step(scene, dt, self.rate)
-        require_slow(scene.tools, dt)
-
-    def _resume(self, source: Any) -> None:
-        """Take over the state of a checkpoint; collective."""
-        scene, comm = self.scene, self.comm
-        state, layers = outline(scene, source, comm)
-        require_same(scene.tools, state.tools)
-        self.count = state.count
-        if state.densest is not None:
-            scene.weigh(state.densest)
-        slab = self.decompose(layers)
-        self.initialise(slab, *read_particles(scene, slab, source, state, layers, comm))
-        read_books(self.rank, source, state, self.diagnostic_sums)
-        self.done = self.clock.after(state.step, state.time, state.dt)
-        self.rate = state.rate
-        if self.watch:
-            if state.watch is None:  # the run began with other steps
-                self.watch.begin(self.rank)
-            else:
-                self.watch.numbers = state.watch
-            self.shorten()
+            setup.resume(self, source, state.counted)
 
     def decompose(self, counts: np.ndarray) -> Slab:
         """Give each rank its layers, so that no rank has more particles than need be."""
-        slab, self.balance, notes = partition(self.scene, self.comm, counts, RESORT)
+        slab, self.balance, notes = partition(self.scene, self.comm, counts)
         self.notes += notes
         return slab
 
-    def _create(
+    def create(
         self, slab: Slab, lattice: Lattice, counts: np.ndarray, layer: np.ndarray
     ) -> tuple[Particles, int]:
         """Particles of a slab's layers, and their number; `layer` holds that of each plane."""
         own = np.searchsorted(layer, (slab.first, slab.first + slab.layers))
         begin, end = int(own[0]), int(own[1])
-        particles = self.scene.populate(lattice, counts, (begin, end), owned(self.scene, slab))
+        particles = populate(self.scene, lattice, counts, (begin, end), owned(self.scene, slab))
         return particles, int(np.count_nonzero(particles.m))
-
-    def initialise(
-        self, slab: Slab, particles: Particles, count: int, start: np.ndarray | None = None
-    ) -> None:
-        """Put this rank's particles in order, and make what it needs besides; collective.
-
-        With `start`, the beginnings of the layers, they are in order and have all they carry.
-        """
-        scene, comm = self.scene, self.comm
-        mine = particles.m[:count]
-        dense = float((mine / particles.V0[:count]).max(initial=0.0)) if scene.variations else 0.0
-        masses = comm.allgather((float(mine.min(initial=np.inf)), float(mine.sum()), dense))
-        total = sum(mass for _, mass, _ in masses)
-        if scene.variations and scene.densest is None:
-            scene.weigh(max(dense for _, _, dense in masses))
-        if total > 2.0 * scene.most_mass:  # only particles from a file can
-            with located(self.case):
-                raise CaseError(
-                    f"bodies: the particles weigh {total:.6g}, and the whole domain, filled with "
-                    f"the densest material, {scene.most_mass:.6g}; look at the volumes of points"
-                )
-        self.rank = rank = Rank(scene, comm, slab, particles, count, start)
-        rank.lightest = LIGHT * min(least for least, _, _ in masses)
-        self.balance.watch(count)
-        open_window(rank, self.reduction)
-        if start is None:
-            scene.loads.scale_patches(rank.population, comm)
-        setting = scene.setting.without_shape()
-        order, controlled = rank.population.order, scene.controlled or True
-        fastest = fastest_rate(setting, rank.particles, order, controlled)
-        self.rate = max(comm.allgather(fastest))
-        if scene.variations:
-            self._learn_rate()
-
-    def _learn_rate(self) -> None:
-        """Take the particles' waves for those at rest, where typical ones may be far from them."""
-        if isinstance(self.clock, CourantClock):
-            self.clock.rest_rate = self.rate or np.inf
-        if self.watch:
-            self.watch.speed = self.rate * min(self.scene.frame.cell)
 
     @property
     def now(self) -> Step:
@@ -255,7 +132,7 @@ class Simulation:
 
     @property
     def time(self) -> float:
-        """Simulated time."""
+        """Simulated time, with `doing`; likewise `step` and `dt`."""
         return self.clock.time(self.doing or self.done)
 
     @property
@@ -265,7 +142,7 @@ class Simulation:
 
     @property
     def dt(self) -> float:
-        """Length of the last step."""
+        """Length of the last step, 0 before the first."""
         return (self.doing or self.done).dt
 
     @property
@@ -315,7 +192,7 @@ class Simulation:
             On every rank, if the last step of the one before has failed, or the next cannot begin.
         """
         self.agree()
-        enter(self, RESORT)
+        enter(self)
 
     def advance(self, agree: bool = True) -> None:
         """Do one step, the first of the next stage where one is done; collective.
@@ -382,10 +259,7 @@ class Simulation:
     def agree(self) -> None:
         """Learn what all ranks say of the last step, if that is not known; collective.
 
-        Raises
-        ------
-        RunError
-            On every rank, as from `advance`.
+        Raises `RunError` as `advance` does.
         """
         reduction = self.reduction
         if not reduction.end() or self.doing is None:

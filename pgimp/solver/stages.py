@@ -6,7 +6,7 @@ stages' cases. So it is the same whether the run has come there or has been resu
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Hashable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,116 +22,23 @@ from pgimp.scene.geometry import take_as_empty
 from pgimp.scene.scene import Scene
 from pgimp.solver.clock import clock_of
 from pgimp.solver.decomposition import partition
-from pgimp.solver.diagnostics import column_names, sums_of_bodies
+from pgimp.solver.diagnostics import sums_of_bodies
 from pgimp.solver.energywatch import EnergyWatch
-from pgimp.solver.stability import check_first_step, require_stable, stability_warning
+from pgimp.solver.stability import check_first_step
 from pgimp.solver.warmup import warm_up
 
 if TYPE_CHECKING:
     from pgimp.case.schema import Case
     from pgimp.solver.rank import Rank
 
-#: Columns of the history that are zero where a stage does not have them; others are nan.
-_SUMS = ("removed.", "escaped.", "stages.")
 
-
-def look_ahead(cases: Sequence[Case]) -> list[str]:
-    """Return the columns that the history of a run of several stages has, in their order.
-
-    Everything that can be known of the stages without their particles is looked at.
-
-    Raises
-    ------
-    CaseError
-        If a stage cannot be run.
-    """
-    columns: list[str] = []
-    for case in cases:
-        scene = Scene(case)
-        place = 0
-        for name in column_names(scene):
-            if name in columns:
-                place = columns.index(name) + 1
-            else:
-                columns.insert(place, name)
-                place += 1
-    require_stable_stages(cases, {})
-    return columns
-
-
-def stage_rate(scene: Scene, rates: Mapping[str, float]) -> float:
-    """Rate that limits the steps of a stage at rest, 1/time.
-
-    Parameters
-    ----------
-    scene : Scene
-        The stage's.
-    rates : dict of str to float
-        By name those of bodies whose materials vary, which keep their parameters in all stages: the
-        greatest of their particles. Of those that are not named nothing is known.
-    """
-    found = [0.0]
-    for body, name in enumerate(scene.body_names):
-        found.append(rates.get(name, 0.0) if scene.varies(body) else rest_rate(scene, body))
-    return max(found)
-
-
-def rates_at_rest(rank: Rank, scene: Scene, comm: Any) -> dict[str, float]:
-    """Return what `stage_rate` needs, from the particles at the start; collective."""
-    still = rank.particles._replace(v=np.zeros_like(rank.particles.v))
-    order, setting, found = rank.population.order, scene.setting.without_shape(), {}
-    for body, name in enumerate(scene.body_names):
-        if scene.varies(body):
-            rows = order[still.body[order] == body]
-            found[name] = max(comm.allgather(fastest_rate(setting, still, rows, True)))
-    return found
-
-
-def require_stable_stages(cases: Sequence[Case], rates: Mapping[str, float]) -> list[str]:
-    """Refuse fixed steps of later stages that are beyond the limit; warn of those near it.
-
-    Parameters
-    ----------
-    cases : sequence of Case
-        Those of all stages.
-    rates : dict of str to float
-        See `stage_rate`.
-
-    Raises
-    ------
-    CaseError
-        For the first one, with its key.
-    """
-    warnings = []
-    for case in cases:
-        step, number = case.time.step, case.staged.number
-        if not number or case.watched or not isinstance(step, float | int):
-            continue
-        rate, stable = stage_rate(Scene(case), rates), case.method.stable
-        own = step != cases[number - 1].time.step
-        key = f"{case.staged.title}: time.{f'stages.{number - 1}.' if own else ''}step"
-        try:
-            require_stable(float(step), rate, stable)
-        except CaseError as error:
-            raise CaseError(str(error).replace("time.step", key, 1)) from None
-        warnings.append(stability_warning(float(step), rate, stable).replace("time.step", key, 1))
-    return [text for text in warnings if text]
-
-
-def absent(column: str) -> float:
-    """Return what a line has in a column that its stage does not have."""
-    return 0.0 if column.startswith(_SUMS) else float("nan")
-
-
-def enter(sim: Any, resort: int) -> None:
+def enter(sim: Any) -> None:
     """Go over to the next stage, once the last step of the one before is done; collective.
 
     Parameters
     ----------
     sim : Simulation
         At the end of a stage; it begins stages, so that its type is not known here.
-    resort : int
-        Steps between two reports of the load.
 
     Raises
     ------
@@ -162,7 +69,7 @@ def enter(sim: Any, resort: int) -> None:
         records.last = (time, impulse, force)
 
     counts = np.concatenate(comm.allgather(np.diff(rank.population.start)))
-    _, balance, _ = partition(new, comm, counts, resort)
+    _, balance, _ = partition(new, comm, counts)
     if balance.cuts != sim.balance.cuts:
         rank.population.particles = particles
         rank.move(sim.balance.cuts, balance.cuts)

@@ -10,6 +10,7 @@ from clock import clock
 
 from pgimp.case.schema import Case
 from pgimp.mpi.comm import Serial
+from pgimp.solver.setup import put_in_order
 from pgimp.solver.simulation import Simulation
 
 YOUNG, POISSON, DENSITY, GRAVITY, SPEED = 1.0e6, 0.3, 1000.0, -9.81, 0.1
@@ -120,7 +121,7 @@ def shake(sim):
     if half == 0.0:
         places = 0.25 + 0.5 * places
     p.x[rows] = origin + (corner + places) * cell
-    sim.initialise(sim.rank.slab, p, len(rows))
+    put_in_order(sim, sim.rank.slab, p, len(rows))
 
 
 def create(case, comm=None, random=False):

@@ -93,12 +93,12 @@ def one(number, options, folder):
 
 def stop_early():
     """Let a good case end before anything is compiled."""
-    from pgimp.solver import simulation
+    from pgimp.solver import setup
 
     def good(*_):
         os._exit(0)
 
-    simulation.warm_up = good
+    setup.warm_up = good
 
 
 def name_of(result):

@@ -12,6 +12,7 @@ from pgimp.running.schedule import Schedule
 from pgimp.scene.facts import examine
 from pgimp.scene.sanity import body_warnings, case_warnings, small_step_warning, strains
 from pgimp.scene.scene import Scene, count_particles
+from pgimp.tools.check.steps import report_stages
 
 # A steel block of 0.1 m on a floor, in each of two consistent sets of units, and mixed up.
 SI = {"units": "m, kg, s", "young": 2.1e11, "density": 7850.0, "side": 0.1, "gravity": 9.81}
@@ -133,9 +134,9 @@ def test_step_that_is_far_too_short(dt, fewer):
 @pytest.fixture
 def unmeasured(monkeypatch):
     """A report without what compiles and measures."""
-    monkeypatch.setattr(check, "_measure", lambda *scene: (None, 0.0))
+    monkeypatch.setattr(check, "measure", lambda *scene: (None, 0.0))
     monkeypatch.setattr(check, "pilot", lambda *case: None)
-    monkeypatch.setattr(check, "_report_cost", lambda *scene: None)
+    monkeypatch.setattr(check, "report_cost", lambda *scene: None)
 
 
 @pytest.mark.parametrize(("speed", "fewer"), [(0.0, 44), (1.0, 70)])
@@ -188,15 +189,16 @@ def plate(*more):
 
 def test_a_constraint_that_holds_nothing_is_refused_as_by_a_run(monkeypatch):
     """Whatever the block that its particles come in, and if a later one takes them all."""
-    from pgimp.solver import simulation
+    from pgimp.solver import setup
+    from pgimp.solver.simulation import Simulation
 
-    monkeypatch.setattr(simulation, "warm_up", lambda *_: None)  # what a step needs, and none comes
+    monkeypatch.setattr(setup, "warm_up", lambda *_: pytest.fail("kernels were compiled"))
     held = "{body: beam, velocity: [0.0, 0.0], region: {box: {min: [%s, 1.0], max: [%s, 2.0]}}}"
     between = f"constraints: {{grip: {held % (0.3, 0.36)}}}"
     after = f"constraints: {{grip: {held % (0.3, 1.0)}, more: {held % (0.0, 2.0)}}}"
     said = []
     for text in (between, after):
-        for build in (findings, lambda case: simulation.Simulation(case, Serial())):
+        for build in (findings, lambda case: Simulation(case, Serial())):
             with pytest.raises(CaseError, match=r"grip\.region: holds no particle") as caught:
                 build(plate(text))
             said.append(str(caught.value))
@@ -391,7 +393,7 @@ def test_stages_are_listed_with_their_steps_and_changes(capsys):
     ]
     staged = type(case).model_validate(data)
     (body,) = facts(first)
-    steps = check.report_stages(staged, 1.0, {})
+    steps = report_stages(staged, [Scene(each) for each in staged.stages], 1.0, {})
     lines = [" ".join(line.split()) for line in capsys.readouterr().out.splitlines()]
     # Twice the wave speed takes twice the steps: 0.3 cells each.
     hot = 2.0 * body.wave_speed * 1.0e-3 / (0.3 * 0.01)

@@ -17,6 +17,7 @@ from pgimp.errors import CaseError
 from pgimp.mpi.comm import Serial
 from pgimp.physics.materials.registry import import_file
 from pgimp.scene.geometry import share
+from pgimp.scene.populate import populate
 from pgimp.scene.scene import Scene, count_particles
 
 SOFT = {"model": "softening", "young": 100.0, "poisson": 0.3, "density": 1.0} | {
@@ -89,7 +90,7 @@ def populated(model):
     share(model, Serial())
     scene = Scene(model)
     lattice, counts, _ = count_particles(scene, Serial())
-    particles = scene.populate(lattice, counts, (0, lattice.planes))
+    particles = populate(scene, lattice, counts, (0, lattice.planes))
     return particles, np.argsort(particles.id)
 
 

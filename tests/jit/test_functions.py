@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from material_driver import COMPONENTS
-from reference import tensor, voigt
+from reference_materials import tensor, voigt
 
 from pgimp.jit import functions, series, spectral
 from pgimp.jit.kernel import inner_kernel, kernel

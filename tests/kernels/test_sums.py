@@ -16,7 +16,7 @@ from kernel_driver import (
     rate_of,
     sums_of,
 )
-from reference import matrix, speed, tensor
+from reference_materials import matrix, speed, tensor
 from scenes import box, scene, start
 
 from pgimp.kernels.sums import ANGULAR, KINETIC, MASS, MOMENT, MOMENTUM, STRAIN

@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from reference import Reference, matrix, tensor
+from reference import Reference
+from reference_materials import matrix, tensor
 from scenes import BAR, SOFT, box, field, finish, scene, start
 
 VISCOSITY = {"linear": 0.2, "quadratic": 2.0}

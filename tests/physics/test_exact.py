@@ -7,7 +7,7 @@ import pytest
 from exact_cases import CASES, DENSITY, LENGTH, SPEED, WALL, YOUNG, Exact, slope
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from reference import neo_hookean
+from reference_materials import neo_hookean
 
 UNIT = st.floats(0.0, 1.0)
 INNER = st.floats(0.002, 0.998)  # differences do not reach beyond the body

@@ -347,11 +347,11 @@ def test_a_wrong_stress_stops_a_run_before_anything_is_written(tmp_path, python,
     assert not (tmp_path / "out").exists()
     write_law(tmp_path)
     program = (
-        "from pgimp.physics.materials import outside, registry\n"
+        "from pgimp.physics.materials import evaluate, outside, registry\n"
         "registry.import_file('law.py')\n"
         "import law, numba\n"
         "for D in (1, 2): outside.parameters_of(law.Law(model='law', density=1.0), D)\n"
-        "print(outside._compiled.cache_info())"
+        "print(evaluate.compiled.cache_info())"
     )
     env = {"PGIMP_CACHE_DIR": str(tmp_path / "cache")}
     for misses in (3, 0):

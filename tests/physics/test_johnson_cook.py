@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from reference import tensor
+from reference_materials import tensor
 
 import pgimp
 from pgimp.errors import CaseError

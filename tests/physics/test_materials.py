@@ -17,7 +17,7 @@ from material_driver import (
     response,
     row,
 )
-from reference import matrix, tensor, voigt
+from reference_materials import matrix, tensor, voigt
 
 from pgimp.jit import algebra
 from pgimp.jit.kernel import kernel

@@ -5,7 +5,7 @@ from math import cos, exp, log, radians, sin, sqrt, tan
 
 import numpy as np
 import pytest
-from reference import tensor
+from reference_materials import tensor
 from strain_paths import along, entry_of, invariants, random_walk, shears, stretches
 
 import pgimp

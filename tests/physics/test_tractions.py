@@ -8,6 +8,7 @@ from scenes import box, field, finish, scene, start
 
 from pgimp.case.schema import Case
 from pgimp.mpi.comm import Serial
+from pgimp.scene.populate import populate
 from pgimp.scene.scene import Scene, count_particles
 
 #: Shapes whose patches cancel the stress at the surface exactly.
@@ -30,7 +31,7 @@ def settled(case):
     """Particles of a scene before any step, without a simulation, and its tractions."""
     scene = Scene(Case.model_validate(case))
     lattice, counts, _ = count_particles(scene, Serial())
-    return scene.populate(lattice, counts, (0, lattice.planes)), scene.loads.at(0.0).tractions
+    return populate(scene, lattice, counts, (0, lattice.planes)), scene.loads.at(0.0).tractions
 
 
 @settings(max_examples=40, deadline=None)

@@ -18,6 +18,7 @@ from pgimp.geometry.regions import RegionEntry
 from pgimp.mpi.comm import Serial
 from pgimp.scene import latticebody
 from pgimp.scene.latticebody import LEAST_FRACTION, LatticeBody
+from pgimp.scene.populate import populate
 from pgimp.scene.scene import Scene, count_particles
 
 ENTRY = TypeAdapter(RegionEntry)
@@ -54,7 +55,7 @@ def particles(case, planes=None):
     scene_ = Scene(Case.model_validate(case))
     lattice, counts, notes = count_particles(scene_, Serial())
     planes = planes or (0, lattice.planes)
-    p = scene_.populate(lattice, counts, planes)
+    p = populate(scene_, lattice, counts, planes)
     n = int(counts[:, planes[0] : planes[1]].sum())
     return type(p)._make(array[:n] for array in p), notes
 

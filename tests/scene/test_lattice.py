@@ -14,6 +14,7 @@ from pgimp.scene import lattice as lattice_module
 from pgimp.scene import latticebody
 from pgimp.scene.counts import count_all
 from pgimp.scene.lattice import Lattice
+from pgimp.scene.populate import populate
 from pgimp.scene.scene import Scene, count_particles
 
 
@@ -42,7 +43,7 @@ def case(D, surface="cut", **changes):
 def particles(D, surface="cut"):
     scene_ = Scene(case(D, surface))
     lattice, counts, notes = count_particles(scene_, Serial())
-    p = scene_.populate(lattice, counts, (0, lattice.planes))
+    p = populate(scene_, lattice, counts, (0, lattice.planes))
     return p, counts, notes
 
 

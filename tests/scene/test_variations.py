@@ -12,6 +12,7 @@ from pgimp.errors import CaseError
 from pgimp.mpi.comm import Serial
 from pgimp.scene.facts import examine
 from pgimp.scene.geometry import release, share
+from pgimp.scene.populate import populate
 from pgimp.scene.scene import Scene, count_particles
 
 
@@ -21,7 +22,7 @@ def particles(case, folder=None):
     made = Scene(loaded)
     share(loaded, Serial())
     lattice, counts, _ = count_particles(made, Serial())
-    return made, made.populate(lattice, counts, (0, lattice.planes)), int(counts.sum())
+    return made, populate(made, lattice, counts, (0, lattice.planes)), int(counts.sum())
 
 
 def flat(value):
@@ -188,8 +189,8 @@ def test_random_fields_do_not_depend_on_which_particles_are_made():
     loaded = pgimp.load(case)
     made = Scene(loaded)
     lattice, counts, _ = count_particles(made, Serial())
-    whole = made.populate(lattice, counts, (0, lattice.planes))
-    part = made.populate(lattice, counts, (5, 9))
+    whole = populate(made, lattice, counts, (0, lattice.planes))
+    part = populate(made, lattice, counts, (5, 9))
     rows = np.searchsorted(whole.id, part.id)
     assert 10 < len(rows) < len(whole.id)
     assert np.array_equal(whole.own[rows], part.own)
@@ -258,7 +259,7 @@ def test_facts_are_those_of_all_particles():
     made = Scene(loaded)
     lattice, counts, _ = count_particles(made, Serial())
     soft, stiff = examine(made, lattice, counts).bodies
-    p = made.populate(lattice, counts, (0, lattice.planes))
+    p = populate(made, lattice, counts, (0, lattice.planes))
     a = p.body == 0
     young, rho = made.variations.fields["parameter-young"], p.m / p.V0
     from pgimp.physics.fields import Source

@@ -4,7 +4,8 @@ import re
 
 import numpy as np
 import pytest
-from reference import STRESS, Reference, matrix, tensor, voigt
+from reference import Reference
+from reference_materials import STRESS, matrix, tensor, voigt
 from scenes import BAR, SOFT, box, field, finish, scene, start, wall
 
 from pgimp.errors import RunError

@@ -3,7 +3,7 @@
 from copy import deepcopy
 
 import numpy as np
-from reference import tensor
+from reference_materials import tensor
 from scenes import scene
 
 from pgimp.case.schema import Case

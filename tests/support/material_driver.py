@@ -1,12 +1,12 @@
 """Materials as the kernels evaluate them, asked from Python."""
 
 import numpy as np
-from reference import tensor
+from reference_materials import tensor
 
 from pgimp.jit.algebra import determinant
 from pgimp.jit.kernel import kernel
 from pgimp.physics.materials import MATERIALS
-from pgimp.physics.materials.base import evaluate
+from pgimp.physics.materials.evaluate import evaluate
 
 SEED = 20040
 

@@ -12,12 +12,13 @@ from pgimp.case.load import load
 from pgimp.mpi.comm import world
 from pgimp.running.checkpoints import Checkpoints
 from pgimp.running.frames import Frames
-from pgimp.solver import simulation
+from pgimp.solver import setup
+from pgimp.solver.simulation import Simulation
 
 comm, case, folder = world(), load(sys.argv[1]), Path(sys.argv[2])
-estimates, require = [], simulation.require
-simulation.require = lambda *args: estimates.append(require(*args))
-sim = simulation.Simulation(case, comm)
+estimates, require = [], setup.require
+setup.require = lambda *args: estimates.append(require(*args))
+sim = Simulation(case, comm)
 for _ in range(3):
     sim.advance()
 sim._sort()

@@ -11,7 +11,8 @@ from pgimp.jit.kernel import kernel
 from pgimp.jit.tuples import read
 from pgimp.kernels.updates.stress import state_of
 from pgimp.physics.materials import MATERIALS
-from pgimp.physics.materials.base import evaluate, states_of
+from pgimp.physics.materials.base import states_of
+from pgimp.physics.materials.evaluate import evaluate
 from pgimp.physics.materials.outside import parameters_of
 
 

@@ -5,10 +5,10 @@ from math import inf
 import pytest
 
 from pgimp.case.schema import Case
-from pgimp.commands.check import _predicted
 from pgimp.errors import CaseError
 from pgimp.mpi.comm import Serial
 from pgimp.solver.simulation import Simulation
+from pgimp.tools.check.steps import predicted
 from pgimp.tools.model import pilot as pilots
 from pgimp.tools.model.costs import Costs
 from pgimp.tools.model.pilot import coarse, pilot
@@ -68,7 +68,7 @@ def test_a_pilot_run_that_takes_too_long_is_ended(run, monkeypatch):
     found = pilot(sim.case, sim.count, expected, COSTS, 6.0)  # coarser cells are not allowed
     assert 0.0 < found.done < 1.0
     assert expected < found.steps < 1.2 * sim.step
-    said = _predicted(sim.case, found)
+    said = predicted(sim.case, found)
     assert f"if waves stay as fast as at t = {found.done:.3g}, where a pilot run of" in said
     assert "ran out of time; more if they become faster" in said
 
@@ -124,7 +124,7 @@ def test_steps_are_within_a_tenth_where_said(kind, monkeypatch):
         found = pilot(case, sim.count, expected, COSTS, 16.0)
         assert found.factor > 1.0 and found.done == 1.0 and 0.0 < found.error < 0.1
         assert found.steps == pytest.approx(sim.step, rel=0.1)
-        assert _predicted(case, found).startswith(f"about {found.steps:,.0f} to t = ")
+        assert predicted(case, found).startswith(f"about {found.steps:,.0f} to t = ")
 
 
 def test_what_cells_do_to_the_prediction_is_said():
@@ -134,11 +134,11 @@ def test_what_cells_do_to_the_prediction_is_said():
     assert pilots._error(fine, fine._replace(factor=2.6)) == pytest.approx(0.05)
     for other in (None, fine, fine._replace(factor=2.6, done=0.9)):
         assert pilots._error(fine, other) == inf
-    said = _predicted(case, fine._replace(error=0.2))
+    said = predicted(case, fine._replace(error=0.2))
     assert said.startswith("roughly 1,000 to t = 1, predicted by a pilot run of 500 particles in")
     failed = fine._replace(done=0.5, failure="x")
-    assert "if waves stay as fast as at t = 0.5, where" in _predicted(case, failed)
-    assert "failed; more if they become faster" in _predicted(case, failed)
+    assert "if waves stay as fast as at t = 0.5, where" in predicted(case, failed)
+    assert "failed; more if they become faster" in predicted(case, failed)
 
 
 def test_a_pilot_run_that_fails_says_so():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -44,14 +45,23 @@ def probes_ever(directory: Path, run: dict[str, Any] | None) -> set[str]:
     return {*_of_case(directory), *(name for names in known for name in _names(names))}
 
 
-def _of_case(directory: Path) -> Iterator[str]:
-    from pgimp.schema.document import LARGEST_FILE, parse
+def _of_case(directory: Path) -> Iterable[str]:
+    from pgimp.schema.document import LARGEST_FILE
+
+    with suppress(OSError):
+        return _of_text(read_plain(directory / "case.yaml", LARGEST_FILE))
+    return ()
+
+
+@lru_cache(maxsize=1)  # a start asks several times, of the same text
+def _of_text(text: bytes) -> tuple[str, ...]:
+    from pgimp.schema.document import parse
 
     data = None
-    with suppress(OSError, UnicodeDecodeError, CaseError):
-        data = parse(read_plain(directory / "case.yaml", LARGEST_FILE).decode(), "case.yaml").data
+    with suppress(UnicodeDecodeError, CaseError):
+        data = parse(text.decode(), "case.yaml").data
     probes = data.get(PROBES) if isinstance(data, dict) else None
-    yield from _names(probes if isinstance(probes, dict) else ())
+    return tuple(_names(probes if isinstance(probes, dict) else ()))
 
 
 def _names(found: Iterable[Any]) -> Iterator[str]:

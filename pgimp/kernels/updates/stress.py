@@ -6,12 +6,8 @@ from pgimp.jit.algebra import symmetric
 from pgimp.jit.kernel import specialise
 from pgimp.jit.tuples import read
 from pgimp.kernels.fours import put_row, take_row
-from pgimp.physics.materials.base import (
-    evaluate_four,
-    has,
-    state_width,
-    takes_viscous_pressure,
-)
+from pgimp.physics.materials.base import has, state_width, takes_viscous_pressure
+from pgimp.physics.materials.evaluate import evaluate_four
 
 
 def _width(materials, like):

@@ -15,6 +15,7 @@ from pgimp.kernels.order import locate
 from pgimp.kernels.particles import Particles
 from pgimp.scene.extent import Extent, extents
 from pgimp.scene.lattice import Lattice
+from pgimp.scene.populate import populate
 from pgimp.scene.scene import Scene
 from pgimp.solver.simulation import Simulation
 from pgimp.tools.model.layout import Layout, layout_of
@@ -29,14 +30,15 @@ class Block(Simulation):
         """See `Simulation`; `counts` are those on the lattice."""
         return super().decompose(_spread(counts, self.scene.shape.half[0]))
 
-    def _create(
+    def create(
         self, slab: Slab, lattice: Lattice, counts: np.ndarray, layer: np.ndarray
     ) -> tuple[Particles, int]:
+        """See `Simulation.create`."""
         # A random position may lie in a layer next to its lattice plane's: look two cells further.
         reach = 2 * lattice.per_cell[0]
         own = np.searchsorted(layer, (slab.first, slab.first + slab.layers))
         begin, end = max(0, int(own[0]) - reach), min(lattice.planes, int(own[1]) + reach)
-        p = self.scene.populate(lattice, counts, (begin, end))
+        p = populate(self.scene, lattice, counts, (begin, end))
         count = int(counts[:, begin:end].sum())
         cell = np.array(self.scene.frame.cell)
         corner = np.floor(p.x[:count] / cell) * cell

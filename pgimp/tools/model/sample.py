@@ -16,7 +16,8 @@ from pgimp.errors import CaseError, RunError
 from pgimp.kernels.order import locate
 from pgimp.kernels.particles import Particles
 from pgimp.scene.lattice import Lattice
-from pgimp.solver.simulation import RESORT, Simulation
+from pgimp.solver.decomposition import RESORT
+from pgimp.solver.simulation import Simulation
 
 #: Seconds and steps of a block that is timed as one.
 _BLOCK_SECONDS, _FEWEST, _MOST = 0.02, 2, 100
@@ -49,15 +50,16 @@ class Scattered(Simulation):
         if total < _DRIFT * count:
             v[rows, 0] += _DRIFT * cell / dt
 
-    def _create(
+    def create(
         self, slab: Slab, lattice: Lattice, counts: np.ndarray, layer: np.ndarray
     ) -> tuple[Particles, int]:
+        """See `Simulation.create`."""
         end = slab.first + slab.layers
         if slab.layers == 0:
-            return super()._create(slab, lattice, counts, layer)
+            return super().create(slab, lattice, counts, layer)
         # Those of the neighbours' next layers may come to lie here.
         wider = slab._replace(first=slab.first - 1, layers=slab.layers + 2)
-        p, count = super()._create(wider, lattice, counts, layer)
+        p, count = super().create(wider, lattice, counts, layer)
         scene, D = self.scene, self.scene.dimension
         cell = np.array(scene.frame.cell)
         # Neighbours lie alike, as in a body that moves and deforms.

@@ -1,0 +1,37 @@
+"""A body of a material, as the case file says it."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from pgimp.geometry.regions import RegionEntry
+from pgimp.physics.loads.motion import RigidMotion, zero_vector
+from pgimp.schema.base import Model, Name, Vector
+from pgimp.schema.dispatch import Either
+
+
+class Body(Model):
+    """A body: a region filled with particles of one material."""
+
+    material: Name = Field(description="name of its material")
+    region: RegionEntry = Field(description="the part of space that it fills at the start")
+    surface: Literal["cut", "whole"] = Field(
+        default="cut",
+        description="cut: a particle that the surface cuts has the volume, mass and momentum of "
+        "its part inside; whole: whole particles, those whose centre lies inside",
+    )
+    velocity: Annotated[
+        tuple[float, ...] | RigidMotion,
+        Either("one number a direction or {rotation: ...}", {tuple: Vector, dict: RigidMotion}),
+    ] = zero_vector("initial velocity: a vector or a rigid motion [length/time]")
+    configuration: Literal["current", "initial"] = Field(
+        default="current",
+        description="current: particles move over the grid; for what flows or breaks. initial: the "
+        "grid is one of the body as it was at the start, and moves and deforms with it (total "
+        "Lagrangian): vibrations and spin last, nothing tears at any stretch, and steps are "
+        "cheaper and do not become shorter as the body moves. Faces of the domain hold what lies "
+        "on them at the start; `separating` ones, rigid bodies that move as prescribed and other "
+        "bodies are met where they are. All bodies of a case have the same",
+    )

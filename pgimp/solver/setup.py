@@ -1,0 +1,199 @@
+"""How a simulation comes to its first step: from its case, or from a checkpoint.
+
+What is wrong is refused as early as it shows, above all before kernels are compiled: what the case
+alone says, then what its particles show, then what their waves say of the first step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pgimp.case.places import located
+from pgimp.decomposition.slabs import Slab
+from pgimp.errors import CaseError
+from pgimp.jit.cache import messages, problems
+from pgimp.jit.kernel import FOLDER
+from pgimp.kernels.order import layers_of
+from pgimp.kernels.particles import Particles
+from pgimp.kernels.sums import fastest_rate
+from pgimp.mpi.collective import all_or_none
+from pgimp.scene import nearness
+from pgimp.scene.facts import rest_rate
+from pgimp.scene.geometry import release, share, take_as_empty
+from pgimp.scene.scene import Scene, count_particles
+from pgimp.scene.toolchecks import require_apart, require_clear, require_same, require_slow
+from pgimp.solver.clock import CourantClock, clock_of
+from pgimp.solver.energywatch import EnergyWatch
+from pgimp.solver.lookahead import rates_at_rest, require_stable_stages
+from pgimp.solver.memory import require
+from pgimp.solver.rank import Rank
+from pgimp.solver.restore import outline, read_books, read_particles
+from pgimp.solver.stability import check_first_step, require_end
+from pgimp.solver.warmup import warm_up
+from pgimp.solver.window import open_window
+
+if TYPE_CHECKING:
+    from pgimp.solver.simulation import Simulation
+
+#: A vertex lighter than this part of the lightest initial particle is not accelerated.
+LIGHT = 1e-12
+
+
+def begin(sim: Simulation, scenes: Sequence[Scene]) -> None:
+    """Make the particles of the case, and look at its first step; collective.
+
+    Parameters
+    ----------
+    sim : Simulation
+        Of the first stage, without particles.
+    scenes : sequence of Scene
+        Those of all stages.
+
+    Raises
+    ------
+    CaseError
+        On every rank, for what only the scene's particles show.
+    """
+    scene, comm = sim.scene, sim.comm
+    share(sim.case, comm)
+    require(scene, comm)
+    scene.tools.measure(comm)
+    lattice, counts, notes = count_particles(scene, comm)
+    sim.notes += notes
+    sim.count = int(counts.sum())
+    require(scene, comm, sim.count)
+    layer = np.empty(len(lattice.coordinates[0]), np.int64)
+    layers_of(scene.shape, scene.frame, scene.identity, lattice.coordinates[0], layer)
+    slab = sim.decompose(np.bincount(layer, counts.sum(axis=0), scene.frame.vertices[0]))
+    particles, count = all_or_none(
+        comm, lambda: sim.create(slab, lattice, counts, layer), CaseError
+    )
+    scene.loads.require_all_hold(particles, count, comm)
+    _compile(sim, 0)
+    put_in_order(sim, slab, particles, count)
+    if len(scenes) > 1 and scene.variations:
+        require_stable_stages(scenes, rates_at_rest(sim.rank, scene, comm))
+    if scene.tools:
+        p, order = sim.particles, sim.population.order
+        require_apart(scene.tools, [(p.x[order], p.body[order])], comm)
+        require_clear(scene.tools, scene.faces, scene.tools.first, 0, 0.0, comm)
+    sim.warnings += nearness.warnings(sim.case)
+    release(sim.case)
+    if sim.watch:
+        sim.watch.begin(sim.rank)
+    rate = max(sim.rate, scene.tools.first_rate)
+    require_end(scene, rate)
+    dt = sim.clock.next(sim.done, rate).dt
+    sim.warnings += check_first_step(scene, dt, sim.rate)
+    require_slow(scene.tools, dt)
+
+
+def resume(sim: Simulation, source: Any, counted: int) -> None:
+    """Take over the state of a checkpoint; collective.
+
+    Parameters
+    ----------
+    sim : Simulation
+        Of the checkpoint's stage, without particles.
+    source : CheckpointFile
+        The checkpoint.
+    counted : int
+        Steps before those that the clock of its stage counts.
+
+    Raises
+    ------
+    DamagedError
+        On every rank, if it does not hold a state of this case.
+    """
+    scene, comm = sim.scene, sim.comm
+    take_as_empty(sim.case, comm)
+    require(scene, comm, source.count)
+    scene.tools.measure(comm)
+    _compile(sim, counted)
+    state, layers = outline(scene, source, comm)
+    require_same(scene.tools, state.tools)
+    sim.count = state.count
+    if state.densest is not None:
+        scene.weigh(state.densest)
+    slab = sim.decompose(layers)
+    put_in_order(sim, slab, *read_particles(scene, slab, source, state, layers, comm))
+    read_books(sim.rank, source, state, sim.diagnostic_sums)
+    sim.done = sim.clock.after(state.step, state.time, state.dt)
+    sim.rate = state.rate
+    if sim.watch:
+        if state.watch is None:  # the run began with other steps
+            sim.watch.begin(sim.rank)
+        else:
+            sim.watch.numbers = state.watch
+        sim.shorten()
+
+
+def _compile(sim: Simulation, counted: int) -> None:
+    """Compile the kernels of a step, and make what asks them how fast waves are; collective."""
+    scene, comm = sim.scene, sim.comm
+    warm_up(scene, comm)
+    rate = max(rest_rate(scene, body) for body in range(len(scene.body_names)))
+    sim.clock = clock_of(sim.case, rate, counted)
+    sim.watch = EnergyWatch(rate * min(scene.frame.cell)) if sim.case.watched else None
+    # What ranks have to say of the cache on their nodes, once each.
+    said = comm.allgather((problems(), FOLDER.warning))
+    sim.notes[:0] = messages(found for found, _ in said)
+    sim.warnings += dict.fromkeys(warning for _, warning in said if warning)
+
+
+def put_in_order(
+    sim: Simulation,
+    slab: Slab,
+    particles: Particles,
+    count: int,
+    start: np.ndarray | None = None,
+) -> None:
+    """Put a rank's particles in order, and make what it needs besides; collective.
+
+    Parameters
+    ----------
+    sim : Simulation
+        Whose kernels are compiled; it gets the rank and its rate.
+    slab : Slab
+        This rank's.
+    particles, count : Particles, int
+        Those of the slab, and their number.
+    start : (layers + 1,) int64, optional
+        Beginnings of the layers; with it the particles are in order and have all they carry.
+
+    Raises
+    ------
+    CaseError
+        On every rank, if they weigh more than the domain can hold.
+    """
+    scene, comm = sim.scene, sim.comm
+    mine = particles.m[:count]
+    dense = float((mine / particles.V0[:count]).max(initial=0.0)) if scene.variations else 0.0
+    masses = comm.allgather((float(mine.min(initial=np.inf)), float(mine.sum()), dense))
+    total = sum(mass for _, mass, _ in masses)
+    if scene.variations and scene.densest is None:
+        scene.weigh(max(dense for _, _, dense in masses))
+    if total > 2.0 * scene.most_mass:  # only particles from a file can
+        with located(sim.case):
+            raise CaseError(
+                f"bodies: the particles weigh {total:.6g}, and the whole domain, filled with "
+                f"the densest material, {scene.most_mass:.6g}; look at the volumes of points"
+            )
+    sim.rank = rank = Rank(scene, comm, slab, particles, count, start)
+    rank.lightest = LIGHT * min(least for least, _, _ in masses)
+    sim.balance.watch(count)
+    open_window(rank, sim.reduction)
+    if start is None:
+        scene.loads.scale_patches(rank.population, comm)
+    setting = scene.setting.without_shape()
+    order, controlled = rank.population.order, scene.controlled or True
+    fastest = fastest_rate(setting, rank.particles, order, controlled)
+    sim.rate = max(comm.allgather(fastest))
+    if scene.variations:  # waves at rest are the particles', far from which typical ones may be
+        if isinstance(sim.clock, CourantClock):
+            sim.clock.rest_rate = sim.rate or np.inf
+        if sim.watch:
+            sim.watch.speed = sim.rate * min(scene.frame.cell)

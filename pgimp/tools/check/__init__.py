@@ -1,0 +1,1 @@
+"""What ``pgimp check`` says of a case that takes a simulation to know: steps, time and memory."""

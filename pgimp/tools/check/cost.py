@@ -1,0 +1,95 @@
+"""What a case costs, in words: time on this machine and on others, and memory."""
+
+import numpy as np
+
+from pgimp.mpi.comm import Serial
+from pgimp.mpi.limits import limits
+from pgimp.running.progress import duration
+from pgimp.scene.extent import extents
+from pgimp.scene.lattice import Lattice
+from pgimp.scene.scene import Scene
+from pgimp.solver.memory import Estimate, estimate, size_text
+from pgimp.tools.model.costs import Costs, Network
+from pgimp.tools.model.layout import layout_now, layout_of
+from pgimp.tools.model.measure import costs_of, run_in_turn
+from pgimp.tools.model.predict import Step
+from pgimp.tools.model.report import (
+    between_nodes,
+    lines,
+    on_node,
+    rank_counts,
+    remark,
+    scaling,
+    verdict,
+)
+from pgimp.tools.model.sample import samples_of
+
+#: Particles of the samples that are timed; the last are more than caches hold.
+_SMALLEST, _SMALL, _LARGE = 200, 5_000, 150_000
+#: For how long they are timed.
+_SECONDS = 1.0
+_YEAR = 365.25 * 86400.0
+
+
+def measure(scene: Scene, count: int) -> tuple[Costs, float]:
+    """Costs of a step on this machine, and the part of particles that change layer in one."""
+    comm = Serial()
+    sizes = [min(_SMALLEST, count), _SMALL, *([min(_LARGE, count)] if count > 2 * _SMALL else [])]
+    samples = samples_of(scene.case, count, comm, sizes)
+    run_in_turn(samples, comm, _SECONDS)
+    return costs_of(samples), layout_now(samples[-1].sim).crossing
+
+
+def report_cost(
+    scene: Scene,
+    lattice: Lattice,
+    counts: np.ndarray,
+    costs: Costs,
+    crossing: float,
+    steps: float,
+) -> None:
+    """Time on this machine, the number of ranks that pays off, and why not more do."""
+    bodies, count, network = extents(scene.case), int(counts.sum()), Network()
+    layout = layout_of(scene, bodies, lattice.coordinates[0], counts.sum(axis=0))
+    layout = layout._replace(crossing=crossing)
+
+    def memory(step: Step) -> float:
+        return estimate(scene, step.ranks, True, bodies, count, step.most / count).size
+
+    scaled = scaling(layout, costs, network, memory)
+    one, ranks = scaled["steps"][0]["seconds"], scaled["pays_off"]
+    best = next(step for step in scaled["steps"] if step["ranks"] == ranks)
+    print(
+        f"time             {_time_text(steps * one)} on one rank of this machine, without output "
+        f"({1e-6 * count / one:.3g} million particle-steps/s measured)"
+    )
+    if steps * one >= _YEAR:
+        print("warning: nobody will see the end; is time.end or time.step what it should be?")
+    print(f"ranks            {verdict(scaled)}")
+    print(
+        f"{'':<16} there {_time_text(steps * best['seconds'])}, {size_text(best['memory'])} a rank"
+    )
+    shown = [
+        step
+        for step in scaled["steps"]
+        if step["ranks"] in (*rank_counts((), ranks), scaled["slabs"])
+    ]
+    for line in lines(shown, remark(scaled), f"{'':<17}"):
+        print(line)
+    print(f"{'':<17}{on_node(costs)}")
+    if shown[-1]["ranks"] > network.ranks_per_node:
+        print(f"{'':<17}{between_nodes(network)}")
+
+
+def _time_text(seconds: float) -> str:
+    return duration(seconds) if seconds < _YEAR else f"{seconds / _YEAR:.3g} years"
+
+
+def report_memory(found: Estimate) -> None:
+    """Memory on one rank, and how much of it there is."""
+    free = min((limit.free for limit in limits()), default=None)
+    here = "" if free is None else f"; {size_text(free)} are free here"
+    print(f"memory           about {size_text(found.size)} on one rank{here}")
+    for part in found.parts:
+        if part.size > 0.01 * found.size:
+            print(f"{'':<16} {size_text(part.size)} for {part.what}")
