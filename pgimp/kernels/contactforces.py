@@ -3,23 +3,27 @@
 from pgimp.jit.kernel import kernel
 from pgimp.kernels.contact import NORMAL, PUSH, SLIP
 from pgimp.kernels.holding import Holding
+from pgimp.kernels.loads import relaxed_part
 from pgimp.kernels.meet import meet_at
 
 
 @kernel
-def contact_forces(contact, faces, frame, field, forcing, out):
-    """Set the force at each vertex on the bodies with the lower numbers.
+def contact_forces(contact, faces, frame, field, forcing, last, out):
+    """Add to `out` the force at each vertex on the bodies with the lower numbers.
 
     Parameters
     ----------
     contact, faces, frame, field, forcing
-        As in `update_momentum`, after its beginning.
+        As in `update_momentum`, before its beginning or after it.
+    last : bool
+        Whether it is that of the last pass, after the beginning; else that part of the first which
+        particles take on.
     out : (vertices, 3) float64
         Of the rank's own planes.
     """
     window = field.window
     holding = Holding(faces, frame, forcing, contact.unbooked)
-    out[:] = 0.0
+    part = 1.0 if last else relaxed_part(forcing.loads.relaxation, forcing.dt)
     vertex = 0
     for i in range(field.owned):
         touched = field.active[i] != 0 and contact.met[i] > 0
@@ -28,12 +32,12 @@ def contact_forces(contact, faces, frame, field, forcing, out):
                 if touched:
                     r = i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
                     number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
-                    _, pairs = meet_at(contact, holding, field, number, r, True)
+                    _, pairs = meet_at(contact, holding, field, number, r, last)
                     for pair in range(pairs):
                         a, b = contact.ends[pair, 0], contact.ends[pair, 1]
                         sign = -1.0 if contact.bodies[a] < contact.bodies[b] else 1.0
                         row = contact.partners[pair]
                         for d in range(3):
                             J = row[SLIP + d] + row[PUSH] * row[NORMAL + d]
-                            out[vertex, d] += sign * J / forcing.dt
+                            out[vertex, d] += part * sign * J / forcing.dt
                 vertex += 1

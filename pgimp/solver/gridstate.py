@@ -134,13 +134,16 @@ def _contact(rank: Rank, time: float, dt: float) -> np.ndarray:
     forcing = on_vertices(acting(rank, t, scene.loads.at(time), controlled=False))
     faces, field = scene.face_parameters(t.start, t.end), grid.field
     fold_mirrors(rank, forcing, contact, unbooked)
+    extent = grid.window.extent
+    found = np.zeros((grid.owned * extent[1] * extent[2], 3))
+    forces = partial(call, contact_forces, contact, faces, scene.frame, field, forcing)
+    if forcing.loads.relaxation != ():
+        forces(False, found)
     call(update_momentum, scene.frame, field, faces, forcing, unbooked, contact, BEGINNING)
     if rank.free:
         respond = partial(call, find_response, contact, faces, scene.frame, field, forcing)
         rank.free.settle(contact.tools, grid, t, forcing.gravity, respond)
-    extent = grid.window.extent
-    found = np.zeros((grid.owned * extent[1] * extent[2], 3))
-    call(contact_forces, contact, faces, scene.frame, field, forcing, found)
+    forces(True, found)
     return found.reshape(grid.owned, *extent[1:], 3)
 
 

@@ -81,7 +81,7 @@ def _calls(scene: Scene) -> Iterator[Call]:
             )
         if "contact" in scene.case.output.grid:
             yield 2.0, lambda: contact_forces(
-                contact, faces, frame, grid.field, vertex_forcing, np.zeros((0, 3))
+                contact, faces, frame, grid.field, vertex_forcing, True, np.zeros((0, 3))
             )
         yield 0.3, lambda: find_meetings(
             grid.field, np.zeros(grid.planes, bool), contact.met, contact.spread

@@ -120,7 +120,7 @@ def test_affine_fields_are_seen_as_they_are(name, D):
 
 def test_viscous_pressure_acts_through_the_cells():
     """What q changes of the forces: V_p q_p dD_p/dv_v, in a scene with nearly all that there is."""
-    sim = start(SCENES["dilating"])
+    sim = start(SCENES["meeting"])
     p, rows, grid = sim.particles, sim.live(), sim.rank.grid
     rng = np.random.default_rng(SEED)
     forces = []
