@@ -72,14 +72,13 @@ def begin(sim: Simulation, scenes: Sequence[Scene]) -> None:
         comm, lambda: sim.create(slab, lattice, counts, layer), CaseError
     )
     scene.loads.require_all_hold(particles, count, comm)
+    if scene.tools:
+        require_apart(scene.tools, [(particles.x[:count], particles.body[:count])], comm)
+        require_clear(scene.tools, scene.faces, scene.tools.first, 0, 0.0, comm)
     _compile(sim, 0)
     put_in_order(sim, slab, particles, count)
     if len(scenes) > 1 and scene.variations:
         require_stable_stages(scenes, rates_at_rest(sim.rank, scene, comm))
-    if scene.tools:
-        p, order = sim.particles, sim.population.order
-        require_apart(scene.tools, [(p.x[order], p.body[order])], comm)
-        require_clear(scene.tools, scene.faces, scene.tools.first, 0, 0.0, comm)
     sim.warnings += nearness.warnings(sim.case)
     release(sim.case)
     if sim.watch:

@@ -96,7 +96,9 @@ def test_a_body_that_meets_nothing():
                      {"rotation": {"about": [5.0, 5.0], "rate": 0.7}, "translation": [0.2, 0.4]}),
         "held": free([4.0, 1.0], [6.0, 3.0], 3.0, fixed=["x", "rotation"]),
     }  # fmt: skip
-    sim = finish(start(scene(2, bodies, cells=[16, 12], gravity=[1.0, -1.0])))
+    case = scene(2, bodies, cells=[16, 12], gravity=[1.0, -1.0], boundaries={"y-max": "slip"},
+                 contact=[{"bodies": "all", "friction": 0.3}])  # fmt: skip
+    sim = finish(start(case))
     line, dt = sim.diagnostics(), 0.01
     assert line["tool.ball.velocity-y"] == pytest.approx(0.4 - 1.0, abs=1e-13)
     assert line["tool.ball.displacement-y"] == pytest.approx(0.4 - 0.5 * (1.0 + dt), abs=1e-13)
