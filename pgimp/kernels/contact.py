@@ -28,6 +28,11 @@ LEAST_FILLED = 0.02
 #: past the surface carries the stress of the first particles, however little it is.
 LEAST_HELD = 1e-6
 
+#: The same where the rigid surface is inclined to the grid by more than the sine `INCLINED`, in
+#: proportion below. What is left of cut boxes has corners there that the surface has not, and that
+#: is all of what a vertex in the rigid body sees of a body a fifth of a cell away.
+LEAST_INCLINED, INCLINED = 0.08, 0.05
+
 #: Least part of the mass of two fields that either must have.
 LEAST_MASS = 1e-5
 
@@ -144,8 +149,11 @@ def find_pairs(contact, frame, sides, count, rigid, dt):
                     continue
                 if not _find_gap(frame, fields, one, other, sides, row):
                     continue
-                gap = row[CLOSING] * _gap(fields[one], fields[other], row, missing)
+                if b >= count - rigid and fields[a, PART] < _least_held(row):
+                    continue
                 excess = max(fields[one, EXCESS] + fields[other, EXCESS], 0.0)
+                bent = excess * _volume(frame, sides) / row[CLOSING] ** 2
+                gap = row[CLOSING] * _gap(fields[one], fields[other], row, missing, bent)
                 row[CLOSING] = max(gap - excess, 0.0) / dt
                 normal, shear, reach = contact.pairs.adhesion[entry - 1]
                 if row[CLOSING] * dt < reach:
@@ -156,12 +164,29 @@ def find_pairs(contact, frame, sides, count, rigid, dt):
 
 
 @inner_kernel
-def _gap(a, b, row, missing):
+def _least_held(row):
+    """Least part that a body must fill to be held by a rigid one with the normal of a pair."""
+    along = max(abs(row[NORMAL]), abs(row[NORMAL + 1]), abs(row[NORMAL + 2]))
+    return LEAST_INCLINED * min(sqrt(max(1.0 - along * along, 0.0)) / INCLINED, 1.0)
+
+
+@inner_kernel
+def _volume(frame, sides):
+    """Volume of a cell, of which walls have taken their part."""
+    volume = 1.0
+    for d in range(len(frame.cell)):
+        volume *= frame.cell[d] * (1.0 if sides[d] == 0 else 0.5)
+    return volume
+
+
+@inner_kernel
+def _gap(a, b, row, missing, bent):
     """Gap between two fields, in cells along the normal, and set the area where they face it.
 
     Where one ends sideways, it covers a part of the other only, that of their areas. Of what is
     there it must fill what the other leaves, to touch it. The neighbourhood is weighted with a
     tent, which has 1 - s at the distance s of the surface, where the smaller part is (1 - s)^2 / 2.
+    So one that is bent away from the other has less there by `bent`, an area, where both touch.
     """
     first, second = 0.0, 0.0
     for d in range(3):
@@ -171,7 +196,7 @@ def _gap(a, b, row, missing):
     small, large = (a, b) if first < second else (b, a)
     cover = 1.0
     if row[AREA] > 0.0 and large[WEIGHT] == inf:
-        cover = row[AREA] / max(first, second)
+        cover = row[AREA] / max(max(first, second) - bent, row[AREA])
     left = min(missing, cover * (1.0 - large[PART]) - small[PART])
     part = min(small[PART] / cover, large[PART])
     return max(left, 0.0) / (cover * sqrt(min(2.0 * part, 1.0)))

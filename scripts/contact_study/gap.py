@@ -92,6 +92,36 @@ def balls(dimensions, radius, angle, shift):
     return _first(stiff({"a": ball(-1.0), "b": ball(1.0)}, way), gap)
 
 
+def _rigid(case, name):
+    """Case in which this body is rigid, and moves as it did."""
+    body = case["bodies"][name]
+    body.pop("material")
+    body["rigid"] = {"velocity": body.pop("velocity")}
+    return case
+
+
+def hole(rigid, radius, angle, shift, clearance):
+    """Gap of a disk that moves in a round hole of a thick ring; one of the two is rigid."""
+    middle = 0.5 * CELLS[2] + shift * np.array([1.0, 0.37])
+    disk, wide, ring = (
+        {"ball": {"centre": middle.tolist(), "radius": r}}
+        for r in (radius, radius + clearance, radius + clearance + 4.0)
+    )
+    bodies = {"a": disk, "b": {"difference": [ring, wide]}}
+    return _first(_rigid(stiff(bodies, _direction(2, angle)), rigid), clearance)
+
+
+def plane(radius, angle, shift):
+    """Gap of a rigid disk that comes down on a plane, turned by `angle`."""
+    way, gap = _direction(2, angle), 0.6 + 0.5 * ((7.0 * shift) % 1.0)
+    middle = np.full(2, 0.5 * CELLS[2]) + shift
+    bodies = {
+        "a": {"ball": {"centre": (middle - (radius + gap) * way).tolist(), "radius": radius}},
+        "b": turned(middle + 3.0 * way, [3.0, 5.0], angle),
+    }
+    return _first(_rigid(stiff(bodies, way), "a"), gap)
+
+
 def corner(angle, shift):
     """Gap of the corner of a square, turned by `angle`, that comes down on a plane."""
     way, gap, half = np.array([0.0, -1.0]), 1.0 + 0.5 * ((7.0 * shift) % 1.0), 3.0
@@ -121,8 +151,14 @@ def rows(quick):
         found[f"balls, R = {radius:.0f} cells, 3D"] = [
             balls(3, radius, 15.0 * i, s) for i, s in enumerate(shifts[:4])
         ]
+    for radius in radii:
+        cells, places = f"R = {radius:.0f} cells", list(enumerate(shifts[:4]))
+        for rigid, what in (("a", "a rigid disk in a hole"), ("b", "a disk in a rigid hole")):
+            found[f"{what}, {cells}, clearance 0.1 and 0.6"] = [
+                hole(rigid, radius, 30.0 * i, s, wide) for wide in (0.1, 0.6) for i, s in places
+            ]
+        found[f"a rigid disk on a plane, {cells}"] = [plane(radius, 30.0 * i, s) for i, s in places]
     found["a square's corner and a plane"] = [
         corner(angle, s) for angle in (45.0, 20.0) for s in shifts[:4]
     ]
     return [(what, 0.0, min(gaps), max(gaps)) for what, gaps in found.items()]
-
