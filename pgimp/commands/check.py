@@ -105,7 +105,7 @@ def report(case: Case) -> None:
     print(f"step             {dt:.4g}, Courant {dt * rate:.3g}{chosen}; Courant 1 is {stable:.4g}")
     _report_chosen(case, bodies, crossing_rate, dt)
     steps = float(case.time.steps or case.time.end / dt)
-    costs, crossing = measure(scene, count)
+    costs, crossing = measure(scene, count, steps)
     tried = pilot(case, count, steps, costs, _thinnest(case, bodies))
     steps = report_steps(case, steps, tried)
     if whole.time.stages:
