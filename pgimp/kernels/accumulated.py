@@ -20,9 +20,8 @@ import numpy as np
 
 from pgimp.jit.kernel import allocating_kernel, inner_kernel, kernel, specialise
 from pgimp.kernels.contact import MOBILITY, NORMAL, NOW, PUSH, SLIP, TOLD, WEIGHT
-from pgimp.kernels.contactbooks import book
 from pgimp.kernels.contactlaw import exchange
-from pgimp.kernels.encounters import BODIES, ENTRY, SUMS, VERTEX, copy
+from pgimp.kernels.encounters import BODIES, ENTRY, SUMS, copy
 from pgimp.kernels.particles import FloatArray, IntArray
 from pgimp.kernels.present import HEAVY, WEIGHS
 from pgimp.kernels.startgrid import LOST, MOVES, YIELDS
@@ -173,11 +172,11 @@ def _see(contact, a, s, rigid, responses, values):
     row[WEIGHT] = 1.0 / most if most > 0.0 else 1e300
 
 
-def _take_up(contact, encounters, k, responses, values):
+def take_up(contact, encounters, k, responses, values):
     """Put what is known of pair `k` into the room for the first pair at a vertex."""
 
 
-@specialise(_take_up)
+@specialise(take_up)
 def _take_up_pair(contact, encounters, k, responses, values):
     def take_up(contact, encounters, k, responses, values):
         end = encounters.ends[k]
@@ -205,7 +204,7 @@ def _give(s, J, sign, responses, values):
 
 
 @inner_kernel
-def _impulse(row, d):
+def impulse_of(row, d):
     """Component `d` of what a pair has exchanged."""
     return row[SLIP + d] + row[PUSH] * row[NORMAL + d]
 
@@ -242,41 +241,19 @@ def settle_contacts(contact, free, encounters, responses, values, sweeps, enough
         for n in range(pairs):
             k = n if sweep % 2 == 0 else pairs - 1 - n
             end, row = encounters.ends[k], encounters.partners[k]
-            _take_up(contact, encounters, k, responses, values)
-            before = (_impulse(row, 0), _impulse(row, 1), _impulse(row, 2))
+            take_up(contact, encounters, k, responses, values)
+            before = (impulse_of(row, 0), impulse_of(row, 1), impulse_of(row, 2))
             exchange(contact, free, number, False, 0, True)
             copy(row, contact.partners[0])
             J = (
-                _impulse(row, 0) - before[0], _impulse(row, 1) - before[1],
-                _impulse(row, 2) - before[2],
+                impulse_of(row, 0) - before[0], impulse_of(row, 1) - before[1],
+                impulse_of(row, 2) - before[2],
             )  # fmt: skip
             _give(end[SUMS], J, -1.0, responses, values)
             _give(end[SUMS + 1], J, 1.0, responses, values)
             for d in range(3):
                 change = max(change, abs(J[d]))
-                most = max(most, abs(_impulse(row, d)))
+                most = max(most, abs(impulse_of(row, d)))
         if change <= enough * most:
             return sweep + 1
     return sweeps
-
-
-@kernel
-def book_contacts(contact, free, encounters, responses, values, walls, ledger):
-    """Book what has been exchanged, in the first plane of the grid, whose owner calls this.
-
-    Parameters
-    ----------
-    walls : SeparatingWalls
-        What these give is booked as the faces' impulse.
-    """
-    for k in range(len(encounters.ends)):
-        end, row = encounters.ends[k], encounters.partners[k]
-        wall = max(end[BODIES], end[BODIES + 1]) - walls.first
-        if wall >= 0:
-            sign = -1.0 if end[BODIES] < end[BODIES + 1] else 1.0
-            for d in range(3):
-                ledger.impulse[0, walls.faces[wall], d] += sign * _impulse(row, d)
-            continue
-        _take_up(contact, encounters, k, responses, values)
-        number = (end[VERTEX], end[VERTEX + 1], end[VERTEX + 2])
-        book(contact, free, number, 0, 1.0, True, ledger, 0)

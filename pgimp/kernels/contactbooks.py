@@ -16,7 +16,7 @@ from pgimp.kernels.ledger import (
     TOOL_MOMENT,
     TOOL_WORK,
 )
-from pgimp.kernels.tools import ANSWERS, CENTRE, FREE, TAKEN, place_of
+from pgimp.kernels.tools import ANSWERS, CENTRE, FORMER, FREE, TAKEN, place_of
 
 
 @inner_kernel
@@ -73,6 +73,9 @@ def _book_tools(contact, tools, x, pair, part, velocities, ledger, plane):
                 sign * (row[SLIP + 2] + row[PUSH] * row[NORMAL + 2]),
             )
             done = -(J[0] * w[0] + J[1] * w[1] + J[2] * w[2])
+            lost = _lost(tools, t, arm, J, w)
+            done += lost
+            ledger.contact[plane, contact.ends[pair, 2] - 1, LOSS] += lost
             for d in range(3):
                 e, f = (d + 1) % 3, (d + 2) % 3
                 booked[TOOL_IMPULSE + d] += J[d]
@@ -82,6 +85,33 @@ def _book_tools(contact, tools, x, pair, part, velocities, ledger, plane):
             _take(tools, t, plane, arm, J)
 
     return book_each
+
+
+def _lost(tools, t, arm, J, w):
+    """Energy that a rigid body that moves freely loses by an impulse, besides its work at `w`.
+
+    It has moved faster before, by what the impulses of the step change: of all vertices together it
+    gives up the mean of its velocities at the step's beginning and end times the impulse.
+    """
+
+
+@specialise(_lost)
+def _lost_of_free(tools, t, arm, J, w):
+    if not hasattr(tools.types[ANSWERS], "ndim"):
+        return lambda tools, t, arm, J, w: 0.0
+
+    def lost(tools, t, arm, J, w):
+        found, motion = 0.0, tools.motion[t]
+        if tools.about[t, FREE] < 0:
+            return found
+        for d in range(3):
+            e, f = (d + 1) % 3, (d + 2) % 3
+            before = motion[FORMER + d]
+            before += motion[FORMER + 3 + e] * arm[f] - motion[FORMER + 3 + f] * arm[e]
+            found += 0.5 * J[d] * (w[d] - before)
+        return found
+
+    return lost
 
 
 def _take(tools, t, plane, arm, J):

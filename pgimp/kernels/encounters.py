@@ -65,9 +65,9 @@ class Encounters(NamedTuple):
             np.empty((count, ENDS), np.int64), np.empty((count, PARTNERS)), np.empty((count, RIGID))
         )
 
-    def first(self, count: int) -> Self:
-        """Return the first ones."""
-        return type(self)(self.ends[:count], self.partners[:count], self.rigid[:count])
+    def between(self, begin: int, end: int) -> Self:
+        """Return those from `begin` on, before `end`."""
+        return type(self)(self.ends[begin:end], self.partners[begin:end], self.rigid[begin:end])
 
 
 class SeparatingWalls(NamedTuple):
@@ -119,18 +119,27 @@ def _load(contact, a, row, cell):
 
 
 @inner_kernel
-def _keep_pairs(contact, number, places, pairs, found, encounters):
+def _keep_pairs(contact, number, places, pairs, found, aside, encounters):
     """Keep the pairs that `find_pairs` has found at a vertex, as many as there is room for.
 
-    `places` are the entries of the groups there; fields behind them are rigid.
+    `places` are the entries of the groups there; fields behind them are rigid. Returns how many
+    are kept, and how many aside.
     """
     for k in range(pairs):
         one, other = contact.ends[k, 0], contact.ends[k, 1]
         if contact.pairs.law[contact.ends[k, 2] - 1] == FRICTION:
             if not _is_close(contact.fields[one], contact.fields[other]):
+                aside += 1
+                if found + aside <= len(encounters.ends):
+                    end = encounters.ends[-aside]
+                    copy(encounters.partners[-aside], contact.partners[k])
+                    end[ENTRY] = contact.ends[k, 2]
+                    for d in range(3):
+                        end[VERTEX + d] = number[d]
+                    end[BODIES], end[BODIES + 1] = contact.bodies[one], contact.bodies[other]
                 continue
         found += 1
-        if found > len(encounters.ends):
+        if found + aside > len(encounters.ends):
             continue
         end, rigid = encounters.ends[found - 1], encounters.rigid[found - 1]
         copy(encounters.partners[found - 1], contact.partners[k])
@@ -145,7 +154,7 @@ def _keep_pairs(contact, number, places, pairs, found, encounters):
             if a >= len(places):
                 for d in range(3):
                     rigid[3 * side + d] = contact.fields[a, NOW + d]
-    return found
+    return found, aside
 
 
 def _past_another(faces, axis, frame, number):
@@ -202,15 +211,16 @@ def find_encounters(contact, frame, faces, walls, present, dt, encounters):
     present : Present
         What groups have at the vertices.
     encounters : Encounters
-        Set to what is known of the pairs.
+        Set to what is known of the pairs. At its end are those that lie too deep to act, the last
+        one first: of these bodies, law, vertex, area and normal.
 
     Returns
     -------
-    int
-        How many there are; more than there is room for are not kept.
+    int, int
+        How many there are, and how many lie too deep; more than there is room for are not kept.
     """
     keys, order, sums = present.keys, present.order, present.sums
-    found, i = 0, 0
+    found, aside, i = 0, 0, 0
     whole = 1.0
     for d in range(len(frame.cell)):
         whole *= frame.cell[d]
@@ -226,7 +236,7 @@ def find_encounters(contact, frame, faces, walls, present, dt, encounters):
         tools = find_tools(contact, contact.tools, frame, number, sides, count, True)
         if count + tools > 1:
             pairs = find_pairs(contact, frame, sides, count + tools, tools, dt)
-            found = _keep_pairs(contact, number, places, pairs, found, encounters)
+            found, aside = _keep_pairs(contact, number, places, pairs, found, aside, encounters)
         for w in range(len(walls.rows)):
             for a in range(count):
                 on = (number[walls.rows[w, 0]] - walls.rows[w, 2]) == 0
@@ -235,7 +245,7 @@ def find_encounters(contact, frame, faces, walls, present, dt, encounters):
                 pairs = _wall_pair(contact, frame, faces, walls, w, number, sides, half)
                 if pairs > 0:
                     contact.partners[0, CLOSING] /= dt
-                    found = _keep_pairs(
-                        contact, number, places[a : a + 1], pairs, found, encounters
+                    found, aside = _keep_pairs(
+                        contact, number, places[a : a + 1], pairs, found, aside, encounters
                     )
-    return found
+    return found, aside

@@ -193,8 +193,8 @@ class Lattice:
                 place = self._overlap(both, (first, second))
                 if place is not None:
                     message = (
-                        f"bodies.{names[1]}.region: the point ({place}) lies in both "
-                        f"'{names[0]}' and '{names[1]}'; a particle belongs to one body: "
+                        f"bodies.{names[1]}.region: '{names[0]}' and '{names[1]}' overlap in the "
+                        f"box of the particle at ({place}), of which they fill more than there is: "
                         "move or cut one of them (region: {difference: [...]})"
                     )
                     errors.append(((a, b), message))

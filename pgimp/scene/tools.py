@@ -210,18 +210,21 @@ class SceneTools:
             self._bound(row, about, field)
         return tools
 
-    def _greatest_rate(self) -> float:
-        """See `rate`."""
-        fastest = 0.0
+    def speeds(self) -> dict[int, float]:
+        """Return the greatest speed over time of a point of each body that moves as prescribed."""
+        found = {}
         for number, entry in enumerate(self.entries):
             motion = entry.rigid
-            if not isinstance(motion, Motion):
-                continue
-            arm = self.surface.points[self.surface.body == number] - motion.reference
-            across = np.linalg.norm(np.cross(arm, motion.axis), axis=1).max(initial=0.0)
-            speed, spin = motion.greatest()
-            fastest = max(fastest, speed + spin * float(across))
-        return fastest * max(self.frame.inverse)
+            if isinstance(motion, Motion):
+                arm = self.surface.points[self.surface.body == number] - motion.reference
+                across = np.linalg.norm(np.cross(arm, motion.axis), axis=1).max(initial=0.0)
+                speed, spin = motion.greatest()
+                found[number] = speed + spin * float(across)
+        return found
+
+    def _greatest_rate(self) -> float:
+        """See `rate`."""
+        return max(self.speeds().values(), default=0.0) * max(self.frame.inverse)
 
     def _greatest_arms(self) -> list[float]:
         """See `arms`."""

@@ -45,7 +45,8 @@ MEETING = (
                 "contact.NAME.impact-loss", "energy",
                 "energy that forces along normals took since the start, force times way: what "
                 "bodies lose that still close a gap while they are stopped, of first order in the "
-                "cell size",
+                "cell size, and what rigid bodies that move freely lose at once as they hit; a "
+                "part of dissipated-energy, as friction-heat is",
                 lambda s, k: s.contact[k, LOSS],
             ),
             Column(
@@ -72,7 +73,9 @@ MEETING = (
             ),
             Column(
                 "tool.NAME.work", "energy",
-                "work of the rigid body on the material since the start, a part of external-work",
+                "work of the rigid body on the material since the start, a part of external-work; "
+                "of one that moves freely the energy that it gives up: impulse times the mean of "
+                "its velocities at a step's beginning and end",
                 lambda s, k: s.tools[k, TOOL_WORK],
             ),
             Column(

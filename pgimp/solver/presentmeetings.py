@@ -10,7 +10,7 @@ import numpy as np
 from pgimp.decomposition.grid import Grid
 from pgimp.decomposition.population import Population
 from pgimp.jit.bound import Bound
-from pgimp.kernels.accumulated import Responses, book_contacts, find_responses, settle_contacts
+from pgimp.kernels.accumulated import Responses, find_responses, settle_contacts
 from pgimp.kernels.boxes import grow_boxes
 from pgimp.kernels.concepts import Forcing
 from pgimp.kernels.contact import Contact
@@ -20,6 +20,7 @@ from pgimp.kernels.holding import Holding
 from pgimp.kernels.ledger import CONTACT_AREA, Ledger
 from pgimp.kernels.numbered import number_keys, room_for
 from pgimp.kernels.present import NEAR, PLACE, START, SUMMED, Present, sum_present, take_near
+from pgimp.kernels.presentbooks import book_contacts
 from pgimp.kernels.startgrid import (
     MOVES,
     STARTED,
@@ -159,7 +160,8 @@ class PresentMeetings:
     def _solve(self, table: np.ndarray, vertices: StartVertices, free: Holding, t: Step) -> Any:
         """Find the impulses; `vertices` has the velocities then.
 
-        Returns the pairs and their responses; None where nothing meets.
+        Returns the pairs, those that lie too deep to act, and the responses of the first; None
+        where nothing meets.
         """
         scene, contact, call = self.scene, self._contact, self.call
         shape, frame = scene.shape, scene.frame
@@ -169,17 +171,18 @@ class PresentMeetings:
         room = 4 * len(present.keys)
         while True:
             encounters = Encounters.empty(room)
-            pairs = call(
+            pairs, deep = call(
                 find_encounters, contact, frame, self._every_face, self._walls, present, t.dt,
                 encounters,
             )  # fmt: skip
-            if pairs <= room:
+            if pairs + deep <= room:
                 break
-            room = pairs
+            room = pairs + deep
         if pairs == 0:
             self.sweeps = 0
             return None
-        encounters = encounters.first(pairs)
+        below = encounters.between(room - deep, room)
+        encounters = encounters.between(0, pairs)
         call(find_supports, shape, frame, scene.identity, table, START, start)
         hashes, values = room_for(len(vertices.keys)), vertices.values
         call(number_keys, vertices.keys, hashes)
@@ -188,7 +191,7 @@ class PresentMeetings:
         self.sweeps = call(
             settle_contacts, contact, free, encounters, responses, values, SWEEPS, ENOUGH
         )
-        return encounters, responses
+        return encounters, below, responses
 
     def _sum(self, table: np.ndarray, now: Supports) -> Present:
         """What groups have at the vertices; `now` are the particles' supports there."""
@@ -235,7 +238,9 @@ def calls(
     yield 2.0, lambda: settle_contacts(contact, free, encounters, rows, values, 1, ENOUGH)
     yield 0.3, lambda: give_to_vertices(frame, grid.field, none, np.empty((0, 3)), 1.0)
     yield 1.0, lambda: book_held(holding, grid.field, vertices, ledger)
-    yield 2.0, lambda: book_contacts(contact, free, encounters, rows, values, walls, ledger)
+    yield 2.0, lambda: book_contacts(
+        contact, free, encounters, encounters, rows, values, walls, ledger
+    )
 
 
 def _nothing_held(holding: Holding) -> Holding:

@@ -24,7 +24,13 @@ from pgimp.scene import nearness
 from pgimp.scene.facts import rest_rate
 from pgimp.scene.geometry import release, share, take_as_empty
 from pgimp.scene.scene import Scene, count_particles
-from pgimp.scene.toolchecks import require_apart, require_clear, require_same, require_slow
+from pgimp.scene.toolchecks import (
+    require_apart,
+    require_clear,
+    require_same,
+    require_slow,
+    speed_warnings,
+)
 from pgimp.solver.clock import CourantClock, clock_of
 from pgimp.solver.energywatch import EnergyWatch
 from pgimp.solver.lookahead import rates_at_rest, require_stable_stages
@@ -88,6 +94,7 @@ def begin(sim: Simulation, scenes: Sequence[Scene]) -> None:
     dt = sim.clock.next(sim.done, rate).dt
     sim.warnings += check_first_step(scene, dt, sim.rate)
     require_slow(scene.tools, dt)
+    sim.warnings += speed_warnings(scene)
 
 
 def resume(sim: Simulation, source: Any, counted: int) -> None:

@@ -527,7 +527,7 @@ def test_a_ball_in_a_hole_of_its_size_is_no_overlap():
 def test_bodies_that_overlap_within_a_particle_are_refused():
     """No point of the lattice lies in both, but their shares of a particle exceed it."""
     case = scene(1, {"a": body(box([1.0], [2.2])), "b": body(box([2.05], [4.0]))})
-    with pytest.raises(CaseError, match=r"lies in both 'a' and 'b'"):
+    with pytest.raises(CaseError, match=r"'a' and 'b' overlap in the box of the particle"):
         particles(case)
 
 

@@ -276,3 +276,21 @@ def test_nothing_but_contact_may_name_a_rigid_body():
     del alone["bodies"]["block"], alone["contact"]
     with pytest.raises(ValueError, match="needs a body of a material"):
         start(alone)
+
+
+@pytest.mark.parametrize(("rigid", "speed"), [
+    ({"velocity": [0.0, -3.0]}, 0.0),
+    ({"velocity": {"table": [[0.0, [0.0, 0.0]], [9.0, [0.0, -6.0]]]}}, 6.0),
+    ({"rotation": {"about": [4.0, 6.5], "rate": 3.0}}, 6.0),
+    ({"density": 1.0}, 0.0),
+])  # fmt: skip
+def test_rigid_bodies_that_are_fast_for_waves_are_warned_of(rigid, speed):
+    """Waves of 11.6; the one that turns is a ball of R = 2."""
+    bodies = {"block": box([2.0, 1.0], [6.0, 4.0]),
+              "punch": {"rigid": rigid, "region": {"ball": {"centre": [4.0, 6.5], "radius": 2.0}}}}
+    case = scene(2, bodies, cells=[8, 12], step={"courant": 0.3}, contact=[{"bodies": "all"}])
+    said = [text for text in start(case).warnings if text.startswith("bodies.punch.rigid")]
+    assert len(said) == bool(speed)
+    for text in said:
+        assert float(text.split("up to ")[1].split(",")[0]) == pytest.approx(speed, rel=0.02)
+        assert "waves in 'block' (11.6)" in text

@@ -30,6 +30,16 @@ def test_a_resized_case_is_the_same_case():
     assert list(sample.sim.case.bodies) == ["sample"]
 
 
+@pytest.mark.parametrize("bodies", [None, {"a": box([1.0, 1.0], [1.5, 1.5])}])
+def test_samples_of_a_case_of_very_many_steps(bodies):
+    """1e11 of them are no reason to refuse it, neither resized nor as a plain block."""
+    case = flying() | {"time": {"end": 1e10, "step": {"courant": 0.3}}}
+    if bodies:
+        case["bodies"] = {"a": bodies["a"] | {"surface": "whole"}}
+    (sample,) = samples_of(Case.model_validate(case), 72, Serial(), [10], 1e11)
+    assert 1e10 <= sample.sim.case.time.end < 1e12 and not sample.sim.finished
+
+
 SCATTER = """
 import sys
 import numpy as np

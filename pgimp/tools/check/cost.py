@@ -31,11 +31,14 @@ _SECONDS = 1.0
 _YEAR = 365.25 * 86400.0
 
 
-def measure(scene: Scene, count: int) -> tuple[Costs, float]:
-    """Costs of a step on this machine, and the part of particles that change layer in one."""
+def measure(scene: Scene, count: int, steps: float) -> tuple[Costs, float]:
+    """Costs of a step on this machine, and the part of particles that change layer in one.
+
+    `steps` are those of the case, about.
+    """
     comm = Serial()
     sizes = [min(_SMALLEST, count), _SMALL, *([min(_LARGE, count)] if count > 2 * _SMALL else [])]
-    samples = samples_of(scene.case, count, comm, sizes)
+    samples = samples_of(scene.case, count, comm, sizes, steps)
     run_in_turn(samples, comm, _SECONDS)
     return costs_of(samples), layout_now(samples[-1].sim).crossing
 

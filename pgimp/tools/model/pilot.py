@@ -166,12 +166,12 @@ def _run(sim: Simulation, case: Case) -> Pilot:
         while not sim.finished and perf_counter() - begin < 2.0 * _SECONDS:
             rate = _rate(sim) * longer
             sim.advance()
-            way += sim.dt * rate
+            way += sim.dt * max(rate, sim.fastest * longer)
             most = max(most, sim.dt * rate / longer)
     except RunError as error:
         failure = str(error).splitlines()[0]
     end = case.time.end
-    way += (end - sim.time) * rate
+    way += (end - sim.time) * max(rate, sim.fastest * longer)
     steps = float(case.time.steps or 0) if case.courant is None else way / case.courant
     done = sim.time / end
     return Pilot(steps, sim.count, longer, min(done, 1.0), failure, most)

@@ -33,8 +33,9 @@ _DRIFT = 0.005
 _LARGER = 4.0
 #: Part of its particles that a sample must still have: of those left it would say too little.
 _KEPT = 0.98
-#: Steps, or multiples of a case's end, that no sample reaches.
-_ENDLESS = 1_000_000
+#: Steps, or multiples of a case's end, that no sample reaches; and steps that are enough of them: a
+#: run of too many is refused, see `pgimp.solver.stability.require_end`.
+_ENDLESS, _MANY = 1_000_000, 1e9
 
 
 class Scattered(Simulation):
@@ -176,10 +177,10 @@ class Sample:
         return float(max(self._comm.allgather(mine)))
 
 
-def resized(case: Case, factor: float) -> Case:
+def resized(case: Case, factor: float, longer: float = _ENDLESS) -> Case:
     """The same case with cells `factor` times as long, as far as the domain is whole cells.
 
-    It goes on for longer, in steps of about the same Courant number.
+    It goes on for `longer` times as long, in steps of about the same Courant number.
 
     Raises
     ------
@@ -196,7 +197,7 @@ def resized(case: Case, factor: float) -> Case:
         step = float(time.step) * min(n / m for n, m in zip(grid.cells, cells, strict=True))
         data["time"] = {"end": step * _ENDLESS, "step": step}
     else:
-        data["time"]["end"] = time.end * _ENDLESS
+        data["time"]["end"] = time.end * longer
     return Case.model_validate(data)
 
 
@@ -208,7 +209,7 @@ def _open(case: Case, boundaries: Collection[str]) -> dict[str, str]:
     return {face: "remove" for face in faces if face not in boundaries}
 
 
-def plain(case: Case, count: int) -> Case:
+def plain(case: Case, count: int, longer: float = _ENDLESS) -> Case:
     """A block of about `count` particles of the first body's material, without anything else."""
     D = case.dimensions
     each = prod(case.method.particles_per_cell)
@@ -238,12 +239,18 @@ def plain(case: Case, count: int) -> Case:
     if isinstance(step, float | int):
         data["time"] = {"end": step * _ENDLESS, "step": step}
     else:
-        data["time"] = {"end": case.time.end * _ENDLESS, "step": step.model_dump()}
+        data["time"] = {"end": case.time.end * longer, "step": step.model_dump()}
     return Case.model_validate(data)
 
 
-def samples_of(case: Case, count: int, comm: Any, sizes: Sequence[int]) -> list[Sample]:
-    """Samples of a case with `count` particles, resized to about as many as `sizes` say."""
+def samples_of(
+    case: Case, count: int, comm: Any, sizes: Sequence[int], steps: float = 1.0
+) -> list[Sample]:
+    """Samples of a case with `count` particles, resized to about as many as `sizes` say.
+
+    `steps` is the number of its steps, about, where they are many.
+    """
+    longer = min(max(1.0, _MANY / steps), _ENDLESS)
 
     def made(small: Case) -> Sample:
         return Sample(lambda: Scattered(small, comm), comm)
@@ -259,10 +266,10 @@ def samples_of(case: Case, count: int, comm: Any, sizes: Sequence[int]) -> list[
             if count / factor ** (power * case.dimensions) > _LARGER * size:
                 break
             try:
-                samples.append(made(resized(case, factor**power)))
+                samples.append(made(resized(case, factor**power, longer)))
                 break
             except (ValueError, CaseError, RunError):
                 continue
         if len(samples) < number:
-            samples.append(made(plain(case, size)))
+            samples.append(made(plain(case, size, longer)))
     return samples

@@ -1,0 +1,79 @@
+"""What contact in the initial configuration books: impulses, heat, losses, and areas."""
+
+from pgimp.jit.kernel import inner_kernel, kernel
+from pgimp.kernels.accumulated import impulse_of, take_up
+from pgimp.kernels.contact import AREA, NORMAL, PUSH
+from pgimp.kernels.contactbooks import book
+from pgimp.kernels.encounters import BODIES, ENTRY, VERTEX
+from pgimp.kernels.ledger import CONTACT_AREA
+
+
+@inner_kernel
+def _press_at(encounters, x, y, z, of):
+    """Whether the bodies of the pair whose ends are `of` press on each other at a vertex."""
+    ends = encounters.ends
+    low, high = 0, len(ends)
+    while low < high:  # vertices ascend
+        middle = (low + high) // 2
+        i, j, k = ends[middle, VERTEX], ends[middle, VERTEX + 1], ends[middle, VERTEX + 2]
+        if i < x or (i == x and (j < y or (j == y and k < z))):
+            low = middle + 1
+        else:
+            high = middle
+    while low < len(ends):
+        end = ends[low]
+        if end[VERTEX] != x or end[VERTEX + 1] != y or end[VERTEX + 2] != z:
+            return False
+        if end[BODIES] == of[BODIES] and end[BODIES + 1] == of[BODIES + 1]:
+            return encounters.partners[low, PUSH] != 0.0
+        low += 1
+    return False
+
+
+@inner_kernel
+def _book_areas(encounters, others, ledger):
+    """Book the areas at vertices of `others` that do not press, where one beside them does.
+
+    A vertex weighs its neighbourhood, so that an area is divided between the two planes of vertices
+    that it lies between. Of these one may do all the pressing.
+    """
+    for k in range(len(others.ends)):
+        end, row, axis = others.ends[k], others.partners[k], 0
+        if row[PUSH] != 0.0:
+            continue
+        for d in range(1, 3):
+            if abs(row[NORMAL + d]) > abs(row[NORMAL + axis]):
+                axis = d
+        for way in (-1, 1):
+            x = end[VERTEX] + (way if axis == 0 else 0)
+            y = end[VERTEX + 1] + (way if axis == 1 else 0)
+            z = end[VERTEX + 2] + (way if axis == 2 else 0)
+            if _press_at(encounters, x, y, z, end):
+                ledger.contact[0, end[ENTRY] - 1, CONTACT_AREA] += row[AREA]
+                break
+
+
+@kernel
+def book_contacts(contact, free, encounters, deep, responses, values, walls, ledger):
+    """Book what has been exchanged, in the first plane of the grid, whose owner calls this.
+
+    Parameters
+    ----------
+    deep : Encounters
+        The pairs that lie too deep to act, see `find_encounters`.
+    walls : SeparatingWalls
+        What these give is booked as the faces' impulse.
+    """
+    _book_areas(encounters, deep, ledger)
+    _book_areas(encounters, encounters, ledger)
+    for k in range(len(encounters.ends)):
+        end, row = encounters.ends[k], encounters.partners[k]
+        wall = max(end[BODIES], end[BODIES + 1]) - walls.first
+        if wall >= 0:
+            sign = -1.0 if end[BODIES] < end[BODIES + 1] else 1.0
+            for d in range(3):
+                ledger.impulse[0, walls.faces[wall], d] += sign * impulse_of(row, d)
+            continue
+        take_up(contact, encounters, k, responses, values)
+        number = (end[VERTEX], end[VERTEX + 1], end[VERTEX + 2])
+        book(contact, free, number, 0, 1.0, True, ledger, 0)
