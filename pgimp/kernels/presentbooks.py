@@ -31,7 +31,13 @@ def _press_at(encounters, x, y, z, of):
 
 
 @inner_kernel
-def _book_areas(encounters, others, ledger):
+def _wall_of(end, walls):
+    """Number of the wall that a pair is with; below 0 if it is with none."""
+    return max(end[BODIES], end[BODIES + 1]) - walls.first
+
+
+@inner_kernel
+def _book_areas(encounters, others, walls, ledger):
     """Book the areas at vertices of `others` that do not press, where one beside them does.
 
     A vertex weighs its neighbourhood, so that an area is divided between the two planes of vertices
@@ -39,7 +45,7 @@ def _book_areas(encounters, others, ledger):
     """
     for k in range(len(others.ends)):
         end, row, axis = others.ends[k], others.partners[k], 0
-        if row[PUSH] != 0.0:
+        if row[PUSH] != 0.0 or _wall_of(end, walls) >= 0:
             continue
         for d in range(1, 3):
             if abs(row[NORMAL + d]) > abs(row[NORMAL + axis]):
@@ -64,11 +70,11 @@ def book_contacts(contact, free, encounters, deep, responses, values, walls, led
     walls : SeparatingWalls
         What these give is booked as the faces' impulse.
     """
-    _book_areas(encounters, deep, ledger)
-    _book_areas(encounters, encounters, ledger)
+    _book_areas(encounters, deep, walls, ledger)
+    _book_areas(encounters, encounters, walls, ledger)
     for k in range(len(encounters.ends)):
         end, row = encounters.ends[k], encounters.partners[k]
-        wall = max(end[BODIES], end[BODIES + 1]) - walls.first
+        wall = _wall_of(end, walls)
         if wall >= 0:
             sign = -1.0 if end[BODIES] < end[BODIES + 1] else 1.0
             for d in range(3):

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from rank_scenes import SCENES
 from scenes import SOFT, box, field, finish, scene, start
 
 HARD = SOFT | {"young": 1000.0}
@@ -198,3 +199,10 @@ def test_area_of_a_block_that_is_pressed_is_that_of_its_face(dimension, above):
     assert areas.max() < 1.01 * exact
     assert np.median(areas) > (0.95 if above == "punch" else 0.8) * exact
     assert np.quantile(areas, 0.1) > (0.75 if above == "punch" else 0.6) * exact
+
+
+def test_walls_have_no_area_in_the_books():
+    """They have entries behind those of the case; what is booked of these is the first plane's."""
+    sim = finish(start(SCENES["initial_contact"]))
+    booked = sim.rank.ledger.contact
+    assert booked[0].any(axis=1).sum() >= 2 and not booked[1:].any()
