@@ -19,7 +19,7 @@ settings.load_profile("same")
 
 #: Files that take longest, which begin first, so that no worker is left with one at the end. Those
 #: that mostly wait, for Slurm, signals and what was killed, come between those that keep a core
-#: busy: of four files at a time then one or two wait.
+#: busy: of three files at a time then one waits at most.
 LONG = ("ranks", "proofs", "paper", "slurm", "readme", "transfer", "signals", "shapes", "batch",
         "exact_errors", "balance", "launch", "mesh", "cut", "overlap")  # fmt: skip
 

@@ -79,7 +79,9 @@ def test_rigid_bodies_on_what_is_held(law, density):
         scale = 1e-12 * np.abs(every["tool.falls.momentum-y"]).max()
         assert change == pytest.approx(force * np.diff(every["time"]), abs=scale)
     own, done = every["tool.falls.kinetic-energy"], every["tool.falls.work"]
-    assert (own - own[0] + done).max() <= 1e-3 * own[0]
+    # Work is all that the ball gives up. Where it sticks its velocity is found less closely.
+    off = 0.02 if law == "adhesion" else 1e-12
+    assert np.abs(own - own[0] + done).max() <= off * own[0]
     # It comes down by a twentieth, and its surface is as round as a cell.
     assert every["tool.falls.displacement-y"].min() > -0.2
     assert abs(every["tool.falls.velocity-y"][-1]) < 0.1
