@@ -200,7 +200,7 @@ def test_any_damage_gives_a_case_or_a_message(place, removed, put):
 def located_mistakes():
     """Cases that only their geometry shows to be wrong: text in place of the region of `b`."""
     return {
-        "overlap": ("{box: {min: [1.0, 1.0], max: [3.0, 3.0]}}", "overlap in the box of the particle at (2.25, 2.25)"),
+        "overlap": ("{box: {min: [1.0, 1.0], max: [3.0, 3.0]}}", "overlap in the box of "),
         "points": ("{points: {file: p.csv}}", "missing volume. Expected x,y,volume"),
         "twins": ("{points: {file: twins.csv}}", "2 particles of "),
         "mesh": ("{mesh: {file: m.vtu}}", "open ends, the first at (5, 5), of segment 0 (from 0)"),
