@@ -4,10 +4,8 @@ What is wrong is refused as early as it shows, above all before kernels are comp
 alone says, then what its particles show, then what their waves say of the first step.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -41,14 +39,11 @@ from pgimp.solver.stability import check_first_step, require_end
 from pgimp.solver.warmup import warm_up
 from pgimp.solver.window import open_window
 
-if TYPE_CHECKING:
-    from pgimp.solver.simulation import Simulation
-
 #: A vertex lighter than this part of the lightest initial particle is not accelerated.
 LIGHT = 1e-12
 
 
-def begin(sim: Simulation, scenes: Sequence[Scene]) -> None:
+def begin(sim: Any, scenes: Sequence[Scene]) -> None:
     """Make the particles of the case, and look at its first step; collective.
 
     Parameters
@@ -97,7 +92,7 @@ def begin(sim: Simulation, scenes: Sequence[Scene]) -> None:
     sim.warnings += speed_warnings(scene)
 
 
-def resume(sim: Simulation, source: Any, counted: int) -> None:
+def resume(sim: Any, source: Any, counted: int) -> None:
     """Take over the state of a checkpoint; collective.
 
     Parameters
@@ -137,7 +132,7 @@ def resume(sim: Simulation, source: Any, counted: int) -> None:
         sim.shorten()
 
 
-def _compile(sim: Simulation, counted: int) -> None:
+def _compile(sim: Any, counted: int) -> None:
     """Compile the kernels of a step, and make what asks them how fast waves are; collective."""
     scene, comm = sim.scene, sim.comm
     warm_up(scene, comm)
@@ -151,7 +146,7 @@ def _compile(sim: Simulation, counted: int) -> None:
 
 
 def put_in_order(
-    sim: Simulation,
+    sim: Any,
     slab: Slab,
     particles: Particles,
     count: int,
