@@ -43,6 +43,9 @@ TAKEN, GIVEN, RESPONSE, ANSWER = 0, 6, 12, 48
 #: surface is not taken for flat within the neighbourhood.
 FLAT = 0.02
 
+#: Component of a normal along that of a wall which is rounding: the wall is square to the surface.
+SQUARE = 1e-9
+
 #: What curvature adds to the mean gap over what it adds to that mean distance, which is k/16 in
 #: cells; see `pgimp.scene.latticebody`. From `SHARP` of a cell on it is an edge.
 BEND, SHARP = (1.0 / 12.0 + 1.0 / 16.0) * 16.0, 0.5 / 16.0
@@ -198,8 +201,10 @@ def fill(tools, t, frame, number, sides):
         at[FILLED], scale = 1.0, volume / reach
         at[SURFACE], at[SURFACE + 1], at[SURFACE + 2] = scale * n0, scale * n1, scale * n2
         return True
-    whole = sides[0] == 0 and sides[1] == 0 and sides[2] == 0
-    if whole and abs(at[MEAN] - at[DISTANCE]) < FLAT * frame.cell[0]:
+    halved = True  # whole, or by walls that are square to the surface: planes of symmetry
+    for d in range(D):
+        halved = halved and (sides[d] == 0 or abs(at[NORMAL + d]) < SQUARE)
+    if halved and abs(at[MEAN] - at[DISTANCE]) < FLAT * frame.cell[0]:
         a, b, c = _halves(tools, frame, 1.0)
         filled, slope = cut(a, b, c, -at[MEAN])
         at[FILLED], scale = filled, volume * max(slope, 1e-3 / reach)

@@ -5,7 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from pgimp.errors import CaseError
 from pgimp.geometry.regions.base import Region
 from pgimp.scene.latticebody import LatticeBody
 
@@ -32,13 +34,34 @@ class Bulk(NamedTuple):
     inertia: tuple[float, ...]
 
 
-def bulk(region: Region, density: float, D: int) -> Bulk:
-    """Measure a body that fills a region of finite size with a density."""
-    low, high = (np.array(end, float) for end in region.bounds())
-    extent = high - low
+def everywhere(D: int) -> NDArray[np.float64]:
+    """Return corners of an infinite box, (2, D)."""
+    return np.repeat([[-np.inf], [np.inf]], D, axis=1)
+
+
+def bulk(region: Region, density: float, within: NDArray[np.float64]) -> Bulk:
+    """Measure a body that fills with a density what of a region of finite size lies in a box.
+
+    Parameters
+    ----------
+    within : (2, D) float64
+        Corners of the box, which may be infinite.
+
+    Raises
+    ------
+    CaseError
+        If nothing does.
+    """
+    D = within.shape[1]
+    low, high = np.clip(np.array(region.bounds(), float), *within)
+    if not (high - low).min() > 0.0:
+        raise CaseError("lies wholly beyond a plane of symmetry")
+    # A half has half of the whole's boxes, so that it has half of its mass to rounding.
+    halves = 1 + ((low == within[0]) != (high == within[1]))
+    extent = (high - low) * halves
     side = min(float(extent.max()) / _BOXES[D - 1], float(extent.min()) / _ACROSS)
     side = max(side, (float(extent.prod()) / _MOST) ** (1.0 / D))
-    counts = np.maximum(np.ceil((high - low) / side - 1e-9).astype(int), 1)
+    counts = 2 * np.maximum(np.ceil(0.5 * extent / side - 1e-9).astype(int), 1) // halves
     edges = [np.linspace(a, b, n + 1) for a, b, n in zip(low, high, counts, strict=True)]
     centres = [0.5 * (e[1:] + e[:-1]) for e in edges]
     body = LatticeBody(region, edges, centres, cut=True)

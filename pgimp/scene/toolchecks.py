@@ -14,9 +14,11 @@ from pgimp.case.places import located
 from pgimp.errors import CaseError, EndlessError, UsageError
 from pgimp.kernels.tools import distances
 from pgimp.mpi.collective import on_root
+from pgimp.physics.boundaries.slip import Slip
 from pgimp.scene.faces import Face
 from pgimp.scene.facts import wave_speed
 from pgimp.scene.freebody import State
+from pgimp.scene.toolmeasure import is_symmetry
 from pgimp.scene.tools import SceneTools
 
 #: Cells within which surfaces of regions touch, and of those that distances at points of a lattice
@@ -169,13 +171,20 @@ def collisions(
     placed, least = tools.at(time, time, states), min(frame.cell)
     for number in tools.free:
         mine = np.ascontiguousarray(points[tools.surface.body == number][:, : len(frame.cell)])
+        free = tools.entries[number].free
         for face in faces:
+            if is_symmetry(face.name, face.condition, free, len(frame.cell)):
+                continue
             wall = frame.origin[face.axis]
             if face.side > 0:
                 wall += frame.cells[face.axis] * frame.cell[face.axis]
             depth = float(((mine[:, face.axis] - wall) * face.side).max(initial=0.0)) / least
             limit = _TOUCH if first else _PAST
-            yield depth - limit, depth, tools.names[number], f"the wall {face.name}"
+            what = f"the wall {face.name}"
+            if isinstance(face.condition, Slip):
+                ways = _across(face.axis, len(frame.cell))
+                what += f" (if that is a plane of symmetry: `fixed: {ways}`)"
+            yield depth - limit, depth, tools.names[number], what
         distance = np.empty(len(mine))
         for other, name in enumerate(tools.names):
             if other != number:
@@ -184,6 +193,13 @@ def collisions(
                 # Farther in than half of a thin body it would be on its way out.
                 limit = min(_ROUNDED if first else _PAST, 0.25 * tools.thick[other] / least)
                 yield depth - limit, depth, tools.names[number], f"the rigid body '{name}'"
+
+
+def _across(axis: int, D: int) -> str:
+    """Say what a body must not do whose other half lies beyond a plane of symmetry."""
+    own = "xyz"[axis]
+    turns = ([], ["rotation"], [f"rotation-{c}" for c in "xyz" if c != own])[D - 1]
+    return f"[{', '.join([own, *turns])}]"
 
 
 def require_clear(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,8 +11,9 @@ from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.geometry.distancefield import MARGIN, DistanceField, distance_field, extent, thickness
 from pgimp.kernels.particles import Frame
-from pgimp.physics.rigid import Motion, RigidBody
-from pgimp.scene.bulk import Bulk, bulk
+from pgimp.physics.boundaries.slip import Slip
+from pgimp.physics.rigid import Free, Motion, RigidBody
+from pgimp.scene.bulk import Bulk, bulk, everywhere
 from pgimp.schema.tables import VectorTable
 
 #: Instants at which the way of a body that does not turn is looked at, to know what of it matters.
@@ -76,13 +77,36 @@ def measure(case: Case, frame: Frame, name: str, entry: RigidBody) -> Measured:
     D = len(frame.cell)
     try:
         field = _distances(case, frame, entry)
-        inertia = bulk(entry.region, entry.free.density, D) if entry.free else None
+        inertia = None
+        if entry.free:
+            inertia = bulk(entry.region, entry.free.density, _symmetric_part(case, entry.free))
         return Measured(field, thickness(entry.region, D), inertia)
     except CaseError as error:
         raise CaseError(f"bodies.{name}.region: {error}") from None
     finally:
         for part in entry.region.simple():
             part.__dict__.pop("surface", None)
+
+
+def is_symmetry(face: str, condition: Any, free: Free, D: int) -> bool:
+    """Whether a face is a plane of symmetry also for a free rigid body, which may lie across it.
+
+    So it is where the body can move along it, and turn about its normal, only.
+    """
+    own, may = "xyz".index(face[0]), free.may(D)
+    others = any(may[3 + d] for d in range(3) if d != own)
+    return isinstance(condition, Slip) and not may[own] and not others
+
+
+def _symmetric_part(case: Case, free: Free) -> NDArray[np.float64]:
+    """Return the box, (2, D), of which what lies beyond its sides is the other half of a body."""
+    D = len(case.grid.cell)
+    ends = everywhere(D)
+    for face, condition in case.boundaries.items():
+        if is_symmetry(face, condition, free, D):
+            d, upper = "xyz".index(face[0]), face.endswith("max")
+            ends[int(upper), d] = (case.grid.origin, case.grid.corner)[upper][d]
+    return ends
 
 
 def lattice_points(case: Case, frame: Frame, entry: RigidBody) -> float:

@@ -10,7 +10,7 @@ from scenes import box, energy, finish, scene, start
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError, RunError
 from pgimp.kernels.ledger import IMPULSE
-from pgimp.scene.bulk import bulk
+from pgimp.scene.bulk import bulk, everywhere
 from pgimp.scene.freebody import FreeBody, State
 from pgimp.solver.gridstate import active_grid
 
@@ -143,7 +143,7 @@ def test_a_top():
             "top": free([4.0, 4.0, 4.0], [6.0, 6.0, 5.0], 1.0,
                         {"rotation": {"about": [5.0, 5.0, 4.5], "rate": [1.0, 0.0, 3.0]}}),
         })).tools["top"]  # fmt: skip
-        body = FreeBody("top", entry, bulk(entry.region, 1.0, 3), 3)
+        body = FreeBody("top", entry, bulk(entry.region, 1.0, everywhere(3)), 3)
         state, dt = body.first, 2.0 / n
         for _ in range(n):
             inertia = body.halfway(state, dt)
@@ -183,7 +183,8 @@ def test_mass_and_inertia(D):
     ):  # fmt: skip
         bodies = {"soft": box([1.0] * D, [2.0] * D),
                   "rigid": {"rigid": {"density": 2.0}, "region": region}}  # fmt: skip
-        found = bulk(Case.model_validate(scene(D, bodies)).tools["rigid"].region, 2.0, D)
+        region = Case.model_validate(scene(D, bodies)).tools["rigid"].region
+        found = bulk(region, 2.0, everywhere(D))
         assert found.mass == pytest.approx(mass, rel=tolerance)
         assert found.inertia[8] == pytest.approx(mass * square, rel=tolerance)
         assert found.centre[:D] == pytest.approx(centre[:D], rel=1e-9)

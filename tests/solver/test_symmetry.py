@@ -54,3 +54,47 @@ def test_a_part_gives_what_the_whole_does(dimension, floor):
     own = np.lexsort((field(begun, "body"), *np.round(field(begun, "x"), 6).T))
     assert mine.shape == found.shape
     np.testing.assert_allclose(mine[own], found[order], rtol=0.0, atol=1e-10)
+
+
+def between_rigid(dimension, part):
+    """A plate that a rigid ball from below presses on one that moves freely, or the part of it."""
+    cut = dimension - 1
+    free = {"density": 0.5, "fixed": [*"xy"[:cut], "rotation"]}
+    plate = {"box": {"min": [0.0 if part else -6.0] * cut + [4.0], "max": [6.0] * cut + [7.0]}}
+    bodies = {
+        "plate": {"material": "soft", "region": plate},
+        "above": {
+            "rigid": free, "velocity": [0.0] * cut + [-0.5],
+            "region": {"ball": {"centre": [0.0] * cut + [12.0], "radius": 5.0}},
+        },
+        "below": {
+            "rigid": {"velocity": [0.0] * cut + [0.5]},
+            "region": {"ball": {"centre": [0.0] * cut + [0.9], "radius": 3.0}},
+        },
+    }  # fmt: skip
+    faces = {f"{axis}-min": "slip" for axis in "xyz"[:cut]} if part else {}
+    case = scene(
+        dimension, bodies, step=0.02, end=2.0, boundaries=faces, wall="mirror",
+        contact=[{"bodies": "all", "friction": 0.3}], per_cell=2 if dimension == 2 else 1,
+        shape="fuzzy-nearest",
+    )  # fmt: skip
+    case["grid"] = {
+        "origin": [0.0 if part else -8.0] * cut + [0.0],
+        "size": [8.0 if part else 16.0] * cut + [18.0], "cell": [1.0] * dimension,
+    }  # fmt: skip
+    return case
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_rigid_bodies_lie_across_planes_of_symmetry(dimension):
+    """Whole in the case, and half or a quarter in what a free one weighs and gets."""
+    whole, part = (finish(start(between_rigid(dimension, part))) for part in (False, True))
+    every, own = whole.diagnostics(), part.diagnostics()
+    along, k = "xyz"[dimension - 1], 2 ** (dimension - 1)
+    assert every[f"tool.above.displacement-{along}"] > -0.9  # it was stopped
+    for name in (f"displacement-{along}", f"velocity-{along}"):
+        assert own[f"tool.above.{name}"] == pytest.approx(every[f"tool.above.{name}"], rel=1e-10)
+    for name in (f"tool.above.momentum-{along}", "tool.above.kinetic-energy", "tool.below.work",
+                 "contact.all.normal-impulse", "contact.all.friction-heat",
+                 "strain-energy"):  # fmt: skip
+        assert own[name] * k == pytest.approx(every[name], rel=1e-10), name
