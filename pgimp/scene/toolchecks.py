@@ -172,6 +172,7 @@ def collisions(
     for number in tools.free:
         mine = np.ascontiguousarray(points[tools.surface.body == number][:, : len(frame.cell)])
         free = tools.entries[number].free
+        assert free is not None
         for face in faces:
             if is_symmetry(face.name, face.condition, free, len(frame.cell)):
                 continue
