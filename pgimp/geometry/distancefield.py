@@ -58,8 +58,9 @@ def extent(
 ) -> tuple[NDArray[np.float64], float, NDArray[np.int64]]:
     """Return first point, spacing and shape of a region's lattice.
 
-    One of its points would be the middle of the region, so that the distances of what is symmetric
-    are symmetric too, and the same ones whatever of it can matter.
+    The middle of the region is on a point of it, or half-way between two, so that the distances of
+    what is symmetric are symmetric too, and the same ones whatever of it can matter; which of the
+    two is chosen by where the ends are nearer to points, as edges are between points rounded.
 
     Parameters
     ----------
@@ -72,7 +73,9 @@ def extent(
     """
     spacing, D = SPACING * min(cell), len(cell)
     low, high = (np.array(end, float) for end in region.bounds())
-    middle = 0.5 * (low + high)
+    middle, half = 0.5 * (low + high), 0.5 * (high - low) / spacing
+    between = np.abs(half - 0.5 - np.round(half - 0.5)) < np.abs(half - np.round(half)) - 1e-6
+    middle += np.where(between, 0.5 * spacing, 0.0)
     low, high = low - MARGIN * np.array(cell), high + MARGIN * np.array(cell)
     if within is not None:
         low, high = np.maximum(low, within[0]), np.minimum(high, within[1])
