@@ -20,7 +20,7 @@ from pgimp.kernels.sums import fastest_rate
 from pgimp.physics.materials import MATERIALS, NeoHookean, registry
 from pgimp.physics.materials.outside import parameters_of
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 CASES = ROOT / "cases"
 PAGE = (ROOT / "docs" / "materials.md").read_text(encoding="utf-8")
 

@@ -144,7 +144,7 @@ def test_one_run_at_a_time(tmp_path):
         "RunDirectory(pathlib.Path(sys.argv[1]), Serial(), True)"
     )
     command = [sys.executable, "-c", code, str(tmp_path / "out")]
-    environment = os.environ | {"PYTHONPATH": str(Path(__file__).parents[2])}
+    environment = os.environ | {"PYTHONPATH": str(Path(__file__).parents[3])}
 
     def attempt():
         return subprocess.run(command, env=environment, capture_output=True, text=True).stderr

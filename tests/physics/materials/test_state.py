@@ -332,7 +332,7 @@ def test_other_state_variables_are_other_kernels(softening, monkeypatch):
 def test_columns_are_declared_once():
     """Each array is of its column's type and width, and the page of symbols has them all."""
     carried = Carried(3, True, True, True, 2, True, 5)
-    page = (Path(__file__).parents[2] / "docs/symbols.md").read_text()
+    page = (Path(__file__).parents[3] / "docs/symbols.md").read_text()
     particles = Particles.empty(4, carried)
     for name, array in particles._asdict().items():
         column = COLUMNS[name]

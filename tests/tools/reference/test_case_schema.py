@@ -30,7 +30,7 @@ METAL = {"model": "johnson-cook", "young": 1, "poisson": 0, "density": 1, "a": 1
          "melting": 2}  # fmt: skip
 WATER = {"model": "newtonian", "bulk": 1, "density": 1}
 
-PAGE = Path(__file__).parents[2] / "cases" / "reference.md"
+PAGE = Path(__file__).parents[3] / "cases" / "reference.md"
 
 
 def test_reference_is_current():
@@ -88,7 +88,7 @@ def test_every_column_of_the_history_is_written(dimensions):
         for column in group.columns
     ]
     unwritten = [name for name in names if not any(re.fullmatch(name, each) for each in columns)]
-    # Errors against an exact solution: tests/physics/test_exact_errors.py.
+    # Errors against an exact solution: tests/physics/exact/test_exact_errors.py.
     moments = ("angular", "angle", "torque") if dimensions == 1 else ()
     assert all(any(part in name for part in ("error", *moments)) for name in unwritten)
 

@@ -16,7 +16,7 @@ from pgimp.cli import main
 from pgimp.errors import CaseError
 from pgimp.geometry.mesh import closed as meshclosed
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 BALL = ball(3, 1.3, (0.1, 0.05, -0.2))
 
 

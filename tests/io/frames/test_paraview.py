@@ -82,7 +82,7 @@ def test_threshold_by_body(run, seen, reader):
     assert np.unique(there["arrays"]["body"]) == [1]
 
 
-SCRIPT = Path(__file__).resolve().parents[2] / "cases" / "paraview.py"
+SCRIPT = Path(__file__).resolve().parents[3] / "cases" / "paraview.py"
 RADII = np.array([0.3, 0.45, 0.2, 0.4])
 CENTRES = np.array([[0.0, 0.0], [3.0, 0.2], [0.1, 2.0], [3.0, 2.0]])
 

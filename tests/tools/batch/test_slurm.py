@@ -11,7 +11,7 @@ import pytest
 from processes import clean_env, run
 from two_blocks import CASE
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 
 # Particles and steps for about six seconds, and how long before the early signal the job comes.
 FINE = ["--set=grid.cell=[0.05, 0.05]", f"--set=time.step={2.0 / 5000}"]
