@@ -1,6 +1,7 @@
 """``pgimp check`` points at mistakes of units, of the step and of the duration."""
 
 import pytest
+from messages import mentions
 
 from pgimp.case.reader import read_case
 from pgimp.commands import check
@@ -398,11 +399,10 @@ def test_stages_are_listed_with_their_steps_and_changes(capsys):
     # Twice the wave speed takes twice the steps: 0.3 cells each.
     hot = 2.0 * body.wave_speed * 1.0e-3 / (0.3 * 0.01)
     assert steps == pytest.approx(hot + 5000 + 5000, abs=1.0)
-    assert lines[0].startswith("stage 2 'hot' to t = 0.002, about ")
-    assert lines[0].endswith(" steps; changes materials.steel.young")
-    assert lines[1:] == [
-        "stage 3 'loose' to t = 0.0025, 5,000 steps; changes boundaries.x-min",
-        "stage 4 'same' to t = 0.003, 5,000 steps; changes output.every",
-    ]
+    first, second, third = lines
+    mentions(first, "stage 2", "hot", "0.002", "about", "steps", "materials.steel.young")
+    mentions(second, "stage 3", "loose", "0.0025", "5,000 steps", "boundaries.x-min")
+    mentions(third, "stage 4", "same", "0.003", "5,000 steps", "output.every")
+    assert "young" not in second and "boundaries" not in third
     # At the start, at the end of each stage, and four times in the last one.
     assert forecast.frames(staged, 15_000.0) == 5 + 4

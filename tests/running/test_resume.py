@@ -10,6 +10,7 @@ import meshio
 import numpy as np
 import pytest
 from meshes import stl
+from messages import mentions
 from point_files import write_csv, write_hdf5
 from scenes import write_case
 from two_blocks import CASE
@@ -430,8 +431,8 @@ def test_a_run_stops_before_its_wall_time(folder, tmp_path, capsys):
     )
     assert time.monotonic() - began < 2.0
     assert run.state == "stopped" and steps(run) == [run.info["steps"]]
-    assert "stopped before the wall time 0:00:02 at step" in capsys.readouterr().out
-    assert run.info["message"] == "stopped before the wall time 0:00:02"
+    for said in (capsys.readouterr().out, run.info["message"]):
+        mentions(said, "stopped", "wall time 0:00:02")
     assert len(run) == 1 and os.listdir(run.path / "checkpoints")
 
 

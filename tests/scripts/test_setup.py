@@ -181,7 +181,9 @@ def test_bare_machine_is_set_up_then_nothing_is_left_to_do(machine, user):
     assert machine.called.splitlines()[-2].startswith("pgimp doctor")
 
     again = machine.run("scripts/setup")
-    assert (again.returncode, again.stdout) == (0, "setup: everything is in place\n")
+    assert again.returncode == 0
+    (line,) = again.stdout.splitlines()
+    assert "in place" in line
     assert "pip" not in machine.called
     assert "apt-get" not in machine.called
     assert machine.run("scripts/setup", "--quiet").stdout == ""

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from messages import mentions
 from scenes import write_case
 from two_blocks import flying
 
@@ -137,7 +138,7 @@ def test_what_limits_is_named():
         costs = Costs(fixed, ((1.0, 1e-7),), vertex, 0.0, messages)
         return pays_off(even(layers, each, plane=plane), costs, NETWORK)
 
-    assert limit(100, 1000)[1:][1] == "the grid has layers for 50 ranks"
+    mentions(limit(100, 1000)[2], "layers", "50 ranks")
     assert "latency" in limit(100, 1000, FREE._replace(neighbour=60 * US))[2]
     assert "planes" in limit(100, 1000, FREE._replace(bandwidth=2e8))[2]
     assert "fixed cost" in limit(100, 1000, fixed=1e-3)[2]
