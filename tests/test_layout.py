@@ -117,7 +117,7 @@ def test_files_of_tests_have_different_names():
 def test_no_kernel_takes_more_than_eight_arguments():
     """What belongs together goes in one NamedTuple, see `pgimp.kernels.concepts`."""
     many = []
-    for path in (ROOT / "kernels").rglob("*.py"):
+    for path in [*(ROOT / "kernels").rglob("*.py"), *(ROOT / "physics").rglob("*.py")]:
         for node in ast.walk(ast.parse(path.read_text())):
             if isinstance(node, ast.FunctionDef | ast.Lambda):
                 own = node.args
