@@ -1,67 +1,19 @@
-"""Materials from outside the package: the same bits, no stale kernel, messages for mistakes."""
+"""Materials from outside the package: the same bits, no stale kernel, where they come from."""
 
 import os
-import re
 import sys
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
-from material_driver import response
 from scenes import SOFT, box, scene, write_case
+from written_laws import law, write_law
 
 import pgimp
-from pgimp.errors import CaseError, UsageError
+from pgimp.errors import UsageError
 from pgimp.jit import outside
-from pgimp.kernels.concepts import Setting
-from pgimp.kernels.particles import Carried, Frame, Particles
-from pgimp.kernels.sums import fastest_rate
-from pgimp.physics.materials import MATERIALS, NeoHookean, registry
-from pgimp.physics.materials.outside import parameters_of
-
-ROOT = Path(__file__).resolve().parents[3]
-CASES = ROOT / "cases"
-PAGE = (ROOT / "docs" / "materials.md").read_text(encoding="utf-8")
-
-LAW = """
-from typing import Literal, NamedTuple
-import pgimp
-from pgimp.physics.materials import Material
-from {helper} import faster
-
-FACTOR = {factor}
-
-class LawParameters(NamedTuple):
-    density: float
-
-    @staticmethod
-    def stress(material, F, J, sigma, L, dt):
-        return {stress}
-
-    @staticmethod
-    def energy(material, F, J, sigma):
-        return 0.0
-
-    @staticmethod
-    def speed(material, F, J):
-        return {speed}
-
-@pgimp.register_material
-class Law(Material):
-    model: Literal["law"]
-
-    def parameters(self):
-        return LawParameters(self.density)
-"""
-
-HELPER = """
-import numba
-
-@numba.njit
-def faster(c):
-    return {times} * c
-"""
+from pgimp.physics.materials import NeoHookean, registry
 
 # The speed of a particle at rest, asked of a kernel of the package, and how often it was cached.
 ASK = """
@@ -81,16 +33,11 @@ def ask():
     rate = fastest_rate(Setting((), frame, (1.0,), (law,), zero), p, rows, True)
     print(rate, sum(fastest_rate.stats.cache_hits.values()))
 """
+
+
 IMPORTED = (
     f"{ASK}\nfrom pgimp.physics.materials.registry import import_file\nimport_file('law.py')\nask()"
 )
-
-
-def write_law(folder, factor=2.0, times=1.0, speed="faster(FACTOR)", stress="sigma", helper="aid"):
-    folder.mkdir(exist_ok=True)
-    text = LAW.format(factor=factor, speed=speed, stress=stress, helper=helper)
-    (folder / "law.py").write_text(text)
-    (folder / f"{helper}.py").write_text(HELPER.format(times=times))
 
 
 def test_an_edited_material_is_compiled_anew(tmp_path, python):
@@ -194,232 +141,6 @@ def test_an_installed_package_brings_materials(rubber, tmp_path, python):
     assert done.returncode == 2 and "'rubber' of plug (gone:Rubber) cannot be loaded" in done.stderr
 
 
-@pytest.fixture
-def registered(monkeypatch):
-    """Register what is written in a file's text; forgotten after the test."""
-    monkeypatch.setattr("pgimp.physics.materials.MATERIALS", registry.Registry(dict(MATERIALS)))
-
-    def register(text, **names):
-        space = {"__name__": "elsewhere", **names}
-        exec(text, space)
-        return space
-
-    return register
-
-
-def law(stress="sigma", speed="FACTOR", factor=2.0):
-    text = LAW.format(factor=factor, speed=speed, stress=stress, helper="math")
-    return text.replace("from math import faster", "from math import sqrt, log, exp")
-
-
-def ask(entry, dimensions=1):
-    parameters = parameters_of(entry, dimensions)
-    D = dimensions
-    frame = Frame((0.0,) * D, (1.0,) * D, (1.0,) * D, (4,) * D, 1)
-    one = tuple(np.eye(D).ravel())
-    rows, zero = np.zeros(1, np.int32), np.zeros(1, np.int64)
-    setting = Setting((), frame, one, (parameters,), zero)
-    return fastest_rate(setting, Particles.empty(1, Carried(D)), rows, True)
-
-
-def test_two_classes_of_one_name_are_two_materials(registered):
-    """Numba tells NamedTuples apart by their name."""
-    for factor in (2.0, 3.0):
-        space = registered(law(factor=factor))
-        assert ask(space["Law"](model="law", density=1.0)) == factor
-
-
-def test_whether_a_material_takes_vectors(registered):
-    assert pgimp.takes_vectors(NeoHookean(model="neo-hookean", density=1, young=1, poisson=0.3), 3)
-    registry.import_file(str(CASES / "fluid.py"))
-    fluid = sys.modules["fluid"].Fluid(model="fluid", density=1.0, bulk=1.0, shear=1.0)
-    assert all(pgimp.takes_vectors(fluid, D) for D in (1, 2, 3))
-    for stress, expected in {
-        "(max(F[0] - 1.0, 0.0) * sqrt(J) + log(J), 0.0, 0.0)": True,
-        "(choose(F[0] > 1.0, J, 2.0 * J), 0.0, 0.0)": True,
-        "(J if F[0] > 1.0 else 2.0 * J, 0.0, 0.0)": False,
-        "(exp(J), 0.0, 0.0)": True,
-    }.items():
-        from pgimp.physics.materials import choose
-
-        space = registered(law(stress), choose=choose)
-        assert pgimp.takes_vectors(space["Law"](model="law", density=1.0), 1) is expected, stress
-
-
-def test_what_a_material_lacks_is_said(registered):
-    space = registered(law(speed="FACTOR * nothing"))
-    with pytest.raises(UsageError, match=r"LawParameters.speed \(.*\) does not compile: .*nothing"):
-        ask(space["Law"](model="law", density=1.0))
-    for old, new, message in [
-        ("density: float", "mass: float", "a NamedTuple with a density, got LawParameters"),
-        ("def energy(", "def work(", r"needs a @staticmethod energy\(material, F, J, sigma\)"),
-        ("energy(material, ", "energy(", "takes 3 arguments instead of energy"),
-        ("energy(material, ", "energy(material, more, ", "takes 5 arguments instead of energy"),
-        ("    @staticmethod\n", "    @staticmethod\n    @numba.njit\n", "must be a plain function"),
-        ("density: float", "density: float\n    names: dict", "names of LawParameters.* type dict"),
-        ("Parameters(self.density)", "Parameters(1.0 / 0.0)", r"Law.parameters\(\) of .* fails: Z"),
-    ]:
-        text = law().replace(old, new).replace("names: dict", "names: dict = {}")
-        entry = registered(f"import numba\n{text}")["Law"](model="law", density=1.0)
-        with pytest.raises(UsageError, match=f"^the material 'law'.*{message}"):
-            parameters_of(entry, 1)
-    for old, new, message in [
-        ('model: Literal["law"]', "", 'add a field\nmodel: Literal\\["my-material"\\]'),
-        ("Law(Material)", "Law", "no class derived from Material"),
-        ('"law"', '"hooke"', "there is a material 'hooke' already, .*materials.hooke.Hooke"),
-        ("parameters(self)", "other(self)", r"needs a method parameters\(self\)"),
-    ]:
-        with pytest.raises(UsageError, match=message):
-            registered(law().replace(old, new))
-
-
-#: What a stress in 1D, 2D and 3D has.
-COUNTS = (3, 4, 6)
-
-
-@pytest.mark.parametrize("D", [1, 2, 3])
-def test_a_stress_of_the_wrong_kind_is_refused(registered, D):
-    """Too short, too long, no tuple: the kernels would write whatever they are given."""
-    wanted = COUNTS[D - 1]
-
-    def refused(stress, message):
-        entry = registered(law(stress))["Law"](model="law", density=1.0)
-        with pytest.raises(UsageError, match=message) as caught:
-            parameters_of(entry, D)
-        where = "the material 'law': LawParameters.stress (<string>:12) "
-        assert str(caught.value).startswith(where)
-
-    for count in {*COUNTS, 1, 2, wanted - 1, wanted + 1, 9} - {wanted}:
-        told = rf"the {wanted} components xx yy zz.* in {D}D as a tuple, but returns a tuple of"
-        refused(f"({'J, ' * count})", f"{told} {count}$")
-    refused("J", "as a tuple, but returns a float$")
-    refused("F[0] > 1.0", "as a tuple, but returns a bool$")
-    refused("None", "as a tuple, but returns None$")
-    refused("[J] * 6", r"as a tuple, but returns .*list")
-    more = ", J" * (wanted - 2)
-    refused(f"(J, 1j * J{more})", f"{wanted} floats, but the component yy is a complex number$")
-    refused(f"(J, 0{more})", "the component yy is an int; write 0.0 for 0$")
-    refused(f"(J > 1.0, J{more})", "the component xx is a bool$")
-    refused(f"(J, (J, J){more})", "the component yy is a tuple of 2$")
-
-
-def test_an_energy_or_speed_that_is_no_float_is_refused(registered):
-    for result, message in {
-        "(J,)": "a tuple of 1",
-        "F": "a tuple of 4",
-        "J > 1.0": "a bool",
-        "0": "an int; write 0.0 for 0",
-        "1j * J": "a complex number",
-        "np.zeros(3)": "an array",
-        "None": "None",
-        "np.float32(J)": "float32",
-    }.items():
-        for quantity in ("energy", "speed"):
-            text = law(speed=result if quantity == "speed" else "J")
-            if quantity == "energy":
-                text = text.replace("return 0.0", f"return {result}")
-            entry = registered(text, np=np)["Law"](model="law", density=1.0)
-            told = rf"'law': LawParameters\.{quantity} \(<string>:\d+\) must return a float, but "
-            with pytest.raises(UsageError, match=f"{told}returns {message}$"):
-                parameters_of(entry, 2)
-
-
-def test_a_stress_that_is_right_in_another_dimension_only(registered):
-    entry = registered(law("(0.0, 0.0, 0.0)"))["Law"](model="law", density=1.0)
-    parameters_of(entry, 1)
-    for D in (2, 3):
-        with pytest.raises(UsageError, match="returns a tuple of 3"):
-            parameters_of(entry, D)
-
-
-def test_a_wrong_stress_stops_a_run_before_anything_is_written(tmp_path, python, mpirun):
-    """With file and line, status 2 on every rank; a corrected one runs, and is asked only once."""
-    write_law(tmp_path, stress="(J, J, J, J, J)")
-    case = scene(2, box([1, 1], [3, 3])) | {"materials": {"soft": {"model": "law", "density": 1.0}}}
-    write_case(tmp_path / "case.yaml", case)
-    words = ["-m", "pgimp", "--import", "law.py", "case.yaml", "-o", "out"]
-    check = ["-m", "pgimp", "check", "--import", "law.py", "case.yaml"]
-    for done in (mpirun(2, words, cwd=tmp_path), python(check, cwd=tmp_path)):
-        assert done.returncode == 2
-        assert "Traceback" not in done.stderr
-        told = f"the material 'law': LawParameters.stress ({tmp_path}/law.py:12) must return the 4"
-        assert done.stderr.count(told) == 1
-    assert not (tmp_path / "out").exists()
-    write_law(tmp_path)
-    program = (
-        "from pgimp.physics.materials import evaluate, outside, registry\n"
-        "registry.import_file('law.py')\n"
-        "import law, numba\n"
-        "for D in (1, 2): outside.parameters_of(law.Law(model='law', density=1.0), D)\n"
-        "print(evaluate.compiled.cache_info())"
-    )
-    env = {"PGIMP_CACHE_DIR": str(tmp_path / "cache")}
-    for misses in (3, 0):
-        done = python(["-c", program], cwd=tmp_path, env=env)
-        assert f"misses={misses}," in done.stdout, done.stderr
-
-
-def test_parameters_may_be_tuples_and_arrays(registered):
-    text = law(speed="material.pair[1] * material.table[2]").replace(
-        "density: float", "density: float\n    pair: tuple\n    table: np.ndarray"
-    )
-    text = text.replace("(self.density)", "(self.density, (1.0, 2.0), np.arange(3.0))")
-    assert ask(registered(text, np=np)["Law"](model="law", density=1.0)) == 4.0
-
-
-@pytest.fixture(scope="module")
-def maxwell(tmp_path_factory):
-    """The material that docs/materials.md shows, as a file that is imported."""
-    (text,) = re.findall(r'^```python\n("""Maxwell.*?)^```$', PAGE, re.MULTILINE | re.DOTALL)
-    path = tmp_path_factory.mktemp("maxwell") / "maxwell.py"
-    path.write_text(text)
-    registry.import_file(str(path))
-    yield {"model": "maxwell", "young": 100.0, "poisson": 0.3, "time": 0.05, "density": 1.0}
-    del MATERIALS["maxwell"]
-
-
-def test_an_initial_stress_relaxes_in_the_material_of_the_page(maxwell, tmp_path):
-    """A bar at rest between two walls, from `points`: the deviator falls by 1/(1 + dt/T) a step."""
-    x = np.arange(0.25, 8.0, 0.5)
-    given = np.array([-3.0, 1.5, 6.0])
-    names = ["x", "volume", *(f"stress-{part}" for part in ("xx", "yy", "zz"))]
-    rows = [[place, 0.5, *given] for place in x]
-    lines = [",".join(map(repr, row)) for row in np.array(rows).tolist()]
-    (tmp_path / "bar.csv").write_text("\n".join([",".join(names), *lines, ""]))
-    region = {"points": {"file": str(tmp_path / "bar.csv")}}
-    case = scene(1, {"material": "soft", "region": region}, step=0.005, end=0.05)
-    case |= {"materials": {"soft": maxwell}, "boundaries": {"x-min": "slip", "x-max": "slip"}}
-    sim = pgimp.Simulation(case)
-    assert sim.particles["stress"][:, :3] == pytest.approx(np.tile(given, (16, 1)))
-    sim.advance()
-    mean, kept = given.mean(), (1.0 + 0.005 / 0.05) ** -sim.steps
-    assert sim.steps == 10
-    found = sim.particles["stress"][:, :3]
-    assert found == pytest.approx(np.tile(mean + kept * (given - mean), (16, 1)), rel=1e-12)
-
-
-@pytest.mark.parametrize("D", [2, 3])
-def test_the_stress_of_the_pages_material_turns_with_the_body(maxwell, D):
-    """In a step of pure rotation it is Q S Q^T, with the rotation by Cayley's formula."""
-    parameters = parameters_of(MATERIALS["maxwell"](**maxwell | {"time": 1e12}), D)
-    rng = np.random.default_rng(5)
-    W = rng.normal(size=(D, D))
-    W -= W.T
-    before = np.zeros((3, 3))
-    before[:D, :D] = rng.normal(size=(D, D))
-    before = before + before.T + np.diag([0.0, 0.0, 1.0])
-    one = np.eye(D)
-    Q = np.eye(3)
-    Q[:D, :D] = np.linalg.solve(one - 0.05 * W, one + 0.05 * W)
-    given = before[[0, 1, 2, 0, 1, 0], [0, 1, 2, 1, 2, 2]][: COUNTS[D - 1]]
-    stress, energy, speed = response((parameters,), one, given, W, dt=0.1)
-    assert stress == pytest.approx(Q @ before @ Q.T, rel=1e-9)
-    lam, mu = parameters.lam, parameters.mu
-    strain = (before - lam / (3 * lam + 2 * mu) * np.trace(before) * np.eye(3)) / (2 * mu)
-    assert energy == pytest.approx(0.5 * np.sum(before * strain))
-    assert speed == pytest.approx(np.sqrt(lam + 2 * mu))
-
-
 def test_files_that_cannot_be_imported(tmp_path):
     (tmp_path / "wrong.py").write_text("x = 1\ny = x / 0\n")
     (tmp_path / "no-name.py").write_text("")
@@ -467,10 +188,3 @@ def test_the_digest_sees_what_functions_refer_to():
     assert len(digests) == 3 and "" not in digests
     kind.__qualname__ = "f.<locals>.LawParameters"
     assert outside.digest(kind) == ""
-
-
-def test_a_wrong_entry_of_a_material_from_outside(registered):
-    registered(law())
-    case = scene(1, box([1], [3])) | {"materials": {"soft": {"model": "law", "density": -1.0}}}
-    with pytest.raises(CaseError, match=r"case: materials\.soft\.density: must be above 0"):
-        pgimp.load(case)
