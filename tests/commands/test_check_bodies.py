@@ -2,6 +2,7 @@
 
 import pytest
 from checked import PLATE, facts, findings, plate, said
+from messages import mentions
 
 from pgimp.case.reader import read_case
 from pgimp.errors import CaseError
@@ -50,14 +51,14 @@ def concerns(case):
 def test_thin_bodies_probes_without_particles_and_idle_tractions():
     assert concerns(plate()) == []
     (text,) = concerns(read_case(PLATE.replace("max: [8.0, 2.0]", "max: [8.0, 1.4]"), "x"))
-    assert text.startswith("bodies.beam.region: fewer cells across it than one, 0.8 along y;")
+    mentions(text, "bodies.beam.region: ", "fewer cells across", "0.8 along y")
     assert concerns(read_case(PLATE.replace("max: [8.0, 2.0]", "max: [8.0, 1.5]"), "x")) == []
     probes = "probes: {there: {place: [8.2, 1.5]}, nothing: {place: [9.5, 1.5]}}"
     (text,) = concerns(plate(probes))
-    assert text.startswith("probes.nothing.place: no particle within a cell of it at the start")
+    mentions(text, "probes.nothing.place: ", "no particle", "at the start")
     pull = "tractions: {pull: {body: beam, face: x-min, traction: [1.0, 0.0]}}"
     (text,) = concerns(plate(pull, "boundaries: {x-min: fixed}"))
-    assert text.startswith("tractions.pull: the face x-min of 'beam' lies at the domain's, whose")
+    mentions(text, "tractions.pull: ", "face x-min of 'beam'", "domain")
     assert concerns(plate(pull, "boundaries: {x-min: slip}")) == []
     assert concerns(plate(pull, "boundaries: {x-max: fixed}")) == []
 
@@ -67,7 +68,7 @@ def test_points_with_affine_are_doubted():
     cases = [PLATE.replace("shape: gimp", f"shape: {method}") for method in methods]
     said = [concerns(read_case(case, "x")) for case in cases]
     assert said[:2] == [[], []]
-    assert said[2][0].startswith("method.affine: with points (mpm) it can make energy from nothing")
+    mentions(said[2][0], "method.affine: ", "mpm", "energy")
 
 
 def test_contact_of_thin_bodies_and_of_points_is_doubted():
@@ -81,10 +82,10 @@ def test_contact_of_thin_bodies_and_of_points_is_doubted():
 
     assert doubts(3.4) == []
     (text,) = doubts(2.6)
-    assert text.startswith("contact: 'sheet' has both its sides in one cell")
+    mentions(text, "contact: ", "'sheet'", "both its sides")
     assert doubts(2.6, law="contact: [{bodies: all, law: tied}]") == []
     (text,) = doubts(3.4, "mpm")
-    assert text.startswith("contact: of points (mpm) the gap between bodies is known to half a")
+    mentions(text, "contact: ", "mpm", "gap", "half")
 
 
 def test_affine_on_few_cells_is_doubted():
