@@ -192,3 +192,29 @@ def dam_break(redraw):
     axis.set(xlabel="time [s]", ylabel="force [N/m]")
     axis.legend()
     save(figure, "dam-break")
+
+
+def blast(redraw):
+    """Pressure in the water at three instants; the plate's velocity, against Taylor's."""
+    results = run("blast", redraw)
+    figure, axes = plt.subplots(1, 2, figsize=(9, 3.4))
+    for time, colour in ((1.5e-4, BLUE), (2.3e-4, ORANGE), (3.0e-4, RED)):
+        frame = frame_at(results, time)
+        water = frame["body"] == 0
+        x = frame["position"][water, 0]
+        order = np.argsort(x)
+        label = f"t = {1e3 * time:.2f} ms"
+        axes[0].plot(x[order], frame["pressure"][water][order] / 1e6, color=colour, label=label)
+    axes[0].axvspan(0.3, 0.31, color=GREY, alpha=0.5, lw=0.0)
+    axes[0].set(xlabel="x [m]", ylabel="pressure of the water [MPa]")
+    axes[0].legend()
+    history, mass, theta = results.history, 78.5, 1.0e-4
+    speed = history["body.plate.momentum-x"] / mass
+    axes[1].plot(1e3 * history["time"], speed, color=BLUE, label="plate")
+    q = 1.5e6 * theta / mass
+    s = np.clip(history["time"] - 2.0e-4, 0.0, theta * np.log(q) / (q - 1.0))
+    exact = 2.0e6 * theta / (mass * (q - 1.0)) * (np.exp(-s / theta) - np.exp(-q * s / theta))
+    axes[1].plot(1e3 * history["time"], exact, "k--", lw=1.0, label="exact (Taylor)")
+    axes[1].set(xlabel="time [ms]", ylabel="velocity [m/s]", xlim=(0.15, 0.34))
+    axes[1].legend()
+    save(figure, "blast")

@@ -49,6 +49,8 @@ ROWS = (
      (problems.hydrostatic,), 0, (0.01, 0.005)),
     ("a dam breaks, 30 and 60 cells deep: water at the far wall [s], after 0.416 (Ritter)", None,
      (problems.dam,), 0, (0.02, 0.01)),
+    ("a wave in water throws a plate, cells of 2 and 1 mm: its velocity over the exact", 1.0,
+     (problems.blast,), 0, (0.002, 0.001)),
     ("column of sand, cells of 40 and 20 mm, drucker-prager: mean height (Tesserae.jl) [m]", 0.1184,
      (problems.column, "drucker-prager"), 0, (0.04, 0.02)),
     ("the same, mohr-coulomb", 0.1184, (problems.column, "mohr-coulomb"), 0, (0.04, 0.02)),

@@ -131,6 +131,21 @@ def dam(cell):
     return (sim.time,), sim.steps * len(sim.particles["id"]) / spent
 
 
+def blast(cell):
+    """Greatest velocity of a plate that a wave in water throws, over Taylor's."""
+    case = pgimp.load(ROOT / "cases/blast.yaml", {"grid.cell": [cell]})
+    sim, spent, most = pgimp.Simulation(case), 0.0, 0.0
+    while not sim.finished:
+        began = process_time()
+        sim.step(20)
+        spent += process_time() - began
+        line = sim.diagnostics()
+        most = max(most, line["body.plate.momentum-x"] / line["body.plate.mass"])
+    q, theta = 1.5e6 * 1.0e-4 / 78.5, 1.0e-4
+    exact = 2.0e6 * theta / 78.5 * q ** (-q / (q - 1.0))
+    return (most / exact,), sim.steps * len(sim.particles["id"]) / spent
+
+
 def column(cell, model):
     """Mean height of a column of sand at 0.75 s (Tesserae.jl's: 0.1184)."""
     law = {"materials.sand.model": model}
