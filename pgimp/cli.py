@@ -105,12 +105,7 @@ def _dispatch(words: list[str]) -> int:
         raise SharedUsageError(f"which case?\n{OVERVIEW}")
     name = words[0]
     if name in COMMANDS:
-        parser = Parser(
-            prog=f"pgimp {name}",
-            description=f"{COMMANDS[name].capitalize()}.",
-            allow_abbrev=False,
-        )
-        return _execute(name, parser, words[1:])
+        return _execute(name, words[1:])
     if "--version" in words:
         from importlib.metadata import version
 
@@ -119,16 +114,7 @@ def _dispatch(words: list[str]) -> int:
         return 0
     if wrong := _slip(words):
         raise SharedUsageError(wrong)
-    parser = Parser(
-        prog="pgimp",
-        usage="pgimp CASE.yaml [options]",
-        description="Run a case; under mpirun on all its ranks.",
-        epilog=COMMAND_LIST,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,
-    )
-    parser.add_argument("--version", action="store_true", help="print the version and exit")
-    return _execute("run", parser, words)
+    return _execute("run", words)
 
 
 def _slip(words: list[str]) -> str:
@@ -153,15 +139,36 @@ def _slip(words: list[str]) -> str:
     return ""
 
 
-def _execute(name: str, parser: Parser, words: list[str]) -> int:
-    parallel = name in _PARALLEL
-    if not parallel and not _is_first_rank():
-        return 0
-    started = launcher()
-    if started is None or started.size == 1 or not parallel:
-        quiet_mpi()
-    implementation = importlib.import_module(f"pgimp.commands.{name}")
-    implementation.add_arguments(parser)
+def parser_of(name: str) -> Parser:
+    """Return the parser of a command's words.
+
+    Parameters
+    ----------
+    name : str
+        One of `COMMANDS`, or ``run``.
+
+    Returns
+    -------
+    Parser
+        For the words after it; for all words of a run.
+    """
+    if name == "run":
+        parser = Parser(
+            prog="pgimp",
+            usage="pgimp CASE.yaml [options]",
+            description="Run a case; under mpirun on all its ranks.",
+            epilog=COMMAND_LIST,
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+            allow_abbrev=False,
+        )
+        parser.add_argument("--version", action="store_true", help="print the version and exit")
+    else:
+        parser = Parser(
+            prog=f"pgimp {name}",
+            description=f"{COMMANDS[name].capitalize()}.",
+            allow_abbrev=False,
+        )
+    importlib.import_module(f"pgimp.commands.{name}").add_arguments(parser)
     if name in _IMPORTING:
         parser.add_argument(
             "--import",
@@ -171,7 +178,18 @@ def _execute(name: str, parser: Parser, words: list[str]) -> int:
             default=[],
             help="a Python file or module that registers materials of its own; repeatable",
         )
-    arguments = parser.parse_args(words)
+    return parser
+
+
+def _execute(name: str, words: list[str]) -> int:
+    parallel = name in _PARALLEL
+    if not parallel and not _is_first_rank():
+        return 0
+    started = launcher()
+    if started is None or started.size == 1 or not parallel:
+        quiet_mpi()
+    arguments = parser_of(name).parse_args(words)
+    implementation = importlib.import_module(f"pgimp.commands.{name}")
     if not parallel:
         _import(arguments)
         return implementation.execute(arguments)

@@ -24,10 +24,11 @@ LONG = ("ranks", "proofs", "paper", "slurm", "readme", "transfer", "signals", "s
         "exact_errors", "balance", "launch", "mesh", "cut", "overlap")  # fmt: skip
 
 #: Further files that the fast tier leaves out: long runs, set-up, and what compiles every time.
-SLOW = ("affine", "bad_input", "benchmark", "books", "commands", "compaction", "dam_break", "docs",
-        "doctor", "external_material", "hard", "init", "instructions", "invariance", "jit",
-        "memory", "methods", "paraview", "physics", "setup", "stop", "study", "terminal",
-        "tracked", "vibration", "wall_balance")  # fmt: skip
+SLOW = ("affine", "bad_input", "benchmark", "books", "commands", "compaction", "dam_break",
+        "docs", "doctor", "doctor_mpi", "external_material", "hard", "init",
+        "instructions", "invariance", "jit", "kernel_files", "maxwell", "memory",
+        "methods", "paraview", "physics", "registered_material", "run_script", "setup",
+        "stop", "study", "terminal", "tracked", "vibration", "wall_balance")  # fmt: skip
 #: Fixtures of what is started, as is in no test of the fast tier.
 STARTED = {"display", "mpirun", "pvpython"}
 

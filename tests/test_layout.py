@@ -1,6 +1,7 @@
 """The floors of the package: what a folder may import."""
 
 import ast
+from itertools import pairwise
 from pathlib import Path
 
 import pgimp
@@ -90,6 +91,29 @@ def test_no_file_of_tests_imports_another():
             else:
                 continue
             assert not any(name.startswith(("test_", "conftest")) for name in names), path.name
+
+
+def test_folders_of_tests_are_those_of_the_package():
+    """So that what tests a file is found where that lies; besides, what tests the whole."""
+    besides = {"cases", "docs", "proofs", "scripts", "support"}
+    for path in Path(__file__).parent.rglob("test_*.py"):
+        folder = path.parent.relative_to(Path(__file__).parent)
+        assert str(folder) in besides or (ROOT / folder).is_dir(), f"there is no pgimp/{folder}"
+
+
+def test_files_named_in_conftest_are_there():
+    """A file that is split or renamed would otherwise begin last, or be in the fast tier."""
+    there = {path.stem.removeprefix("test_") for path in Path(__file__).parent.rglob("test_*.py")}
+    for node in ast.walk(ast.parse((Path(__file__).parent / "conftest.py").read_text())):
+        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) in ("LONG", "SLOW"):
+            assert {*ast.literal_eval(node.value)} <= there
+
+
+def test_files_of_tests_have_different_names():
+    """They are no packages: pytest knows each by its name alone, but for what a folder shares."""
+    names = sorted(path.name for path in Path(__file__).parent.rglob("*.py"))
+    twice = {one for one, other in pairwise(names) if one == other}
+    assert twice <= {"conftest.py"}
 
 
 def test_no_kernel_takes_more_than_eight_arguments():

@@ -8,6 +8,7 @@ import pytest
 from bad_cases import GOOD, MISTAKES
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from messages import mentions
 
 from pgimp.case.load import load
 from pgimp.case.reader import dump_case, read_case
@@ -46,9 +47,8 @@ def test_a_mistake_is_named_with_its_place(old, new, where, parts):
 def test_types_of_the_wrong_dimension():
     text = GOOD.replace("model: hooke", "model: linear-1d").replace("    poisson: 0.3\n", "")
     (line,) = lines_of(text)
-    assert line == (
-        "case.yaml:12: materials.steel.model: linear-1d exists in 1D only, but the case has 2D"
-    )
+    assert line.startswith("case.yaml:12: materials.steel.model: ")
+    mentions(line, "linear-1d", "1D only", "2D")
 
 
 def test_rotation_needs_a_vector_in_3d_and_does_not_exist_in_1d():
@@ -66,7 +66,7 @@ def test_rotation_needs_a_vector_in_3d_and_does_not_exist_in_1d():
         three = three.replace(key, key.replace(number, ", ".join([number] * 3)))
     three = three.replace("max: [1]", "max: [1, 1, 1]")
     (line,) = lines_of(three)
-    assert line.endswith("velocity.rotation.rate: expected a vector along the axis in 3D, got 1")
+    mentions(line, "velocity.rotation.rate: ", "vector", "axis", "3D", "got 1")
     rates = read_case(three.replace("rate: 1", "rate: [0, 0, 1]")).bodies["b"].velocity.rotation
     assert rates.rate == (0.0, 0.0, 1.0)
 
@@ -90,15 +90,18 @@ def test_a_mistake_in_one_body_does_not_hide_that_in_another():
         "[8.0, 4.0]", "[8.0, 7.0]"
     )
     left, right = lines_of(text)
-    assert left.startswith("case.yaml:20: bodies.left.velocity: expected one number a direction")
-    assert right.startswith("case.yaml:23: bodies.right.region: reaches 1 beyond the domain")
+    assert left.startswith("case.yaml:20: bodies.left.velocity: ")
+    mentions(left, "number", "direction")
+    assert right.startswith("case.yaml:23: bodies.right.region: ")
+    mentions(right, "1 beyond", "domain")
 
 
 def test_a_body_is_not_blamed_for_a_mistake_in_its_material():
     (line,) = lines_of(GOOD.replace("young: 1.0e6", "young: -1"))
     assert "materials.steel.young" in line
     (line,) = lines_of(GOOD, "materials={}")
-    assert line == "--set materials={}: materials: expected at least 1 entry, got {}"
+    assert line.startswith("--set materials={}: materials: ")
+    mentions(line, "at least 1", "{}")
 
 
 def test_at_most_ten_lines():
@@ -106,7 +109,7 @@ def test_at_most_ten_lines():
     lines = lines_of(text)
     assert len(lines) == 10
     assert lines[0].startswith("case.yaml:30: key0:")
-    assert lines[-1] == "case.yaml: and 21 more"
+    mentions(lines[-1], "case.yaml", "21 more")
 
 
 @pytest.mark.parametrize(

@@ -27,7 +27,7 @@ def source(tmp_path_factory):
         '"""Damping by mass': "loads/damping.py",
     }.items():
         (physics / path).write_text(block_of(beginning))
-    (source / "tests/physics/test_fluid.py").write_text(block_of('"""The fluid'))
+    (source / "tests/physics/materials/test_fluid.py").write_text(block_of('"""The fluid'))
     changed = {
         "Fluid": physics / "materials/__init__.py",
         "QuadraticSpline": physics / "shapes/__init__.py",
@@ -63,7 +63,7 @@ def python(source, *words):
 
 
 def test_what_is_added_is_in_the_style_of_the_package(source):
-    python(source, "-m", "ruff", "check", "pgimp", "tests/physics/test_fluid.py")
+    python(source, "-m", "ruff", "check", "pgimp", "tests/physics/materials/test_fluid.py")
 
 
 def test_the_reference_has_what_is_added(source):
@@ -75,7 +75,7 @@ def test_the_reference_has_what_is_added(source):
 
 def test_material(source):
     """It passes its test, and disks of it run."""
-    tested = python(source, "-m", "pytest", "-q", "tests/physics/test_fluid.py")
+    tested = python(source, "-m", "pytest", "-q", "tests/physics/materials/test_fluid.py")
     assert "....." in tested
     water = "materials.jelly={model: fluid, bulk: 1.0e3, shear_viscosity: 1.0, density: 1.0e3}"
     words = ["-m", "pgimp", "cases/disks.yaml", "-o", "water.out"]
@@ -100,7 +100,7 @@ for each in (1, 2):
 
 def test_shape(source):
     """Its weights are those of quadrature; with one particle a cell it is gimp."""
-    words = ["tests/physics/test_shapes.py", "-k", "quadratic-spline"]
+    words = ["tests/physics/shapes/test_shapes.py", "-k", "quadratic-spline"]
     assert "passed" in python(source, "-m", "pytest", *words)
     one, two = (
         [float(word) for word in line.split()]

@@ -9,6 +9,7 @@ import time
 from types import SimpleNamespace
 
 import pytest
+from messages import mentions
 
 from pgimp import signals
 from pgimp.mpi.comm import Serial
@@ -85,8 +86,9 @@ def test_a_wall_time_leaves_room_for_the_checkpoint_and_a_margin(at, whole, marg
     assert stop.reason == ""
     last = 1000.0 + whole - margin - 0.5
     assert first_moment(stop, at, 0.5, (1000.0, last - 0.01, last)) == last
-    assert stop.reason == f"the wall time {clock(whole)}" and stop.signal == 0
-    assert str(stop) == f"before the wall time {clock(whole)}"
+    assert stop.signal == 0
+    mentions(stop.reason, "wall time", clock(whole))
+    mentions(str(stop), "before", stop.reason)
     at(0.0)
     assert stop.requested(0.0)
 
@@ -153,10 +155,11 @@ def test_the_environment_of_newer_slurms_saves_asking(squeue, at, monkeypatch):
     assert slurm_seconds_left() == 100.0
     stop = Stop(Serial(), 7200.0)
     assert first_moment(stop, at, 0.0, (1094.0, 1095.0)) == 1095.0
-    assert stop.reason == "Slurm's limit" and str(stop) == "before Slurm's limit"
+    mentions(stop.reason, "Slurm")
+    mentions(str(stop), "before", stop.reason)
     stop = Stop(Serial(), 4.0)
     assert first_moment(stop, at, 0.0, (1097.0, 1098.0)) == 1098.0
-    assert stop.reason == "the wall time 0:00:04"
+    mentions(stop.reason, "wall time 0:00:04")
     # A shell that has outlived its job is not in it any more.
     monkeypatch.setenv("SLURM_JOB_END_TIME", "999999999")
     assert slurm_seconds_left() is None

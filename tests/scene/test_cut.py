@@ -1,83 +1,20 @@
-"""Particles that a surface cuts: their shares add up to the body wherever it lies on the grid."""
+"""Bodies whose surface cuts particles' boxes: volumes and masses, exact or by convergence."""
 
 import math
-from itertools import combinations, pairwise
 
 import numpy as np
 import pytest
+from cut_bodies import ball, body, box, cylinder, half_space, particles, region, spinning
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from pydantic import TypeAdapter
 from region_entries import entries
-from scenes import field, finish, scene, start
+from scenes import scene
 
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.geometry.measure import TangledError, measure
-from pgimp.geometry.regions import RegionEntry
-from pgimp.mpi.comm import Serial
 from pgimp.scene import latticebody
-from pgimp.scene.latticebody import LEAST_FRACTION, LatticeBody
-from pgimp.scene.populate import populate
-from pgimp.scene.scene import Scene, count_particles
-
-ENTRY = TypeAdapter(RegionEntry)
-
-
-def region(entry):
-    return ENTRY.validate_python(entry)
-
-
-def box(low, high):
-    return {"box": {"min": [float(x) for x in low], "max": [float(x) for x in high]}}
-
-
-def ball(centre, radius):
-    return {"ball": {"centre": [float(x) for x in centre], "radius": radius}}
-
-
-def cylinder(start, end, radius):
-    return {"cylinder": {"from": list(start), "to": list(end), "radius": radius}}
-
-
-def half_space(point, normal):
-    point, normal = [float(x) for x in point], [float(n) for n in normal]
-    return {"half-space": {"point": point, "normal": normal}}
-
-
-def body(entry, surface="cut", velocity=None):
-    body = {"material": "soft", "region": entry, "surface": surface}
-    return body if velocity is None else body | {"velocity": velocity}
-
-
-def particles(case, planes=None):
-    """Particles of a case, or of a range of planes; without the rows that are none."""
-    scene_ = Scene(Case.model_validate(case))
-    lattice, counts, notes = count_particles(scene_, Serial())
-    planes = planes or (0, lattice.planes)
-    p = populate(scene_, lattice, counts, planes)
-    n = int(counts[:, planes[0] : planes[1]].sum())
-    return type(p)._make(array[:n] for array in p), notes
-
-
-def spinning(dimension):
-    """A rigid motion: its entry in a case, and the velocity that it means at a point."""
-    if dimension == 1:
-        return [0.7], lambda x: np.array([0.7])
-    about, translation = np.array([1.5, -2.0, 0.3])[:dimension], np.array([0.4, -0.3, 0.8])
-    omega = np.array([0.0, 0.0, 1.3]) if dimension == 2 else np.array([0.9, -0.4, 1.3])
-    motion = {
-        "rotation": {"about": about.tolist(), "rate": 1.3 if dimension == 2 else omega.tolist()},
-        "translation": translation[:dimension].tolist(),
-    }
-
-    def velocity(x):
-        arm = np.zeros(3)
-        arm[:dimension] = x - about
-        return (translation + np.cross(omega, arm))[:dimension]
-
-    return motion, velocity
-
+from pgimp.scene.latticebody import LatticeBody
 
 # -- boxes: exact wherever they lie
 
@@ -213,135 +150,6 @@ def test_the_mass_of_round_bodies_converges_fast(name):
     assert rms[16, "cut"] < 0.02 * rms[16, "whole"]
 
 
-def polygon_area(planes):
-    """Area of what planes n.x <= b leave of the square (0, 1)^2: the square is clipped by each."""
-    corners = [np.array(p, float) for p in ((0, 0), (1, 0), (1, 1), (0, 1))]
-    for n, b in planes:
-        kept = []
-        for p, q in zip(corners, corners[1:] + corners[:1], strict=True):
-            u, v = n @ p - b, n @ q - b
-            if u <= 0:
-                kept.append(p)
-            if (u < 0 < v) or (v < 0 < u):
-                kept.append(p + u / (u - v) * (q - p))
-        corners = kept
-    if len(corners) < 3:
-        return 0.0
-    x, y = np.array(corners).T
-    return 0.5 * float((x * np.roll(y, -1) - y * np.roll(x, -1)).sum())
-
-
-def polytope_volume(planes):
-    """Volume of what planes leave of the cube: areas of slices between the heights of corners.
-
-    In between they are quadratic in the height, which Simpson's rule integrates exactly.
-    """
-    cube = [(s * e, max(s, 0.0)) for e in np.eye(3) for s in (-1.0, 1.0)]
-    heights = {0.0, 1.0}
-    for three in combinations([*planes, *cube], 3):
-        N, b = np.array([n for n, _ in three]), np.array([b for _, b in three])
-        if abs(np.linalg.det(N)) > 1e-12:
-            heights.add(float(np.clip(np.linalg.solve(N, b)[2], 0.0, 1.0)))
-
-    def area(z):
-        return polygon_area([(n[:2], b - n[2] * z) for n, b in planes])
-
-    total = 0.0
-    for low, high in pairwise(sorted(heights)):
-        # Slices at the very ends may be cut by what begins there.
-        a, c = (low + t * (high - low) for t in (0.5 - np.sqrt(1 / 12), 0.5 + np.sqrt(1 / 12)))
-        total += 0.5 * (high - low) * (area(a) + area(c))
-    return total
-
-
-@settings(max_examples=60, deadline=None)
-@given(st.integers(0, 2**32 - 1), st.integers(2, 3), st.integers(1, 4))
-def test_what_half_spaces_leave_of_a_box_is_exact(seed, dimension, number):
-    """However many planes meet in a particle's box, at edges and corners of the body."""
-    rng = np.random.default_rng(seed)
-    normals = rng.normal(size=(number, dimension))
-    normals /= np.linalg.norm(normals, axis=1)[:, None]
-    feet = rng.uniform(0.1, 0.9, (number, dimension))
-    unit = box([0.0] * dimension, [1.0] * dimension)
-    cuts = [half_space(p, n) for p, n in zip(feet, normals, strict=True)]
-    planes = [(n, n @ p) for n, p in zip(normals, feet, strict=True)]
-    expected = (polygon_area if dimension == 2 else polytope_volume)(planes)
-    low = np.zeros((1, dimension))
-    for entry in ({"intersection": [unit, *cuts]}, {"intersection": [*cuts, unit]}):
-        volume, _ = measure(region(entry), low, low + 1.0)
-        assert volume[0] == pytest.approx(expected, abs=1e-12)
-    rest, _ = measure(region({"difference": [unit, {"intersection": [unit, *cuts]}]}), low, low + 1)
-    assert rest[0] == pytest.approx(1.0 - expected, abs=1e-12)
-    case = scene(dimension, body({"intersection": [unit, *cuts]}), cells=[3] * dimension, cell=0.47)
-    if expected > 1e-6:
-        p, _ = particles(case)
-        assert p.V.sum() == pytest.approx(expected, abs=1e-11)
-
-
-def quarter(kind, D, shift=0.0):
-    """A quarter or an eighth of a ball of radius 1: the part where no coordinate is below `shift`.
-
-    Cut by half-spaces, by a box, and by what other boxes leave.
-    """
-    whole = ball([shift] * D, 1.0)
-    axes = np.eye(D)
-    if kind == "half-spaces":
-        return {"intersection": [whole, *(half_space([shift] * D, -axis) for axis in axes)]}
-    if kind == "box":
-        return {"intersection": [whole, box([shift] * D, [3.0] * D)]}
-    beyond = [box([-3.0] * D, 3.0 - (3.0 - shift) * axis) for axis in axes]
-    return {"difference": [whole, *beyond]}
-
-
-@pytest.mark.parametrize("surface", ["cut", "whole"])
-@pytest.mark.parametrize("D", [2, 3])
-@pytest.mark.parametrize("kind", ["half-spaces", "box", "boxes"])
-def test_a_quarter_of_a_ball_on_slip_planes_is_as_exact_as_the_ball(kind, D, surface):
-    """The domain ends at the planes; particles and volume are those of the ball in that corner."""
-    n = 8
-    whole = scene(D, body(ball([0.0] * D, 1.0), surface), cells=[2 * n + 4] * D, cell=2 / n)
-    whole["grid"]["origin"] = [-2 - 4 / n] * D
-    part = scene(D, body(quarter(kind, D), surface), cells=[n + 2] * D, cell=2 / n)
-    part["boundaries"] = {f"{axis}-min": "slip" for axis in "xyz"[:D]}
-    p, _ = particles(part)
-    exact = (math.pi if D == 2 else 4 / 3 * math.pi) / 2**D
-    error = p.V.sum() / exact - 1.0
-    assert abs(error) < (4e-6 if surface == "cut" else 0.05)
-    q, _ = particles(whole)
-    np.testing.assert_allclose(p.V.sum() * 2**D, q.V.sum(), rtol=1e-13)
-    corner = (q.x > 0).all(axis=1)
-    np.testing.assert_allclose(p.x, q.x[corner], atol=1e-13)
-    np.testing.assert_allclose(p.V, q.V[corner], rtol=1e-11)
-
-
-@pytest.mark.parametrize("D", [2, 3])
-@pytest.mark.parametrize("kind", ["half-spaces", "box", "boxes"])
-def test_a_quarter_that_ends_between_the_particles_is_as_exact(kind, D):
-    """Nothing about the planes of the grid is needed, as long as the cuts lie across axes."""
-    case = scene(D, body(quarter(kind, D, 0.0321)), cells=[16] * D, cell=0.2)
-    case["grid"]["origin"] = [-0.4] * D
-    p, _ = particles(case)
-    exact = (math.pi if D == 2 else 4 / 3 * math.pi) / 2**D
-    assert p.V.sum() == pytest.approx(exact, rel=2e-5)
-
-
-def test_a_ball_that_a_tilted_plane_cuts_converges():
-    """By second order at least, as for the rim of a tilted cylinder."""
-    normal = np.array([0.48, 0.6, 0.64])
-    half = {"intersection": [ball([0.0] * 3, 1.0), half_space([0.0] * 3, normal)]}
-    rng = np.random.default_rng(1)
-    errors = []
-    for n in (8, 24):
-        of = []
-        for offset in rng.random((4, 3)):
-            case = scene(3, body(half), cells=[3 * n // 2] * 3, cell=2 / n)
-            case["grid"]["origin"] = (-1.5 + 2 / n * (offset - 0.5)).tolist()
-            of.append(particles(case)[0].V.sum() / (2 / 3 * math.pi) - 1.0)
-        errors.append(np.sqrt(np.mean(np.square(of))))
-    assert errors[0] < 3e-4
-    assert np.log(errors[0] / errors[1]) / np.log(3.0) > 1.4
-
-
 @pytest.mark.parametrize(
     ("entry", "message"),
     [
@@ -410,29 +218,6 @@ def test_fractions_are_those_of_a_count_of_points(data, dimension):
     np.testing.assert_allclose(moment[0], expected, atol=0.03 if corner else 0.015)
 
 
-@settings(max_examples=80, deadline=None)
-@given(
-    st.lists(st.floats(-1.0, 1.0), min_size=3, max_size=3),
-    st.floats(-0.7, 0.7),
-)
-def test_flat_cuts_at_any_angle_are_exact(normal, shift):
-    """The end of a wide cylinder, against the volume cut off a cube by a plane (closed form)."""
-    normal = np.array(normal)
-    assume(np.linalg.norm(normal) > 0.1)
-    normal /= np.linalg.norm(normal)
-    assume(np.abs(normal).min() > 1e-2)  # the closed form below divides by the product
-    foot = 0.5 + shift * normal
-    entry = region(cylinder((foot - 50.0 * normal).tolist(), foot.tolist(), 40.0))
-    volume, _ = measure(entry, np.zeros((1, 3)), np.ones((1, 3)))
-    # Reflections that make the normal positive; then the sum over the corners of max(., 0)^3.
-    level = normal @ foot - np.minimum(normal, 0.0).sum()
-    n = np.abs(normal)
-    total = 0.0
-    for corner in np.ndindex(2, 2, 2):
-        total += (-1) ** sum(corner) * max(level - n @ np.array(corner), 0.0) ** 3
-    assert volume[0] == pytest.approx(total / (6 * n.prod()), abs=1e-9)
-
-
 @settings(max_examples=100, deadline=None)
 @given(st.data(), st.integers(1, 3), st.integers(0, 2**32 - 1))
 def test_what_is_measured_does_not_depend_on_the_others(data, dimension, seed):
@@ -472,128 +257,6 @@ def test_volumes_of_any_region_are_those_of_a_count(data, dimension, seed):
     assert volume == pytest.approx(counted, abs=0.2, rel=2e-3)
 
 
-# -- small cut boxes
-
-
-def test_small_parts_go_to_the_neighbour_inwards():
-    """Boxes of 0.5: the part beyond 3 is 5e-4 of one, in a corner 2.5e-7."""
-    end = 3.0 + 0.5 * 5e-4
-    p, _ = particles(scene(2, body(box([1.0, 1.0], [end, end]))))
-    f = p.V / 0.25
-    assert len(f) == 16
-    assert p.V.sum() == pytest.approx((end - 1.0) ** 2, rel=1e-13)
-    last = np.isclose(p.x, 2.75)
-    sides = last.sum(axis=1)
-    np.testing.assert_allclose(f[sides == 0], 1.0, rtol=0, atol=0)
-    np.testing.assert_allclose(f[sides == 1], 1.0 + 5e-4, rtol=1e-9)
-    np.testing.assert_allclose(f[sides == 2], 1.0 + 2 * 5e-4 + 2.5e-7, rtol=1e-9)
-    assert f.min() >= LEAST_FRACTION
-
-
-@pytest.mark.parametrize(("part", "count"), [(0.9 * LEAST_FRACTION, 4), (1.1 * LEAST_FRACTION, 5)])
-def test_parts_above_a_thousandth_stay(part, count):
-    p, _ = particles(scene(1, body(box([1.0], [3.0 + 0.5 * part])), per_cell=2))
-    assert len(p.V) == count
-    assert p.V.sum() == pytest.approx(2.0 + 0.5 * part, rel=1e-13)
-
-
-def test_a_small_part_without_a_neighbour_stays():
-    p, _ = particles(scene(1, body(box([1.1], [1.1 + 1e-5]))))
-    assert len(p.V) == 1
-    assert p.V[0] == pytest.approx(1e-5, rel=1e-9)
-
-
-# -- bodies that meet
-
-
-@pytest.mark.parametrize("D", [1, 2, 3])
-def test_bodies_that_touch_within_a_particle_share_it(D):
-    left, right = [1.0] * D, [3.0] * D
-    between = [1.8, *right[1:]], [1.8, *left[1:]]
-    case = scene(D, {"a": body(box(left, between[0])), "b": body(box(between[1], right))})
-    p, notes = particles(case)
-    for number, length in ((0, 0.8), (1, 1.2)):
-        assert p.V[p.body == number].sum() == pytest.approx(length * 2 ** (D - 1), rel=1e-13)
-    assert len(notes) == 1
-
-
-def test_a_ball_in_a_hole_of_its_size_is_no_overlap():
-    inner = ball([2.03, 1.97, 2.01], 1.1)
-    hole = {"difference": [box([0.3] * 3, [3.9] * 3), inner]}
-    p, _ = particles(scene(3, {"ball": body(inner), "hole": body(hole)}))
-    assert p.V.sum() == pytest.approx(3.6**3, rel=1e-5)
-
-
-def test_bodies_that_overlap_within_a_particle_are_refused():
-    """No point of the lattice lies in both, but their shares of a particle exceed it."""
-    case = scene(1, {"a": body(box([1.0], [2.2])), "b": body(box([2.05], [4.0]))})
-    with pytest.raises(CaseError, match=r"'a' and 'b' overlap in the box of the particle"):
-        particles(case)
-
-
-# -- ranks
-
-
-@pytest.mark.parametrize("D", [1, 2, 3])
-def test_particles_do_not_depend_on_the_planes_that_are_made_together(D):
-    case = scene(D, body(ball([3.91, 4.03, 3.97][:D], 2.27), velocity=spinning(D)[0]))
-    whole, _ = particles(case)
-    for cuts in ([0, 5, 16], [0, 3, 4, 6, 11, 16]):
-        parts = [particles(case, (a, b))[0] for a, b in pairwise(cuts)]
-        for i, array in enumerate(whole):
-            assert np.concatenate([part[i] for part in parts]).tobytes() == array.tobytes()
-
-
-# -- in motion
-
-
-# The lightest particle of this disk has 1.001e-3 of a whole one: just too much to merge.
-CENTRE, RADIUS = [4.65, 4.18], 2.71
-
-
-@pytest.mark.parametrize("shape", ["gimp", "mpm"])
-def test_a_free_disk_flies_on(shape):
-    """Through several cells, under Courant 0.3: no vertex that a light particle leads runs away.
-
-    Rigid translation is exact, so that stress is rounding that must not grow while 16 waves
-    cross the disk.
-    """
-    disk = body(ball(CENTRE, RADIUS), velocity=[1.5, 1.1])
-    case = scene(2, disk, cells=[24, 20], shape=shape, end=8.0, step={"courant": 0.3})
-    sim = start(case)
-    assert LEAST_FRACTION < field(sim, "V").min() / 0.25 < 1.01 * LEAST_FRACTION
-    before = (field(sim, "m")[:, None] * field(sim, "v")).sum(axis=0)
-    finish(sim)
-    assert sim.step > 300
-    v, m = field(sim, "v"), field(sim, "m")
-    np.testing.assert_allclose((m[:, None] * v).sum(axis=0), before, rtol=1e-12)
-    assert np.abs(v - [1.5, 1.1]).max() < 1e-9
-    assert np.abs(field(sim, "sigma")).max() < 1e-9
-
-
-def test_light_particles_leave_a_deformed_disk_stable():
-    """A disk that starts to spin pulsates, at strains of a hundredth, for 300 steps.
-
-    mpm turns particles inside out here, with whole particles too: it has no step that is stable
-    whatever the weight of the vertex that only the last particle leads.
-    """
-    motion = {"rotation": {"about": CENTRE, "rate": 1.0}, "translation": [0.6, 0.7]}
-    disk = body(ball(CENTRE, RADIUS), velocity=motion)
-    sim = start(scene(2, disk, cells=[14, 14], end=6.0, step={"courant": 0.3}))
-    first = sim.diagnostics()
-    finish(sim)
-    last = sim.diagnostics()
-    assert sim.step > 300
-    for axis in "xy":
-        name = f"momentum-{axis}"
-        assert last[name] == pytest.approx(first[name], rel=1e-11)
-    start_energy = first["kinetic-energy"]
-    total = last["kinetic-energy"] + last["strain-energy"]
-    assert 0.9 * start_energy < total < start_energy
-    F = field(sim, "F").reshape(-1, 2, 2)
-    assert 0.7 < np.linalg.det(F).min() and np.linalg.det(F).max() < 1.4
-
-
 def test_of_many_parts_only_those_nearby_are_looked_at(monkeypatch):
     """The same bits as looking at all of them."""
     balls = [ball([2.0 + 3.7 * i, 2.0 + 3.3 * j], 1.9) for i in range(6) for j in range(3)]
@@ -616,37 +279,3 @@ def test_more_surfaces_in_a_box_than_can_be_told_apart_are_refused():
     balls = [ball([0.5, 0.5], 0.1 + 1e-4 * i) for i in range(200)]
     with pytest.raises(TangledError, match="more surfaces in one particle's box"):
         measure(region({"union": balls}), np.zeros((1, 2)), np.ones((1, 2)))
-
-
-@pytest.mark.parametrize("D", [2, 3])
-def test_what_surfaces_leave_is_known_to_contact(D):
-    """Moments of a body are those of its parts, and curvature is that of a ball, none of a box."""
-    radius, cell = 5.0, 0.5
-    bodies = {
-        "round": body(ball([4.3, 4.1, 4.4][:D], radius * cell)),
-        "flat": body(box([7.3, 1.15, 1.4][:D], [9.1, 4.9, 4.9][:D])),
-    }
-    case = scene(D, bodies, cells=[20, 16, 16][:D], cell=cell, contact=[{"bodies": "all"}])
-    p, _ = particles(case)
-    without, _ = particles(case | {"contact": []})
-    assert p.offset.shape == (len(p.m), D) and without.offset.shape == (len(p.m), 0)
-    assert (p.x == without.x).all() and (p.m == without.m).all()
-    cut = (p.offset != 0.0).any(axis=1)
-    assert (np.abs(p.V0[~cut] - 0.25**D) < 1e-15).all()
-    size = 0.25 * np.ones(D)
-    assert (np.abs(p.offset) <= size).all()
-    # Centres of mass: exact of a box, of high order of a ball.
-    for number, middle in enumerate(([4.3, 4.1, 4.4][:D], [8.2, 3.025, 3.15][:D])):
-        own = p.body == number
-        centre = p.V0[own] @ (p.x + p.offset)[own] / p.V0[own].sum()
-        assert centre == pytest.approx(np.array(middle), abs=1e-3 if number == 0 else 1e-12)
-    bent = p.excess[:, 0] / cell
-    exact = (D - 1) / radius * (1.0 / 12.0 + 1.0 / 16.0)
-    # Taken at the particles, up to half a box from the surface.
-    assert bent[cut & (p.body == 0)] == pytest.approx(exact, rel=0.15)
-    assert (bent[~cut] == 0.0).all()
-    # Only particles within a quarter of a cell of an edge, where it is rounded outside, are not 0.
-    edges = np.array([[7.3, 1.15, 1.4][:D], [9.1, 4.9, 4.9][:D]])
-    near = np.abs(p.x[:, None] - edges).min(axis=1) < 0.3 * cell
-    plain = cut & (p.body == 1) & (near.sum(axis=1) < 2)
-    assert plain.sum() > 10 and np.abs(bent[plain]).max() < 1e-9

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from messages import mentions
 
 from pgimp.case.schema import Case
 from pgimp.mpi.comm import Serial
@@ -107,8 +108,7 @@ def test_who_may_meet():
 def test_walls():
     near = line({"a": (0.75, 4.0, 0.0)}, boundaries={"x-min": "slip"})
     (text,) = nearness.warnings(near)
-    assert text.startswith("boundaries.x-min: 'a' does not touch the wall, but feels it from 1")
-    assert text.endswith(" cell away; the wall holds it when pulled away, too")
+    mentions(text, "boundaries.x-min: ", "'a'", "feels", "from 1", "cell away", "pulled away")
     assert not nearness.notes(near)
     for low, gravity, count in ((0.0, -0.1, 0), (3.0, 0.0, 0), (3.0, -0.1, 1)):
         parts = {"a": (low, 8.0, 0.0)}, {"gravity": [gravity]}

@@ -1,65 +1,11 @@
-"""The scripts for a fresh machine, on one made of stand-ins: every program they call is logged.
-
-The stand-ins do what the scripts rely on: a venv has a python, pip makes what it installs, apt-get
-makes the programs of its packages. Nothing is downloaded and nothing outside a temporary folder
-changes.
-"""
+"""scripts/setup on machines of stand-ins: what it installs, what it leaves, what it says."""
 
 import os
 import shutil
 import subprocess
-import sys
-import tomllib
-from pathlib import Path
 
 import pytest
-from setuptools import find_packages
-
-ROOT = Path(__file__).resolve().parents[2]
-SCRIPTS = ["scripts/setup", "scripts/run", "scripts/test", "scripts/slurm", ".ci/run"]
-TOOLS = (
-    "bash cat chmod cp cut dirname env flock grep head id mkdir mktemp nproc rm sed sha256sum tail "
-    "timeout touch tr true"
-).split()
-PROGRAMS = {
-    "openmpi-bin": ["mpirun"],
-    "libopenmpi-dev": ["mpicc"],
-    "gcc": ["gcc"],
-    "paraview": ["pvpython"],
-    "xvfb": ["xvfb-run"],
-    "xauth": ["xauth"],
-    "munge": ["munged"],
-    "slurmctld": ["slurmctld"],
-    "slurmd": ["slurmd"],
-    "slurm-client": ["sbatch"],
-    "valgrind": ["valgrind"],
-}
-
-PYTHON = r"""#!/usr/bin/env bash
-echo "python $*" >>"$LOG"
-here=$(cd "$(dirname "$0")" && pwd)
-case "$*" in
-*sys.executable*) echo "$0" ;;
-*CONFIG_ARGS*) [[ " ${UNOPTIMISED:-} " != *" $(basename "$0") "* ]] ;;
-"-m venv "*)
-    venv=${*: -1}
-    rm -rf "$venv"; mkdir -p "$venv/bin"
-    cp "$0" "$venv/bin/python"
-    echo "VIRTUAL_ENV=$venv" >"$venv/bin/activate" ;;
-*"-m pip"*" --version"*) [ ! -e "$here/no-pip" ] ;;
-*"-m pip"*"install"*"--editable"*)
-    printf '#!/usr/bin/env bash\necho "pgimp $*" >>"$LOG"; exit "${STATUS:-0}"' >"$here/pgimp"
-    chmod +x "$here/pgimp" ;;
-*"-m pip"*" wheel --no-"*)
-    echo "settings $CC $CFLAGS" >>"$LOG"
-    [ -z "${UNBUILT:-}" ] || exit 1
-    folder=$(sed 's/.*--wheel-dir \([^ ]*\) .*/\1/' <<<"$*")
-    touch "$folder/mpi4py-1.whl" ;;
-*"-m pip"*"install"*"-1.whl"*) touch "$here/mpi4py" ;;
-*"-m pip"*) exit "${PIP_STATUS:-0}" ;;
-*) exec "$REAL_PYTHON" "$@" ;;
-esac
-"""
+from machines import PROGRAM, PYTHON, ROOT, SCRIPTS
 
 APT_GET = r"""#!/usr/bin/env bash
 echo "apt-get $*" >>"$LOG"
@@ -71,83 +17,6 @@ for package in "$@"; do
     done
 done
 """
-
-PROGRAM = r"""#!/usr/bin/env bash
-echo "$(basename "$0") $*" >>"$LOG"
-case "$(basename "$0") $*" in
-"mpirun --version") echo "mpirun (Open MPI) 4.1.4" ;;
-"mpirun "*"from mpi4py"* | "srun "*"from mpi4py"*)
-    # The wheel fits, or what was built from source, as a venv's python is beside it.
-    for word in "$@"; do [[ "$word" != */.venv/bin/python ]] || bin=${word%/*}; done
-    size=2
-    [ -z "${STRANGERS:-}" ] || [ -e "$bin/mpi4py" ] || size=1
-    [[ "$*" = *COMM_WORLD.rank* ]] || mixed=of
-    echo "${mixed:-}of $size" ;;
-"mpirun "*) exit "${STATUS:-0}" ;;
-esac
-"""
-
-
-class Machine:
-    """A temporary machine with a copy of the project's scripts."""
-
-    def __init__(self, folder: Path) -> None:
-        self.root = folder / "project"
-        self.bin = folder / "bin"
-        self.log = folder / "log"
-        self.bin.mkdir()
-        for script in SCRIPTS:
-            (self.root / script).parent.mkdir(parents=True, exist_ok=True)
-            shutil.copy(ROOT / script, self.root / script)
-        shutil.copy(ROOT / "pyproject.toml", self.root)
-        for tool in [*TOOLS, "basename"]:
-            (self.bin / tool).symlink_to(shutil.which(tool))
-        self.add("python3", PYTHON)
-        self.add("template", PROGRAM)
-        lines = (f"{package}: {' '.join(names)}" for package, names in PROGRAMS.items())
-        (self.bin / "packages").write_text("\n".join(lines) + "\n")
-
-    def add(self, name: str, text: str) -> None:
-        path = self.bin / name
-        path.unlink(missing_ok=True)
-        path.write_text(text)
-        path.chmod(0o755)
-
-    def add_system_packages(self) -> None:
-        for name in (name for names in PROGRAMS.values() for name in names):
-            self.add(name, PROGRAM)
-
-    def run(self, *words: str, **env: str) -> subprocess.CompletedProcess[str]:
-        """Run a script of the project; `called` then has what it started."""
-        self.log.write_text("")
-        settings = {"PATH": str(self.bin), "LOG": str(self.log), "REAL_PYTHON": sys.executable}
-        return subprocess.run(
-            [str(self.root / words[0]), *words[1:]],
-            env=settings | env,
-            cwd="/",
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            text=True,
-            timeout=60,
-        )
-
-    @property
-    def called(self) -> str:
-        return self.log.read_text()
-
-
-@pytest.fixture
-def machine(tmp_path: Path) -> Machine:
-    return Machine(tmp_path)
-
-
-@pytest.fixture
-def ready(machine: Machine) -> Machine:
-    """A machine that is set up."""
-    machine.add_system_packages()
-    done = machine.run("scripts/setup")
-    assert done.returncode == 0, done.stdout + done.stderr
-    return machine
 
 
 @pytest.mark.parametrize("script", SCRIPTS)
@@ -181,7 +50,9 @@ def test_bare_machine_is_set_up_then_nothing_is_left_to_do(machine, user):
     assert machine.called.splitlines()[-2].startswith("pgimp doctor")
 
     again = machine.run("scripts/setup")
-    assert (again.returncode, again.stdout) == (0, "setup: everything is in place\n")
+    assert again.returncode == 0
+    (line,) = again.stdout.splitlines()
+    assert "in place" in line
     assert "pip" not in machine.called
     assert "apt-get" not in machine.called
     assert machine.run("scripts/setup", "--quiet").stdout == ""
@@ -344,45 +215,3 @@ def test_setup_fails_when_the_doctor_finds_something_wrong(machine):
     machine.add_system_packages()
     assert machine.run("scripts/setup", STATUS="1").returncode == 1
     assert "in place" not in machine.run("scripts/setup").stdout
-
-
-def test_run_starts_two_ranks_or_as_many_as_asked(ready):
-    pgimp = ready.root / ".venv/bin/pgimp"
-    assert ready.run("scripts/run", "a case.yaml", "--set", "time.end=1").returncode == 0
-    started = ready.called.splitlines()[-1]
-    assert started.startswith("mpirun -n 2 ")
-    assert started.endswith(f"{pgimp} a case.yaml --set time.end=1")
-    ready.run("scripts/run", "-n", "5", "case.yaml")
-    assert ready.called.splitlines()[-1].startswith("mpirun -n 5 ")
-
-
-@pytest.mark.parametrize("words", [[], ["-n", "2"], ["a.yaml", "-n"], ["a.yaml", "-n", "0"]])
-def test_run_explains_itself(ready, words):
-    done = ready.run("scripts/run", *words)
-    assert done.returncode == 2
-    assert "scripts/run CASE.yaml [-n RANKS]" in done.stderr
-    assert "mpirun" not in ready.called
-
-
-def test_run_passes_the_status_on_and_explains_a_killed_rank(ready):
-    done = ready.run("scripts/run", "case.yaml", STATUS="137")
-    assert done.returncode == 137
-    assert "signal 9, as happens when memory runs out" in done.stderr
-    assert ready.run("scripts/run", "case.yaml", STATUS="75").returncode == 75
-
-
-def test_wheel_has_every_module():
-    """A folder without ``__init__.py`` works where pgimp is developed and is missing in a wheel."""
-    configuration = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]
-    packages = find_packages(str(ROOT), include=configuration["packages"]["find"]["include"])
-    folders = {path.parent.relative_to(ROOT) for path in (ROOT / "pgimp").rglob("*.py")}
-    assert {".".join(folder.parts) for folder in folders} == set(packages)
-
-
-def test_wheel_has_every_other_file():
-    configuration = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]
-    files = [path for path in (ROOT / "pgimp").rglob("*") if path.is_file()]
-    files += [path for path in (ROOT / "cases").rglob("*") if path.suffix in (".yaml", ".obj")]
-    for path in files:
-        if "__pycache__" not in path.parts and path.suffix != ".py":
-            assert any(path.match(one) for one in configuration["package-data"]["*"]), path

@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+from messages import mentions
 from processes import SUPPORT
 from scenes import box, finish, scene, start, wall, write_case
 
@@ -101,7 +102,7 @@ def test_a_particle_that_leaves_is_named_with_the_face(axis, side):
     ids = set(sim.particles.id[sim.live()[front == (front * side).max() * side]].tolist())
     match, _ = fail(sim)
     face = f"{'xyz'[axis]}-{'min' if side < 0 else 'max'}"
-    assert match["what"] == f"left the domain through {face}"
+    mentions(match["what"], "left the domain", face)
     assert int(match["id"]) in ids
     # 3.25 from the front row to the face, at 0.023 a step.
     assert int(match["step"]) == int(np.ceil(3.25 / 0.023))
@@ -119,7 +120,7 @@ def test_a_particle_that_moves_by_more_than_a_cell_is_found(dimension, axis):
     np.testing.assert_allclose(sim.particles.x[right, axis] - before, 0.99, rtol=1e-5)
     sim.particles.v[right, axis] = 101.0
     match, row = fail(sim)
-    assert match["what"] == "moved by more than a cell in one step"
+    mentions(match["what"], "more than a cell", "one step")
     assert match["step"] == "3" and match["body"] == "right"
     (moved,) = sim.particles.x[row, axis] - before[right == row]
     assert moved == pytest.approx(0.99 + 1.01, rel=1e-5)
