@@ -101,3 +101,12 @@ def test_graded_ground_settles(runs):
     assert frame["parameter-young"][-1] == pytest.approx(E, rel=1e-12)
     exact = weight / rise * (x - young / rise * np.log((young + rise * high) / E))
     assert -frame["displacement"][-1, 0] == pytest.approx(exact, rel=3e-3)
+
+
+def test_a_wave_in_water_throws_a_plate(runs):
+    """Taylor's velocity to 1 % on cells twice as large, which remains: the water lets go."""
+    history = runs("blast").history
+    speed = history["body.plate.momentum-x"] / 78.5
+    assert speed[-1] == pytest.approx(0.654915, rel=0.01)
+    assert speed[-50:] == pytest.approx(np.full(50, speed[-1]), rel=1e-3)
+    assert history["contact.water+plate-x"][-1] == pytest.approx(0.0, abs=1e3)  # of 2e6 at most

@@ -23,6 +23,7 @@ COARSER = {
         "history.every={steps: 100}",
     ],
     "shock": ["grid.cell=[2.0]", "time.step=2.5e-4", "output.at=[]"],
+    "blast": ["grid.cell=[2.0e-3]"],
     "plate-impact": ["grid.cell=[2.0e-4]"],
     "taylor-bar": [
         "grid.cell=[1.6e-3,1.6e-3,1.6e-3]",
