@@ -12,9 +12,9 @@ from pgimp.kernels.record import RECORD
 #: Cells by which the window reaches beyond the particles, so that it seldom has to grow.
 MARGIN = 2
 
-#: Further cells where ranks learn of each other's particles a step late: in a step a particle
+#: Further cells where ranks know each other's particles one step late: in a step a particle
 #: moves by a cell at most, and its support may grow by another.
-LATE = 2
+LAG = 2
 
 
 def aligned(size: int) -> FloatArray:
@@ -38,8 +38,8 @@ class Grid:
         Vertices a direction in a particle's support.
     slab : Slab
         The rank's layers; it stores ``vertices - 1`` planes more, those that ranks share.
-    late : int
-        Cells by which a particle may be farther out than where all ranks know it to be.
+    lag : int
+        Cells by which a particle may be farther out than all ranks know.
     fields : sequence of int
         Number of each body's velocity field; () if all bodies share one.
     room : tuple of D pairs of float, optional
@@ -48,10 +48,10 @@ class Grid:
 
     Attributes
     ----------
-    below : int
-        Planes shared with the rank below; 0 where there is none.
+    shared_lower : int
+        Planes shared with the lower neighbour; 0 where there is none.
     owned : int
-        Planes that are this rank's; those above belong to the next.
+        Planes that are this rank's; those above belong to the upper neighbour.
     window : Window
         What is stored.
     field : Field
@@ -60,16 +60,16 @@ class Grid:
         Records of the vertices, see `pgimp.kernels.record`; only active planes are defined.
     active : (planes,) uint8
         Which planes take part in this step.
-    scratch, aside : float64
+    scratch, deferred : float64
         See `particles_to_grid`.
     partial : float64
-        The part of `aside` for planes that are shared with the rank below.
+        The part of `deferred` for planes that are shared with the lower neighbour.
     marks : (planes * plane / 8,) int64
         See `pgimp.kernels.constraints`; made when first asked for.
     base : (2, 2) int64
         First vertices (least, greatest; y, z) that a support in the window may have.
     known : (2, 2) int64
-        Those that need not be reported: `late` cells less, but for the ends of the grid.
+        Those that need not be reported: `lag` cells less, but for the ends of the grid.
     """
 
     def __init__(
@@ -77,38 +77,38 @@ class Grid:
         frame: Frame,
         vertices: int,
         slab: Slab,
-        late: int = 0,
+        lag: int = 0,
         fields: Sequence[int] = (),
         room: tuple[tuple[float, float], ...] | None = None,
     ) -> None:
         self.frame = frame
-        self.late = late
+        self.lag = lag
         self._room = room
         self.fields = tuple(fields)
         self.vertices = vertices
         self.slab = slab
         self.planes = slab.layers + vertices - 1 if slab.layers else 0
-        self.below = vertices - 1 if slab.below is not None else 0
-        self.owned = slab.layers if slab.above is not None else self.planes
+        self.shared_lower = vertices - 1 if slab.lower is not None else 0
+        self.owned = slab.layers if slab.upper is not None else self.planes
         self.active = np.zeros(self.planes, np.uint8)
         self.base = np.zeros((2, 2), np.int64)
         self.known = np.zeros((2, 2), np.int64)
 
-    def cover(self, reach: np.ndarray) -> None:
-        """Store what the supports with first vertices within `reach` need, and a margin."""
-        margin = MARGIN + self.late
-        self.store(reach + np.array([[-margin], [margin]]))
+    def cover(self, bounds: np.ndarray) -> None:
+        """Store what the supports with first vertices within `bounds` need, and a margin."""
+        margin = MARGIN + self.lag
+        self.store(bounds + np.array([[-margin], [margin]]))
 
-    def extend(self, reach: np.ndarray) -> None:
-        """Widen the window, by a margin, on the sides where `reach` goes beyond what is known."""
-        base, margin = self.base.copy(), MARGIN + self.late
-        base[0] = np.where(reach[0] < self.known[0], reach[0] - margin, base[0])
-        base[1] = np.where(reach[1] > self.known[1], reach[1] + margin, base[1])
+    def extend(self, bounds: np.ndarray) -> None:
+        """Widen the window, by a margin, on the sides where `bounds` goes beyond what is known."""
+        base, margin = self.base.copy(), MARGIN + self.lag
+        base[0] = np.where(bounds[0] < self.known[0], bounds[0] - margin, base[0])
+        base[1] = np.where(bounds[1] > self.known[1], bounds[1] + margin, base[1])
         self.store(base)
 
-    def covers(self, reach: np.ndarray) -> bool:
-        """Whether supports with first vertices within `reach` lie in the window, also `late`."""
-        (low, high), (least, greatest) = reach.tolist(), self.known.tolist()
+    def covers(self, bounds: np.ndarray) -> bool:
+        """Whether supports with first vertices within `bounds` lie in the window, with `lag`."""
+        (low, high), (least, greatest) = bounds.tolist(), self.known.tolist()
         return (  # in Python: NumPy would take a fifth of the step of a tiny scene
             low[0] >= least[0]
             and low[1] >= least[1]
@@ -124,8 +124,8 @@ class Grid:
             last = self.frame.vertices[d] - self.vertices
             low, high = max(0, int(base[0, d - 1])), min(last, int(base[1, d - 1]))
             self.base[:, d - 1] = low, high
-            self.known[0, d - 1] = min(low + self.late, last) if low else 0
-            self.known[1, d - 1] = max(high - self.late, 0) if high < last else last
+            self.known[0, d - 1] = min(low + self.lag, last) if low else 0
+            self.known[1, d - 1] = max(high - self.lag, 0) if high < last else last
             lower[d], extent[d] = low, high - low + self.vertices
         self.window = Window.over(
             (lower[0], lower[1], lower[2]), (extent[0], extent[1], extent[2]), self.fields
@@ -133,14 +133,14 @@ class Grid:
         plane = self.window.stride[0]
         self.G = aligned(self.planes * plane)
         self.scratch = aligned(self.vertices * plane)
-        half = self.below * (self.below + 1) // 2 * plane
-        above = self.vertices - 1 if self.slab.above is not None else 0
-        self.aside = aligned(half + above * (above + 1) // 2 * plane)
-        self.partial = self.aside[:half]
+        half = self.shared_lower * (self.shared_lower + 1) // 2 * plane
+        shared_upper = self.vertices - 1 if self.slab.upper is not None else 0
+        self.deferred = aligned(half + shared_upper * (shared_upper + 1) // 2 * plane)
+        self.partial = self.deferred[:half]
         self.bounds = self._bounds() if self._room is None else self._room
         self.field = Field(
-            self.window, self.G, self.active, self.scratch, self.aside, self.below, self.owned,
-            self.bounds, np.zeros(self.planes, np.int64) if self.fields else (),
+            self.window, self.G, self.active, self.scratch, self.deferred, self.shared_lower,
+            self.owned, self.bounds, np.zeros(self.planes, np.int64) if self.fields else (),
         )  # fmt: skip
         self._marks = np.zeros(0, np.int64)
 

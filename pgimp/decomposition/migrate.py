@@ -124,12 +124,12 @@ class Migration:
         self.messages = self.bytes = 0
         self._slab = slab
         columns = particles.width
-        below, above = (
+        lower, upper = (
             None if neighbour is None else _Link(comm, neighbour, columns)
-            for neighbour in (slab.below, slab.above)
+            for neighbour in (slab.lower, slab.upper)
         )
-        self._below, self._above = below, above
-        self._links = [link for link in (below, above) if link is not None]
+        self._lower, self._upper = lower, upper
+        self._links = [link for link in (lower, upper) if link is not None]
         self._arrivals, self._leaving = np.empty(0, np.int32), np.empty(0, np.int32)
         self._stay = 0
         self._sent = False
@@ -162,7 +162,7 @@ class Migration:
             return
         self._sent = True
         leaving = self._leaving[:down], self._leaving[len(self._leaving) - up :]
-        for link, rows in zip((self._below, self._above), leaving, strict=True):
+        for link, rows in zip((self._lower, self._upper), leaving, strict=True):
             if link is not None:
                 self.messages += link.send(population.columns, rows)
                 self.bytes += 8 * (1 + len(rows) * link.columns)

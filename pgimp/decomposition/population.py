@@ -6,7 +6,7 @@ import numpy as np
 
 from pgimp.kernels.concepts import Order
 from pgimp.kernels.layerchanges import sort_rows
-from pgimp.kernels.order import locate, merge, reach_of
+from pgimp.kernels.order import grow_vertex_bounds, locate, merge
 from pgimp.kernels.particles import Columns, Frame, IntArray, Particles
 
 
@@ -125,11 +125,11 @@ class Population:
         cell += number
         return np.argsort(cell)
 
-    def reach(self) -> np.ndarray:
+    def vertex_bounds(self) -> np.ndarray:
         """First vertices of the supports, (least, greatest; y, z)."""
-        reach = np.array([[2**62] * 2, [-(2**62)] * 2])
-        reach_of(self.shape, self.frame, self.particles, self.order, reach)
-        return reach
+        bounds = np.array([[2**62] * 2, [-(2**62)] * 2])
+        grow_vertex_bounds(self.shape, self.frame, self.particles, self.order, bounds)
+        return bounds
 
     def release(self, rows: np.ndarray) -> None:
         """Give up the rows of particles that have left, to another rank or for good.

@@ -15,13 +15,13 @@ class Slab(NamedTuple):
 
     first: int
     layers: int
-    below: int | None
-    above: int | None
+    lower: int | None
+    upper: int | None
 
     @property
     def neighbours(self) -> bool:
         """Whether there are any."""
-        return self.below is not None or self.above is not None
+        return self.lower is not None or self.upper is not None
 
 
 def most_slabs(layers: int, width: int, ends: int = 0) -> int:
@@ -102,9 +102,9 @@ def _best_cuts(
         Cost of the most expensive run, or the sum of squares.
     """
     value, choices = np.zeros(1), []
-    for below, above, width in zip(places, places[1:], widths, strict=False):
-        run = total[above][:, None] - total[below]
-        run[above[:, None] - below < width] = np.inf
+    for lower, upper, width in zip(places, places[1:], widths, strict=False):
+        run = total[upper][:, None] - total[lower]
+        run[upper[:, None] - lower < width] = np.inf
         if bound < np.inf:
             run[run > bound] = np.inf
             every = value + run * run

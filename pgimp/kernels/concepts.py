@@ -101,13 +101,13 @@ class Field(NamedTuple):
         1 for the planes that layers of this rank add to; zero before the first layer of a step.
     scratch : (vertices * plane,) float64
         A layer's own planes; zero between two layers.
-    aside : float64
-        What has to be added later, see `complete`: the sums of the first `shared` layers for the
-        planes that the rank below shares, layer by layer, each from its own plane up, in
+    deferred : float64
+        Sums to be added later, see `complete`: the sums of the first `shared` layers for the
+        planes that the lower rank shares, layer by layer, each from its own plane up, in
         (shared * (shared + 1) / 2 * plane,); then likewise those of the last `shared` layers for
-        planes that the rank above does not share. Each part is missing where there is no such rank.
-    below : int
-        Number of planes shared with the rank below; 0 where there is none.
+        planes that the upper rank does not share. Each part is missing where there is no such rank.
+    shared_lower : int
+        Number of planes shared with the lower rank; 0 where there is none.
     owned : int
         Number of planes, from the first, whose sums this rank accounts for.
     bounds : tuple of D pairs of float
@@ -122,8 +122,8 @@ class Field(NamedTuple):
     G: FloatArray
     active: NDArray[np.uint8]
     scratch: FloatArray
-    aside: FloatArray
-    below: int
+    deferred: FloatArray
+    shared_lower: int
     owned: int
     bounds: tuple[tuple[float, float], ...]
     used: Any = ()
@@ -173,7 +173,7 @@ class Report(NamedTuple):
 
     Attributes
     ----------
-    reach : (2, 2) int64
+    vertex_bounds : (2, 2) int64
         Grown to the first vertices (least, greatest; y, z) of particles, at least of those beyond
         the field's bounds.
     changed : (n,) int32
@@ -182,6 +182,6 @@ class Report(NamedTuple):
         Filled with row and fault of particles at fault, of the first ones if there are more.
     """
 
-    reach: IntArray
+    vertex_bounds: IntArray
     changed: NDArray[np.int32]
     faults: IntArray

@@ -24,7 +24,7 @@ class Ledger(NamedTuple):
         Work of loads, faces and constraints on the material.
     impulse : (planes, faces, 3) float64
         Impulse of each face with a condition.
-    beyond : (planes, faces) float64
+    outside_mass : (planes, faces) float64
         Mass beyond each face in the last step.
     constraint_impulse : (planes, constraints, 3) float64
         Impulse of each constraint.
@@ -39,7 +39,7 @@ class Ledger(NamedTuple):
 
     work: np.ndarray
     impulse: np.ndarray
-    beyond: np.ndarray
+    outside_mass: np.ndarray
     constraint_impulse: np.ndarray
     contact: np.ndarray
     tools: np.ndarray
@@ -77,3 +77,8 @@ class Ledger(NamedTuple):
     def first(self, planes: int) -> Ledger:
         """Return the first planes of it, such as those that a rank owns; no copies."""
         return Ledger(*(part[:planes] for part in self))
+
+    def datasets(self) -> dict[str, np.ndarray]:
+        """Return the sums by their names in checkpoints."""
+        sums = self._asdict()
+        return {{"outside_mass": "beyond"}.get(name, name): sums[name] for name in sums}

@@ -29,8 +29,8 @@ def update_momentum(frame, field, faces, forcing, ledger, contact, part):
         `impulse` grows by the momentum that each face gives to the material, and `work` by that of
         gravity and of moving faces: force times displacement, so that a constant gravity's work is
         the weight times the way of the centre of mass. Kinetic energy differs from that by an
-        amount of order dt, also in free fall. `beyond` is set to the mass on the vertices beyond
-        each face: what particles carry past it.
+        amount of order dt, also in free fall. `outside_mass` is set to the mass on the vertices
+        beyond each face: what particles carry past it.
     contact : Contact or ()
         Where bodies meet.
     part : int
@@ -39,7 +39,7 @@ def update_momentum(frame, field, faces, forcing, ledger, contact, part):
     G, active, owned, plane = field.G, field.active, field.owned, field.window.stride[0]
     dt, gravity, lightest, work = forcing.dt, forcing.gravity, forcing.lightest, ledger.work
     if part != REST:
-        ledger.beyond[:] = 0.0
+        ledger.outside_mass[:] = 0.0
     heavy = gravity[0] != 0.0 or gravity[1] != 0.0 or gravity[2] != 0.0
     size = field_size(field.window)
     for i in range(len(active)):
@@ -136,7 +136,7 @@ def _constrain_face(faces, n, frame, field, forcing, i, ledger):
                 if not m > 0.0 or beyond_any(faces, n, frame, number):
                     continue
                 if number[axis] != wall:
-                    ledger.beyond[i, n] += m
+                    ledger.outside_mass[i, n] += m
                 mass = m if owned else 0.0
                 u = (G[r + VELOCITY], G[r + VELOCITY + 1], G[r + VELOCITY + 2])
                 b = (G[r + ACCELERATION], G[r + ACCELERATION + 1], G[r + ACCELERATION + 2])

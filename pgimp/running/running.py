@@ -206,7 +206,7 @@ def _say_done(
             f"note: in {held} particle-steps ({share:.2g} %) a wall held in a particle whose "
             "centre had passed it; its velocity into the wall is lost, as a force of the wall"
         )
-    part, when, face = sim.diagnostic_sums.beyond
+    part, when, face = sim.diagnostic_sums.most_outside
     if part > _NEGLIGIBLE:
         log.say(
             f"note: particles carried up to {100.0 * part:.2g} % of the mass past {face} (t = "

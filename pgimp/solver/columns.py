@@ -202,7 +202,7 @@ HISTORY = (
                 "mass that particles carry past each named face in the last step, on vertices "
                 "beyond it: a particle of fixed size does where the material is compressed against "
                 "a wall, and what lies there the wall bears",
-                lambda s, k: s.beyond[k],
+                lambda s, k: s.outside_mass[k],
             ),
         ),
     ),

@@ -94,9 +94,9 @@ def active_grid(rank: Rank, time: float, dt: float = 0.0) -> ActiveGrid:
     first, total = counts[: comm.rank].sum(axis=0), counts.sum(axis=0)
     numbers = np.full((own + 1, *extent[1:]), -1, np.int64)
     numbers[:own][vertices] = first[0] + np.arange(counts[comm.rank, 0])
-    sent = None if slab.below is None else comm.isend(numbers[0], slab.below, _DOWN)
-    if slab.above is not None:
-        numbers[own] = comm.recv(source=slab.above, tag=_DOWN)
+    sent = None if slab.lower is None else comm.isend(numbers[0], slab.lower, _DOWN)
+    if slab.upper is not None:
+        numbers[own] = comm.recv(source=slab.upper, tag=_DOWN)
     if sent is not None:
         sent.wait()
     i, j, k = np.nonzero(cells)
@@ -170,11 +170,11 @@ def _cells(rank: Rank) -> tuple[np.ndarray, np.ndarray]:
     # A particle of the last layer may be in the next cell, whose vertex the rank above has. Other
     # layers do not reach beyond, so that the plane before is complete.
     sent = None
-    if slab.above is not None:
-        sent = rank.comm.isend(marks[own - 1 : own + 1], slab.above, _UP)
+    if slab.upper is not None:
+        sent = rank.comm.isend(marks[own - 1 : own + 1], slab.upper, _UP)
     below = np.zeros(window.extent[1:], bool)
-    if slab.below is not None:
-        below, shared = rank.comm.recv(source=slab.below, tag=_UP)
+    if slab.lower is not None:
+        below, shared = rank.comm.recv(source=slab.lower, tag=_UP)
         marks[0] |= shared
     if sent is not None:
         sent.wait()

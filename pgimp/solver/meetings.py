@@ -121,7 +121,7 @@ class Meetings:
         self._halos.clear()
         self._known, self._where, scene = grid.field, None, self.scene
         self._planes = np.empty(0, np.int64)
-        self._volumes = Grid(scene.frame, scene.vertices, grid.slab, grid.late, self.fields)
+        self._volumes = Grid(scene.frame, scene.vertices, grid.slab, grid.lag, self.fields)
         self._volumes.store(grid.base)
         most = 1 + max(self.fields)
         self._contact = Contact.empty(
@@ -158,16 +158,16 @@ class Meetings:
             particles_to_grid, self.scene.setting.without_materials(), volumes.field,
             population.particles, volume_sums(self.scene.shape), order, self._runs,
         )  # fmt: skip
-        below = slab.below is not None and bool(planes[0] < shared)
-        above = slab.above is not None and bool(planes[-1] >= layers)
-        if not (below or above):
+        lower = slab.lower is not None and bool(planes[0] < shared)
+        upper = slab.upper is not None and bool(planes[-1] >= layers)
+        if not (lower or upper):
             return
-        halo = self._halos.get((below, above))
+        halo = self._halos.get((lower, upper))
         if halo is None:
             part = slab._replace(
-                below=slab.below if below else None, above=slab.above if above else None
+                lower=slab.lower if lower else None, upper=slab.upper if upper else None
             )
-            halo = self._halos[below, above] = Halo(self.comm, part, shared)
+            halo = self._halos[lower, upper] = Halo(self.comm, part, shared)
         halo.proceed(volumes)
         halo.finish(volumes)
 

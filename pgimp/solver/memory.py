@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pgimp.decomposition.grid import LATE, MARGIN
+from pgimp.decomposition.grid import LAG, MARGIN
 from pgimp.errors import CaseError
 from pgimp.kernels.ledger import BOOKED, TOOLED
 from pgimp.kernels.particles import Particles
@@ -107,7 +107,7 @@ def bytes_each(scene: Scene, ranks: int) -> tuple[int, int, int]:
 def window(scene: Scene, bodies: list[Extent], ranks: int) -> list[int]:
     """Vertices along each direction where there are particles at the beginning, and a margin."""
     s, per_cell = scene.vertices, scene.case.method.particles_per_cell
-    margin = 2 * (MARGIN + (LATE if ranks > 1 else 0))
+    margin = 2 * (MARGIN + (LAG if ranks > 1 else 0))
     extent = []
     for d in range(scene.dimension):
         low = min(body.low[d] for body in bodies) // per_cell[d]
@@ -176,7 +176,7 @@ def estimate(
     if scene.approached:
         plane += prod(extent[1:]) * fields * 8 * len(scene.faces)
     occupied = min(extent[0], sum(body.boxes[0] / per_cell[0] + s for body in bodies))
-    # A layer's own planes; what is put aside at both ends, and received.
+    # A layer's own planes; what is deferred at both ends, and received.
     beside = s + (1.5 * s * (s - 1) if ranks > 1 else 0)
     grid = Part(
         f"the grid's window of {' x '.join(str(n) for n in extent[1:]) or 'a'} vertices a plane",

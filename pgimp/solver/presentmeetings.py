@@ -132,7 +132,7 @@ class PresentMeetings:
         changes = vertices.values[:, MOVES:YIELDS] - before
         call(give_to_vertices, scene.frame, grid.field, vertices.keys, changes, t.dt)
         call(book_held, holding, grid.field, vertices, ledger)
-        if grid.slab.layers and grid.slab.below is None:
+        if grid.slab.layers and grid.slab.lower is None:
             call(book_contacts, contact, free, *known, vertices.values, self._walls, ledger)
 
     def _gather(

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from pgimp.decomposition.grid import LATE, Grid
+from pgimp.decomposition.grid import LAG, Grid
 from pgimp.decomposition.halo import Halo
 from pgimp.decomposition.migrate import Migration
 from pgimp.decomposition.population import Population
@@ -66,7 +66,7 @@ class Rank:
         Calls the kernels of a step.
     lightest : float
         Mass below which a vertex is not accelerated.
-    reach : (2, 2) int64
+    vertex_bounds : (2, 2) int64
         First vertices that particles have been found to need, see `StepReduction`.
     timings : dict of str to float
         Seconds spent in each phase.
@@ -102,7 +102,7 @@ class Rank:
         self.particle_steps = self.clamped = self.held = 0
         self.fault_buffer = np.zeros((2, MOST_LISTED, 2), np.int64)
         self.faults, self.failed = self.fault_buffer[0, :0], 0
-        self.reach = np.zeros((2, 2), np.int64)
+        self.vertex_bounds = np.zeros((2, 2), np.int64)
         self._meet()
         self.clearances = Clearances(scene)
         #: Whether there are other layers than when rows were last sorted.
@@ -123,10 +123,10 @@ class Rank:
         """Make grid, messages and books for a slab; the window is still to be set."""
         scene, comm = self.scene, self.comm
         self.slab = slab
-        late = LATE if comm.size > 1 and not scene.initial else 0
+        lag = LAG if comm.size > 1 and not scene.initial else 0
         meetings = self.meetings or self.present
         fields = meetings.fields if meetings else ()
-        self.grid = Grid(scene.frame, scene.vertices, slab, late, fields, scene.room)
+        self.grid = Grid(scene.frame, scene.vertices, slab, lag, fields, scene.room)
         self.halo = Halo(comm, slab, scene.vertices - 1)
         self.migration = Migration(comm, slab, self.particles)
         outflow = (len(scene.body_names), scene.sums) if scene.escapes else (0, 0)

@@ -52,13 +52,13 @@ class StepReduction:
         The greatest.
     asks : bool
         Whether any rank asks for another decomposition.
-    reach : (2, 2) int64
+    vertex_bounds : (2, 2) int64
         First vertices (least, greatest; y, z) that all ranks together have reported.
     """
 
     def __init__(self, comm: Any) -> None:
         self.rate, self.request, self.asks = 0.0, Request.NONE, False
-        self.reach = np.zeros((2, 2), np.int64)
+        self.vertex_bounds = np.zeros((2, 2), np.int64)
         self._comm = comm
         self._mine, self._every = np.zeros((2, 7))
         self._begun: list[Any] = []
@@ -69,16 +69,16 @@ class StepReduction:
 
             self._greatest = MPI.MAX
 
-    def begin(self, rate: float, request: Request, asks: bool, reach: np.ndarray) -> None:
+    def begin(self, rate: float, request: Request, asks: bool, bounds: np.ndarray) -> None:
         """Return what this rank has found in a step; collective."""
         self.open = True
         if self._comm.size == 1:
-            self.rate, self.request, self.reach = rate, request, reach
+            self.rate, self.request, self.vertex_bounds = rate, request, bounds
             return
         mine = self._mine
         mine[0], mine[5], mine[6] = rate, request, asks
-        np.negative(reach[0], out=mine[1:3])
-        mine[3:5] = reach[1]
+        np.negative(bounds[0], out=mine[1:3])
+        mine[3:5] = bounds[1]
         self._begun.append(self._comm.Iallreduce(mine, self._every, self._greatest))
 
     def end(self) -> bool:
@@ -89,6 +89,6 @@ class StepReduction:
             every = self._every
             self.rate, self.asks = float(every[0]), bool(every[6])
             self.request = Request(int(every[5]))
-            np.negative(every[1:3], out=self.reach[0], casting="unsafe")
-            self.reach[1] = every[3:5]
+            np.negative(every[1:3], out=self.vertex_bounds[0], casting="unsafe")
+            self.vertex_bounds[1] = every[3:5]
         return was_open

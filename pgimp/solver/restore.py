@@ -110,7 +110,7 @@ def read_books(rank: Rank, source: Any, state: State, records: Diagnostics) -> N
         if gone != (state.removed is not None) or len(state.removed or ()) != gone * scene.sums:
             raise DamagedError("what it has of removed bodies is not of its stage")
         found = {}
-        for name, mine in own._asdict().items():
+        for name, mine in own.datasets().items():
             if mine.shape[1:] and 0 in mine.shape[1:]:
                 continue
             whole = _whole(source, name, (planes, *mine.shape[1:]))
@@ -128,7 +128,7 @@ def read_books(rank: Rank, source: Any, state: State, records: Diagnostics) -> N
         return found
 
     found = all_or_none(rank.comm, read, DamagedError)
-    for name, mine in own._asdict().items():
+    for name, mine in own.datasets().items():
         if name in found:
             mine[:] = found[name]
     if rank.free:
@@ -137,7 +137,7 @@ def read_books(rank: Rank, source: Any, state: State, records: Diagnostics) -> N
         rank.clamped, rank.held = state.clamped, state.held
     rank.lightest = state.lightest
     records.first_energy = state.first_energy
-    records.beyond = (state.beyond, state.beyond_time, state.beyond_face)
+    records.most_outside = (state.beyond, state.beyond_time, state.beyond_face)
     records.removed = None if state.removed is None else np.array(state.removed)
     records.changed = state.changed
     if state.last_line is not None:

@@ -221,15 +221,15 @@ class Simulation:
             balance.note(rank.worked, rank.count, number)
         asked = reduction.asks
         request = Request.FAULT if rank.failed else self.request
-        reduction.begin(rate, request, balance.asks, rank.reach)
+        reduction.begin(rate, request, balance.asks, rank.vertex_bounds)
         sort = number % RESORT == 0
         look = self.watch is not None and number % EVERY == 0
         if agree or asked or sort or look or self.comm.size == 1:
             self.agree()
         if look:
             self._look()
-        if not rank.grid.covers(reduction.reach):
-            rank.grid.extend(reduction.reach)
+        if not rank.grid.covers(reduction.vertex_bounds):
+            rank.grid.extend(reduction.vertex_bounds)
         if asked:
             rebalance(rank, balance, number)
             reduction.asks = False

@@ -193,8 +193,8 @@ def _take_over(old: Scene, new: Scene, had: Ledger, has: Ledger) -> None:
     """Put what was booked into the books of the next stage."""
     faces, constraints, contact, tools = zip(_booked(old), _booked(new), strict=True)
     kinds = {
-        "impulse": faces, "beyond": faces, "constraint_impulse": constraints, "contact": contact,
-        "tools": tools,
+        "impulse": faces, "outside_mass": faces, "constraint_impulse": constraints,
+        "contact": contact, "tools": tools,
     }  # fmt: skip
     for name, (before, after) in kinds.items():
         by_name = np.moveaxis(getattr(had, name), 1, 0)

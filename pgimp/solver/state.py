@@ -151,9 +151,9 @@ def capture(
         held=sum(part[1][1] for part in parts),
         first_energy=records.first_energy,
         last_line=records.last[0] if records.last else None,
-        beyond=records.beyond[0],
-        beyond_time=records.beyond[1],
-        beyond_face=records.beyond[2],
+        beyond=records.most_outside[0],
+        beyond_time=records.most_outside[1],
+        beyond_face=records.most_outside[2],
         tools=rank.scene.tools.checksum,
         densest=rank.scene.densest,
         watch=watch.numbers if watch else None,
@@ -163,7 +163,7 @@ def capture(
         changed=records.changed,
     )
     whole = {"layers": np.concatenate([part[0] for part in parts]).astype(np.int64)}
-    for i, name in enumerate(own._fields):
+    for i, name in enumerate(own.datasets()):
         whole[name] = np.concatenate([part[2][i] for part in parts])
     if rank.free:
         whole["free-bodies"] = np.array([state.numbers for state in rank.free.states])

@@ -43,7 +43,7 @@ class Totals(NamedTuple):
     force : (faces + constraints + entries of contact + 2 rigid bodies, 3) float64
         Mean force of each on the material since the last line; of rigid bodies the mean forces on
         them, then the mean moments.
-    beyond : (faces,) float64
+    outside_mass : (faces,) float64
         Mass beyond each face in the last step.
     contact : (entries, BOOKED) float64
         What is booked of contact.
@@ -65,7 +65,7 @@ class Totals(NamedTuple):
     first_energy: float
     work: float
     force: np.ndarray
-    beyond: np.ndarray
+    outside_mass: np.ndarray
     contact: np.ndarray
     tools: np.ndarray
     free: dict[int, tuple[FreeBody, State]]

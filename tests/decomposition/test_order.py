@@ -280,5 +280,5 @@ def test_cuts(counts, ranks, width):
     assert owned == list(range(layers))
     for rank, slab in enumerate(slabs):
         assert (slab.layers > 0) == (rank < active)
-        assert slab.below == (rank - 1 if 0 < rank < active else None)
-        assert slab.above == (rank + 1 if rank + 1 < active else None)
+        assert slab.lower == (rank - 1 if 0 < rank < active else None)
+        assert slab.upper == (rank + 1 if rank + 1 < active else None)

@@ -221,7 +221,7 @@ def at(folder):
 def some_kernels(folder):
     """Files of small kernels of the case, which are compiled fast."""
     kept = sorted((folder / "cache").glob("kernels-*/*.nbc"))
-    small = re.compile(r"\.(reach_of|sort_rows|partition_migrants)-")
+    small = re.compile(r"\.(grow_vertex_bounds|sort_rows|partition_migrants)-")
     found = [path for path in kept if small.search(path.name)]
     assert len(found) >= 3
     return found

@@ -117,7 +117,7 @@ def test_no_place_that_is_none_becomes_a_number(value):
     layers = rank.particles.layer.copy()
     _, _, found, *_ = stepped(rank)
     assert rank.failed == len(rank.population.order) and found == rank.outflow == 0
-    assert (rank.particles.layer == layers).all() and (rank.reach == rank.grid.base).all()
+    assert (rank.particles.layer == layers).all() and (rank.vertex_bounds == rank.grid.base).all()
 
 
 @pytest.mark.parametrize("name", ["mpm", "finite-gimp"])

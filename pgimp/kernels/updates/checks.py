@@ -249,7 +249,7 @@ def examine(limits, particles, batch, good, found, report, ledger, counts):
 def _examine(limits, particles, batch, good, found, report, ledger, counts):
     def examine(limits, particles, batch, good, found, report, ledger, counts):
         frame, exits, dt, walls, constraints = limits
-        number, reach = batch.number, report.reach
+        number, bounds = batch.number, report.vertex_bounds
         usual, finite, valid = good
         u, v, x, J, half, now, most = found
         failed, outflow, moved, clamped, held = counts
@@ -290,8 +290,8 @@ def _examine(limits, particles, batch, good, found, report, ledger, counts):
                 continue
             for d in range(1, len(xj)):
                 i = first_vertex(frame, d, lane(vector(half[d]), j), xj[d])
-                reach[0, d - 1] = min(reach[0, d - 1], i)
-                reach[1, d - 1] = max(reach[1, d - 1], i)
+                bounds[0, d - 1] = min(bounds[0, d - 1], i)
+                bounds[1, d - 1] = max(bounds[1, d - 1], i)
             if layer_now != number:
                 particles.layer[p] = layer_now
                 report.changed[moved] = batch.first + j

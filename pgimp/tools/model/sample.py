@@ -71,8 +71,8 @@ class Scattered(Simulation):
             p.origin[:] = p.x
         rows = np.arange(count, dtype=np.int32)
         locate(scene.shape, scene.setting.frame, p, rows, scene.frame.vertices)
-        here = (p.layer[:count] >= slab.first) | (slab.below is None)
-        here &= (p.layer[:count] < end) | (slab.above is None)
+        here = (p.layer[:count] >= slab.first) | (slab.lower is None)
+        here &= (p.layer[:count] < end) | (slab.upper is None)
         rows = rows[here]
         kept = np.append(rows, 0)  # room for one at least
         return Particles._make(column[kept] for column in p), len(rows)
