@@ -178,10 +178,10 @@ class Report(NamedTuple):
         the field's bounds.
     changed : (n,) int32
         Filled with the places in the order of particles that changed their layer or left.
-    faults : (room, 2) int64
-        Filled with row and fault of particles at fault, of the first ones if there are more.
+    errors : (room, 2) int64
+        Filled with row and error of particles at fault, of the first ones if there are more.
     """
 
     vertex_bounds: IntArray
     changed: NDArray[np.int32]
-    faults: IntArray
+    errors: IntArray

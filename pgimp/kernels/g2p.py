@@ -51,7 +51,7 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
 
     Returns
     -------
-    faults, outflow, changed : int
+    errors, outflow, changed : int
         Number of particles at fault, of those that left, of those that left or changed their layer.
     rate : float
         Largest `pace` over L, if controlled; see `pgimp.kernels.speed`.

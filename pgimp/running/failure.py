@@ -19,7 +19,7 @@ from pgimp.kernels.sums import fastest_rate
 from pgimp.kernels.updates.checks import OUTSIDE
 from pgimp.mpi.collective import on_root
 from pgimp.physics.fields import BY_RANKS, FIELDS, Source
-from pgimp.solver.faults import Failure, explanation
+from pgimp.solver.particle_errors import Failure, explanation
 
 if TYPE_CHECKING:
     from pgimp.solver.simulation import Simulation
@@ -77,7 +77,7 @@ def write(directory: Path, sim: Simulation, text: str, history: Path) -> Path | 
 
 def _write(folder: Path, sim: Simulation, failure: Failure, text: str, history: Path) -> None:
     comm, scene, what = sim.comm, sim.scene, "write what went wrong"
-    rows, kinds = sim.rank.faults[: sim.rank.failed].T
+    rows, kinds = sim.rank.errors[: sim.rank.failed].T
     found = _Found(rows, kinds, _places(sim, rows)[0])
     chosen, radius = _around(sim, found)
     # The same on any number of ranks.
@@ -136,7 +136,7 @@ class _Found(NamedTuple):
     Attributes
     ----------
     rows, kinds : (n,) int64
-        Their rows and faults, in canonical order.
+        Their rows and errors, in canonical order.
     places : (n, D)
         Where they are or, failing that, were, in cells from the domain's origin.
     """
@@ -228,7 +228,7 @@ def _state(sim: Simulation, found: _Found, i: int) -> str:
 
 
 def _advice(sim: Simulation, courant: float, kinds: set[int]) -> list[str]:
-    """What Courant number and faults tell, and how to see more."""
+    """What Courant number and errors tell, and how to see more."""
     stable, failure = sim.case.method.stable, sim.failure
     if sim.case.watched:
         stable = sim.case.method.largest_courant(sim.case.dimensions)

@@ -75,10 +75,9 @@ class Rank:
     particle_steps, clamped, held : int
         Particle-steps in this process; those, since the start, with a half-width held at one cell,
         and those in which a wall held a particle in.
-    faults, failed : (n, 2) int64, int
-        Rows and faults of particles at fault in the last step, and their number, which may be
-        greater.
-    fault_buffer : (2, size, 2) int64
+    errors, failed : (n, 2) int64, int
+        Rows and errors of particles at fault in the last step; their number, which may be greater.
+    error_buffer : (2, size, 2) int64
         Where the kernels write them.
     """
 
@@ -100,8 +99,8 @@ class Rank:
         self.timings = dict.fromkeys((*PHASES, "sort", "balance"), 0.0)
         self.worked = dict.fromkeys(PHASES, 0.0) if shares_cores(comm) else self.timings
         self.particle_steps = self.clamped = self.held = 0
-        self.fault_buffer = np.zeros((2, MOST_LISTED, 2), np.int64)
-        self.faults, self.failed = self.fault_buffer[0, :0], 0
+        self.error_buffer = np.zeros((2, MOST_LISTED, 2), np.int64)
+        self.errors, self.failed = self.error_buffer[0, :0], 0
         self.vertex_bounds = np.zeros((2, 2), np.int64)
         self._meet()
         self.clearances = Clearances(scene)
@@ -221,18 +220,18 @@ class Rank:
         layer_sums(scene.setting.without_shape(), self.particles, order, escaped)
         population.release(leaving)
 
-    def list_faults(self, numbers: list[int]) -> None:
+    def list_errors(self, numbers: list[int]) -> None:
         """List the particles at fault in this step in canonical order, at most `MOST_LISTED`.
 
         Parameters
         ----------
         numbers : list of int
-            How many have been found by each call; the first ones are in `fault_buffer`.
+            How many have been found by each call; the first ones are in `error_buffer`.
         """
         found = np.concatenate(
-            [buffer[:n] for buffer, n in zip(self.fault_buffer, numbers, strict=False)]
+            [buffer[:n] for buffer, n in zip(self.error_buffer, numbers, strict=False)]
         )
         place = np.empty(self.particles.capacity, np.int64)
         place[self.population.order] = np.arange(self.count)
         self.failed = sum(numbers)
-        self.faults = found[np.argsort(place[found[:, 0]])][:MOST_LISTED]
+        self.errors = found[np.argsort(place[found[:, 0]])][:MOST_LISTED]

@@ -21,7 +21,7 @@ class Request(IntEnum):
     CHECKPOINT = 2
     STOP = 3
     #: Particles of the rank are at fault.
-    FAULT = 4
+    ERROR = 4
 
 
 def _complete(requests: list[Any]) -> None:

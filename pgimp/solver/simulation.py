@@ -19,8 +19,8 @@ from pgimp.solver.clock import START, CourantClock, FixedClock, Step
 from pgimp.solver.decomposition import RESORT, owned, partition, rebalance
 from pgimp.solver.diagnostics import Diagnostics
 from pgimp.solver.energywatch import EVERY, LEAST, EnergyWatch
-from pgimp.solver.faults import Failure, collect
 from pgimp.solver.lookahead import absent, look_ahead
+from pgimp.solver.particle_errors import Failure, collect_errors
 from pgimp.solver.rank import Rank
 from pgimp.solver.reduction import Request, StepReduction
 from pgimp.solver.stages import enter
@@ -220,7 +220,7 @@ class Simulation:
         if self.comm.size > 1:
             balance.note(rank.worked, rank.count, number)
         asked = reduction.asks
-        request = Request.FAULT if rank.failed else self.request
+        request = Request.ERROR if rank.failed else self.request
         reduction.begin(rate, request, balance.asks, rank.vertex_bounds)
         sort = number % RESORT == 0
         look = self.watch is not None and number % EVERY == 0
@@ -267,8 +267,8 @@ class Simulation:
         known = self.agreed_request if self.agreed_request != Request.PENDING else Request.NONE
         self.rate, self.agreed_request = reduction.rate, max(known, reduction.request)
         last, self.doing = self.now, None
-        if reduction.request == Request.FAULT:
-            self.failure = collect(self.rank, last)
+        if reduction.request == Request.ERROR:
+            self.failure = collect_errors(self.rank, last)
             raise RunError(self.failure.text)
         self.done = last
 

@@ -96,7 +96,7 @@ def step(
     rate, failed, outflow, found = 0.0, [], 0, 0
     particle_forcing = on_particles(forcing)
     for half, layers in enumerate(rank.halo.halves(order.start)):  # first what neighbours wait for
-        report = Report(rank.vertex_bounds, changed[found:], rank.fault_buffer[half])
+        report = Report(rank.vertex_bounds, changed[found:], rank.error_buffer[half])
         wrong, left, moved, fastest, clamped, held = call(  # (26, 27, 29, 30)
             grid_to_particles, scene.setting, field, population.particles, order, layers,
             particle_forcing, report, ledger,
@@ -112,7 +112,7 @@ def step(
             lap("migrate")
     rank.particle_steps += len(order.rows)
     if sum(failed):
-        rank.list_faults(failed)
+        rank.list_errors(failed)
 
     changed = changed[:found]
     if len(failed) > 1:

@@ -105,8 +105,8 @@ def test_grid_to_particles_does_not_see_the_neighbours(name, D):
         rank = Rank(shape, frame, copy_of(before))
         rank.grid = whole.grid
         restored(rank, chosen, rows, capacity)
-        fault, _, found, rate, *_ = rank.grid_to_particles(DT)
-        assert fault == 0
+        error, _, found, rate, *_ = rank.grid_to_particles(DT)
+        assert error == 0
         for field in ADVANCED:
             assert bits(getattr(rank.particles, field)[rows]) == expected[field][chosen], field
         moved = before.layer[chosen] != whole.particles.layer[chosen]
@@ -228,6 +228,6 @@ def test_all_kernels_find_the_same_layer(name, D):
         layer = rank.particles.layer.copy()
         rank.grid.active[:] = 1
         assert not rank.grid.G.any()
-        fault, _, found, *_ = rank.grid_to_particles(1e-3)
-        assert (fault, found) == (0, 0)
+        error, _, found, *_ = rank.grid_to_particles(1e-3)
+        assert (error, found) == (0, 0)
         assert (rank.particles.layer == layer).all()

@@ -241,9 +241,9 @@ class Rank:
         )
 
     def grid_to_particles(self, dt: float, tracked: bool = True) -> tuple:
-        """First fault and its row, then as the kernel from the changed layers on.
+        """First error and its row, then as the kernel from the changed layers on.
 
-        Rows and faults of all are in `faults`, places of changed layers in ``population.changed``.
+        Rows and errors of all are in `errors`, places of changed layers in ``population.changed``.
         """
         grid, population = self.grid, self.population
         self.vertex_bounds = grid.base.copy()
@@ -255,9 +255,9 @@ class Rank:
             Report(self.vertex_bounds, population.changed, room),
             Ledger.empty(grid.planes, 0, 0),
         )  # fmt: skip
-        self.faults = room[: self.failed]
-        row, fault = self.faults[0] if self.failed else (-1, 0)
-        return (int(fault), int(row), *rest)
+        self.errors = room[: self.failed]
+        row, error = self.errors[0] if self.failed else (-1, 0)
+        return (int(error), int(row), *rest)
 
     def records(self) -> np.ndarray:
         """Records of the vertices of all of the grid, (vertices of each direction, 8); else 0."""

@@ -1,4 +1,4 @@
-"""What may have happened to particles in a step: faults, walls, other layers, the way out."""
+"""What may have happened to particles in a step: errors, walls, other layers, outflow."""
 
 from math import isfinite
 
@@ -76,7 +76,7 @@ def _all_positive_of(margin):
 
 @inner_kernel
 def _broken(x, v, J, finite):
-    """Name the fault of a particle, wherever it is and moves; 0 for none."""
+    """Name a particle's error, wherever it is and moves; 0 for none."""
     for d in range(len(x)):
         if not (isfinite(x[d]) and isfinite(v[d])):
             return NOT_FINITE
@@ -89,10 +89,10 @@ def _broken(x, v, J, finite):
 
 @inner_kernel
 def _unsound(frame, x, v, u, J, finite, valid, dt):
-    """Name the fault of a particle that failed the combined check, wherever it is; 0 for none."""
-    fault = _broken(x, v, J, finite)
-    if fault != 0:
-        return fault
+    """Name the error of a particle that failed the combined check, wherever it is; 0 for none."""
+    error = _broken(x, v, J, finite)
+    if error != 0:
+        return error
     for d in range(len(x)):
         if not abs(u[d]) * dt * frame.inverse[d] <= 1.0:
             return TOO_FAST
@@ -102,14 +102,14 @@ def _unsound(frame, x, v, u, J, finite, valid, dt):
 @inner_kernel
 def _outside(frame, exits, x):
     """Return whether a particle has left the domain, and if it may."""
-    fault = 0
+    error = 0
     for d in range(len(x)):
         xi = (x[d] - frame.origin[d]) * frame.inverse[d]
         if not (xi >= 0.0 and xi <= frame.cells[d]):
             if exits >> (2 * d + (xi > 0.0)) & 1 == 0:
                 return OUTSIDE
-            fault = _LEAVES
-    return fault
+            error = _LEAVES
+    return error
 
 
 def check(limits, field, particles, batch, found, report, ledger, counts):
@@ -161,7 +161,7 @@ def _check(limits, field, particles, batch, found, report, ledger, counts):
         usual = bits(and_positive(sound, margin))
         if usual != 15:
             good = (usual, _all_finite(state))
-            counts = _count_faults(field.bounds, batch, good, (v, x, J), report, counts)
+            counts = _count_errors(field.bounds, batch, good, (v, x, J), report, counts)
         return counts
 
     return check_initial if is_initial(limits[0]) else check
@@ -193,12 +193,12 @@ def _limits_of(setting, forcing, inverse):
     )  # fmt: skip
 
 
-def _count_faults(bounds, batch, good, found, report, counts):
-    """As `examine`, in the initial configuration: faults alone."""
+def _count_errors(bounds, batch, good, found, report, counts):
+    """As `examine`, in the initial configuration: errors alone."""
 
 
-@specialise(_count_faults)
-def _count_faults_of(bounds, batch, good, found, report, counts):
+@specialise(_count_errors)
+def _count_errors_of(bounds, batch, good, found, report, counts):
     def count(bounds, batch, good, found, report, counts):
         usual, finite = good
         v, x, J = found
@@ -207,12 +207,12 @@ def _count_faults_of(bounds, batch, good, found, report, counts):
             if usual >> j & 1:
                 continue
             xj = of_lane(x, j)
-            fault = _broken(xj, of_lane(v, j), lane(J, j), finite >> j & 1)
-            if fault == 0:
-                fault = OUT_OF_RANGE if within(bounds, xj) else OUTSIDE
-            if failed < len(report.faults):
-                report.faults[failed, 0] = batch.rows[j]
-                report.faults[failed, 1] = fault
+            error = _broken(xj, of_lane(v, j), lane(J, j), finite >> j & 1)
+            if error == 0:
+                error = OUT_OF_RANGE if within(bounds, xj) else OUTSIDE
+            if failed < len(report.errors):
+                report.errors[failed, 0] = batch.rows[j]
+                report.errors[failed, 1] = error
             failed += 1
         return failed, outflow, moved, clamped, held
 
@@ -260,32 +260,32 @@ def _examine(limits, particles, batch, good, found, report, ledger, counts):
             clamped += lane(vector(most), j) > LARGEST
             xj = of_lane(x, j)
             layer_now = int(lane(now, j))
-            fault = _unsound(
+            error = _unsound(
                 frame, xj, of_lane(v, j), of_lane(u, j), lane(J, j), finite >> j & 1,
                 valid >> j & 1, dt,
             )  # fmt: skip
-            if fault == 0:
-                fault = _outside(frame, exits, xj)
-            if fault == OUTSIDE and hold_inside(
+            if error == 0:
+                error = _outside(frame, exits, xj)
+            if error == OUTSIDE and hold_inside(
                 walls, frame, constraints, particles, p,
                 ledger.impulse[batch.layer], ledger.work[batch.layer : batch.layer + 1],
             ):  # fmt: skip
                 held += 1
                 xj = read(particles.x, p, 0, frame.origin)
                 layer_now = int(first_vertex(frame, 0, lane(vector(half[0]), j), xj[0]))
-                fault = _outside(frame, exits, xj)
-            if fault == _LEAVES:
+                error = _outside(frame, exits, xj)
+            if error == _LEAVES:
                 particles.layer[p] = OUTFLOW
                 report.changed[moved] = batch.first + j
                 moved += 1
                 outflow += 1
                 continue
-            if fault == 0 and abs(layer_now - number) > 1:
-                fault = TOO_FAST  # a cell, but for rounding: past a slab of one layer
-            if fault != 0:
-                if failed < len(report.faults):
-                    report.faults[failed, 0] = p
-                    report.faults[failed, 1] = fault
+            if error == 0 and abs(layer_now - number) > 1:
+                error = TOO_FAST  # a cell, but for rounding: past a slab of one layer
+            if error != 0:
+                if failed < len(report.errors):
+                    report.errors[failed, 0] = p
+                    report.errors[failed, 1] = error
                 failed += 1
                 continue
             for d in range(1, len(xj)):
