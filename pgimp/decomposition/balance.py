@@ -2,8 +2,8 @@
 
 All ranks measure, rank 0 decides. The cost of a layer is counted in particles: those that it has,
 what its plane of vertices costs besides, and a factor where a rank's time per particle has differed
-from the others' for a while, be it for the material there or for the machine. Boundaries move when
-what that saves until the next change is like to be more than what moving has cost so far. Bits do
+from the others' for a while, because of its material or its machine. Boundaries move when the
+expected saving until the next change exceeds what moving has cost so far. Bits do
 not depend on the boundaries, so neither on these times.
 """
 
@@ -54,12 +54,12 @@ class Balance:
     ----------
     on : bool
         Whether boundaries may move.
-    asks : bool
-        Whether this rank wants a decision.
+    rebalance_requested : bool
+        Whether this rank asks for a decision.
     pause : int
         Steps until a rank may ask again because of particles that it had at the last decision.
     move_cost : float
-        Steps of the particles that move which a move costs, see `_MOVE_COST`; learned on rank 0.
+        Cost of a move, in steps of the particles that move, see `_MOVE_COST`; measured on rank 0.
     total : int
         Particles of all ranks at the last report.
     imbalance : float or None
@@ -73,7 +73,7 @@ class Balance:
     ) -> None:
         self.cuts, self.total = cuts, total
         self.on = len(cuts) > 2 and switched_on(SWITCH, *_MEANING)
-        self.asks = False
+        self.rebalance_requested = False
         self.pause = 0
         self.imbalance: float | None = None
         self.moves: list[tuple[float, float]] = []
@@ -91,7 +91,7 @@ class Balance:
         self._expected = np.ones(len(cuts) - 1)
         self._plane = 0.0
         self._moved = 0.0
-        self._patience = self._wait = 0
+        self._back_off = self._wait = 0
         self._forget()
         self._evidence = _EVIDENCE
         self._doubted: float | None = None
@@ -124,10 +124,10 @@ class Balance:
         more, excess = count - self._known, count - (self._had or 0)
         clear = more > self._clear or (excess > self._clear and self.pause < 0)
         if clear and self.on and self._may_pay(excess, step):
-            self.asks = True
+            self.rebalance_requested = True
 
     def report(self, comm: Any, count: int, planes: int, step: int) -> None:
-        """Let all know of all since the last report; collective.
+        """Share the load of all ranks since the last report; collective.
 
         Parameters
         ----------
@@ -152,7 +152,7 @@ class Balance:
             self._learn(every, busy, step)
 
     def watch(self, count: int) -> None:
-        """Ask again when there are clearly more particles, than now or than after the last move.
+        """Ask again when particles have clearly become more than now, or than after the last move.
 
         Parameters
         ----------
@@ -162,7 +162,7 @@ class Balance:
         self._had = count if self._had is None else self._had
         self._clear = int(_SMALL * self.total / (len(self.cuts) - 1))
         self._known = count
-        self.asks = False
+        self.rebalance_requested = False
 
     def _may_pay(self, excess: float, step: int) -> bool:
         """Whether moving boundaries may pay off if a rank has `excess` particles too many."""
@@ -174,7 +174,7 @@ class Balance:
         return min(step - self._changed, _LONGEST)
 
     def _learn(self, every: np.ndarray, busy: np.ndarray, step: int) -> None:
-        """Find out on rank 0 what particles and planes cost, and how ranks differ."""
+        """Estimate on rank 0 the costs of particles and planes, and how ranks differ."""
         counts, planes = every[:, 2], every[:, 3]
         particle = max(every[:, 0].sum() / counts.sum(), 1e-12)
         self._plane = every[:, 1].sum() / max(planes.sum(), 1.0) / particle
@@ -200,10 +200,10 @@ class Balance:
         self._wait -= 1
         clear = imbalance > max(_SMALL, self._refused + _LEAST_GAIN)
         again = imbalance > _SMALL and self._wait <= 0
-        self.asks = (clear or again) and self._may_pay(float(np.ptp(costs)), step)
+        self.rebalance_requested = (clear or again) and self._may_pay(float(np.ptp(costs)), step)
 
     def _differences(self) -> np.ndarray:
-        """How much slower each rank is than expected, relative to that, its noise taken off."""
+        """Slowdown of each rank relative to what is expected, less its noise."""
         if len(self._imbalances) < self._evidence or self._watched < _SECONDS:
             return np.ones(len(self.cuts) - 1)
         seen = np.array(self._factors)
@@ -236,14 +236,14 @@ class Balance:
         new, gain, move_cost = self._propose(counts, work * density, step)
         if gain <= move_cost:
             self._refused = imbalance_of(work * density, self.cuts)
-            self._patience = min(2 * self._patience + 1, 32)
-            self._wait = self._patience
+            self._back_off = min(2 * self._back_off + 1, 32)
+            self._wait = self._back_off
             # What grows evenly with time has a gain that grows with its square.
             since = step - self._changed
             growth = (move_cost / gain) ** 0.5 if gain else 1.5
             self.pause = max(since // 8, int(since * min(growth - 1.0, 1.0)))
             return None
-        # Was it for what had been known before?
+        # Would it have paid without the new differences?
         if (differences != 1.0).any():
             _, plain, move_cost = self._propose(counts, work * self._density, step)
             if plain <= move_cost:
@@ -257,7 +257,7 @@ class Balance:
         self._expected = np.add.reduceat(costs, edges) / below / mean
         self._expected[np.add.reduceat(work, edges) == 0.0] = 1.0
         self._moved += self._moving(counts, new) + _FIXED_COST
-        self._patience = self._wait = self.pause = 0
+        self._back_off = self._wait = self.pause = 0
         self._forget()
         return new
 

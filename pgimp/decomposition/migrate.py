@@ -130,7 +130,7 @@ class Migration:
         )
         self._lower, self._upper = lower, upper
         self._links = [link for link in (lower, upper) if link is not None]
-        self._arrivals, self._leaving = np.empty(0, np.int32), np.empty(0, np.int32)
+        self._arrivals, self._migrants = np.empty(0, np.int32), np.empty(0, np.int32)
         self._stay = 0
         self._sent = False
         self.close = weakref.finalize(self, _close, self._links)
@@ -152,22 +152,22 @@ class Migration:
         found = len(places)
         if found:
             self._arrivals = with_room(self._arrivals, self._stay + found, self._stay)
-            self._leaving = with_room(self._leaving, found)
+            self._migrants = with_room(self._migrants, found)
             stay, down, up = partition_migrants(
                 population.particles.layer, population.order, places, population.first,
-                population.layers, self._arrivals[self._stay :], self._leaving,
+                population.layers, self._arrivals[self._stay :], self._migrants,
             )  # fmt: skip
             self._stay += stay
         if self._sent:
             return
         self._sent = True
-        leaving = self._leaving[:down], self._leaving[len(self._leaving) - up :]
-        for link, rows in zip((self._lower, self._upper), leaving, strict=True):
+        migrants = self._migrants[:down], self._migrants[len(self._migrants) - up :]
+        for link, rows in zip((self._lower, self._upper), migrants, strict=True):
             if link is not None:
                 self.messages += link.send(population.columns, rows)
                 self.bytes += 8 * (1 + len(rows) * link.columns)
                 if len(rows):
-                    population.release(rows)
+                    population.free_later(rows)
 
     def receive(self, population: Population) -> np.ndarray:
         """Take in the particles that come, after `proceed`; not collective beyond the neighbours.

@@ -131,11 +131,10 @@ class Population:
         grow_vertex_bounds(self.shape, self.frame, self.particles, self.order, bounds)
         return bounds
 
-    def release(self, rows: np.ndarray) -> None:
-        """Give up the rows of particles that have left, to another rank or for good.
+    def free_later(self, rows: np.ndarray) -> None:
+        """Free the rows of particles that have left, to another rank or for good, later.
 
-        They stay as they are until `restore_order`, which finds places by the keys of the old
-        order's rows.
+        `restore_order` does it: it finds places by the keys of the old order's rows.
         """
         count = self._left_count + len(rows)
         self._left = with_room(self._left, count, self._left_count)
@@ -143,17 +142,17 @@ class Population:
         self._left_count = count
 
     def free(self, rows: np.ndarray) -> None:
-        """Give up rows between two steps: newcomers may have them at once.
+        """Free rows between two steps: newcomers may have them at once.
 
-        They stay in the old order until `take_layers`.
+        They stay in the old order until `set_layers`.
         """
         count = self._holes_count + len(rows)
         self._holes = with_room(self._holes, count, self._holes_count)
         self._holes[self._holes_count : count] = rows
         self._holes_count = count
 
-    def take_layers(self, slab, order: np.ndarray, start: IntArray) -> None:
-        """Go on with the layers of `slab`, whose rows in canonical order are `order`."""
+    def set_layers(self, slab, order: np.ndarray, start: IntArray) -> None:
+        """Replace the layers by those of `slab`, whose rows in canonical order are `order`."""
         self.first, self.layers = slab.first, slab.layers
         self.order, self._spare = order, np.empty_like(order)
         self.start, self._spare_start = start, np.empty_like(start)

@@ -104,7 +104,7 @@ def redistribute(
 
     order = np.concatenate([part for source in sorted(rows) for part in rows[source]])
     start = np.concatenate([[0], np.cumsum(new_planes[: after.layers, 0])]).astype(np.int64)
-    population.take_layers(after, order, start)
+    population.set_layers(after, order, start)
     edges = np.cumsum([1, *map(prod, shapes)])
     parts = np.split(new_planes, edges[:-1], axis=1)[1:]
     return [part.reshape(len(part), *shape) for part, shape in zip(parts, shapes, strict=True)]

@@ -140,7 +140,7 @@ class Recorder:
         checkpoint = self.checkpoints.due(sim) or sim.agreed_request == Request.CHECKPOINT
         if not (finish or frame or line or probes or checkpoint):
             return
-        sim.agree()
+        sim.complete_reduction()
         if finish:
             with self._timed("frames"), self._salvaging():
                 for series in self._series:

@@ -68,13 +68,13 @@ def advance(
                 _next_stage(sim, recorder, log)
             each = (perf_counter() - began) / (sim.step - first + 1)
             sim.request = _request(sim, recorder, stop, each)
-            sim.advance(agree=False)
+            sim.advance(complete=False)
             recorder.step()
             progress.step()
             if sim.watch and sim.watch.said:
                 log.say(f"warning: {sim.watch.said.pop(0)}")
             stopped = sim.agreed_request == Request.STOP
-        sim.agree()
+        sim.complete_reduction()
         if not sim.finished:
             stop.agree(0.0)
             recorder.checkpoint()
@@ -123,7 +123,7 @@ def advance(
 
 def _next_stage(sim: Simulation, recorder: Recorder, log: Log) -> None:
     """Keep the state at the end of a stage, and begin the next one; collective."""
-    sim.agree()
+    sim.complete_reduction()
     recorder.end()
     known = len(sim.warnings)
     sim.next_stage()

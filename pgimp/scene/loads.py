@@ -126,8 +126,8 @@ class SceneLoads:
             for way, before in zip(entry.displacement(t), ways, strict=True)
         )
 
-    def attach(self, p: Particles, n: int) -> None:
-        """Give the first `n` particles, in their initial state, their patches and constraints."""
+    def initialise(self, p: Particles, n: int) -> None:
+        """Set patches and constraints of the first `n` particles, in their initial state."""
         rows = slice(0, n)
         for i, entry in enumerate(self.tractions):
             mine = np.flatnonzero(p.body[rows] == self.bodies.index(entry.body))

@@ -89,7 +89,7 @@ def populate(
         row += len(block.ids)
     if p.origin.shape[1]:
         p.origin[:] = p.x
-    scene.loads.attach(p, row)
+    scene.loads.initialise(p, row)
     return p
 
 

@@ -114,7 +114,7 @@ class FreeBodies:
                     f"  try: time.step: {0.3 / rate:.3g}, or {{courant: 0.3}}"
                 )
 
-    def settle(
+    def solve_velocities(
         self, tools: Tools, grid: Grid, t: Step, gravity: tuple[float, ...],
         find_response: Callable[[], None],
     ) -> None:  # fmt: skip

@@ -142,7 +142,7 @@ def _contact(rank: Rank, time: float, dt: float) -> np.ndarray:
     call(update_momentum, scene.frame, field, faces, forcing, unbooked, contact, BEGINNING)
     if rank.free:
         respond = partial(call, find_response, contact, faces, scene.frame, field, forcing)
-        rank.free.settle(contact.tools, grid, t, forcing.gravity, respond)
+        rank.free.solve_velocities(contact.tools, grid, t, forcing.gravity, respond)
     forces(True, found)
     return found.reshape(grid.owned, *extent[1:], 3)
 

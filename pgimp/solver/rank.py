@@ -218,7 +218,7 @@ class Rank:
         order = Order(leaving, np.searchsorted(left[gone], population.start))
         escaped = self.ledger.escaped[: self.slab.layers]
         layer_sums(scene.setting.without_shape(), self.particles, order, escaped)
-        population.release(leaving)
+        population.free_later(leaving)
 
     def list_errors(self, numbers: list[int]) -> None:
         """List the particles at fault in this step in canonical order, at most `MOST_LISTED`.

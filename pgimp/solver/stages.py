@@ -106,7 +106,7 @@ def _remove(rank: Rank, bodies: list[int]) -> np.ndarray:
     rows = order[places]
     start = np.searchsorted(places, population.start)
     taken = sums_of_bodies(rank, rank.scene, Order(rows, start))
-    population.release(rows)
+    population.free_later(rows)
     population.restore_order(places, np.empty(0, np.int32))
     return np.add.reduce(taken, axis=0)
 

@@ -81,7 +81,7 @@ def step(
     else:  # what they get at all vertices tells how fast they will be, and that what they get
         update(BEGINNING)
         respond = partial(call, find_response, contact, faces, scene.frame, field, vertex_forcing)
-        free.settle(contact.tools, grid, t, forcing.gravity, respond)
+        free.solve_velocities(contact.tools, grid, t, forcing.gravity, respond)
         update(REST)
         free.move(contact.tools, grid, t.dt)
     if forcing.marked:

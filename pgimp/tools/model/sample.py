@@ -128,8 +128,8 @@ class Sample:
         first = sim.step
         try:
             while sim.step < first + steps and not sim.finished:
-                sim.advance(agree=False)
-            sim.agree()
+                sim.advance(complete=False)
+            sim.complete_reduction()
         except RunError:
             if self._whole:
                 raise
