@@ -86,18 +86,18 @@ def main(argv: Sequence[str] | None = None) -> int:
             out.flush()
             return status
         except KeyboardInterrupt as error:
-            return _complain(error, 130)
+            return _report_error(error, 130)
         except PgimpError as error:
-            return _complain(error, error.exit_status)
+            return _report_error(error, error.exit_status)
         except Exception as error:
             if signals.interrupted:
-                return _complain(KeyboardInterrupt(), 130)
+                return _report_error(KeyboardInterrupt(), 130)
             if error is not out.error:
-                return _complain(error, 1)
+                return _report_error(error, 1)
             silence(out)
             if isinstance(error, BrokenPipeError):  # who reads has seen enough
                 return _BROKEN_PIPE_STATUS
-            return _complain(RunError(f"cannot write to standard output: {error.strerror}"), 1)
+            return _report_error(RunError(f"cannot write to standard output: {error.strerror}"), 1)
 
 
 def _dispatch(words: list[str]) -> int:
@@ -224,7 +224,7 @@ def _is_first_rank() -> bool:
     return started is None or started.rank == 0
 
 
-def _complain(error: BaseException, status: int) -> int:
+def _report_error(error: BaseException, status: int) -> int:
     if not _is_first_rank():
         # Open MPI kills all ranks when one ends like this that has not begun with MPI: the first
         # one, too, which then has not spoken yet.

@@ -42,7 +42,7 @@ class Grid:
         Cells by which a particle may be farther out than all ranks know.
     fields : sequence of int
         Number of each body's velocity field; () if all bodies share one.
-    room : tuple of D pairs of float, optional
+    bounds : tuple of D pairs of float, optional
         Coordinates between which particles have to be, where these have nothing to do with the
         grid: it is one of the initial configuration.
 
@@ -79,11 +79,11 @@ class Grid:
         slab: Slab,
         lag: int = 0,
         fields: Sequence[int] = (),
-        room: tuple[tuple[float, float], ...] | None = None,
+        bounds: tuple[tuple[float, float], ...] | None = None,
     ) -> None:
         self.frame = frame
         self.lag = lag
-        self._room = room
+        self._fixed_bounds = bounds
         self.fields = tuple(fields)
         self.vertices = vertices
         self.slab = slab
@@ -137,7 +137,7 @@ class Grid:
         shared_upper = self.vertices - 1 if self.slab.upper is not None else 0
         self.deferred = aligned(half + shared_upper * (shared_upper + 1) // 2 * plane)
         self.partial = self.deferred[:half]
-        self.bounds = self._bounds() if self._room is None else self._room
+        self.bounds = self._bounds() if self._fixed_bounds is None else self._fixed_bounds
         self.field = Field(
             self.window, self.G, self.active, self.scratch, self.deferred, self.shared_lower,
             self.owned, self.bounds, np.zeros(self.planes, np.int64) if self.fields else (),

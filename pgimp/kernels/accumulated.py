@@ -1,4 +1,4 @@
-"""Contact of bodies in the initial configuration: impulses that all vertices agree upon.
+"""Contact of bodies in the initial configuration: impulses found for all vertices together.
 
 A vertex i of the domain's grid sees what the vertices j of a body's own grid, that of the start,
 give to the particles around it:
@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pgimp.jit.kernel import allocating_kernel, inner_kernel, kernel, specialise
-from pgimp.kernels.contact import MOBILITY, NORMAL, NOW, PUSH, SLIP, TOLD, WEIGHT
+from pgimp.kernels.contact import BILATERAL, MOBILITY, NORMAL, NOW, PUSH, SLIP, WEIGHT
 from pgimp.kernels.contactlaw import exchange
 from pgimp.kernels.encounters import BODIES, ENTRY, SUMS, copy
 from pgimp.kernels.particles import FloatArray, IntArray
@@ -28,7 +28,7 @@ from pgimp.kernels.startgrid import LOST, MOVES, YIELDS
 from pgimp.kernels.support import weights_at
 
 #: Least part of the squares of a row of B at vertices that give way. Below it the few that do would
-#: have to make good, each with many times the speed, for what the others do as they are told.
+#: have to make good, each with many times the speed, for the others, which are prescribed.
 LEAST_FREE = 0.25
 
 
@@ -117,18 +117,18 @@ def find_responses(table, now, before, encounters, sums, values):
                 x, y, z = weights_at(now, i, q)
                 who[filled[r]], weight[filled[r]] = i, x * y * z
                 filled[r] += 1
-    room = 64 * rows + at0.shape[1]
+    capacity = 64 * rows + at0.shape[1]
     start = np.zeros(rows + 1, np.int64)
-    column, entry = np.empty(room, np.int64), np.empty(room)
+    column, entry = np.empty(capacity, np.int64), np.empty(capacity)
     answer = np.zeros((rows, 3))
     seen, place = np.full(len(values), -1, np.int64), np.empty(len(values), np.int64)
     used = 0
     for r in range(rows):
         for k in range(many[r], many[r + 1]):
             i = who[k]
-            if used + at0.shape[1] > room:
-                room *= 2
-                longer, more = np.empty(room, np.int64), np.empty(room)
+            if used + at0.shape[1] > capacity:
+                capacity *= 2
+                longer, more = np.empty(capacity, np.int64), np.empty(capacity)
                 longer[:used], more[:used] = column[:used], entry[:used]
                 column, entry = longer, more
             part = table[i, WEIGHS] * weight[k] / sums[slots[r], HEAVY]
@@ -150,13 +150,13 @@ def find_responses(table, now, before, encounters, sums, values):
 
 @inner_kernel
 def _see(contact, a, s, rigid, responses, values):
-    """Put velocity, mass and mobility of an end of a pair into the room for field `a`."""
+    """Load velocity, mass and mobility of an end of a pair as field `a`."""
     row = contact.fields[a]
     if s < 0:
         row[WEIGHT] = inf
         for d in range(3):
             row[NOW + d] = rigid[3 * a + d]
-            row[MOBILITY + d] = row[TOLD + d] = 0.0
+            row[MOBILITY + d] = row[BILATERAL + d] = 0.0
         return
     r, start, entry = responses.row_of[s], responses.start, responses.entry
     u, v, w, most = 0.0, 0.0, 0.0, 0.0
@@ -167,13 +167,13 @@ def _see(contact, a, s, rigid, responses, values):
         w += entry[k] * one[MOVES + 2]
     row[NOW], row[NOW + 1], row[NOW + 2] = u, v, w
     for d in range(3):
-        row[MOBILITY + d] = row[TOLD + d] = responses.answer[r, d]
+        row[MOBILITY + d] = row[BILATERAL + d] = responses.answer[r, d]
         most = max(most, responses.answer[r, d])
     row[WEIGHT] = 1.0 / most if most > 0.0 else 1e300
 
 
 def take_up(contact, encounters, k, responses, values):
-    """Put what is known of pair `k` into the room for the first pair at a vertex."""
+    """Load pair `k` as the first pair at a vertex."""
 
 
 @specialise(take_up)
@@ -211,12 +211,12 @@ def impulse_of(row, d):
 
 @kernel
 def settle_contacts(contact, free, encounters, responses, values, sweeps, enough):
-    """Let all pairs exchange impulses until the law holds for all of them.
+    """Exchange impulses in all pairs until the law holds for all of them.
 
     Parameters
     ----------
     contact : Contact
-        Laws and room.
+        Laws and scratch.
     free : Holding
         Nothing: what is held has no mobility.
     encounters : Encounters

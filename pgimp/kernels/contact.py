@@ -47,16 +47,25 @@ LEAST_WITHIN = 0.01
 #: where walls or constraints hold some of them.
 SWEEPS = 8
 
-#: Columns of `Contact.fields`: mass, part filled, normal, velocity, that before, inverse of mass by
-#: component, which is 0 where it is held, what curvature adds to the gap, and the inverse of mass
-#: again, which is 0 where it is held whatever its velocity is, as by no wall that lets go.
-WEIGHT, PART, OUTWARD, NOW, BEFORE, MOBILITY, EXCESS, TOLD, FIELDS = 0, 1, 2, 5, 8, 11, 14, 15, 18
+#: Columns of `Contact.fields`: mass, part filled, normal, velocity, that before, inverse mass by
+#: component, which is 0 where it is held, the curvature's share of the gap, and the inverse mass
+#: again, 0 only where it is held bilaterally, at any velocity: by no wall that lets go.
+WEIGHT, PART, OUTWARD, NOW, BEFORE, MOBILITY, EXCESS, BILATERAL, FIELDS = (
+    0,
+    1,
+    2,
+    5,
+    8,
+    11,
+    14,
+    15,
+    18,
+)
 
-#: Columns of `Contact.partners`: normal, velocity at which the gap closes in the step, impulse
-#: along the normal and across it so far, the part that this is of what would make it stick, area,
-#: the impulses that adhesion has along the normal and across it, the part that the one along the
-#: normal is of what would hold.
-NORMAL, CLOSING, PUSH, SLIP, STUCK, AREA, PULL, CLING, DRAWN = 0, 3, 4, 5, 8, 9, 10, 11, 12
+#: Columns of `Contact.partners`: normal, velocity that closes the gap within the step, impulses so
+#: far along the normal and across it, the latter over that of sticking, area, the impulses of
+#: adhesion along the normal and across it, the former over that of holding.
+NORMAL, GAP_RATE, PUSH, SLIP, STUCK, AREA, PULL, CLING, DRAWN = 0, 3, 4, 5, 8, 9, 10, 11, 12
 PARTNERS = 13
 
 
@@ -74,15 +83,15 @@ class Contact(NamedTuple):
     spread : (planes, SPREAD) int64
         Between which vertices these are, see `select_near`.
     places, bodies : (fields,) int64
-        Room: where the fields at a vertex have their records, and whose they are.
+        Scratch: places of the records of the fields at a vertex, and their bodies.
     fields : (fields, FIELDS) float64
-        Room: what is known of them.
+        Scratch: their properties.
     ends : (pairs, 3) int64
-        Room: the two fields of each pair at a vertex, and the entry.
+        Scratch: the two fields of each pair at a vertex, and the entry of its law.
     partners : (pairs, PARTNERS) float64
-        Room: what is known of the pair.
+        Scratch: the properties of the pairs.
     unbooked : (faces, 3) float64
-        Room for what faces would book.
+        Scratch for what faces would book.
     tools : Tools or ()
         The rigid bodies, which count as fields without a place in the grid, and with a mass that
         has no end.
@@ -104,7 +113,7 @@ class Contact(NamedTuple):
     def empty(
         cls, pairs: Pairs, volumes: Any, planes: int, fields: int, faces: int, tools: Any = ()
     ) -> "Contact":
-        """Make room for `planes` planes, where at most `fields` bodies meet at a vertex."""
+        """Allocate for `planes` planes, where at most `fields` bodies meet at a vertex."""
         most = fields + (len(tools.motion) if tools else 0)
         count = most * (most - 1) // 2
         return cls(
@@ -152,11 +161,11 @@ def find_pairs(contact, frame, sides, count, rigid, dt):
                 if b >= count - rigid and fields[a, PART] < _least_held(row):
                     continue
                 excess = max(fields[one, EXCESS] + fields[other, EXCESS], 0.0)
-                bent = excess * _volume(frame, sides) / row[CLOSING] ** 2
-                gap = row[CLOSING] * _gap(fields[one], fields[other], row, missing, bent)
-                row[CLOSING] = max(gap - excess, 0.0) / dt
+                bent = excess * _volume(frame, sides) / row[GAP_RATE] ** 2
+                gap = row[GAP_RATE] * _gap(fields[one], fields[other], row, missing, bent)
+                row[GAP_RATE] = max(gap - excess, 0.0) / dt
                 normal, shear, reach = contact.pairs.adhesion[entry - 1]
-                if row[CLOSING] * dt < reach:
+                if row[GAP_RATE] * dt < reach:
                     row[PULL], row[CLING] = normal * row[AREA] * dt, shear * row[AREA] * dt
             ends[found, 0], ends[found, 1], ends[found, 2] = one, other, entry
             found += 1
@@ -204,7 +213,7 @@ def _gap(a, b, row, missing, bent):
 
 @inner_kernel
 def _find_gap(frame, fields, a, b, sides, row):
-    """Set normal, from `a` to `b`, and, as CLOSING, the cell's length along the normal.
+    """Set normal, from `a` to `b`, and, as `GAP_RATE`, the cell's length along the normal.
 
     Returns whether there is a surface. Those that a wall cuts bodies at are none that they meet
     with: on a wall the normal is along it, unless they lie on each other there. That of a rigid
@@ -232,5 +241,5 @@ def _find_gap(frame, fields, a, b, sides, row):
         return False
     for d in range(3):
         row[NORMAL + d] /= length
-    row[CLOSING] = length / sqrt(along)
+    row[GAP_RATE] = length / sqrt(along)
     return True

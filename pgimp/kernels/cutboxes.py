@@ -28,7 +28,7 @@ LEAST = 1e-4
 def volume_sums(shape: Any) -> VolumeSums:
     """Sums of volumes for particles of a shape, given by its parameters."""
     boxes = isinstance(shape, GimpParameters | FiniteGimpParameters)
-    return VolumeSums() if boxes else VolumeSums(slopes=1.0)
+    return VolumeSums() if boxes else VolumeSums(gradient=1.0)
 
 
 def summed_supports(loads, shape, frame, window, particles, rows, layer, buffer):
@@ -48,7 +48,7 @@ def _summed_supports(loads, shape, frame, window, particles, rows, layer, buffer
         _narrow(shape, frame, buffer, 0, half, x, way, layer)
 
     volumes = loads.instance_class is VolumeSums
-    if not volumes or loads.types[VolumeSums._fields.index("slopes")] == types.float64:
+    if not volumes or loads.types[VolumeSums._fields.index("gradient")] == types.float64:
         return whole
     return left
 

@@ -12,8 +12,8 @@ import numpy as np
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.kernels.contact import (
     BEFORE,
-    CLOSING,
     EXCESS,
+    GAP_RATE,
     NOW,
     OUTWARD,
     PART,
@@ -60,7 +60,7 @@ class Encounters(NamedTuple):
 
     @classmethod
     def empty(cls, count: int) -> Self:
-        """Make room for so many."""
+        """Allocate for `count` pairs."""
         return cls(
             np.empty((count, ENDS), np.int64), np.empty((count, PARTNERS)), np.empty((count, RIGID))
         )
@@ -107,7 +107,7 @@ def copy(to, of):
 
 @inner_kernel
 def _load(contact, a, row, cell):
-    """Put what a group has at a vertex into the room for field `a`."""
+    """Load a group's sums at a vertex as field `a`."""
     fields = contact.fields
     fields[a, WEIGHT] = row[HEAVY]
     fields[a, PART] = (row[FILLS] + row[MORE]) / cell
@@ -119,27 +119,27 @@ def _load(contact, a, row, cell):
 
 
 @inner_kernel
-def _keep_pairs(contact, number, places, pairs, found, aside, encounters):
-    """Keep the pairs that `find_pairs` has found at a vertex, as many as there is room for.
+def _keep_pairs(contact, number, places, pairs, found, deep, encounters):
+    """Keep the pairs that `find_pairs` has found at a vertex, as far as there is room.
 
     `places` are the entries of the groups there; fields behind them are rigid. Returns how many
-    are kept, and how many aside.
+    are kept, and how many lie too deep.
     """
     for k in range(pairs):
         one, other = contact.ends[k, 0], contact.ends[k, 1]
         if contact.pairs.law[contact.ends[k, 2] - 1] == FRICTION:
             if not _is_close(contact.fields[one], contact.fields[other]):
-                aside += 1
-                if found + aside <= len(encounters.ends):
-                    end = encounters.ends[-aside]
-                    copy(encounters.partners[-aside], contact.partners[k])
+                deep += 1
+                if found + deep <= len(encounters.ends):
+                    end = encounters.ends[-deep]
+                    copy(encounters.partners[-deep], contact.partners[k])
                     end[ENTRY] = contact.ends[k, 2]
                     for d in range(3):
                         end[VERTEX + d] = number[d]
                     end[BODIES], end[BODIES + 1] = contact.bodies[one], contact.bodies[other]
                 continue
         found += 1
-        if found + aside > len(encounters.ends):
+        if found + deep > len(encounters.ends):
             continue
         end, rigid = encounters.ends[found - 1], encounters.rigid[found - 1]
         copy(encounters.partners[found - 1], contact.partners[k])
@@ -154,7 +154,7 @@ def _keep_pairs(contact, number, places, pairs, found, aside, encounters):
             if a >= len(places):
                 for d in range(3):
                     rigid[3 * side + d] = contact.fields[a, NOW + d]
-    return found, aside
+    return found, deep
 
 
 def _past_another(faces, axis, frame, number):
@@ -203,7 +203,7 @@ def find_encounters(contact, frame, faces, walls, present, dt, encounters):
     Parameters
     ----------
     contact : Contact
-        Laws, rigid bodies, and room for what meets at a vertex.
+        Laws, rigid bodies, and scratch for the fields at a vertex.
     faces : Faces or ()
         All walls that stand, where neighbourhoods end.
     walls : SeparatingWalls
@@ -220,7 +220,7 @@ def find_encounters(contact, frame, faces, walls, present, dt, encounters):
         How many there are, and how many lie too deep; more than there is room for are not kept.
     """
     keys, order, sums = present.keys, present.order, present.sums
-    found, aside, i = 0, 0, 0
+    found, deep, i = 0, 0, 0
     whole = 1.0
     for d in range(len(frame.cell)):
         whole *= frame.cell[d]
@@ -236,7 +236,7 @@ def find_encounters(contact, frame, faces, walls, present, dt, encounters):
         tools = find_tools(contact, contact.tools, frame, number, sides, count, True)
         if count + tools > 1:
             pairs = find_pairs(contact, frame, sides, count + tools, tools, dt)
-            found, aside = _keep_pairs(contact, number, places, pairs, found, aside, encounters)
+            found, deep = _keep_pairs(contact, number, places, pairs, found, deep, encounters)
         for w in range(len(walls.rows)):
             for a in range(count):
                 on = (number[walls.rows[w, 0]] - walls.rows[w, 2]) == 0
@@ -244,8 +244,8 @@ def find_encounters(contact, frame, faces, walls, present, dt, encounters):
                 _load(contact, 0, sums[places[a]], half)
                 pairs = _wall_pair(contact, frame, faces, walls, w, number, sides, half)
                 if pairs > 0:
-                    contact.partners[0, CLOSING] /= dt
-                    found, aside = _keep_pairs(
-                        contact, number, places[a : a + 1], pairs, found, aside, encounters
+                    contact.partners[0, GAP_RATE] /= dt
+                    found, deep = _keep_pairs(
+                        contact, number, places[a : a + 1], pairs, found, deep, encounters
                     )
-    return found, aside
+    return found, deep

@@ -5,13 +5,13 @@ from math import inf
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.kernels.contact import (
     BEFORE,
+    BILATERAL,
     EXCESS,
     MOBILITY,
     NOW,
     OUTWARD,
     PART,
     SWEEPS,
-    TOLD,
     WEIGHT,
     find_pairs,
 )
@@ -203,7 +203,7 @@ def _find_tools(contact, tools, frame, number, sides, count, last):
                 v += motion[spin + e] * arm[f] - motion[spin + f] * arm[e]
                 row[OUTWARD + d] = tools.at[SURFACE + d]
                 row[NOW + d] = row[BEFORE + d] = v
-                row[MOBILITY + d] = row[TOLD + d] = 0.0
+                row[MOBILITY + d] = row[BILATERAL + d] = 0.0
             found += 1
         return found - count
 

@@ -75,8 +75,8 @@ def fold(frame, field, mirror, forcing, ledger):
                         push = G[wall + FORCE + axis] + G[wall + MASS] * gravity[axis]
                         into = (G[wall + MOMENTUM + axis] + dt * push) * mirror.side
                         near = clearance_at(forcing.clearances, mirror.number, wall)
-                        closing = G[wall + MASS] * near / dt
-                        if not (G[wall + MASS] > 0.0 and into > closing):
+                        gap_momentum = G[wall + MASS] * near / dt
+                        if not (G[wall + MASS] > 0.0 and into > gap_momentum):
                             continue
                     # Gravity will act on all mass of the image alike, on this part against it.
                     weight = G[g + MASS] * gravity[axis]

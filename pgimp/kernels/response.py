@@ -11,6 +11,7 @@ from math import inf, sqrt
 
 from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.kernels.contact import (
+    BILATERAL,
     CLING,
     DRAWN,
     NORMAL,
@@ -18,7 +19,6 @@ from pgimp.kernels.contact import (
     PUSH,
     SLIP,
     STUCK,
-    TOLD,
     WEIGHT,
 )
 from pgimp.kernels.contactlaw import softness
@@ -140,8 +140,8 @@ def _mobility(contact, tools, a, b, other, part):
     """
     soft, own = softness(contact, tools, a, b), contact.fields[other]
     return (
-        part * own[TOLD] + soft[0], part * own[TOLD + 1] + soft[1],
-        part * own[TOLD + 2] + soft[2],
+        part * own[BILATERAL] + soft[0], part * own[BILATERAL + 1] + soft[1],
+        part * own[BILATERAL + 2] + soft[2],
     )  # fmt: skip
 
 

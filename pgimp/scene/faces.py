@@ -122,20 +122,20 @@ def walls(faces: Sequence[Face], frame: Frame, end: float) -> np.ndarray:
     return found
 
 
-def room(faces: Sequence[Face], frame: Frame) -> tuple[tuple[float, float], ...]:
+def position_bounds(faces: Sequence[Face], frame: Frame) -> tuple[tuple[float, float], ...]:
     """Coordinates between which bodies in the initial configuration have to stay.
 
     What lies on a wall that stands still, or is held by it, cannot pass it; what has passed it has
     come from elsewhere, and the wall could not know: its vertices hold what lies on them at the
     start. Other faces are no limit.
     """
-    bounds = [[-np.inf, np.inf] for _ in frame.cell]
+    position_bounds = [[-np.inf, np.inf] for _ in frame.cell]
     for face in faces:
         if not face.condition.varies and face.condition.speed(face.axis, 0.0) == 0.0:
             d, end = face.axis, face.side > 0
             wall = frame.origin[d] + end * frame.cells[d] * frame.cell[d]
-            bounds[d][end] = float(wall + face.side * SLACK * frame.cell[d])
-    return tuple((low, high) for low, high in bounds)
+            position_bounds[d][end] = float(wall + face.side * SLACK * frame.cell[d])
+    return tuple((low, high) for low, high in position_bounds)
 
 
 def walls_approached(faces: Sequence[Face]) -> list[Wall]:

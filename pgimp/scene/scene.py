@@ -24,7 +24,7 @@ from pgimp.scene.faces import (
     AXES,
     Face,
     FaceTable,
-    room,
+    position_bounds,
     sides_approached,
     walls,
     walls_approached,
@@ -170,7 +170,7 @@ class Scene:
         )
         self._walls = None if varies else walls(self.faces, self.frame, 0.0)
         #: Between what a particle has to be, where the grid does not say so.
-        self.room = room(self.faces, self.frame) if self.initial else None
+        self.bounds = position_bounds(self.faces, self.frame) if self.initial else None
         D = self.dimension
         self.identity = tuple(float(i == j) for i in range(D) for j in range(D))
         frame = InitialFrame(*self.frame) if self.initial else self.frame

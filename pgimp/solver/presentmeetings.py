@@ -168,20 +168,20 @@ class PresentMeetings:
         now, start = self._supports(len(table)), self._supports(len(table))
         call(find_supports, shape, frame, scene.identity, table, PLACE, now)
         present = self._sum(table, now)
-        room = 4 * len(present.keys)
+        capacity = 4 * len(present.keys)
         while True:
-            encounters = Encounters.empty(room)
+            encounters = Encounters.empty(capacity)
             pairs, deep = call(
                 find_encounters, contact, frame, self._every_face, self._walls, present, t.dt,
                 encounters,
             )  # fmt: skip
-            if pairs + deep <= room:
+            if pairs + deep <= capacity:
                 break
-            room = pairs + deep
+            capacity = pairs + deep
         if pairs == 0:
             self.sweeps = 0
             return None
-        below = encounters.between(room - deep, room)
+        deeper = encounters.between(capacity - deep, capacity)
         encounters = encounters.between(0, pairs)
         call(find_supports, shape, frame, scene.identity, table, START, start)
         hashes, values = room_for(len(vertices.keys)), vertices.values
@@ -191,7 +191,7 @@ class PresentMeetings:
         self.sweeps = call(
             settle_contacts, contact, free, encounters, responses, values, SWEEPS, ENOUGH
         )
-        return encounters, below, responses
+        return encounters, deeper, responses
 
     def _sum(self, table: np.ndarray, now: Supports) -> Present:
         """What groups have at the vertices; `now` are the particles' supports there."""

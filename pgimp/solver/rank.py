@@ -125,7 +125,7 @@ class Rank:
         lag = LAG if comm.size > 1 and not scene.initial else 0
         meetings = self.meetings or self.present
         fields = meetings.fields if meetings else ()
-        self.grid = Grid(scene.frame, scene.vertices, slab, lag, fields, scene.room)
+        self.grid = Grid(scene.frame, scene.vertices, slab, lag, fields, scene.bounds)
         self.halo = Halo(comm, slab, scene.vertices - 1)
         self.migration = Migration(comm, slab, self.particles)
         outflow = (len(scene.body_names), scene.sums) if scene.escapes else (0, 0)

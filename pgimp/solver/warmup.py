@@ -51,7 +51,7 @@ def _calls(scene: Scene) -> Iterator[Call]:
     order = Order(rows, start)
     bounds = np.array([[2**62] * 2, [-(2**62)] * 2])
     fields = (0,) * len(scene.body_names) if scene.pairs else ()
-    grid = Grid(frame, vertices, Slab(0, 1, None, None), fields=fields, room=scene.room)
+    grid = Grid(frame, vertices, Slab(0, 1, None, None), fields=fields, bounds=scene.bounds)
     grid.cover(np.full((2, 2), vertices))
     wire = np.empty(0, np.int64)
     bodies, faces = len(scene.material_of), scene.face_parameters(0.0, 0.0)

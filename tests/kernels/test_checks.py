@@ -104,7 +104,7 @@ def test_errors_are_listed_in_canonical_order_while_the_others_go_on():
 
     rank = still_particles("gimp")
     rank.particles.F[list(bad), 0] = -9.0
-    rank.room = 2
+    rank.capacity = 2
     stepped(rank)
     assert rank.failed == 3 and rank.errors[:, 0].tolist() == list(bad)[:2]
 

@@ -140,13 +140,13 @@ class Rank:
 
     Attributes
     ----------
-    exits, room : int
+    exits, capacity : int
         Faces that let particles go, and most particles at fault that are listed.
     mean : float or ()
         See `Loads`.
     """
 
-    exits, room = 0, 8
+    exits, capacity = 0, 8
     mean: Any = ()
 
     def __init__(
@@ -247,15 +247,15 @@ class Rank:
         """
         grid, population = self.grid, self.population
         self.vertex_bounds = grid.base.copy()
-        room = np.zeros((self.room, 2), np.int64)
+        errors = np.zeros((self.capacity, 2), np.int64)
         self.failed, self.outflow, *rest = grid_to_particles(
             self.setting._replace(tracked=tracked, exits=self.exits), grid.field,
             population.particles, population.ordered, np.arange(len(population.start) - 1),
             self.forcing(dt)._replace(loads=Loads(mean=self.mean)),
-            Report(self.vertex_bounds, population.changed, room),
+            Report(self.vertex_bounds, population.changed, errors),
             Ledger.empty(grid.planes, 0, 0),
         )  # fmt: skip
-        self.errors = room[: self.failed]
+        self.errors = errors[: self.failed]
         row, error = self.errors[0] if self.failed else (-1, 0)
         return (int(error), int(row), *rest)
 
