@@ -30,19 +30,25 @@ ROOT = Path(pgimp.__file__).parent
 MODULES = sorted(path.relative_to(ROOT) for path in ROOT.rglob("*.py"))
 
 
-def imported(path):
-    """Names of pgimp's modules that a file imports, anywhere in it, for types alone too."""
+def statements(path):
+    """Names of pgimp's modules, or in them, that a file imports, anywhere, for types alone too."""
     for node in ast.walk(ast.parse((ROOT / path).read_text())):
         if isinstance(node, ast.ImportFrom):
             assert node.level == 0, f"{path}: a relative import"
             whole = [f"{node.module}.{alias.name}" for alias in node.names]
         elif isinstance(node, ast.Import):
             whole = [alias.name for alias in node.names]
-        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
-            whole = [node.value] if node.value.startswith("pgimp.") else []
         else:
             continue
         yield from (name for name in whole if name.startswith("pgimp."))
+
+
+def imported(path):
+    """As `statements`, and names of modules that are given as text."""
+    yield from statements(path)
+    for node in ast.walk(ast.parse((ROOT / path).read_text())):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str):
+            yield from [node.value] * node.value.startswith("pgimp.")
 
 
 def test_every_folder_has_a_floor():
@@ -58,6 +64,19 @@ def test_no_import_runs_up():
             if own in FLOOR and own not in (other, "__init__") and other in FLOOR:
                 up += [f"{path} imports {name}"] * (FLOOR[other] >= FLOOR[own])
     assert not up, "\n".join(up)
+
+
+def test_no_modules_import_each_other_in_a_circle():
+    """Nor through others; also not for types, or in a function."""
+    names = {".".join(("pgimp", *path.with_suffix("").parts)).removesuffix(".__init__"): path
+             for path in MODULES}  # fmt: skip
+    left = {}
+    for name, path in names.items():
+        wanted = {n if n in names else n.rpartition(".")[0] for n in statements(path)}
+        left[name] = wanted & set(names) - {name}
+    while done := {name for name, wanted in left.items() if not wanted & set(left)}:
+        left = {name: wanted for name, wanted in left.items() if name not in done}
+    assert not left, {name: sorted(wanted & set(left)) for name, wanted in left.items()}
 
 
 def test_no_file_of_tests_imports_another():
@@ -76,7 +95,7 @@ def test_no_file_of_tests_imports_another():
 def test_no_kernel_takes_more_than_eight_arguments():
     """What belongs together goes in one NamedTuple, see `pgimp.kernels.concepts`."""
     many = []
-    for path in (ROOT / "kernels").rglob("*.py"):
+    for path in [*(ROOT / "kernels").rglob("*.py"), *(ROOT / "physics").rglob("*.py")]:
         for node in ast.walk(ast.parse(path.read_text())):
             if isinstance(node, ast.FunctionDef | ast.Lambda):
                 own = node.args

@@ -52,6 +52,9 @@ class Carried(NamedTuple):
 class Column(NamedTuple):
     """A column of the particles, (c,) or (c, k) with the capacity c.
 
+    All migrate, are sorted, checkpointed and resumed; what of them output may have is in
+    `pgimp.physics.fields`.
+
     Attributes
     ----------
     meaning, unit : str
@@ -64,6 +67,8 @@ class Column(NamedTuple):
         What every particle's is above.
     numbers : str
         What it numbers, if that: from 0 on, or from 1 on where 0 stands for none.
+    initial : float
+        What it begins as; of a matrix its diagonal, the rest is 0.
     """
 
     meaning: str
@@ -73,6 +78,7 @@ class Column(NamedTuple):
     least: float | None = None
     above: float | None = None
     numbers: str = ""
+    initial: float = 0.0
 
 
 def _directions(carried: Carried) -> int:
@@ -90,7 +96,7 @@ class Particles(NamedTuple):
     v: Annotated[
         FloatArray, Column("velocity, momentum over mass p_p/m_p", "length/time", _directions)
     ]
-    F: Annotated[FloatArray, Column("deformation gradient, row by row", "1", _matrix)]
+    F: Annotated[FloatArray, Column("deformation gradient, row by row", "1", _matrix, initial=1.0)]
     sigma: Annotated[
         FloatArray,
         Column(
@@ -167,12 +173,13 @@ class Particles(NamedTuple):
 
     @classmethod
     def empty(cls, capacity: int, carried: Carried) -> "Particles":
-        """Arrays for `capacity` particles with all that is carried; F is 1, all else 0."""
+        """Arrays for `capacity` particles with all that is carried, as they begin."""
         arrays = {}
         for name, column in COLUMNS.items():
             more = () if column.width is None else (column.width(carried),)
             arrays[name] = np.zeros((capacity, *more), column.dtype)
-        arrays["F"][:, :: carried.dimensions + 1] = 1.0
+            if column.initial:
+                arrays[name][:, :: carried.dimensions + 1] = column.initial
         return cls(**arrays)
 
     @property

@@ -131,6 +131,19 @@ def stress(source: Source) -> Array:
     return _padded(source.take("sigma"), 6)
 
 
+def pressure_of(sigma: Array) -> Array:
+    """Return the pressure of stresses, (n, 3) or more: positive in compression."""
+    xx, yy, zz = sigma[:, :3].T
+    return -(xx + yy + zz) / 3.0
+
+
+def von_mises_of(sigma: Array) -> Array:
+    """Return the von Mises stress of stresses, (n, 3 to 6)."""
+    xx, yy, zz, xy, yz, xz = _padded(sigma, 6).T
+    normal = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
+    return np.sqrt(0.5 * normal + 3.0 * (xy**2 + yz**2 + xz**2))
+
+
 def displacement(source: Source) -> Array:
     """Return position less initial position, zero in missing directions."""
     return _padded(source.take("x") - source.take("origin"), 3)
@@ -149,15 +162,12 @@ def deformation(source: Source) -> Array:
 
 def pressure(source: Source) -> Array:
     """Return minus a third of the trace of the stress: positive in compression."""
-    xx, yy, zz = source.take("sigma")[:, :3].T
-    return -(xx + yy + zz) / 3.0
+    return pressure_of(source.take("sigma"))
 
 
 def von_mises(source: Source) -> Array:
     """Return the von Mises stress: three times the deviator's second invariant, its root."""
-    xx, yy, zz, xy, yz, xz = stress(source).T
-    normal = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
-    return np.sqrt(0.5 * normal + 3.0 * (xy**2 + yz**2 + xz**2))
+    return von_mises_of(source.take("sigma"))
 
 
 def strain(source: Source) -> Array:

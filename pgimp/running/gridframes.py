@@ -105,7 +105,7 @@ class GridFrames(Series):
             for place, data in says.items():
                 file.write(place, data)
             for dataset in self._datasets:
-                values = self._rounded(dataset.name, self._values(dataset.name, state), file)
+                values = self._rounded(dataset.name, _values(dataset.name, state), file)
                 place = offsets[dataset.name] + state.first[0] * dataset.row_bytes
                 file.write(place, np.ascontiguousarray(values))
             place = offsets["connectivity"] + state.first[1] * 8 * 2**self._dimension
@@ -125,14 +125,6 @@ class GridFrames(Series):
             Dataset(name, dtype, (3,) if name != "mass" else (), {"meaning": meaning[name]})
             for name, dtype in self._types.items()
         ]
-
-    @staticmethod
-    def _values(name: str, state: ActiveGrid) -> Array:
-        if name == "velocity":
-            # A corner without mass stands still.
-            mass = np.where(state.mass > 0.0, state.mass, 1.0)
-            return state.momentum / mass[:, None]
-        return getattr(state, name)
 
     def _rounded(self, name: str, values: Array, file: FrameFile) -> Array:
         try:
@@ -167,3 +159,7 @@ class GridFrames(Series):
         frame = GridFrame(path)
         counts = frame.vertices, frame.cells
         return self._entry(path, frame.time, frame.step, counts, frame.types)
+
+
+def _values(name: str, state: ActiveGrid) -> Array:
+    return state.position if name == "position" else GRID[name].values(state)

@@ -7,15 +7,14 @@ canonical order, as those of the history.
 
 from collections.abc import Sequence
 from math import floor, prod
-from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from pgimp.decomposition.population import Population
 from pgimp.files.framefile import blocks
-from pgimp.physics.columns import FOLLOWED
-from pgimp.physics.fields import FIELDS, TENSOR, Source
+from pgimp.physics.columns import FOLLOWED, PLACE, Around
+from pgimp.physics.fields import TENSOR, Source
 
 if TYPE_CHECKING:
     from pgimp.solver.simulation import Simulation
@@ -116,13 +115,7 @@ class Place:
 
     A particle counts by the weight that a vertex of the grid there would have in linear
     interpolation, w = product of max(0, 1 - |x_p - X|/L) over the directions. The columns are
-
-    - volume-fraction: sum of w V_p over the volume of a cell,
-    - density: sum of w m_p over sum of w V_p,
-    - velocity: sum of w m_p v_p over sum of w m_p,
-    - stress: sum of w V_p sigma_p over sum of w V_p; pressure and von-mises are of this stress.
-
-    Where less than a quarter is filled, only the volume fraction is given.
+    those of `PLACE`. Where less than a quarter is filled, only the volume fraction is given.
 
     Parameters
     ----------
@@ -161,21 +154,18 @@ class Place:
     def line(self, sim: "Simulation", parts: list[list[np.ndarray]]) -> Line:
         """A line on rank 0, from the sums that each rank has."""
         D, S = sim.scene.dimension, sim.particles.sigma.shape[1]
-        names = ["volume-fraction", "density", *(f"velocity-{a}" for a in AXES[:D])]
-        names += [f"stress-{name}" for name in TENSOR.split()[:S]] + ["pressure", "von-mises"]
+        ends = {"AXIS": AXES[:D], "COMPONENT": TENSOR.split()[:S]}
+        names = []
+        for name in PLACE:
+            stem, _, end = name.rpartition("-")
+            names += [f"{stem}-{part}" for part in ends[end]] if end in ends else [name]
         sums = [layer for part in parts for layer in part]
         total = np.add.reduce(np.array([np.zeros(2 + D + S), *sums]), axis=0)
         fraction = total[0] / prod(sim.scene.frame.cell)
         if fraction < FILLED:
             return _line(sim, names, np.array([fraction]))
-        stress = total[2 + D :] / total[0]
-        alone = SimpleNamespace(sigma=stress[None])
-        source = Source(alone, np.array([0]), D, tuple(sim.scene.body_material))
-        scalars = [FIELDS[name].values(source)[0] for name in ("pressure", "von-mises")]
-        velocity = total[2 : 2 + D] / total[1]
-        return _line(
-            sim, names, np.array([fraction, total[1] / total[0], *velocity, *stress, *scalars])
-        )
+        around = Around(fraction, total[0], total[1], total[2 : 2 + D], total[2 + D :])
+        return _line(sim, names, np.hstack([mean.values(around) for mean in PLACE.values()]))
 
 
 def _line(sim: "Simulation", names: list[str], values: np.ndarray | None) -> Line:

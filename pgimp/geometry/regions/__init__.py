@@ -4,10 +4,8 @@ A region is a pydantic model of its entry in the case that is also a `Region`: i
 points lie inside, and a box around it.
 """
 
-from pydantic import BaseModel
-
 from pgimp.geometry.regions.ball import Ball
-from pgimp.geometry.regions.base import REGION, Region, RegionEntry
+from pgimp.geometry.regions.base import REGION, REGIONS, Region, RegionEntry
 from pgimp.geometry.regions.box import Box
 from pgimp.geometry.regions.combine import Difference, Intersection, Union
 from pgimp.geometry.regions.cylinder import Cylinder
@@ -15,7 +13,7 @@ from pgimp.geometry.regions.half_space import HalfSpace
 from pgimp.geometry.regions.mesh import Mesh
 from pgimp.geometry.regions.points import Points
 
-REGIONS: dict[str, type[BaseModel]] = {
+REGIONS |= {
     "box": Box,
     "ball": Ball,
     "cylinder": Cylinder,
@@ -26,7 +24,6 @@ REGIONS: dict[str, type[BaseModel]] = {
     "difference": Difference,
     "intersection": Intersection,
 }
-"""The regions by their name in the case, ``region: {NAME: ...}``."""
 
 __all__ = [
     "REGION",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -207,13 +207,10 @@ def roots(a: Lengths | float, b: Lengths, c: Lengths) -> Lengths:
         return np.stack([q / a, c / q], axis=1)
 
 
-def _registry() -> Mapping[str, type[BaseModel]]:
-    from pgimp.geometry.regions import REGIONS
+#: The regions by their name in the case, ``region: {NAME: ...}``; the package fills it.
+REGIONS: dict[str, type[BaseModel]] = {}
 
-    return REGIONS
-
-
-REGION = ByKey(_registry, "region")
+REGION = ByKey(lambda: REGIONS, "region")
 
 RegionEntry = Annotated[Any, REGION]
 """A region as a case writes it, ``{box: {...}}``; validated to a `Region`."""

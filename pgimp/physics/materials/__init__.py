@@ -31,7 +31,7 @@ from pgimp.physics.materials.mohr_coulomb import MohrCoulomb
 from pgimp.physics.materials.mu_i import MuI
 from pgimp.physics.materials.neo_hookean import NeoHookean
 from pgimp.physics.materials.newtonian import Newtonian
-from pgimp.physics.materials.registry import Registry
+from pgimp.physics.materials.registry import MATERIALS
 from pgimp.physics.materials.von_mises import VonMises
 from pgimp.schema.base import NonNegative, Number, Positive
 
@@ -48,8 +48,7 @@ __all__ = [
     "lame",
 ]
 
-#: The materials by their name in the case, ``materials: {NAME: {model: ...}}``.
-MATERIALS = Registry(
+MATERIALS.update(
     {
         "linear-1d": Linear1d,
         "neo-hookean": NeoHookean,

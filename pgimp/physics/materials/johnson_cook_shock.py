@@ -19,20 +19,24 @@ from pgimp.physics.materials.mie_gruneisen import (
 from pgimp.physics.materials.rate_flow import Damage, Strength, damaged, plastic_step
 
 
-def shocked(material, J, sigma, L, dt, q, state, place, heat):
-    """Pressure, internal energy and temperature after a step; `place` is that of the energy."""
+def shocked(material, J, sigma, L, dt, q, before, heat):
+    """Pressure, internal energy and temperature after a step.
+
+    `before` has temperature and energy, `heat` is that of plastic flow.
+    """
 
 
 @specialise(shocked)
-def _shocked(material, J, sigma, L, dt, q, state, place, heat):
-    def pressure(material, J, sigma, L, dt, q, state, place, heat):
+def _shocked(material, J, sigma, L, dt, q, before, heat):
+    def pressure(material, J, sigma, L, dt, q, before, heat):
         k, eos = material.strength, material.eos
-        before = J / determinant(one_plus(dt, L))
+        warmth, inner = before
+        former = J / determinant(one_plus(dt, L))
         p = (sigma[0] + sigma[1] + sigma[2]) * (-1.0 / 3.0)
-        now, e = pressure_and_energy(eos, J, before, p, q, heat, state[place])
-        grown = J - before
+        now, e = pressure_and_energy(eos, J, former, p, q, heat, inner)
+        grown = J - former
         # dT = -gamma T dJ without dissipation, as gamma over the volume is constant.
-        warm = state[1] * (1.0 - eos.gamma * grown) + k.heating * (heat - q * grown)
+        warm = warmth * (1.0 - eos.gamma * grown) + k.heating * (heat - q * grown)
         return now, e, warm
 
     return pressure
@@ -51,7 +55,7 @@ class JohnsonCookShockParameters(NamedTuple):
         """Radial return, and the pressure with the step's heat."""
         k = material.strength
         s, _, x, work, _ = plastic_step(k, J, sigma, L, dt, state)
-        p, e, warm = shocked(material, J, sigma, L, dt, q, state, 3, k.share * work)
+        p, e, warm = shocked(material, J, sigma, L, dt, q, (state[1], state[3]), k.share * work)
         return isotropic(1.0 / J, s, -p), (state[0] + x, warm, state[2] + work, e)
 
     @staticmethod
@@ -91,7 +95,7 @@ class JohnsonCookShockDamageParameters(NamedTuple):
         """Radial return, pressure, then failure, after which no tension is borne."""
         k = material.strength
         s, left, x, work, hot = plastic_step(k, J, sigma, L, dt, state)
-        p, e, warm = shocked(material, J, sigma, L, dt, q, state, 4, k.share * work)
+        p, e, warm = shocked(material, J, sigma, L, dt, q, (state[1], state[4]), k.share * work)
         r = 1.0 / J
         damage = damaged(material.damage, k, x, hot, -p, left * r, dt, state[3])
         sound = choose(damage < 1.0, 1.0, 0.0)

@@ -27,8 +27,8 @@ GROUP = "pgimp.materials"
 class Registry(dict[str, type[Material]]):
     """Materials by name; the first question for an unknown one looks into installed packages."""
 
-    def __init__(self, own: dict[str, type[Material]]) -> None:
-        super().__init__(own)
+    def __init__(self) -> None:
+        super().__init__()
         self._complete = False
 
     def __contains__(self, name: object) -> bool:
@@ -99,6 +99,11 @@ def _place(entry: type) -> str:
     return f"{entry.__module__}.{entry.__qualname__}"
 
 
+#: The materials by their name in the case, ``materials: {NAME: {model: ...}}``; pgimp's own are put
+#: in by the package.
+MATERIALS = Registry()
+
+
 def register_material(entry: M) -> M:
     """Let cases use a material from outside the package; a decorator.
 
@@ -120,8 +125,6 @@ def register_material(entry: M) -> M:
     UsageError
         If it is not what is said above, or if the name is taken.
     """
-    from pgimp.physics.materials import MATERIALS
-
     return MATERIALS.add(entry)
 
 

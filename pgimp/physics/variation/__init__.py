@@ -7,14 +7,20 @@ type here, with its values at places; what the numbers then do to the material i
 """
 
 from pgimp.physics.variation.along import LayersVariation, TableVariation
-from pgimp.physics.variation.base import VARIATION, NoValueError, Path, Places, Variation
+from pgimp.physics.variation.base import (
+    KINDS,
+    VARIATION,
+    NoValueError,
+    Path,
+    Places,
+    Variation,
+)
 from pgimp.physics.variation.column import FromColumn
 from pgimp.physics.variation.randomfield import RandomVariation
 
 __all__ = ["KINDS", "VARIATION", "NoValueError", "Path", "Places", "TableVariation", "Variation"]
 
-#: What a parameter may be in place of a number, by the key that says so; the first one counts.
-KINDS: dict[str, type[Variation]] = {
+KINDS |= {
     "table": TableVariation,
     "layers": LayersVariation,
     "random": RandomVariation,

@@ -38,6 +38,11 @@ class NoValueError(Exception):
         self.row = row
 
 
+#: What a parameter may be in place of a number, by the key that says so; the first one counts. The
+#: package fills it.
+KINDS: dict[str, type[Variation]] = {}
+
+
 class _ByKind(Dispatch):
     """A mapping whose key says how a parameter varies."""
 
@@ -47,8 +52,6 @@ class _ByKind(Dispatch):
         """See `Dispatch`."""
         if isinstance(value, Variation):
             return value
-        from pgimp.physics.variation import KINDS
-
         kinds = ", ".join(KINDS)
         if not isinstance(value, Mapping):
             raise problem(f"expected a number, or a mapping with one of {kinds}; {got(value)}")

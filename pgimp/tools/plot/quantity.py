@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy as np
@@ -15,7 +14,7 @@ from pgimp.tools.plot.units import kind_of_field
 
 Array = np.ndarray
 
-_FROM_STRESS = {"von-mises": fields.von_mises, "pressure": fields.pressure}
+_FROM_STRESS = {"von-mises": fields.von_mises_of, "pressure": fields.pressure_of}
 _FIRST_CHOICE = ("von-mises", "stress", "velocity", "displacement", "volume")
 _NAMES = {"von-mises": "von Mises stress", "deformation": "F"}
 
@@ -58,9 +57,7 @@ class Quantity(NamedTuple):
         """
         values = frame.rows(self.field, first, last)
         if self.text in _FROM_STRESS and self.field == "stress":
-            particles = SimpleNamespace(sigma=values.astype(np.float64))
-            every = np.arange(len(values))
-            return _FROM_STRESS[self.text](fields.Source(particles, every, 3, ()))
+            return _FROM_STRESS[self.text](values.astype(np.float64))
         if self.column is not None:
             values = values[:, self.column]
         elif values.ndim == 2:

@@ -77,7 +77,7 @@ def kind_of_field(name: str) -> str:
 def kind_of_column(name: str) -> str:
     """Return the kind of a column of the history or of a probe, empty if it has none."""
     units = {column.name: column.unit for group in HISTORY for column in group.columns}
-    probes = columns.POINT | columns.PLACE
+    probes = columns.POINT | {name: mean.meaning for name, mean in columns.PLACE.items()}
     units |= {key: _bracketed(meaning) for key, meaning in probes.items()}
     for key, kind in units.items():
         pattern = re.sub("|".join(_PLACES), lambda found: _PLACES[found[0]], re.escape(key))

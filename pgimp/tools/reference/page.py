@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from pgimp.case.writer import flow
-from pgimp.physics.columns import GRID, PLACE, POINT, Vertex
+from pgimp.physics.columns import GRID, PLACE, POINT, WHEN, Vertex
 from pgimp.physics.fields import ALWAYS, FAILURE, OPTIONAL, Field
 from pgimp.physics.variation import KINDS, VARIATION
 from pgimp.schema.base import LARGEST_COUNT
@@ -102,7 +102,7 @@ def reference() -> str:
         "max(0, 1 - |x - X|/L) over the directions, L the cell. Where the volume fraction\n"
         "is below 0.25 there is no material, and what follows is empty; at a flat surface it\n"
         "is 0.5.\n",
-        _columns(PLACE),
+        _columns(WHEN | {name: mean.meaning for name, mean in PLACE.items()}),
         "## Study file\n",
         "What `pgimp study` takes. Key paths are those of `--set`. An entry of `sweep` is like\n"
         "`{grid.cell: [[2.0], [1.0]], time.step: [2.0e-3, 1.0e-3]}`, two runs, or like\n"
