@@ -49,7 +49,7 @@ def sums_of_bodies(rank: Rank, scene: Any, order: Any) -> np.ndarray:
     rank : Rank
         Has the particles.
     scene : Scene
-        With the parameters that count.
+        Gives the parameters.
     order : Order
         Which particles of the rank, by layer.
 
@@ -90,7 +90,7 @@ def column_names(scene: Any) -> list[str]:
 
 
 class Diagnostics:
-    """Sums of one simulation; what refers to earlier lines is kept on rank 0."""
+    """Sums of one simulation; references to earlier lines are kept on rank 0."""
 
     def __init__(self) -> None:
         #: Greatest part of the mass beyond a face in any line, when, and which; on rank 0.
@@ -111,7 +111,7 @@ class Diagnostics:
         The reaction of a face, or of a constraint, is the mean force that it exerted on the
         material since the last line: its impulse over the time. The dissipated energy closes the
         balance: initial energy plus external work less kinetic and strain energy, also that of
-        particles that were removed, plus what changes of stages brought.
+        particles that were removed, plus what changes between stages added.
         """
         scene = rank.scene
         sums, masses, unit = _own_sums(rank, scene, rank.population.ordered)

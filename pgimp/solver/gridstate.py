@@ -1,7 +1,7 @@
 """The part of the grid where there are particles, as output shows it.
 
-It is summed again from the particles as they are, just as the next step will do: what is left
-from the last step belongs to where they were. So a frame of the grid belongs to the particles of
+It is summed again from the particles as they are, just as the next step will do: the sums of the
+last step belong to where they were. So a frame of the grid belongs to the particles of
 the same time, also at the start, and after a resume. Of bodies in the initial configuration it is
 the grid at the start: vertices and cells stay where they were then.
 """
@@ -41,7 +41,7 @@ class ActiveGrid(NamedTuple):
     mass, momentum, force : (n,), (n, 3), (n, 3) float64
         Sums over the particles; the force with that of gravity.
     contact : (n, 3) float64
-        See `_contact`; zeros where it is not wanted.
+        See `_contact`; zeros where it is not requested.
     cells : (c, 2^D) int64
         Vertices of the cells in which there are centres of particles, numbered over all ranks.
     first : (int, int)
@@ -70,13 +70,13 @@ def active_grid(rank: Rank, time: float, dt: float = 0.0) -> ActiveGrid:
     time : float
         The time.
     dt : float
-        Length of the step for which forces of contact are wanted; 0: they are not.
+        Length of the step for the forces of contact; 0: without them.
     """
     comm, scene, grid, slab = rank.comm, rank.scene, rank.grid, rank.slab
-    wanted = bool(rank.meetings) and dt > 0.0
-    if wanted and rank.meetings:  # before the first step all bodies share a field
+    contacts = bool(rank.meetings) and dt > 0.0
+    if contacts and rank.meetings:  # before the first step all bodies share a field
         rank.meetings.regroup(grid, rank.population)
-    sum_particles(rank, scene.loads.at(time), marked=wanted and bool(scene.loads.constraints))
+    sum_particles(rank, scene.loads.at(time), marked=contacts and bool(scene.loads.constraints))
     rank.halo.finish(grid)
     own, D = grid.owned, scene.dimension
     extent = grid.window.extent
@@ -103,7 +103,7 @@ def active_grid(rank: Rank, time: float, dt: float = 0.0) -> ActiveGrid:
     corners = [numbers[i + a, j + b, k + c] for a, b, c in _CORNERS[D - 1]]
 
     found, place = records[vertices], np.nonzero(vertices)
-    contact = _contact(rank, time, dt)[vertices] if wanted else np.zeros((len(found), 3))
+    contact = _contact(rank, time, dt)[vertices] if contacts else np.zeros((len(found), 3))
     position = np.zeros((len(found), 3))
     for d in range(D):
         number = place[d] + (grid.window.lower[d] - scene.frame.ghost)
@@ -155,7 +155,7 @@ def _cells(rank: Rank) -> tuple[np.ndarray, np.ndarray]:
     cells : (own planes, y, z) bool
         Those of this rank.
     below : (y, z) bool
-        Those of the last plane of the rank below.
+        Those of the last plane of the lower rank.
     """
     grid, slab, own, window = rank.grid, rank.slab, rank.grid.owned, rank.grid.window
     p, order, frame = rank.particles, rank.population.order, rank.scene.frame
@@ -167,7 +167,7 @@ def _cells(rank: Rank) -> tuple[np.ndarray, np.ndarray]:
             cell = np.floor((x[:, d] - frame.origin[d]) * frame.inverse[d])
             place[d] = cell.astype(np.int64) + (frame.ghost - window.lower[d])
         marks[tuple(place)] = True
-    # A particle of the last layer may be in the next cell, whose vertex the rank above has. Other
+    # A particle of the last layer may be in the next cell, whose vertex the upper rank has. Other
     # layers do not reach beyond, so that the plane before is complete.
     sent = None
     if slab.upper is not None:

@@ -1,4 +1,4 @@
-"""Where bodies meet: their velocity fields, and the sums that tell the gaps between them."""
+"""Where bodies meet: their velocity fields, and the sums that give the gaps between them."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Meetings:
 
     Volumes are summed only for planes in which several fields have mass: by the same layered sums
     and the same exchange as masses, so that all ranks get the same bits. A neighbour takes part
-    if such a plane is shared with it, which both sides see alike.
+    if such a plane is shared with it, on which both sides agree.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ class Meetings:
         self._halos: dict[tuple[bool, bool], Halo] = {}
 
     def regroup(self, grid: Grid, population: Population) -> None:
-        """Find out, when it is time, which bodies need fields of their own; collective."""
+        """Assign velocity fields to bodies, when it is due; collective."""
         if self._steps > 0:
             self._steps -= 1
             return
@@ -115,7 +115,7 @@ class Meetings:
         return begun > np.searchsorted(np.sort(high), place, "left")
 
     def _connect(self, grid: Grid) -> None:
-        """Make room for the sums in the planes of `grid`."""
+        """Allocate the sums for the planes of `grid`."""
         for halo in self._halos.values():
             halo.close()
         self._halos.clear()

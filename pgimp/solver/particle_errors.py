@@ -1,4 +1,4 @@
-"""Particles that stop the run: how all ranks learn of them, and the messages to the user."""
+"""Errors of particles, which stop the run: collected from all ranks, and put into messages."""
 
 from typing import NamedTuple
 
@@ -56,7 +56,7 @@ class Failure(NamedTuple):
 
 
 def collect_errors(rank: Rank, step: Step) -> Failure:
-    """Put together what all ranks know of a step that failed; collective.
+    """Collect from all ranks why a step failed; collective.
 
     The message is about the first particle at fault in canonical order.
     """
@@ -99,7 +99,7 @@ def explanation(rank: Rank, row: int, error: int) -> str:
 
 
 def _out_of_range(rank: Rank, row: int) -> tuple[str, str]:
-    """What its material says of the particle in `row`, and advises; see `Material.out_of_range`."""
+    """Explanation and advice of a particle's material; see `Material.out_of_range`."""
     scene, p = rank.scene, rank.particles
     number = scene.body_material[p.body[row]]
     entry = scene.variations.entry(number, p.own[row])
@@ -110,7 +110,7 @@ def _out_of_range(rank: Rank, row: int) -> tuple[str, str]:
 
 
 def _face(rank: Rank, row: int) -> str:
-    """Name of the face, of those that let nothing go, beyond which a particle lies."""
+    """Name of the closed face that a particle has passed."""
     frame = rank.scene.frame
     if rank.scene.initial:
         for d, (low, high) in enumerate(rank.grid.bounds):

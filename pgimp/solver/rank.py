@@ -1,4 +1,4 @@
-"""What one rank holds of a simulation: its slab's particles, grid, messages and books."""
+"""One rank's part of a simulation: its slab's particles, grid, messages and ledger."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ MOST_LISTED = 1024
 
 
 class Rank:
-    """One rank's part of a simulation; it goes over to other slabs with `move`.
+    """One rank's part of a simulation; `move` changes its slab.
 
     Parameters
     ----------
@@ -67,11 +67,11 @@ class Rank:
     lightest : float
         Mass below which a vertex is not accelerated.
     vertex_bounds : (2, 2) int64
-        First vertices that particles have been found to need, see `StepReduction`.
+        First vertices of the particles' supports so far, see `StepReduction`.
     timings : dict of str to float
         Seconds spent in each phase.
     worked : dict of str to float
-        Those in which it had a core, where ranks must share cores; else the same.
+        CPU seconds, where ranks share cores; else the same as `timings`.
     particle_steps, clamped, held : int
         Particle-steps in this process; those, since the start, with a half-width held at one cell,
         and those in which a wall held a particle in.
@@ -104,12 +104,12 @@ class Rank:
         self.vertex_bounds = np.zeros((2, 2), np.int64)
         self._meet()
         self.clearances = Clearances(scene)
-        #: Whether there are other layers than when rows were last sorted.
+        #: Whether the layers have changed since rows were last sorted.
         self.moved = False
         self._allocate(slab)
 
     def _meet(self) -> None:
-        """Make what finds where bodies meet, anew."""
+        """Recreate the contact detection."""
         scene = self.scene
         self.meetings: Meetings | None = None
         self.present: PresentMeetings | None = None
@@ -119,7 +119,7 @@ class Rank:
             self.meetings = Meetings(scene, self.comm)
 
     def _allocate(self, slab: Slab) -> None:
-        """Make grid, messages and books for a slab; the window is still to be set."""
+        """Allocate grid, messages and ledger for a slab; the window is still to be set."""
         scene, comm = self.scene, self.comm
         self.slab = slab
         lag = LAG if comm.size > 1 and not scene.initial else 0
@@ -160,13 +160,13 @@ class Rank:
         return self.population.order.astype(np.int64)
 
     def booked(self) -> Ledger:
-        """Return the books of the planes that the rank owns."""
+        """Return the ledger of the planes that the rank owns."""
         return self.ledger.first(self.grid.owned)
 
     def move(self, old: list[int], new: list[int]) -> None:
-        """Go over to another decomposition between two steps; collective.
+        """Change the decomposition between two steps; collective.
 
-        No bit of what follows depends on it.
+        No bit of the results depends on it.
 
         Parameters
         ----------
@@ -184,14 +184,14 @@ class Rank:
             booked[:] = values
 
     def enter(self, scene: Scene, particles: Particles) -> None:
-        """Go over to the scene of another stage between two steps; the books begin anew.
+        """Change to the scene of another stage between two steps; the ledger starts from zero.
 
         Parameters
         ----------
         scene : Scene
             Of the same bodies.
         particles : Particles
-            The same, with the columns that the scene wants.
+            The same, with the columns of the scene.
         """
         window, self.scene, self.call = self.grid.base, scene, Bound()
         self.population.particles = particles
@@ -201,10 +201,10 @@ class Rank:
         self.grid.store(window)
 
     def remove_outflow(self, left: np.ndarray) -> None:
-        """Book the particles that have left the domain, and give up their rows.
+        """Book the particles that have left the domain, and free their rows.
 
-        What they take with them is added to the sums of the layer in which they were, in canonical
-        order, so that the books have the same bits on any number of ranks.
+        Their mass, momentum and energy are added to the sums of their last layer, in canonical
+        order, so that the ledger has the same bits on any number of ranks.
 
         Parameters
         ----------
@@ -226,7 +226,7 @@ class Rank:
         Parameters
         ----------
         numbers : list of int
-            How many have been found by each call; the first ones are in `error_buffer`.
+            Number found by each call; the first ones are in `error_buffer`.
         """
         found = np.concatenate(
             [buffer[:n] for buffer, n in zip(self.error_buffer, numbers, strict=False)]

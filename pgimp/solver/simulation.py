@@ -46,11 +46,11 @@ class Simulation:
     cases : tuple of Case
         Those of the stages; `stage` is the number of the present one, `case` its case.
     scene, clock : Scene, FixedClock or CourantClock
-        What does not change, but from stage to stage.
+        Constant within a stage.
     columns : list of str
-        Columns of the history of a run of several stages, all that any has; empty of others.
+        Columns of the history of a run of several stages, the union of theirs; else empty.
     rank, balance : Rank, Balance
-        What this rank holds, and what is known of the load of all.
+        This rank's part, and the load of all.
     done, doing : Step, Step or None
         The last step that succeeded on all ranks; the step after it, if this rank has done it
         and its reduction is not complete.
@@ -68,14 +68,14 @@ class Simulation:
     rate : float
         Largest (c_p + |v_p|)/L of all ranks.
     watch : EnergyWatch or None
-        What guards steps that pgimp chooses.
+        The guard of steps that pgimp chooses.
     failure : Failure or None
         The step that failed; `time`, `step` and `dt` are then those of the step before.
 
     Raises
     ------
     CaseError
-        The same on every rank, for what shows in the scene's particles only.
+        The same on every rank, for errors that show only in the particles.
     DamagedError
         The same on every rank, if the checkpoint does not hold a state of this case.
     """
@@ -288,7 +288,7 @@ class Simulation:
             self.clock.part = min(max(self.watch.part, LEAST), 1.0)
 
     def _sort(self) -> None:
-        """Sort the rows, report the load, and shrink a window that has become far too wide."""
+        """Sort the rows, report the load, and shrink a window that is far too wide."""
         begin, rank = perf_counter(), self.rank
         if not self.scene.initial or rank.moved:
             rank.population.sort()

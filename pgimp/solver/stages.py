@@ -1,7 +1,7 @@
-"""From a stage of a run to the next: what particles and books keep, and what becomes another.
+"""From a stage of a run to the next: what particles and ledger keep, and what changes.
 
 All of it follows from the state at the end of a stage, which a checkpoint holds, and from the two
-stages' cases. So it is the same whether the run has come there or has been resumed there.
+stages' cases. So it is the same whether the run was resumed there or not.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 
 def enter(sim: Any) -> None:
-    """Go over to the next stage, once the last step of the one before is done; collective.
+    """Enter the next stage, once the last step of the one before is done; collective.
 
     Parameters
     ----------
@@ -99,7 +99,7 @@ def enter(sim: Any) -> None:
 
 
 def _remove(rank: Rank, bodies: list[int]) -> np.ndarray:
-    """Take out all particles of some bodies; return their sums, of use on rank 0."""
+    """Remove all particles of some bodies; return their sums, of use on rank 0."""
     population = rank.population
     order = population.order
     places = np.flatnonzero(np.isin(rank.particles.body[order], bodies)).astype(np.int32)
@@ -112,7 +112,7 @@ def _remove(rank: Rank, bodies: list[int]) -> np.ndarray:
 
 
 def _carried(rank: Rank, old: Scene, new: Scene) -> Particles:
-    """The particles with the columns of the next stage; what is new in them is zero."""
+    """The particles with the columns of the next stage; new columns are zero."""
     p, rows = rank.particles, rank.live()
     arrays = {}
     for name, like in Particles.empty(0, new.carried)._asdict().items():
@@ -134,7 +134,7 @@ def _carried(rank: Rank, old: Scene, new: Scene) -> Particles:
 def _held(rank: Rank, before: Case, new: Scene) -> np.ndarray:
     """Number of the constraint that holds each particle, in canonical order; collective.
 
-    Those that were there before keep their particles; of several the last has it.
+    Existing constraints keep their particles; of several the last one holds.
     """
     p, rows = rank.particles, rank.live()
     had = p.constraint[rows, 0] if p.constraint.shape[1] else np.zeros(len(rows), np.int32)
@@ -161,7 +161,7 @@ def _held(rank: Rank, before: Case, new: Scene) -> np.ndarray:
 
 
 def _forces(scene: Scene) -> list[Hashable]:
-    """What `Diagnostics.last` has rows of, in their order."""
+    """Names of the rows of `Diagnostics.last`, in their order."""
     faces, constraints, contact, tools = _booked(scene)
     kinds = ("face", "constraint", "contact", "impulse", "moment")
     return [
@@ -172,7 +172,7 @@ def _forces(scene: Scene) -> list[Hashable]:
 
 
 def _booked(scene: Scene) -> tuple[list[str], ...]:
-    """Names of faces, constraints, entries of contact and rigid bodies that are booked of."""
+    """Names of the faces, constraints, entries of contact and rigid bodies in the ledger."""
     # The last law of contact is for pairs without an entry.
     contact = [*(entry.name for entry in scene.case.contact), ""] if scene.pairs else []
     faces = [face.name for face in scene.faces]
@@ -190,7 +190,7 @@ def _rows(old: Sequence[Hashable], new: Sequence[Hashable], values: np.ndarray) 
 
 
 def _take_over(old: Scene, new: Scene, had: Ledger, has: Ledger) -> None:
-    """Put what was booked into the books of the next stage."""
+    """Copy the ledger into that of the next stage."""
     faces, constraints, contact, tools = zip(_booked(old), _booked(new), strict=True)
     kinds = {
         "impulse": faces, "outside_mass": faces, "constraint_impulse": constraints,
@@ -205,7 +205,7 @@ def _take_over(old: Scene, new: Scene, had: Ledger, has: Ledger) -> None:
 
 
 def _free(rank: Rank) -> list[tuple[str, Any]]:
-    """The rigid bodies that move freely, by name, and how they do."""
+    """The rigid bodies that move freely, by name, and their states."""
     if rank.free is None:
         return []
     names = [rank.scene.tools.names[number] for number in rank.scene.tools.free]
@@ -213,7 +213,7 @@ def _free(rank: Rank) -> list[tuple[str, Any]]:
 
 
 def _watch(sim: Any, speed: float) -> None:
-    """Watch the energy from here on, if the stage's steps are chosen; what is learned stays."""
+    """Watch the energy from here on, if pgimp chooses the stage's steps; its numbers stay."""
     before, sim.watch = sim.watch, None
     if not sim.case.watched:
         return

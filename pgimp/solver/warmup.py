@@ -1,4 +1,4 @@
-"""Calls of every kernel of a scene on no particles, so that they are compiled and cached."""
+"""Calls of every kernel of a scene without particles, so that they are compiled and cached."""
 
 from collections.abc import Iterator
 from functools import partial

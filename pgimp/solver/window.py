@@ -1,4 +1,4 @@
-"""The window of the grid that all ranks store: made, and made smaller, for where particles are."""
+"""The window of the grid that all ranks store, fitted to where particles are."""
 
 import numpy as np
 
@@ -12,9 +12,9 @@ def open_window(rank: Rank, reduction: StepReduction) -> None:
 
 
 def shrink_window(rank: Rank, reduction: StepReduction) -> None:
-    """Reallocate it if it has become far too wide; collective, between reductions.
+    """Reallocate it if it is far too wide; collective, between reductions.
 
-    In the initial configuration it is as narrow as can be from the start.
+    In the initial configuration it is as narrow as possible from the start.
     """
     if rank.scene.initial:
         return
