@@ -2,13 +2,13 @@
 
 Bodies that touch, and whose surfaces are flat, fill the neighbourhood of a vertex between them:
 the parts that they fill, sum_p S_vp V_p over the volume of a cell, add up to 1, wherever the
-surfaces lie and however they are inclined. What is missing tells the gap that is left. Its normal
-is that of the surfaces, the sum of V_p grad S_vp.
+surfaces lie and however they are inclined. The missing part gives the gap. Its normal is that
+of the surfaces, the sum of V_p grad S_vp.
 
-Two passes: the momenta that particles bring are projected before forces act on them, and the
-velocities after that. Of the second the particles take on the change as an acceleration; of the
-first not, else what the grid cannot resolve of their velocities would become a force. Together they
-make two bodies that are tied move as one, to rounding.
+Two passes: the momenta from the particles are projected before forces act on them, and the
+velocities after that. Particles receive the change of the second pass as an acceleration, but not
+that of the first, else the part of their velocities that the grid cannot resolve would become a
+force. Together they make two tied bodies move as one, to rounding.
 """
 
 from math import inf, sqrt
@@ -20,27 +20,27 @@ from pgimp.jit.kernel import inner_kernel
 from pgimp.kernels.selection import SPREAD
 from pgimp.physics.contact import FRICTION, Pairs
 
-#: Least part of a vertex's neighbourhood that either body must fill: less is too little to tell a
-#: gap by, of which it is a part that strain changes.
+#: Least part of a vertex's neighbourhood that either body must fill: less gives no reliable gap, as
+#: strain changes it.
 LEAST_FILLED = 0.02
 
-#: Least part that a body must fill to be held by a rigid one, where the gap is exact: what is just
-#: past the surface carries the stress of the first particles, however little it is.
+#: Least part that a body must fill to be held by a rigid one, where the gap is exact: however
+#: little is past the surface, it carries the stress of the first particles.
 LEAST_HELD = 1e-6
 
 #: The same where the rigid surface is inclined to the grid by more than the sine `INCLINED`, in
-#: proportion below. What is left of cut boxes has corners there that the surface has not, and that
-#: is all of what a vertex in the rigid body sees of a body a fifth of a cell away.
+#: proportion below. Cut boxes have corners there that the surface does not have, and these are all
+#: that a vertex in the rigid body sees of a body a fifth of a cell away.
 LEAST_INCLINED, INCLINED = 0.08, 0.05
 
 #: Least part of the mass of two fields that either must have.
 LEAST_MASS = 1e-5
 
-#: Least length of a normal's sum, as part of the side of a cell with the neighbourhood's volume:
-#: deep inside of bodies there is no surface, and it is rounding.
+#: Least length of a normal's sum, relative to the side of a cell of the neighbourhood's volume:
+#: deep inside bodies, without a surface, it is rounding.
 LEAST_NORMAL = 1e-4
 
-#: Least part of a normal's square that is along the walls of a vertex: less is none.
+#: Least part of a normal's square that is along the walls of a vertex: less counts as none.
 LEAST_WITHIN = 0.01
 
 #: Sweeps over the pairs of a vertex where one is not enough: where more than two fields meet, or
@@ -70,7 +70,7 @@ PARTNERS = 13
 
 
 class Contact(NamedTuple):
-    """What kernels get of contact.
+    """The data of contact for the kernels.
 
     Attributes
     ----------
@@ -93,8 +93,8 @@ class Contact(NamedTuple):
     unbooked : (faces, 3) float64
         Scratch for what faces would book.
     tools : Tools or ()
-        The rigid bodies, which count as fields without a place in the grid, and with a mass that
-        has no end.
+        The rigid bodies, which count as fields without a place in the grid, and with infinite
+        mass.
     """
 
     pairs: Pairs
@@ -181,7 +181,7 @@ def _least_held(row):
 
 @inner_kernel
 def _volume(frame, sides):
-    """Volume of a cell, of which walls have taken their part."""
+    """Volume of a cell, less the parts behind walls."""
     volume = 1.0
     for d in range(len(frame.cell)):
         volume *= frame.cell[d] * (1.0 if sides[d] == 0 else 0.5)
@@ -190,12 +190,12 @@ def _volume(frame, sides):
 
 @inner_kernel
 def _gap(a, b, row, missing, bent):
-    """Gap between two fields, in cells along the normal, and set the area where they face it.
+    """Return the gap between two fields, in cells along the normal; set the area of contact.
 
-    Where one ends sideways, it covers a part of the other only, that of their areas. Of what is
-    there it must fill what the other leaves, to touch it. The neighbourhood is weighted with a
-    tent, which has 1 - s at the distance s of the surface, where the smaller part is (1 - s)^2 / 2.
-    So one that is bent away from the other has less there by `bent`, an area, where both touch.
+    Where one body ends sideways, it covers only a part of the other, the ratio of their areas. To
+    touch it, it must fill there what the other leaves free. The neighbourhood is weighted with a
+    tent, which is 1 - s at the surface's distance s, where the smaller part is (1 - s)^2 / 2. A
+    surface that is bent away from the other has an area that is smaller by `bent` where both touch.
     """
     first, second = 0.0, 0.0
     for d in range(3):
@@ -215,9 +215,9 @@ def _gap(a, b, row, missing, bent):
 def _find_gap(frame, fields, a, b, sides, row):
     """Set normal, from `a` to `b`, and, as `GAP_RATE`, the cell's length along the normal.
 
-    Returns whether there is a surface. Those that a wall cuts bodies at are none that they meet
-    with: on a wall the normal is along it, unless they lie on each other there. That of a rigid
-    body is known, and counts alone.
+    Returns whether there is a surface. Where a wall cuts bodies, that cut is no surface of contact:
+    on a wall the normal is along it, unless bodies lie on each other there. The normal of a rigid
+    body is known, and is used alone.
     """
     square, along, side = 0.0, 0.0, 1.0
     whole, within = 0.0, 0.0

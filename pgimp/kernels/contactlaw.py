@@ -1,4 +1,4 @@
-"""The law of contact at a vertex: what is held there, and what the fields of a pair exchange."""
+"""The law of contact at a vertex: components that are held, and the impulses of pairs."""
 
 from math import inf, sqrt
 
@@ -23,9 +23,8 @@ from pgimp.kernels.holding import held_velocity
 from pgimp.kernels.tools import ANSWERS, FREE, YIELDS
 from pgimp.physics.contact import TIED
 
-#: Changes of a velocity, as part of the greatest speed at a vertex, that are small and great: what
-#: is held does not move with either. Great are those that no wall holds which lets go, or by
-#: friction.
+#: Small and great changes of a velocity, relative to the greatest speed at a vertex: what is held
+#: moves with neither. Against a great one a wall that lets go, or friction, holds nothing.
 SMALL, GREAT = 2.0**-20, 2.0**10
 
 
@@ -33,8 +32,8 @@ SMALL, GREAT = 2.0**-20, 2.0**10
 def settled(contact, holding, number, a, last):
     """Velocity of a field after faces and constraints.
 
-    What particles bring meets constraints as they are at the step's beginning, what forces make of
-    it those at its end, so that what they push gets their acceleration.
+    The velocity from particles meets constraints as at the step's beginning, that after forces as
+    at its end, so that bodies they push get their acceleration.
     """
     row = contact.fields[a]
     v = (row[NOW], row[NOW + 1], row[NOW + 2])
@@ -47,9 +46,9 @@ def settled(contact, holding, number, a, last):
 def find_held(contact, holding, number, count, rigid, last):
     """Set the mobilities of the fields at a vertex; returns whether any component is held.
 
-    Held is what does not change with the velocity, to neither side: also by a wall that lets go as
-    long as what it holds presses on it, or by friction as long as that sticks. `BILATERAL`
-    includes neither. There are `count` fields of bodies and `rigid` ones of rigid bodies.
+    A component is held if it does not follow the velocity, to either side: also by a wall that lets
+    go while the body presses on it, or by friction while it sticks, which `BILATERAL` excludes.
+    There are `count` fields of bodies and `rigid` ones of rigid bodies.
     """
     some, speed = False, -1.0
     near = beyond_any(holding.faces, face_count(holding.faces), holding.frame, number)
@@ -84,7 +83,7 @@ def find_held(contact, holding, number, count, rigid, last):
 
 @inner_kernel
 def _changed(contact, holding, number, a, last, d, change):
-    """Component `d` of a field's velocity after faces and constraints, if it were changed."""
+    """Component `d` of a field's velocity after faces and constraints, if changed before."""
     own = contact.fields[a, NOW + d]
     contact.fields[a, NOW + d] = own + change
     v = settled(contact, holding, number, a, last)[d]
@@ -146,7 +145,7 @@ def exchange(contact, holding, number, held, pair, last):
         u = settled(contact, holding, number, a, last)
         v = settled(contact, holding, number, b, last)
     tied = contact.pairs.law[entry] == TIED
-    # A rigid body may tear off what a wall holds that lets go, or its friction.
+    # A rigid body may overcome a wall that lets go, or its friction.
     rigid = first[WEIGHT] == inf or second[WEIGHT] == inf
     column = BILATERAL if tied or rigid else MOBILITY
     soft = (0.0, 0.0, 0.0)

@@ -19,8 +19,8 @@ class VolumeSums(NamedTuple):
     """The loads' stand-in where volumes are summed in place of masses.
 
     The sums are then V_p and V_p (b + 1), b being the number of the particle's body, and those of
-    the forces V_p grad S, the integral of S over the surface with its outward normal. Of particles
-    that a surface cuts there are, besides, the number and what curvature adds to their gap. The
+    the forces V_p grad S, the integral of S over the surface with its outward normal. Particles
+    that a surface cuts also add their number and the curvature's share of their gap. The
     fields are those of `Loads`, and
 
     gradient : float or ()
@@ -41,7 +41,7 @@ class VolumeSums(NamedTuple):
 def contribution(loads, frame, particles, p, forces, j):
     """What a particle adds to the sums of vertices, times its weights, as vectors.
 
-    Particle `p` is number `j` of a batch; `forces` is what `keep_forces` has kept of that.
+    Particle `p` is number `j` of a batch; `forces` is from `keep_forces`.
 
     Returns
     -------

@@ -1,7 +1,6 @@
-"""Which groups of bodies, rigid bodies and walls may act on each other where they are now.
+"""Encounters: groups of bodies, rigid bodies and walls that may act on each other where they are.
 
-Of bodies in the initial configuration; what these have at the vertices is in
-`pgimp.kernels.present`.
+For bodies in the initial configuration, whose sums at the vertices are in `pgimp.kernels.present`.
 """
 
 from math import inf
@@ -27,17 +26,17 @@ from pgimp.kernels.particles import FloatArray, IntArray
 from pgimp.kernels.present import CURVED, FACES, FILLS, HEAVY, MORE, OF_CUT, WHOSE, number_of
 from pgimp.physics.contact import FRICTION
 
-#: Columns of `Encounters.ends`: of either one the number of its entry in `Present`, or -1 - n of
-#: what is rigid, and its body; the entry of the law; the vertex.
+#: Columns of `Encounters.ends`: for either end the number of its entry in `Present`, or -1 - n for
+#: a rigid one, and its body; the entry of the law; the vertex.
 SUMS, BODIES, ENTRY, VERTEX, ENDS = 0, 2, 4, 5, 8
 
 #: Columns of `Encounters.rigid`: velocities of the first and the second end.
 RIGID = 6
 
-#: Least part of a vertex's neighbourhood that either body must fill, or a rigid one. What a vertex
-#: sees is a mean over the particles around it: one that lies deeper would hold what is below the
-#: surface, and make the body stiff there. Wherever a surface lies, a vertex near it remains: with
-#: the distances s and 1 - s in cells of two, (1 - s)^2/2 is filled.
+#: Least part of a vertex's neighbourhood that either body must fill, or a rigid one. A vertex
+#: averages over the particles around it: a deeper one would hold the body below its surface, and
+#: make it stiff there. Near any surface a vertex remains: with the distances s and 1 - s in cells
+#: of two, (1 - s)^2/2 is filled.
 LEAST_BEFORE, LEAST_RIGID = 0.1, 0.3
 
 
@@ -47,11 +46,11 @@ class Encounters(NamedTuple):
     Attributes
     ----------
     ends : (pairs, ENDS) int64
-        Who meets, where, and by which law.
+        The bodies, their vertex, and their law.
     partners : (pairs, PARTNERS) float64
-        As in `Contact`: normal and gap, and what has been exchanged so far.
+        As in `Contact`: normal, gap, and the impulses so far.
     rigid : (pairs, RIGID) float64
-        Velocities of what is rigid.
+        Velocities of rigid ends.
     """
 
     ends: IntArray
@@ -90,7 +89,7 @@ class SeparatingWalls(NamedTuple):
 
 @inner_kernel
 def _is_close(first, second):
-    """Whether a vertex is close enough to the surfaces of two bodies to see how these move."""
+    """Whether a vertex is close enough to the surfaces of two bodies to represent their motion."""
     if second[WEIGHT] == inf:
         return second[PART] >= LEAST_RIGID
     if first[WEIGHT] == inf:
@@ -205,19 +204,19 @@ def find_encounters(contact, frame, faces, walls, present, dt, encounters):
     contact : Contact
         Laws, rigid bodies, and scratch for the fields at a vertex.
     faces : Faces or ()
-        All walls that stand, where neighbourhoods end.
+        All walls at rest, where neighbourhoods end.
     walls : SeparatingWalls
         Those that let go.
     present : Present
-        What groups have at the vertices.
+        The groups' sums at the vertices.
     encounters : Encounters
-        Set to what is known of the pairs. At its end are those that lie too deep to act, the last
-        one first: of these bodies, law, vertex, area and normal.
+        Filled with the pairs. At its end are those that lie too deep to act, the last one first:
+        only their bodies, law, vertex, area and normal.
 
     Returns
     -------
     int, int
-        How many there are, and how many lie too deep; more than there is room for are not kept.
+        Number of pairs, and of those too deep; those beyond the capacity are not kept.
     """
     keys, order, sums = present.keys, present.order, present.sums
     found, deep, i = 0, 0, 0

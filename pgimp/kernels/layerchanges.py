@@ -90,10 +90,9 @@ def unpack_rows(words, halves, rows, wire, place, width):
 
 @kernel
 def sort_rows(layer, cell, number, rows, buffer):
-    """Sort rows by (layer, cell, number); `buffer` holds as many.
+    """Sort rows by (layer, cell, number); `buffer` is as long.
 
-    Merges pieces twice as long each time, and only where they are not in order: rows come as a few
-    runs, each of which is.
+    A merge sort that skips pairs of pieces in order: rows come as a few sorted runs.
     """
     n = len(rows)
     length = 1

@@ -1,4 +1,4 @@
-"""Momentum update (14) of the vertices, boundary conditions, and what the faces do."""
+"""Momentum update (14) of the vertices, boundary conditions, and reactions of the faces."""
 
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.kernels.clearance import clear
@@ -11,7 +11,7 @@ from pgimp.kernels.loads import given
 from pgimp.kernels.meet import meet
 from pgimp.kernels.record import ACCELERATION, FORCE, HELD, MASS, MOMENTUM, RECORD, VELOCITY
 
-#: What of the update is done: all; what comes before bodies meet for the last time, and the rest.
+#: Parts of the update: all; up to the last pass of contact, and the rest.
 WHOLE, BEGINNING, REST = 0, 1, 2
 
 
@@ -28,9 +28,9 @@ def update_momentum(frame, field, faces, forcing, ledger, contact, part):
     ledger : Ledger
         `impulse` grows by the momentum that each face gives to the material, and `work` by that of
         gravity and of moving faces: force times displacement, so that a constant gravity's work is
-        the weight times the way of the centre of mass. Kinetic energy differs from that by an
-        amount of order dt, also in free fall. `outside_mass` is set to the mass on the vertices
-        beyond each face: what particles carry past it.
+        the weight times the displacement of the centre of mass. Kinetic energy differs from that by
+        an amount of order dt, also in free fall. `outside_mass` is set to the mass on the vertices
+        beyond each face.
     contact : Contact or ()
         Where bodies meet.
     part : int
@@ -91,7 +91,7 @@ def constrain_plane(faces, n, frame, field, forcing, i, ledger):
     """Apply the conditions at the vertices of plane `i` on or beyond face `n` but none before it.
 
     Where faces meet, a vertex is treated by all of them at once, because the work of each is its
-    force times the velocity that the last of them leaves, or a constraint after them.
+    force times the velocity after the last of them, or after a constraint.
     """
 
 

@@ -4,8 +4,8 @@ A vertex sum is defined so that no decomposition can change its bits: the partic
 are summed, in canonical order, from zero into that layer's own planes; then the layers are added
 in increasing order. Uniform gravity (17) is m_v b and needs no sum.
 
-In time the layers may follow each other otherwise: what neighbours wait for comes first, and what
-a layer then has to add later is deferred.
+Layers may be computed in another order: those that neighbours wait for come first, and sums that
+a layer then has to add later are deferred.
 """
 
 from pgimp.jit.kernel import inner_kernel, kernel
@@ -23,9 +23,9 @@ def particles_to_grid(setting, field, particles, loads, order, runs):
     setting, field, particles, loads, order
         See `Setting`, `Field`, `Particles`, `Loads`, `Order`.
     runs : (k, 3) int64
-        Runs of layers to sum, one after the other: the first layer, that behind the last one, and
-        whether their sums for planes not shared with the upper rank are deferred; only
-        the rank's last layers, as many as it shares planes, may say so.
+        Runs of layers to sum, one after the other: the first layer, that after the last one, and
+        whether their sums for planes not shared with the upper rank are deferred; only the rank's
+        last layers, as many as it shares planes, may be.
     """
     start, window, shared_lower = order.start, field.window, field.shared_lower
     G, active, scratch, deferred = field.G, field.active, field.scratch, field.deferred
@@ -77,7 +77,7 @@ def _flush(scratch, source, G, target, low, high):
 
 @inner_kernel
 def _defer(scratch, source, deferred, target, low, high, plane):
-    """Move a plane of `scratch`, which is zero but from `low` to `high`, leaving zeros."""
+    """Move a plane of `scratch`, zero outside `low` to `high`, leaving zeros."""
     deferred[target : target + low] = 0.0
     zero = pack(0.0, 0.0, 0.0, 0.0)
     for i in range(low, high, 4):
@@ -88,7 +88,7 @@ def _defer(scratch, source, deferred, target, low, high, plane):
 
 @kernel
 def complete(field, shared, layers, kept, received):
-    """Add the deferred sums, and those of the upper rank, to the planes where it belongs.
+    """Add the deferred sums, and those of the upper rank, to their planes.
 
     Both sides of a slab boundary do this after the exchange, and then hold the same bits.
 

@@ -19,7 +19,7 @@ Columns = tuple[tuple[IntArray, ...], tuple[NDArray[np.int32], ...]]
 
 
 class Carried(NamedTuple):
-    """What the particles of a scene carry.
+    """Columns that the particles of a scene carry.
 
     Attributes
     ----------
@@ -28,13 +28,13 @@ class Carried(NamedTuple):
     origin, affine, viscous, constraints : bool
         Whether they keep their initial position, velocity gradient, viscous pressure, constraint.
     tractions, state : int
-        Number of tractions, and of what the material with most state variables remembers.
+        Number of tractions, and greatest number of state variables of a material.
     surfaces : bool
-        Whether they know what surfaces leave of them, for contact.
+        Whether they have the parts that surfaces cut off, for contact.
     mean : bool
-        Whether they know how alone they are, for mean dilatation.
+        Whether they have how alone they are, for mean dilatation.
     own : int
-        Number of what each has of its own of its material's parameters.
+        Number of parameters of its material that vary.
     """
 
     dimensions: int
@@ -244,7 +244,7 @@ class Window(NamedTuple):
     where the scene has no such direction), `stride` the distance of neighbours in float64.
 
     Where bodies have velocity fields of their own, those of a plane follow each other. `bodies`,
-    (bodies,) int64, then tells how far behind the plane's first vertex each body's field begins,
+    (bodies,) int64, then is the offset of each body's field from the plane's first vertex,
     in float64. It is empty as long as all share one field, and () in scenes where they always do.
     """
 
