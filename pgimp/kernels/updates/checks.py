@@ -1,4 +1,4 @@
-"""What may have happened to particles in a step: errors, walls, other layers, outflow."""
+"""Checks of particles after a step: errors, walls, changes of layer, outflow."""
 
 from math import isfinite
 
@@ -11,10 +11,10 @@ from pgimp.kernels.walls import hold_inside
 from pgimp.physics.shapes.base import size
 from pgimp.physics.shapes.stretch import LARGEST
 
-#: What is wrong with a particle at fault.
+#: Errors of a particle.
 NOT_FINITE, INVERTED, TOO_FAST, OUTSIDE, OUT_OF_RANGE = 1, 2, 3, 4, 5
 
-#: What `_outside` says of a particle that has left through a face that lets it go.
+#: Result of `_outside` for a particle that has left through an open face.
 _LEAVES = -1
 
 #: The layer of such a particle.
@@ -35,7 +35,7 @@ def _within(bounds, x):
 
 
 def and_finite(mask, values):
-    """The mask, false as well where one of the vectors `values` is not finite."""
+    """The mask, also false where one of the vectors `values` is not finite."""
 
 
 @specialise(and_finite)
@@ -46,7 +46,7 @@ def _and_finite(mask, values):
 
 
 def and_positive(mask, margin):
-    """The mask, false as well where a vector is not above zero; a number says nothing."""
+    """The mask, also false where a vector is not above zero; a number does not change it."""
 
 
 @specialise(and_positive)
@@ -76,7 +76,7 @@ def _all_positive_of(margin):
 
 @inner_kernel
 def _broken(x, v, J, finite):
-    """Name a particle's error, wherever it is and moves; 0 for none."""
+    """Return a particle's error, regardless of place and displacement; 0 for none."""
     for d in range(len(x)):
         if not (isfinite(x[d]) and isfinite(v[d])):
             return NOT_FINITE
@@ -89,7 +89,7 @@ def _broken(x, v, J, finite):
 
 @inner_kernel
 def _unsound(frame, x, v, u, J, finite, valid, dt):
-    """Name the error of a particle that failed the combined check, wherever it is; 0 for none."""
+    """Return the error of a particle that failed the combined check, at any place; else 0."""
     error = _broken(x, v, J, finite)
     if error != 0:
         return error
@@ -101,7 +101,7 @@ def _unsound(frame, x, v, u, J, finite, valid, dt):
 
 @inner_kernel
 def _outside(frame, exits, x):
-    """Return whether a particle has left the domain, and if it may."""
+    """Return whether a particle has left the domain, and whether it may."""
     error = 0
     for d in range(len(x)):
         xi = (x[d] - frame.origin[d]) * frame.inverse[d]
@@ -113,7 +113,7 @@ def _outside(frame, exits, x):
 
 
 def check(limits, field, particles, batch, found, report, ledger, counts):
-    """See whether all is as usual with four particles, and if not, what happened to them.
+    """Check four particles, and examine those that fail the combined check.
 
     In the initial configuration they keep their layers, and may be anywhere but beyond a wall.
 
@@ -140,7 +140,7 @@ def _check(limits, field, particles, batch, found, report, ledger, counts):
     def check(limits, field, particles, batch, found, report, ledger, counts):
         frame, shape, limit, number = limits[0], limits[1], limits[2], batch.number
         u, v, x, F, J, state, margin = found
-        # One branch for all that rarely happens, NaN included; its speed limit is sharper.
+        # One branch for all rare events, NaN included; its speed limit is stricter.
         half, most = size(shape, frame.cell, F)
         now = first_vertex(frame, 0, half[0], x[0])
         sound = and_finite(within(field.bounds, x) & (J > 0.0), state)
@@ -168,7 +168,7 @@ def _check(limits, field, particles, batch, found, report, ledger, counts):
 
 
 def limits_of(setting, forcing, inverse):
-    """What `check` needs to know of a scene: nothing of its materials, of which there are many.
+    """The part of a scene that `check` needs: without its materials, of which there are many.
 
     Parameters
     ----------
@@ -220,7 +220,7 @@ def _count_errors_of(bounds, batch, good, found, report, counts):
 
 
 def examine(limits, particles, batch, good, found, report, ledger, counts):
-    """See what happened to those of four particles that are not as usual.
+    """Examine those of four particles that failed the combined check.
 
     Parameters
     ----------
@@ -230,8 +230,8 @@ def examine(limits, particles, batch, good, found, report, ledger, counts):
     particles, batch, report, ledger
         As in `check`.
     good : tuple of 3 int
-        Bit j is set for a particle of which nothing has to be seen, whose state is finite, and
-        whose material is in its range.
+        Bit j is set for a particle that passed the check, whose state is finite, and whose
+        material is in its range.
     found : tuple
         u, v, x, J, half-widths, first vertex along x and greatest stretch of the four.
     counts : tuple of 5 int
