@@ -1,10 +1,10 @@
-"""Load balance: when slab boundaries move, and where to.
+"""Load balance: when and where slab boundaries move.
 
-All ranks measure, rank 0 decides. The cost of a layer is counted in particles: those that it has,
-what its plane of vertices costs besides, and a factor where a rank's time per particle has differed
-from the others' for a while, because of its material or its machine. Boundaries move when the
-expected saving until the next change exceeds what moving has cost so far. Bits do
-not depend on the boundaries, so neither on these times.
+All ranks measure, rank 0 decides. The cost of a layer is counted in particles: its own, the cost of
+its plane of vertices, and a factor where a rank's time per particle has differed from the others'
+for a while, because of its material or its machine. Boundaries move when the expected saving until
+the next change exceeds what moving has cost so far. Bits do not depend on the boundaries, so
+neither on these times.
 """
 
 from collections import deque
@@ -25,7 +25,7 @@ _SMALL = 0.03
 _LEAST_GAIN = 0.02
 #: Greatest lifetime, in steps, that is expected of an imbalance.
 _LONGEST = 1000
-#: Intervals in which a rank must have differed before it is taken for slower or faster.
+#: Intervals in which a rank must have differed before it counts as slower or faster.
 _EVIDENCE, _MOST_EVIDENCE = 4, 64
 #: Intervals that are remembered, and seconds of each: disturbances last for tenths of one.
 _REMEMBERED, _SECONDS = 8, 1.0
@@ -35,7 +35,7 @@ _MOVE_COST, _FIXED_COST, _MOST_MOVE_COST = 2.0, 8000.0, 200.0
 
 
 class Balance:
-    """What a rank knows of the load.
+    """The load as a rank knows it.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ class Balance:
     rebalance_requested : bool
         Whether this rank asks for a decision.
     pause : int
-        Steps until a rank may ask again because of particles that it had at the last decision.
+        Steps until a rank may ask again because of particles it already had at the last decision.
     move_cost : float
         Cost of a move, in steps of the particles that move, see `_MOVE_COST`; measured on rank 0.
     total : int
@@ -137,7 +137,7 @@ class Balance:
             Steps done.
         """
         taken = self._steps[: min(self._taken, self._interval)]
-        # An interruption makes some steps long, but hardly half of them.
+        # An interruption makes some steps long, but rarely half of them.
         particle, plane = np.median(taken, axis=0) if len(taken) else (0.0, 0.0)
         mine = np.array([particle, plane, count, planes, self._seconds])
         every = np.empty((comm.size, len(mine)))
@@ -180,7 +180,7 @@ class Balance:
         self._plane = every[:, 1].sum() / max(planes.sum(), 1.0) / particle
         if self._moved and every[:, 4].any():
             move_cost = float(every[:, 4].max() / particle / self._moved)
-            # An interrupted move took long: a step towards it, and a larger one back.
+            # An interrupted move took long: approach such a value slowly, and leave it faster.
             move_cost = min(max(move_cost, 0.5 * self.move_cost), 1.5 * self.move_cost)
             self.move_cost = min(move_cost, _MOST_MOVE_COST)
             self._moved = 0.0
@@ -212,7 +212,7 @@ class Balance:
         return np.clip(1.0 + np.sign(deviation) * clear, 0.25, 4.0)
 
     def decide(self, counts: np.ndarray, step: int) -> list[int] | None:
-        """Where boundaries should be; on rank 0.
+        """Decide where boundaries should be; on rank 0.
 
         Parameters
         ----------
@@ -238,7 +238,7 @@ class Balance:
             self._refused = imbalance_of(work * density, self.cuts)
             self._back_off = min(2 * self._back_off + 1, 32)
             self._wait = self._back_off
-            # What grows evenly with time has a gain that grows with its square.
+            # An imbalance that grows linearly in time has a gain that grows with its square.
             since = step - self._changed
             growth = (move_cost / gain) ** 0.5 if gain else 1.5
             self.pause = max(since // 8, int(since * min(growth - 1.0, 1.0)))
@@ -272,7 +272,7 @@ class Balance:
     def _propose(
         self, counts: np.ndarray, costs: np.ndarray, step: int
     ) -> tuple[list[int], float, float]:
-        """The best boundaries, what they save, and what moving costs, in particle-steps."""
+        """The best boundaries, their saving, and the cost of moving, in particle-steps."""
         ranks = len(self.cuts) - 1
         new = cut(costs, ranks, self._vertices - 1, self._ends)
         now, then = (np.add.reduceat(costs, cuts[:-1]).max() for cuts in (self.cuts, new))
@@ -295,7 +295,7 @@ class Balance:
     def moved(self, seconds: float, step: int) -> None:
         """Record on every rank a move and how long it took."""
         self._changed, self._had, self._taken = step, None, 0
-        if self._cold:  # a first one says little of others
+        if self._cold:  # the first one is not typical
             self._cold, self._moved = False, 0.0
         else:
             self._seconds += seconds

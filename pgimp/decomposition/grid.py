@@ -43,8 +43,8 @@ class Grid:
     fields : sequence of int
         Number of each body's velocity field; () if all bodies share one.
     bounds : tuple of D pairs of float, optional
-        Coordinates between which particles have to be, where these have nothing to do with the
-        grid: it is one of the initial configuration.
+        Coordinates between which particles have to be, where these do not follow from the grid: in
+        the initial configuration.
 
     Attributes
     ----------
@@ -55,7 +55,7 @@ class Grid:
     window : Window
         What is stored.
     field : Field
-        What kernels get of all this.
+        The same, for kernels.
     G : (planes * plane,) float64
         Records of the vertices, see `pgimp.kernels.record`; only active planes are defined.
     active : (planes,) uint8
@@ -100,7 +100,7 @@ class Grid:
         self.store(bounds + np.array([[-margin], [margin]]))
 
     def extend(self, bounds: np.ndarray) -> None:
-        """Widen the window, by a margin, on the sides where `bounds` goes beyond what is known."""
+        """Widen the window, by a margin, on the sides where `bounds` exceeds `known`."""
         base, margin = self.base.copy(), MARGIN + self.lag
         base[0] = np.where(bounds[0] < self.known[0], bounds[0] - margin, base[0])
         base[1] = np.where(bounds[1] > self.known[1], bounds[1] + margin, base[1])
@@ -117,7 +117,7 @@ class Grid:
         )
 
     def store(self, base: np.ndarray) -> None:
-        """Make room for the supports with first vertices within `base`, cut to the grid."""
+        """Allocate for the supports with first vertices within `base`, cut to the grid."""
         lower, extent = [self.slab.first, 0, 0], [self.planes, 1, 1]
         self.base, self.known = np.zeros_like(base), np.zeros_like(base)
         for d in range(1, len(self.frame.cells)):
@@ -157,10 +157,10 @@ class Grid:
         return self._marks
 
     def _bounds(self) -> tuple[tuple[float, float], ...]:
-        """Coordinates within which a particle is sure to be in the domain and where it is known.
+        """Coordinates within which a particle is certainly in the domain and within `known`.
 
-        Sure means that rounding cannot matter: inside by a billionth of a cell and by many times
-        the rounding of coordinates of this size and of cell numbers of this size.
+        They are inside by a billionth of a cell and by many times the rounding of coordinates and
+        cell numbers of this size.
         """
         bounds = []
         for d, cells in enumerate(self.frame.cells):

@@ -4,9 +4,9 @@ A slab boundary cuts the sums of ``shared = s - 1`` planes. The lower rank sends
 sums of them, one prefix a plane; the upper rank sends down what its first layers add, each layer
 by itself, s(s-1)/2 partial planes. Then both add prefix and partials in layer order.
 
-Only a slab's first and last layers give to these messages. They are summed first, and the inner
-layers while the messages are on their way, as far as that is more work than calling kernels more
-often. An MPI library may move a long message only while it is called; therefore the inner layers
+Only a slab's first and last layers contribute to these messages. They are summed first, and the
+inner layers while the messages are in transit, if that is worth more than the further calls of
+kernels. An MPI library may move a long message only while it is called; therefore the inner layers
 are summed in pieces, between which it is.
 """
 
@@ -42,9 +42,9 @@ def _free(requests: list[Any]) -> None:
 class Halo:
     """Exchange between a rank and its two neighbours, by persistent requests.
 
-    Requests belong to a grid's arrays and are made again when these change, as when the window
-    changes. A halo is cheap to make; make another when slabs change, and `close` the old one
-    then. What is not closed is at the process's end, before MPI is.
+    Requests belong to a grid's arrays and are recreated when these change, as with the window. A
+    halo is cheap to make; when slabs change, make another and `close` the old one. An open one is
+    closed at the process's end, before MPI.
 
     In a step, call `proceed` after each of the `parts` of the layers, then `finish`.
 
@@ -60,7 +60,7 @@ class Halo:
     Attributes
     ----------
     overlap : bool
-        Whether inner layers may be summed while messages are on their way.
+        Whether inner layers may be summed while messages are in transit.
     piece : int
         Least number of particles in a piece of them.
     messages, bytes : int
@@ -119,7 +119,7 @@ class Halo:
     def halves(self, start: np.ndarray) -> tuple[np.ndarray, ...]:
         """Layers from which particles may leave the slab, then the others; all, if these are few.
 
-        To advance them apart lets ranks be out of step by what the others take, but costs a call.
+        Advancing them separately lets ranks lag by the time of the others, but costs a call.
 
         Parameters
         ----------
@@ -133,7 +133,7 @@ class Halo:
         return self._halves[-1 if inner >= PIECES * self.piece else 0]
 
     def proceed(self, grid: Grid, marked: bool = False) -> None:
-        """Send what neighbours wait for, at the first call in a step; then see to the messages.
+        """Send the neighbours' data, at the first call in a step; then progress the messages.
 
         Parameters
         ----------
@@ -202,7 +202,7 @@ class Halo:
         self._every += requests
 
     def _connect_marks(self, grid: Grid) -> None:
-        """Make the requests for what constraints mark in the shared planes."""
+        """Make the requests for the constraints' marks in the shared planes."""
         marks, self._marks = grid.marks, grid.marks
         plane = grid.window.stride[0] // RECORD
         self._others, self._sizes[1] = [], self._sizes[0]
