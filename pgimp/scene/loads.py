@@ -1,4 +1,4 @@
-"""What a case adds to stress and gravity, and which of its particles carry or feel it."""
+"""Loads of a case besides stress and gravity, and the particles that carry them."""
 
 from typing import Any
 
@@ -44,7 +44,7 @@ class SceneLoads:
     force : NamedTuple or ()
         Parameters of the body force, or of the exact solution that needs one.
     walls : tuple of Sides or ()
-        The walls whose clearances are wanted, see `Loads`.
+        The walls whose clearances are needed, see `Loads`.
     follows : bool
         Whether the particles' size follows the deformation.
     """
@@ -86,7 +86,7 @@ class SceneLoads:
 
     @property
     def carried(self) -> dict[str, Any]:
-        """What particles carry for the loads, for `Carried`."""
+        """Columns of particles for the loads, see `Carried`."""
         return {
             "affine": bool(self.affine),
             "viscous": bool(self.viscosity),
@@ -201,10 +201,9 @@ class SceneLoads:
         return low + points / n * cell, low + (points[:-1] + 0.5) / n * cell
 
     def scale_patches(self, population: Population, comm: Any) -> None:
-        """Let the patches of each traction have the whole area of its face; collective.
+        """Scale the patches of each traction to the whole area of its face; collective.
 
-        Small parts that were merged into other particles leave a little without a carrier.
-
+        Small parts that were merged into other particles leave some area without a carrier.
         """
         if not self.tractions:
             return
