@@ -54,7 +54,7 @@ usage: pgimp CASE.yaml [options]               run a case on one rank
 
 
 class Parser(argparse.ArgumentParser):
-    """An argument parser that answers once for all ranks and raises what it finds wrong."""
+    """An argument parser that answers once for all ranks and raises its errors."""
 
     def error(self, message: str) -> NoReturn:
         """Raise a `SharedUsageError` with the usage line that belongs to it."""
@@ -95,7 +95,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             if error is not out.error:
                 return _report_error(error, 1)
             silence(out)
-            if isinstance(error, BrokenPipeError):  # who reads has seen enough
+            if isinstance(error, BrokenPipeError):  # the reader has seen enough
                 return _BROKEN_PIPE_STATUS
             return _report_error(RunError(f"cannot write to standard output: {error.strerror}"), 1)
 
@@ -132,7 +132,7 @@ def _dispatch(words: list[str]) -> int:
 
 
 def _slip(words: list[str]) -> str:
-    """Return what words that are no run of a case probably mean; empty if they may be one."""
+    """Return the probable meaning of words that are no run of a case; empty if they may be."""
     name, rest = words[0], shlex.join(words[1:])
     if name == "run" and not os.path.exists(name):
         return f"there is no command run: a case is run with `pgimp {rest or 'CASE.yaml'}`"

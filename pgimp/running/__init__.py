@@ -1,1 +1,1 @@
-"""A run as the command makes it: output, checkpoints, log, stopping, resuming."""
+"""A run of the command: output, checkpoints, log, stopping, resuming."""
