@@ -1,7 +1,7 @@
-"""The header of a checkpoint: what lies where in the file, with the checksums of all of it.
+"""The header of a checkpoint: layout of the file, with the checksums of all of it.
 
-A file from elsewhere may be damaged or made to do harm, so nothing of its header is believed
-before it is checked against the size of the file itself.
+A file from elsewhere may be damaged or made to do harm, so its header is checked against
+the size of the file itself before use.
 """
 
 from __future__ import annotations
