@@ -28,7 +28,7 @@ print(json.dumps({
 }))
 """
 
-#: What an LLVM target can do, such as +avx2,-avx512f: in a kernel's key it follows the CPU's name.
+#: Features of an LLVM target, such as +avx2,-avx512f: in a kernel's key it follows the CPU's name.
 _FEATURES = re.compile(r"[+-][\w.-]+(,[+-][\w.-]+)+")
 _MOST_FILES = 200
 

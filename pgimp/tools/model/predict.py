@@ -1,4 +1,4 @@
-"""The time of a step on any number of ranks, from what its parts cost."""
+"""The time of a step on any number of ranks, from the costs of its parts."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pgimp.tools.model.layout import Layout
 
 #: Efficiency down to which more ranks pay off.
 EFFICIENT = 0.7
-#: Ranks up to which the model is asked.
+#: Greatest number of ranks that is tried.
 MOST_RANKS = 10_000
 #: Bytes of a vertex's record.
 _RECORD = 64
@@ -31,8 +31,8 @@ class Step(NamedTuple):
     seconds : float
         The step.
     fixed, mean, excess : float
-        What a step costs without particles; the mean of all slabs' particles and planes; what the
-        slowest rank has beyond that mean, because layers are not divided.
+        Cost of a step without particles; mean over the slabs of particles and planes; excess of
+        the slowest rank over that mean, because layers are not divided.
     planes, calls, reduction : float
         Exchange of shared planes as far as nothing hides it; latencies and calls of messages to
         neighbours, with the particles that go there; the reduction, as far as nothing hides it.

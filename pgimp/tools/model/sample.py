@@ -46,8 +46,8 @@ class Scattered(Simulation):
         dt = self.clock.next(self.done, self.rate).dt
         v, cell = self.particles.v, self.scene.frame.cell[0]
         rows = self.live()
-        way = dt / cell * float(np.abs(v[rows, 0]).sum())
-        total, count = np.sum(comm.allgather((way, len(rows))), axis=0)
+        crossings = dt / cell * float(np.abs(v[rows, 0]).sum())
+        total, count = np.sum(comm.allgather((crossings, len(rows))), axis=0)
         if total < _DRIFT * count:
             v[rows, 0] += _DRIFT * cell / dt
 

@@ -77,7 +77,7 @@ class PlotRun:
 
 
 def open_runs(directories: Sequence[str]) -> list[PlotRun]:
-    """Open the runs, each with a name that tells it from the others.
+    """Open the runs, each with a unique name.
 
     Raises
     ------

@@ -17,11 +17,11 @@ SAME_TIME = 1e-9
 
 
 class MeasureError(Exception):
-    """A run's history does not have what is to be measured; the message says why."""
+    """A run's history lacks the quantity to be measured; the message says why."""
 
 
 def measure(history: np.ndarray, wanted: Measure) -> float:
-    """Take a number from a history.
+    """Read a number from a history.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ def orders(points: Sequence[tuple[float, float]]) -> list[float | None]:
 
 
 def pareto(points: Sequence[tuple[float, float]]) -> list[int]:
-    """Find the points that no other one beats.
+    """Find the points of the Pareto front.
 
     Parameters
     ----------

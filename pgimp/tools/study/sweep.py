@@ -40,7 +40,7 @@ class Choice(NamedTuple):
 
 
 class Variant(NamedTuple):
-    """What one run changes."""
+    """The changes of one run."""
 
     name: str
     """Unlike that of any other run, and fit for a folder."""
