@@ -112,7 +112,7 @@ class Staged(NamedTuple):
         Bodies of a material that are gone.
     escapes : bool
         Whether particles may leave, or might in a stage before.
-    ways : dict of str to tuple
+    displacements : dict of str to tuple
         What constraints have prescribed before, to be added to their displacement.
     """
 
@@ -122,7 +122,7 @@ class Staged(NamedTuple):
     counted: float = 0.0
     removed: tuple[str, ...] = ()
     escapes: bool = False
-    ways: Mapping[str, tuple[float, ...]] = {}
+    displacements: Mapping[str, tuple[float, ...]] = {}
 
     @property
     def title(self) -> str:

@@ -22,7 +22,7 @@ MARGIN = 3.0
 #: Step of the differences that give normals, as part of the spacing.
 _STEP = 1e-3
 
-#: Points that are looked at together.
+#: Points that are computed together.
 _BLOCK = 1 << 16
 
 

@@ -15,7 +15,7 @@ from pgimp.geometry.regions.base import Points, Region
 Reals = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
-#: Tilted planes of a region that are looked at; with more, boxes in which several meet have an
+#: Tilted planes of a region that are considered; with more, boxes in which several meet have an
 #: error of second order.
 MOST = 16
 

@@ -10,7 +10,7 @@ from typing import NamedTuple, Self
 
 from pgimp.errors import CaseError
 from pgimp.physics.loads.motion import RigidMotion
-from pgimp.physics.rigid import WAYS, Pose, RigidBody, Triple
+from pgimp.physics.rigid import FREEDOMS, Pose, RigidBody, Triple
 from pgimp.scene.bulk import Bulk
 
 Matrix = tuple[float, ...]
@@ -100,11 +100,11 @@ class FreeBody:
         still = State(centre, (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0,) * 3)
         moving = [v if may else 0.0 for v, may in zip((x, y, z, *omega), self.may, strict=True)]
         least = 1e-9 * max(map(abs, (x, y, z)))
-        for v, kept, way in zip((x, y, z), moving, WAYS, strict=False):
+        for v, kept, freedom in zip((x, y, z), moving, FREEDOMS, strict=False):
             if abs(v - kept) > least:
                 raise CaseError(
                     f"bodies.{self.name}.velocity: its centre of mass moves by {v:.3g} along "
-                    f"{way}, which `fixed` excludes"
+                    f"{freedom}, which `fixed` excludes"
                 )
         momentum, spin = self.momenta(self.inertia(still.turn), moving)
         return still._replace(momentum=momentum, spin=spin)
@@ -165,9 +165,9 @@ class FreeBody:
         """Return the state after a step with these momenta."""
         p = tuple(value if may else 0.0 for value, may in zip(momenta, self.may, strict=True))
         v = self._velocities(p, inertia)
-        way, turn = _triple(tuple(dt * x for x in v)), _triple(tuple(dt * w for w in v[3:]))
+        shift, turn = _triple(tuple(dt * x for x in v)), _triple(tuple(dt * w for w in v[3:]))
         return State(
-            add(state.centre, way), turned(state.turn, turn), _triple(p), _triple(p[3:]),
+            add(state.centre, shift), turned(state.turn, turn), _triple(p), _triple(p[3:]),
             add(state.angle, turn),
         )  # fmt: skip
 

@@ -120,10 +120,10 @@ class SceneLoads:
     def displacement(self, number: int, t: float) -> tuple[float | None, ...]:
         """Displacement that a constraint has prescribed until `t`, in stages before too."""
         name, entry = list(self.case.constraints)[number], self.constraints[number]
-        ways = self.case.staged.ways.get(name, (0.0,) * len(entry.velocity))
+        before = self.case.staged.displacements.get(name, (0.0,) * len(entry.velocity))
         return tuple(
-            None if way is None else way + before
-            for way, before in zip(entry.displacement(t), ways, strict=True)
+            None if shift is None else shift + offset
+            for shift, offset in zip(entry.displacement(t), before, strict=True)
         )
 
     def initialise(self, p: Particles, n: int) -> None:

@@ -204,7 +204,7 @@ class _Builder:
         return CaseError(f"{position(self.filename, event.start_mark)}: {text}")
 
     def take(self, event: Event) -> None:
-        """Take the next event of the parser."""
+        """Consume the next event of the parser."""
         if isinstance(event, DocumentStartEvent):
             self.documents += 1
             if self.documents > 1:

@@ -1,4 +1,4 @@
-"""Questions to a closed surface of triangles: nearest distance, what a line meets, inside or out.
+"""Queries of a closed surface of triangles: distance, intersections with lines, inside or out.
 
 The triangles, (n, 3, 3) float64, stand in the order of a tree of boxes: node 1 is the root, the
 children of node i are 2 i and 2 i + 1, and the last `leaves` nodes hold `LEAF` triangles each.
@@ -187,7 +187,7 @@ def distances(T, low, high, leaves, points, out):
                 continue
             one, two = 2 * node, 2 * node + 1
             a, b = _to_box(low, high, one, x, y, z), _to_box(low, high, two, x, y, z)
-            if a < b:  # the nearer one is looked at first
+            if a < b:  # the nearer one first
                 one, two, a, b = two, one, b, a
             stack[top], near[top] = one, a
             stack[top + 1], near[top + 1] = two, b
