@@ -68,8 +68,8 @@ class Grid:
         See `pgimp.kernels.constraints`; made when first asked for.
     base : (2, 2) int64
         First vertices (least, greatest; y, z) that a support in the window may have.
-    known : (2, 2) int64
-        Those that need not be reported: `lag` cells less, but for the ends of the grid.
+    inner_bounds : (2, 2) int64
+        Those that ranks need not report: `lag` cells less, but for the ends of the grid.
     """
 
     def __init__(
@@ -92,7 +92,7 @@ class Grid:
         self.owned = slab.layers if slab.upper is not None else self.planes
         self.active = np.zeros(self.planes, np.uint8)
         self.base = np.zeros((2, 2), np.int64)
-        self.known = np.zeros((2, 2), np.int64)
+        self.inner_bounds = np.zeros((2, 2), np.int64)
 
     def cover(self, bounds: np.ndarray) -> None:
         """Store what the supports with first vertices within `bounds` need, and a margin."""
@@ -100,15 +100,15 @@ class Grid:
         self.store(bounds + np.array([[-margin], [margin]]))
 
     def extend(self, bounds: np.ndarray) -> None:
-        """Widen the window, by a margin, on the sides where `bounds` exceeds `known`."""
+        """Widen the window, by a margin, on the sides where `bounds` exceeds `inner_bounds`."""
         base, margin = self.base.copy(), MARGIN + self.lag
-        base[0] = np.where(bounds[0] < self.known[0], bounds[0] - margin, base[0])
-        base[1] = np.where(bounds[1] > self.known[1], bounds[1] + margin, base[1])
+        base[0] = np.where(bounds[0] < self.inner_bounds[0], bounds[0] - margin, base[0])
+        base[1] = np.where(bounds[1] > self.inner_bounds[1], bounds[1] + margin, base[1])
         self.store(base)
 
     def covers(self, bounds: np.ndarray) -> bool:
         """Whether supports with first vertices within `bounds` lie in the window, with `lag`."""
-        (low, high), (least, greatest) = bounds.tolist(), self.known.tolist()
+        (low, high), (least, greatest) = bounds.tolist(), self.inner_bounds.tolist()
         return (  # in Python: NumPy would take a fifth of the step of a tiny scene
             low[0] >= least[0]
             and low[1] >= least[1]
@@ -119,13 +119,13 @@ class Grid:
     def store(self, base: np.ndarray) -> None:
         """Allocate for the supports with first vertices within `base`, cut to the grid."""
         lower, extent = [self.slab.first, 0, 0], [self.planes, 1, 1]
-        self.base, self.known = np.zeros_like(base), np.zeros_like(base)
+        self.base, self.inner_bounds = np.zeros_like(base), np.zeros_like(base)
         for d in range(1, len(self.frame.cells)):
             last = self.frame.vertices[d] - self.vertices
             low, high = max(0, int(base[0, d - 1])), min(last, int(base[1, d - 1]))
             self.base[:, d - 1] = low, high
-            self.known[0, d - 1] = min(low + self.lag, last) if low else 0
-            self.known[1, d - 1] = max(high - self.lag, 0) if high < last else last
+            self.inner_bounds[0, d - 1] = min(low + self.lag, last) if low else 0
+            self.inner_bounds[1, d - 1] = max(high - self.lag, 0) if high < last else last
             lower[d], extent[d] = low, high - low + self.vertices
         self.window = Window.over(
             (lower[0], lower[1], lower[2]), (extent[0], extent[1], extent[2]), self.fields
@@ -157,7 +157,7 @@ class Grid:
         return self._marks
 
     def _bounds(self) -> tuple[tuple[float, float], ...]:
-        """Coordinates within which a particle is certainly in the domain and within `known`.
+        """Coordinates within which a particle is certainly in the domain and within `inner_bounds`.
 
         They are inside by a billionth of a cell and by many times the rounding of coordinates and
         cell numbers of this size.
@@ -167,8 +167,8 @@ class Grid:
             low, high = 0.0, float(cells)
             if d > 0:
                 # A support has its first vertex between floor(xi - 1) and floor(xi).
-                low = max(low, float(self.known[0, d - 1] - self.frame.ghost) + 1.0)
-                high = min(high, float(self.known[1, d - 1] - self.frame.ghost) + 1.0)
+                low = max(low, float(self.inner_bounds[0, d - 1] - self.frame.ghost) + 1.0)
+                high = min(high, float(self.inner_bounds[1, d - 1] - self.frame.ghost) + 1.0)
             origin, cell = self.frame.origin[d], self.frame.cell[d]
             least, most = origin + low * cell, origin + high * cell
             eps = np.finfo(float).eps

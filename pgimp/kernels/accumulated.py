@@ -210,7 +210,7 @@ def impulse_of(row, d):
 
 
 @kernel
-def settle_contacts(contact, free, encounters, responses, values, sweeps, enough):
+def solve_impulses(contact, free, encounters, responses, values, sweeps, enough):
     """Exchange impulses in all pairs until the law holds for all of them.
 
     Parameters

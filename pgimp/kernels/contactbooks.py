@@ -4,7 +4,7 @@ from math import inf, sqrt
 
 from pgimp.jit.kernel import inner_kernel, specialise
 from pgimp.kernels.contact import AREA, NORMAL, PUSH, SLIP, WEIGHT
-from pgimp.kernels.contactlaw import settled
+from pgimp.kernels.contactlaw import held_field_velocity
 from pgimp.kernels.ledger import (
     CONTACT_AREA,
     HEAT,
@@ -28,8 +28,8 @@ def book(contact, holding, number, pair, part, last, ledger, plane):
     row, entry = contact.partners[pair], contact.ends[pair, 2] - 1
     a, b = contact.ends[pair, 0], contact.ends[pair, 1]
     booked = ledger.contact[plane, entry]
-    u = settled(contact, holding, number, a, last)
-    v = settled(contact, holding, number, b, last)
+    u = held_field_velocity(contact, holding, number, a, last)
+    v = held_field_velocity(contact, holding, number, b, last)
     square, heat, normal = 0.0, 0.0, 0.0
     for d in range(3):
         w = v[d] - u[d]

@@ -29,7 +29,7 @@ SMALL, GREAT = 2.0**-20, 2.0**10
 
 
 @inner_kernel
-def settled(contact, holding, number, a, last):
+def held_field_velocity(contact, holding, number, a, last):
     """Velocity of a field after faces and constraints.
 
     The velocity from particles meets constraints as at the step's beginning, that after forces as
@@ -61,7 +61,7 @@ def find_held(contact, holding, number, count, rigid, last):
             continue
         if speed < 0.0:
             speed = _fastest(contact.fields, count + rigid)
-        v = settled(contact, holding, number, a, last)
+        v = held_field_velocity(contact, holding, number, a, last)
         for d in range(len(holding.frame.cell)):
             held = True
             for sign in (-1.0, 1.0):
@@ -86,7 +86,7 @@ def _changed(contact, holding, number, a, last, d, change):
     """Component `d` of a field's velocity after faces and constraints, if changed before."""
     own = contact.fields[a, NOW + d]
     contact.fields[a, NOW + d] = own + change
-    v = settled(contact, holding, number, a, last)[d]
+    v = held_field_velocity(contact, holding, number, a, last)[d]
     contact.fields[a, NOW + d] = own
     return v
 
@@ -142,8 +142,8 @@ def exchange(contact, holding, number, held, pair, last):
     u = (first[NOW], first[NOW + 1], first[NOW + 2])
     v = (second[NOW], second[NOW + 1], second[NOW + 2])
     if held:
-        u = settled(contact, holding, number, a, last)
-        v = settled(contact, holding, number, b, last)
+        u = held_field_velocity(contact, holding, number, a, last)
+        v = held_field_velocity(contact, holding, number, b, last)
     tied = contact.pairs.law[entry] == TIED
     # A rigid body may overcome a wall that lets go, or its friction.
     rigid = first[WEIGHT] == inf or second[WEIGHT] == inf

@@ -10,7 +10,7 @@ import numpy as np
 from pgimp.decomposition.grid import Grid
 from pgimp.decomposition.population import Population
 from pgimp.jit.bound import Bound
-from pgimp.kernels.accumulated import Responses, find_responses, settle_contacts
+from pgimp.kernels.accumulated import Responses, find_responses, solve_impulses
 from pgimp.kernels.boxes import grow_boxes
 from pgimp.kernels.concepts import Forcing
 from pgimp.kernels.contact import Contact
@@ -189,7 +189,7 @@ class PresentMeetings:
         call(find_vertices, frame, table, start, 1 + max(self.fields, default=0), hashes)
         responses = call(find_responses, table, now, start, encounters, present.sums, values)
         self.sweeps = call(
-            settle_contacts, contact, free, encounters, responses, values, SWEEPS, ENOUGH
+            solve_impulses, contact, free, encounters, responses, values, SWEEPS, ENOUGH
         )
         return encounters, deeper, responses
 
@@ -235,7 +235,7 @@ def calls(
     yield 0.2, lambda: number_keys(none, room_for(0))
     yield 0.3, lambda: find_vertices(frame, table, supports, 1, room_for(0))
     yield 2.0, lambda: find_responses(table, supports, supports, encounters, present.sums, values)
-    yield 2.0, lambda: settle_contacts(contact, free, encounters, rows, values, 1, ENOUGH)
+    yield 2.0, lambda: solve_impulses(contact, free, encounters, rows, values, 1, ENOUGH)
     yield 0.3, lambda: give_to_vertices(frame, grid.field, none, np.empty((0, 3)), 1.0)
     yield 1.0, lambda: book_held(holding, grid.field, vertices, ledger)
     yield 2.0, lambda: book_contacts(

@@ -30,7 +30,7 @@ def _cover(rank: Rank, reduction: StepReduction, bounds: np.ndarray) -> None:
         rank.grid.store(bounds)
     else:
         rank.grid.cover(bounds)
-    rank.vertex_bounds[:] = reduction.vertex_bounds[:] = rank.grid.known
+    rank.vertex_bounds[:] = reduction.vertex_bounds[:] = rank.grid.inner_bounds
 
 
 def _bounds_of_all(rank: Rank) -> np.ndarray:

@@ -73,7 +73,7 @@ def test_what_is_known_a_step_late_is_in_the_window_all_the_same(cells):
     last = grid.frame.vertices[1] - 3
     y = random.uniform(0.0, cells)
     grid.cover(bounds(*2 * [int(y) + grid.frame.ghost]))
-    mine, reported, grown, drift = grid.known.copy(), None, 0, 1.0
+    mine, reported, grown, drift = grid.inner_bounds.copy(), None, 0, 1.0
     for _ in range(2000):
         drift *= -1.0 if random.random() < 0.01 else 1.0
         y = min(max(0.0, y + random.choice([drift, random.uniform(-1.0, 1.0)])), float(cells))
