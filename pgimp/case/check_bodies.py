@@ -244,7 +244,7 @@ def check_contact(
 ) -> Problems:
     """Check that the entries of contact name bodies, and no pair twice."""
     body_names = [*body_names, *tools]
-    told: dict[frozenset[str], int] = {}
+    earlier: dict[frozenset[str], int] = {}
     for i, entry in enumerate(contact):
         path: tuple[str | int, ...] = ("contact", i, "bodies")
         pairs = {frozenset(pair) for pair in entry.pairs()} or {frozenset(("all",))}
@@ -260,10 +260,10 @@ def check_contact(
                 "make one of them a body of a material"
             )
             yield Problem(path, text)
-        for pair in sorted(pairs & set(told), key=sorted)[:1]:
+        for pair in sorted(pairs & set(earlier), key=sorted)[:1]:
             names = " and ".join(sorted(pair))
-            yield Problem(path, f"entry {told[pair] + 1} has a law for {names} already")
-        told |= dict.fromkeys(pairs, i)
+            yield Problem(path, f"entry {earlier[pair] + 1} has a law for {names} already")
+        earlier |= dict.fromkeys(pairs, i)
 
 
 def check_adhesion(grid: Any, contact: Sequence[Any]) -> Problems:

@@ -171,14 +171,14 @@ def _changed(before: Case, now: Case, stage: Stage) -> Problems:
             if getattr(entry, key) != getattr(before.tractions[name], key):
                 yield Problem(("tractions", name, key), "cannot change in a stage")
     for name, entry in now.constraints.items():
-        if begins_anew(before, now, name) and any(r.FROM_FILE for r in entry.region.simple()):
+        if reselects(before, now, name) and any(r.FROM_FILE for r in entry.region.simple()):
             yield Problem(
                 ("constraints", name, "region"),
                 "a region from a file is for the case itself; declare the constraint there, free "
                 "(velocity: [null, ..]), and let it hold from this stage on",
             )
         gone = (*before.staged.removed, *stage.remove)
-        if entry.body in gone and begins_anew(before, now, name):
+        if entry.body in gone and reselects(before, now, name):
             yield Problem(("constraints", name, "body"), f"'{entry.body}' has been removed")
     if (now.contact or now.tools) and not (before.contact or before.tools):
         yield Problem(
@@ -236,7 +236,7 @@ def _starts(entry: Any, dimensions: int) -> tuple[float, bytes]:
     return entry.initial_pressure, initial.tobytes()
 
 
-def begins_anew(before: Case, now: Case, name: str) -> bool:
+def reselects(before: Case, now: Case, name: str) -> bool:
     """Whether a constraint chooses its particles as a stage begins."""
     old, new = before.constraints.get(name), now.constraints[name]
     return old is None or (old.body, old.region) != (new.body, new.region)
@@ -254,7 +254,7 @@ def _displacements(before: Case, now: Case) -> dict[str, tuple[float, ...]]:
     for name, entry in now.constraints.items():
         old: tuple[float | None, ...] = (None,) * now.dimensions
         shift = (0.0,) * now.dimensions
-        if not begins_anew(before, now, name):
+        if not reselects(before, now, name):
             old = before.constraints[name].displacement(start)
             shift = before.staged.displacements.get(name, shift)
         found[name] = tuple(

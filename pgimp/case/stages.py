@@ -1,7 +1,7 @@
 """Stages, as the case file says them: what changes while a run goes on.
 
 Each stage is a case of its own: that of the stage before with the changes, see `merged`. So
-whatever is checked of a case is checked of every stage, before the first step.
+all checks of a case apply to every stage, before the first step.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The disk cache of compiled kernels, in place of Numba's: a sealed file for each of them.
 
 Numba's own keeps an index of all types that a function was compiled for, which two processes that
-compile at once overwrite for each other, and loads whatever it finds. Here each kernel has a file
+compile at once overwrite for each other, and loads any file it finds. Here each kernel has a file
 of its own, named after its key and read only if its checksum holds (see `pgimp.jit.sealed`).
 A file that does not fit in any way is compiled again and replaced.
 """

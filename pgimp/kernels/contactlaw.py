@@ -178,9 +178,9 @@ def exchange(contact, holding, number, held, pair, last):
     if answer > 0.0:
         row[PUSH] = max(0.0, push - (normal + row[GAP_RATE]) / answer)
         if row[PUSH] == 0.0 and row[PULL] > 0.0:
-            wanted = min(0.0, push - normal / answer)
-            row[PUSH] = max(-row[PULL], wanted)
-            row[DRAWN] = row[PUSH] / wanted if wanted < 0.0 else 1.0
+            required = min(0.0, push - normal / answer)
+            row[PUSH] = max(-row[PULL], required)
+            row[DRAWN] = row[PUSH] / required if required < 0.0 else 1.0
     for d in range(3):
         stick = row[SLIP + d] - (w[d] - normal * row[NORMAL + d]) / most
         square += stick * stick

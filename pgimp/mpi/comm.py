@@ -147,8 +147,8 @@ def world() -> Any:
 def quiet_mpi() -> None:
     """Keep imports from initialising MPI in this process.
 
-    An h5py that is built with MPI imports ``mpi4py.MPI``, which initialises MPI unless told not
-    to. To be called before h5py is imported, by every command except a run on several ranks.
+    An h5py that is built with MPI imports ``mpi4py.MPI``, which initialises MPI by
+    default. To be called before h5py is imported, by every command except a run on several ranks.
     """
     import mpi4py
 

@@ -144,32 +144,32 @@ def _read_points(case: Case, comm: Any) -> None:
     """Check the files of particles on rank 0, and share their extents with all ranks."""
     if not any(isinstance(body.region, Points) for body in case.bodies.values()):
         return
-    room = _most_particles(case, comm)
+    capacity = _most_particles(case, comm)
     for name, body in case.bodies.items():
         points = body.region
         if not isinstance(points, Points):
             continue
         material = case.materials[body.material]
         states = {state.name: state.tensor for state in material.states}
-        wanted = [
+        columns = [
             (column, ".".join(path), part)
             for path, variation in material.variations.items()
             for part in variation.parts()
             for column in part.columns
         ]
-        points.expect(dict.fromkeys((column for column, _, _ in wanted), False) | states)
+        points.expect(dict.fromkeys((column for column, _, _ in columns), False) | states)
 
         def read(
             name: str = name,
             points: Points = points,
             material: Any = material,
-            wanted: Any = wanted,
+            columns: Any = columns,
         ) -> Any:
             try:
-                found = points.read(room)
+                found = points.read(capacity)
             except CaseError as error:
                 raise CaseError(f"bodies.{name}.region: {error}") from None
-            for column, key, _ in wanted:
+            for column, key, _ in columns:
                 if column not in found.states:
                     raise CaseError(
                         f"bodies.{name}.region: the particles {points.file} have no column "
@@ -192,7 +192,7 @@ def _read_points(case: Case, comm: Any) -> None:
 
         points.__dict__["summary"] = found = on_root(comm, read)
         means = dict(zip(found.states, found.means, strict=True))
-        for column, _, part in wanted:
+        for column, _, part in columns:
             part.learn(means[column])
 
 

@@ -211,14 +211,14 @@ def _taken(
     """Particles in a box and in a range of planes, or up to a distance beyond these along x."""
     edges = cloud.edges[0]
 
-    def wanted(x: Reals) -> NDArray[np.bool_]:
+    def near(x: Reals) -> NDArray[np.bool_]:
         inside = (box[0][0] <= x) & (x <= box[1][0])
         if beyond is None:
             return inside & cloud.between(x, planes)
         return inside & (edges[planes[0]] - beyond <= x) & (x <= edges[planes[1]] + beyond)
 
     parts = [_CloudParticles(np.zeros(0, np.int64), np.zeros((0, len(cloud.edges))), np.zeros(0))]
-    for rows, block in cloud.region.chosen(wanted):
+    for rows, block in cloud.region.chosen(near):
         keep = ((box[0] <= block.position) & (block.position <= box[1])).all(axis=1)
         parts.append(_CloudParticles(rows[keep], block.position[keep], block.volume[keep]))
     return _CloudParticles(*(np.concatenate(column) for column in zip(*parts, strict=True)))

@@ -2,7 +2,7 @@
 
 It is begun when a rank has done its step and completed when the next one needs it, after the sums
 of the grid are complete. So a rank need not wait at a step's end for those that are behind by less
-than its work until then. Whatever is due between two steps completes it first.
+than its work until then. Actions due between two steps complete it first.
 """
 
 import weakref

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pgimp.case.check_stages import begins_anew
+from pgimp.case.check_stages import reselects
 from pgimp.errors import CaseError, RunError
 from pgimp.kernels.concepts import Order
 from pgimp.kernels.ledger import Ledger
@@ -142,7 +142,7 @@ def _held(rank: Rank, before: Case, new: Scene) -> np.ndarray:
     found = np.zeros(len(rows), np.int32)
     begin = []
     for i, (name, entry) in enumerate(new.case.constraints.items(), 1):
-        if begins_anew(before, new.case, name):
+        if reselects(before, new.case, name):
             mine = np.flatnonzero(p.body[rows] == new.body_names.index(entry.body))
             mine = mine[entry.region.contains(p.x[rows[mine]])]
             begin.append((name, entry.body, len(mine)))

@@ -23,9 +23,8 @@ class SeparatingParameters(NamedTuple):
     def approach(face, v, a, clearance):
         """Stop what moves into the wall, and brake what slides on it, as far as it is pressed.
 
-        As where bodies meet: first the velocity that particles bring, then that after forces have
-        acted; of the second the acceleration changes, too. What is left of the way to the wall may
-        be closed within the step.
+        As in contact of bodies: first the velocity from the particles, then that after forces,
+        which also changes the acceleration. The gap to the wall may close within the step.
         """
         dt = face.dt
         gap_rate = clearance / dt

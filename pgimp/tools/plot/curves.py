@@ -49,7 +49,7 @@ def curves(
         The probes; the history alone if empty.
     columns : sequence of str
         Columns of history.csv and of the probes, or patterns of their names; if empty those that
-        are wanted most often.
+        are needed most often.
     across : str
         The column along the horizontal axis.
     logarithmic : bool
