@@ -100,9 +100,7 @@ def _add(contact, tools, frame, number, pair, count, plane):
     along, across, drag, turn = _slopes(contact, pair, other, push, mobility)
     inverse = 1.0 / slip if slip > NONE else 0.0
     drag, turn = inverse * drag, inverse / slip * turn if slip > NONE else 0.0
-    if (
-        tools.motion[t, CAUTIOUS] != 0.0
-    ):  # a bounded impulse as viscous, proportional to the velocity: never overshoots
+    if tools.motion[t, CAUTIOUS] != 0.0:  # a bounded impulse as viscous: never overshoots
         drag, turn = 0.0, 0.0
         if push < 0.0:
             along = _pulled(row, mobility)

@@ -76,7 +76,7 @@ def bulk(region: Region, density: float, within: NDArray[np.float64]) -> Bulk:
     for d in range(D):
         for e in range(D):
             second[d, e] = (part * arm[:, d] * arm[:, e]).sum()
-        # Of a box itself; a cut one counts as a box as wide and less high.
+        # Of a box itself; a cut one counts as a smaller box of the same shape.
         second[d, d] += (part * part ** (2.0 / D)).sum() * body.size[d] ** 2 / 12.0
     unit = density * float(np.prod(body.size))
     inertia = unit * (np.trace(second) * np.identity(3) - second)

@@ -17,7 +17,7 @@ from pgimp.kernels.sums import KINETIC, MASS, STRAIN, layer_sums
 EVERY = 10
 
 #: Spurious energy, relative to the greatest energy so far, at which steps become shorter; the
-#: factor on the step; the factor on that bound for the next time.
+#: factor on the step; the next bound, relative to the spurious energy found.
 BOUND, SHORTER, AGAIN = 0.05, 0.75, 1.5
 
 #: The least part of the first Courant number, and the spurious energy that ends the run.
