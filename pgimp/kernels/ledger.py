@@ -79,5 +79,5 @@ class Ledger(NamedTuple):
 
     def datasets(self) -> dict[str, np.ndarray]:
         """Return the sums by their names in checkpoints."""
-        sums = self._asdict()
-        return {{"outside_mass": "beyond"}.get(name, name): sums[name] for name in sums}
+        stored = {"outside_mass": "beyond"}
+        return {stored.get(name, name): sums for name, sums in self._asdict().items()}
