@@ -90,13 +90,13 @@ class Stage(Model):
 
     @property
     def changes(self) -> dict[str, Any]:
-        """What it changes, by section, as written."""
+        """Its changes, by section, as written."""
         named = ("name", "end", "step")
         return {key: value for key, value in self.model_dump().items() if key not in named}
 
 
 class Staged(NamedTuple):
-    """What a stage knows of those before it.
+    """Data of a stage from those before it.
 
     Attributes
     ----------
@@ -113,7 +113,7 @@ class Staged(NamedTuple):
     escapes : bool
         Whether particles may leave, or might in a stage before.
     displacements : dict of str to tuple
-        What constraints have prescribed before, to be added to their displacement.
+        Displacements that constraints have prescribed before, to be added.
     """
 
     number: int = 0
@@ -126,7 +126,7 @@ class Staged(NamedTuple):
 
     @property
     def title(self) -> str:
-        """How messages name it."""
+        """Its name in messages."""
         return f"stage '{self.name}'" if self.number else "the first stage"
 
 

@@ -151,7 +151,7 @@ class Grid:
 
     @property
     def marks(self) -> np.ndarray:
-        """Which constraints hold each vertex, bit by bit."""
+        """Constraints of each vertex, as bits."""
         if len(self._marks) != len(self.G) // RECORD:
             self._marks = np.zeros(len(self.G) // RECORD, np.int64)
         return self._marks

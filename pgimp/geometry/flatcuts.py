@@ -1,4 +1,4 @@
-"""Where flat surfaces at any angle meet one another within boxes that are measured.
+"""Intersections of flat surfaces at any angle within boxes that are measured.
 
 What is inside across a direction has a kink there: a line in which two planes meet leaves a box
 through one of its faces, and three planes meet in a point.

@@ -1,1 +1,1 @@
-"""How kernels are compiled and kept, vectors of four numbers, and tensor algebra on tuples."""
+"""Compiling and caching of kernels, vectors of four numbers, and tensor algebra on tuples."""

@@ -68,7 +68,7 @@ class _Linked(JITCodeLibrary):
 
     @property
     def codegen(self) -> Self:
-        """What has to set its environment, which is set in the kernel that links it."""
+        """Nothing: its environment is set in the kernel that links it."""
         return self
 
     def set_env(self, name: str, environment: Any) -> None:

@@ -1,4 +1,4 @@
-"""How pgimp uses Numba: reproducible code generation, and a disk cache of its own.
+"""Use of Numba: reproducible code generation, and a disk cache of its own.
 
 This is the only module that imports Numba first, because two settings must stand before:
 

@@ -23,7 +23,7 @@ def is_own(kind: Any) -> bool:
 
 
 def count_own(kind: Any) -> int:
-    """How many `Own` there are in values of a Numba type, at any depth."""
+    """Number of `Own` in values of a Numba type, at any depth."""
     if is_own(kind):
         return 1
     parts: Any = kind if isinstance(kind, types.BaseTuple) else ()

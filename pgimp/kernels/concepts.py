@@ -130,7 +130,7 @@ class Field(NamedTuple):
 
 
 class Forcing(NamedTuple):
-    """What acts on the material during one step, except the conditions of faces.
+    """Forcing of the material during one step, except the conditions of faces.
 
     As part of the type, each set of them would need its own compilation of every kernel.
 

@@ -1,4 +1,4 @@
-"""What one particle adds to the sums of the grid: mass, momentum, stress."""
+"""Contribution of a particle to the sums of the grid: mass, momentum, stress."""
 
 from typing import Any, NamedTuple
 
@@ -39,7 +39,7 @@ class VolumeSums(NamedTuple):
 
 
 def contribution(loads, frame, particles, p, forces, j):
-    """What a particle adds to the sums of vertices, times its weights, as vectors.
+    """Contribution of a particle to the sums of vertices, times its weights, as vectors.
 
     Particle `p` is number `j` of a batch; `forces` is from `keep_forces`.
 

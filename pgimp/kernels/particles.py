@@ -208,7 +208,7 @@ COLUMNS: dict[str, Column] = {
 
 
 class Frame(NamedTuple):
-    """Where the grid lies. Vertex and layer numbers count from the first ghost vertex.
+    """Place of the grid. Vertex and layer numbers count from the first ghost vertex.
 
     All tuples have D entries; vertex number i of direction d stands at
     ``origin[d] + (i - ghost) * cell[d]``.
@@ -227,7 +227,7 @@ class Frame(NamedTuple):
 
 
 class InitialFrame(Frame):
-    """Where a grid of the initial configuration lies (total Lagrangian).
+    """Place of a grid of the initial configuration (total Lagrangian).
 
     Kernels that get it, in a `Setting`, take weights of the particles' initial places and
     gradients by these, forces from the first Piola-Kirchhoff stress, and never move a particle

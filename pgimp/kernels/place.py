@@ -1,4 +1,4 @@
-"""Where a particle's support begins: one set of functions for all kernels, exact to the bit."""
+"""First vertices of supports: one set of functions for all kernels, exact to the bit."""
 
 from math import floor
 

@@ -34,7 +34,7 @@ class StartVertices(NamedTuple):
 
 
 class Seen(NamedTuple):
-    """Which vertices have been copied.
+    """Marks of the vertices that have been copied.
 
     Attributes
     ----------

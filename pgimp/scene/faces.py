@@ -106,7 +106,7 @@ class FaceTable:
 
 
 def walls(faces: Sequence[Face], frame: Frame, end: float) -> np.ndarray:
-    """Where faces hold particles in during a step to `end`.
+    """Faces that hold particles in during a step to `end`.
 
     Returns
     -------

@@ -158,7 +158,7 @@ class _Speeds:
         self.momentum = np.zeros(dimension)
 
     def add(self, v: _Reals, mass: _Reals) -> None:
-        """Take some particles."""
+        """Add some particles."""
         with np.errstate(over="ignore"):
             self.top = max(self.top, float(np.sqrt((v * v).sum(axis=1)).max()))
         self.least = np.minimum(self.least, v.min(axis=0))
@@ -181,7 +181,7 @@ class _Varied:
             self.density = scene.materials[number].density
 
     def add(self, block: ParticleBlock) -> None:
-        """Take some particles."""
+        """Add some particles."""
         own = self._scene.variations.of(block, self._scene.body_material[self._body])
         if own is None:
             return

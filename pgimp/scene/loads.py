@@ -149,9 +149,9 @@ class SceneLoads:
             p.constraint[mine, 0] = self.held(number, p.x[mine])
 
     def held(self, body: int, x: np.ndarray) -> np.ndarray:
-        """Which constraint holds each particle of a body, in its initial state, (n,) int64.
+        """Constraint of each particle of a body, in its initial state, (n,) int64.
 
-        Constraints are numbered from 1, the last of several has it; 0 stands for none.
+        Constraints are numbered from 1, the last of several holds it; 0 stands for none.
         """
         number = np.zeros(len(x), np.int64)
         for i, entry in enumerate(self.constraints):

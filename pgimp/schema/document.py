@@ -163,7 +163,7 @@ def scalar(text: str) -> Any:
 
 
 class _ForeignError(Exception):
-    """What is YAML, but has no place in a case file; and where it is."""
+    """YAML that is not allowed in a case file, and its place."""
 
     def __init__(self, text: str, mark: Any) -> None:
         super().__init__(text)

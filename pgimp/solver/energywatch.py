@@ -61,7 +61,7 @@ class EnergyWatch:
         self.part, self._first, self._most, self._bound = numbers
 
     def begin(self, rank: Any) -> None:
-        """Take the present energy as the reference; collective."""
+        """Set the present energy as the reference; collective."""
         energy, work, mass = self._sums(rank)
         self._first = energy - work
         self._most = max(energy, NONE * mass * self.speed * self.speed)

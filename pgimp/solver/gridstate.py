@@ -148,7 +148,7 @@ def _contact(rank: Rank, time: float, dt: float) -> np.ndarray:
 
 
 def _cells(rank: Rank) -> tuple[np.ndarray, np.ndarray]:
-    """Which cells hold centres of particles, by their lowest vertex; collective.
+    """Cells that hold centres of particles, by their lowest vertex; collective.
 
     Returns
     -------

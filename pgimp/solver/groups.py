@@ -1,4 +1,4 @@
-"""Which bodies share a velocity field: those that cannot meet within the next steps.
+"""Assignment of velocity fields: bodies that cannot meet within the next steps share one.
 
 A body has a field of its own only near one that it may meet, so that a scene of bodies that are
 apart, or of a hundred grains, needs a handful. Sharing changes no bit: bodies that share a field

@@ -1,4 +1,4 @@
-"""Where bodies meet: their velocity fields, and the sums that give the gaps between them."""
+"""Contact of bodies: their velocity fields, and the sums that give the gaps between them."""
 
 from __future__ import annotations
 

@@ -73,7 +73,7 @@ def collect_errors(rank: Rank, step: Step) -> Failure:
 
 
 def _describe(rank: Rank, step: Step) -> tuple[str, str, str]:
-    """What is wrong with the rank's first particle at fault, when and where, what to try."""
+    """Describe the rank's first particle at fault: error, place and time, advice."""
     p, (row, error) = rank.particles, rank.errors[0].tolist()
     place = ", ".join(f"{x:.6g}" for x in p.x[row])
     velocity = ", ".join(f"{v:.4g}" for v in p.v[row])
@@ -92,7 +92,7 @@ def _describe(rank: Rank, step: Step) -> tuple[str, str, str]:
 
 
 def explanation(rank: Rank, row: int, error: int) -> str:
-    """What is wrong with the particle in `row`: "is turned inside out", "left the domain ..."."""
+    """Explain the error of the particle in `row`: "is turned inside out", "left the domain ..."."""
     if error == OUT_OF_RANGE:
         return _out_of_range(rank, row)[0]
     return _WHAT[error] + (f" through {_face(rank, row)}" if error == OUTSIDE else "")

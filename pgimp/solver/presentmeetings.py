@@ -1,4 +1,4 @@
-"""Where bodies in the initial configuration meet: each other, rigid bodies, walls that let go."""
+"""Contact of bodies in the initial configuration: each other, rigid bodies, walls that let go."""
 
 from __future__ import annotations
 

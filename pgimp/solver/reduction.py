@@ -1,4 +1,4 @@
-"""What all ranks agree on after a step: speed, requests and the window, by one reduction.
+"""The reduction after a step: speed, requests and the window, for all ranks.
 
 It is begun when a rank has done its step and completed when the next one needs it, after the sums
 of the grid are complete. So a rank need not wait at a step's end for those that are behind by less
@@ -13,7 +13,7 @@ import numpy as np
 
 
 class Request(IntEnum):
-    """What a rank may ask for after a step; the greatest of all ranks counts, on all of them."""
+    """Request of a rank after a step; the greatest of all ranks counts, on all of them."""
 
     NONE = 0
     #: The rank still waits for the disk, see `pgimp.running.frames`.

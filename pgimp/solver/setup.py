@@ -93,7 +93,7 @@ def begin(sim: Any, scenes: Sequence[Scene]) -> None:
 
 
 def resume(sim: Any, source: Any, counted: int) -> None:
-    """Take over the state of a checkpoint; collective.
+    """Restore the state of a checkpoint; collective.
 
     Parameters
     ----------

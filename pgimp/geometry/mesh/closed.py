@@ -213,7 +213,7 @@ def _volumes(triangles: Reals, component: Ints) -> Reals:
 
 
 def _depths(surface: Surface, triangles: Reals, component: Ints) -> Ints:
-    """How many other components each one lies in."""
+    """Number of other components around each one."""
     number = int(component.max()) + 1
     if number == 1:
         return np.zeros(1, np.int64)

@@ -61,7 +61,7 @@ class Surface(NamedTuple):
 
     @property
     def volume(self) -> float:
-        """What it encloses, exactly but for rounding."""
+        """Enclosed volume, exact to rounding."""
         if len(self.triangles) == 0:
             return 0.0
         p = self.triangles - 0.5 * (self.low[1] + self.high[1])
@@ -102,7 +102,7 @@ class Surface(NamedTuple):
         return np.where(self.contains(points), -out, out)
 
     def crossings(self, points: Reals, axis: int) -> Reals:
-        """Where lines through points meet the surface, (n, k), NaN where a line has fewer."""
+        """Intersections of lines through points with the surface, (n, k), NaN where fewer."""
         if self.dimensions == 2 and axis == 1:
             axis = 2
         return self.meet(self._lift(points), axis)[0]

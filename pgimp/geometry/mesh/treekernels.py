@@ -17,7 +17,7 @@ _DEEP = 64
 
 
 def _beside(u0, v0, u1, v1, u, v):
-    """Which side of the line from (u0, v0) to (u1, v1) a point lies on: the same bits always."""
+    """Side of a point with respect to the line from (u0, v0) to (u1, v1): always the same bits."""
 
 
 @exact(_beside)
@@ -27,7 +27,7 @@ def _beside_exact(u0, v0, u1, v1, u, v):
 
 @kernel
 def turns(T, t, i, j, u, v):
-    """How often a triangle turns round the point (u, v) in the plane of axes i, j: -1, 0 or 1."""
+    """Winding number of a triangle round the point (u, v) in the plane of axes i, j: -1, 0 or 1."""
     total = 0
     for a in range(3):
         b = (a + 1) % 3
@@ -96,7 +96,7 @@ def inside(T, low, high, leaves, component, own, points, out):
 
 @allocating_kernel
 def lines(T, low, high, leaves, axis, points, heights, signs):
-    """Where lines along an axis meet the surface, and how often at most.
+    """Intersections of lines along an axis with the surface, and their greatest number.
 
     The first columns of `heights` and `signs`, (n, k), of each line are set, as far as there is
     room. Along the axis a sign of 1 is a way out of the body.

@@ -56,7 +56,7 @@ class Place(BaseModel):
 
 
 class Header(BaseModel):
-    """What the JSON text says.
+    """The content of the JSON text.
 
     Attributes
     ----------
@@ -65,7 +65,7 @@ class Header(BaseModel):
     count : int
         Rows of each dataset in `rows`.
     about : dict
-        What the run says.
+        The run's own data.
     rows, whole : dict of str to Place
         Datasets with a row for each particle, and others.
     pieces : list of [start, size, CRC-32]
@@ -83,7 +83,7 @@ class Header(BaseModel):
 
     @property
     def begin(self) -> int:
-        """Where the user block ends."""
+        """End of the user block."""
         return self.pieces[0][0]
 
 

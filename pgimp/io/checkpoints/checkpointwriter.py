@@ -118,7 +118,7 @@ def _little(array: Array) -> np.dtype:
 
 
 class _Plan:
-    """What rank 0 does: makes the file and, when all have written to it, header and name.
+    """Part of rank 0: makes the file and, when all have written to it, header and name.
 
     Attributes
     ----------

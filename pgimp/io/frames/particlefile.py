@@ -249,7 +249,7 @@ class ParticleFile:
 
 
 class _Values:
-    """What goes into the rows of a file.
+    """Values for the rows of a file.
 
     Attributes
     ----------

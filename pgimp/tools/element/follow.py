@@ -72,7 +72,7 @@ def follow(
 
 
 def _confine(element: Element, strains: Array, pressure: float, rate: float) -> None:
-    """Put a particle under pressure from all sides, in ten steps."""
+    """Bring a particle under pressure from all sides, in ten steps."""
     for k in range(1, 11):
         strains[:] = _step(element, strains, 0.0, (0, 1, 2), -pressure * k / 10.0, 0.1 / rate)
 

@@ -61,7 +61,7 @@ class Step(NamedTuple):
         return one.seconds / (self.ranks * self.seconds)
 
     def loss(self, one: Step) -> str:
-        """What costs most of the efficiency, as text."""
+        """Main loss of efficiency, as text."""
         if self.slabs < self.ranks:
             return out_of_layers(self.slabs)
         losses = {

@@ -93,7 +93,7 @@ def lines(
 
 
 def remark(found: dict[str, Any]) -> Callable[[dict[str, Any]], str]:
-    """What is said of the lines of a strong scaling."""
+    """Remarks on the lines of a strong scaling."""
 
     def text(step: dict[str, Any]) -> str:
         said = []
@@ -111,7 +111,7 @@ def remark(found: dict[str, Any]) -> Callable[[dict[str, Any]], str]:
 
 
 def verdict(found: dict[str, Any]) -> str:
-    """How many ranks pay off, and why more do not, as text."""
+    """Number of ranks that pays off, and the reason for its limit, as text."""
     ranks = found["pays_off"]
     text = f"up to {ranks:,} pay off" if ranks > 1 else "1; more do not pay off"
     beyond = f"; beyond, {found['limit']}" if found["limit"] else ""

@@ -38,7 +38,7 @@ class Quantity(NamedTuple):
 
     @property
     def label(self) -> str:
-        """What an axis says of it, without its unit."""
+        """Its label on an axis, without its unit."""
         name, _, component = self.text.partition(".")
         return f"{_NAMES.get(name, name.replace('-', ' '))} {component}".rstrip()
 

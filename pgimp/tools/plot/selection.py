@@ -1,4 +1,4 @@
-"""Which particles of a frame are drawn, read block by block."""
+"""Selection of a frame's particles to draw, read block by block."""
 
 from __future__ import annotations
 

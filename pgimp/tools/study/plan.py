@@ -36,11 +36,11 @@ class Planned:
     options: tuple[str, ...]
     """The changes, as ``--set`` takes them."""
     values: Mapping[str, str]
-    """What is swept, by key, as short texts."""
+    """The swept values, by key, as short texts."""
     resolved: str
     """The text of case.yaml that a finished run of it has."""
     x: float
-    """What the errors are drawn against."""
+    """Abscissa of the errors."""
     curve: str
     """Name of the curve that it belongs to."""
 

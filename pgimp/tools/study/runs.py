@@ -54,7 +54,7 @@ class Outcome:
     reused: bool = False
     message: str = ""
     info: dict[str, Any] = field(default_factory=dict)
-    """What run.json says of it, if it is done."""
+    """Its run.json, if it is done."""
     error: float | None = None
     value: float | None = None
     """The column itself, where the error is its difference from a limit."""
