@@ -58,6 +58,9 @@ def extent(
 ) -> tuple[NDArray[np.float64], float, NDArray[np.int64]]:
     """Return first point, spacing and shape of a region's lattice.
 
+    One of its points would be the middle of the region, so that the distances of what is symmetric
+    are symmetric too, and the same ones whatever of it can matter.
+
     Parameters
     ----------
     region : Region
@@ -69,14 +72,16 @@ def extent(
     """
     spacing, D = SPACING * min(cell), len(cell)
     low, high = (np.array(end, float) for end in region.bounds())
+    middle = 0.5 * (low + high)
     low, high = low - MARGIN * np.array(cell), high + MARGIN * np.array(cell)
     if within is not None:
         low, high = np.maximum(low, within[0]), np.minimum(high, within[1])
-    counts = np.maximum(np.ceil((high - low) / spacing - 1e-9), 1.0) + 1.0
+    begin = np.floor((low - middle) / spacing + 1e-9)
+    counts = np.maximum(np.ceil((high - middle) / spacing - 1e-9) - begin, 1.0) + 1.0
     shape = np.ones(3, np.int64)
     shape[:D] = np.minimum(counts, 1e9)
     first = np.zeros(3)
-    first[:D] = low
+    first[:D] = middle + spacing * begin
     return first, spacing, shape
 
 

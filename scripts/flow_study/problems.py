@@ -68,7 +68,9 @@ def channel(cell, model):
             del entry[key]
     law = {"materials.mud": entry | {"model": model}}
     end = 0.1 if model == "newtonian" else 0.25  # the ends of a faster column pull at it
-    sim, speed = done("channel", **law, **{"grid.cell": [cell, cell], "time.end": end})
+    longer = {"grid.size": [0.1, 2.8], "bodies.column.region.box.max": [0.05, 2.5]}
+    changes = law | longer | {"grid.cell": [cell, cell], "time.end": end}
+    sim, speed = done("channel", **changes)
     x, v = sim.particles["position"], sim.particles["velocity"][:, 1]
     middle = np.abs(x[:, 1] - x[:, 1].mean()) < 0.1
     across, v = x[middle, 0], v[middle]
@@ -114,6 +116,19 @@ def hydrostatic(cell):
     top = y.max() + 0.25 * cell
     off = p - 1000.0 * G * (top - y)
     return (float(np.sqrt(np.mean(off**2))) / (1000.0 * G * 0.2),), speed
+
+
+def dam(cell):
+    """Instant at which water of a broken dam is at the far wall."""
+    case = pgimp.load(ROOT / "cases/dam-break.yaml", {"grid.cell": [cell, cell], "time.end": 1.0})
+    sim, spent = pgimp.Simulation(case), 0.0
+    while not sim.finished:
+        began = process_time()
+        sim.step(10)
+        spent += process_time() - began
+        if sim.particles["position"][:, 0].max() > 3.22 - 0.5 * cell:
+            break
+    return (sim.time,), sim.steps * len(sim.particles["id"]) / spent
 
 
 def column(cell, model):

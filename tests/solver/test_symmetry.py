@@ -65,11 +65,11 @@ def between_rigid(dimension, part):
         "plate": {"material": "soft", "region": plate},
         "above": {
             "rigid": free, "velocity": [0.0] * cut + [-0.5],
-            "region": {"ball": {"centre": [0.0] * cut + [12.0], "radius": 5.0}},
+            "region": {"ball": {"centre": [0.0] * cut + [12.13], "radius": 5.13}},
         },
         "below": {
             "rigid": {"velocity": [0.0] * cut + [0.5]},
-            "region": {"ball": {"centre": [0.0] * cut + [0.9], "radius": 3.0}},
+            "region": {"ball": {"centre": [0.0] * cut + [1.03], "radius": 2.87}},
         },
     }  # fmt: skip
     faces = {f"{axis}-min": "slip" for axis in "xyz"[:cut]} if part else {}
