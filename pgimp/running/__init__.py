@@ -1,1 +1,1 @@
-"""A run of the command: output, checkpoints, log, stopping, resuming."""
+"""A run: output, checkpoints, log, stopping, resuming."""

@@ -41,8 +41,8 @@ def write(directory: Path, sim: Simulation, text: str, history: Path) -> Path | 
     """Write the folder ``failure`` of a run that a particle has stopped; collective.
 
     It holds ``particles.xdmf`` with ``particles.h5``, for ParaView, and ``report.txt``; an older
-    one is replaced. Particles that cannot be drawn, not in the domain nor within a cell of it, are
-    shown where they were before.
+    one is replaced. Particles that cannot be drawn, farther than a cell from the domain, are shown
+    where they were before.
 
     Parameters
     ----------

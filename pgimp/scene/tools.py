@@ -192,8 +192,8 @@ class SceneTools:
     def at(self, start: float, end: float, states: list[State] | None = None) -> Tools:
         """Return them for the kernels of a step from `start` to `end`.
 
-        `states` are those at its start of the ones that move freely, whose velocity at its end is
-        the same for now.
+        `states` are those, at its start, of the bodies that move freely; their velocity at its end
+        is set to the same.
         """
         tools, states = self._arrays(), self.first if states is None else states
         free = dict(zip(self.free, states, strict=True))

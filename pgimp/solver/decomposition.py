@@ -18,7 +18,7 @@ RESORT = 48
 
 
 def partition(scene: Scene, comm: Any, counts: np.ndarray) -> tuple[Slab, Balance, list[str]]:
-    """Cut the layers into slabs at the start, of as few particles as can be, one a rank.
+    """Cut the layers into slabs at the start, one a rank, with balanced particle numbers.
 
     Parameters
     ----------

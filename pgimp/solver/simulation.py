@@ -110,7 +110,7 @@ class Simulation:
             setup.resume(self, source, state.counted)
 
     def decompose(self, counts: np.ndarray) -> Slab:
-        """Cut the layers into slabs of as few particles as can be, one a rank."""
+        """Cut the layers into slabs, one a rank, with balanced numbers of particles."""
         slab, self.balance, notes = partition(self.scene, self.comm, counts)
         self.notes += notes
         return slab
