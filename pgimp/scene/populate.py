@@ -133,7 +133,7 @@ def _velocity_gradients(scene: Scene, body: int, positions: np.ndarray) -> np.nd
 
 
 def _vary(scene: Scene, p: Particles, rows: slice, block: ParticleBlock) -> None:
-    """Set the columns of parameters that vary in space, and the density and state that follow."""
+    """Set parameters that vary in space, and the mass, state and stress that follow."""
     own = scene.variations.of(block, scene.body_material[block.body])
     if own is None:
         return
