@@ -191,7 +191,8 @@ class FreeBodies:
                 raise EndlessError(
                     f"step {t.number}, from time {t.start:.6g}: the velocity of the rigid body "
                     f"'{body.name}' cannot be found, it may be off by {away:.2g} cells in a step\n"
-                    "  try: smaller steps (time.step), less friction, a heavier body"
+                    "  try: smaller steps (time.step), less friction, a heavier body; smaller "
+                    "cells where two rigid bodies hold the same material between them"
                 )
 
     def _rest(self, number: int, sums: list[float], v: list[float]) -> list[float]:

@@ -85,9 +85,10 @@ def begin(sim: Any, scenes: Sequence[Scene]) -> None:
     if sim.watch:
         sim.watch.begin(sim.rank)
     rate = max(sim.rate, scene.tools.first_rate)
-    require_end(scene, rate)
-    dt = sim.clock.next(sim.done, rate).dt
-    sim.warnings += check_first_step(scene, dt, sim.rate)
+    with located(sim.case):
+        require_end(scene, rate)
+        dt = sim.clock.next(sim.done, rate).dt
+        sim.warnings += check_first_step(scene, dt, sim.rate)
     require_slow(scene.tools, dt)
     sim.warnings += speed_warnings(scene)
 
