@@ -62,7 +62,7 @@ def _sources_digest() -> str:
     return digest.hexdigest()[:16]
 
 
-def wanted_folder() -> Path:
+def preferred_folder() -> Path:
     """Folder where the compiled kernels belong.
 
     Returns
@@ -96,11 +96,11 @@ def cache_folder() -> Folder:
     Folder
         The preferred one; or a temporary one where that cannot be written, or others can write it.
     """
-    wanted = wanted_folder()
-    why_not = _why_not(wanted)
+    preferred = preferred_folder()
+    why_not = _why_not(preferred)
     if not why_not:
-        return Folder(wanted)
-    path = _private(Path(tempfile.gettempdir()) / f"pgimp-{os.geteuid()}") / wanted.name
+        return Folder(preferred)
+    path = _private(Path(tempfile.gettempdir()) / f"pgimp-{os.geteuid()}") / preferred.name
     with suppress(OSError):  # without it kernels are compiled, but not kept
         path.mkdir(mode=0o700, exist_ok=True)
     return Folder(path, why_not)

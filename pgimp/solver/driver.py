@@ -189,6 +189,6 @@ class Particles(Mapping[str, np.ndarray]):
 
     def to_pandas(self, *names: str) -> pandas.DataFrame:
         """Return fields, all by default, as a pandas.DataFrame; see `Frame.to_pandas`."""
-        wanted = [name for name in names or self if name != "id"]
-        found = Fields({"id": self["id"]} | {name: self[name] for name in wanted})
+        chosen = [name for name in names or self if name != "id"]
+        found = Fields({"id": self["id"]} | {name: self[name] for name in chosen})
         return found.to_pandas().set_index("id")

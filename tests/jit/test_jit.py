@@ -20,7 +20,7 @@ import pgimp
 from pgimp.errors import UsageError
 from pgimp.jit import cache, sealed
 from pgimp.jit.cache import KernelCache, Store, announced, messages
-from pgimp.jit.folder import COMPILED, Folder, cache_folder, wanted_folder
+from pgimp.jit.folder import COMPILED, Folder, cache_folder, preferred_folder
 from pgimp.jit.kernel import FOLDER, kernel
 
 PACKAGE = Path(pgimp.__file__).parent
@@ -284,23 +284,23 @@ def test_folders_that_others_can_write_to_are_not_used(tmp_path, monkeypatch):
     link.symlink_to(base)
     for path in (base, link):
         monkeypatch.setenv("PGIMP_CACHE_DIR", str(path))
-        wanted = wanted_folder()
-        assert cache_folder() == Folder(wanted)
-        assert wanted.stat().st_mode & 0o777 == base.stat().st_mode & 0o777 == 0o700
+        preferred = preferred_folder()
+        assert cache_folder() == Folder(preferred)
+        assert preferred.stat().st_mode & 0o777 == base.stat().st_mode & 0o777 == 0o700
         for whose, mode, fits in [
             (base, 0o777, False),
             (base, 0o770, False),
             (base, 0o1777, True),
             (base, 0o755, True),
-            (wanted, 0o1777, False),
-            (wanted, 0o720, False),
+            (preferred, 0o1777, False),
+            (preferred, 0o720, False),
         ]:
             whose.chmod(mode)
             folder, why_not = cache_folder()
             if fits:
-                assert (folder, why_not) == (wanted, "")
+                assert (folder, why_not) == (preferred, "")
             else:
-                assert folder == temporary / f"pgimp-{os.geteuid()}" / wanted.name
+                assert folder == temporary / f"pgimp-{os.geteuid()}" / preferred.name
                 assert folder.stat().st_mode & 0o777 == 0o700
                 assert f"cannot be trusted: others may write to it (mode {mode:04o})" in why_not
             whose.chmod(0o700)
@@ -315,8 +315,8 @@ def test_what_another_user_has_is_not_used(one_file, tmp_path, monkeypatch):
     assert "it belongs to another user (uid 12345)" in messages()[0]
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     monkeypatch.setenv("PGIMP_CACHE_DIR", str(tmp_path / "base"))
-    wanted = cache_folder().path
-    for path in (wanted.parent, wanted):
+    preferred = cache_folder().path
+    for path in (preferred.parent, preferred):
         os.chown(path, 12345, 12345)
         assert "it belongs to another user (uid 12345)" in cache_folder().why_not
         os.chown(path, 0, 0)
@@ -342,7 +342,7 @@ def test_an_empty_cache_folder_is_refused(small, monkeypatch, python, mpirun):
     for given in ("", "  "):
         monkeypatch.setenv("PGIMP_CACHE_DIR", given)
         with pytest.raises(UsageError, match="is set but empty: name a folder"):
-            wanted_folder()
+            preferred_folder()
     words = ["-m", "pgimp", "case.yaml", "-o", "none"]
     for done in (python(words, cwd=folder), mpirun(2, words, cwd=folder)):
         assert done.returncode == 2
@@ -357,7 +357,7 @@ def test_the_cache_folder_is_absolute(tmp_path, monkeypatch):
     monkeypatch.setenv("HOME", str(tmp_path / "home"))
     for given, found in {"here": tmp_path / "here", "~/there": tmp_path / "home/there"}.items():
         monkeypatch.setenv("PGIMP_CACHE_DIR", given)
-        assert wanted_folder().parent == found
+        assert preferred_folder().parent == found
 
 
 def test_a_temporary_folder_that_others_can_write_to_is_not_used(tmp_path, monkeypatch):

@@ -151,8 +151,8 @@ class Frame:
         UsageError
             If pandas is not installed.
         """
-        wanted = [name for name in names or self.fields if name != "id"]
-        return data_frame({"id": self["id"]} | {name: self[name] for name in wanted}, index="id")
+        chosen = [name for name in names or self.fields if name != "id"]
+        return data_frame({"id": self["id"]} | {name: self[name] for name in chosen}, index="id")
 
 
 # Errors of h5py for a file of another content, and those from odd types and shapes.

@@ -164,11 +164,11 @@ class _Cases:
             except CaseError as error:
                 names.append([])
                 self.wrong[f"{self.name}: {error}"].append(one.name)
-        wanted = self.study.measure
+        quantity = self.study.measure
         path = ("error",)
         for one, case, known in zip(found, cases, names, strict=True):
             if known:
-                self._check_measure(path, self.study.error, wanted, known, case, one)
+                self._check_measure(path, self.study.error, quantity, known, case, one)
         everywhere = list(dict.fromkeys(name for known in names for name in known))
         last = max(cases, key=lambda case: case.time.last)
         for i, entry in enumerate(self.study.columns):
@@ -180,19 +180,19 @@ class _Cases:
         self,
         path: tuple[str | int, ...],
         entry: str | Measure,
-        wanted: Measure,
+        quantity: Measure,
         known: list[str],
         case: Case,
         variant: Variant,
     ) -> None:
         inside = not isinstance(entry, str)
-        if wanted.column not in known:
-            text = unknown("column", wanted.column, known, "history.csv will have")
+        if quantity.column not in known:
+            text = unknown("column", quantity.column, known, "history.csv will have")
             label = self.label((*path, "column") if inside else path)
             self.wrong[f"{label}: {text}"].append(variant.name)
         end = case.time.last
-        if isinstance(wanted.at, float) and wanted.at > end * (1.0 + SAME_TIME):
-            text = f"{wanted.at:.15g} is after the end at {end:.15g} (time.end)"
+        if isinstance(quantity.at, float) and quantity.at > end * (1.0 + SAME_TIME):
+            text = f"{quantity.at:.15g} is after the end at {end:.15g} (time.end)"
             self.wrong[f"{self.label((*path, 'at'))}: {text}"].append(variant.name)
 
     def arrange(self, found: list[Variant], cases: list[tuple[str, Case]]) -> list[Planned]:

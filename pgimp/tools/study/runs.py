@@ -235,9 +235,9 @@ def _measure(study: Study, output: Path, outcome: Outcome) -> None:
         return
     outcome.state = DONE
     lacking = []
-    for wanted in map(measure_of, study.columns):
+    for quantity in map(measure_of, study.columns):
         try:
-            outcome.columns[wanted.label] = measure(lines, wanted)
+            outcome.columns[quantity.label] = measure(lines, quantity)
         except MeasureError as error:
             lacking.append(str(error))
     outcome.message = "; ".join(lacking)
