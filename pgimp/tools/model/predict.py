@@ -34,8 +34,8 @@ class Step(NamedTuple):
         Cost of a step without particles; mean over the slabs of particles and planes; excess of
         the slowest rank over that mean, because layers are not divided.
     planes, calls, reduction : float
-        Exchange of shared planes as far as nothing hides it; latencies and calls of messages to
-        neighbours, with the particles that go there; the reduction, as far as nothing hides it.
+        Exchange of shared planes that is not hidden; latencies and calls of messages to
+        neighbours, with the particles that go there; the reduction that is not hidden.
     most : int
         Particles of the fullest slab.
     """
@@ -84,9 +84,9 @@ def predict(layout: Layout, costs: Costs, network: Network, ranks: int) -> Step:
     Parameters
     ----------
     layout : Layout
-        What there is to do.
+        The work.
     costs : Costs
-        What that costs on a node.
+        Its costs on a node.
     network : Network
         Messages between nodes.
     ranks : int
@@ -169,7 +169,7 @@ def pays_off(
     one, best : Step
         A step on one rank, and on the number of ranks that pays off.
     limit : str
-        What costs most of the efficiency beyond that, as text; empty if it is `most`.
+        Main loss of efficiency beyond that, as text; empty if it is `most`.
     """
     one = predict(layout, costs, network, 1)
     most = min(most, MOST_RANKS)

@@ -23,7 +23,7 @@ def rank_counts(marks: Iterable[int], most: int = MOST_RANKS) -> list[int]:
 def scaling(
     layout: Layout, costs: Costs, network: Network, memory: Callable[[Step], float]
 ) -> dict[str, Any]:
-    """Strong scaling of a layout: how far it pays off, and why not further.
+    """Strong scaling of a layout: up to where it pays off, and the reason for its limit.
 
     Parameters
     ----------
@@ -33,8 +33,8 @@ def scaling(
     Returns
     -------
     dict
-        ``particles``, ``slabs`` (the most that there can be), ``pays_off`` (ranks), ``limit`` (what
-        costs most of the efficiency beyond, as text) and ``steps``, see `entry`.
+        ``particles``, ``slabs`` (the most that there can be), ``pays_off`` (ranks), ``limit`` (the
+        main loss of efficiency beyond, as text) and ``steps``, see `entry`.
     """
     one, best, limit = pays_off(layout, costs, network)
     slabs = layout.most_ranks
