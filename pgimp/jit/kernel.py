@@ -1,12 +1,5 @@
 """Use of Numba: reproducible code generation, and a disk cache of its own.
 
-This is the only module that imports Numba first, because two settings must stand before:
-
-- ``NUMBA_LOOP_VECTORIZE=0``: in a loop that LLVM vectorises, contraction to fused multiply-adds
-  differs between the vector body and the scalar remainder, so that a particle's bits would depend
-  on its place in the array. Kernels use explicit vectors instead (`pgimp.jit.simd`).
-- ``NUMBA_DISABLE_INTEL_SVML=1``: the vector maths library rounds differently from libm.
-
 Compiled kernels are kept on disk, see `pgimp.jit.folder` and `pgimp.jit.cache`.
 """
 
@@ -15,13 +8,10 @@ import sys
 from collections.abc import Callable
 from typing import Any, cast
 
-from pgimp.jit.folder import SETTINGS, cache_folder
+from pgimp.jit.folder import cache_folder
 
 #: Where compiled kernels are kept.
 FOLDER = cache_folder()
-os.environ.update(SETTINGS)
-# Where colorama is installed, Numba would write control characters to stdout at the end.
-os.environ["NUMBA_DISABLE_ERROR_MESSAGE_HIGHLIGHTING"] = "1"
 os.environ["NUMBA_CACHE_DIR"] = str(FOLDER.path)  # for helpers that a user caches himself
 if "numba" in sys.modules:  # imported by the user's program before: set what it has read already
     sys.modules["numba"].config.reload_config()

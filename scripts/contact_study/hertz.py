@@ -55,7 +55,7 @@ def cylinders(cells):
         contact=[{"bodies": ["low", "high"]}],
     )  # fmt: skip
     case["time"]["step"] = {"courant": 0.4}
-    case["materials"]["solid"] |= {"young": YOUNG, "poisson": POISSON}
+    case["materials"]["solid"] = motion.SOLID | {"young": YOUNG, "poisson": POISSON}
     force = 0.25 * pi * STIFFNESS * WIDTH**2 / RADIUS
     simulation, pushed = pgimp.Simulation(case), 0.0
     while pushed < 0.5 * force:  # of the half

@@ -21,7 +21,7 @@ def case_of(bodies, size, cell, end, **parts):
         "grid": {"size": size, "cell": [cell] * D},
         "method": {"shape": "gimp", "particles_per_cell": [2] * D},
         "time": {"end": end, "step": {"courant": 0.3}},
-        "materials": {"solid": SOLID},
+        "materials": {"solid": dict(SOLID)},
         "bodies": {
             name: {"material": "solid", "region": region, "velocity": velocity}
             for name, (region, velocity) in bodies.items()

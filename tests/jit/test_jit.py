@@ -381,3 +381,9 @@ def test_all_that_numba_compiles_is_part_of_the_cache_name():
         name = str(path.relative_to(PACKAGE))
         if re.search(marks, path.read_text(), re.M):
             assert name.startswith(COMPILED), f"{name} compiles kernels: name it in folder.COMPILED"
+
+
+def test_numba_writes_no_colours(python):
+    """Whatever imports it first: at the end they would stand in what a program reads."""
+    text = "import pgimp.commands.bench, numba.core.errors as e; print(hasattr(e, 'ColorShell'))"
+    assert python(["-c", text]).stdout.split() == ["False"]
