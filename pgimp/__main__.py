@@ -1,8 +1,8 @@
 """The command ``pgimp``, also as ``python -m pgimp``.
 
-Signals come first, before imports that take longer than all else: until its handler stands, any of
-them kills the process. A run notes them from here on; with the other commands they keep their
-usual effect.
+Signals come first, before imports that take longer than all else: until its handler is installed,
+any of them kills the process. A run notes them from here on; with the other commands they keep
+their usual effect.
 """
 
 import sys

@@ -54,7 +54,7 @@ usage: pgimp CASE.yaml [options]               run a case on one rank
 
 
 class Parser(argparse.ArgumentParser):
-    """An argument parser that answers once for all ranks and raises what it finds wrong."""
+    """An argument parser that answers once for all ranks and raises its errors."""
 
     def error(self, message: str) -> NoReturn:
         """Raise a `SharedUsageError` with the usage line that belongs to it."""
@@ -79,25 +79,25 @@ def main(argv: Sequence[str] | None = None) -> int:
     int
         The exit status: 0 done, 1 failed, 2 the case or the command line is wrong.
     """
-    gc.set_threshold(20_000)  # to search so many modules for garbage takes a twentieth of a start
+    gc.set_threshold(20_000)  # searching all modules for garbage takes a twentieth of a start
     with guarded() as out:
         try:
             status = _dispatch(list(sys.argv[1:] if argv is None else argv))
             out.flush()
             return status
         except KeyboardInterrupt as error:
-            return _complain(error, 130)
+            return _report_error(error, 130)
         except PgimpError as error:
-            return _complain(error, error.exit_status)
+            return _report_error(error, error.exit_status)
         except Exception as error:
             if signals.interrupted:
-                return _complain(KeyboardInterrupt(), 130)
+                return _report_error(KeyboardInterrupt(), 130)
             if error is not out.error:
-                return _complain(error, 1)
+                return _report_error(error, 1)
             silence(out)
-            if isinstance(error, BrokenPipeError):  # who reads has seen enough
+            if isinstance(error, BrokenPipeError):  # the reader has seen enough
                 return _BROKEN_PIPE_STATUS
-            return _complain(RunError(f"cannot write to standard output: {error.strerror}"), 1)
+            return _report_error(RunError(f"cannot write to standard output: {error.strerror}"), 1)
 
 
 def _dispatch(words: list[str]) -> int:
@@ -118,7 +118,7 @@ def _dispatch(words: list[str]) -> int:
 
 
 def _slip(words: list[str]) -> str:
-    """Return what words that are no run of a case probably mean; empty if they may be one."""
+    """Return the probable meaning of words that are no run of a case; empty if they may be."""
     name, rest = words[0], shlex.join(words[1:])
     if name == "run" and not os.path.exists(name):
         return f"there is no command run: a case is run with `pgimp {rest or 'CASE.yaml'}`"
@@ -242,7 +242,7 @@ def _is_first_rank() -> bool:
     return started is None or started.rank == 0
 
 
-def _complain(error: BaseException, status: int) -> int:
+def _report_error(error: BaseException, status: int) -> int:
     if not _is_first_rank():
         # Open MPI kills all ranks when one ends like this that has not begun with MPI: the first
         # one, too, which then has not spoken yet.

@@ -1,7 +1,7 @@
 """Signals that ask a run to stop are noted here until it can.
 
-The command imports this module before anything else: a signal that comes before its handler
-stands kills the process. So nothing but ``signal`` and ``time`` is imported here.
+The command imports this module before anything else: a signal that arrives before its handler
+is installed kills the process. So nothing but ``signal`` and ``time`` is imported here.
 """
 
 import signal
@@ -11,17 +11,17 @@ from types import FrameType
 #: `time.monotonic` when this module was imported: for the command ``pgimp``, when it was started.
 BEGAN = time.monotonic()
 
-#: What asks a run to stop. mpirun passes SIGUSR1 on, schedulers send it ahead of a limit.
+#: Signals that ask a run to stop. mpirun passes SIGUSR1 on, schedulers send it ahead of a limit.
 STOPPING = (signal.SIGINT, signal.SIGTERM, signal.SIGUSR1)
 
 #: Whether the whole process is a run whose signals are noted from the start; see `install`.
 installed = False
 
-#: The signals that came, each once, in order.
+#: The signals that arrived, each once, in order.
 received: list[int] = []
 
-#: Whether a second SIGINT came. What it meets, such as a module that is being imported, may make
-#: another error of the KeyboardInterrupt.
+#: Whether a second SIGINT arrived. Code that it interrupts, such as an import, may turn the
+#: KeyboardInterrupt into another error.
 interrupted = False
 
 
@@ -36,7 +36,7 @@ def note(number: int, _: FrameType | None) -> None:
     Raises
     ------
     KeyboardInterrupt
-        At the second SIGINT, for who cannot wait.
+        At the second SIGINT, for an impatient user.
     """
     global interrupted
     if number not in received:
@@ -47,7 +47,7 @@ def note(number: int, _: FrameType | None) -> None:
 
 
 def catch(number: int) -> None:
-    """Have a signal noted from now on, without breaking off the system calls that it meets.
+    """Note a signal from now on, without interrupting system calls.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ def catch(number: int) -> None:
 
 
 def install(numbers: tuple[int, ...] = STOPPING) -> None:
-    """Have signals noted for the rest of this process.
+    """Note signals for the rest of this process.
 
     A SIGINT that is ignored stays so: a shell starts its background jobs like that, and Ctrl-C is
     not for them.
@@ -77,10 +77,10 @@ def install(numbers: tuple[int, ...] = STOPPING) -> None:
 
 
 def ignore() -> None:
-    """Let the signals that are noted have no effect any more.
+    """Ignore the signals that are noted from now on.
 
-    For the time when the exit status stands: the interpreter, when it leaves, gives the signals
-    that have a handler their usual effect again, which would replace the status.
+    To be called once the exit status is decided: the interpreter, when it exits, restores the usual
+    effect of signals with a handler, which would replace the status.
     """
     for number in STOPPING:
         if signal.getsignal(number) is note:

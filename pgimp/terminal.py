@@ -1,7 +1,7 @@
-"""The standard streams of the command: always there, free of control characters, free to break.
+"""The standard streams of the command: always open, without control characters, allowed to break.
 
-Names, titles and messages may come from files of others, and a terminal obeys what such text says
-to it; so what is printed is escaped here, where it leaves, whoever printed it.
+Names, titles and messages may come from files of others, and a terminal obeys escape sequences in
+them; so all output is escaped here, on its way out.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from contextlib import contextmanager, suppress
 from io import TextIOWrapper
 from typing import Any, cast
 
-# Control characters but newline and tab, what turns the direction of text or is not seen, other
-# separators of lines, halves of characters (which names of files may have).
+# Control characters but newline and tab, characters that turn the direction of text or are
+# invisible, other line separators, surrogates (which names of files may have).
 _UNSAFE = re.compile(
     "[\x00-\x08\x0b-\x1f\x7f-\x9f\xad\u061c\u180e\u200b-\u200f\u2028-\u202e\u2060-\u206f"
     "\ufeff\ufff9-\ufffb\ud800-\udfff\U000e0000-\U000e007f]"
@@ -37,7 +37,7 @@ def reopen() -> None:
     """Open the null device in place of each standard stream that is closed.
 
     Cron jobs and daemons may start without. The next file that is opened would get the stream's
-    number, and what is printed would end up among its data.
+    number, and output would end up among its data.
     """
     for number, name, mode in ((0, "stdin", "r"), (1, "stdout", "w"), (2, "stderr", "w")):
         try:
@@ -51,19 +51,19 @@ def reopen() -> None:
 
 
 class Escaping:
-    """A text stream that writes what it gets without characters that steer a terminal.
+    """A text stream that escapes characters that control a terminal.
 
     Parameters
     ----------
     raw : text stream
         The stream behind it.
     last : bool
-        Whether it is the last one, so that its failure cannot be reported; it then goes silent.
+        Whether it is the last one, whose failure cannot be reported; it then goes silent.
 
     Attributes
     ----------
     error : OSError or None
-        What the stream behind it raised last.
+        The last error of the stream behind it.
     """
 
     def __init__(self, raw: Any, last: bool = False) -> None:
@@ -77,7 +77,7 @@ class Escaping:
         return len(text)
 
     def flush(self) -> None:
-        """Write what waits to be written."""
+        """Flush the stream."""
         self._try(self.raw.flush)
 
     def _try(self, action: Callable[..., Any], *text: str) -> None:
@@ -90,7 +90,7 @@ class Escaping:
             silence(self.raw)
 
     def __getattr__(self, name: str) -> Any:
-        """Be like the stream in everything else."""
+        """Delegate everything else to the stream."""
         return getattr(self.raw, name)
 
 
@@ -100,7 +100,7 @@ def unescaped(stream: Any) -> Any:
 
 
 def silence(stream: Any) -> None:
-    """Let a stream that cannot be written to any more lead nowhere, with what waits in it."""
+    """Redirect a broken stream to the null device, with its pending output."""
     with suppress(OSError, ValueError, AttributeError):
         null = os.open(os.devnull, os.O_WRONLY)
         os.dup2(null, stream.fileno())
@@ -110,9 +110,9 @@ def silence(stream: Any) -> None:
 
 @contextmanager
 def guarded() -> Iterator[Escaping]:
-    """Let stdout and stderr escape what is printed; a context manager that gives the first.
+    """Escape the output to stdout and stderr; a context manager that gives the first.
 
-    At its end nothing waits in them that the interpreter could fail to write when it leaves.
+    At its end they are flushed, so that the interpreter cannot fail on them when it exits.
     """
     streams = sys.stdout, sys.stderr
     for stream in streams:

@@ -11,7 +11,7 @@ from pydantic import RootModel
 from pgimp.case.check_domain import check_grid
 from pgimp.geometry.regions import REGIONS
 from pgimp.physics.loads.motion import RigidMotion, check_rotation
-from pgimp.physics.rigid import WAYS
+from pgimp.physics.rigid import FREEDOMS
 from pgimp.schema.messages import unknown
 from pgimp.schema.problems import Problem
 from pgimp.schema.registries import name_of
@@ -44,7 +44,7 @@ def check_velocities(dimensions: int, bodies: Mapping[str, Any]) -> Problems:
 
 
 def _region(path: tuple[str | int, ...], region: Any, dimensions: int) -> Problems:
-    """Check one region and those that it is made of."""
+    """Check one region and its parts."""
     if (parts := region.parts) > MOST_PARTS:
         yield Problem(path, f"{parts:,} regions in one are too many (at most {MOST_PARTS:,})")
         return
@@ -139,7 +139,7 @@ def check_tools(
 
 def _free(path: tuple[str | int, ...], dimensions: int, body: Any) -> Problems:
     """Check that the motion of a free rigid body fits the dimensions."""
-    ways = (("x",), ("x", "y", "rotation"), (*WAYS, "rotation"))[dimensions - 1]
+    ways = (("x",), ("x", "y", "rotation"), (*FREEDOMS, "rotation"))[dimensions - 1]
     for i, way in enumerate(body.free.fixed):
         if way not in ways and not (dimensions == 2 and way == "rotation-z"):
             yield Problem((*path, "rigid", "fixed", i), unknown("way", way, ways))
@@ -244,7 +244,7 @@ def check_contact(
 ) -> Problems:
     """Check that the entries of contact name bodies, and no pair twice."""
     body_names = [*body_names, *tools]
-    told: dict[frozenset[str], int] = {}
+    earlier: dict[frozenset[str], int] = {}
     for i, entry in enumerate(contact):
         path: tuple[str | int, ...] = ("contact", i, "bodies")
         pairs = {frozenset(pair) for pair in entry.pairs()} or {frozenset(("all",))}
@@ -260,14 +260,14 @@ def check_contact(
                 "make one of them a body of a material"
             )
             yield Problem(path, text)
-        for pair in sorted(pairs & set(told), key=sorted)[:1]:
+        for pair in sorted(pairs & set(earlier), key=sorted)[:1]:
             names = " and ".join(sorted(pair))
-            yield Problem(path, f"entry {told[pair] + 1} has a law for {names} already")
-        told |= dict.fromkeys(pairs, i)
+            yield Problem(path, f"entry {earlier[pair] + 1} has a law for {names} already")
+        earlier |= dict.fromkeys(pairs, i)
 
 
 def check_adhesion(grid: Any, contact: Sequence[Any]) -> Problems:
-    """Check that surfaces hold each other over gaps that a vertex can see."""
+    """Check that adhesion acts over gaps that a vertex can resolve."""
     for i, entry in enumerate(contact):
         cell = min(grid.cell)
         if entry.adhesion is not None and entry.adhesion.reach > cell:

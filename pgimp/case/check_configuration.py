@@ -1,4 +1,4 @@
-"""Checks of bodies in the initial configuration: what they can be combined with."""
+"""Checks of bodies in the initial configuration: features they can be combined with."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def check_configuration(
     escape: Mapping[str, str],
     contact: Sequence[Any],
 ) -> Problems:
-    """Check that all bodies have the same configuration, and that the case is one for it."""
+    """Check that all bodies have the same configuration, and that the case suits it."""
     initial = [name for name, body in bodies.items() if body.configuration == "initial"]
     if not initial:
         return

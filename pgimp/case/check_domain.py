@@ -21,7 +21,7 @@ MOST_STEPS = 2**53
 
 
 def check_grid(dimensions: int, grid: Any) -> Problems:
-    """Check that sizes are whole cells, which float64 coordinates can tell apart."""
+    """Check that sizes are whole cells, which float64 coordinates can resolve."""
     wrong = [
         item
         for name in ("origin", "size", "cell")
@@ -52,7 +52,7 @@ def check_grid(dimensions: int, grid: Any) -> Problems:
 
 
 def check_method(dimensions: int, method: Any) -> Problems:
-    """Check that there is one number of particles a direction, and what is for boxes only."""
+    """Check that there is one number of particles a direction, and options for boxes only."""
     counts = method.particles_per_cell
     yield from length(("method", "particles_per_cell"), counts, dimensions)
     if method.volumetric == "mean" and method.chi != "box":
@@ -93,9 +93,9 @@ def check_output(time: Any, output: Any) -> Problems:
 def check_fields(
     materials: Mapping[str, Any], declared: tuple[str, ...], output: Any
 ) -> Problems:
-    """Check that fields which are not those of every case are what its materials have."""
+    """Check that fields which not every case has are those of its materials."""
     if len(materials) < len(declared):
-        return  # what the others would have is not known
+        return  # the fields of the others are unknown
     states = {state.name for entry in materials.values() for state in entry.states}
     states |= {field_of(keys) for entry in materials.values() for keys in entry.variations}
     for i, name in enumerate(output.fields):

@@ -1,4 +1,4 @@
-"""Numbers so large or small that what is computed from them has no place in a float64."""
+"""Numbers so large or small that results exceed the range of float64."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from typing import Any
 from pgimp.schema.dispatch import plain
 from pgimp.schema.problems import Problem
 
-#: In any units nature has none near these, and a product of two fits a float64.
+#: In any units no physical value is near these, and a product of two fits a float64.
 SMALLEST, LARGEST = 1e-150, 1e150
-# Parts whose numbers are divided by, but for some. Elsewhere, as in the tail of a pulse, the
-# smallest are as good as zero.
+# Parts whose numbers are divisors, with few exceptions. Elsewhere, as in the tail of a pulse, the
+# smallest count as zero.
 _DIVISORS = ("materials", "time", "grid")
 _NO_DIVISORS = ("origin", "poisson", "viscosity")
 

@@ -54,7 +54,7 @@ def _in_domain(path: tuple[str | int, ...], place: tuple[float, ...], grid: Any)
 def _in_body(
     path: tuple[str | int, ...], entry: Any, dimensions: int, grid: Any, bodies: Mapping[str, Any]
 ) -> Problems:
-    """Check that a place is in a body; of bodies in files, this is left to who reads those."""
+    """Check that a place is in a body; for bodies in files, this is done when they are read."""
     region = bodies[entry.body].region
     if any(part.FROM_FILE for part in region.simple()):
         return
@@ -66,7 +66,7 @@ def check_near(path: tuple[str | int, ...], entry: Any, region: Any, grid: Any) 
     """Check that a place is in a region, or so close that a particle of it may be next to it."""
     slack = 0.5 * min(grid.cell)
     low, high = region.bounds()
-    # First of a box around the body: what lies outside of that needs no closer look.
+    # First the box around the body: a place outside of that needs no closer check.
     away = max(max(a - x, x - b) for a, x, b in zip(low, entry.at, high, strict=True))
     if away <= slack:
         away = float(region.distance(np.array([entry.at], float))[0])

@@ -24,7 +24,7 @@ _VARIES = (
 
 
 def arrange(case: Case) -> tuple[tuple[Case, ...], list[Problem]]:
-    """Return the cases of the stages of a case, and what is wrong with them.
+    """Return the cases of the stages of a case, and their problems.
 
     Each is checked as any case is; those after one that is wrong are left out.
     """
@@ -57,7 +57,7 @@ def arrange(case: Case) -> tuple[tuple[Case, ...], list[Problem]]:
         now.__dict__["staged_as"] = Staged(
             number + 1, stage.name, float(before.time.end), counted,
             (*before.staged.removed, *(name for name in stage.remove if name in now.bodies)),
-            before.staged.escapes or bool(_leaving(now)), _ways(before, now),
+            before.staged.escapes or bool(_leaving(now)), _displacements(before, now),
         )  # fmt: skip
         found.append(now)
     return tuple(found), []
@@ -90,7 +90,7 @@ def _counted(before: Case, stage: Stage) -> float:
 
 
 def _own(stage: Stage, before: Case, names: set[str]) -> Problems:
-    """Check what a stage says by itself; paths start at the stage."""
+    """Check a stage by itself; paths start at the stage."""
     if stage.name in names:
         yield Problem(("name",), "another stage has this name already")
     if stage.end <= before.time.end:
@@ -163,7 +163,7 @@ def _own(stage: Stage, before: Case, names: set[str]) -> Problems:
 
 
 def _changed(before: Case, now: Case, stage: Stage) -> Problems:
-    """Check that particles have what a stage needs of them; paths start at the case."""
+    """Check that particles have the columns that a stage needs; paths start at the case."""
     for name, entry in now.materials.items():
         yield from _material(("materials", name), before.materials[name], entry, now.dimensions)
     for name, entry in now.tractions.items():
@@ -171,14 +171,14 @@ def _changed(before: Case, now: Case, stage: Stage) -> Problems:
             if getattr(entry, key) != getattr(before.tractions[name], key):
                 yield Problem(("tractions", name, key), "cannot change in a stage")
     for name, entry in now.constraints.items():
-        if begins_anew(before, now, name) and any(r.FROM_FILE for r in entry.region.simple()):
+        if reselects(before, now, name) and any(r.FROM_FILE for r in entry.region.simple()):
             yield Problem(
                 ("constraints", name, "region"),
                 "a region from a file is for the case itself; declare the constraint there, free "
                 "(velocity: [null, ..]), and let it hold from this stage on",
             )
         gone = (*before.staged.removed, *stage.remove)
-        if entry.body in gone and begins_anew(before, now, name):
+        if entry.body in gone and reselects(before, now, name):
             yield Problem(("constraints", name, "body"), f"'{entry.body}' has been removed")
     if (now.contact or now.tools) and not (before.contact or before.tools):
         yield Problem(
@@ -228,7 +228,7 @@ def _material(path: Path, before: Any, now: Any, dimensions: int) -> Problems:
 
 
 def _starts(entry: Any, dimensions: int) -> tuple[float, bytes]:
-    """What particles of a material start with."""
+    """Initial state of particles of a material."""
     from pgimp.physics.materials.outside import parameters_of
     from pgimp.physics.materials.states import States
 
@@ -236,7 +236,7 @@ def _starts(entry: Any, dimensions: int) -> tuple[float, bytes]:
     return entry.initial_pressure, initial.tobytes()
 
 
-def begins_anew(before: Case, now: Case, name: str) -> bool:
+def reselects(before: Case, now: Case, name: str) -> bool:
     """Whether a constraint chooses its particles as a stage begins."""
     old, new = before.constraints.get(name), now.constraints[name]
     return old is None or (old.body, old.region) != (new.body, new.region)
@@ -248,18 +248,18 @@ def _with_origins(case: Case) -> bool:
     return initial or "displacement" in case.output.fields
 
 
-def _ways(before: Case, now: Case) -> dict[str, tuple[float, ...]]:
-    """What is added to the displacements of a stage's constraints, see `Staged`."""
+def _displacements(before: Case, now: Case) -> dict[str, tuple[float, ...]]:
+    """Displacements to add to those of a stage's constraints, see `Staged`."""
     start, found = float(before.time.end), {}
     for name, entry in now.constraints.items():
         old: tuple[float | None, ...] = (None,) * now.dimensions
-        ways = (0.0,) * now.dimensions
-        if not begins_anew(before, now, name):
+        shift = (0.0,) * now.dimensions
+        if not reselects(before, now, name):
             old = before.constraints[name].displacement(start)
-            ways = before.staged.ways.get(name, ways)
+            shift = before.staged.displacements.get(name, shift)
         found[name] = tuple(
             ((way or 0.0) + more) - (new or 0.0)
-            for way, more, new in zip(old, ways, entry.displacement(start), strict=True)
+            for way, more, new in zip(old, shift, entry.displacement(start), strict=True)
         )
     return found
 
@@ -285,7 +285,7 @@ def steps_in(case: Case) -> int | None:
 
 
 def changes_of(stage: Stage) -> Iterator[str]:
-    """Yield what a stage changes, by key paths that are not longer than need be."""
+    """Yield the changes of a stage, by the shortest key paths."""
     for section, value in stage.changes.items():
         if section == "remove":
             if value:

@@ -9,7 +9,7 @@ from pgimp.geometry.regions import Points
 from pgimp.schema.problems import Problem
 from pgimp.schema.sizes import Problems
 
-#: What a file of particles has anyway.
+#: Columns that every file of particles has.
 _TAKEN = ("x", "y", "z", "position", "volume", "velocity", "stress", "velocity-gradient")
 
 

@@ -1,4 +1,4 @@
-"""What must hold between the parts of a case.
+"""Conditions between the parts of a case.
 
 Each check is a generator of problems whose parameters name the parts of the case that it needs;
 it runs when these are valid, even if others are not.
@@ -46,7 +46,7 @@ _NAMED = ("materials", "bodies", "boundaries", "escape", "tractions", "constrain
 
 
 def check(parts: Mapping[str, Any], counted: float = 0.0) -> list[Problem]:
-    """Return what is wrong between the `parts` of a case, given by their key.
+    """Return the problems between the `parts` of a case, given by their key.
 
     `counted` is the time from which fixed steps are counted, see `pgimp.case.stages.Staged`.
     """

@@ -13,7 +13,7 @@ from pgimp.schema.document import Document, read
 from pgimp.schema.overrides import Overrides, apply, as_data
 
 Source = Case | str | PathLike[str] | Mapping[str, Any]
-"""A case, the name of its file, or what would be in the file as a dictionary."""
+"""A case, the name of its file, or the file's content as a dictionary."""
 
 
 def load(case: Source, overrides: Overrides = ()) -> Case:
@@ -26,7 +26,7 @@ def load(case: Source, overrides: Overrides = ()) -> Case:
     Parameters
     ----------
     case : Case, str, Path or mapping
-        A case, the name of its file, or what would be in the file as a dictionary. Names of files
+        A case, the name of its file, or the file's content as a dictionary. Names of files
         in it start from the folder of its file, in a dictionary from the working directory.
     overrides : mapping, or sequence of str
         Values by key paths, with list indices from 0: ``{"time.end": 3.0}``. NumPy's numbers and

@@ -25,7 +25,7 @@ def _states() -> list[str]:
 
 
 def _field(value: str) -> str:
-    """Let what any material may have pass; `check_fields` knows what those of the case have."""
+    """Accept fields of any material; `check_fields` knows those of the case."""
     if value.startswith(PREFIX):
         return value
     if value not in OPTIONAL and value not in (states := _states()):

@@ -1,4 +1,4 @@
-"""Where the parts of a case were written, for what turns out wrong after it was read."""
+"""Places of the parts of a case in its file, for errors found after it was read."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _KEY = re.compile(r"([a-z]+(?:\.[A-Za-z0-9_-]+)*): ")
 
 
 def remember(case: Case, document: Document, filename: str) -> None:
-    """Keep with a case in which file, and on which lines, its parts were written."""
+    """Store with a case the file and the lines of its parts."""
     # The first stage has the keys where the case has them.
     for each in (case, case.stages[0]):
         each.__dict__["written"] = (filename, Document(None, document.places))
@@ -26,7 +26,7 @@ def remember(case: Case, document: Document, filename: str) -> None:
 
 @contextmanager
 def located(case: Case) -> Iterator[None]:
-    """Put file and line of their keys before the lines of a `CaseError` that is raised within.
+    """Prefix the lines of a `CaseError` that is raised within by file and line of their keys.
 
     Of a case that comes from no file, only the key is known.
     """

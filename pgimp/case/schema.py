@@ -189,7 +189,7 @@ class Case(Model):
 
     @property
     def staged(self) -> Staged:
-        """What it knows, as a stage, of those before it."""
+        """Data of the stages before it, if it is a stage."""
         found: Staged = self.__dict__.get("staged_as", Staged())
         return found
 

@@ -1,7 +1,7 @@
 """Stages, as the case file says them: what changes while a run goes on.
 
 Each stage is a case of its own: that of the stage before with the changes, see `merged`. So
-whatever is checked of a case is checked of every stage, before the first step.
+all checks of a case apply to every stage, before the first step.
 """
 
 from __future__ import annotations
@@ -90,13 +90,13 @@ class Stage(Model):
 
     @property
     def changes(self) -> dict[str, Any]:
-        """What it changes, by section, as written."""
+        """Its changes, by section, as written."""
         named = ("name", "end", "step")
         return {key: value for key, value in self.model_dump().items() if key not in named}
 
 
 class Staged(NamedTuple):
-    """What a stage knows of those before it.
+    """Data of a stage from those before it.
 
     Attributes
     ----------
@@ -112,8 +112,8 @@ class Staged(NamedTuple):
         Bodies of a material that are gone.
     escapes : bool
         Whether particles may leave, or might in a stage before.
-    ways : dict of str to tuple
-        What constraints have prescribed before, to be added to their displacement.
+    displacements : dict of str to tuple
+        Displacements that constraints have prescribed before, to be added.
     """
 
     number: int = 0
@@ -122,11 +122,11 @@ class Staged(NamedTuple):
     counted: float = 0.0
     removed: tuple[str, ...] = ()
     escapes: bool = False
-    ways: Mapping[str, tuple[float, ...]] = {}
+    displacements: Mapping[str, tuple[float, ...]] = {}
 
     @property
     def title(self) -> str:
-        """How messages name it."""
+        """Its name in messages."""
         return f"stage '{self.name}'" if self.number else "the first stage"
 
 

@@ -1,6 +1,6 @@
 """The commands, a module each: ``add_arguments(parser)`` and ``execute(args) -> int``."""
 
-#: What the overview says of the commands; any other word on the command line is a case to run.
+#: Summaries of the commands; any other word on the command line is a case to run.
 COMMANDS = {
     "init": "writes a commented case to start from; without a name, lists them",
     "check": "validates a case and estimates what it will cost",

@@ -1,4 +1,4 @@
-"""``pgimp batch``: writes a script for Slurm or PBS that takes a run to its end, job by job."""
+"""``pgimp batch``: writes a script for Slurm or PBS that brings a run to its end, job by job."""
 
 from __future__ import annotations
 
@@ -168,7 +168,7 @@ def execute(args: argparse.Namespace) -> int:
 
 
 def _examine(args: argparse.Namespace) -> list[str]:
-    """Raise what would stop the run before its first step; return what is worth a note."""
+    """Raise errors that would stop the run before its first step; return notes."""
     case = load(args.case, args.set)
     scenes = [Scene(each) for each in case.stages]
     if case.time.stages:
@@ -183,7 +183,7 @@ def _examine(args: argparse.Namespace) -> list[str]:
 
 
 def _job_name(case: str) -> str:
-    """Make a job's name of that of the case."""
+    """Make a job's name from that of the case."""
     name = re.sub(r"[^A-Za-z0-9_.+-]+", "-", Path(case).stem, flags=re.ASCII)[:50]
     return name if _NAME.fullmatch(name) else f"pgimp{name}"
 

@@ -127,8 +127,8 @@ def measure(comm: Any, cells: int, repeats: int, lattice: bool) -> dict[str, Any
         comm.Barrier()
         begin = perf_counter()
         for _ in range(RESORT):
-            sim.advance(agree=False)
-        sim.agree()
+            sim.advance(complete=False)
+        sim.complete_reduction()
         comm.Barrier()
         wall = perf_counter() - begin
         if block == 0:

@@ -1,4 +1,4 @@
-"""``pgimp check``: validates a case and says what it will cost, before an hour is lost.
+"""``pgimp check``: validates a case and estimates its cost, before an hour is lost.
 
 All is set up as by a run, particles a block at a time. Simulated are a few steps of the same case
 with coarser or finer cells, to measure what the parts of a step cost on this machine, and a pilot
@@ -147,7 +147,7 @@ def pace_of(courant: float, bodies: list[BodyFacts], inverse: float) -> float:
 
 
 def _report_chosen(case: Case, bodies: list[BodyFacts], inverse: float, dt: float) -> None:
-    """Say how many steps fewer there would be if pgimp chose their length."""
+    """Say how many fewer steps there would be if pgimp chose their length."""
     courant = AUTO * case.method.largest_courant(case.dimensions)
     longest = courant / pace_of(courant, bodies, inverse)
     if not case.watched and longest > 1.05 * dt:

@@ -150,7 +150,7 @@ def differences(first: Run, second: Run, tolerance: Tolerance | None = None) -> 
 
 
 def only_in_one(first: Run, second: Run) -> Iterator[str]:
-    """Yield what only one of two runs has and so is not compared: probes, frames of the grid.
+    """Yield parts of only one run, which are not compared: probes, frames of the grid.
 
     Their particles may be the same all the same.
     """

@@ -1,4 +1,4 @@
-"""``pgimp element CASE.yaml MATERIAL``: what a material does along a path, without a grid."""
+"""``pgimp element CASE.yaml MATERIAL``: response of a material along a path, without a grid."""
 
 from __future__ import annotations
 
@@ -173,7 +173,7 @@ def _write(path: Path, content: bytes) -> None:
 
 
 def _print(table: dict[str, Any], component: str) -> None:
-    """Print some rows: the stress that the path is about, and what the material remembers."""
+    """Print some rows: the path's main stress, and the material's state."""
     known = ("value", "time", "det-F", "pressure", "q", component)
     states = [name for name in table if name not in known and not name.startswith(_OTHERS)]
     columns = ["value", component, *states]

@@ -18,9 +18,9 @@ from pgimp.files.plain import read_plain
 SCHEMA, STUDY_SCHEMA = "pgimp-schema.json", "pgimp-study-schema.json"
 
 _STUDIES = "studies/"
-#: The study that `--case` goes with.
+#: The study that belongs to `--case`.
 ACCURACY = "studies/accuracy"
-# Bytes of what is beside a case, far more than a mesh that comes with one.
+# Most bytes of files beside a case, far more than a mesh that comes with one.
 _LARGEST = 64 << 20
 _FILE = re.compile(r"^ *file: ([\w.-]+)", re.MULTILINE)
 _IMPORT = re.compile(r"--import cases/([\w.-]+\.py)")
@@ -219,7 +219,7 @@ def _write(path: Path, text: str) -> None:
 
 
 def _write_beside(path: Path, text: str, otherwise: str) -> None:
-    """Write a file that the case goes with, or say what it means that there is another one."""
+    """Write a file that belongs to the case, or report the consequence of an existing one."""
     try:
         there = read_plain(path, _LARGEST)
     except FileNotFoundError:

@@ -12,7 +12,7 @@ from typing import Any
 from pgimp.errors import UsageError, explain
 from pgimp.files import atomic
 from pgimp.files.plain import open_plain
-from pgimp.tools.plot.runs import AXES, PlotRun, open_runs, shots
+from pgimp.tools.plot.runs import AXES, PlotRun, open_runs, snapshots
 from pgimp.tools.plot.tables import Table
 
 _FORMATS = ("png", "pdf", "svg")
@@ -167,10 +167,10 @@ def _frame(args: argparse.Namespace, runs: Sequence[PlotRun]) -> tuple[Any, Tabl
 
     times = _numbers(args.time, "--time", float)
     numbers = _numbers(args.frame, "--frame", int) or ([] if times else [-1])
-    chosen = shots(runs, numbers, times)
+    chosen = snapshots(runs, numbers, times)
     dimension = chosen[0].shown.dimension
     first = quantity(args.field, chosen[0].frame, dimension)
-    quantities = [quantity(first.text, shot.frame, dimension) for shot in chosen]
+    quantities = [quantity(first.text, snapshot.frame, dimension) for snapshot in chosen]
     bodies = tuple(_listed(args.body))
     if args.along is not None or (dimension == 1 and not args.slice and not args.camera):
         axes = range(dimension)

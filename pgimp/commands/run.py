@@ -168,7 +168,7 @@ def run(
 
 
 def _read(name: str, comm: Any) -> bytes:
-    """Let rank 0 read the case file for all."""
+    """Read the case file on rank 0 for all."""
 
     def content() -> bytes:
         from pgimp.schema.document import read
@@ -197,7 +197,7 @@ def _run(
     log: Log,
     stop: Stop,
 ) -> bool:
-    """Run a case in a directory; tell whether it reached its end."""
+    """Run a case in a directory; return whether it reached its end."""
     from pgimp.case.reader import dump_case
     from pgimp.files.hdf5 import load_h5py
     from pgimp.jit.cache import announced
@@ -210,7 +210,7 @@ def _run(
     try:
         log.say(f"pgimp {installed('pgimp') or '(not installed)'}: {case.title or output.stem}")
         began = perf_counter()
-        if comm.rank == 0:  # which takes longer than to write many a frame
+        if comm.rank == 0:  # which takes longer than to write most frames
             load_h5py()
         with announced(log.say):
             found = take_up(case, comm, directory, log) if resume else None
@@ -239,7 +239,7 @@ def _run(
 
 
 def _warn_of_edited(materials: dict[str, str], directory: RunDirectory, log: Log) -> None:
-    """Return which materials from outside the package are not what they were when the run began."""
+    """Return the materials from outside the package that have changed since the run began."""
     before = (directory.before or {}).get("materials")
     for name, known in before.items() if isinstance(before, dict) else ():
         if materials.get(name) != known:

@@ -1,10 +1,10 @@
-"""Load balance: when slab boundaries move, and where to.
+"""Load balance: when and where slab boundaries move.
 
-All ranks measure, rank 0 decides. The cost of a layer is counted in particles: those that it has,
-what its plane of vertices costs besides, and a factor where a rank's time per particle has differed
-from the others' for a while, be it for the material there or for the machine. Boundaries move when
-what that saves until the next change is like to be more than what moving has cost so far. Bits do
-not depend on the boundaries, so neither on these times.
+All ranks measure, rank 0 decides. The cost of a layer is counted in particles: its own, the cost of
+its plane of vertices, and a factor where a rank's time per particle has differed from the others'
+for a while, because of its material or its machine. Boundaries move when the expected saving until
+the next change exceeds what moving has cost so far. Bits do not depend on the boundaries, so
+neither on these times.
 """
 
 from collections import deque
@@ -25,7 +25,7 @@ _SMALL = 0.03
 _LEAST_GAIN = 0.02
 #: Greatest lifetime, in steps, that is expected of an imbalance.
 _LONGEST = 1000
-#: Intervals in which a rank must have differed before it is taken for slower or faster.
+#: Intervals in which a rank must have differed before it counts as slower or faster.
 _EVIDENCE, _MOST_EVIDENCE = 4, 64
 #: Intervals that are remembered, and seconds of each: disturbances last for tenths of one.
 _REMEMBERED, _SECONDS = 8, 1.0
@@ -35,7 +35,7 @@ _MOVE_COST, _FIXED_COST, _MOST_MOVE_COST = 2.0, 8000.0, 200.0
 
 
 class Balance:
-    """What a rank knows of the load.
+    """The load as a rank knows it.
 
     Parameters
     ----------
@@ -54,12 +54,12 @@ class Balance:
     ----------
     on : bool
         Whether boundaries may move.
-    asks : bool
-        Whether this rank wants a decision.
+    rebalance_requested : bool
+        Whether this rank asks for a decision.
     pause : int
-        Steps until a rank may ask again because of particles that it had at the last decision.
+        Steps until a rank may ask again because of particles it already had at the last decision.
     move_cost : float
-        Steps of the particles that move which a move costs, see `_MOVE_COST`; learned on rank 0.
+        Cost of a move, in steps of the particles that move, see `_MOVE_COST`; measured on rank 0.
     total : int
         Particles of all ranks at the last report.
     imbalance : float or None
@@ -73,7 +73,7 @@ class Balance:
     ) -> None:
         self.cuts, self.total = cuts, total
         self.on = len(cuts) > 2 and switched_on(SWITCH, *_MEANING)
-        self.asks = False
+        self.rebalance_requested = False
         self.pause = 0
         self.imbalance: float | None = None
         self.moves: list[tuple[float, float]] = []
@@ -91,7 +91,7 @@ class Balance:
         self._expected = np.ones(len(cuts) - 1)
         self._plane = 0.0
         self._moved = 0.0
-        self._patience = self._wait = 0
+        self._back_off = self._wait = 0
         self._forget()
         self._evidence = _EVIDENCE
         self._doubted: float | None = None
@@ -124,10 +124,10 @@ class Balance:
         more, excess = count - self._known, count - (self._had or 0)
         clear = more > self._clear or (excess > self._clear and self.pause < 0)
         if clear and self.on and self._may_pay(excess, step):
-            self.asks = True
+            self.rebalance_requested = True
 
     def report(self, comm: Any, count: int, planes: int, step: int) -> None:
-        """Let all know of all since the last report; collective.
+        """Share the load of all ranks since the last report; collective.
 
         Parameters
         ----------
@@ -137,7 +137,7 @@ class Balance:
             Steps done.
         """
         taken = self._steps[: min(self._taken, self._interval)]
-        # An interruption makes some steps long, but hardly half of them.
+        # An interruption makes some steps long, but rarely half of them.
         particle, plane = np.median(taken, axis=0) if len(taken) else (0.0, 0.0)
         mine = np.array([particle, plane, count, planes, self._seconds])
         every = np.empty((comm.size, len(mine)))
@@ -152,7 +152,7 @@ class Balance:
             self._learn(every, busy, step)
 
     def watch(self, count: int) -> None:
-        """Ask again when there are clearly more particles, than now or than after the last move.
+        """Ask again when particles have clearly become more than now, or than after the last move.
 
         Parameters
         ----------
@@ -162,7 +162,7 @@ class Balance:
         self._had = count if self._had is None else self._had
         self._clear = int(_SMALL * self.total / (len(self.cuts) - 1))
         self._known = count
-        self.asks = False
+        self.rebalance_requested = False
 
     def _may_pay(self, excess: float, step: int) -> bool:
         """Whether moving boundaries may pay off if a rank has `excess` particles too many."""
@@ -174,13 +174,13 @@ class Balance:
         return min(step - self._changed, _LONGEST)
 
     def _learn(self, every: np.ndarray, busy: np.ndarray, step: int) -> None:
-        """Find out on rank 0 what particles and planes cost, and how ranks differ."""
+        """Estimate on rank 0 the costs of particles and planes, and how ranks differ."""
         counts, planes = every[:, 2], every[:, 3]
         particle = max(every[:, 0].sum() / counts.sum(), 1e-12)
         self._plane = every[:, 1].sum() / max(planes.sum(), 1.0) / particle
         if self._moved and every[:, 4].any():
             move_cost = float(every[:, 4].max() / particle / self._moved)
-            # An interrupted move took long: a step towards it, and a larger one back.
+            # An interrupted move took long: approach such a value slowly, and leave it faster.
             move_cost = min(max(move_cost, 0.5 * self.move_cost), 1.5 * self.move_cost)
             self.move_cost = min(move_cost, _MOST_MOVE_COST)
             self._moved = 0.0
@@ -200,10 +200,10 @@ class Balance:
         self._wait -= 1
         clear = imbalance > max(_SMALL, self._refused + _LEAST_GAIN)
         again = imbalance > _SMALL and self._wait <= 0
-        self.asks = (clear or again) and self._may_pay(float(np.ptp(costs)), step)
+        self.rebalance_requested = (clear or again) and self._may_pay(float(np.ptp(costs)), step)
 
     def _differences(self) -> np.ndarray:
-        """How much slower each rank is than expected, relative to that, its noise taken off."""
+        """Slowdown of each rank relative to what is expected, less its noise."""
         if len(self._imbalances) < self._evidence or self._watched < _SECONDS:
             return np.ones(len(self.cuts) - 1)
         seen = np.array(self._factors)
@@ -212,7 +212,7 @@ class Balance:
         return np.clip(1.0 + np.sign(deviation) * clear, 0.25, 4.0)
 
     def decide(self, counts: np.ndarray, step: int) -> list[int] | None:
-        """Where boundaries should be; on rank 0.
+        """Decide where boundaries should be; on rank 0.
 
         Parameters
         ----------
@@ -236,14 +236,14 @@ class Balance:
         new, gain, move_cost = self._propose(counts, work * density, step)
         if gain <= move_cost:
             self._refused = imbalance_of(work * density, self.cuts)
-            self._patience = min(2 * self._patience + 1, 32)
-            self._wait = self._patience
-            # What grows evenly with time has a gain that grows with its square.
+            self._back_off = min(2 * self._back_off + 1, 32)
+            self._wait = self._back_off
+            # An imbalance that grows linearly in time has a gain that grows with its square.
             since = step - self._changed
             growth = (move_cost / gain) ** 0.5 if gain else 1.5
             self.pause = max(since // 8, int(since * min(growth - 1.0, 1.0)))
             return None
-        # Was it for what had been known before?
+        # Would it have paid without the new differences?
         if (differences != 1.0).any():
             _, plain, move_cost = self._propose(counts, work * self._density, step)
             if plain <= move_cost:
@@ -257,7 +257,7 @@ class Balance:
         self._expected = np.add.reduceat(costs, edges) / below / mean
         self._expected[np.add.reduceat(work, edges) == 0.0] = 1.0
         self._moved += self._moving(counts, new) + _FIXED_COST
-        self._patience = self._wait = self.pause = 0
+        self._back_off = self._wait = self.pause = 0
         self._forget()
         return new
 
@@ -272,7 +272,7 @@ class Balance:
     def _propose(
         self, counts: np.ndarray, costs: np.ndarray, step: int
     ) -> tuple[list[int], float, float]:
-        """The best boundaries, what they save, and what moving costs, in particle-steps."""
+        """The best boundaries, their saving, and the cost of moving, in particle-steps."""
         ranks = len(self.cuts) - 1
         new = cut(costs, ranks, self._vertices - 1, self._ends)
         now, then = (np.add.reduceat(costs, cuts[:-1]).max() for cuts in (self.cuts, new))
@@ -295,7 +295,7 @@ class Balance:
     def moved(self, seconds: float, step: int) -> None:
         """Record on every rank a move and how long it took."""
         self._changed, self._had, self._taken = step, None, 0
-        if self._cold:  # a first one says little of others
+        if self._cold:  # the first one is not typical
             self._cold, self._moved = False, 0.0
         else:
             self._seconds += seconds

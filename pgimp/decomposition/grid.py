@@ -12,9 +12,9 @@ from pgimp.kernels.record import RECORD
 #: Cells by which the window reaches beyond the particles, so that it seldom has to grow.
 MARGIN = 2
 
-#: Further cells where ranks learn of each other's particles a step late: in a step a particle
+#: Further cells where ranks know each other's particles one step late: in a step a particle
 #: moves by a cell at most, and its support may grow by another.
-LATE = 2
+LAG = 2
 
 
 def aligned(size: int) -> FloatArray:
@@ -38,38 +38,38 @@ class Grid:
         Vertices a direction in a particle's support.
     slab : Slab
         The rank's layers; it stores ``vertices - 1`` planes more, those that ranks share.
-    late : int
-        Cells by which a particle may be farther out than where all ranks know it to be.
+    lag : int
+        Cells by which a particle may be farther out than all ranks know.
     fields : sequence of int
         Number of each body's velocity field; () if all bodies share one.
-    room : tuple of D pairs of float, optional
-        Coordinates between which particles have to be, where these have nothing to do with the
-        grid: it is one of the initial configuration.
+    bounds : tuple of D pairs of float, optional
+        Coordinates between which particles have to be, where these do not follow from the grid: in
+        the initial configuration.
 
     Attributes
     ----------
-    below : int
-        Planes shared with the rank below; 0 where there is none.
+    shared_lower : int
+        Planes shared with the lower neighbour; 0 where there is none.
     owned : int
-        Planes that are this rank's; those above belong to the next.
+        Planes that are this rank's; those above belong to the upper neighbour.
     window : Window
         What is stored.
     field : Field
-        What kernels get of all this.
+        The same, for kernels.
     G : (planes * plane,) float64
         Records of the vertices, see `pgimp.kernels.record`; only active planes are defined.
     active : (planes,) uint8
         Which planes take part in this step.
-    scratch, aside : float64
+    scratch, deferred : float64
         See `particles_to_grid`.
     partial : float64
-        The part of `aside` for planes that are shared with the rank below.
+        The part of `deferred` for planes that are shared with the lower neighbour.
     marks : (planes * plane / 8,) int64
         See `pgimp.kernels.constraints`; made when first asked for.
     base : (2, 2) int64
         First vertices (least, greatest; y, z) that a support in the window may have.
-    known : (2, 2) int64
-        Those that need not be reported: `late` cells less, but for the ends of the grid.
+    inner_bounds : (2, 2) int64
+        Those that ranks need not report: `lag` cells less, but for the ends of the grid.
     """
 
     def __init__(
@@ -77,38 +77,38 @@ class Grid:
         frame: Frame,
         vertices: int,
         slab: Slab,
-        late: int = 0,
+        lag: int = 0,
         fields: Sequence[int] = (),
-        room: tuple[tuple[float, float], ...] | None = None,
+        bounds: tuple[tuple[float, float], ...] | None = None,
     ) -> None:
         self.frame = frame
-        self.late = late
-        self._room = room
+        self.lag = lag
+        self._fixed_bounds = bounds
         self.fields = tuple(fields)
         self.vertices = vertices
         self.slab = slab
         self.planes = slab.layers + vertices - 1 if slab.layers else 0
-        self.below = vertices - 1 if slab.below is not None else 0
-        self.owned = slab.layers if slab.above is not None else self.planes
+        self.shared_lower = vertices - 1 if slab.lower is not None else 0
+        self.owned = slab.layers if slab.upper is not None else self.planes
         self.active = np.zeros(self.planes, np.uint8)
         self.base = np.zeros((2, 2), np.int64)
-        self.known = np.zeros((2, 2), np.int64)
+        self.inner_bounds = np.zeros((2, 2), np.int64)
 
-    def cover(self, reach: np.ndarray) -> None:
-        """Store what the supports with first vertices within `reach` need, and a margin."""
-        margin = MARGIN + self.late
-        self.store(reach + np.array([[-margin], [margin]]))
+    def cover(self, bounds: np.ndarray) -> None:
+        """Store what the supports with first vertices within `bounds` need, and a margin."""
+        margin = MARGIN + self.lag
+        self.store(bounds + np.array([[-margin], [margin]]))
 
-    def extend(self, reach: np.ndarray) -> None:
-        """Widen the window, by a margin, on the sides where `reach` goes beyond what is known."""
-        base, margin = self.base.copy(), MARGIN + self.late
-        base[0] = np.where(reach[0] < self.known[0], reach[0] - margin, base[0])
-        base[1] = np.where(reach[1] > self.known[1], reach[1] + margin, base[1])
+    def extend(self, bounds: np.ndarray) -> None:
+        """Widen the window, by a margin, on the sides where `bounds` exceeds `inner_bounds`."""
+        base, margin = self.base.copy(), MARGIN + self.lag
+        base[0] = np.where(bounds[0] < self.inner_bounds[0], bounds[0] - margin, base[0])
+        base[1] = np.where(bounds[1] > self.inner_bounds[1], bounds[1] + margin, base[1])
         self.store(base)
 
-    def covers(self, reach: np.ndarray) -> bool:
-        """Whether supports with first vertices within `reach` lie in the window, also `late`."""
-        (low, high), (least, greatest) = reach.tolist(), self.known.tolist()
+    def covers(self, bounds: np.ndarray) -> bool:
+        """Whether supports with first vertices within `bounds` lie in the window, with `lag`."""
+        (low, high), (least, greatest) = bounds.tolist(), self.inner_bounds.tolist()
         return (  # in Python: NumPy would take a fifth of the step of a tiny scene
             low[0] >= least[0]
             and low[1] >= least[1]
@@ -117,15 +117,15 @@ class Grid:
         )
 
     def store(self, base: np.ndarray) -> None:
-        """Make room for the supports with first vertices within `base`, cut to the grid."""
+        """Allocate for the supports with first vertices within `base`, cut to the grid."""
         lower, extent = [self.slab.first, 0, 0], [self.planes, 1, 1]
-        self.base, self.known = np.zeros_like(base), np.zeros_like(base)
+        self.base, self.inner_bounds = np.zeros_like(base), np.zeros_like(base)
         for d in range(1, len(self.frame.cells)):
             last = self.frame.vertices[d] - self.vertices
             low, high = max(0, int(base[0, d - 1])), min(last, int(base[1, d - 1]))
             self.base[:, d - 1] = low, high
-            self.known[0, d - 1] = min(low + self.late, last) if low else 0
-            self.known[1, d - 1] = max(high - self.late, 0) if high < last else last
+            self.inner_bounds[0, d - 1] = min(low + self.lag, last) if low else 0
+            self.inner_bounds[1, d - 1] = max(high - self.lag, 0) if high < last else last
             lower[d], extent[d] = low, high - low + self.vertices
         self.window = Window.over(
             (lower[0], lower[1], lower[2]), (extent[0], extent[1], extent[2]), self.fields
@@ -133,14 +133,14 @@ class Grid:
         plane = self.window.stride[0]
         self.G = aligned(self.planes * plane)
         self.scratch = aligned(self.vertices * plane)
-        half = self.below * (self.below + 1) // 2 * plane
-        above = self.vertices - 1 if self.slab.above is not None else 0
-        self.aside = aligned(half + above * (above + 1) // 2 * plane)
-        self.partial = self.aside[:half]
-        self.bounds = self._bounds() if self._room is None else self._room
+        half = self.shared_lower * (self.shared_lower + 1) // 2 * plane
+        shared_upper = self.vertices - 1 if self.slab.upper is not None else 0
+        self.deferred = aligned(half + shared_upper * (shared_upper + 1) // 2 * plane)
+        self.partial = self.deferred[:half]
+        self.bounds = self._bounds() if self._fixed_bounds is None else self._fixed_bounds
         self.field = Field(
-            self.window, self.G, self.active, self.scratch, self.aside, self.below, self.owned,
-            self.bounds, np.zeros(self.planes, np.int64) if self.fields else (),
+            self.window, self.G, self.active, self.scratch, self.deferred, self.shared_lower,
+            self.owned, self.bounds, np.zeros(self.planes, np.int64) if self.fields else (),
         )  # fmt: skip
         self._marks = np.zeros(0, np.int64)
 
@@ -151,24 +151,24 @@ class Grid:
 
     @property
     def marks(self) -> np.ndarray:
-        """Which constraints hold each vertex, bit by bit."""
+        """Constraints of each vertex, as bits."""
         if len(self._marks) != len(self.G) // RECORD:
             self._marks = np.zeros(len(self.G) // RECORD, np.int64)
         return self._marks
 
     def _bounds(self) -> tuple[tuple[float, float], ...]:
-        """Coordinates within which a particle is sure to be in the domain and where it is known.
+        """Coordinates within which a particle is certainly in the domain and within `inner_bounds`.
 
-        Sure means that rounding cannot matter: inside by a billionth of a cell and by many times
-        the rounding of coordinates of this size and of cell numbers of this size.
+        They are inside by a billionth of a cell and by many times the rounding of coordinates and
+        cell numbers of this size.
         """
         bounds = []
         for d, cells in enumerate(self.frame.cells):
             low, high = 0.0, float(cells)
             if d > 0:
                 # A support has its first vertex between floor(xi - 1) and floor(xi).
-                low = max(low, float(self.known[0, d - 1] - self.frame.ghost) + 1.0)
-                high = min(high, float(self.known[1, d - 1] - self.frame.ghost) + 1.0)
+                low = max(low, float(self.inner_bounds[0, d - 1] - self.frame.ghost) + 1.0)
+                high = min(high, float(self.inner_bounds[1, d - 1] - self.frame.ghost) + 1.0)
             origin, cell = self.frame.origin[d], self.frame.cell[d]
             least, most = origin + low * cell, origin + high * cell
             eps = np.finfo(float).eps

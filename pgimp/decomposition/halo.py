@@ -1,12 +1,12 @@
 """The halo exchange: neighbours end with the same bits in the planes they share.
 
-A slab boundary cuts the sums of ``shared = s - 1`` planes. The rank below sends up its running
-sums of them, one prefix a plane; the rank above sends down what its first layers add, each layer
+A slab boundary cuts the sums of ``shared = s - 1`` planes. The lower rank sends up its running
+sums of them, one prefix a plane; the upper rank sends down what its first layers add, each layer
 by itself, s(s-1)/2 partial planes. Then both add prefix and partials in layer order.
 
-Only a slab's first and last layers give to these messages. They are summed first, and the inner
-layers while the messages are on their way, as far as that is more work than calling kernels more
-often. An MPI library may move a long message only while it is called; therefore the inner layers
+Only a slab's first and last layers contribute to these messages. They are summed first, and the
+inner layers while the messages are in transit, if that is worth more than the further calls of
+kernels. An MPI library may move a long message only while it is called; therefore the inner layers
 are summed in pieces, between which it is.
 """
 
@@ -42,9 +42,9 @@ def _free(requests: list[Any]) -> None:
 class Halo:
     """Exchange between a rank and its two neighbours, by persistent requests.
 
-    Requests belong to a grid's arrays and are made again when these change, as when the window
-    changes. A halo is cheap to make; make another when slabs change, and `close` the old one
-    then. What is not closed is at the process's end, before MPI is.
+    Requests belong to a grid's arrays and are recreated when these change, as with the window. A
+    halo is cheap to make; when slabs change, make another and `close` the old one. An open one is
+    closed at the process's end, before MPI.
 
     In a step, call `proceed` after each of the `parts` of the layers, then `finish`.
 
@@ -60,7 +60,7 @@ class Halo:
     Attributes
     ----------
     overlap : bool
-        Whether inner layers may be summed while messages are on their way.
+        Whether inner layers may be summed while messages are in transit.
     piece : int
         Least number of particles in a piece of them.
     messages, bytes : int
@@ -73,8 +73,8 @@ class Halo:
         self._alone = not slab.neighbours
         self.messages = self.bytes = 0
         layers = slab.layers
-        self._first = shared if slab.below is not None else 0
-        self._last = layers - (shared if slab.above is not None else 0)
+        self._first = shared if slab.lower is not None else 0
+        self._last = layers - (shared if slab.upper is not None else 0)
         self._parts: list[tuple[np.ndarray, ...]] = [(np.array([[0, layers, 0]]),)]
         if not self._alone and self._last > self._first:
             edges = np.array([[self._last, layers, 1], [0, self._first, 0]])
@@ -84,7 +84,7 @@ class Halo:
                 inner = [np.array([[a, b, 0]]) for a, b in pairwise(cuts)]
                 self._parts.append((edges, *inner))
         every = np.arange(layers)
-        begin, end = int(slab.below is not None), layers - (slab.above is not None)
+        begin, end = int(slab.lower is not None), layers - (slab.upper is not None)
         self._halves: list[tuple[np.ndarray, ...]] = [(every,)]
         if not self._alone and end > begin:
             outer = np.concatenate([every[:begin], every[end:]])
@@ -113,13 +113,13 @@ class Halo:
         if self.overlap and len(self._parts) > 1:
             inner = int(start[self._last] - start[self._first])
             parts = self._parts[min(inner // self.piece, len(self._parts) - 1)]
-        self._kept = len(parts) > 1 and self.slab.above is not None
+        self._kept = len(parts) > 1 and self.slab.upper is not None
         return parts
 
     def halves(self, start: np.ndarray) -> tuple[np.ndarray, ...]:
         """Layers from which particles may leave the slab, then the others; all, if these are few.
 
-        To advance them apart lets ranks be out of step by what the others take, but costs a call.
+        Advancing them separately lets ranks lag by the time of the others, but costs a call.
 
         Parameters
         ----------
@@ -133,7 +133,7 @@ class Halo:
         return self._halves[-1 if inner >= PIECES * self.piece else 0]
 
     def proceed(self, grid: Grid, marked: bool = False) -> None:
-        """Send what neighbours wait for, at the first call in a step; then see to the messages.
+        """Send the neighbours' data, at the first call in a step; then progress the messages.
 
         Parameters
         ----------
@@ -150,13 +150,13 @@ class Halo:
             self._connect(grid)
         if marked and self._marks is not grid.marks:
             self._connect_marks(grid)
-        if self.slab.above is not None:
+        if self.slab.upper is not None:
             top = self.slab.layers
             for i in range(top, top + self.shared):
                 if not grid.active[i]:
                     grid.active[i] = 1
                     grid.clear(i)
-        if self.slab.below is not None:
+        if self.slab.lower is not None:
             grid.active[: self.shared] = 1
         self._started += self._requests
         if marked:
@@ -185,28 +185,28 @@ class Halo:
         self._sizes = [0, 0]
         self._grid, self._marks = grid.G, None
         plane = grid.window.stride[0]
-        below, above = self.slab.below, self.slab.above
+        lower, upper = self.slab.lower, self.slab.upper
         requests = []
-        if above is not None:
+        if upper is not None:
             self._received = aligned(self.shared * (self.shared + 1) // 2 * plane)
             prefix = grid.G[self.slab.layers * plane :][: self.shared * plane]
-            requests.append(self.comm.Recv_init(self._received, above, _DOWN))
-            requests.append(self.comm.Send_init(prefix, above, _UP))
+            requests.append(self.comm.Recv_init(self._received, upper, _DOWN))
+            requests.append(self.comm.Send_init(prefix, upper, _UP))
             self._sizes[0] += prefix.nbytes
-        if below is not None:
+        if lower is not None:
             prefix = grid.G[: self.shared * plane]
-            requests.append(self.comm.Recv_init(prefix, below, _UP))
-            requests.append(self.comm.Send_init(grid.partial, below, _DOWN))
+            requests.append(self.comm.Recv_init(prefix, lower, _UP))
+            requests.append(self.comm.Send_init(grid.partial, lower, _DOWN))
             self._sizes[0] += grid.partial.nbytes
         self._requests = requests
         self._every += requests
 
     def _connect_marks(self, grid: Grid) -> None:
-        """Make the requests for what constraints mark in the shared planes."""
+        """Make the requests for the constraints' marks in the shared planes."""
         marks, self._marks = grid.marks, grid.marks
         plane = grid.window.stride[0] // RECORD
         self._others, self._sizes[1] = [], self._sizes[0]
-        for neighbour, first in ((self.slab.below, 0), (self.slab.above, self.slab.layers)):
+        for neighbour, first in ((self.slab.lower, 0), (self.slab.upper, self.slab.layers)):
             if neighbour is not None:
                 planes = marks[first * plane : (first + self.shared) * plane]
                 others = np.empty_like(planes)

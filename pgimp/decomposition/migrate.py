@@ -1,8 +1,8 @@
 """Migration: particles whose layer has become a neighbour's move there, with all they carry.
 
 Each step one message goes to each neighbour: how many particles move, and their records, as far as
-there is room in the receiver's buffer. What is left then follows in a second message, and for the
-next time both sides make the same larger room.
+the receiver's buffer is long. The rest follows in a second message, and both sides then enlarge
+their buffers alike.
 """
 
 import weakref
@@ -10,19 +10,19 @@ from typing import Any
 
 import numpy as np
 
-from pgimp.decomposition.population import Population, with_room
+from pgimp.decomposition.population import Population, with_capacity
 from pgimp.decomposition.slabs import Slab
 from pgimp.kernels.layerchanges import pack_rows, partition_migrants, unpack_rows
 from pgimp.kernels.particles import Columns, Particles
 
 _TAG, _REST = 3, 6
 
-#: Records for which there is room in a message at first.
+#: Records in a message's first buffer.
 CAPACITY = 32
 
 
 def pack(particles: Particles, rows: np.ndarray) -> np.ndarray:
-    """All that the particles in `rows` carry, (n, width) int64, bit by bit."""
+    """All columns of the particles in `rows`, (n, width) int64, bit by bit."""
     wire = np.empty((len(rows), particles.width), np.int64)
     pack_rows(*particles.columns(), rows, wire.reshape(-1), 0, particles.width)
     return wire
@@ -99,11 +99,10 @@ def _close(links: list[_Link]) -> None:
 
 
 class Migration:
-    """Particles that come and go between a rank and its two neighbours.
+    """Migration of particles between a rank and its two neighbours.
 
-    Receives are persistent and buffers are kept. To be made again, on all ranks in the same step,
-    when slabs change; `close` the old one then. What is not closed is at the process's end, before
-    MPI is.
+    Receives are persistent and buffers are kept. When slabs change, create another on all ranks in
+    the same step, and `close` the old one. An open one is closed at the process's end, before MPI.
 
     Parameters
     ----------
@@ -112,7 +111,7 @@ class Migration:
     slab : Slab
         This rank's.
     particles : Particles
-        This rank's; of them only the columns matter.
+        This rank's; only the columns matter.
 
     Attributes
     ----------
@@ -124,53 +123,53 @@ class Migration:
         self.messages = self.bytes = 0
         self._slab = slab
         columns = particles.width
-        below, above = (
+        lower, upper = (
             None if neighbour is None else _Link(comm, neighbour, columns)
-            for neighbour in (slab.below, slab.above)
+            for neighbour in (slab.lower, slab.upper)
         )
-        self._below, self._above = below, above
-        self._links = [link for link in (below, above) if link is not None]
-        self._arrivals, self._leaving = np.empty(0, np.int32), np.empty(0, np.int32)
+        self._lower, self._upper = lower, upper
+        self._links = [link for link in (lower, upper) if link is not None]
+        self._arrivals, self._migrants = np.empty(0, np.int32), np.empty(0, np.int32)
         self._stay = 0
         self._sent = False
         self.close = weakref.finalize(self, _close, self._links)
 
     def proceed(self, population: Population, places: np.ndarray) -> None:
-        """Take particles that have changed their layer; not collective beyond the neighbours.
+        """Process particles that have changed their layer; not collective beyond the neighbours.
 
-        At the first call in a step those that have left the slab are sent away; among what comes
-        with later calls there must be none.
+        At the first call in a step those that have left the slab are sent; later calls must have
+        none.
 
         Parameters
         ----------
         population : Population
-            This rank's; it gives up the rows of those that leave.
+            This rank's; it frees the rows of those that leave.
         places : (k,) int32
             Places of the particles in its order.
         """
         down = up = 0
         found = len(places)
         if found:
-            self._arrivals = with_room(self._arrivals, self._stay + found, self._stay)
-            self._leaving = with_room(self._leaving, found)
+            self._arrivals = with_capacity(self._arrivals, self._stay + found, self._stay)
+            self._migrants = with_capacity(self._migrants, found)
             stay, down, up = partition_migrants(
                 population.particles.layer, population.order, places, population.first,
-                population.layers, self._arrivals[self._stay :], self._leaving,
+                population.layers, self._arrivals[self._stay :], self._migrants,
             )  # fmt: skip
             self._stay += stay
         if self._sent:
             return
         self._sent = True
-        leaving = self._leaving[:down], self._leaving[len(self._leaving) - up :]
-        for link, rows in zip((self._below, self._above), leaving, strict=True):
+        migrants = self._migrants[:down], self._migrants[len(self._migrants) - up :]
+        for link, rows in zip((self._lower, self._upper), migrants, strict=True):
             if link is not None:
                 self.messages += link.send(population.columns, rows)
                 self.bytes += 8 * (1 + len(rows) * link.columns)
                 if len(rows):
-                    population.release(rows)
+                    population.free_later(rows)
 
     def receive(self, population: Population) -> np.ndarray:
-        """Take in the particles that come, after `proceed`; not collective beyond the neighbours.
+        """Receive the particles that arrive, after `proceed`; not collective beyond the neighbours.
 
         Returns
         -------
@@ -181,7 +180,7 @@ class Migration:
         for link in self._links:
             number = link.wait()
             if number:
-                self._arrivals = with_room(self._arrivals, count + number, count)
+                self._arrivals = with_capacity(self._arrivals, count + number, count)
                 rows = self._arrivals[count : count + number]
                 population.insert(number, rows)
                 unpack_rows(*population.columns, rows, link.incoming, 1, link.columns)

@@ -1,4 +1,4 @@
-"""A rank's particles in their canonical order, as they come, go and change layers."""
+"""A rank's particles in canonical order, as they arrive, leave and change layers."""
 
 from math import prod
 
@@ -6,11 +6,11 @@ import numpy as np
 
 from pgimp.kernels.concepts import Order
 from pgimp.kernels.layerchanges import sort_rows
-from pgimp.kernels.order import locate, merge, reach_of
+from pgimp.kernels.order import grow_vertex_bounds, locate, merge
 from pgimp.kernels.particles import Columns, Frame, IntArray, Particles
 
 
-def with_room(array: np.ndarray, size: int, used: int = 0) -> np.ndarray:
+def with_capacity(array: np.ndarray, size: int, used: int = 0) -> np.ndarray:
     """Return the array, or a longer one with the same `used` first numbers if it is too short."""
     if len(array) >= size:
         return array
@@ -62,7 +62,7 @@ class Population:
         self._holes, self._holes_count = np.empty(0, np.int32), 0
         self._left, self._left_count = np.empty(0, np.int32), 0
         self._places = np.empty(0, np.int32)
-        self._room = np.empty(0)
+        self._scratch = np.empty(0)
         self._columns: tuple[Particles, Columns] | None = None
         if start is None:
             self.sort()
@@ -71,7 +71,7 @@ class Population:
 
     @property
     def changed(self) -> np.ndarray:
-        """Room for as many rows as there are particles, between two changes of the order."""
+        """Scratch for as many rows as there are particles, between two changes of the order."""
         return self._spare
 
     @property
@@ -100,14 +100,14 @@ class Population:
         self._used, self._holes_count, self._left_count = len(rows), 0, 0
 
     def _permute(self, array: np.ndarray, rows: np.ndarray) -> None:
-        """Put the given rows of an array first, in their order.
+        """Move the given rows of an array to its beginning, in their order.
 
-        The room for that is kept: fresh memory would cost more time than the rest.
+        The scratch is kept: fresh memory would cost more time than the rest.
         """
         size = len(rows) * prod(array.shape[1:])
-        if len(self._room) < size:
-            self._room = np.empty(max(array.size for array in self.particles))
-        taken = self._room.view(array.dtype)[:size].reshape(len(rows), *array.shape[1:])
+        if len(self._scratch) < size:
+            self._scratch = np.empty(max(array.size for array in self.particles))
+        taken = self._scratch.view(array.dtype)[:size].reshape(len(rows), *array.shape[1:])
         np.take(array, rows, axis=0, out=taken, mode="clip")
         array[: len(rows)] = taken
 
@@ -125,35 +125,34 @@ class Population:
         cell += number
         return np.argsort(cell)
 
-    def reach(self) -> np.ndarray:
+    def vertex_bounds(self) -> np.ndarray:
         """First vertices of the supports, (least, greatest; y, z)."""
-        reach = np.array([[2**62] * 2, [-(2**62)] * 2])
-        reach_of(self.shape, self.frame, self.particles, self.order, reach)
-        return reach
+        bounds = np.array([[2**62] * 2, [-(2**62)] * 2])
+        grow_vertex_bounds(self.shape, self.frame, self.particles, self.order, bounds)
+        return bounds
 
-    def release(self, rows: np.ndarray) -> None:
-        """Give up the rows of particles that have left, to another rank or for good.
+    def free_later(self, rows: np.ndarray) -> None:
+        """Free the rows of particles that have left, to another rank or for good, later.
 
-        They stay as they are until `restore_order`, which finds places by the keys of the old
-        order's rows.
+        `restore_order` does it: it finds places by the keys of the old order's rows.
         """
         count = self._left_count + len(rows)
-        self._left = with_room(self._left, count, self._left_count)
+        self._left = with_capacity(self._left, count, self._left_count)
         self._left[self._left_count : count] = rows
         self._left_count = count
 
     def free(self, rows: np.ndarray) -> None:
-        """Give up rows between two steps: newcomers may have them at once.
+        """Free rows between two steps: newcomers may have them at once.
 
-        They stay in the old order until `take_layers`.
+        They stay in the old order until `set_layers`.
         """
         count = self._holes_count + len(rows)
-        self._holes = with_room(self._holes, count, self._holes_count)
+        self._holes = with_capacity(self._holes, count, self._holes_count)
         self._holes[self._holes_count : count] = rows
         self._holes_count = count
 
-    def take_layers(self, slab, order: np.ndarray, start: IntArray) -> None:
-        """Go on with the layers of `slab`, whose rows in canonical order are `order`."""
+    def set_layers(self, slab, order: np.ndarray, start: IntArray) -> None:
+        """Replace the layers by those of `slab`, whose rows in canonical order are `order`."""
         self.first, self.layers = slab.first, slab.layers
         self.order, self._spare = order, np.empty_like(order)
         self.start, self._spare_start = start, np.empty_like(start)
@@ -190,19 +189,19 @@ class Population:
             Rows of the particles that have come into a layer; sorted here.
         """
         p = self.particles
-        self._places = with_room(self._places, max(len(left), len(arrivals)))
+        self._places = with_capacity(self._places, max(len(left), len(arrivals)))
         sort_rows(p.layer, p.cell, p.id, arrivals, self._places)
         places = self._places[: len(left)]
         places[:] = left  # which may lie where the new order will
         count = len(self.order) - len(left) + len(arrivals)
-        self._spare = with_room(self._spare, count)
+        self._spare = with_capacity(self._spare, count)
         merge(
             p, self.order, self.start, places, self.first, arrivals,
             self._spare, self._spare_start,
         )  # fmt: skip
-        # Also what is spare has room for all particles, see `changed`.
+        # The spare array is long enough for all particles, too, see `changed`.
         old, self.order = self._whole(self.order), self._spare[:count]
-        self._spare = with_room(old, count)
+        self._spare = with_capacity(old, count)
         self.start, self._spare_start = self._spare_start, self.start
         if self._left_count:
             self.free(self._left[: self._left_count])

@@ -1,4 +1,4 @@
-"""Layers change hands: particles, and sums by plane, go from their old ranks to their new ones."""
+"""Redistribution of layers: particles, and sums by plane, move to their new ranks."""
 
 from collections.abc import Sequence
 from math import prod
@@ -12,7 +12,7 @@ from pgimp.decomposition.slabs import Slab, common, slab_of
 
 _TAG = 5
 
-#: Numbers in a message: there need not be room for a second copy of what moves.
+#: Numbers in a message: short, to avoid a second copy of everything that moves.
 _PIECE = 2**19
 
 _NONE = np.empty(0, np.int32)
@@ -26,11 +26,11 @@ def redistribute(
     population: Population,
     sums: Sequence[np.ndarray],
 ) -> list[np.ndarray]:
-    """Go over from a decomposition to another between two steps; collective.
+    """Change the decomposition between two steps; collective.
 
     Particles keep their layers and cells, and with these the canonical order, so that no bit of
-    what follows can change. What leaves makes room for what comes: no rank has more than its old
-    share and its new one.
+    the results can change. Arrivals reuse the rows of those that left: no rank holds more than its
+    old and its new share.
 
     Parameters
     ----------
@@ -104,21 +104,21 @@ def redistribute(
 
     order = np.concatenate([part for source in sorted(rows) for part in rows[source]])
     start = np.concatenate([[0], np.cumsum(new_planes[: after.layers, 0])]).astype(np.int64)
-    population.take_layers(after, order, start)
+    population.set_layers(after, order, start)
     edges = np.cumsum([1, *map(prod, shapes)])
     parts = np.split(new_planes, edges[:-1], axis=1)[1:]
     return [part.reshape(len(part), *shape) for part, shape in zip(parts, shapes, strict=True)]
 
 
 def _planes(cuts: list[int], extra: int, rank: int) -> Slab:
-    """Planes that a rank owns; none for numbers that are no rank's."""
+    """Planes that a rank owns; none for a number that is no rank's."""
     if not 0 <= rank < len(cuts) - 1:
         return Slab(cuts[-1] + extra, 0, None, None)
     return slab_of([*cuts[:-1], cuts[-1] + extra], rank)
 
 
 def _distances(old: list[int], new: list[int], extra: int) -> list[int]:
-    """How far planes go, from rank to rank, if any do; the same on every rank."""
+    """Distances in ranks over which planes move; the same on every rank."""
     found = set()
     for rank in range(len(old) - 1):
         first, end = old[rank], old[rank + 1] + extra * (rank == len(old) - 2)

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-#: How far from where shares are equal, in layers, the best place of a boundary is sought.
+#: Layers round the place of equal shares among which the best place of a boundary is sought.
 _NEARBY = 16
 
 
@@ -15,13 +15,13 @@ class Slab(NamedTuple):
 
     first: int
     layers: int
-    below: int | None
-    above: int | None
+    lower: int | None
+    upper: int | None
 
     @property
     def neighbours(self) -> bool:
         """Whether there are any."""
-        return self.below is not None or self.above is not None
+        return self.lower is not None or self.upper is not None
 
 
 def most_slabs(layers: int, width: int, ends: int = 0) -> int:
@@ -31,18 +31,18 @@ def most_slabs(layers: int, width: int, ends: int = 0) -> int:
 
 
 def cut(costs: ArrayLike, ranks: int, width: int, ends: int = 0) -> list[int]:
-    """Cut the layers into runs, of which the most expensive costs as little as it can.
+    """Cut the layers into runs so that the greatest cost of a run is least.
 
-    Of several ways to that, the one with the least sum of squares. A boundary is at most
-    `_NEARBY` layers from where the shares below and above it are right, or from the middle of
-    where several crowd that must keep their distance.
+    Of several solutions, that with the least sum of squares. A boundary is at most `_NEARBY` layers
+    from where the shares on both sides are right, or from the middle of a group of boundaries that
+    are at their least distance.
 
     Parameters
     ----------
     costs : (layers,) int or float
         Of each layer, not negative: its number of particles, or seconds.
     ranks : int
-        Ranks to share them; those for which there are too few layers get none.
+        Ranks to share them; where there are too few layers, the last ranks get none.
     width : int
         Least number of layers of a rank: with thinner slabs nearest neighbours would not suffice.
     ends : int
@@ -61,8 +61,8 @@ def cut(costs: ArrayLike, ranks: int, width: int, ends: int = 0) -> list[int]:
         return [0, layers]
     total = np.concatenate([[0.0], np.cumsum(costs if costs.any() else np.ones(layers))])
 
-    # Boundaries as numbers of layers beyond the least that the ranks below must have: then they
-    # only have to ascend.
+    # Boundaries less the layers that the ranks before them must have at least: then they only
+    # have to ascend.
     least = ends + width * np.arange(active - 1)
     slack = layers - ends - int(least[-1])
     shares = total[-1] * np.arange(1, active) / active
@@ -102,9 +102,9 @@ def _best_cuts(
         Cost of the most expensive run, or the sum of squares.
     """
     value, choices = np.zeros(1), []
-    for below, above, width in zip(places, places[1:], widths, strict=False):
-        run = total[above][:, None] - total[below]
-        run[above[:, None] - below < width] = np.inf
+    for lower, upper, width in zip(places, places[1:], widths, strict=False):
+        run = total[upper][:, None] - total[lower]
+        run[upper[:, None] - lower < width] = np.inf
         if bound < np.inf:
             run[run > bound] = np.inf
             every = value + run * run

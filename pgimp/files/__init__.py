@@ -1,1 +1,1 @@
-"""Files: read without trust, written so that nothing is lost, HDF5 without MPI."""
+"""Files: read defensively, written safely, HDF5 without MPI."""

@@ -1,4 +1,4 @@
-"""Small files that are at every moment either the old or the new version, never half of one."""
+"""Small files that are always either the old or the new version, never half of one."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ def write(path: Path, content: str | bytes, durable: bool = True) -> None:
     Raises
     ------
     OSError
-        If it cannot be written; an older version then stays as it is, and so does what is no file:
-        a pipe or a device would not be written to but replaced.
+        If it cannot be written; an older version then stays. So for what is no regular file: a pipe
+        or a device would be replaced, not written to.
     """
     with suppress(FileNotFoundError):
         require_plain(path)
@@ -50,7 +50,7 @@ def write(path: Path, content: str | bytes, durable: bool = True) -> None:
 
 
 def sync_folder(folder: Path) -> None:
-    """Let the names in a folder outlast a crash of the machine; an OSError if that fails."""
+    """Make the names in a folder survive a crash of the machine; an OSError if that fails."""
     descriptor = os.open(folder, os.O_RDONLY)
     try:
         os.fsync(descriptor)
@@ -59,7 +59,7 @@ def sync_folder(folder: Path) -> None:
 
 
 def publish(part: Path, path: Path) -> None:
-    """Give a finished temporary file its name, so that a crash of the machine leaves it whole.
+    """Rename a finished temporary file so that it survives a crash of the machine whole.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Checksums of stretches of a file, made while they are written and compared with what is read."""
+"""Checksums of parts of a file, computed while it is written and compared when it is read."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-# What is read at once, and stays in the core's cache.
+# Bytes read at once, which stay in the core's cache.
 _BLOCK = 1 << 18
 
 
 class Written(NamedTuple):
-    """A stretch of a file with the checksum of what was written there."""
+    """A part of a file with the checksum of the data written there."""
 
     start: int
     size: int
@@ -23,8 +23,8 @@ class Written(NamedTuple):
 def word_sum(data: memoryview, before: int = 0) -> int:
     """Add up 64-bit words, modulo 2^64: ten times as fast as CRC-32.
 
-    It notices bytes that are missing or others' in what was read, but not their order; it is for
-    files that the run itself reads back, not for those that are kept.
+    It detects missing or foreign bytes, but not their order; it is for files that the run itself
+    reads back, not for those that are kept.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Compressed datasets: every rank compresses its rows and writes them where HDF5 has a place.
+"""Compressed datasets: every rank compresses its rows and writes them to their place in HDF5.
 
 A dataset is cut into chunks by the number of the row, not by rank, and the chunks lie in the file
 in the order of datasets and rows: so the file is the same for any number of ranks. No data go
@@ -23,9 +23,9 @@ Array = np.ndarray
 
 #: Rows of a chunk: below HDF5's cache of 1 MB for every field but the deformation.
 ROWS = 1 << 14
-# More is not worth it: level 4 makes frames of particles 1 % smaller, in 20 % more time.
+# A higher level is not worth it: 4 makes frames of particles 1 % smaller, in 20 % more time.
 _LEVEL = 1
-# Room for HDF5's list of the chunks: in all, and for each of them.
+# Space for HDF5's list of the chunks: in all, and for each of them.
 _HEADERS, _ENTRY = 1 << 16, 256
 
 
@@ -42,7 +42,7 @@ def compress(block: Array, rows: int) -> bytes:
     Returns
     -------
     bytes
-        What is in the file.
+        The bytes in the file.
     """
     size = block.dtype.itemsize
     items = rows * (block.size // len(block))
@@ -96,7 +96,7 @@ class Chunks:
             self._made[dataset.name] = (make(self._file, dataset, shape, properties), len(shape))
 
     def place(self, name: str, sizes: Array) -> Array:
-        """Give the chunks of a dataset their places, with room for them on the disk.
+        """Assign places to the chunks of a dataset, with their space reserved on the disk.
 
         Parameters
         ----------
@@ -131,7 +131,7 @@ class Chunks:
         self._reserved = max(self._reserved, end)
 
     def finish(self) -> dict[int, bytes]:
-        """Give the file its size and close it; return what HDF5 says of the datasets, by place."""
+        """Set the file's size and close it; return HDF5's metadata of the datasets, by place."""
         self._file.close()
         self._reserve(self._image.size)
         os.ftruncate(self._descriptor, self._image.size)

@@ -48,7 +48,7 @@ class Layout(NamedTuple):
     offsets : dict of str to int
         Where in the file each dataset's first byte lies; 0 if it has none.
     parts : dict of int to bytes
-        What HDF5 says about the datasets, by its place.
+        HDF5's metadata of the datasets, by place.
     size : int
         Bytes of the file.
     """
@@ -71,7 +71,7 @@ class Layout(NamedTuple):
         Raises
         ------
         OSError
-            If there is no room, or the file cannot be made.
+            If the disk is full, or the file cannot be made.
         """
         with open(path, "wb", buffering=0) as stream:
             reserve(stream.fileno(), 0, self.size)
@@ -85,7 +85,7 @@ def lay_out(
     whole: Mapping[str, Array] = _NONE,
     user_block: int = 0,
 ) -> Layout:
-    """Find out where everything goes in a file.
+    """Lay out a file.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ def lay_out(
     whole : mapping of str to ndarray
         Further datasets, of which only types and shapes matter.
     user_block : int
-        Bytes before what is HDF5's, left zero: none, or a power of two from 512 on.
+        Bytes before HDF5's own, left zero: none, or a power of two from 512 on.
 
     Returns
     -------
@@ -137,7 +137,7 @@ def make(file: Any, dataset: Dataset, shape: tuple[int, ...], properties: Any) -
 
 
 def reserve(descriptor: int, start: int, end: int, keep_size: bool = False) -> None:
-    """Ensure that there is room on the disk for a stretch of a file.
+    """Reserve space on the disk for a part of a file.
 
     Parameters
     ----------
@@ -151,7 +151,7 @@ def reserve(descriptor: int, start: int, end: int, keep_size: bool = False) -> N
     Raises
     ------
     OSError
-        If there is none. File systems that know no reservation are taken at their word later.
+        If there is none. On file systems without reservation a full disk shows later, on writing.
     """
     mode, code = _KEEP_SIZE if keep_size else 0, errno.EINTR
     while end > start and code == errno.EINTR:

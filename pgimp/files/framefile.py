@@ -1,17 +1,17 @@
 """One file, written by all ranks at once.
 
-The HDF5 library says where in the file everything goes, see `pgimp.files.datasets`, and the space
-is reserved. What the ranks then write goes straight to those places. So an error is one of this
-rank's own, at once, while MPI's collective calls lose data on a full disk without an error, and
-wait for ever for a rank that could not open the file.
+The HDF5 library lays out the file, see `pgimp.files.datasets`, and its space is reserved. The ranks
+then write directly to their places. So an error shows on its rank at once, whereas MPI's collective
+calls lose data on a full disk without an error, and wait for ever for a rank that could not open
+the file.
 
 A client of NFS caches pages and may write a page as a whole, with zeros where another node has
 written meanwhile. So no two ranks write to the same block of the file: a rank writes the blocks
-that it fills alone, and sends what it has of others, a few bytes at the edges of its rows, to the
+that it fills alone, and sends its parts of others, a few bytes at the edges of its rows, to the
 rank that writes them.
 
 Every write is checked for its length, and the sync at the end for its error: that is where a
-kernel tells of what it could not bring to the disk. When all ranks have closed the file, each
+kernel reports data that it could not write to the disk. When all ranks have closed the file, each
 opens it again and compares the checksums of what another rank has written.
 """
 
@@ -49,7 +49,7 @@ def blocks(count: int, size: int | None = None) -> Iterator[tuple[int, int]]:
 
 
 class FrameFile:
-    """A file that is there, open for writing on this rank.
+    """An existing file, open for writing on this rank.
 
     An error is kept, not raised, so that all ranks go on to the next collective call; the first
     one is in `error`.
@@ -61,16 +61,14 @@ class FrameFile:
     comm : communicator
         Of all ranks, each of which opens the file; creation is not collective.
     most : int, optional
-        With it, there are checksums to keep, and a stretch with one of its own gets no longer than
-        this, in bytes, or hardly.
+        With it, checksums are kept, each for a part of about this many bytes at most.
 
     Attributes
     ----------
     error : str or None
-        What went wrong first on this rank.
+        The first error on this rank.
     written : list of Written
-        What this rank was given to write, in this order, with CRC-32, if there are to be checksums
-        to keep.
+        The data given to this rank, in this order, with CRC-32, if checksums are kept.
     """
 
     def __init__(self, path: Path, comm: Any, most: int | None = None) -> None:
@@ -79,7 +77,7 @@ class FrameFile:
         self.written: list[Written] = []
         self._comm = comm
         self._most = most
-        # What this rank was given to write, for another one to verify; later, what it is to verify.
+        # Checksums of this rank's data, for another one to verify; later, those that it verifies.
         self._given: list[Written] = []
         self._to_verify: list[Written] = []
         self._several_nodes = False
@@ -101,7 +99,7 @@ class FrameFile:
     def write(self, place: int, block: Any) -> None:
         """Write to a place of the file, no byte of which is written twice.
 
-        Some of it is kept until `flush`.
+        Partial blocks are kept until `flush`.
 
         Parameters
         ----------
@@ -123,7 +121,7 @@ class FrameFile:
             self._note(place, data, self._most)
 
     def _whole_blocks(self, place: int, data: memoryview) -> Iterator[tuple[int, memoryview]]:
-        """Yield what is in blocks that are whole with these data; the rest is kept."""
+        """Yield the blocks that these data complete; keep the rest."""
         end = place + len(data)
         first = min(-(-place // BLOCK) * BLOCK, end)
         last = max(end // BLOCK * BLOCK, first)
@@ -156,7 +154,7 @@ class FrameFile:
         self.written.append(Written(start, size + len(data), zlib.crc32(data, checksum)))
 
     def flush(self) -> None:
-        """Write what has been kept, each block on one rank; collective, after all of `write`."""
+        """Write the kept blocks, each on one rank; collective, after all of `write`."""
         if self._comm.size == 1:
             return
         size, host = self._comm.size, socket.gethostname()
@@ -181,8 +179,8 @@ class FrameFile:
         self._sync()
 
     def close_later(self) -> None:
-        """Begin to bring what this rank wrote to the disk, and do not wait; see `closed`."""
-        # It needs no processor to speak of: the kernel has the data, the thread only waits.
+        """Start the sync of this rank's data to the disk, without waiting; see `closed`."""
+        # It needs hardly any CPU time: the kernel has the data, the thread only waits.
         self._thread = Thread(target=self._sync, name=f"sync {self.path.name}", daemon=True)
         self._thread.start()
 
@@ -203,10 +201,10 @@ class FrameFile:
             self._descriptor = -1
 
     def verify(self) -> None:
-        """Compare what is in the file with what was written, when all ranks have closed it.
+        """Compare the file with the data written, when all ranks have closed it.
 
-        Each rank looks at what another one wrote. On one rank nothing is done: a kernel gives back
-        what it was given.
+        Each rank checks the data of another one. On one rank nothing is done: a kernel returns
+        what was written.
         """
         if self._comm.size == 1:
             return
@@ -214,7 +212,7 @@ class FrameFile:
             descriptor = os.open(self.path, os.O_RDONLY | os.O_CLOEXEC)
             try:
                 if self._several_nodes:
-                    # Not what this node has in its memory, but what the server has.
+                    # Read from the server, not from this node's cache.
                     os.posix_fadvise(descriptor, 0, 0, os.POSIX_FADV_DONTNEED)
                 wrong = first_wrong(descriptor, self._to_verify, word_sum)
             finally:
@@ -230,7 +228,7 @@ class FrameFile:
             )
 
     def abandon(self) -> None:
-        """Close the file as it is, for it will be deleted."""
+        """Close the file as it is, to be deleted."""
         if self._thread is None and self._descriptor >= 0:
             os.close(self._descriptor)
             self._descriptor = -1

@@ -44,7 +44,7 @@ def open_file(path: Path | Image, mode: str, **options: Any) -> Any:
     Returns
     -------
     h5py.File
-        The open file; what is written to it, HDF5 1.10 can read.
+        The open file, in a format that HDF5 1.10 can read.
     """
     h5py = load_h5py()
     version = h5py.version.hdf5_version_tuple

@@ -1,4 +1,4 @@
-"""What the HDF5 library says about a file, kept from the disk until its place there is reserved."""
+"""HDF5's metadata of a file, kept in memory until its space on the disk is reserved."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ from typing import Any
 
 
 class Image(io.RawIOBase):
-    """A file that HDF5 takes for a real one, of which only what it writes is there.
+    """A file in memory for HDF5 that stores only what is written.
 
     libhdf5 may crash after a disk ran full; an image in memory cannot run full. Between the
-    headers, for which it is asked, may lie any amount of data, for which only addresses are wanted.
+    metadata, which are written, there may be any amount of data, of which only addresses count.
 
     Attributes
     ----------
     parts : dict of (int, int) to bytes
-        What was written, by where it begins and how long it is, in the order of writing.
+        The data written, by offset and length, in the order of writing.
     size : int
         Bytes of the file.
     """
@@ -26,7 +26,7 @@ class Image(io.RawIOBase):
         self._place = 0
 
     def stretches(self) -> dict[int, bytes]:
-        """Return what was written, by place, in stretches that neither overlap nor touch."""
+        """Return the data written, by place, in parts that neither overlap nor touch."""
         stretches: dict[int, bytes] = {}
         start = end = -1
         for begin, length in [*sorted(self.parts), (self.size + 1, 0)]:

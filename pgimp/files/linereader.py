@@ -1,4 +1,4 @@
-"""Reading files of comma-separated values, while they grow and whoever changed them."""
+"""Reading files of comma-separated values, also while they grow or after others changed them."""
 
 from __future__ import annotations
 
@@ -38,15 +38,14 @@ def numbered(stream: BinaryIO) -> tuple[bytes, Iterator[tuple[int, bytes]]]:
 def require_whole(path: Path, step: int, count: int | None) -> None:
     """Refuse a file that has lost lines before that of a step, or has them in another order.
 
-    One that has gone or ends too early passes, and one that cannot be read, which
-    `LineFile.resume` tells of.
+    One that is gone, ends too early or cannot be read passes: `LineFile.resume` reports it.
 
     Parameters
     ----------
     path : Path
         The file.
     step : int
-        Of the last line that belongs to what a run goes on from.
+        Of the last line before the point from which a run goes on.
     count : int or None
         How many lines there were then, that one among them; None if unknown.
 
@@ -88,7 +87,7 @@ def require_whole(path: Path, step: int, count: int | None) -> None:
 
 
 def so_far(directory: Path) -> dict[str, Any]:
-    """Return how far a run is, which has no more to say yet than the last line of its history.
+    """Return the progress of a run from the last line of its history.
 
     Parameters
     ----------

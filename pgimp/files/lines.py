@@ -16,7 +16,7 @@ from pgimp.mpi.collective import on_root
 
 
 class LineFile:
-    """Lines under a line of names, each of them written whole, and at once to the kernel.
+    """Lines under a header line, each written whole, and without buffering.
 
     Parameters
     ----------
@@ -41,14 +41,14 @@ class LineFile:
         self._unlisted = False  # in its folder, as far as a crash of the machine is concerned
 
     def resume(self, comm: Any, step: int) -> None:
-        """Go on after the line of a step, or the last one before it; what follows is cut off.
+        """Go on after the line of a step, or the last one before it; later ones are cut off.
 
         Parameters
         ----------
         comm : communicator
             Of all ranks; the call is collective.
         step : int
-            Of the last line that belongs to what the run goes on from.
+            Of the last line before the point from which the run goes on.
 
         Raises
         ------
@@ -60,13 +60,13 @@ class LineFile:
     def _cut(self, step: int) -> tuple[int, int]:
         last, count = -1, 0
         try:
-            if step < 0:  # there was no line yet, so whatever there is comes after
+            if step < 0:  # there was no line yet, so any line comes after
                 os.truncate(self.path, 0)
                 return -1, 0
             with open_plain(self.path) as stream:
                 header, lines = numbered(stream)
                 place = len(header)
-                # Behind the line that is looked for, anything may follow.
+                # After the line that is sought, anything may follow.
                 for number, line in lines:
                     if number > step:
                         break
@@ -87,16 +87,16 @@ class LineFile:
         return last, count
 
     def widen(self, columns: Sequence[str], absent: Callable[[str], float]) -> None:
-        """Let a file that is gone on with have further columns; on rank 0.
+        """Add columns to a file that is continued; on rank 0.
 
-        Those that it has and that are not among them stay, too.
+        Its own columns stay, also those not in `columns`.
 
         Parameters
         ----------
         columns : sequence of str
             Those that the lines will have.
         absent : callable
-            What stands in lines that do not have a column, by its name.
+            Value of a column, by its name, in lines without it.
 
         Raises
         ------
@@ -121,7 +121,7 @@ class LineFile:
         self._columns = lines[0]
 
     def sync(self) -> None:
-        """Ensure that the lines so far outlast a crash of the machine; on rank 0.
+        """Ensure that the lines so far survive a crash of the machine; on rank 0.
 
         Raises
         ------

@@ -1,6 +1,6 @@
-"""Reading files of others without waiting for ever, or reading for ever.
+"""Reading files of others without blocking, or reading for ever.
 
-Opening a named pipe waits for who writes into it, a device may never end, and in a folder from
+Opening a named pipe waits for a writer, a device may never end, and in a folder from
 elsewhere any file may be either.
 """
 
@@ -17,7 +17,7 @@ _PAUSE = 0.02
 
 
 def require_plain(name: str | os.PathLike[str]) -> None:
-    """Refuse what is no plain file.
+    """Refuse anything but a plain file.
 
     Raises
     ------
@@ -74,7 +74,7 @@ def read_plain(name: str | os.PathLike[str], most: int) -> bytes:
 
 
 def read_some(name: str | os.PathLike[str], most: int) -> bytes:
-    """Return the content of a file, or what comes out of a pipe, at most `most` bytes.
+    """Return the content of a file or pipe, at most `most` bytes.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The rows of a frame: ascending ids, an equal share a rank, however the particles are spread."""
+"""The rows of a frame: ascending ids, an equal share a rank, for any distribution of particles."""
 
 from __future__ import annotations
 
@@ -46,12 +46,12 @@ class Rows:
     first, last : int
         This rank has the rows from `first` up to but not including `last`.
     storage : ndarray of int64, shape (n,)
-        As given, in the order in which `collect` asks for values.
+        As given, in the order in which `collect` requests values.
 
     Raises
     ------
     RunError
-        On every rank, if an id is twice there, or missing where it must not.
+        On every rank, if an id occurs twice, or is missing where it must not.
     """
 
     def __init__(
@@ -120,7 +120,7 @@ class Rows:
             for begin, end in blocks(self.count, size):
                 yield begin, fill(begin, end)
             return
-        # The same memory for every call: new pages would cost more than what is done with them.
+        # The same memory for every call: new pages would cost more than the work.
         lengths = (len(self.storage), self.last - self.first)
         needed = [n * dtype.itemsize for n in lengths]
         if any(len(buffer) < n for buffer, n in zip(self._buffers, needed, strict=True)):
@@ -143,7 +143,7 @@ def _share(count: int, ranks: int, unit: int) -> int:
 
 
 class _Exchange:
-    """A way of values, one for each particle, to the ranks that have their rows, and back.
+    """Exchange of values, one for each particle, with the ranks that have their rows, and back.
 
     Parameters
     ----------

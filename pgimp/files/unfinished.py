@@ -1,4 +1,4 @@
-"""A file that is written but for the disk's part in it, and what becomes of it."""
+"""A file that is written, but not yet synced to the disk and renamed."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from pgimp.mpi.collective import agree, on_root
 
 
 class Unfinished:
-    """A file that all ranks have written, which is yet to be on the disk and to get its name.
+    """A file that all ranks have written, to be synced to the disk and renamed.
 
     Parameters
     ----------
     part, path : Path
-        Where it is, and what it is to be called.
+        Its temporary and its final name.
     file : FrameFile
         Of this rank.
     comm : communicator
@@ -35,7 +35,7 @@ class Unfinished:
 
     @property
     def ready(self) -> bool:
-        """Whether what this rank wrote is on the disk, so that `end` need not wait for it."""
+        """Whether this rank's data are on the disk, so that `end` need not wait for it."""
         return self._file.closed
 
     def end(self, done: Callable[[], None]) -> None:
@@ -44,7 +44,7 @@ class Unfinished:
         Parameters
         ----------
         done : callable
-            What rank 0 does once the file has its name.
+            Called on rank 0 once the file has its name.
 
         Raises
         ------
@@ -67,7 +67,7 @@ class Unfinished:
 
 @contextmanager
 def explained_errors(what: str) -> Iterator[None]:
-    """Turn an error of the disk into one that explains itself."""
+    """Turn an error of the disk into one with an explanation."""
     try:
         yield
     except OSError as error:

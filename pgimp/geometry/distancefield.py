@@ -1,6 +1,6 @@
 """Distances to the surface of a rigid body, and normals, on a lattice that moves with it.
 
-Looked up in between they are exact where the surface is flat, whatever made it: boxes, balls, what
+Interpolated they are exact where the surface is flat, however it was made: boxes, balls, what
 is combined of them, meshes. Kernels do that, see `pgimp.kernels.tools`.
 """
 
@@ -22,7 +22,7 @@ MARGIN = 3.0
 #: Step of the differences that give normals, as part of the spacing.
 _STEP = 1e-3
 
-#: Points that are looked at together.
+#: Points that are computed together.
 _BLOCK = 1 << 16
 
 

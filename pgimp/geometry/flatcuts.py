@@ -1,4 +1,4 @@
-"""Where flat surfaces at any angle meet one another within boxes that are measured.
+"""Intersections of flat surfaces at any angle within boxes that are measured.
 
 What is inside across a direction has a kink there: a line in which two planes meet leaves a box
 through one of its faces, and three planes meet in a point.
@@ -15,7 +15,7 @@ from pgimp.geometry.regions.base import Points, Region
 Reals = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
-#: Tilted planes of a region that are looked at; with more, boxes in which several meet have an
+#: Tilted planes of a region that are considered; with more, boxes in which several meet have an
 #: error of second order.
 MOST = 16
 

@@ -1,1 +1,1 @@
-"""What a run leaves behind: frames, checkpoints, the run directory, and reading them again."""
+"""Output of a run: frames, checkpoints, the run directory, and reading them again."""

@@ -1,4 +1,4 @@
-"""How kernels are compiled and kept, vectors of four numbers, and tensor algebra on tuples.
+"""Compiling and caching of kernels, vectors of four numbers, and tensor algebra on tuples.
 
 What Numba must know before it is imported is set here, as any module of this folder may do that:
 

@@ -1,7 +1,7 @@
 """The disk cache of compiled kernels, in place of Numba's: a sealed file for each of them.
 
 Numba's own keeps an index of all types that a function was compiled for, which two processes that
-compile at once overwrite for each other, and loads whatever it finds. Here each kernel has a file
+compile at once overwrite for each other, and loads any file it finds. Here each kernel has a file
 of its own, named after its key and read only if its checksum holds (see `pgimp.jit.sealed`).
 A file that does not fit in any way is compiled again and replaced.
 """
@@ -26,7 +26,7 @@ from numba.core.serialize import dumps
 from pgimp.jit import sealed
 from pgimp.jit.outside import part_of
 
-#: Why files could not be used, and why none could be kept in folders, by their paths.
+#: Why files could not be used, and why none could be written in folders, by their paths.
 Problems = tuple[dict[str, str], dict[str, str]]
 
 _damaged: dict[str, str] = {}
@@ -35,7 +35,7 @@ _listeners: list[Callable[[], None]] = []
 
 
 class Store:
-    """Things kept in a folder, each in a file of its own.
+    """Objects stored in a folder, each in its own file.
 
     Parameters
     ----------
@@ -47,11 +47,11 @@ class Store:
         self.folder = folder
 
     def _path(self, name: str, key: Any) -> Path:
-        """Where something is kept; keys that look alike are told apart by what is in the file."""
+        """Path of an object; the file's content distinguishes keys with equal names."""
         return self.folder / f"{name}-{sha256(repr(key).encode()).hexdigest()[:24]}.nbc"
 
     def load(self, name: str, key: Any, rebuild: Callable[[Any], Any] = lambda kept: kept) -> Any:
-        """Return what is kept, or None; what cannot be used is remembered for `messages`.
+        """Return the stored object, or None; unusable files are noted for `messages`.
 
         Parameters
         ----------
@@ -75,7 +75,7 @@ class Store:
         return None
 
     def save(self, name: str, key: Any, value: Any) -> None:
-        """Keep something; where that fails, it is remembered for `messages`."""
+        """Store an object; failures are noted for `messages`."""
         try:
             sealed.write(self._path(name, key), dumps(key) + dumps(value))
         except OSError as error:
@@ -104,7 +104,7 @@ class KernelCache(NullCache):
         return str(self._folder)
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """Return what is compiled for a signature, or None; it will then be compiled."""
+        """Return the code compiled for a signature, or None; it will then be compiled."""
         rtsys.initialize(target_context)  # what kernels call; the rest of Numba only compiles
         found = None
         if store := self._store(sig):
@@ -118,14 +118,14 @@ class KernelCache(NullCache):
         return found
 
     def save_overload(self, sig: Any, cres: Any) -> None:
-        """Keep what is compiled for a signature, if another process could use it."""
+        """Store the code compiled for a signature, if another process could use it."""
         if cres.library.has_dynamic_globals or not all(one.can_cache for one in cres.lifted):
             return
         if store := self._store(sig):
             store.save(self._name, self._key(sig, cres.codegen), cres._reduce())
 
     def _store(self, sig: Any) -> Store | None:
-        """Where kernels for these types are kept, if they can be."""
+        """Storage of kernels for these types, if they can be stored."""
         part = part_of(getattr(sig, "args", sig))
         return None if part is None or not _source(self._function) else Store(self._folder / part)
 
@@ -136,7 +136,7 @@ class KernelCache(NullCache):
 
 @cache
 def _source(function: Any) -> str:
-    """Return what a function is compiled from; empty if it is in no file."""
+    """Return the source of a function; empty if it is in no file."""
     if function.__module__.partition(".")[0] == "pgimp":
         return "pgimp"  # for which the name of the folder stands
     try:
@@ -148,7 +148,7 @@ def _source(function: Any) -> str:
 
 @contextmanager
 def announced(tell: Callable[[str], Any]) -> Iterator[None]:
-    """Tell the user, once and with `tell`, before the first kernel that is compiled, if any is."""
+    """Notify the user, once and with `tell`, before the first kernel that is compiled."""
 
     def once() -> None:
         _listeners.remove(once)
@@ -163,7 +163,7 @@ def announced(tell: Callable[[str], Any]) -> Iterator[None]:
 
 
 def problems() -> Problems:
-    """Return what could not be used and what could not be kept since the last call: path, why."""
+    """Return files that could not be used or written since the last call: path, why."""
     found = dict(_damaged), dict(_failures)
     _damaged.clear()
     _failures.clear()
@@ -171,7 +171,7 @@ def problems() -> Problems:
 
 
 def messages(found: Iterable[Problems] | None = None) -> list[str]:
-    """Return what there is to say about the cache, a line each.
+    """Return messages about the cache, a line each.
 
     Parameters
     ----------

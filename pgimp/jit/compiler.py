@@ -63,12 +63,12 @@ class _Linked(JITCodeLibrary):
         return 0
 
     def serialize_using_object_code(self) -> Any:
-        """Give what the disk cache keeps of it: there is no machine code."""
+        """Return its data for the disk cache: there is no machine code."""
         return self.serialize_using_bitcode()
 
     @property
     def codegen(self) -> Self:
-        """What has to set its environment, which is set in the kernel that links it."""
+        """Nothing: its environment is set in the kernel that links it."""
         return self
 
     def set_env(self, name: str, environment: Any) -> None:
@@ -76,7 +76,7 @@ class _Linked(JITCodeLibrary):
 
 
 def _captured(function: FunctionType) -> tuple[Any, ...] | None:
-    """What tells a function of the package from others of its name; None if that is not known.
+    """Identity of a function of the package among others of its name; None if unknown.
 
     Beside its line that is what it has from the function that made it.
     """
@@ -113,7 +113,7 @@ class Compiler(compiler.Compiler):
     folder: Path | None = None
 
     def define_pipelines(self) -> list[PassManager]:
-        """Return Numba's, for the package's own functions without what they do not need."""
+        """Return Numba's, for the package's own functions without unneeded passes."""
         pipelines = super().define_pipelines()
         if self.state.func_id.modname.partition(".")[0] == "pgimp":
             for pipeline in pipelines:
@@ -171,7 +171,7 @@ class Compiler(compiler.Compiler):
         return found
 
     def _rebuilt(self, kept: Any) -> Any:
-        """Make the result of a compilation from what is kept of it."""
+        """Rebuild the result of a compilation from the cache."""
         (name, _, code), fndesc, environment, signature, reload_init = kept
         context = self.state.targetctx
         library = _Linked(context.codegen(), name)

@@ -22,19 +22,19 @@ from pgimp.jit.sealed import unsafe
 #: Variables of the environment that must stand before Numba is imported, see `pgimp.jit.kernel`.
 SETTINGS = {"NUMBA_LOOP_VECTORIZE": "0", "NUMBA_DISABLE_INTEL_SVML": "1"}
 
-#: Where all that Numba compiles is written, within the package; a test holds everyone to it.
+#: Folders and files of all code that Numba compiles, within the package; a test checks it.
 COMPILED = ("jit", "geometry", "physics", "kernels")
 
 
 class Folder(NamedTuple):
-    """Where compiled kernels are kept.
+    """Folder of the compiled kernels.
 
     Attributes
     ----------
     path : Path
         The folder.
     why_not : str
-        Why it is not the one wanted; empty if it is.
+        Why it is not the preferred one; empty if it is.
     """
 
     path: Path
@@ -42,7 +42,7 @@ class Folder(NamedTuple):
 
     @property
     def warning(self) -> str:
-        """What to tell the user; empty if all is well."""
+        """Message to the user; empty if all is well."""
         if not self.why_not:
             return ""
         return (
@@ -52,7 +52,7 @@ class Folder(NamedTuple):
 
 
 def _sources_digest() -> str:
-    """Digest of the sources that Numba compiles and of the settings."""
+    """Digest of the settings and the sources that Numba compiles."""
     digest = sha256(repr(sorted(SETTINGS.items())).encode())
     root = Path(__file__).resolve().parents[1]
     for name in COMPILED:
@@ -62,7 +62,7 @@ def _sources_digest() -> str:
     return digest.hexdigest()[:16]
 
 
-def wanted_folder() -> Path:
+def preferred_folder() -> Path:
     """Folder where the compiled kernels belong.
 
     Returns
@@ -94,13 +94,13 @@ def cache_folder() -> Folder:
     Returns
     -------
     Folder
-        That wanted; or a temporary one where that cannot be written, or is not this user's alone.
+        The preferred one; or a temporary one where that cannot be written, or others can write it.
     """
-    wanted = wanted_folder()
-    why_not = _why_not(wanted)
+    preferred = preferred_folder()
+    why_not = _why_not(preferred)
     if not why_not:
-        return Folder(wanted)
-    path = _private(Path(tempfile.gettempdir()) / f"pgimp-{os.geteuid()}") / wanted.name
+        return Folder(preferred)
+    path = _private(Path(tempfile.gettempdir()) / f"pgimp-{os.geteuid()}") / preferred.name
     with suppress(OSError):  # without it kernels are compiled, but not kept
         path.mkdir(mode=0o700, exist_ok=True)
     return Folder(path, why_not)
@@ -122,7 +122,7 @@ def _why_not(folder: Path) -> str:
 
 
 def _private(folder: Path) -> Path:
-    """Return the folder if it is this user's alone, or a new one that goes with the process."""
+    """Return the folder if it is this user's alone, or a new one that lasts for the process."""
     with suppress(OSError):
         folder.mkdir(mode=0o700, exist_ok=True)
         about = folder.lstat()

@@ -1,4 +1,4 @@
-"""How pgimp uses Numba: reproducible code generation, and a disk cache of its own.
+"""Use of Numba: reproducible code generation, and a disk cache of its own.
 
 Compiled kernels are kept on disk, see `pgimp.jit.folder` and `pgimp.jit.cache`.
 """

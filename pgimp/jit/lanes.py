@@ -32,7 +32,7 @@ def _vectors(values):
 
 
 def of_lane(values, j):
-    """What belongs to particle `j`; numbers belong to all."""
+    """The values of particle `j`; numbers belong to all."""
 
 
 @specialise(of_lane)

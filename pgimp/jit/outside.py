@@ -1,4 +1,4 @@
-"""Types from outside the package: where kernels that are compiled for them are kept.
+"""Types from outside the package: storage of the kernels that are compiled for them.
 
 A material that a user's program registers is a NamedTuple whose functions are compiled into the
 kernels. The name of the cache folder stands for pgimp's sources alone, and Numba's key for the
@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numba.core import types
 
-#: What these hold changes only with their versions, which Numba and the folder's name know.
+#: Packages whose content changes only with their versions, which Numba and the folder's name have.
 _KNOWN = {*sys.stdlib_module_names, "llvmlite", "numba", "numpy", "pgimp"} - {"__main__"}
 
 
@@ -52,7 +52,7 @@ def outsiders(kinds: Any) -> set[type]:
 
 
 def is_outside(entry: type) -> bool:
-    """Whether a class is no part of pgimp."""
+    """Whether a class is not part of pgimp."""
     return entry.__module__.partition(".")[0] != "pgimp"
 
 
@@ -73,7 +73,7 @@ _tagged: set[type] = set()
 
 
 def tag(entry: type) -> None:
-    """Give a class from outside a name that no other class has.
+    """Rename a class from outside uniquely.
 
     When Numba dispatches a call it tells the classes of NamedTuples apart by their names: of two
     with the same name, as a notebook's cell makes them when it is run again, it takes the first.
@@ -135,7 +135,7 @@ def digest(entry: type) -> str:
 
 
 class _Hasher:
-    """Takes in objects and what they refer to, each once, in an order that does not vary."""
+    """Digests objects and what they refer to, each once, in a fixed order."""
 
     def __init__(self) -> None:
         self.hash = hashlib.sha256()
@@ -143,7 +143,7 @@ class _Hasher:
         self._files: set[str] = set()
 
     def take(self, value: Any, names: tuple[str, ...] = ()) -> None:
-        """Take in a value, of a module the attributes `names`."""
+        """Digest a value; of a module, the attributes `names`."""
         function = getattr(value, "py_func", value)  # what Numba compiles
         if isinstance(value, ModuleType):
             self._module(value, names)
@@ -190,7 +190,7 @@ class _Hasher:
                         self._member(getattr(value, "__func__", value))
 
     def _member(self, value: Any) -> None:
-        """Take in an attribute of a class, states and switches too: not what describes a field."""
+        """Digest an attribute of a class, but not descriptions of fields."""
         if isinstance(value, FunctionType | type | tuple | bool) or hasattr(value, "py_func"):
             self.take(value)
 
@@ -210,7 +210,7 @@ class _Hasher:
                     self.take(function.__globals__[name], code.co_names)
 
     def _file(self, module: str) -> None:
-        """Take in a module's file, once: what Numba finds by itself, as an overload, is there."""
+        """Digest a module's file, once: it has what Numba finds by itself, such as overloads."""
         path = getattr(sys.modules.get(module), "__file__", None)
         if path and path not in self._files:
             self._files.add(path)

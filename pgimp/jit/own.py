@@ -1,4 +1,4 @@
-"""NamedTuples with numbers that each particle has of its own.
+"""NamedTuples with numbers that vary by particle.
 
 Of parameters that vary in space, `Own` stands in the place of a number. A kernel puts in the
 values of the particle, or of four, that it is about (`filled`). The types decide what is compiled:
@@ -12,7 +12,7 @@ from numba.extending import intrinsic
 
 
 class Own(NamedTuple):
-    """In place of a number that each particle has of its own: its place among these."""
+    """Placeholder of a number that varies by particle: its index among these."""
 
     place: int
 
@@ -23,7 +23,7 @@ def is_own(kind: Any) -> bool:
 
 
 def count_own(kind: Any) -> int:
-    """How many `Own` there are in values of a Numba type, at any depth."""
+    """Number of `Own` in values of a Numba type, at any depth."""
     if is_own(kind):
         return 1
     parts: Any = kind if isinstance(kind, types.BaseTuple) else ()

@@ -1,4 +1,4 @@
-"""Files that are trusted only if they are whole, and if nobody else may have written them.
+"""Files that are trusted only if they are whole, and if only this user may have written them.
 
 Compiled kernels are pickles and machine code: one flipped bit may crash the process that loads
 them, and what another user has put there would be executed. So each file starts with the checksum
@@ -17,7 +17,7 @@ _START = len(_MAGIC) + sha256().digest_size
 
 
 class UntrustedError(Exception):
-    """A file is damaged, or others may have written it; what is wrong, in a few words."""
+    """A file is damaged, or others may have written it; the reason in a few words."""
 
 
 def unsafe(about: os.stat_result, sticky: bool = False) -> str:
@@ -39,7 +39,7 @@ def unsafe(about: os.stat_result, sticky: bool = False) -> str:
 
 
 def read(path: Path) -> bytes:
-    """Return what `write` has written.
+    """Return the data that `write` has written.
 
     Raises
     ------

@@ -142,7 +142,7 @@ def store(typing_context, array, index, vector):
 
 @intrinsic(prefer_literal=True)
 def stack(typing_context, size):
-    """Room for `size` (a literal) float64 on the stack, for `load`, `store` and `number`.
+    """Buffer of `size` (a literal) float64 on the stack, for `load`, `store` and `number`.
 
     The compiler knows that nothing else can be stored there, unlike in an array.
     """
@@ -169,7 +169,7 @@ def number(typing_context, buffer, index):
 
 
 def _register(operation, result, instruction):
-    """Let an operation between vectors, or a vector and a number, be one instruction."""
+    """Compile an operation between vectors, or a vector and a number, to one instruction."""
     numbers = (types.Float, types.Integer, types.Boolean)
 
     @infer_global(operation)

@@ -1,16 +1,16 @@
-"""Contact of bodies in the initial configuration: impulses that all vertices agree upon.
+"""Contact of bodies in the initial configuration: impulses found for all vertices together.
 
-A vertex i of the domain's grid sees what the vertices j of a body's own grid, that of the start,
-give to the particles around it:
+A vertex i of the domain's grid sees the velocity that the vertices j of a body's own grid, that of
+the start, give to the particles around it:
 
     w_i = sum_j B_ij v_j,    B_ij = sum_p m_p S_ip S0_jp / sum_p m_p S_ip,
 
-S being weights at present, S0 those of the start. An impulse J_i changes v_j by B_ij J_i/m_j: what
-it does to the power of the body is J_i . w_i, so that momentum is kept exactly, and so is angular
-momentum but for what the two grids differ. One impulse moves its neighbours, too, the more so as
-the two weights smooth it. So they are found together: sweeps over all pairs that may meet, each
-with the true response sum_j B_ij^2/m_j, in which impulses accumulate and the law holds for what has
-accumulated (projected Gauss-Seidel). All ranks do the same sweeps, with the same bits.
+S being weights at present, S0 those of the start. An impulse J_i changes v_j by B_ij J_i/m_j: it
+changes the body's power by J_i . w_i, so that momentum is conserved exactly, and angular momentum
+up to the difference between the two grids. An impulse also moves its neighbours, the more so as
+the two weights smooth it. So impulses are found together: sweeps over all pairs that may meet, each
+with the true response sum_j B_ij^2/m_j, in which impulses accumulate and the law holds for the
+accumulated ones (projected Gauss-Seidel). All ranks do the same sweeps, with the same bits.
 """
 
 from math import inf
@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pgimp.jit.kernel import allocating_kernel, inner_kernel, kernel, specialise
-from pgimp.kernels.contact import MOBILITY, NORMAL, NOW, PUSH, SLIP, TOLD, WEIGHT
+from pgimp.kernels.contact import BILATERAL, MOBILITY, NORMAL, NOW, PUSH, SLIP, WEIGHT
 from pgimp.kernels.contactlaw import exchange
 from pgimp.kernels.encounters import BODIES, ENTRY, SUMS, copy
 from pgimp.kernels.particles import FloatArray, IntArray
@@ -27,13 +27,13 @@ from pgimp.kernels.present import HEAVY, WEIGHS
 from pgimp.kernels.startgrid import LOST, MOVES, YIELDS
 from pgimp.kernels.support import weights_at
 
-#: Least part of the squares of a row of B at vertices that give way. Below it the few that do would
-#: have to make good, each with many times the speed, for what the others do as they are told.
+#: Least part of the squares of a row of B at free vertices. Below it the few free ones would have
+#: to compensate for the others, which are prescribed, at many times the speed.
 LEAST_FREE = 0.25
 
 
 class Responses(NamedTuple):
-    """How the vertices of the start answer to impulses: the rows of B for what meets.
+    """Responses of the vertices of the start to impulses: the rows of B for the encounters.
 
     Attributes
     ----------
@@ -44,9 +44,9 @@ class Responses(NamedTuple):
     column : (k,) int64
         Numbers of vertices of the start.
     entry : (k,) float64
-        What B has there.
+        The entries of B.
     answer : (rows, 3) float64
-        sum_j B_ij^2/m_j, by component; vertices that are held do not count, see `LEAST_FREE`.
+        sum_j B_ij^2/m_j, by component, without vertices that are held, see `LEAST_FREE`.
     """
 
     row_of: IntArray
@@ -58,7 +58,7 @@ class Responses(NamedTuple):
 
 @inner_kernel
 def _answer(column, entry, first, last, values, part):
-    """Sum of B_ij^2/m_j over a row's vertices that give way; 0 if nearly all of it is held."""
+    """Sum of B_ij^2/m_j over a row's free vertices; 0 if nearly all of it is held."""
     found, gives, every = 0.0, 0.0, 0.0
     for k in range(first, last):
         square = entry[k] ** 2
@@ -71,7 +71,7 @@ def _answer(column, entry, first, last, values, part):
 
 @allocating_kernel
 def find_responses(table, now, before, encounters, sums, values):
-    """Find the rows of B for what meets.
+    """Find the rows of B for the encounters.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def find_responses(table, now, before, encounters, sums, values):
     now, before : Supports
         Theirs, at their present places and at those of the start.
     encounters : Encounters
-        What meets.
+        The pairs.
     sums : (m, SUMMED) float64
         See `Present`.
     values : (k, STARTED) float64
@@ -117,18 +117,18 @@ def find_responses(table, now, before, encounters, sums, values):
                 x, y, z = weights_at(now, i, q)
                 who[filled[r]], weight[filled[r]] = i, x * y * z
                 filled[r] += 1
-    room = 64 * rows + at0.shape[1]
+    capacity = 64 * rows + at0.shape[1]
     start = np.zeros(rows + 1, np.int64)
-    column, entry = np.empty(room, np.int64), np.empty(room)
+    column, entry = np.empty(capacity, np.int64), np.empty(capacity)
     answer = np.zeros((rows, 3))
     seen, place = np.full(len(values), -1, np.int64), np.empty(len(values), np.int64)
     used = 0
     for r in range(rows):
         for k in range(many[r], many[r + 1]):
             i = who[k]
-            if used + at0.shape[1] > room:
-                room *= 2
-                longer, more = np.empty(room, np.int64), np.empty(room)
+            if used + at0.shape[1] > capacity:
+                capacity *= 2
+                longer, more = np.empty(capacity, np.int64), np.empty(capacity)
                 longer[:used], more[:used] = column[:used], entry[:used]
                 column, entry = longer, more
             part = table[i, WEIGHS] * weight[k] / sums[slots[r], HEAVY]
@@ -150,13 +150,13 @@ def find_responses(table, now, before, encounters, sums, values):
 
 @inner_kernel
 def _see(contact, a, s, rigid, responses, values):
-    """Put velocity, mass and mobility of an end of a pair into the room for field `a`."""
+    """Load velocity, mass and mobility of an end of a pair as field `a`."""
     row = contact.fields[a]
     if s < 0:
         row[WEIGHT] = inf
         for d in range(3):
             row[NOW + d] = rigid[3 * a + d]
-            row[MOBILITY + d] = row[TOLD + d] = 0.0
+            row[MOBILITY + d] = row[BILATERAL + d] = 0.0
         return
     r, start, entry = responses.row_of[s], responses.start, responses.entry
     u, v, w, most = 0.0, 0.0, 0.0, 0.0
@@ -167,13 +167,13 @@ def _see(contact, a, s, rigid, responses, values):
         w += entry[k] * one[MOVES + 2]
     row[NOW], row[NOW + 1], row[NOW + 2] = u, v, w
     for d in range(3):
-        row[MOBILITY + d] = row[TOLD + d] = responses.answer[r, d]
+        row[MOBILITY + d] = row[BILATERAL + d] = responses.answer[r, d]
         most = max(most, responses.answer[r, d])
     row[WEIGHT] = 1.0 / most if most > 0.0 else 1e300
 
 
 def take_up(contact, encounters, k, responses, values):
-    """Put what is known of pair `k` into the room for the first pair at a vertex."""
+    """Load pair `k` as the first pair at a vertex."""
 
 
 @specialise(take_up)
@@ -191,7 +191,7 @@ def _take_up_pair(contact, encounters, k, responses, values):
 
 @inner_kernel
 def _give(s, J, sign, responses, values):
-    """Give an impulse to the vertices of the start that an end of a pair is made of."""
+    """Apply an impulse to the vertices of the start that make up an end of a pair."""
     if s < 0:
         return
     r, start, entry = responses.row_of[s], responses.start, responses.entry
@@ -205,35 +205,35 @@ def _give(s, J, sign, responses, values):
 
 @inner_kernel
 def impulse_of(row, d):
-    """Component `d` of what a pair has exchanged."""
+    """Component `d` of the impulse that a pair has exchanged."""
     return row[SLIP + d] + row[PUSH] * row[NORMAL + d]
 
 
 @kernel
-def settle_contacts(contact, free, encounters, responses, values, sweeps, enough):
-    """Let all pairs exchange impulses until the law holds for all of them.
+def solve_impulses(contact, free, encounters, responses, values, sweeps, enough):
+    """Exchange impulses in all pairs until the law holds for all of them.
 
     Parameters
     ----------
     contact : Contact
-        Laws and room.
+        Laws and scratch.
     free : Holding
-        Nothing: what is held has no mobility.
+        The empty one: what is held has no mobility.
     encounters : Encounters
-        The pairs; what they have exchanged is added up in `partners`.
+        The pairs; their impulses are added up in `partners`.
     responses : Responses
-        What impulses do.
+        The response to impulses.
     values : (m, STARTED) float64
         The vertices of the start; their velocities are changed here.
     sweeps : int
         The most sweeps over all pairs, forwards and backwards by turns.
     enough : float
-        Part of the greatest impulse; it is enough when none changes by more in a sweep.
+        Tolerance: greatest change of an impulse in a sweep, relative to the greatest impulse.
 
     Returns
     -------
     int
-        Sweeps that were done.
+        Number of sweeps.
     """
     number, pairs = (0, 0, 0), len(encounters.ends)
     for sweep in range(sweeps):

@@ -1,13 +1,13 @@
-"""Affine transfer: what particles carry of the velocity's variation in space.
+"""Affine transfer: the velocity gradient that particles carry.
 
 A particle keeps the velocity gradient L_p that it has seen (30), and gives the vertices
 m_p (v_p + L_p (x_v - x_p)) S_vp instead of m_p v_p S_vp (22).
 
 Where a face or a constraint holds a vertex, the gradient includes the jump from the material's
-velocity to the prescribed one. The particle's own velocity knows nothing of that jump, since (27)
+velocity to the prescribed one. The particle's own velocity does not include that jump, since (27)
 adds accelerations, and those of held vertices are prescribed as well. Extrapolated from the
-particle, the jump would reach free vertices as momentum that nothing balances: kinetic energy from
-nothing, up to a third of the total on coarse grids, whatever the step. So a particle that reaches
+particle, the jump would reach free vertices as momentum that nothing balances: spurious kinetic
+energy, up to a third of the total on coarse grids, for any step. So a particle that reaches
 a held vertex does not carry the gradients of the components that are held there; its deformation
 (29) has them all.
 """
@@ -22,10 +22,10 @@ from pgimp.kernels.heldcodes import held_codes
 
 
 def affine_momentum(affine, frame, particles, p):
-    """How a particle's momentum varies in space: m_p dv/dx_i for each direction; () if it does not.
+    """Gradient of a particle's momentum: m_p dv/dx_i for each direction; () if it has none.
 
     With it, a vertex gets m_p (v_p + L_p (x_v - x_p)) S_vp. The particle's momentum remains, since
-    the arms' weighted sum is zero, and fields that are linear arrive as they are up to the surface.
+    the arms' weighted sum is zero, and linear fields are transferred exactly up to the surface.
     """
 
 
@@ -57,7 +57,7 @@ def _affine_momentum(affine, frame, particles, p):
 
 
 def keep_gradients(affine, particles, rows, L, held):
-    """Let four particles keep the velocity gradients L that they carry, where they carry any.
+    """Store the velocity gradients L that four particles carry, if they carry any.
 
     `held` is what `take_from_grid` gives.
     """
@@ -70,7 +70,7 @@ def _keep_gradients(affine, particles, rows, L, held):
     def nothing(affine, particles, rows, L, held):
         pass
 
-    # Without a branch: what a wall needs must not slow down all others.
+    # Without a branch, which would slow down particles that are at no wall.
     def keep1(affine, particles, rows, L, held):
         put_row(particles.L, rows, 0, scaled(_free(held, 0), L))
 

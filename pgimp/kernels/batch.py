@@ -1,7 +1,7 @@
 """The weights of four particles' supports, in a buffer on the stack.
 
-They are computed for four particles in one vector register; the transfers, which go to other
-vertices for each, take one after the other.
+They are computed for four particles in one vector register; transfers, whose vertices differ, take
+one particle after the other.
 """
 
 from pgimp.jit.kernel import specialise
@@ -14,7 +14,7 @@ from pgimp.physics.shapes.base import size, weights
 
 #: Numbers in the buffer for the supports of a batch: for each direction weights (19), gradients
 #: (20) and weights times arms, each of up to four vertices, then the place of the first vertex;
-#: each four times. From `MEANS` on there is room for what `pgimp.kernels.mean` needs.
+#: each four times. From `MEANS` on there is space for `pgimp.kernels.mean`.
 SUPPORT_SIZE = 216
 _DIRECTION, _QUANTITY, _PLACE, MEANS = 48, 16, 144, 152
 
@@ -31,7 +31,7 @@ def _arms_of(w, f, cell):
 
 
 def _keep(buffer, at, V):
-    """Put vectors into a buffer, one after the other."""
+    """Store vectors in a buffer, one after the other."""
 
 
 @specialise(_keep)
@@ -47,7 +47,7 @@ def _keep_all(buffer, at, V):
 
 
 def _along(shape, frame, buffer, arms, d, half, x, vertex):
-    """Put weights, gradients and, if asked for, arms along direction `d` into the buffer."""
+    """Store weights, gradients and, if asked for, arms along direction `d` in the buffer."""
 
 
 @specialise(_along)
@@ -67,7 +67,7 @@ def _along_direction(shape, frame, buffer, arms, d, half, x, vertex):
 
 
 def _across(shape, frame, window, buffer, arms, d, half, x):
-    """Put the weights along the directions from `d` on into the buffer; places in float64."""
+    """Store the weights along the directions from `d` on in the buffer; places as float64."""
 
 
 @specialise(_across)
@@ -85,7 +85,7 @@ def _across_directions(shape, frame, window, buffer, arms, d, half, x):
 
 
 def supports(shape, frame, window, particles, rows, layer, buffer, arms):
-    """Put the supports of four particles, whose layer is known, into a buffer.
+    """Store the supports of four particles, whose layer is known, in a buffer.
 
     The buffer is of `SUPPORT_SIZE` float64. They come with arms unless `arms` is ().
     """
@@ -104,7 +104,7 @@ def _supports(shape, frame, window, particles, rows, layer, buffer, arms):
 
 
 def keep_support(buffer, d, w, g):
-    """Put weights and gradients of one particle along direction `d` into a buffer, for j = 0."""
+    """Store weights and gradients of one particle along direction `d` in a buffer, for j = 0."""
 
 
 @specialise(keep_support)

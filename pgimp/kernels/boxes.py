@@ -5,7 +5,7 @@ from pgimp.jit.kernel import kernel
 
 @kernel
 def grow_boxes(frame, particles, rows, boxes):
-    """Grow the boxes round bodies so that they hold the particles in `rows`.
+    """Grow the bodies' boxes so that they contain the particles in `rows`.
 
     Parameters
     ----------
@@ -16,7 +16,7 @@ def grow_boxes(frame, particles, rows, boxes):
         body = particles.body[p]
         for d in range(len(frame.origin)):
             x = (particles.x[p, d] - frame.origin[d]) * frame.inverse[d]
-            if x < boxes[0, body, d]:  # nearly never: nothing is stored, and nothing waits
+            if x < boxes[0, body, d]:  # rarely true: avoids stores and their latency
                 boxes[0, body, d] = x
             if x > boxes[1, body, d]:
                 boxes[1, body, d] = x

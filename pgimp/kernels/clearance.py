@@ -1,17 +1,17 @@
-"""How far bodies are from the walls that let go: the clearance at each vertex of a wall.
+"""Clearance of bodies from the walls that let go, at each vertex of a wall.
 
-A vertex on a wall feels a body that is still a cell away. With w the distance of a place from the
+A vertex on a wall has weight on a body that is still a cell away. With w the distance from the
 wall, along its normal, the divergence theorem turns the sum over the body's particles
 
     sum_p m_p (w . grad S_vp + S_vp div w)
 
 into minus the density times the integral of w S over the body's lower surface: zero where the body
-lies on the wall, however much of the neighbourhood it fills and whatever its strain. It is
--2 z/(h - z) in parts of the vertex's mass for a surface along the wall at the distance z, from
-which z follows; of other surfaces that is a mean. Away from the wall w falls to zero, so that walls
-of other directions know nothing of it but at edges, where the clearances from both add up.
+lies on the wall, for any filled part of the neighbourhood and any strain. For a surface along the
+wall at the distance z it is -2 z/(h - z) times the vertex's mass, from which z follows; for other
+surfaces z is a mean. Away from the wall w falls to zero, so that it does not affect walls of other
+directions but at edges, where the clearances from both add up.
 
-The sum takes the place of a vertex's record that is free until the momentum update.
+The sum uses the entry of a vertex's record that is free until the momentum update.
 """
 
 from typing import NamedTuple
@@ -20,8 +20,8 @@ from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.kernels.fields import field_count, field_size
 from pgimp.kernels.record import HELD, MASS, RECORD
 
-#: Clearance, as part of a cell, that counts as none. What strain makes of a clearance that is
-#: closed is less; bodies would give way to that again and again, and lose energy under pressure.
+#: Clearance, as part of a cell, that counts as none: more than strain makes of a closed one, into
+#: which bodies under pressure would yield again and again, and lose energy.
 CLOSED = 0.01
 
 
@@ -45,7 +45,7 @@ class Sides(NamedTuple):
 
 
 class Wall(NamedTuple):
-    """A face whose clearance is wanted.
+    """A face whose clearance is computed.
 
     Attributes
     ----------
@@ -69,7 +69,7 @@ def _distance(sides, x):
 
 
 def wall(walls, d):
-    """What `Loads.walls` has for a direction; () without any."""
+    """The entry of `Loads.walls` for a direction; () without any."""
 
 
 @specialise(wall)
@@ -80,7 +80,7 @@ def _wall(walls, d):
 
 
 def moment(walls, particles, p, d):
-    """m_p w_p along direction `d`; `walls` is what `Loads.walls` has for it, or () without any."""
+    """m_p w_p along direction `d`; `walls` is the entry of `Loads.walls` for it, or ()."""
 
 
 @specialise(moment)
@@ -93,7 +93,7 @@ def _moment(walls, particles, p, d):
 
 
 def divergence(walls, particles, p, d):
-    """Divergence of w, from direction `d` on, of which `walls` has the first."""
+    """Divergence of w from direction `d` on, which is the first in `walls`."""
 
 
 @specialise(divergence)
@@ -162,7 +162,7 @@ def _reached(window, wall, face, d):
 
 
 def clear(clearances, G, r):
-    """Free the place `HELD` of the record at `r` of what the clearances were made of."""
+    """Clear the entry `HELD` of the record at `r`, which held the sums for the clearances."""
 
 
 @specialise(clear)

@@ -1,6 +1,6 @@
-"""What the kernels of a step get: the scene as they see it, a field, an order, what acts, reports.
+"""Arguments of the kernels of a step: setting, field, order, forcing, report.
 
-All are NamedTuples, which the compiler takes apart; they cost nothing within kernels.
+All are NamedTuples, which the compiler unpacks at no cost.
 """
 
 from typing import Any, NamedTuple, Self
@@ -12,7 +12,7 @@ from pgimp.kernels.particles import FloatArray, Frame, IntArray, Window
 
 
 class Setting(NamedTuple):
-    """What kernels know of a scene; it does not change during a run.
+    """The scene as kernels see it; constant during a run.
 
     Attributes
     ----------
@@ -21,7 +21,7 @@ class Setting(NamedTuple):
     frame : Frame
         Where the grid lies.
     identity : tuple of D*D float
-        The deformation gradient of what is not deformed; it tells the compiler the length of F.
+        The undeformed deformation gradient; it gives the compiler the length of F.
     materials : tuple of NamedTuple
         Parameters of the materials.
     material_of : (bodies,) int64
@@ -42,11 +42,11 @@ class Setting(NamedTuple):
     exits: int = 0
 
     def without_materials(self) -> Self:
-        """For kernels that need none: they are compiled once for all materials."""
+        """For kernels that need none, to compile them once for all materials."""
         return self._replace(materials=())
 
     def without_shape(self) -> Self:
-        """For kernels that need none: they are compiled once for all shapes."""
+        """For kernels that need none, to compile them once for all shapes."""
         return self._replace(shape=())
 
 
@@ -71,7 +71,7 @@ class Batch(NamedTuple):
     Attributes
     ----------
     rows : tuple of 4 int
-        Their rows; the last one stands for those missing.
+        Their rows; the last one fills in for those missing.
     size : int
         How many there are.
     first : int
@@ -101,20 +101,20 @@ class Field(NamedTuple):
         1 for the planes that layers of this rank add to; zero before the first layer of a step.
     scratch : (vertices * plane,) float64
         A layer's own planes; zero between two layers.
-    aside : float64
-        What has to be added later, see `complete`: the sums of the first `shared` layers for the
-        planes that the rank below shares, layer by layer, each from its own plane up, in
+    deferred : float64
+        Sums to be added later, see `complete`: the sums of the first `shared` layers for the
+        planes that the lower rank shares, layer by layer, each from its own plane up, in
         (shared * (shared + 1) / 2 * plane,); then likewise those of the last `shared` layers for
-        planes that the rank above does not share. Each part is missing where there is no such rank.
-    below : int
-        Number of planes shared with the rank below; 0 where there is none.
+        planes that the upper rank does not share. Each part is missing where there is no such rank.
+    shared_lower : int
+        Number of planes shared with the lower rank; 0 where there is none.
     owned : int
         Number of planes, from the first, whose sums this rank accounts for.
     bounds : tuple of D pairs of float
         Coordinates between which a particle is certainly in the domain and in the window.
     used : (planes,) int64 or ()
-        Bit f: what bodies of the field f have left in the plane is not zero, and has to be cleared
-        before the plane is active again; see `pgimp.kernels.fields`. () in scenes that always have
+        Bit f: the plane has sums of the velocity field f, which have to be cleared before it is
+        active again; see `pgimp.kernels.fields`. () in scenes that always have
         one field.
     """
 
@@ -122,17 +122,17 @@ class Field(NamedTuple):
     G: FloatArray
     active: NDArray[np.uint8]
     scratch: FloatArray
-    aside: FloatArray
-    below: int
+    deferred: FloatArray
+    shared_lower: int
     owned: int
     bounds: tuple[tuple[float, float], ...]
     used: Any = ()
 
 
 class Forcing(NamedTuple):
-    """What acts on the material during one step, but for the conditions of faces.
+    """Forcing of the material during one step, except the conditions of faces.
 
-    Those would be part of the type, so that each kernel would be compiled for each of their sets.
+    As part of the type, each set of them would need its own compilation of every kernel.
 
     Attributes
     ----------
@@ -141,8 +141,8 @@ class Forcing(NamedTuple):
     gravity : tuple of 3 float
         Body force per mass b, taken at the step's beginning.
     lightest : float
-        A vertex that is not heavier gets a = 0, and keeps v = p/m: a particle that passes it sees
-        its gradient in full, however small its weight.
+        A vertex that is not heavier gets a = 0, and keeps v = p/m: a particle that passes it gets
+        its full gradient, however small its weight.
     loads : Loads
         See `pgimp.kernels.loads`.
     constraints : tuple of Constraint
@@ -154,7 +154,7 @@ class Forcing(NamedTuple):
     controlled : bool or float
         Whether the next step depends on the particles' speeds.
     clearances : (faces, vertices) float64 or ()
-        How far bodies are from walls that let go, see `find_clearances`.
+        Distances of bodies from walls that let go, see `find_clearances`.
     """
 
     dt: float
@@ -169,19 +169,19 @@ class Forcing(NamedTuple):
 
 
 class Report(NamedTuple):
-    """What happened to a rank's particles in a step.
+    """Outcome of a step for a rank's particles.
 
     Attributes
     ----------
-    reach : (2, 2) int64
+    vertex_bounds : (2, 2) int64
         Grown to the first vertices (least, greatest; y, z) of particles, at least of those beyond
         the field's bounds.
     changed : (n,) int32
         Filled with the places in the order of particles that changed their layer or left.
-    faults : (room, 2) int64
-        Filled with row and fault of particles at fault, of the first ones if there are more.
+    errors : (capacity, 2) int64
+        Filled with row and error of particles at fault, up to its capacity.
     """
 
-    reach: IntArray
+    vertex_bounds: IntArray
     changed: NDArray[np.int32]
-    faults: IntArray
+    errors: IntArray

@@ -32,7 +32,7 @@ def _any_held(particles, rows):
 
 
 def _mark(shape, mask, bit, place, support, d, stride, like):
-    """Set a bit at the vertices that a particle reaches; as many directions as `like` has."""
+    """Set a bit at the vertices in a particle's support; `like` has its number of directions."""
 
 
 @specialise(_mark)
@@ -156,7 +156,7 @@ def apply_constraints(field, forcing, ledger):
         As in `update_momentum`, which has counted gravity's work with the velocity before.
     ledger : Ledger
         `constraint_impulse` grows by the momentum that each constraint gives to the vertices,
-        `work` by that momentum times the velocity that the last constraint leaves.
+        `work` by that momentum times the velocity after the last constraint.
     """
     G, active, owned, plane = field.G, field.active, field.owned, field.window.stride[0]
     marked, relaxation = forcing.marked, forcing.loads.relaxation
@@ -206,7 +206,7 @@ def _held(constraints, k, number, m, u, v, ledger, plane):
     """Treat the constraints from number `k` on, those in `constraints`.
 
     `number` is that of each particle's constraint, from 1; `m` is zero for particles that do not
-    count. There are no branches for single particles: they would slow down the loop over all.
+    count. Branches for single particles would slow down the loop over all.
     """
 
 

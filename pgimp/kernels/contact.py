@@ -2,13 +2,13 @@
 
 Bodies that touch, and whose surfaces are flat, fill the neighbourhood of a vertex between them:
 the parts that they fill, sum_p S_vp V_p over the volume of a cell, add up to 1, wherever the
-surfaces lie and however they are inclined. What is missing tells the gap that is left. Its normal
-is that of the surfaces, the sum of V_p grad S_vp.
+surfaces lie and however they are inclined. The missing part gives the gap. Its normal is that
+of the surfaces, the sum of V_p grad S_vp.
 
-Two passes: the momenta that particles bring are projected before forces act on them, and the
-velocities after that. Of the second the particles take on the change as an acceleration; of the
-first not, else what the grid cannot resolve of their velocities would become a force. Together they
-make two bodies that are tied move as one, to rounding.
+Two passes: the momenta from the particles are projected before forces act on them, and the
+velocities after that. Particles receive the change of the second pass as an acceleration, but not
+that of the first, else the part of their velocities that the grid cannot resolve would become a
+force. Together they make two tied bodies move as one, to rounding.
 """
 
 from math import inf, sqrt
@@ -20,48 +20,57 @@ from pgimp.jit.kernel import inner_kernel
 from pgimp.kernels.selection import SPREAD
 from pgimp.physics.contact import FRICTION, Pairs
 
-#: Least part of a vertex's neighbourhood that either body must fill: less is too little to tell a
-#: gap by, of which it is a part that strain changes.
+#: Least part of a vertex's neighbourhood that either body must fill: less gives no reliable gap, as
+#: strain changes it.
 LEAST_FILLED = 0.02
 
-#: Least part that a body must fill to be held by a rigid one, where the gap is exact: what is just
-#: past the surface carries the stress of the first particles, however little it is.
+#: Least part that a body must fill to be held by a rigid one, where the gap is exact: however
+#: little is past the surface, it carries the stress of the first particles.
 LEAST_HELD = 1e-6
 
 #: The same where the rigid surface is inclined to the grid by more than the sine `INCLINED`, in
-#: proportion below. What is left of cut boxes has corners there that the surface has not, and that
-#: is all of what a vertex in the rigid body sees of a body a fifth of a cell away.
+#: proportion below. Cut boxes have corners there that the surface does not have, and these are all
+#: that a vertex in the rigid body sees of a body a fifth of a cell away.
 LEAST_INCLINED, INCLINED = 0.08, 0.05
 
 #: Least part of the mass of two fields that either must have.
 LEAST_MASS = 1e-5
 
-#: Least length of a normal's sum, as part of the side of a cell with the neighbourhood's volume:
-#: deep inside of bodies there is no surface, and it is rounding.
+#: Least length of a normal's sum, relative to the side of a cell of the neighbourhood's volume:
+#: deep inside bodies, without a surface, it is rounding.
 LEAST_NORMAL = 1e-4
 
-#: Least part of a normal's square that is along the walls of a vertex: less is none.
+#: Least part of a normal's square that is along the walls of a vertex: less counts as none.
 LEAST_WITHIN = 0.01
 
 #: Sweeps over the pairs of a vertex where one is not enough: where more than two fields meet, or
 #: where walls or constraints hold some of them.
 SWEEPS = 8
 
-#: Columns of `Contact.fields`: mass, part filled, normal, velocity, that before, inverse of mass by
-#: component, which is 0 where it is held, what curvature adds to the gap, and the inverse of mass
-#: again, which is 0 where it is held whatever its velocity is, as by no wall that lets go.
-WEIGHT, PART, OUTWARD, NOW, BEFORE, MOBILITY, EXCESS, TOLD, FIELDS = 0, 1, 2, 5, 8, 11, 14, 15, 18
+#: Columns of `Contact.fields`: mass, part filled, normal, velocity, that before, inverse mass by
+#: component, which is 0 where it is held, the curvature's share of the gap, and the inverse mass
+#: again, 0 only where it is held bilaterally, at any velocity: by no wall that lets go.
+WEIGHT, PART, OUTWARD, NOW, BEFORE, MOBILITY, EXCESS, BILATERAL, FIELDS = (
+    0,
+    1,
+    2,
+    5,
+    8,
+    11,
+    14,
+    15,
+    18,
+)
 
-#: Columns of `Contact.partners`: normal, velocity at which the gap closes in the step, impulse
-#: along the normal and across it so far, the part that this is of what would make it stick, area,
-#: the impulses that adhesion has along the normal and across it, the part that the one along the
-#: normal is of what would hold.
-NORMAL, CLOSING, PUSH, SLIP, STUCK, AREA, PULL, CLING, DRAWN = 0, 3, 4, 5, 8, 9, 10, 11, 12
+#: Columns of `Contact.partners`: normal, velocity that closes the gap within the step, impulses so
+#: far along the normal and across it, the latter over that of sticking, area, the impulses of
+#: adhesion along the normal and across it, the former over that of holding.
+NORMAL, GAP_RATE, PUSH, SLIP, STUCK, AREA, PULL, CLING, DRAWN = 0, 3, 4, 5, 8, 9, 10, 11, 12
 PARTNERS = 13
 
 
 class Contact(NamedTuple):
-    """What kernels get of contact.
+    """The data of contact for the kernels.
 
     Attributes
     ----------
@@ -74,18 +83,18 @@ class Contact(NamedTuple):
     spread : (planes, SPREAD) int64
         Between which vertices these are, see `select_near`.
     places, bodies : (fields,) int64
-        Room: where the fields at a vertex have their records, and whose they are.
+        Scratch: places of the records of the fields at a vertex, and their bodies.
     fields : (fields, FIELDS) float64
-        Room: what is known of them.
+        Scratch: their properties.
     ends : (pairs, 3) int64
-        Room: the two fields of each pair at a vertex, and the entry.
+        Scratch: the two fields of each pair at a vertex, and the entry of its law.
     partners : (pairs, PARTNERS) float64
-        Room: what is known of the pair.
+        Scratch: the properties of the pairs.
     unbooked : (faces, 3) float64
-        Room for what faces would book.
+        Scratch for what faces would book.
     tools : Tools or ()
-        The rigid bodies, which count as fields without a place in the grid, and with a mass that
-        has no end.
+        The rigid bodies, which count as fields without a place in the grid, and with infinite
+        mass.
     """
 
     pairs: Pairs
@@ -104,7 +113,7 @@ class Contact(NamedTuple):
     def empty(
         cls, pairs: Pairs, volumes: Any, planes: int, fields: int, faces: int, tools: Any = ()
     ) -> "Contact":
-        """Make room for `planes` planes, where at most `fields` bodies meet at a vertex."""
+        """Allocate for `planes` planes, where at most `fields` bodies meet at a vertex."""
         most = fields + (len(tools.motion) if tools else 0)
         count = most * (most - 1) // 2
         return cls(
@@ -152,11 +161,11 @@ def find_pairs(contact, frame, sides, count, rigid, dt):
                 if b >= count - rigid and fields[a, PART] < _least_held(row):
                     continue
                 excess = max(fields[one, EXCESS] + fields[other, EXCESS], 0.0)
-                bent = excess * _volume(frame, sides) / row[CLOSING] ** 2
-                gap = row[CLOSING] * _gap(fields[one], fields[other], row, missing, bent)
-                row[CLOSING] = max(gap - excess, 0.0) / dt
+                bent = excess * _volume(frame, sides) / row[GAP_RATE] ** 2
+                gap = row[GAP_RATE] * _gap(fields[one], fields[other], row, missing, bent)
+                row[GAP_RATE] = max(gap - excess, 0.0) / dt
                 normal, shear, reach = contact.pairs.adhesion[entry - 1]
-                if row[CLOSING] * dt < reach:
+                if row[GAP_RATE] * dt < reach:
                     row[PULL], row[CLING] = normal * row[AREA] * dt, shear * row[AREA] * dt
             ends[found, 0], ends[found, 1], ends[found, 2] = one, other, entry
             found += 1
@@ -172,7 +181,7 @@ def _least_held(row):
 
 @inner_kernel
 def _volume(frame, sides):
-    """Volume of a cell, of which walls have taken their part."""
+    """Volume of a cell, less the parts behind walls."""
     volume = 1.0
     for d in range(len(frame.cell)):
         volume *= frame.cell[d] * (1.0 if sides[d] == 0 else 0.5)
@@ -181,12 +190,12 @@ def _volume(frame, sides):
 
 @inner_kernel
 def _gap(a, b, row, missing, bent):
-    """Gap between two fields, in cells along the normal, and set the area where they face it.
+    """Return the gap between two fields, in cells along the normal; set the area of contact.
 
-    Where one ends sideways, it covers a part of the other only, that of their areas. Of what is
-    there it must fill what the other leaves, to touch it. The neighbourhood is weighted with a
-    tent, which has 1 - s at the distance s of the surface, where the smaller part is (1 - s)^2 / 2.
-    So one that is bent away from the other has less there by `bent`, an area, where both touch.
+    Where one body ends sideways, it covers only a part of the other, the ratio of their areas. To
+    touch it, it must fill there what the other leaves free. The neighbourhood is weighted with a
+    tent, which is 1 - s at the surface's distance s, where the smaller part is (1 - s)^2 / 2. A
+    surface that is bent away from the other has an area that is smaller by `bent` where both touch.
     """
     first, second = 0.0, 0.0
     for d in range(3):
@@ -204,11 +213,11 @@ def _gap(a, b, row, missing, bent):
 
 @inner_kernel
 def _find_gap(frame, fields, a, b, sides, row):
-    """Set normal, from `a` to `b`, and, as CLOSING, the cell's length along the normal.
+    """Set normal, from `a` to `b`, and, as `GAP_RATE`, the cell's length along the normal.
 
-    Returns whether there is a surface. Those that a wall cuts bodies at are none that they meet
-    with: on a wall the normal is along it, unless they lie on each other there. That of a rigid
-    body is known, and counts alone.
+    Returns whether there is a surface. Where a wall cuts bodies, that cut is no surface of contact:
+    on a wall the normal is along it, unless bodies lie on each other there. The normal of a rigid
+    body is known, and is used alone.
     """
     square, along, side = 0.0, 0.0, 1.0
     whole, within = 0.0, 0.0
@@ -232,5 +241,5 @@ def _find_gap(frame, fields, a, b, sides, row):
         return False
     for d in range(3):
         row[NORMAL + d] /= length
-    row[CLOSING] = length / sqrt(along)
+    row[GAP_RATE] = length / sqrt(along)
     return True

@@ -1,10 +1,10 @@
-"""What contact books: impulses, heat and losses of a pair, and what rigid bodies get and do."""
+"""Bookkeeping of contact: impulses, heat and losses of pairs; impulses and work of rigid bodies."""
 
 from math import inf, sqrt
 
 from pgimp.jit.kernel import inner_kernel, specialise
 from pgimp.kernels.contact import AREA, NORMAL, PUSH, SLIP, WEIGHT
-from pgimp.kernels.contactlaw import settled
+from pgimp.kernels.contactlaw import held_field_velocity
 from pgimp.kernels.ledger import (
     CONTACT_AREA,
     HEAT,
@@ -21,15 +21,15 @@ from pgimp.kernels.tools import ANSWERS, CENTRE, FORMER, FREE, TAKEN, place_of
 
 @inner_kernel
 def book(contact, holding, number, pair, part, last, ledger, plane):
-    """Book what a pair has exchanged in a pass, at a vertex of `plane`: the part that counts.
+    """Book the impulse that a pair has exchanged in a pass, times `part`, at a vertex of `plane`.
 
-    Energy is impulse times the velocity that is left, as the work of all other forces is.
+    Energy is impulse times the velocity after it, as the work of all other forces.
     """
     row, entry = contact.partners[pair], contact.ends[pair, 2] - 1
     a, b = contact.ends[pair, 0], contact.ends[pair, 1]
     booked = ledger.contact[plane, entry]
-    u = settled(contact, holding, number, a, last)
-    v = settled(contact, holding, number, b, last)
+    u = held_field_velocity(contact, holding, number, a, last)
+    v = held_field_velocity(contact, holding, number, b, last)
     square, heat, normal = 0.0, 0.0, 0.0
     for d in range(3):
         w = v[d] - u[d]
@@ -90,8 +90,8 @@ def _book_tools(contact, tools, x, pair, part, velocities, ledger, plane):
 def _lost(tools, t, arm, J, w):
     """Energy that a rigid body that moves freely loses by an impulse, besides its work at `w`.
 
-    It has moved faster before, by what the impulses of the step change: of all vertices together it
-    gives up the mean of its velocities at the step's beginning and end times the impulse.
+    Before the step's impulses it was faster: over all vertices it loses the impulse times the mean
+    of its velocities at the step's beginning and end.
     """
 
 
@@ -115,7 +115,7 @@ def _lost_of_free(tools, t, arm, J, w):
 
 
 def _take(tools, t, plane, arm, J):
-    """Let a rigid body that moves freely have an impulse."""
+    """Apply an impulse to a rigid body that moves freely."""
 
 
 @specialise(_take)

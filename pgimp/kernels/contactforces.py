@@ -16,8 +16,8 @@ def contact_forces(contact, faces, frame, field, forcing, last, out):
     contact, faces, frame, field, forcing
         As in `update_momentum`, before its beginning or after it.
     last : bool
-        Whether it is that of the last pass, after the beginning; else that part of the first which
-        particles take on.
+        Whether it is that of the last pass, after the beginning; else the part of the first that
+        particles receive.
     out : (vertices, 3) float64
         Of the rank's own planes.
     """

@@ -1,13 +1,14 @@
-"""The law of contact at a vertex: what is held there, and what the fields of a pair exchange."""
+"""The law of contact at a vertex: components that are held, and the impulses of pairs."""
 
 from math import inf, sqrt
 
 from pgimp.jit.kernel import inner_kernel, specialise
 from pgimp.kernels.constraints import is_marked
 from pgimp.kernels.contact import (
+    BILATERAL,
     CLING,
-    CLOSING,
     DRAWN,
+    GAP_RATE,
     MOBILITY,
     NORMAL,
     NOW,
@@ -15,7 +16,6 @@ from pgimp.kernels.contact import (
     PUSH,
     SLIP,
     STUCK,
-    TOLD,
     WEIGHT,
 )
 from pgimp.kernels.faces import beyond_any, face_count
@@ -23,18 +23,17 @@ from pgimp.kernels.holding import held_velocity
 from pgimp.kernels.tools import ANSWERS, FREE, YIELDS
 from pgimp.physics.contact import TIED
 
-#: Changes of a velocity, as part of the greatest speed at a vertex, that are small and great: what
-#: is held does not move with either. Great are those that no wall holds which lets go, or by
-#: friction.
+#: Small and great changes of a velocity, relative to the greatest speed at a vertex: what is held
+#: moves with neither. Against a great one a wall that lets go, or friction, holds nothing.
 SMALL, GREAT = 2.0**-20, 2.0**10
 
 
 @inner_kernel
-def settled(contact, holding, number, a, last):
-    """Velocity of a field as faces and constraints will leave it.
+def held_field_velocity(contact, holding, number, a, last):
+    """Velocity of a field after faces and constraints.
 
-    What particles bring meets constraints as they are at the step's beginning, what forces make of
-    it those at its end, so that what they push gets their acceleration.
+    The velocity from particles meets constraints as at the step's beginning, that after forces as
+    at its end, so that bodies they push get their acceleration.
     """
     row = contact.fields[a]
     v = (row[NOW], row[NOW + 1], row[NOW + 2])
@@ -47,47 +46,47 @@ def settled(contact, holding, number, a, last):
 def find_held(contact, holding, number, count, rigid, last):
     """Set the mobilities of the fields at a vertex; returns whether any component is held.
 
-    Held is what does not change with the velocity, to neither side: also by a wall that lets go as
-    long as what it holds presses on it, or by friction as long as that sticks. Of this and that
-    `TOLD` knows nothing. There are `count` fields of bodies and `rigid` ones of rigid bodies.
+    A component is held if it does not follow the velocity, to either side: also by a wall that lets
+    go while the body presses on it, or by friction while it sticks, which `BILATERAL` excludes.
+    There are `count` fields of bodies and `rigid` ones of rigid bodies.
     """
     some, speed = False, -1.0
     near = beyond_any(holding.faces, face_count(holding.faces), holding.frame, number)
     for a in range(count):
         row = contact.fields[a]
-        row[MOBILITY : MOBILITY + 3] = row[TOLD : TOLD + 3] = 0.0
+        row[MOBILITY : MOBILITY + 3] = row[BILATERAL : BILATERAL + 3] = 0.0
         for d in range(len(holding.frame.cell)):
-            row[MOBILITY + d] = row[TOLD + d] = 1.0 / row[WEIGHT]
+            row[MOBILITY + d] = row[BILATERAL + d] = 1.0 / row[WEIGHT]
         if not (near or is_marked(holding.forcing.marked, contact.places[a])):
             continue
         if speed < 0.0:
             speed = _fastest(contact.fields, count + rigid)
-        v = settled(contact, holding, number, a, last)
+        v = held_field_velocity(contact, holding, number, a, last)
         for d in range(len(holding.frame.cell)):
             held = True
             for sign in (-1.0, 1.0):
                 held = held and v[d] == _changed(
                     contact, holding, number, a, last, d, sign * SMALL * speed
                 )
-            told = held
+            bilateral = held
             if held:
                 row[MOBILITY + d] = 0.0
                 for sign in (-1.0, 1.0):
-                    told = told and v[d] == _changed(
+                    bilateral = bilateral and v[d] == _changed(
                         contact, holding, number, a, last, d, sign * GREAT * speed
                     )
-            if told:
-                row[TOLD + d] = 0.0
+            if bilateral:
+                row[BILATERAL + d] = 0.0
             some = some or held or v[d] != row[NOW + d]
     return some
 
 
 @inner_kernel
 def _changed(contact, holding, number, a, last, d, change):
-    """Component `d` of a field's velocity after faces and constraints, if it were changed."""
+    """Component `d` of a field's velocity after faces and constraints, if changed before."""
     own = contact.fields[a, NOW + d]
     contact.fields[a, NOW + d] = own + change
-    v = settled(contact, holding, number, a, last)[d]
+    v = held_field_velocity(contact, holding, number, a, last)[d]
     contact.fields[a, NOW + d] = own
     return v
 
@@ -103,11 +102,11 @@ def _fastest(fields, count):
 
 
 def softness(contact, tools, a, b):
-    """By component, how much a free rigid body yields to a field that is held: for an impulse of 1.
+    """Compliance of a free rigid body against a held field, by component: velocity per impulse.
 
-    Held is what has 0 in `TOLD`. Neither's velocity follows from the impulse, that of the body but
-    at the end of the step. So that it is found with the body's, a thousandth of what the body
-    itself would yield is left, see `pgimp.scene.tools.SOFT`.
+    Held is what has 0 in `BILATERAL`. The impulse changes neither velocity, the body's not before
+    the end of the step. To find it together with the body's velocity, a thousandth of the body's
+    own response is added, see `pgimp.scene.tools.SOFT`.
     """
 
 
@@ -126,9 +125,9 @@ def _softness(contact, tools, a, b):
             return 0.0, 0.0, 0.0
         soft = tools.motion[contact.bodies[rigid] - tools.bodies, YIELDS]
         return (
-            soft if fields[other, TOLD] == 0.0 else 0.0,
-            soft if fields[other, TOLD + 1] == 0.0 else 0.0,
-            soft if fields[other, TOLD + 2] == 0.0 else 0.0,
+            soft if fields[other, BILATERAL] == 0.0 else 0.0,
+            soft if fields[other, BILATERAL + 1] == 0.0 else 0.0,
+            soft if fields[other, BILATERAL + 2] == 0.0 else 0.0,
         )
 
     return of_free
@@ -136,30 +135,30 @@ def _softness(contact, tools, a, b):
 
 @inner_kernel
 def exchange(contact, holding, number, held, pair, last):
-    """Let the fields of a pair exchange what impulse the law still wants."""
+    """Exchange between the fields of a pair the rest of the impulse that the law requires."""
     row = contact.partners[pair]
     a, b, entry = contact.ends[pair, 0], contact.ends[pair, 1], contact.ends[pair, 2] - 1
     first, second = contact.fields[a], contact.fields[b]
     u = (first[NOW], first[NOW + 1], first[NOW + 2])
     v = (second[NOW], second[NOW + 1], second[NOW + 2])
     if held:
-        u = settled(contact, holding, number, a, last)
-        v = settled(contact, holding, number, b, last)
+        u = held_field_velocity(contact, holding, number, a, last)
+        v = held_field_velocity(contact, holding, number, b, last)
     tied = contact.pairs.law[entry] == TIED
-    # A rigid body may tear off what a wall holds that lets go, or its friction.
+    # A rigid body may overcome a wall that lets go, or its friction.
     rigid = first[WEIGHT] == inf or second[WEIGHT] == inf
-    column = TOLD if tied or rigid else MOBILITY
+    column = BILATERAL if tied or rigid else MOBILITY
     soft = (0.0, 0.0, 0.0)
     if held:
         soft = softness(contact, contact.tools, a, b)
     if tied:
         for d in range(len(holding.frame.cell)):
-            mobility = first[TOLD + d] + second[TOLD + d] + soft[d]
-            if not mobility > 0.0:  # both move as they are told
+            mobility = first[BILATERAL + d] + second[BILATERAL + d] + soft[d]
+            if not mobility > 0.0:  # both are prescribed
                 continue
-            # Who is told takes the other along; what walls that let go do, they do to both.
-            w = u[d] if first[TOLD + d] == 0.0 else first[NOW + d]
-            w -= v[d] if second[TOLD + d] == 0.0 else second[NOW + d]
+            # A prescribed field carries the other along; walls that let go act on both.
+            w = u[d] if first[BILATERAL + d] == 0.0 else first[NOW + d]
+            w -= v[d] if second[BILATERAL + d] == 0.0 else second[NOW + d]
             _give(first, second, row, d, (w - soft[d] * row[SLIP + d]) / mobility)
         return
     w = (
@@ -177,11 +176,11 @@ def exchange(contact, holding, number, held, pair, last):
         return
     push, square = row[PUSH], 0.0
     if answer > 0.0:
-        row[PUSH] = max(0.0, push - (normal + row[CLOSING]) / answer)
+        row[PUSH] = max(0.0, push - (normal + row[GAP_RATE]) / answer)
         if row[PUSH] == 0.0 and row[PULL] > 0.0:
-            wanted = min(0.0, push - normal / answer)
-            row[PUSH] = max(-row[PULL], wanted)
-            row[DRAWN] = row[PUSH] / wanted if wanted < 0.0 else 1.0
+            required = min(0.0, push - normal / answer)
+            row[PUSH] = max(-row[PULL], required)
+            row[DRAWN] = row[PUSH] / required if required < 0.0 else 1.0
     for d in range(3):
         stick = row[SLIP + d] - (w[d] - normal * row[NORMAL + d]) / most
         square += stick * stick

@@ -1,4 +1,4 @@
-"""What one particle adds to the sums of the grid: mass, momentum, stress."""
+"""Contribution of a particle to the sums of the grid: mass, momentum, stress."""
 
 from typing import Any, NamedTuple
 
@@ -16,16 +16,16 @@ from pgimp.kernels.viscosity import viscous_pressure
 
 
 class VolumeSums(NamedTuple):
-    """What stands for the loads where volumes are summed in place of masses.
+    """The loads' stand-in where volumes are summed in place of masses.
 
     The sums are then V_p and V_p (b + 1), b being the number of the particle's body, and those of
-    the forces V_p grad S, the integral of S over the surface with its outward normal. Of particles
-    that a surface cuts there are, besides, the number and what curvature adds to their gap. The
+    the forces V_p grad S, the integral of S over the surface with its outward normal. Particles
+    that a surface cuts also add their number and the curvature's share of their gap. The
     fields are those of `Loads`, and
 
-    slopes : float or ()
-        A number where S is that of whole particles: in the place `HELD` there is then what it is
-        more where their volume is, V_p d . grad S with the offset d; see `pgimp.kernels.cutboxes`.
+    gradient : float or ()
+        A number where S is that of whole particles: the place `HELD` then has the correction
+        V_p d . grad S for the offset d of their volume; see `pgimp.kernels.cutboxes`.
     """
 
     viscosity: tuple[()] = ()
@@ -35,13 +35,13 @@ class VolumeSums(NamedTuple):
     affine: tuple[()] = ()
     walls: tuple[()] = ()
     mean: tuple[()] = ()
-    slopes: Any = ()
+    gradient: Any = ()
 
 
 def contribution(loads, frame, particles, p, forces, j):
-    """What a particle adds to the sums of vertices, times its weights, as vectors.
+    """Contribution of a particle to the sums of vertices, times its weights, as vectors.
 
-    Particle `p` is number `j` of a batch; `forces` is what `keep_forces` has kept of that.
+    Particle `p` is number `j` of a batch; `forces` is from `keep_forces`.
 
     Returns
     -------
@@ -50,7 +50,7 @@ def contribution(loads, frame, particles, p, forces, j):
     S : tuple of Vec4
         For each direction i the column (m_p w_i, -V_p (sigma_xi, sigma_yi, sigma_zi)), for (16),
         the stress less the viscous pressure (45), or less all of its mean, see `set_apart`; w is
-        what `pgimp.kernels.clearance` wants. In the initial configuration
+        the moment for `pgimp.kernels.clearance`. In the initial configuration
         (0, -V0_p (P_xi, P_yi, P_zi)).
     """
 
@@ -94,15 +94,15 @@ def _moved_by(F, d):
     return (one, two, three)[len(d) - 1]
 
 
-def _told(slopes, d):
-    """The offset `d` where slopes tell what it does to weights; else it is in these, see there."""
+def _summed_offset(gradient, d):
+    """The offset `d` where its effect is summed as a `gradient`; zero where weights include it."""
 
 
-@specialise(_told)
-def _told_of(slopes, d):
-    if slopes == types.float64:
-        return lambda slopes, d: d
-    return lambda slopes, d: scaled(0.0, d)
+@specialise(_summed_offset)
+def _summed_offset_of(gradient, d):
+    if gradient == types.float64:
+        return lambda gradient, d: d
+    return lambda gradient, d: scaled(0.0, d)
 
 
 @specialise(contribution)
@@ -117,7 +117,7 @@ def _contribution(loads, frame, particles, p, forces, j):
             for e in d:
                 cut = 1.0 if e != 0.0 else cut
             A = pack(V, V * (particles.body[p] + 1), particles.excess[p, 0], cut)
-            return A, _outward(V, _told(loads.slopes, moved(F, d)))
+            return A, _outward(V, _summed_offset(loads.gradient, moved(F, d)))
 
         return volumes
     if is_initial(frame):

@@ -1,10 +1,10 @@
-"""What surfaces have left of particles' boxes, and its supports: for the sums of volumes.
+"""Particles' boxes as cut by surfaces, and their supports: for the sums of volumes.
 
-A particle that a surface cuts keeps its place on the lattice and its box, but what it has of the
-body is less, with a centroid of its own, which deforms with it. Of that the sums of volumes see a
-box round the centroid, as wide as is left of the whole one: exact where the surface is along the
-grid. It lies within the whole one, and its supports within that one's. Shapes that are no boxes
-have the weights of whole particles, and what these change by on the way to the centroid.
+A particle that a surface cuts keeps its place on the lattice and its box, but its part of the body
+is smaller, with a centroid of its own, which deforms with it. The sums of volumes use a box round
+the centroid, as wide as the remaining part of the whole one: exact where the surface is along the
+grid. It lies within the whole one, and its support within that one's. Shapes that are no boxes have
+the weights of whole particles, and their change over the offset to the centroid.
 """
 
 from typing import Any
@@ -21,18 +21,18 @@ from pgimp.physics.shapes.base import size
 from pgimp.physics.shapes.finite_gimp import FiniteGimpParameters
 from pgimp.physics.shapes.gimp import GimpParameters
 
-#: Least half-width, in cells, that is taken to be left of a box.
+#: Least half-width of a cut box, in cells.
 LEAST = 1e-4
 
 
 def volume_sums(shape: Any) -> VolumeSums:
     """Sums of volumes for particles of a shape, given by its parameters."""
     boxes = isinstance(shape, GimpParameters | FiniteGimpParameters)
-    return VolumeSums() if boxes else VolumeSums(slopes=1.0)
+    return VolumeSums() if boxes else VolumeSums(gradient=1.0)
 
 
 def summed_supports(loads, shape, frame, window, particles, rows, layer, buffer):
-    """As `supports`, for what `loads` sum: of volumes those of what is left of the boxes."""
+    """As `supports`; where `loads` sum volumes, those of the cut boxes."""
 
 
 @specialise(summed_supports)
@@ -43,41 +43,41 @@ def _summed_supports(loads, shape, frame, window, particles, rows, layer, buffer
     def left(loads, shape, frame, window, particles, rows, layer, buffer):
         supports(shape, frame, window, particles, rows, layer, buffer, ())
         F = deformations(frame, particles, rows)
-        way = moved(F, take_row(particles.offset, rows, 0, frame.origin))
+        offset = moved(F, take_row(particles.offset, rows, 0, frame.origin))
         half, x = size(shape, frame.cell, F)[0], coordinates(frame, particles, rows)
-        _narrow(shape, frame, buffer, 0, half, x, way, layer)
+        _narrow(shape, frame, buffer, 0, half, x, offset, layer)
 
     volumes = loads.instance_class is VolumeSums
-    if not volumes or loads.types[VolumeSums._fields.index("slopes")] == types.float64:
+    if not volumes or loads.types[VolumeSums._fields.index("gradient")] == types.float64:
         return whole
     return left
 
 
-def _narrow(shape, frame, buffer, d, half, x, way, vertex):
-    """Put the weights of what is left of four boxes, from direction `d` on, into the buffer.
+def _narrow(shape, frame, buffer, d, half, x, offset, vertex):
+    """Store the weights of four cut boxes, from direction `d` on, in the buffer.
 
-    Along that they begin at `vertex`.
+    Along `d` they begin at `vertex`.
     """
 
 
 @specialise(_narrow)
-def _narrow_along(shape, frame, buffer, d, half, x, way, vertex):
-    def last(shape, frame, buffer, d, half, x, way, vertex):
+def _narrow_along(shape, frame, buffer, d, half, x, offset, vertex):
+    def last(shape, frame, buffer, d, half, x, offset, vertex):
         inverse = frame.inverse[d]
-        f = (x[0] + way[0] - frame.origin[d]) * inverse - (vertex - frame.ghost)
-        w, g = _weights(shape, max(half[0] - abs(way[0]) * inverse, LEAST), f)
+        f = (x[0] + offset[0] - frame.origin[d]) * inverse - (vertex - frame.ghost)
+        w, g = _weights(shape, max(half[0] - abs(offset[0]) * inverse, LEAST), f)
         keep_support(buffer, d, w, scaled(inverse, g))
 
-    def more(shape, frame, buffer, d, half, x, way, vertex):
-        _narrow(shape, frame, buffer, d, half[:1], x[:1], way[:1], vertex)
+    def more(shape, frame, buffer, d, half, x, offset, vertex):
+        _narrow(shape, frame, buffer, d, half[:1], x[:1], offset[:1], vertex)
         first = first_vertex(frame, d + 1, half[1], x[1])
-        _narrow(shape, frame, buffer, d + 1, half[1:], x[1:], way[1:], first)
+        _narrow(shape, frame, buffer, d + 1, half[1:], x[1:], offset[1:], first)
 
     return last if len(x) == 1 else more
 
 
 def _weights(shape, half, f):
-    """Weights and gradients of boxes, also of those that the first vertex does not reach.
+    """Weights and gradients of boxes, also of those without weight on the first vertex.
 
     As those of `finite-gimp`.
     """

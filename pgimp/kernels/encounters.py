@@ -1,7 +1,6 @@
-"""Which groups of bodies, rigid bodies and walls may act on each other where they are now.
+"""Encounters: groups of bodies, rigid bodies and walls that may act on each other where they are.
 
-Of bodies in the initial configuration; what these have at the vertices is in
-`pgimp.kernels.present`.
+For bodies in the initial configuration, whose sums at the vertices are in `pgimp.kernels.present`.
 """
 
 from math import inf
@@ -12,8 +11,8 @@ import numpy as np
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.kernels.contact import (
     BEFORE,
-    CLOSING,
     EXCESS,
+    GAP_RATE,
     NOW,
     OUTWARD,
     PART,
@@ -27,17 +26,17 @@ from pgimp.kernels.particles import FloatArray, IntArray
 from pgimp.kernels.present import CURVED, FACES, FILLS, HEAVY, MORE, OF_CUT, WHOSE, number_of
 from pgimp.physics.contact import FRICTION
 
-#: Columns of `Encounters.ends`: of either one the number of its entry in `Present`, or -1 - n of
-#: what is rigid, and its body; the entry of the law; the vertex.
+#: Columns of `Encounters.ends`: for either end the number of its entry in `Present`, or -1 - n for
+#: a rigid one, and its body; the entry of the law; the vertex.
 SUMS, BODIES, ENTRY, VERTEX, ENDS = 0, 2, 4, 5, 8
 
 #: Columns of `Encounters.rigid`: velocities of the first and the second end.
 RIGID = 6
 
-#: Least part of a vertex's neighbourhood that either body must fill, or a rigid one. What a vertex
-#: sees is a mean over the particles around it: one that lies deeper would hold what is below the
-#: surface, and make the body stiff there. Wherever a surface lies, a vertex near it remains: with
-#: the distances s and 1 - s in cells of two, (1 - s)^2/2 is filled.
+#: Least part of a vertex's neighbourhood that either body must fill, or a rigid one. A vertex
+#: averages over the particles around it: a deeper one would hold the body below its surface, and
+#: make it stiff there. Near any surface a vertex remains: with the distances s and 1 - s in cells
+#: of two, (1 - s)^2/2 is filled.
 LEAST_BEFORE, LEAST_RIGID = 0.1, 0.3
 
 
@@ -47,11 +46,11 @@ class Encounters(NamedTuple):
     Attributes
     ----------
     ends : (pairs, ENDS) int64
-        Who meets, where, and by which law.
+        The bodies, their vertex, and their law.
     partners : (pairs, PARTNERS) float64
-        As in `Contact`: normal and gap, and what has been exchanged so far.
+        As in `Contact`: normal, gap, and the impulses so far.
     rigid : (pairs, RIGID) float64
-        Velocities of what is rigid.
+        Velocities of rigid ends.
     """
 
     ends: IntArray
@@ -60,7 +59,7 @@ class Encounters(NamedTuple):
 
     @classmethod
     def empty(cls, count: int) -> Self:
-        """Make room for so many."""
+        """Allocate for `count` pairs."""
         return cls(
             np.empty((count, ENDS), np.int64), np.empty((count, PARTNERS)), np.empty((count, RIGID))
         )
@@ -90,7 +89,7 @@ class SeparatingWalls(NamedTuple):
 
 @inner_kernel
 def _is_close(first, second):
-    """Whether a vertex is close enough to the surfaces of two bodies to see how these move."""
+    """Whether a vertex is close enough to the surfaces of two bodies to represent their motion."""
     if second[WEIGHT] == inf:
         return second[PART] >= LEAST_RIGID
     if first[WEIGHT] == inf:
@@ -107,7 +106,7 @@ def copy(to, of):
 
 @inner_kernel
 def _load(contact, a, row, cell):
-    """Put what a group has at a vertex into the room for field `a`."""
+    """Load a group's sums at a vertex as field `a`."""
     fields = contact.fields
     fields[a, WEIGHT] = row[HEAVY]
     fields[a, PART] = (row[FILLS] + row[MORE]) / cell
@@ -119,27 +118,27 @@ def _load(contact, a, row, cell):
 
 
 @inner_kernel
-def _keep_pairs(contact, number, places, pairs, found, aside, encounters):
-    """Keep the pairs that `find_pairs` has found at a vertex, as many as there is room for.
+def _keep_pairs(contact, number, places, pairs, found, deep, encounters):
+    """Keep the pairs that `find_pairs` has found at a vertex, as far as there is room.
 
     `places` are the entries of the groups there; fields behind them are rigid. Returns how many
-    are kept, and how many aside.
+    are kept, and how many lie too deep.
     """
     for k in range(pairs):
         one, other = contact.ends[k, 0], contact.ends[k, 1]
         if contact.pairs.law[contact.ends[k, 2] - 1] == FRICTION:
             if not _is_close(contact.fields[one], contact.fields[other]):
-                aside += 1
-                if found + aside <= len(encounters.ends):
-                    end = encounters.ends[-aside]
-                    copy(encounters.partners[-aside], contact.partners[k])
+                deep += 1
+                if found + deep <= len(encounters.ends):
+                    end = encounters.ends[-deep]
+                    copy(encounters.partners[-deep], contact.partners[k])
                     end[ENTRY] = contact.ends[k, 2]
                     for d in range(3):
                         end[VERTEX + d] = number[d]
                     end[BODIES], end[BODIES + 1] = contact.bodies[one], contact.bodies[other]
                 continue
         found += 1
-        if found + aside > len(encounters.ends):
+        if found + deep > len(encounters.ends):
             continue
         end, rigid = encounters.ends[found - 1], encounters.rigid[found - 1]
         copy(encounters.partners[found - 1], contact.partners[k])
@@ -154,7 +153,7 @@ def _keep_pairs(contact, number, places, pairs, found, aside, encounters):
             if a >= len(places):
                 for d in range(3):
                     rigid[3 * side + d] = contact.fields[a, NOW + d]
-    return found, aside
+    return found, deep
 
 
 def _past_another(faces, axis, frame, number):
@@ -203,24 +202,24 @@ def find_encounters(contact, frame, faces, walls, present, dt, encounters):
     Parameters
     ----------
     contact : Contact
-        Laws, rigid bodies, and room for what meets at a vertex.
+        Laws, rigid bodies, and scratch for the fields at a vertex.
     faces : Faces or ()
-        All walls that stand, where neighbourhoods end.
+        All walls at rest, where neighbourhoods end.
     walls : SeparatingWalls
         Those that let go.
     present : Present
-        What groups have at the vertices.
+        The groups' sums at the vertices.
     encounters : Encounters
-        Set to what is known of the pairs. At its end are those that lie too deep to act, the last
-        one first: of these bodies, law, vertex, area and normal.
+        Filled with the pairs. At its end are those that lie too deep to act, the last one first:
+        only their bodies, law, vertex, area and normal.
 
     Returns
     -------
     int, int
-        How many there are, and how many lie too deep; more than there is room for are not kept.
+        Number of pairs, and of those too deep; those beyond the capacity are not kept.
     """
     keys, order, sums = present.keys, present.order, present.sums
-    found, aside, i = 0, 0, 0
+    found, deep, i = 0, 0, 0
     whole = 1.0
     for d in range(len(frame.cell)):
         whole *= frame.cell[d]
@@ -236,7 +235,7 @@ def find_encounters(contact, frame, faces, walls, present, dt, encounters):
         tools = find_tools(contact, contact.tools, frame, number, sides, count, True)
         if count + tools > 1:
             pairs = find_pairs(contact, frame, sides, count + tools, tools, dt)
-            found, aside = _keep_pairs(contact, number, places, pairs, found, aside, encounters)
+            found, deep = _keep_pairs(contact, number, places, pairs, found, deep, encounters)
         for w in range(len(walls.rows)):
             for a in range(count):
                 on = (number[walls.rows[w, 0]] - walls.rows[w, 2]) == 0
@@ -244,8 +243,8 @@ def find_encounters(contact, frame, faces, walls, present, dt, encounters):
                 _load(contact, 0, sums[places[a]], half)
                 pairs = _wall_pair(contact, frame, faces, walls, w, number, sides, half)
                 if pairs > 0:
-                    contact.partners[0, CLOSING] /= dt
-                    found, aside = _keep_pairs(
-                        contact, number, places[a : a + 1], pairs, found, aside, encounters
+                    contact.partners[0, GAP_RATE] /= dt
+                    found, deep = _keep_pairs(
+                        contact, number, places[a : a + 1], pairs, found, deep, encounters
                     )
-    return found, aside
+    return found, deep

@@ -1,4 +1,4 @@
-"""What an exact solution gives the particles: initial velocities, and the errors of their state."""
+"""Exact solutions on particles: initial velocities, and errors of their state."""
 
 from math import sqrt
 

@@ -22,7 +22,7 @@ class Faces(NamedTuple):
     Attributes
     ----------
     kinds : tuple of NamedTuple
-        Parameters of each kind of condition there may be, of which only the types matter.
+        Parameters of each possible kind of condition; only their types matter.
     rows : (faces, n) float64
         For each face the number of its kind, then its parameters one after the other: numbers,
         booleans, and those in tuples.
@@ -83,11 +83,11 @@ def _beyond_any(faces, count, frame, number):
 
 
 def _read(like, rows, n, at):
-    """Value of the type of `like` from a row's place `at` on."""
+    """Read a value of the type of `like` from a row, from `at` on."""
 
 
 def _width(like: Any) -> int:
-    """Numbers that a value of a type takes."""
+    """Width of a value of a type in a row."""
     members: Any = like if isinstance(like, types.BaseTuple) else None
     return 1 if members is None else sum(map(_width, members))
 
@@ -109,7 +109,7 @@ def _read_value(like, rows, n, at):
 
 
 def constrained(kinds, k, rows, n, v, a, clearance):
-    """Velocity and acceleration that face `n` wants, which is of one of `kinds`, from `k` on."""
+    """Velocity and acceleration by the condition of face `n`, one of `kinds`, numbered from `k`."""
 
 
 @specialise(constrained)
@@ -128,7 +128,7 @@ def _constrained_by(kinds, k, rows, n, v, a, clearance):
 
 
 def on_walls(faces, frame, number):
-    """On how many of the faces a vertex is."""
+    """Number of the faces that a vertex is on."""
 
 
 @specialise(on_walls)

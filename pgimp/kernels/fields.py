@@ -1,7 +1,7 @@
-"""Velocity fields: how many there are in a plane, and where that of a particle's body begins.
+"""Velocity fields: their number in a plane, and the offset of a particle's field.
 
-Bodies that may meet have fields of their own, one behind the other in each plane of the grid. So
-layers, planes and messages are those of one field, and only what takes a plane apart knows more.
+Bodies that may meet have fields of their own, one after the other in each plane of the grid. So
+layers, planes and messages are as for one field; only code that splits a plane knows of several.
 """
 
 from pgimp.jit.kernel import inner_kernel, specialise
@@ -30,7 +30,7 @@ def _field_count(window):
 
 
 def field_of(window, particles, p):
-    """Where the field of particle `p` begins in a plane, in float64."""
+    """Offset of particle `p`'s field in a plane, in float64."""
 
 
 @specialise(field_of)
@@ -43,7 +43,7 @@ def _field_of(window, particles, p):
 
 
 def move_to_fields(window, particles, rows, buffer, at):
-    """Move four places, in the buffer from `at` on, to where their particles' fields begin."""
+    """Shift four places, in the buffer from `at` on, by the offsets of their particles' fields."""
 
 
 @specialise(move_to_fields)
@@ -64,7 +64,7 @@ def _move_to_fields(window, particles, rows, buffer, at):
 
 
 def clear_plane(field, i):
-    """Set plane `i` to zero, of several fields those that are used."""
+    """Set plane `i` to zero; of several fields, those that are used."""
 
 
 @specialise(clear_plane)
@@ -90,7 +90,7 @@ def _is_single(field):
 
 
 def is_used(field, i, f):
-    """Whether anything in field `f` of plane `i` may be other than zero."""
+    """Whether field `f` of plane `i` may have anything but zeros."""
 
 
 @specialise(is_used)
@@ -118,6 +118,6 @@ def _use(field, i, low, high):
 
 @inner_kernel
 def has_several(field, i):
-    """Whether bodies of several fields may have something in plane `i`."""
+    """Whether bodies of several fields may have mass in plane `i`."""
     used = field.used[i]
     return used & (used - 1) != 0 or used >> _LAST != 0

@@ -1,8 +1,8 @@
-"""Four particles at once: their rows, and what is read and written of them.
+"""Four particles at once: their rows, and reads and writes of their columns.
 
 Weights, deformation and stress are computed for four particles in one vector register. A batch that
-the end of a layer cuts short repeats its last particle: each particle's numbers are the same in
-every batch and place.
+the end of a layer cuts short repeats its last particle: a particle's results are the same in any
+batch and place.
 """
 
 from pgimp.jit.kernel import specialise
@@ -15,7 +15,7 @@ LANES = 4
 
 
 def four(order, k, end):
-    """Rows of the particles ``order[k:k + 4]``; the last before `end` stands for those missing."""
+    """Rows of the particles ``order[k:k + 4]``; the last before `end` replaces missing ones."""
 
 
 @specialise(four)
@@ -122,7 +122,7 @@ def _deformations(frame, particles, rows):
 
 
 def coordinates(frame, particles, rows):
-    """Places of four particles where their weights are taken, a tuple of vectors; `coordinate`."""
+    """Places at which four particles' weights are taken, a tuple of vectors; see `coordinate`."""
 
 
 @specialise(coordinates)

@@ -31,10 +31,10 @@ def materials_of(material_of, body, rows):
 
 @kernel
 def grid_to_particles(setting, field, particles, order, layers, forcing, report, ledger):
-    """Advance particles of a rank by one step, and notice what happened to them.
+    """Advance particles of a rank by one step, and report on them.
 
-    A particle at fault is left as it was computed, in its layer; the others go on. One that has
-    left through faces that let it go gets the layer `OUTFLOW`.
+    A particle at fault stays as computed, in its layer; the others go on. One that has left through
+    an open face gets the layer `OUTFLOW`.
 
     Parameters
     ----------
@@ -44,15 +44,15 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
     layers : (k,) int64
         The layers to advance, ascending, counted from the rank's first one.
     report : Report
-        Filled with what happened.
+        Filled by this.
     ledger : Ledger
         Grows, layer by layer, by the work of loads, constraints and walls on particles, and by the
         momentum that constraints (`constraint_impulse`) and walls (`impulse`) give to them.
 
     Returns
     -------
-    faults, outflow, changed : int
-        Number of particles at fault, of those that left, of those that left or changed their layer.
+    errors, outflow, changed : int
+        Number of particles at fault, of those that left, of those that left or changed layer.
     rate : float
         Largest `pace` over L, if controlled; see `pgimp.kernels.speed`.
     clamped : int

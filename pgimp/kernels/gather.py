@@ -1,4 +1,4 @@
-"""What one particle takes from the vertices of its support; see `pgimp.kernels.transfer`."""
+"""Gather from the vertices of a particle's support; see `pgimp.kernels.transfer`."""
 
 from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import load, vector

@@ -1,15 +1,15 @@
-"""Results of `gather` for a batch, transposed: from a vector a particle to one a component."""
+"""Results of `gather` for a batch, transposed from a vector a particle to one a component."""
 
 from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import load, store
 from pgimp.jit.simdrows import transpose
 
-#: Room for what `gather` gives of a batch: at most five vectors of four particles each.
+#: Size of a batch's results of `gather`: at most five vectors for each of four particles.
 SUMS = 80
 
 
 def keep_sums(buffer, j, U, A, D):
-    """Put what `gather` gave for the batch's particle `j` into a buffer of 16 float64 a vector."""
+    """Store the results of `gather` for particle `j` in a buffer of 16 float64 a vector."""
 
 
 @specialise(keep_sums)
@@ -26,7 +26,7 @@ def _keep_sums(buffer, j, U, A, D):
 
 
 def repeat_sums(buffer, count, like):
-    """Let the sums of the batch's last particle, `count` - 1, stand for those missing."""
+    """Repeat the sums of the batch's last particle, `count` - 1, for those missing."""
 
 
 @specialise(repeat_sums)
@@ -67,7 +67,7 @@ def _collected(buffer, i, like):
 
 
 def gathered_mass(buffer):
-    """Weighted sums of the masses of the vertices in reach of a batch's particles."""
+    """Weighted sums of the masses of the vertices in the supports of a batch's particles."""
 
 
 @specialise(gathered_mass)
@@ -76,7 +76,7 @@ def _gathered_mass(buffer):
 
 
 def held_weights(buffer):
-    """Weighted sums of what the vertices in reach of a batch's particles have in `HELD`."""
+    """Weighted sums of `HELD` over the vertices in the supports of a batch's particles."""
 
 
 @specialise(held_weights)

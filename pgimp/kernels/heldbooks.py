@@ -1,7 +1,7 @@
-"""What faces and constraints take of the impulses of contact in the initial configuration.
+"""Reactions of faces and constraints to impulses of contact in the initial configuration.
 
-An impulse goes to all vertices of the start that have a part in it. Those that are held do not
-yield: what holds them bears their part, as it bears all forces there.
+An impulse goes to all vertices of the start that have a share in it. Those that are held do not
+move: faces and constraints bear their share, as all forces there.
 """
 
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
@@ -12,9 +12,9 @@ from pgimp.kernels.startgrid import LOST, place_of_key
 
 @inner_kernel
 def _book_faces(holding, number, r, u, b, lost, m):
-    """Book what the faces take, `lost`, of a vertex of mass m that moves at u; returns the rest.
+    """Book the faces' share of `lost` at a vertex of mass m that moves at u; returns the rest.
 
-    Impulses are linear in the mass, so that what the faces hold otherwise is booked to and fro.
+    Impulses are linear in the mass, so that the faces' other reactions cancel in the books.
     """
     dt = holding.forcing.dt
     v, _ = hold(holding, number, r, u, b, -m)
@@ -25,7 +25,7 @@ def _book_faces(holding, number, r, u, b, lost, m):
 
 
 def _book_constraints(marked, r, rest, impulse):
-    """Book what the first constraint that holds a component takes of it."""
+    """Book the share of the first constraint that holds a component."""
 
 
 @specialise(_book_constraints)
@@ -51,13 +51,13 @@ def book_held(holding, field, vertices, ledger):
     Parameters
     ----------
     holding : Holding
-        What holds vertices.
+        Faces and constraints.
     field : Field
-        As `give_to_vertices` leaves it: what is held moves as prescribed.
+        As after `give_to_vertices`: what is held moves as prescribed.
     vertices : StartVertices
         Those of all ranks.
     ledger : Ledger
-        Impulses grow by what is taken, and work by that times the velocities there.
+        Impulses grow by the shares, and work by these times the velocities there.
     """
     G, forcing = field.G, holding.forcing
     for n in range(len(vertices.keys)):

@@ -2,14 +2,14 @@
 
 from pgimp.jit.kernel import inner_kernel
 
-#: Codes of component d are this to the power d: so far apart that a weighted sum of them tells the
+#: Codes of component d are this to the power d: so far apart that a weighted sum of them gives the
 #: greatest.
 _APART = 1e12
 
 #: Code of several components, and of what constraints hold, which need not lie along a wall.
 SEVERAL = _APART**3
 
-#: Least weight of a vertex that counts as being in a particle's reach; less is rounding.
+#: Least weight of a vertex that counts as in a particle's support; less is rounding.
 LEAST_WEIGHT = 1e-9
 
 
@@ -22,9 +22,9 @@ def also_held(code, d):
 
 @inner_kernel
 def held_codes(d):
-    """Between what a weighted sum of codes lies whose greatest is that of component d; 3: several.
+    """Bounds of a weighted sum of codes whose greatest is that of component d; 3: several.
 
-    A weight below `LEAST_WEIGHT` of the next code falls to this one, which then may be missed.
+    The next code at a weight below `LEAST_WEIGHT` counts as this one, which may then be missed.
     """
     one = (1.0, _APART, _APART * _APART, SEVERAL)[d]
     return LEAST_WEIGHT * one, LEAST_WEIGHT * _APART * one

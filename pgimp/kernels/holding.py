@@ -1,4 +1,4 @@
-"""What holds a vertex: faces and constraints, one after the other."""
+"""Conditions on a vertex: faces and constraints, one after the other."""
 
 from typing import Any, NamedTuple
 
@@ -12,7 +12,7 @@ from pgimp.kernels.particles import FloatArray, Frame
 
 
 class Holding(NamedTuple):
-    """What may hold vertices.
+    """Faces and constraints that may hold vertices.
 
     Attributes
     ----------
@@ -23,7 +23,7 @@ class Holding(NamedTuple):
     forcing : Forcing
         Its constraints come after the faces.
     impulse : (faces, 3) float64
-        Grows by what each face gives: a part of the ledger, or room where nothing is booked.
+        Grows by each face's impulse: a part of the ledger, or scratch where nothing is booked.
     """
 
     faces: Any
@@ -64,7 +64,7 @@ def _hold(holding, number, r, v, a, mass):
 def held_velocity(holding, number, r, v, last):
     """Velocity v of the vertex at `r` after faces and constraints.
 
-    These as they are at the step's end (`last`), or at its beginning.
+    As they are at the step's end (`last`), or at its beginning.
     """
 
 

@@ -32,7 +32,7 @@ def sum_layer(setting, field, particles, loads, rows, span, number):
     Returns
     -------
     low, high : int
-        Places, in float64 from the beginning of a plane, between which something was added.
+        Range of a plane, in float64 from its beginning, to which something was added.
     """
 
 

@@ -9,7 +9,7 @@ from pgimp.kernels.updates.checks import OUTFLOW
 
 
 @kernel
-def partition_migrants(layer, order, places, first, layers, staying, leaving):
+def partition_migrants(layer, order, places, first, layers, kept, migrants):
     """Sort the particles that have changed their layer by whether they leave the slab.
 
     Parameters
@@ -22,9 +22,9 @@ def partition_migrants(layer, order, places, first, layers, staying, leaving):
         Places in `order`.
     first, layers : int
         The slab.
-    staying, leaving : (k,) int32
-        Filled with rows: from the beginning of `staying`, those that stay; from that of `leaving`,
-        those that go to the rank below, and back from its end those that go to the rank above.
+    kept, migrants : (k,) int32
+        Filled with rows: from the beginning of `kept`, those that stay; from that of `migrants`,
+        those that go to the lower rank, and back from its end those that go to the upper rank.
 
     Returns
     -------
@@ -37,13 +37,13 @@ def partition_migrants(layer, order, places, first, layers, staying, leaving):
         if layer[p] == OUTFLOW:
             continue
         if layer[p] < first:
-            leaving[down] = p
+            migrants[down] = p
             down += 1
         elif layer[p] >= first + layers:
             up += 1
-            leaving[len(leaving) - up] = p
+            migrants[len(migrants) - up] = p
         else:
-            staying[stay] = p
+            kept[stay] = p
             stay += 1
     return stay, down, up
 
@@ -90,10 +90,9 @@ def unpack_rows(words, halves, rows, wire, place, width):
 
 @kernel
 def sort_rows(layer, cell, number, rows, buffer):
-    """Sort rows by (layer, cell, number); `buffer` holds as many.
+    """Sort rows by (layer, cell, number); `buffer` is as long.
 
-    Merges pieces twice as long each time, and only where they are not in order: rows come as a few
-    runs, each of which is.
+    A merge sort that skips pairs of pieces in order: rows come as a few sorted runs.
     """
     n = len(rows)
     length = 1

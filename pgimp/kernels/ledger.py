@@ -1,4 +1,4 @@
-"""What a simulation books by plane from step to step: sums that the history shows."""
+"""Sums that a simulation books by plane from step to step, for the history."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-#: What is booked of each entry in a step, columns of `Ledger.contact`: impulse on the first body;
+#: Columns of `Ledger.contact`, for each entry in a step: impulse on the first body;
 #: impulse along normals and across them; heat of friction; energy lost in impacts; area.
 IMPULSE, NORMAL_IMPULSE, TANGENTIAL_IMPULSE, HEAT, LOSS, CONTACT_AREA, BOOKED = 0, 3, 4, 5, 6, 7, 8
 
-#: What is booked of each rigid body since the start, columns of `Ledger.tools`: impulse and moment
-#: of momentum about its reference point that it got, and work that it has done.
+#: Columns of `Ledger.tools`, for each rigid body since the start: impulse and angular impulse about
+#: its reference point that it received, and work that it has done.
 TOOL_IMPULSE, TOOL_MOMENT, TOOL_WORK, TOOLED = 0, 3, 6, 7
 
 
@@ -24,22 +24,21 @@ class Ledger(NamedTuple):
         Work of loads, faces and constraints on the material.
     impulse : (planes, faces, 3) float64
         Impulse of each face with a condition.
-    beyond : (planes, faces) float64
+    outside_mass : (planes, faces) float64
         Mass beyond each face in the last step.
     constraint_impulse : (planes, constraints, 3) float64
         Impulse of each constraint.
     contact : (planes, entries, BOOKED) float64
-        What is booked of each entry of contact.
+        Sums of each entry of contact.
     tools : (planes, rigid bodies, TOOLED) float64
-        What is booked of each rigid body.
+        Sums of each rigid body.
     escaped : (planes, bodies, SUMS) float64
-        What particles that left took with them, as `layer_sums` has it; (planes, 0, 0) where
-        nothing may leave.
+        Sums of the particles that left, as in `layer_sums`; (planes, 0, 0) where none may leave.
     """
 
     work: np.ndarray
     impulse: np.ndarray
-    beyond: np.ndarray
+    outside_mass: np.ndarray
     constraint_impulse: np.ndarray
     contact: np.ndarray
     tools: np.ndarray
@@ -75,5 +74,10 @@ class Ledger(NamedTuple):
         return cls(*(np.zeros((planes, *shape)) for shape in shapes))
 
     def first(self, planes: int) -> Ledger:
-        """Return the first planes of it, such as those that a rank owns; no copies."""
+        """Return its first planes, such as those that a rank owns, without a copy."""
         return Ledger(*(part[:planes] for part in self))
+
+    def datasets(self) -> dict[str, np.ndarray]:
+        """Return the sums by their names in checkpoints."""
+        stored = {"outside_mass": "beyond"}
+        return {stored.get(name, name): sums for name, sums in self._asdict().items()}

@@ -1,4 +1,4 @@
-"""What a scene may add to stress and gravity: viscosity, tractions, a body force, relaxation.
+"""Additions to stress and gravity: viscosity, tractions, a body force, relaxation.
 
 Each is `()` in a scene without it; the types decide what is compiled, so that it costs nothing.
 """
@@ -27,11 +27,11 @@ class Loads(NamedTuple):
     force : BodyForce or ()
         See `pgimp.physics.exact.base`.
     relaxation : float or ()
-        Rate at which particles take on the grid's velocity, see `relaxed`.
+        Rate at which particles relax to the grid's velocity, see `relaxed`.
     affine : float or ()
         A number where particles carry their velocity gradient, see `pgimp.kernels.affine`.
     walls : tuple of Sides
-        For each direction the walls across it that want clearances; () if none does at all.
+        For each direction the walls across it that need clearances; () if none does.
     mean : float or ()
         A number where cells have one dilatation each, see `pgimp.kernels.mean`.
     """
@@ -45,7 +45,7 @@ class Loads(NamedTuple):
     mean: Any = ()
 
     def summed(self) -> Self:
-        """Of the loads those that sums of particles know: kernels are compiled once for them."""
+        """The loads that sums of particles need, to compile kernels once for all others."""
         return self._replace(relaxation=())
 
 
@@ -93,7 +93,7 @@ def _force_of(force, frame, particles, p):
 def weight(force, walls, frame, particles, p):
     """Vector (0, m_p b_p), which (17) adds to the force on the support's vertices, or ().
 
-    With walls its first component is what `pgimp.kernels.clearance` wants.
+    With walls its first component is for `pgimp.kernels.clearance`.
     """
 
 
@@ -136,8 +136,8 @@ def _relaxed_part(rate, dt):
 def relaxed(rate, dt, v, u):
     """Velocities v of particles, after (27), moved towards the grid's at their place, u.
 
-    By (27) alone a particle keeps for ever what the grid cannot resolve of its velocity; this
-    relaxes it at a rate that does not depend on the step, with part of what the grid can resolve.
+    By (27) alone a particle keeps for ever the part of its velocity that the grid cannot resolve;
+    this relaxes it at a rate that does not depend on the step, and part of what it can resolve.
     """
 
 
@@ -156,7 +156,7 @@ def _relaxed(rate, dt, v, u):
 def given(rate, m, dt, v, a, V, A):
     """Momentum that particles gain where vertices of mass m have (V, A) instead of (v, a).
 
-    By (27) they take on the acceleration; what is relaxed takes on the velocity.
+    By (27) they get the acceleration; the relaxed part gets the velocity.
     """
 
 
@@ -173,7 +173,7 @@ def _given(rate, m, dt, v, a, V, A):
 
 
 def scatter_loads(loads, setting, field, particles, rows, span, layer):
-    """Add to a layer's own planes what its particles carry besides stress and body force."""
+    """Add the loads of a layer's particles, but for stress and body force, to its planes."""
 
 
 @specialise(scatter_loads)

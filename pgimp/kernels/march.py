@@ -1,4 +1,4 @@
-"""One material taken through steps, without a grid, as a run's kernels would."""
+"""A material driven through steps, without a grid, as by a run's kernels."""
 
 from pgimp.jit.algebra import determinant
 from pgimp.jit.kernel import kernel, specialise
@@ -8,7 +8,7 @@ from pgimp.physics.materials.evaluate import evaluate_four
 
 
 def ask(materials, F, J, L, dt, found, rows, like):
-    """Stress and state of four particles after a step, and their waves' speed.
+    """Stress and state of four particles after a step, and their wave speed.
 
     `found` has stress and state of each in a row, `rows` says which; `like` is as long as they are.
     """
@@ -34,7 +34,7 @@ def _ask(materials, F, J, L, dt, found, rows, like):
 
 @kernel
 def march(materials, F, L, dt, found, speed, matrix, like):
-    """Take a material through steps, as a run's kernels would.
+    """Drive a material through steps, as a run's kernels would.
 
     Parameters
     ----------

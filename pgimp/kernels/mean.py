@@ -1,7 +1,7 @@
 """Mean dilatation by box overlap (``method.volumetric: mean``), against locking.
 
-Nearly incompressible particles lock: each must keep its own volume, and the vertices have too few
-velocities for that. Here a cell has one rate of dilatation D_c, the mean divergence of the
+Nearly incompressible particles lock: each must keep its own volume, for which the vertices have too
+few degrees of freedom. Here a cell has one rate of dilatation D_c, the mean divergence of the
 multilinear velocity field of its corners, and a particle that of the cells in which it lies,
 weighted with the parts phi_cp of its box in them:
 
@@ -9,26 +9,26 @@ weighted with the parts phi_cp of its box in them:
 
 after Nagtegaal, Parks and Rice (1974) and Hughes (1980), with d the number of directions (in plane
 strain the correction lies in the plane). The force is the adjoint: the stress less the mean of its
-d normal components acts through grad S_vp as ever, that mean less the viscous pressure through
+d normal components acts through grad S_vp as before, that mean less the viscous pressure through
 dD_p/dv_v. So the forces' power on the vertices is that of the stresses, V_p sigma : L_p.
 
-It takes neither sums over cells nor messages: parts in cells, and means over them, are products of
-those along the directions. Along one, a box's gradient g_i at vertex i is the mean of the tent's
+This needs neither sums over cells nor messages: parts in cells, and means over them, are products
+of those along the directions. Along one, a box's gradient g_i at vertex i is the mean of the tent's
 over the box, so that the parts are minus the sums of the gradients so far, times the cell's size L,
 and a vertex has half of each of the two parts beside it:
 
     phi_i = -L (g_0 + ... + g_i),    a_i = (phi_{i-1} + phi_i)/2.
 
 Then dD_p/dv_v is grad S_vp with a in place of the weights of the other directions. The a of a
-particle add up to one and its g to nothing: D_p of an affine field is its trace, and a particle's
+particle add up to one and its g to zero: D_p of an affine field is its trace, and a particle's
 forces have neither a sum nor a moment. The support is that of S_vp.
 
-A particle that is alone in its cells has nothing to share them with, and hardly any mass at the
-vertices by which they push it: in 3D it would need steps several times shorter. What vertices have
-of mass around a particle, sum_v S_vp m_v over its density and the cell's volume, is 1 inside of
-bodies, at least 0.6 at a plane surface, 0.6^d in a corner, and 0.4^d or less for one of two
-particles a cell and direction that is alone. From `DENSE`^d down to `SPARSE`^d its rate becomes
-that at its own place, from the next step on, in the forces as in the deformation.
+A particle that is alone in its cells shares them with no other, and its vertices have hardly any
+mass: in 3D it would need steps several times shorter. The mass of the vertices around a particle,
+sum_v S_vp m_v over its density and the cell's volume, is 1 inside bodies, at least 0.6 at a plane
+surface, 0.6^d in a corner, and 0.4^d or less for one of two particles a cell and direction that is
+alone. From `DENSE`^d down to `SPARSE`^d its rate becomes that at its own place, from the next step
+on, in the forces as in the deformation.
 """
 
 from pgimp.jit.kernel import specialise
@@ -39,10 +39,10 @@ from pgimp.kernels.fours import put_row, take, take_row
 from pgimp.kernels.gathered import gathered_mass
 from pgimp.kernels.viscosity import trace, viscous_pressure
 
-#: Roots of the parts of a full neighbourhood from which on a particle is in company, and alone.
+#: d-th roots of the filled part from which a particle counts as in company, and as alone.
 DENSE, SPARSE = 0.58, 0.45
 
-#: Where what is gathered of the four particles lies in the buffer for supports, behind their a.
+#: Place of the four particles' gathered sums in the buffer for supports, after their a.
 _GATHERED = MEANS + 48
 
 
@@ -60,9 +60,9 @@ def _average_of(particles, p, like):
 
 
 def set_apart(loads, frame, particles, p):
-    """What of the normal stress of particle `p` does not act through grad S_vp.
+    """The normal stress of particle `p` that does not act through grad S_vp.
 
-    The viscous pressure (45), which acts against it; with mean dilatation what `mean_force` has.
+    The viscous pressure (45), which opposes it; with mean dilatation that of `mean_force`.
     """
 
 
@@ -80,7 +80,7 @@ def _set_apart(loads, frame, particles, p):
 
 
 def keep_means(mean, shape, frame, buffer):
-    """Put the weights a of four particles into the buffer that has their supports.
+    """Store the weights a of four particles in the buffer with their supports.
 
     Nothing unless there is a `mean`, which is () or a number, as everywhere here.
     """
@@ -94,7 +94,7 @@ def _keep_means(mean, shape, frame, buffer):
 
 
 def _along(shape, buffer, d, cell):
-    """Put the weights along the directions from `d` on, those of the cells' sizes `cell`."""
+    """Store the weights along the directions from `d` on, which have the cell sizes `cell`."""
 
 
 @specialise(_along)
@@ -124,10 +124,10 @@ def _along_directions(shape, buffer, d, cell):
 
 
 def factor(mean, buffer, d, i, j):
-    """Factors that direction `d` has in dD_p/dv_v of its vertex `i`, for particle `j` of a batch.
+    """Factors of direction `d` in dD_p/dv_v of its vertex `i`, for particle `j` of a batch.
 
-    A vector like a velocity or a force in its record: g for the component along `d`, else a. A
-    weight, of which nothing is made, unless there is a `mean`.
+    A vector like a velocity or a force in its record: g for the component along `d`, else a. An
+    unused weight unless there is a `mean`.
     """
 
 
@@ -173,7 +173,7 @@ def _plus_factored(f, M, V):
 
 
 def mean_force(loads, frame, particles, p):
-    """-V_p (mean sigma - q_p) of particle `p`, of which dD_p/dv_v makes forces; () without.
+    """-V_p (mean sigma - q_p) of particle `p`, which dD_p/dv_v turns into forces; () without.
 
     Where it is alone, a part of that.
     """
@@ -195,7 +195,7 @@ def _mean_force(loads, frame, particles, p):
 
 
 def no_rates(mean):
-    """The vector that sums of velocities times factors begin with; () unless there is a `mean`."""
+    """Initial value of the sums of velocities times factors; () unless there is a `mean`."""
 
 
 @specialise(no_rates)
@@ -204,7 +204,7 @@ def _no_rates(mean):
 
 
 def keep_rates(M, buffer, j):
-    """Put the sum M of velocities times factors of the batch's particle `j` into the buffer."""
+    """Store the sum M of velocities times factors of the batch's particle `j` in the buffer."""
 
 
 @specialise(keep_rates)
@@ -215,18 +215,18 @@ def _keep_rates(M, buffer, j):
 
 
 def with_means(mean, frame, particles, rows, buffer, sums, count, L):
-    """Velocity gradients of a batch, those gathered with the cells' rates as their traces.
+    """Velocity gradients of a batch: those gathered, with the cells' rates as their traces.
 
-    Particles learn how alone they are, for the next step.
+    Sets how alone the particles are, for the next step.
 
     Parameters
     ----------
     frame, particles, rows
         See `Frame`, `Particles`; the batch's rows.
     buffer, sums
-        What `keep_rates` and `keep_sums` have kept.
+        As filled by `keep_rates` and `keep_sums`.
     count : int
-        Particles in the batch; the last one stands for those missing.
+        Particles in the batch; the last one fills in for those missing.
     L : tuple of D*D Vec4
         Row-major, as gathered.
     """

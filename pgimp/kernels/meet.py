@@ -1,17 +1,17 @@
-"""The vertices at which bodies meet: found, given to the law, and changed."""
+"""Vertices at which bodies meet: found, and changed by the law of contact."""
 
 from math import inf
 
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.kernels.contact import (
     BEFORE,
+    BILATERAL,
     EXCESS,
     MOBILITY,
     NOW,
     OUTWARD,
     PART,
     SWEEPS,
-    TOLD,
     WEIGHT,
     find_pairs,
 )
@@ -33,13 +33,13 @@ def find_meetings(field, where, met, spread):
     Parameters
     ----------
     field : Field
-        After the halo exchange, so that ranks find the same in planes that they share.
+        After the halo exchange, so that ranks agree in planes that they share.
     where : (planes,) bool
-        Which of the planes may hold several fields at all.
+        Which of the planes may hold several fields.
     met : (planes,) int64
         Set here.
     spread : (planes, SPREAD) int64
-        Set to where they lie, see `select_near`.
+        Set to their ranges, see `select_near`.
     """
     window, G = field.window, field.G
     size, count = field_size(window), field_count(window)
@@ -62,14 +62,14 @@ def find_meetings(field, where, met, spread):
 
 
 def meet(contact, faces, frame, field, forcing, i, ledger, last):
-    """Let bodies meet at the vertices of plane `i`.
+    """Apply contact at the vertices of plane `i`.
 
     Parameters
     ----------
     contact : Contact or ()
         () in scenes without contact.
     faces, frame, field, forcing, ledger
-        As in `update_momentum`; `contact` of the ledger grows by what happens in the last pass.
+        As in `update_momentum`; `contact` of the ledger grows by the last pass.
     last : bool
         Whether the grid holds velocities and accelerations; else it holds momenta.
     """
@@ -108,7 +108,7 @@ def _meet_in_plane(contact, faces, frame, field, forcing, i, ledger, last):
                         field.G[place + ACCELERATION + d] += change / dt
                     else:
                         field.G[place + MOMENTUM + d] += contact.fields[a, WEIGHT] * change
-            # Of the first pass particles take on what relaxes their velocities to the grid's.
+            # Of the first pass particles get the part by which they relax to the grid.
             part = 1.0 if last else relaxed_part(forcing.loads.relaxation, dt)
             if part > 0.0 and i < field.owned:
                 for pair in range(pairs):
@@ -117,10 +117,10 @@ def _meet_in_plane(contact, faces, frame, field, forcing, i, ledger, last):
 
 @inner_kernel
 def meet_at(contact, holding, field, number, r, last):
-    """Find what fields have at the vertex whose first record is at `r` after they have met.
+    """Find the fields at the vertex whose first record is at `r`, after contact.
 
     Returns the number of fields that have particles, and that of the pairs that may act on each
-    other; where there is none, nothing else is known.
+    other; without any, nothing else is set.
     """
     faces, frame, dt = holding.faces, holding.frame, holding.forcing.dt
     count = _find_fields(contact, faces, frame, field, r, number)
@@ -150,7 +150,7 @@ def meet_at(contact, holding, field, number, r, last):
 def _find_fields(contact, faces, frame, field, r, number):
     """Find the fields at the vertex whose first record is at `r`; returns their number.
 
-    Walls take a part of its neighbourhood.
+    Walls cut off a part of its neighbourhood.
     """
     G, V, size = field.G, contact.volumes, field_size(field.window)
     cell = 0.5 ** on_walls(faces, frame, number)
@@ -176,8 +176,8 @@ def _find_fields(contact, faces, frame, field, r, number):
 def find_tools(contact, tools, frame, number, sides, count, last):
     """Add the rigid bodies near a vertex to the `count` fields there; returns their number.
 
-    What particles bring meets their velocity at the step's beginning, what forces make of it that
-    at its end, so that the material gets the acceleration of what it lies on.
+    The velocity from particles meets theirs at the step's beginning, that after forces theirs at
+    its end, so that the material gets the acceleration of the body it lies on.
     """
 
 
@@ -203,7 +203,7 @@ def _find_tools(contact, tools, frame, number, sides, count, last):
                 v += motion[spin + e] * arm[f] - motion[spin + f] * arm[e]
                 row[OUTWARD + d] = tools.at[SURFACE + d]
                 row[NOW + d] = row[BEFORE + d] = v
-                row[MOBILITY + d] = row[TOLD + d] = 0.0
+                row[MOBILITY + d] = row[BILATERAL + d] = 0.0
             found += 1
         return found - count
 

@@ -1,14 +1,14 @@
-"""Reflection at a face of what particles carry beyond it (``wall: mirror``).
+"""Reflection at a face of the sums beyond it (``wall: mirror``).
 
-The vertices beyond the face hand their sums to their mirror images before the momentum update:
+The vertices beyond the face add their sums to their mirror images before the momentum update:
 mass, tangential momentum and force add, the normal parts subtract. After it they get the
 reflection of their images' velocity and acceleration, which the particles then gather.
 
 This is the motion of the grid under a constraint: velocities beyond the face are the reflection of
-those within. So it keeps energy, and momentum but for what the face gives: particles gain the sum
-of m a dt over all vertices with the mass m' that they carry beyond, where the normal force is f'.
-Reflection turns both around, so that the face gives -2 (f' + m' a) dt, a being the images'. Of what
-particles take on of the grid's velocity (`relaxed`) it likewise gives -2 (p' + f' dt + m' v).
+those within. So it conserves energy, and momentum up to the face's impulse: particles gain the
+sum of m a dt over all vertices, with the mass m' beyond the face, where the normal force is f'.
+Reflection reverses both, so that the face's impulse is -2 (f' + m' a) dt, a being the images'. For
+the part of the velocity that particles relax by (`relaxed`) it is -2 (p' + f' dt + m' v) likewise.
 """
 
 from typing import NamedTuple
@@ -31,7 +31,7 @@ class Mirror(NamedTuple):
     number : int
         Its place among all faces with a condition.
     releases : bool
-        Whether it lets the material go: it then reflects nothing beyond a vertex that would leave.
+        Whether it lets the material go: nothing is reflected beyond a vertex that moves away.
     """
 
     axis: int
@@ -44,8 +44,8 @@ class Mirror(NamedTuple):
 def fold(frame, field, mirror, forcing, ledger):
     """Add the sums beyond a face to those of the mirror images.
 
-    A vertex beyond it is left with the face's number, less than zero, in place of its mass, which
-    moves to its place `HELD`: `reflect` needs both, and for the rest it has no mass.
+    A vertex beyond it then has the face's number, made negative, in place of its mass, which moves
+    to `HELD`: `reflect` needs both, and everywhere else the vertex has no mass.
 
     Parameters
     ----------
@@ -75,17 +75,17 @@ def fold(frame, field, mirror, forcing, ledger):
                         push = G[wall + FORCE + axis] + G[wall + MASS] * gravity[axis]
                         into = (G[wall + MOMENTUM + axis] + dt * push) * mirror.side
                         near = clearance_at(forcing.clearances, mirror.number, wall)
-                        closing = G[wall + MASS] * near / dt
-                        if not (G[wall + MASS] > 0.0 and into > closing):
+                        gap_momentum = G[wall + MASS] * near / dt
+                        if not (G[wall + MASS] > 0.0 and into > gap_momentum):
                             continue
-                    # Gravity will act on all mass of the image alike, on this part against it.
+                    # Gravity will act on all mass of the image alike, but on this part in reverse.
                     weight = G[g + MASS] * gravity[axis]
                     G[r + FORCE + axis] -= 2.0 * weight
                     if i < owned:
                         part = relaxed_part(relaxation, dt)
                         force, momentum = G[g + FORCE + axis] + weight, G[g + MOMENTUM + axis]
                         impulse[i, mirror.number, axis] -= 2.0 * dt * force + 2.0 * part * momentum
-                    place = r - begin  # the plane of the image has this field, if it had not
+                    place = r - begin  # the image's plane now has this field
                     use(field, place // window.stride[0], begin, begin + RECORD)
                     G[r + MASS] += G[g + MASS]
                     G[r + HELD] += G[g + HELD]
@@ -139,7 +139,7 @@ def reflect(frame, field, mirror, forcing, ledger):
     Parameters
     ----------
     frame, field, forcing, ledger
-        As in `update_momentum`, which has counted the work of gravity on what was folded as if it
+        As in `update_momentum`, which has counted the work of gravity on the folded mass as if it
         moved with the images; its normal part moves against them.
     mirror : Mirror
         The face.

@@ -1,4 +1,4 @@
-"""Momentum update (14) of the vertices, boundary conditions, and what the faces do."""
+"""Momentum update (14) of the vertices, boundary conditions, and reactions of the faces."""
 
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.kernels.clearance import clear
@@ -11,7 +11,7 @@ from pgimp.kernels.loads import given
 from pgimp.kernels.meet import meet
 from pgimp.kernels.record import ACCELERATION, FORCE, HELD, MASS, MOMENTUM, RECORD, VELOCITY
 
-#: What of the update is done: all; what comes before bodies meet for the last time, and the rest.
+#: Parts of the update: all; up to the last pass of contact, and the rest.
 WHOLE, BEGINNING, REST = 0, 1, 2
 
 
@@ -28,9 +28,9 @@ def update_momentum(frame, field, faces, forcing, ledger, contact, part):
     ledger : Ledger
         `impulse` grows by the momentum that each face gives to the material, and `work` by that of
         gravity and of moving faces: force times displacement, so that a constant gravity's work is
-        the weight times the way of the centre of mass. Kinetic energy differs from that by an
-        amount of order dt, also in free fall. `beyond` is set to the mass on the vertices beyond
-        each face: what particles carry past it.
+        the weight times the displacement of the centre of mass. Kinetic energy differs from that by
+        an amount of order dt, also in free fall. `outside_mass` is set to the mass on the vertices
+        beyond each face.
     contact : Contact or ()
         Where bodies meet.
     part : int
@@ -39,7 +39,7 @@ def update_momentum(frame, field, faces, forcing, ledger, contact, part):
     G, active, owned, plane = field.G, field.active, field.owned, field.window.stride[0]
     dt, gravity, lightest, work = forcing.dt, forcing.gravity, forcing.lightest, ledger.work
     if part != REST:
-        ledger.beyond[:] = 0.0
+        ledger.outside_mass[:] = 0.0
     heavy = gravity[0] != 0.0 or gravity[1] != 0.0 or gravity[2] != 0.0
     size = field_size(field.window)
     for i in range(len(active)):
@@ -91,7 +91,7 @@ def constrain_plane(faces, n, frame, field, forcing, i, ledger):
     """Apply the conditions at the vertices of plane `i` on or beyond face `n` but none before it.
 
     Where faces meet, a vertex is treated by all of them at once, because the work of each is its
-    force times the velocity that the last of them leaves, or a constraint after them.
+    force times the velocity after the last of them, or after a constraint.
     """
 
 
@@ -136,7 +136,7 @@ def _constrain_face(faces, n, frame, field, forcing, i, ledger):
                 if not m > 0.0 or beyond_any(faces, n, frame, number):
                     continue
                 if number[axis] != wall:
-                    ledger.beyond[i, n] += m
+                    ledger.outside_mass[i, n] += m
                 mass = m if owned else 0.0
                 u = (G[r + VELOCITY], G[r + VELOCITY + 1], G[r + VELOCITY + 2])
                 b = (G[r + ACCELERATION], G[r + ACCELERATION + 1], G[r + ACCELERATION + 2])

@@ -1,18 +1,18 @@
-"""Velocity gradients of particles at any place, from the velocities of those around them.
+"""Velocity gradients of unordered particles, from the velocities of those around them.
 
-The particles stand in the order of cells as large as the reach, which are numbered along the last
+The particles are sorted by cells as large as the reach, which are numbered along the last
 direction first, with an empty one around all of them: those near a particle are in runs of three
-cells, found by halving. Every particle is computed for itself, the others in their order.
+cells, found by bisection. Every particle is computed alone, its neighbours in their order.
 """
 
 import numpy as np
 
 from pgimp.jit.kernel import allocating_kernel, kernel
 
-#: Candidates that are looked at for a particle; of more, every second, third, ... one.
+#: Candidates tried for a particle; of more, every second, third, ... one.
 MOST = 4096
 
-#: Smallest spread of the neighbours in a direction, over the largest, that tells a slope.
+#: Smallest spread of the neighbours in a direction, over the largest, that determines a slope.
 FLAT = 1e-4
 
 _SWEEPS = 30
@@ -33,7 +33,7 @@ def first_not_below(keys, key):
 
 @kernel
 def diagonalise(A, V, D):
-    """Turn a symmetric (D, D) matrix into a diagonal one by Jacobi's rotations: A = V A' V^T."""
+    """Diagonalise a symmetric (D, D) matrix by Jacobi's rotations: A = V A' V^T."""
     for i in range(D):
         for j in range(D):
             V[i, j] = 1.0 if i == j else 0.0
@@ -79,7 +79,7 @@ def fit_gradients(around, chosen, strides, reach, out):
     chosen : ((m, D) float64, (m, D) float64, (m,) int64)
         Likewise those of the particles in question, in any order.
     strides : (D,) int64
-        What the number of a cell grows by along each direction; 1 along the last.
+        Stride of the cell number along each direction; 1 along the last.
     reach : (D,) float64
         Half-axes of the ellipsoid in which others count.
     out : (m, D * D) float64
@@ -138,7 +138,7 @@ def fit_gradients(around, chosen, strides, reach, out):
         for k in range(D):
             largest = max(largest, A[k, k])
         for k in range(D):
-            # Without a spread at all, but for rounding, there is nobody else.
+            # Without a spread, but for rounding, there are no neighbours.
             if A[k, k] <= FLAT * FLAT * largest or largest <= 1e-24:
                 continue
             for i in range(D):

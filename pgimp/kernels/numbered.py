@@ -1,4 +1,4 @@
-"""Numbers of keys: a table of hashes."""
+"""Numbers of keys: a hash table."""
 
 import numpy as np
 
@@ -6,13 +6,13 @@ from pgimp.jit.kernel import inner_kernel, kernel
 
 
 def room_for(count: int) -> np.ndarray:
-    """Make an empty table for so many keys: (a power of two, 2) int64, key and number."""
+    """Make an empty table for `count` keys: (a power of two, 2) int64, key and number."""
     return np.full((1 << max(4, int(2 * count).bit_length()), 2), -1, np.int64)
 
 
 @inner_kernel
 def slot(hashes, key):
-    """Place of a key in a table, or of the hole where it belongs."""
+    """Place of a key in a table, or of the free slot where it belongs."""
     mask, mixed = len(hashes) - 1, key * 0x9E3779B97F4A7C1
     at = (mixed ^ (mixed >> 31)) & mask
     while hashes[at, 0] != key and hashes[at, 0] >= 0:
@@ -22,7 +22,7 @@ def slot(hashes, key):
 
 @kernel
 def number_keys(keys, hashes):
-    """Put the places of `keys` into a table: of those that are there twice, the first."""
+    """Enter the places of `keys` in a table: of duplicates, the first."""
     for i in range(len(keys)):
         at = slot(hashes, keys[i])
         if hashes[at, 0] < 0:

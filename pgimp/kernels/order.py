@@ -83,14 +83,14 @@ def layers_of(shape, frame, identity, x, layers):
 
 
 @kernel
-def reach_of(shape, frame, particles, rows, reach):
-    """Grow `reach`, (2, 2) int64, to the first vertices (least, greatest; y, z) of `rows`."""
+def grow_vertex_bounds(shape, frame, particles, rows, bounds):
+    """Grow `bounds`, (2, 2) int64, to the first vertices (least, greatest; y, z) of `rows`."""
     for p in rows:
         half = half_widths(shape, frame, particles, p)
         for d in range(1, len(frame.origin)):
             j = first_vertex(frame, d, half[d], coordinate(frame, particles, p, d))
-            reach[0, d - 1] = min(reach[0, d - 1], j)
-            reach[1, d - 1] = max(reach[1, d - 1], j)
+            bounds[0, d - 1] = min(bounds[0, d - 1], j)
+            bounds[1, d - 1] = max(bounds[1, d - 1], j)
 
 
 @kernel

@@ -1,9 +1,9 @@
-"""Parameters of materials that vary in space: put in for the particles that they belong to.
+"""Parameters of materials that vary in space, substituted for each particle.
 
-Of such a material `Setting` has `Own` in place of each number that varies. What follows from the
-numbers of the case (Lame's constants from Young's modulus) was computed when particles were made,
-and lies in their column `own`: first what belongs in place of the first `Own` of the particle's
-material, and so on. The functions of materials see numbers, or vectors of four, as ever.
+In such a material `Setting` has `Own` in place of each number that varies. Derived parameters
+(Lame's constants from Young's modulus) were computed when particles were created, and are in their
+column `own`: first the value for the first `Own` of the particle's material, and so on. The
+functions of materials see numbers, or vectors of four, as without variation.
 """
 
 from numba.core import types
@@ -16,7 +16,7 @@ from pgimp.kernels.fours import take_row
 
 
 def _width(setting):
-    """Numbers that the material with most of them has of its own."""
+    """Greatest number of varying parameters of a material."""
     materials = setting.types[setting.fields.index("materials")]
     return max(map(count_own, materials), default=0)
 

@@ -4,8 +4,8 @@ A vertex sum is defined so that no decomposition can change its bits: the partic
 are summed, in canonical order, from zero into that layer's own planes; then the layers are added
 in increasing order. Uniform gravity (17) is m_v b and needs no sum.
 
-In time the layers may follow each other otherwise: what neighbours wait for comes first, and what
-a layer then has to add later is put aside.
+Layers may be computed in another order: those that neighbours wait for come first, and sums that
+a layer then has to add later are deferred.
 """
 
 from pgimp.jit.kernel import inner_kernel, kernel
@@ -23,17 +23,17 @@ def particles_to_grid(setting, field, particles, loads, order, runs):
     setting, field, particles, loads, order
         See `Setting`, `Field`, `Particles`, `Loads`, `Order`.
     runs : (k, 3) int64
-        Runs of layers to sum, one after the other: the first layer, that behind the last one, and
-        whether their sums for planes that are not shared with the rank above are put aside; only
-        the rank's last layers, as many as it shares planes, may say so.
+        Runs of layers to sum, one after the other: the first layer, that after the last one, and
+        whether their sums for planes not shared with the upper rank are deferred; only the rank's
+        last layers, as many as it shares planes, may be.
     """
-    start, window, scratch, below = order.start, field.window, field.scratch, field.below
-    G, active, aside = field.G, field.active, field.aside
+    start, window, shared_lower = order.start, field.window, field.shared_lower
+    G, active, scratch, deferred = field.G, field.active, field.scratch, field.deferred
     plane = window.stride[0]
     vertices = len(scratch) // plane
     shared = vertices - 1
     layers = len(start) - 1
-    kept = below * (below + 1) // 2  # where what the last layers put aside begins
+    kept = shared_lower * (shared_lower + 1) // 2  # where what the last layers defer begins
     for run in range(len(runs)):
         for layer in range(runs[run, 0], runs[run, 1]):
             low, high = 0, 0
@@ -44,16 +44,16 @@ def particles_to_grid(setting, field, particles, loads, order, runs):
                 )  # fmt: skip
             for i in range(vertices):
                 target = layer + i
-                if target < below:
+                if target < shared_lower:
                     slot = _slot(layer, shared) + i
-                    _set_aside(scratch, i * plane, aside, slot * plane, low, high, plane)
+                    _defer(scratch, i * plane, deferred, slot * plane, low, high, plane)
                     continue
                 if high > 0 and active[target] == 0:
                     active[target] = 1
                     clear_plane(field, target)
                 if runs[run, 2] != 0 and target < layers:
                     slot = kept + _slot(layer - layers + shared, shared) + i
-                    _set_aside(scratch, i * plane, aside, slot * plane, low, high, plane)
+                    _defer(scratch, i * plane, deferred, slot * plane, low, high, plane)
                     continue
                 _flush(scratch, i * plane, G, target * plane, low, high)
                 if high > 0:
@@ -62,7 +62,7 @@ def particles_to_grid(setting, field, particles, loads, order, runs):
 
 @inner_kernel
 def _slot(k, shared):
-    """Place, in planes, of the sums of the k-th of `shared` layers that are put aside."""
+    """Place, in planes, of the deferred sums of the k-th of `shared` layers."""
     return k * shared - k * (k - 1) // 2
 
 
@@ -76,45 +76,45 @@ def _flush(scratch, source, G, target, low, high):
 
 
 @inner_kernel
-def _set_aside(scratch, source, aside, target, low, high, plane):
-    """Move a plane of `scratch`, which is zero but from `low` to `high`, leaving zeros."""
-    aside[target : target + low] = 0.0
+def _defer(scratch, source, deferred, target, low, high, plane):
+    """Move a plane of `scratch`, zero outside `low` to `high`, leaving zeros."""
+    deferred[target : target + low] = 0.0
     zero = pack(0.0, 0.0, 0.0, 0.0)
     for i in range(low, high, 4):
-        store(aside, target + i, load(scratch, source + i))
+        store(deferred, target + i, load(scratch, source + i))
         store(scratch, source + i, zero)
-    aside[target + high : target + plane] = 0.0
+    deferred[target + high : target + plane] = 0.0
 
 
 @kernel
 def complete(field, shared, layers, kept, received):
-    """Add what was put aside, and what the rank above has, to the planes where it belongs.
+    """Add the deferred sums, and those of the upper rank, to their planes.
 
     Both sides of a slab boundary do this after the exchange, and then hold the same bits.
 
     Parameters
     ----------
     field : Field
-        The planes shared with the rank below hold that one's sums.
+        The planes shared with the lower rank hold that one's sums.
     shared, layers : int
         Number of planes shared at a slab boundary, number of the rank's layers.
     kept : bool
-        Whether the last layers have put something aside in this step.
+        Whether the last layers have deferred sums in this step.
     received : float64
-        What the rank above has put aside for the planes shared with it; empty where there is none.
+        The upper rank's deferred sums for the planes shared with it; empty where there is none.
     """
-    aside, below = field.aside, field.below
-    if below > 0:
-        _add(field, 0, aside, 0, shared)
+    deferred, shared_lower = field.deferred, field.shared_lower
+    if shared_lower > 0:
+        _add(field, 0, deferred, 0, shared)
     if kept:
-        _add(field, layers - shared, aside, below * (below + 1) // 2, shared)
+        _add(field, layers - shared, deferred, shared_lower * (shared_lower + 1) // 2, shared)
     if len(received) > 0:
         _add(field, layers, received, 0, shared)
 
 
 @inner_kernel
 def _add(field, first, sums, slot, shared):
-    """Add sums that were put aside, from `slot` on, to planes from `first` on, in layer order."""
+    """Add deferred sums, from `slot` on, to planes from `first` on, in layer order."""
     G, plane = field.G, field.window.stride[0]
     for i in range(shared):
         use(field, first + i, 0, plane)

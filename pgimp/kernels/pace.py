@@ -1,4 +1,4 @@
-"""What a step's length follows: how fast waves and particles cross cells."""
+"""The speed that limits a step: how fast waves and particles cross cells."""
 
 from pgimp.jit.kernel import specialise
 
@@ -7,8 +7,8 @@ def pace(controlled, c, speed):
     """Speed that the Courant number refers to, of a particle with wave speed c.
 
     That is c + |v|, or, where `controlled` is a number and not just true, the greater of c and that
-    times |v|: over how many cells a body moves in a step does not decide whether it is stable, as
-    long as that is less than one (``scripts/hard moving``).
+    times |v|: the distance that a body moves in a step does not affect stability as long as it is
+    less than a cell (``scripts/hard moving``).
     """
 
 

@@ -19,7 +19,7 @@ Columns = tuple[tuple[IntArray, ...], tuple[NDArray[np.int32], ...]]
 
 
 class Carried(NamedTuple):
-    """What the particles of a scene carry.
+    """Columns that the particles of a scene carry.
 
     Attributes
     ----------
@@ -28,13 +28,13 @@ class Carried(NamedTuple):
     origin, affine, viscous, constraints : bool
         Whether they keep their initial position, velocity gradient, viscous pressure, constraint.
     tractions, state : int
-        Number of tractions, and of what the material with most state variables remembers.
+        Number of tractions, and greatest number of state variables of a material.
     surfaces : bool
-        Whether they know what surfaces leave of them, for contact.
+        Whether they have the parts that surfaces cut off, for contact.
     mean : bool
-        Whether they know how alone they are, for mean dilatation.
+        Whether they have how alone they are, for mean dilatation.
     own : int
-        Number of what each has of its own of its material's parameters.
+        Number of parameters of its material that vary.
     """
 
     dimensions: int
@@ -208,7 +208,7 @@ COLUMNS: dict[str, Column] = {
 
 
 class Frame(NamedTuple):
-    """Where the grid lies. Vertex and layer numbers count from the first ghost vertex.
+    """Place of the grid. Vertex and layer numbers count from the first ghost vertex.
 
     All tuples have D entries; vertex number i of direction d stands at
     ``origin[d] + (i - ghost) * cell[d]``.
@@ -227,7 +227,7 @@ class Frame(NamedTuple):
 
 
 class InitialFrame(Frame):
-    """Where a grid of the initial configuration lies (total Lagrangian).
+    """Place of a grid of the initial configuration (total Lagrangian).
 
     Kernels that get it, in a `Setting`, take weights of the particles' initial places and
     gradients by these, forces from the first Piola-Kirchhoff stress, and never move a particle
@@ -244,7 +244,7 @@ class Window(NamedTuple):
     where the scene has no such direction), `stride` the distance of neighbours in float64.
 
     Where bodies have velocity fields of their own, those of a plane follow each other. `bodies`,
-    (bodies,) int64, then tells how far behind the plane's first vertex each body's field begins,
+    (bodies,) int64, then is the offset of each body's field from the plane's first vertex,
     in float64. It is empty as long as all share one field, and () in scenes where they always do.
     """
 

@@ -1,8 +1,8 @@
 """Internal forces of the initial configuration: -V0 P grad0 S with P = J s F^-T in place of (16).
 
-P, the first Piola-Kirchhoff stress, is the force on what was the unit of area at the start. J F^-T
-is the cofactor matrix of F: nothing is divided. It is computed for four particles at a time, and
-lies on the stack for the transfers, which take one after the other.
+P, the first Piola-Kirchhoff stress, is the force per unit of initial area. J F^-T is the cofactor
+matrix of F, which needs no division. It is computed for four particles at a time, and is on the
+stack for the transfers, which take one after the other.
 """
 
 from pgimp.jit.algebra import cofactor, full, multiply
@@ -34,7 +34,7 @@ def _less_viscous_pressure(viscosity, particles, rows, sigma):
 
 
 def _keep(buffer, at, first, second, third):
-    """Put the vectors (0, first, second, third) of four particles into the buffer."""
+    """Store the vectors (0, first, second, third) of four particles in the buffer."""
 
 
 @specialise(_keep)
@@ -50,7 +50,7 @@ def _keep_transposed(buffer, at, first, second, third):
 
 
 def _keep_columns(buffer, P):
-    """Put the columns of row-major matrices of four particles into the buffer."""
+    """Store the columns of row-major matrices of four particles in the buffer."""
 
 
 @specialise(_keep_columns)
@@ -71,7 +71,7 @@ def _keep_all_columns(buffer, P):
 
 
 def keep_forces(viscosity, frame, particles, rows, buffer):
-    """Put -V0 P of four particles, less viscosity's, into a buffer of `PIOLA_SIZE` float64.
+    """Store -V0 P of four particles, less viscosity's, in a buffer of `PIOLA_SIZE` float64.
 
     Nothing is done in the current configuration.
     """

@@ -1,4 +1,4 @@
-"""Where a particle's support begins: one set of functions for all kernels, exact to the bit."""
+"""First vertices of supports: one set of functions for all kernels, exact to the bit."""
 
 from math import floor
 
@@ -32,7 +32,7 @@ def first_vertex(frame, d, half, x):
     """
 
 
-@exact(first_vertex)  # all kernels must find the same layer, whatever the code around
+@exact(first_vertex)  # all kernels must find the same layer, in any code
 def _first_vertex(frame, d, half, x):
     return lambda frame, d, half, x: (
         floor((x - frame.origin[d]) * frame.inverse[d] - half) + frame.ghost

@@ -1,13 +1,13 @@
-"""Bodies in the initial configuration where they are now: what meets at the vertices of the grid.
+"""Present places of bodies in the initial configuration, and their sums at the grid's vertices.
 
-Their own grid is that of the start, and knows no neighbour. Where they come near each other, a
-rigid body or a wall that lets go, the particles there are summed once more, at their present
-places, into the vertices of the domain's grid: part filled, surface, and gap follow as they do in
-the current configuration (`pgimp.kernels.contact`). What may meet at such a vertex is in
-`pgimp.kernels.encounters`, what an impulse there does in `pgimp.kernels.accumulated`.
+Their own grid is that of the start, without neighbours. Where they come near each other, a rigid
+body or a wall that lets go, the particles there are summed once more, at their present places, into
+the vertices of the domain's grid: part filled, surface, and gap follow as they do in
+the current configuration (`pgimp.kernels.contact`). Pairs at such a vertex are in
+`pgimp.kernels.encounters`, responses to impulses there in `pgimp.kernels.accumulated`.
 
 A vertex has a number for each *group* of bodies that are bonded; those of all vertices with mass
-are found by a table of hashes, so that nothing depends on how far things that meet are apart.
+are found by a hash table, so that memory does not grow with their distances.
 """
 
 from typing import NamedTuple
@@ -20,20 +20,20 @@ from pgimp.kernels.particles import FloatArray, IntArray
 from pgimp.kernels.place import deformation
 from pgimp.kernels.support import slope_at, vertex_at, weights_at
 
-#: Columns of a particle near a meeting: where it is and was at the start, mass, volume, how far the
-#: volume's centroid is off, what curvature adds, whether it is cut, body, group, field.
+#: Columns of a particle near a meeting: present and initial position, mass, volume, offset of the
+#: volume's centroid, the curvature's share of the gap, whether it is cut, body, group, field.
 PLACE, START, WEIGHS, VOLUME, OFFSET, BENT, CUT, BODY, GROUP, FIELD = (
     0, 3, 6, 7, 8, 11, 12, 13, 14, 15,
 )  # fmt: skip
 NEAR = 16
 
-#: Columns of what a group has at a vertex: mass, volume, surface, what S is more where the volume
-#: is, what curvature adds and the number it is the mean of, body.
+#: Columns of a group's sums at a vertex: mass, volume, surface, the offset's correction of the
+#: volume, the curvature's share of the gap and the number in its mean, body.
 HEAVY, FILLS, FACES, MORE, CURVED, OF_CUT, WHOSE, SUMMED = 0, 1, 2, 5, 6, 7, 8, 9
 
 
 class Present(NamedTuple):
-    """What groups have at the vertices of the domain's grid, one entry a group and vertex.
+    """Sums of groups at the vertices of the domain's grid, one entry a group and vertex.
 
     Attributes
     ----------
@@ -42,9 +42,9 @@ class Present(NamedTuple):
     groups : int
         How many groups there are.
     keys : (m,) int64
-        What tells the entries apart; in the order of x, y, z, group if sorted.
+        Keys of the entries; in the order of x, y, z, group if sorted.
     sums : (m, SUMMED) float64
-        What the particles add up to.
+        The sums.
     order : (m,) int64
         The numbers of the entries, so that keys ascend.
     """
@@ -75,7 +75,7 @@ def number_of(present, vertex):
 
 @kernel
 def take_near(frame, particles, rows, groups, fields, table):
-    """Copy what is known of particles near a meeting, (n, NEAR) float64, in canonical order."""
+    """Copy the particles near a meeting, (n, NEAR) float64, in canonical order."""
     for i in range(len(rows)):
         p, row = rows[i], table[i]
         row[:] = 0.0
@@ -103,9 +103,9 @@ def sum_present(frame, table, supports, hashes, present):
     table, supports
         The particles, and their supports, of which `at` is set.
     hashes
-        Room for the numbers of the keys.
+        Scratch for the numbers of the keys.
     present : Present
-        Keys and sums are set; there must be room.
+        Keys and sums are set; it must be large enough.
 
     Returns
     -------

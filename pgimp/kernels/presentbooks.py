@@ -1,4 +1,4 @@
-"""What contact in the initial configuration books: impulses, heat, losses, and areas."""
+"""Bookkeeping of contact in the initial configuration: impulses, heat, losses, and areas."""
 
 from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.kernels.accumulated import impulse_of, take_up
@@ -10,7 +10,7 @@ from pgimp.kernels.ledger import CONTACT_AREA
 
 @inner_kernel
 def _press_at(encounters, x, y, z, of):
-    """Whether the bodies of the pair whose ends are `of` press on each other at a vertex."""
+    """Whether the bodies of the pair with the ends `of` press on each other at a vertex."""
     ends = encounters.ends
     low, high = 0, len(ends)
     while low < high:  # vertices ascend
@@ -32,7 +32,7 @@ def _press_at(encounters, x, y, z, of):
 
 @inner_kernel
 def _wall_of(end, walls):
-    """Number of the wall that a pair is with; below 0 if it is with none."""
+    """Number of a pair's wall; below 0 without one."""
     return max(end[BODIES], end[BODIES + 1]) - walls.first
 
 
@@ -40,8 +40,8 @@ def _wall_of(end, walls):
 def _book_areas(encounters, others, walls, ledger):
     """Book the areas at vertices of `others` that do not press, where one beside them does.
 
-    A vertex weighs its neighbourhood, so that an area is divided between the two planes of vertices
-    that it lies between. Of these one may do all the pressing.
+    A vertex weights its neighbourhood, so that an area is divided between the two planes of
+    vertices next to it, of which one may transmit all of the pressure.
     """
     for k in range(len(others.ends)):
         end, row, axis = others.ends[k], others.partners[k], 0
@@ -61,14 +61,14 @@ def _book_areas(encounters, others, walls, ledger):
 
 @kernel
 def book_contacts(contact, free, encounters, deep, responses, values, walls, ledger):
-    """Book what has been exchanged, in the first plane of the grid, whose owner calls this.
+    """Book the exchanged impulses, in the first plane of the grid, whose owner calls this.
 
     Parameters
     ----------
     deep : Encounters
         The pairs that lie too deep to act, see `find_encounters`.
     walls : SeparatingWalls
-        What these give is booked as the faces' impulse.
+        Their impulses are booked as the faces'.
     """
     _book_areas(encounters, deep, walls, ledger)
     _book_areas(encounters, encounters, walls, ledger)

@@ -1,7 +1,7 @@
-"""Places in a vertex's record of 8 float64, of which the grid's arrays are made.
+"""Entries of a vertex's record of 8 float64, of which the grid's arrays consist.
 
-While particles are summed it holds (m, p) and (0, f); the momentum update makes (m, v) and (h, a)
-of that. h tells which components a face or a constraint holds, see `pgimp.kernels.heldcodes`.
+While particles are summed it holds (m, p) and (0, f); the momentum update turns that into (m, v)
+and (h, a). h encodes which components a face or a constraint holds, see `pgimp.kernels.heldcodes`.
 """
 
 #: Distance, in float64, of neighbours along the innermost direction.

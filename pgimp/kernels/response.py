@@ -1,16 +1,17 @@
-"""How the impulses on rigid bodies that move freely depend on the velocities that they will have.
+"""Response of the impulses on free rigid bodies to their velocities at the step's end.
 
-What a body gets in the last pass of contact follows from its velocity V and angular velocity w at
-the step's end, and these from that. With r from its centre to a vertex, T = [1, -[r]x], and K the
-derivative of the impulse at the vertex by the velocity there, with the sign turned, the derivative
-of impulse and moment is the sum of T^t K T. K is n n^t/m^-1 where a surface slips, and more across
-the normal n where it sticks.
+A body's impulse in the last pass of contact follows from its velocity V and angular velocity w at
+the step's end, and these from the impulse. With r from its centre to a vertex, T = [1, -[r]x], and
+K the derivative of the impulse at the vertex by the velocity there, with the sign turned, the
+derivative of impulse and moment is the sum of T^t K T. K is n n^t/m^-1 where a surface slips, and
+more across the normal n where it sticks.
 """
 
 from math import inf, sqrt
 
 from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.kernels.contact import (
+    BILATERAL,
     CLING,
     DRAWN,
     NORMAL,
@@ -18,7 +19,6 @@ from pgimp.kernels.contact import (
     PUSH,
     SLIP,
     STUCK,
-    TOLD,
     WEIGHT,
 )
 from pgimp.kernels.contactlaw import softness
@@ -27,13 +27,13 @@ from pgimp.kernels.meet import meet_at
 from pgimp.kernels.tools import CAUTIOUS, CENTRE, FREE, GIVEN, LEAST, MOST, RESPONSE, place_of
 from pgimp.physics.contact import TIED
 
-#: An impulse across the normal that counts as none; squares of less have no digits left.
+#: Least impulse across the normal; squares of smaller ones underflow.
 NONE = 1e-120
 
 
 @kernel
 def find_response(contact, faces, frame, field, forcing):
-    """Set what free rigid bodies would get in the last pass, and how it depends on their motion.
+    """Set the impulses on free rigid bodies in the last pass, and their derivatives by the motion.
 
     Parameters
     ----------
@@ -74,9 +74,9 @@ def _some_free(tools, D, number):
 
 @inner_kernel
 def _add(contact, tools, frame, number, pair, count, plane):
-    """Add what the rigid body of a pair gets at a vertex, if it moves freely.
+    """Add the impulse on a pair's rigid body at a vertex, if it moves freely.
 
-    `count` is the number of fields that may answer together.
+    `count` is the number of fields that may respond together.
     """
     row, a, b = contact.partners[pair], contact.ends[pair, 0], contact.ends[pair, 1]
     rigid, other = (a, b) if contact.fields[a, WEIGHT] == inf else (b, a)
@@ -86,7 +86,7 @@ def _add(contact, tools, frame, number, pair, count, plane):
     free = tools.about[t, FREE]
     if free < 0:
         return
-    # Where others push back, the answer is stiffer: as if all that is there moved as one.
+    # Where others push back, the response is stiffer: as if all fields there moved as one.
     mass = contact.fields[other, WEIGHT]
     if count > 1:
         mass = 0.0
@@ -100,7 +100,7 @@ def _add(contact, tools, frame, number, pair, count, plane):
     along, across, drag, turn = _slopes(contact, pair, other, push, mobility)
     inverse = 1.0 / slip if slip > NONE else 0.0
     drag, turn = inverse * drag, inverse / slip * turn if slip > NONE else 0.0
-    if tools.motion[t, CAUTIOUS] != 0.0:  # what has a limit grows with the velocity: never too far
+    if tools.motion[t, CAUTIOUS] != 0.0:  # a bounded impulse as viscous: never overshoots
         drag, turn = 0.0, 0.0
         if push < 0.0:
             along = _pulled(row, mobility)
@@ -122,7 +122,7 @@ def _add(contact, tools, frame, number, pair, count, plane):
 
 @inner_kernel
 def _turned(arm, d, u):
-    """Velocity along `d` of a point at `arm` for one along, or from 3 on about, direction `u`."""
+    """Velocity along `d` of a point at `arm` per unit velocity along, or from 3 on about, `u`."""
     if u < 3:
         return 1.0 if d == u else 0.0
     if d == (u + 1) % 3:
@@ -134,20 +134,20 @@ def _turned(arm, d, u):
 
 @inner_kernel
 def _mobility(contact, tools, a, b, other, part):
-    """What a free rigid body meets at a vertex, as inverse of a mass, by component.
+    """Inverse mass that a free rigid body meets at a vertex, by component.
 
-    `part` is that which the field has of what may answer together. What is held answers alone.
+    `part` is the field's share of the mass that may respond together. What is held responds alone.
     """
     soft, own = softness(contact, tools, a, b), contact.fields[other]
     return (
-        part * own[TOLD] + soft[0], part * own[TOLD + 1] + soft[1],
-        part * own[TOLD + 2] + soft[2],
+        part * own[BILATERAL] + soft[0], part * own[BILATERAL + 1] + soft[1],
+        part * own[BILATERAL + 2] + soft[2],
     )  # fmt: skip
 
 
 @inner_kernel
 def _pulled(row, mobility):
-    """Impulse along the normal that adhesion gives, over the velocity that it is against."""
+    """Impulse of adhesion along the normal, over the velocity that it opposes."""
     answer = 0.0
     for d in range(3):
         answer += row[NORMAL + d] ** 2 * mobility[d]
@@ -159,8 +159,8 @@ def _slopes(contact, pair, other, push, mobility):
     """Derivatives of the impulse on a rigid body by its velocity, with the sign turned.
 
     Returns that along the normal, that across it, that of the slip by the velocity along the
-    normal, and what that across is less along the slip itself. Bodies that are tied have none of
-    these: what they get is by component, the velocity over the mobility.
+    normal, and the reduction of that across along the slip itself. Tied bodies have none of these:
+    their impulse is the velocity over the mobility, by component.
     """
     entry, row = contact.ends[pair, 2] - 1, contact.partners[pair]
     answer, most = 0.0, 0.0
@@ -169,7 +169,7 @@ def _slopes(contact, pair, other, push, mobility):
         most = max(most, mobility[d])
     if contact.pairs.law[entry] == TIED or not (push != 0.0 or row[CLING] > 0.0):
         return 0.0, 0.0, 0.0, 0.0
-    held = answer > 0.0 and push != 0.0 and push > -row[PULL]  # else it pulls as much as it can
+    held = answer > 0.0 and push != 0.0 and push > -row[PULL]  # else it pulls at its limit
     along, across = 1.0 / answer if held else 0.0, row[STUCK] / most
     if row[STUCK] == 1.0:
         return along, across, 0.0, 0.0

@@ -1,4 +1,4 @@
-"""What one particle gives to the vertices of its support; see `pgimp.kernels.transfer`."""
+"""Scatter to the vertices of a particle's support; see `pgimp.kernels.transfer`."""
 
 from typing import Any, NamedTuple
 
@@ -11,7 +11,7 @@ from pgimp.kernels.transfer import last_entries, last_step
 
 
 class Share(NamedTuple):
-    """What a particle gives to the vertices of its support, vectors (m, p) and (0, f).
+    """A particle's contributions to the vertices of its support, vectors (m, p) and (0, f).
 
     Attributes
     ----------
@@ -93,9 +93,8 @@ def _scatter_lines(G, support, d, place, counts, stride, Z, share):
     Z : tuple
         Weights, gradients, arms and `factors` along the last direction.
     share : Share
-        What remains of it: A and B with the sums over the directions that came before, S and C of
-        the current direction and the following ones, times the weights so far, and M times the
-        factors so far.
+        The rest of it: A and B with the sums over the previous directions, S and C of the current
+        direction and the following ones, times the weights so far, and M times the factors so far.
     """
 
 
@@ -124,7 +123,7 @@ def _scatter_all(G, support, d, place, counts, stride, Z, share):
 def _scatter_some(like, count, G, support, place, counts, stride, share):
     """Add a particle that has weight on `count` vertices along the last direction.
 
-    There are no more than `like` has; each number has code of its own.
+    At most as many as `like` has; each number has its own code.
     """
 
 
@@ -155,13 +154,13 @@ def scatter(shape, G, support, place, stride, share):
     Parameters
     ----------
     support : Support
-        Where it has weight.
+        Its weights.
     place : int
         Of the first vertex in `G`.
     stride : tuple of int
         The window's.
     share : Share
-        What it gives.
+        Its contributions.
     """
 
 

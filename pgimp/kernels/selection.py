@@ -1,4 +1,4 @@
-"""The particles near the vertices at which bodies meet: others need not be summed again."""
+"""Selection of the particles near vertices at which bodies meet: others are not summed again."""
 
 from pgimp.jit.kernel import inner_kernel, kernel
 
@@ -8,7 +8,7 @@ LOW_Y, HIGH_Y, LOW_Z, HIGH_Z, SPREAD = 0, 1, 2, 3, 4
 
 @inner_kernel
 def include(spread, i, j, k):
-    """Widen what is known of plane `i` by a vertex."""
+    """Widen the range of plane `i` by a vertex."""
     spread[i, LOW_Y], spread[i, HIGH_Y] = min(spread[i, LOW_Y], j), max(spread[i, HIGH_Y], j)
     spread[i, LOW_Z], spread[i, HIGH_Z] = min(spread[i, LOW_Z], k), max(spread[i, HIGH_Z], k)
 
@@ -24,7 +24,7 @@ def select_near(frame, window, particles, order, spread, shared, rows, start):
     order : Order
         Of all particles of the rank.
     spread : (planes, SPREAD) int64
-        Between which vertices those of each plane lie; none if the least is above the greatest.
+        Range of the vertices in each plane; empty if the least is above the greatest.
     shared : int
         Vertices a direction in a support, less one.
     rows : (n,) int32

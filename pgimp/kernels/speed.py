@@ -1,12 +1,12 @@
-"""How fast waves and particles cross the grid: what limits the step.
+"""Speed at which waves and particles cross the grid, which limits the step.
 
 In the current configuration particles move over the grid, at (c + |v|)/L. A grid of the initial
-configuration moves and deforms with the material: what crosses it is waves alone, and how fast
-follows from lengths at the start. A wave of speed c along n goes along N = F^T n/|F^T n| there, at
+configuration moves and deforms with the material: only waves cross it, at a speed by lengths at the
+start. A wave of speed c along n goes along N = F^T n/|F^T n| there, at
 c |F^-T N|: at most c over the least stretch, of which the greatest row sum of C^-1 = F^-1 F^-T,
-which no rotation changes, gives a bound, exact where the stretches lie along the grid. That takes
-the fastest wave and the least stretch together, though a stretched bar has them along directions of
-its own; a material may know better by an `initial_speed(material, F, J)`.
+which no rotation changes, gives a bound, exact where the stretches lie along the grid. This
+combines the fastest wave with the least stretch, whose directions may differ, as in a stretched
+bar; a material may give a better bound by an `initial_speed(material, F, J)`.
 """
 
 from math import sqrt
@@ -37,7 +37,7 @@ def _shortening(F):
 
 
 def _initial_speed(setting, numbers, F, J, state, by):
-    """Speeds of waves in the initial configuration; `by` is what `shortening` gives."""
+    """Speeds of waves in the initial configuration; `by` is from `shortening`."""
 
 
 @specialise(_initial_speed)
@@ -67,7 +67,7 @@ def grid_speed(setting, controlled, numbers, after, inverse, extra):
     inverse : float
         1 over the side of a cell.
     extra : Vec4 or float
-        What `update_viscous_pressure` gives.
+        From `update_viscous_pressure`.
     """
 
 
@@ -91,7 +91,7 @@ def _grid_speed(setting, controlled, numbers, after, inverse, extra):
 
 
 def _steeper(by, extra):
-    """What viscosity adds, by lengths of the initial configuration: a vector by^2 extra."""
+    """The share of viscosity, by lengths of the initial configuration: a vector by^2 extra."""
 
 
 @specialise(_steeper)

@@ -1,7 +1,7 @@
-"""The vertices of the grid of the start where bodies of the initial configuration meet something.
+"""Vertices of the grid of the start near contact of bodies in the initial configuration.
 
-They are told from each other by a key, which is that of a vertex in the whole grid and of the
-velocity field: the same on all ranks.
+They are identified by a key, made of the vertex in the whole grid and of the velocity field: the
+same on all ranks.
 """
 
 from typing import NamedTuple
@@ -15,13 +15,13 @@ from pgimp.kernels.present import FIELD
 from pgimp.kernels.record import ACCELERATION, MASS, RECORD, VELOCITY
 from pgimp.kernels.support import vertex_at, weights_at
 
-#: Columns of `StartVertices.values`: mass, velocity, inverse of mass by component, which is 0 where
-#: a face or a constraint holds it; the impulse of contact that went there.
+#: Columns of `StartVertices.values`: mass, velocity, inverse mass by component, which is 0 where a
+#: face or a constraint holds it; the impulse of contact there.
 INERTIA, MOVES, YIELDS, LOST, STARTED = 0, 1, 4, 7, 10
 
 
 class StartVertices(NamedTuple):
-    """What is known of vertices of the grid of the start.
+    """Data of vertices of the grid of the start.
 
     Attributes
     ----------
@@ -34,12 +34,12 @@ class StartVertices(NamedTuple):
 
 
 class Seen(NamedTuple):
-    """Which vertices have been copied.
+    """Marks of the vertices that have been copied.
 
     Attributes
     ----------
     last : (planes * plane / 8,) int64
-        The step in which each has been copied last.
+        The step in which each was copied last.
     step : int
         The current one.
     """
@@ -72,12 +72,12 @@ def _has_weight(supports, i, q):
 
 @kernel
 def take_vertices(holding, field, table, supports, seen, vertices):
-    """Copy what is known of the vertices that particles have weight on at the start.
+    """Copy the vertices that particles have weight on at the start.
 
     Parameters
     ----------
     holding : Holding
-        What holds vertices.
+        Faces and constraints.
     field : Field
         After the update of momentum.
     table, supports
@@ -85,7 +85,7 @@ def take_vertices(holding, field, table, supports, seen, vertices):
     seen : Seen
         Vertices that have been copied are marked.
     vertices : StartVertices
-        Set to what is known; there must be room.
+        Filled; it must be large enough.
 
     Returns
     -------

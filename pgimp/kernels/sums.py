@@ -16,9 +16,9 @@ MASS, MOMENTUM, ANGULAR, MOMENT, KINETIC, STRAIN, SUMS = 0, 1, 4, 7, 10, 11, 12
 
 
 def book_losses(row, materials, k, args, state, V0):
-    """Add what a particle's material says of energy that it does not give back, after the others.
+    """Add the energy losses that a particle's material reports, after the other sums.
 
-    Nothing where no material of the scene says any.
+    Nothing where no material of the scene reports any.
     """
 
 
@@ -93,8 +93,8 @@ def exact_masses(particles, rows, unit, masses):
     unit : float
         2^60 over a power of two that is greater than the sum.
     masses : (bodies, 2) int64
-        Zero on entry; then mass is ``(high + low / 2**62) / unit``. What a particle has below
-        2^-62 / unit is left out: nothing, unless it is 2^69 times lighter than the greatest sum.
+        Zero on entry; then mass is ``(high + low / 2**62) / unit``. The part of a mass below
+        2^-62 / unit is dropped: zero, unless it is 2^69 times lighter than the greatest sum.
     """
     for p in rows:
         scaled = particles.m[p] * unit

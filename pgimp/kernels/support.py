@@ -1,7 +1,6 @@
-"""The vertices that single particles have weight on, in memory: for the few that meet something.
+"""Supports of single particles, in memory: for the few near contact.
 
-All others' supports are of four particles at once, and are gone with these, see
-`pgimp.kernels.batch`.
+Other supports are computed for four particles at once, on the stack, see `pgimp.kernels.batch`.
 """
 
 from typing import NamedTuple, Self
@@ -28,7 +27,7 @@ class Supports(NamedTuple):
     local : (k, 3) uint32
         The vertices of any of them, counted from the first one, the last direction innermost.
     at : (n, k) int64
-        The numbers of the vertices among those of which more is known, or -1.
+        The numbers of the vertices in another table, or -1.
     """
 
     first: IntArray
@@ -39,7 +38,7 @@ class Supports(NamedTuple):
 
     @classmethod
     def empty(cls, count: int, local: NDArray[np.uint32]) -> Self:
-        """Make room for the supports of `count` particles; `local` is of `local_vertices`."""
+        """Allocate the supports of `count` particles; `local` is from `local_vertices`."""
         return cls(
             np.empty((count, 3), np.int64), np.empty((count, 3, 4)), np.empty((count, 3, 4)),
             local, np.empty((count, len(local)), np.int64),

@@ -1,4 +1,4 @@
-"""Parts of boxes of tents that planes cut off."""
+"""Parts of products of tents that planes cut off."""
 
 from math import sqrt
 

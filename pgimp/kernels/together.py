@@ -1,10 +1,10 @@
-"""What four particles take from the grid: one after the other, or together if they share a support.
+"""Gather for four particles: one after the other, or together if they share a support.
 
-One after the other, each takes whole records of vertices, as vectors, with its own weights, and the
-sums are transposed. In the initial configuration the particles of a lattice's cell share their
-vertices for ever: four of them take each number of a record once, with vectors of their weights.
-Which particles come together follows from the canonical order, which never changes there, so that
-the bits do not depend on ranks.
+One after the other, each reads whole records of vertices, as vectors, with its own weights, and the
+sums are transposed. In the initial configuration the particles of a lattice's cell always share
+their vertices: four of them read each number of a record once, with vectors of their weights. The
+groups of four follow from the canonical order, which never changes there, so that the bits do not
+depend on ranks.
 """
 
 from pgimp.jit.kernel import specialise
@@ -27,7 +27,7 @@ from pgimp.kernels.transfer import Support
 
 
 def take_from_grid(places, field, mean, batch, buffer, sums):
-    """What the grid gives to four particles.
+    """Gather velocity, acceleration and gradient for four particles.
 
     Parameters
     ----------
@@ -36,9 +36,9 @@ def take_from_grid(places, field, mean, batch, buffer, sums):
     field, batch
         See `Field`, `Batch`.
     mean
-        As `Loads` has it.
+        See `Loads`.
     buffer, sums
-        The supports of the batch, and room for what `keep_sums` keeps.
+        The supports of the batch, and scratch for `keep_sums`.
 
     Returns
     -------
@@ -47,7 +47,7 @@ def take_from_grid(places, field, mean, batch, buffer, sums):
     grad : tuple of D*D Vec4
         Gradient of the velocity, row-major.
     held : Vec4
-        Weighted sums of what vertices have in `HELD`.
+        Weighted sums of `HELD` over the vertices.
     """
 
 

@@ -1,10 +1,10 @@
-"""Rigid bodies at the vertices: what part of a neighbourhood they fill, and their surface's normal.
+"""Rigid bodies at the vertices: the filled part of a neighbourhood, and their surface's normal.
 
 A vertex weighs its neighbourhood with tents of the sides of two cells. Each is the sum of three
 tents of half the size, with a quarter, a half, a quarter of the weight; of these the part on the
-inner side of a plane is found from the distance of its middle. So what a flat surface fills is
-right at any angle, and edges are rounded by an eighth of a cell only. Where surfaces are nearly
-flat the vertex's own tent and the mean distance are enough.
+inner side of a plane is found from the distance of its middle. So the filled part is exact for a
+flat surface at any angle, and edges are rounded by an eighth of a cell only. Where surfaces are
+nearly flat the vertex's own tent and the mean distance are enough.
 """
 
 from math import sqrt
@@ -20,8 +20,8 @@ from pgimp.kernels.tents import cut
 
 #: Columns of `Tools.motion`: the reference point now and at the start, the matrix that turns the
 #: body, distance of the lattice's points, its first point; velocity and angular velocity at the
-#: step's beginning, both at its end; of those that move freely whether these are sought cautiously,
-#: and how much they yield to what is held, see `pgimp.kernels.contactlaw.softness`.
+#: step's beginning, both at its end; of those that move freely whether slip is viscous in this
+#: iteration, and the compliance against held fields, see `pgimp.kernels.contactlaw.softness`.
 CENTRE, REFERENCE, TURN, SPACING, LOW, FORMER, LATTER, CAUTIOUS = 0, 3, 6, 15, 16, 19, 25, 31
 YIELDS, MOTION = 32, 33
 
@@ -34,20 +34,20 @@ SHAPE, FIRST, LEAST, MOST, FREE, ABOUT = 0, 3, 4, 7, 10, 11
 #: outward normal, and what curvature adds to the mean gap from a plane.
 DISTANCE, NORMAL, MEAN, FILLED, SURFACE, BENT, AT = 0, 1, 4, 5, 6, 9, 10
 
-#: Columns of `Tools.answers`: impulse and moment that a free body has got in the step, those that
-#: it would get in the last pass, and by how much less for each velocity along and about x, y, z, a
-#: matrix of 6 x 6.
+#: Columns of `Tools.answers`: impulse and moment on a free body in the step so far, those of the
+#: last pass, and minus their derivatives by the velocities along and about x, y, z, a matrix of 6 x
+#: 6.
 TAKEN, GIVEN, RESPONSE, ANSWER = 0, 6, 12, 48
 
-#: Difference of the mean distance from that at the vertex, as part of a cell, from which on a
-#: surface is not taken for flat within the neighbourhood.
+#: Difference of the mean distance from that at the vertex, as part of a cell, from which a surface
+#: does not count as flat within the neighbourhood.
 FLAT = 0.02
 
-#: Component of a normal along that of a wall which is rounding: the wall is square to the surface.
+#: Component of a normal along a wall's that is rounding: the wall is perpendicular to the surface.
 SQUARE = 1e-9
 
-#: What curvature adds to the mean gap over what it adds to that mean distance, which is k/16 in
-#: cells; see `pgimp.scene.latticebody`. From `SHARP` of a cell on it is an edge.
+#: Curvature's share of the mean gap over its share of that mean distance, which is k/16 in cells;
+#: see `pgimp.scene.latticebody`. From `SHARP` of a cell on it is an edge.
 BEND, SHARP = (1.0 / 12.0 + 1.0 / 16.0) * 16.0, 0.5 / 16.0
 
 
@@ -57,7 +57,7 @@ class Tools(NamedTuple):
     Attributes
     ----------
     motion : (tools, MOTION) float64
-        How each moves in the step, and where its lattice lies.
+        Motion of each in the step, and place of its lattice.
     about : (tools, ABOUT) int64
         The shape of its lattice, and the vertices near it.
     values : (points, 5) float64
@@ -78,7 +78,7 @@ class Tools(NamedTuple):
     answers: Any
 
 
-#: Where the answers of free bodies are among `Tools`.
+#: Place of the answers of free bodies in `Tools`.
 ANSWERS = Tools._fields.index("answers")
 
 
@@ -147,7 +147,7 @@ def _halves(tools, frame, part):
 
 @inner_kernel
 def _is_near(tools, t, frame, number):
-    """Set distance and normal at a vertex; returns whether the body may fill some of its reach."""
+    """Set distance and normal at a vertex; returns whether the body may be near."""
     about, at, D = tools.about[t], tools.at, len(frame.cell)
     square, along = 0.0, 0.0
     for d in range(D):
@@ -175,7 +175,7 @@ def place_of(frame, number):
 
 @inner_kernel
 def fill(tools, t, frame, number, sides):
-    """Set what body `t` fills of a vertex's neighbourhood; returns whether it is near.
+    """Set the part of a vertex's neighbourhood that body `t` fills; returns whether it is near.
 
     Parameters
     ----------
@@ -201,7 +201,7 @@ def fill(tools, t, frame, number, sides):
         at[FILLED], scale = 1.0, volume / reach
         at[SURFACE], at[SURFACE + 1], at[SURFACE + 2] = scale * n0, scale * n1, scale * n2
         return True
-    halved = True  # whole, or by walls that are square to the surface: planes of symmetry
+    halved = True  # whole, or cut by walls perpendicular to the surface: planes of symmetry
     for d in range(D):
         halved = halved and (sides[d] == 0 or abs(at[NORMAL + d]) < SQUARE)
     if halved and abs(at[MEAN] - at[DISTANCE]) < FLAT * frame.cell[0]:

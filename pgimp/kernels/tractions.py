@@ -2,14 +2,14 @@
 
 Where the stress is uniform, the particles' internal forces (16) cancel inside the body and leave
 -sigma grad(sum_p chi_p) at its surface. A traction is spread over the very same places: with boxes
-over the outermost particles' outer sides, of weights that are means over a box's ends over the ends
-of these, with tents over the layer in which their sum falls to zero, and where the surface cuts
+over the outermost particles' outer sides (where weights are means over a box's ends, over the ends
+of these), with tents over the layer in which their sum falls to zero, and where the surface cuts
 particles over the outer sides of these and of their inner neighbours, in proportion. In equilibrium
-it then cancels the internal force at every vertex beyond the surface, however light, wherever the
-body has moved.
+it then cancels the internal force at every vertex beyond the surface, however light, after any
+motion of the body.
 
 So a particle at the face carries a patch: its area in the initial state is stored, its place
-relative to the particle is one for all. Patches move, stretch and turn as the particles of the
+relative to the particle is the same for all. Patches move, stretch and turn as the particles of the
 shape do: where sizes follow F they stay exact for stretches along the grid and quarter turns; in
 between they have the right second moments, within the particle's own box, beyond which there may
 be no mass. Points (mpm) carry the force where they are.
@@ -57,7 +57,7 @@ def patch_force(traction, F, area):
 
 @inner_kernel
 def _rounding(tent, half, u):
-    """What the mean of abs(u + x), over x in a box or tent about 0, has more than abs(u)."""
+    """Excess of the mean of abs(u + x), over x in a box or tent about 0, over abs(u)."""
     r = half - abs(u)
     if not r > 0.0:
         return 0.0
@@ -68,8 +68,8 @@ def _rounding(tent, half, u):
 def _mean(ends, tent, half, g):
     """Mean of the tent function of a vertex over a box or tent about g, in cells from the vertex.
 
-    Over the two `ends` of a box if so said. Half-widths may be zero; nothing is lost by
-    cancellation where the mean is small.
+    With `ends`, over the two ends of a box. Half-widths may be zero; there is no cancellation where
+    the mean is small.
     """
     if ends:
         return 0.5 * (max(1.0 - abs(g - half), 0.0) + max(1.0 - abs(g + half), 0.0))
@@ -105,12 +105,12 @@ def _along(traction, frame, F, x, d, vertex, like):
             wide += (stretch * traction.half[j]) ** 2
             own += (stretch * traction.half[j]) ** 2
     own = sqrt(own) * frame.inverse[d]
-    if traction.follows and own > LARGEST:  # where chi_p grows no more, neither does the patch
+    if traction.follows and own > LARGEST:  # where chi_p does not grow any more, nor does the patch
         centre *= LARGEST / own
         deep *= (LARGEST / own) ** 2
         wide *= (LARGEST / own) ** 2
         own = LARGEST
-    # The larger of the two decides on box or tent; a tent has half the second moment of a box.
+    # The larger of the two is a box or tent as given; a tent has half the second moment of a box.
     tent = traction.tents and wide > 2.0 * deep
     if tent:
         deep *= 2.0
@@ -127,7 +127,7 @@ def _along(traction, frame, F, x, d, vertex, like):
 
 
 def _support(traction, places, window, particles, p, layer, F, buffer):
-    """Put the weights of the vertices that get a patch's force into a buffer; first place.
+    """Store the weights of the vertices that get a patch's force; returns the first place.
 
     `places` is the shape and the frame.
     """
@@ -186,7 +186,7 @@ def _nothing_of(like):
 def scatter_tractions(tractions, setting, field, particles, rows, span, layer):
     """Add the forces on the patches of a layer's particles, in canonical order, to its own planes.
 
-    A loop of its own: in that over all particles it would take registers from what each needs.
+    A separate loop: in that over all particles it would cost registers.
 
     Parameters
     ----------

@@ -1,10 +1,10 @@
-"""Scatter and gather: what one particle gives to the vertices of its support, and takes back.
+"""Scatter and gather between a particle and the vertices of its support.
 
-What they move is the record of a vertex, see `pgimp.kernels.record`.
-Both transfers are written once for all dimensions, and factor the sums by direction: in 3D the
-innermost vertex costs P2G three vector multiply-adds, and G2P three. Vertices without weight at the
-support's end are left out; the innermost direction, along which records follow each other, is
-unrolled for each number of vertices, the others are loops.
+They move records of vertices, see `pgimp.kernels.record`. Both transfers are written once for all
+dimensions, and factor the sums by direction: in 3D the innermost vertex costs P2G three vector
+multiply-adds, and G2P three. Vertices without weight at the support's end are left out; the
+innermost direction, along which records follow each other, is unrolled for each number of vertices,
+the others are loops.
 """
 
 from typing import Any, NamedTuple
@@ -16,7 +16,7 @@ from pgimp.kernels.record import RECORD
 
 
 class Support(NamedTuple):
-    """Where one particle of a batch has weight.
+    """Support of one particle of a batch.
 
     Attributes
     ----------
@@ -31,7 +31,7 @@ class Support(NamedTuple):
 
 
 def last_step(stride):
-    """Distance of neighbours along the last direction, given its stride and those behind it.
+    """Distance of neighbours along the last direction, given its stride and the following ones.
 
     In 1D that is the distance of planes, which may hold several fields; else it is known.
     """

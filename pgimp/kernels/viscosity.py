@@ -54,7 +54,7 @@ def update_viscous_pressure(viscosity, setting, m, particles, rows, F, J, L):
     Returns
     -------
     Vec4
-        q/(rho L |D|), the speed by which viscosity stiffens a particle; 0 without any.
+        q/(rho L |D|), the speed that viscosity adds; 0 without any.
     """
 
 

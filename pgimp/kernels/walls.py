@@ -1,18 +1,18 @@
 """Faces that hold particles in.
 
 The grid's velocity at a wall is zero only where all the weight is on vertices that the wall holds.
-A particle wider than a point has some on the vertices inside, so that flow along a wall, and what
-is pressed against it, creeps through: by a millionth of a cell, or by parts of it where particles
-stretch. Such a particle is set back onto the wall, and its velocity into the wall becomes that of
-the wall, as in an inelastic impact. What it loses by that is the wall's impulse and work.
+A particle wider than a point has some on the vertices inside, so that material
+that flows along a wall, or is pressed against it, creeps through: by a millionth of a cell, or more
+where particles stretch. Such a particle is moved back onto the wall, and its velocity into the wall
+becomes the wall's, as in an inelastic impact. Its loss is the wall's impulse and work.
 """
 
 from math import isfinite
 
 from pgimp.jit.kernel import inner_kernel, specialise
 
-#: Columns of `walls`: the face's number or -1, where particles are put, the wall's velocity, and
-#: gravity across it.
+#: Columns of `walls`: the face's number or -1, the coordinate to which particles are moved, the
+#: wall's velocity, and gravity across it.
 FACE, PLACE, VELOCITY, GRAVITY, WALL = 0, 1, 2, 3, 4
 
 
@@ -29,25 +29,25 @@ def _prescribed_by(constraints, number, d):
 
 @inner_kernel
 def hold_inside(walls, frame, constraints, particles, p, impulse, work):
-    """Set a particle that has passed walls back onto them.
+    """Move a particle that has passed walls back onto them.
 
     Parameters
     ----------
     walls : (6, 4) float64
         For each face, x-min to z-max: its number among those with a condition, or -1 if it holds
-        nothing in; the coordinate where it puts particles; its velocity along the normal; the
+        nothing in; the coordinate to which it moves particles; its velocity along the normal; the
         component of gravity along that axis.
     constraints : tuple of Constraint
         Constraints; a particle moves as its constraint says, also through a wall.
     impulse : (faces, 3) float64
-        Grows by the momentum that the walls give.
+        Grows by the walls' impulses.
     work : (1,) float64
-        Grows by their work, and by that of gravity on the way back.
+        Grows by their work, and by that of gravity over the correction.
 
     Returns
     -------
     int
-        1 if the particle is another now, else 0.
+        1 if the particle was changed, else 0.
     """
     held = 0
     for d in range(len(frame.origin)):

@@ -1,4 +1,4 @@
-"""Work of rank 0 or of each rank whose failure every rank learns, so that none waits forever."""
+"""Work of rank 0 or of each rank whose failure reaches every rank, so that none waits forever."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def on_root(comm: Any, action: Callable[[], T]) -> T:
 
 
 def agree(comm: Any, what: str, cause: str | None) -> None:
-    """Let every rank know whether any of them failed.
+    """Raise on every rank if any of them failed.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def agree(comm: Any, what: str, cause: str | None) -> None:
     Raises
     ------
     RunError
-        On every rank, with the cause that the lowest failing rank gave.
+        On every rank, with the cause of the lowest failing rank.
     """
     causes = comm.allgather(cause)
     for rank, first in enumerate(causes):
@@ -67,7 +67,7 @@ def agree(comm: Any, what: str, cause: str | None) -> None:
 
 
 def all_or_none(comm: Any, action: Callable[[], T], *kinds: type[Exception]) -> T:
-    """Do something on every rank, and let it fail on all if it fails on one.
+    """Do something on every rank; it fails on all if it fails on one.
 
     Parameters
     ----------

@@ -30,14 +30,14 @@ class SharedUsageError(UsageError):
 
 
 class Launcher(NamedTuple):
-    """What the environment says about the program that started this process as one rank of many.
+    """The program that started this process as one rank of many, by the environment.
 
     Attributes
     ----------
     name : str
         The name of the launcher, for messages.
     size : int or None
-        Number of ranks it started; None if it does not say.
+        Number of ranks it started; None if unknown.
     rank : int
         Number of this process among them.
     """
@@ -48,7 +48,7 @@ class Launcher(NamedTuple):
 
 
 def launcher(environ: Mapping[str, str] | None = None) -> Launcher | None:
-    """Find out from the environment whether an MPI launcher started this process.
+    """Detect from the environment whether an MPI launcher started this process.
 
     Parameters
     ----------
@@ -104,7 +104,7 @@ def world() -> Any:
     -------
     mpi4py.MPI.Intracomm or Serial
         ``COMM_WORLD`` when a launcher started several ranks, which initialises MPI; otherwise
-        `Serial`, for which no MPI library needs to be there, and MPI stays uninitialised.
+        `Serial`, which needs no MPI library, and MPI stays uninitialised.
 
     Raises
     ------
@@ -147,8 +147,8 @@ def world() -> Any:
 def quiet_mpi() -> None:
     """Keep imports from initialising MPI in this process.
 
-    An h5py that is built with MPI imports ``mpi4py.MPI``, which initialises MPI unless told not
-    to. To be called before h5py is imported, by every command except a run on several ranks.
+    An h5py that is built with MPI imports ``mpi4py.MPI``, which initialises MPI by
+    default. To be called before h5py is imported, by every command except a run on several ranks.
     """
     import mpi4py
 
@@ -157,7 +157,7 @@ def quiet_mpi() -> None:
 
 
 class Serial:
-    """A communicator of one rank, for which no MPI library needs to be there.
+    """A communicator of one rank, which needs no MPI library.
 
     It has the part of mpi4py's interface that makes sense on one rank; buffers are only ever sent
     between several.
@@ -208,7 +208,7 @@ def describe(error: BaseException) -> str:
 def say(message: str) -> None:
     """Write a message to stderr in one piece, so that those of several ranks do not mix."""
     for stream, text in ((sys.stdout, ""), (sys.stderr, escape(f"pgimp: {message}\n"))):
-        # Without a stream to say it on, the status must do.
+        # Without a stream, only the status can tell.
         with suppress(OSError, ValueError, AttributeError):
             stream.write(text)
             stream.flush()
@@ -216,7 +216,7 @@ def say(message: str) -> None:
 
 @contextmanager
 def abort_on_error(comm: Any) -> Iterator[None]:
-    """Take all ranks down together, with one message, when any of them raises.
+    """End all ranks together, with one message, when any of them raises.
 
     A `CaseError` or `UsageError` that every rank raises is printed by rank 0, and all ranks leave
     with status 2. Anything else is printed by the lowest of the ranks that failed together, which

@@ -1,4 +1,4 @@
-"""How much memory the processes of a node may still take: of the machine, a cgroup, a process."""
+"""Memory that the processes of a node may still take: of the machine, a cgroup, a process."""
 
 import os
 import resource
@@ -6,7 +6,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
-#: A v1 cgroup without a limit says a number of about 2^63.
+#: A v1 cgroup without a limit reports about 2^63.
 _NO_LIMIT = 2**60
 
 
@@ -22,7 +22,7 @@ class Limit(NamedTuple):
     free : int
         Bytes.
     addresses : bool
-        Whether memory counts that is asked for, but never touched.
+        Whether memory that is allocated but never touched counts.
     """
 
     shared_by: str
@@ -66,9 +66,9 @@ def limits(root: str = "/") -> list[Limit]:
 
 
 def _overcommit(top: Path, memory: dict[str, int], node: str) -> list[Limit]:
-    """What the kernel grants without looking at what is touched."""
+    """Memory that the kernel grants regardless of what is touched."""
     mode = _text(top / "proc/sys/vm/overcommit_memory")
-    if mode == "0" and "MemTotal:" in memory:  # it refuses what could never be there at once
+    if mode == "0" and "MemTotal:" in memory:  # it refuses what exceeds the total
         most = (memory["MemTotal:"] + memory.get("SwapTotal:", 0)) * 1024
         process = f"{node} process {os.getpid()}"
         return [Limit(process, "the whole memory of this node", most, True)]

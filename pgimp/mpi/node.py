@@ -1,4 +1,4 @@
-"""Ranks of one node: what they share, and which of them goes first."""
+"""Ranks of one node: shared cores, and the order in which they compile."""
 
 import os
 from collections.abc import Callable, Iterable, Iterator
@@ -14,7 +14,7 @@ def one_rank_first(comm: Any) -> Iterator[None]:
     """Run the body on the first rank of each node, then on the others; collective.
 
     The first compiles, the others find the kernels in the cache.
-    An error in the body passes through after the others have been let go.
+    An error in the body passes through after the others have been released.
     """
     if comm.size == 1:
         yield
@@ -36,7 +36,7 @@ def shared_out(comm: Any, calls: Iterable[Call]) -> None:
     """Make calls that compile kernels: the ranks of a node share them, then make all; collective.
 
     What another rank has compiled is found in the cache. An error in a call passes through after
-    the others have been let go, who then meet it too.
+    the others have been released, which then meet it too.
     """
     calls = list(calls)
     if comm.size > 1:
@@ -54,7 +54,7 @@ def shared_out(comm: Any, calls: Iterable[Call]) -> None:
 
 
 def _part(calls: list[Call], rank: int, ranks: int) -> list[Callable[[], Any]]:
-    """A rank's part of the calls: the longest first, each to who is to be done first."""
+    """A rank's part of the calls: the longest first, each to the rank with the least so far."""
     busy, mine = [0.0] * ranks, []
     for seconds, call in sorted(calls, key=lambda one: -one[0]):
         first = busy.index(min(busy))

@@ -1,4 +1,4 @@
-"""Environment variables that turn off what never changes a bit, for comparisons."""
+"""Environment variables that turn off features that change no bit, for comparisons."""
 
 import os
 
@@ -6,7 +6,7 @@ from pgimp.errors import UsageError
 
 
 def switched_on(name: str, off: str, on: str) -> bool:
-    """Whether an environment variable leaves something on.
+    """Whether an environment variable leaves a feature on.
 
     Parameters
     ----------
@@ -18,7 +18,7 @@ def switched_on(name: str, off: str, on: str) -> bool:
     Raises
     ------
     UsageError
-        If the variable has a value that means nothing.
+        If the variable has another value.
     """
     value = os.environ.get(name, "")
     if value not in ("", "0", "1"):

@@ -72,14 +72,14 @@ class Motion(Model):
         return self.velocity is not None or self.rotation is not None
 
     def displacement(self, t: float) -> Triple:
-        """Return the way of the reference point from time 0 to `t`."""
+        """Return the displacement of the reference point from time 0 to `t`."""
         if self.velocity is None:
             return (0.0, 0.0, 0.0)
         if isinstance(self.velocity, VectorTable):
-            way = self.velocity.integral(t)
+            shift = self.velocity.integral(t)
         else:
-            way = tuple(v * t for v in self.velocity)
-        x, y, z = (*way, 0.0, 0.0)[:3]
+            shift = tuple(v * t for v in self.velocity)
+        x, y, z = (*shift, 0.0, 0.0)[:3]
         return (x, y, z)
 
     @property
@@ -98,7 +98,7 @@ class Motion(Model):
 
     def pose(self, t: float) -> Pose:
         """Return where the body is at time `t`: exact, not summed up over steps."""
-        way, start, (x, y, z) = self.displacement(t), self.reference, self.axis
+        shift, start, (x, y, z) = self.displacement(t), self.reference, self.axis
         angle = self.rotation.angle(t) if self.rotation else 0.0
         c, s = cos(angle), sin(angle)
         one = 1.0 - c
@@ -107,7 +107,7 @@ class Motion(Model):
             y * x * one + z * s, c + y * y * one, y * z * one - x * s,
             z * x * one - y * s, z * y * one + x * s, c + z * z * one,
         )  # fmt: skip
-        return Pose((start[0] + way[0], start[1] + way[1], start[2] + way[2]), turn)
+        return Pose((start[0] + shift[0], start[1] + shift[1], start[2] + shift[2]), turn)
 
     def velocities(self, t: float) -> tuple[Triple, Triple]:
         """Return the velocity of the reference point and the angular velocity at time `t`."""
@@ -135,8 +135,8 @@ class Motion(Model):
         return max(hypot(*value) for value in values), max(map(abs, rates))
 
 
-#: Six ways in which a body may move; those that a free rigid body must not are `fixed`.
-WAYS = ("x", "y", "z", "rotation-x", "rotation-y", "rotation-z")
+#: The degrees of freedom of a body; those that a free rigid body lacks are `fixed`.
+FREEDOMS = ("x", "y", "z", "rotation-x", "rotation-y", "rotation-z")
 
 
 class Free(Model):
@@ -155,11 +155,13 @@ class Free(Model):
     )
 
     def may(self, dimensions: int) -> tuple[bool, ...]:
-        """Return which of `WAYS` it may move."""
-        there = (("x",), ("x", "y", "rotation-z"), WAYS)[dimensions - 1]
+        """Return which of `FREEDOMS` it has."""
+        there = (("x",), ("x", "y", "rotation-z"), FREEDOMS)[dimensions - 1]
         return tuple(
-            way in there and way not in self.fixed and not (d > 2 and "rotation" in self.fixed)
-            for d, way in enumerate(WAYS)
+            freedom in there
+            and freedom not in self.fixed
+            and not (d > 2 and "rotation" in self.fixed)
+            for d, freedom in enumerate(FREEDOMS)
         )
 
 

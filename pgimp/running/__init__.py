@@ -1,1 +1,1 @@
-"""A run as the command makes it: output, checkpoints, log, stopping, resuming."""
+"""A run: output, checkpoints, log, stopping, resuming."""

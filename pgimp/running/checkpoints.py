@@ -1,4 +1,4 @@
-"""The checkpoints of a run: when they fall due, how many stay, and which one is intact."""
+"""The checkpoints of a run: when they are due, how many are kept, and which is intact."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ from pgimp.solver.state import capture
 
 CHECKPOINT = re.compile(r"step-(\d{9,})\.h5")
 DAMAGED = ".damaged"
-# Until one has been written: a disk that takes this many bytes a second is a slow one.
+# Bytes per second of a slow disk, assumed until a checkpoint has been written.
 _SLOW = 100e6
 
 
 class About(BaseModel):
-    """What a checkpoint says of itself and of the output, apart from the simulation's state."""
+    """Header of a checkpoint: itself and the output, apart from the simulation's state."""
 
     model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
 
@@ -50,12 +50,12 @@ class About(BaseModel):
 
     @classmethod
     def of(cls, file: CheckpointFile) -> Self:
-        """Return what a checkpoint says.
+        """Return a checkpoint's header.
 
         Raises
         ------
         DamagedError
-            If it says something else.
+            If it has no valid one.
         """
         try:
             return cls.model_validate(file.about)
@@ -73,17 +73,17 @@ class Checkpoints:
     directory : Path
         The run directory; the same on every rank.
     case : Case
-        Says how often and how many.
+        Gives interval and number.
     sim : Simulation
-        The run, at its begin or as resumed.
+        The run, at its start or as resumed.
 
     Attributes
     ----------
     latest : int
         Step of the last one written; -1 before the first.
     seconds : float
-        What one takes at most, as far as known: until one has been written, an estimate, or what
-        it took before the run was resumed.
+        The most that one takes, as far as known: until one has been written, an estimate, or the
+        time before the run was resumed.
     size : int
         Bytes of those that this process wrote, on rank 0.
     """
@@ -108,7 +108,7 @@ class Checkpoints:
     def resume(self, comm: Any, step: int, about: About) -> None:
         """Go on after the checkpoint of a step; collective.
 
-        Later ones, which were found damaged, are renamed, or they would count as those to keep.
+        Later ones, which were found damaged, are renamed, so that they do not count as kept ones.
         """
         self.latest, self._stands_for = step, (about.frames, about.history, about.probes)
         if about.seconds is not None:
@@ -122,12 +122,12 @@ class Checkpoints:
                     path.rename(path.with_name(path.name + DAMAGED))
 
     def due(self, sim: Any) -> bool:
-        """Return whether one falls due by step or simulated time; to be asked after each step."""
+        """Return whether one is due by step or simulated time; to be called after each step."""
         return self._schedule.due(sim.time, sim.step, sim.dt)
 
     @property
     def overdue(self) -> bool:
-        """Whether one falls due by wall-clock time; to be asked on one rank."""
+        """Whether one is due by wall-clock time; to be called on one rank."""
         return monotonic() >= self._next
 
     def write(
@@ -199,7 +199,7 @@ class Checkpoints:
 
 
 def made_by() -> dict[str, str | None]:
-    """Return what the bits of a run depend on: versions, commit, type of CPU."""
+    """Return the versions, commit and CPU type that a run's bits depend on."""
     versions = runinfo.versions()
     names = (runinfo.PROGRAM, "numpy", "numba", "llvmlite")
     found = {name: versions[name] for name in names}
@@ -223,7 +223,7 @@ def number_of(path: Path) -> int:
 
 
 def intact(paths: list[Path], comm: Any) -> Iterator[tuple[Path, CheckpointFile | DamagedError]]:
-    """Go through checkpoints, each with its content, or with what is wrong; collective.
+    """Yield checkpoints, each with its content or its error; collective.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What a failed run leaves to look at: the particles at fault, those around them, and a report."""
+"""Files of a failed run: the particles at fault, those around them, and a report."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from pgimp.kernels.sums import fastest_rate
 from pgimp.kernels.updates.checks import OUTSIDE
 from pgimp.mpi.collective import on_root
 from pgimp.physics.fields import BY_RANKS, FIELDS, Source
-from pgimp.solver.faults import Failure, explanation
+from pgimp.solver.particle_errors import Failure, explanation
 
 if TYPE_CHECKING:
     from pgimp.solver.simulation import Simulation
@@ -41,8 +41,8 @@ def write(directory: Path, sim: Simulation, text: str, history: Path) -> Path | 
     """Write the folder ``failure`` of a run that a particle has stopped; collective.
 
     It holds ``particles.xdmf`` with ``particles.h5``, for ParaView, and ``report.txt``; an older
-    one is replaced. What has no place that can be drawn, in the domain or within a cell of it, is
-    shown where it was before.
+    one is replaced. Particles that cannot be drawn, farther than a cell from the domain, are shown
+    where they were before.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ def write(directory: Path, sim: Simulation, text: str, history: Path) -> Path | 
 
 def _write(folder: Path, sim: Simulation, failure: Failure, text: str, history: Path) -> None:
     comm, scene, what = sim.comm, sim.scene, "write what went wrong"
-    rows, kinds = sim.rank.faults[: sim.rank.failed].T
+    rows, kinds = sim.rank.errors[: sim.rank.failed].T
     found = _Found(rows, kinds, _places(sim, rows)[0])
     chosen, radius = _around(sim, found)
     # The same on any number of ranks.
@@ -131,14 +131,14 @@ def _clear(folder: Path) -> None:
 
 
 class _Found(NamedTuple):
-    """What is known of a rank's particles at fault that are listed.
+    """The listed particles at fault of a rank.
 
     Attributes
     ----------
     rows, kinds : (n,) int64
-        Their rows and faults, in canonical order.
+        Their rows and errors, in canonical order.
     places : (n, D)
-        Where they are or, failing that, were, in cells from the domain's origin.
+        Their places, present or else previous, in cells from the domain's origin.
     """
 
     rows: Array
@@ -149,8 +149,8 @@ class _Found(NamedTuple):
 def _places(sim: Simulation, rows: Array) -> tuple[Array, Array]:
     """Places in cells from the domain's origin, (n, D), and which of them are the positions.
 
-    The others are the middle of where a particle was by its layer and, in the other directions,
-    its cell at the last re-sort; in the initial configuration where it was at the start.
+    The others are the middle of the particle's layer and, in the other directions, of its cell at
+    the last re-sort; in the initial configuration where it was at the start.
     """
     p, frame = sim.particles, sim.scene.frame
     xi = (p.x[rows] - frame.origin) * frame.inverse
@@ -184,7 +184,7 @@ def _around(sim: Simulation, found: _Found) -> tuple[Array, float]:
 
 
 def _drawable(sim: Simulation, found: _Found, rows: Array) -> dict[str, Array]:
-    """Fields of the rows to be shown that are not just those of the particles."""
+    """Fields of the rows to be shown beside those of all particles."""
     p, scene = sim.particles, sim.scene
     places, drawable = _places(sim, rows)
     position = np.zeros((len(rows), 3))
@@ -228,7 +228,7 @@ def _state(sim: Simulation, found: _Found, i: int) -> str:
 
 
 def _advice(sim: Simulation, courant: float, kinds: set[int]) -> list[str]:
-    """What Courant number and faults tell, and how to see more."""
+    """Interpretation of Courant number and errors, and how to see more."""
     stable, failure = sim.case.method.stable, sim.failure
     if sim.case.watched:
         stable = sim.case.method.largest_courant(sim.case.dimensions)

@@ -1,4 +1,4 @@
-"""How much a run will write, and what of it was asked for at times that it never reaches."""
+"""Size of a run's output, and output requested for times that it never reaches."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 from pgimp.physics.fields import ALWAYS, Field
 
-#: Relative to the interval: rounding, by which the end is a multiple of it.
+#: Rounding, relative to the interval, within which the end is a multiple of it.
 _ROUNDING = 1e-9
 #: A number of frames that is probably a mistake.
 _MANY = 10_000
@@ -26,7 +26,7 @@ def frames(case: Any, steps: float) -> int:
 
 
 def frame_size(case: Any, fields: Mapping[str, Field], particles: int) -> float:
-    """Bytes of a frame of particles, before they are compressed; `fields` are those there are."""
+    """Bytes of a frame of particles, uncompressed; `fields` are all known ones."""
     real = 4 if case.output.precision == "float32" else 8
     total = 0
     for field in (*ALWAYS.values(), *(fields[name] for name in case.output.fields)):
@@ -46,7 +46,7 @@ def _between(every: Any, end: float, steps: float) -> float:
 
 
 def warnings(case: Any, steps: float) -> Iterator[str]:
-    """Yield what is asked for in vain: intervals of output that end after the run.
+    """Yield requests without effect: intervals of output that end after the run.
 
     Parameters
     ----------
@@ -56,17 +56,17 @@ def warnings(case: Any, steps: float) -> Iterator[str]:
         Steps that it takes, about.
     """
     ends = "at the start and at the end"
-    wanted = [
+    requested = [
         ("output.every", case.output.every, f"frames only {ends}"),
         ("checkpoint.every", case.checkpoint.every, "no checkpoints but the last"),
     ]
     # By default lines are for runs of more steps than this one may have.
     if "every" in case.history.model_fields_set:
-        wanted.append(("history.every", case.history.every, f"lines only {ends}"))
+        requested.append(("history.every", case.history.every, f"lines only {ends}"))
     for name, probe in case.probes.items():
-        wanted.append((f"probes.{name}.every", probe.every, f"lines only {ends}"))
+        requested.append((f"probes.{name}.every", probe.every, f"lines only {ends}"))
     end = case.time.last
-    for key, every, what in wanted:
+    for key, every, what in requested:
         if every is None or hasattr(every, "wall"):
             continue
         count = getattr(every, "steps", None)

@@ -1,4 +1,4 @@
-"""The frames of a run: what each particle is and where, at the times that the case asks for."""
+"""The frames of a run: positions and fields of all particles at the case's times."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Frames(Series):
         self.enter(case, sim)
 
     def enter(self, case: Any, sim: Any) -> None:
-        """Write what a case, or another stage of one, asks for."""
+        """Write the output of a case, or of another stage of one."""
         self.fields = [*ALWAYS, *(name for name in sim.scene.fields if name in case.output.fields)]
         compressed = case.output.compression != "none"
         self._file = ParticleFile(case, sim.scene, self.fields, case.output.precision, compressed)
@@ -47,9 +47,8 @@ class Frames(Series):
         Raises
         ------
         RunError
-            On every rank, if there is no room for the frame, or if the one before could not be
-            written whole; then there is no file of its name, and the frames before it are as they
-            were.
+            On every rank, if the disk is full, or if the frame before could not be written whole;
+            then there is no file of its name, and the frames before it are intact.
         """
         self.finish()
         path = self.folder / f"particles-{self.written:06d}.h5"

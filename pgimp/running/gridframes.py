@@ -1,4 +1,4 @@
-"""The frames of the grid: the cells where there are particles, and what their vertices have."""
+"""The frames of the grid: the cells with particles, and the values at their vertices."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ Array = np.ndarray
 
 
 class GridFrames(Series):
-    """Writes the frames of the grid, if the case wants any, and the XDMF file that lists them.
+    """Writes the frames of the grid, if the case has any, and the XDMF file that lists them.
 
     They have the numbers of the particles' frames. Each rank writes its own vertices and cells,
     which follow each other in the file.
@@ -47,7 +47,7 @@ class GridFrames(Series):
         self.enter(case)
 
     def enter(self, case: Any) -> None:
-        """Write what a case, or another stage of one, asks for."""
+        """Write the output of a case, or of another stage of one."""
         self.fields = [name for name in GRID if name in case.output.grid]
         self._type = np.dtype(case.output.precision).newbyteorder("<").str
         self._dimension = case.dimensions
@@ -152,7 +152,7 @@ class GridFrames(Series):
         return super().resume(number) if self.fields or there else []
 
     def _missing(self, number: int, there: int) -> list[str]:
-        """They may have been asked for only later."""
+        """They may have been requested only later."""
         return []
 
     def _listed(self, path: Path) -> Entry:

@@ -1,4 +1,4 @@
-"""log.txt: what the terminal showed, and at the end where the time went."""
+"""log.txt: the terminal's lines, and at the end the time of each phase."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pgimp.terminal import escape, silence
 
 
 class Log:
-    """Says things on the terminal and keeps them in a file; only on rank 0.
+    """Writes lines to the terminal and to a file; only on rank 0.
 
     Parameters
     ----------
@@ -24,7 +24,7 @@ class Log:
     Attributes
     ----------
     show : callable
-        Puts a line on the terminal; a progress bar replaces it to stay below the line.
+        Writes a line to the terminal; a progress bar replaces it to stay below the line.
     """
 
     def __init__(self, speaks: bool, quiet: bool = False) -> None:
@@ -48,7 +48,7 @@ class Log:
         self.note(text)
 
     def detach_terminal(self) -> None:
-        """Go on without the terminal: it was closed, or what read from a pipe has ended."""
+        """Go on without the terminal: it was closed, or the reader of a pipe has ended."""
         self.quiet = True
         silence(sys.stdout)
 
@@ -88,7 +88,7 @@ _BUSY = ("P2G", "momentum", "G2P", "order", "sort")
 
 
 def timing_table(comm: Any, seconds: dict[str, float], total: float) -> str:
-    """Lay out where the time of a run went.
+    """Format the time that each phase of a run took.
 
     Parameters
     ----------
@@ -97,13 +97,13 @@ def timing_table(comm: Any, seconds: dict[str, float], total: float) -> str:
     seconds : dict of str to float
         Of each phase on this rank.
     total : float
-        Wall time of the run in seconds; what the phases leave of it is the line "other".
+        Wall time of the run in seconds; the rest after all phases is the line "other".
 
     Returns
     -------
     str
         A line a phase: least, mean and most over the ranks, and the share of the wall time; on
-        several ranks the imbalance of what they do without waiting. Empty but on rank 0.
+        several ranks the imbalance of the phases without waiting. Empty but on rank 0.
     """
     gathered = comm.gather(seconds | {"other": total - sum(seconds.values())})
     if gathered is None:

@@ -1,4 +1,4 @@
-"""The files of the probes, ``probes/NAME.csv``, and what a checkpoint keeps of them."""
+"""The files of the probes, ``probes/NAME.csv``, and their records in a checkpoint."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _Place = Annotated[list[float], Field(min_length=1, max_length=3)]
 
 
 class Record(BaseModel):
-    """What a checkpoint keeps of a probe.
+    """Record of a probe in a checkpoint.
 
     Attributes
     ----------
@@ -55,12 +55,12 @@ def _what(entry: Any) -> tuple[str | None, list[float]]:
 
 
 def require_known(case: Any, records: Mapping[str, Record]) -> None:
-    """Ensure that the probes of a case can go on from what a checkpoint keeps of them.
+    """Ensure that the probes of a case can go on from their records in a checkpoint.
 
     Raises
     ------
     UsageError
-        If one follows a particle that is not known any more, or was another one before.
+        If one follows a particle that no longer exists, or another one than before.
     """
     for name, entry in case.probes.items():
         body, at = _what(entry)
@@ -79,14 +79,14 @@ def require_known(case: Any, records: Mapping[str, Record]) -> None:
 
 
 class _Probe(NamedTuple):
-    """A probe of the case, what it sees, and its file."""
+    """A probe of the case, its target, and its file."""
 
     entry: Any
     target: Point | Place
     file: LineFile
 
     def record(self) -> Record:
-        """What a checkpoint is to keep."""
+        """The record for a checkpoint."""
         body, at = _what(self.entry)
         number, origin = -1, at
         if isinstance(self.target, Point):
@@ -102,7 +102,7 @@ class _Probe(NamedTuple):
 
 
 def _schedules(case: Any) -> list[tuple[Schedule, list[str]]]:
-    """When lines of probes fall due, with the names of those that have them together."""
+    """Schedule of probes' lines, with the names of the probes that share it."""
     times: dict[Any, list[str]] = {}
     for name, entry in case.probes.items():
         times.setdefault(entry.every or case.history.every, []).append(name)
@@ -140,17 +140,17 @@ class Probes:
         self.write()
 
     def resume(self, records: Mapping[str, Record]) -> list[str]:
-        """Go on after the lines that a checkpoint stands for; collective.
+        """Go on after the lines that a checkpoint records; collective.
 
         Parameters
         ----------
         records : mapping of str to Record
-            Of the probes, as `require_known` wants them.
+            Of the probes, as `require_known` checks them.
 
         Returns
         -------
         list of str
-            What is missing of the earlier lines.
+            Messages on missing earlier lines.
         """
         sim, notes = self._sim, []
         self._open(records)
@@ -170,7 +170,7 @@ class Probes:
         return notes
 
     def enter(self, case: Any) -> None:
-        """Go on in another stage of the case, whose history may have lines at other times."""
+        """Go on in another stage of the case, whose history may have other times."""
         sim = self._sim
         self._schedules = _schedules(case)
         for schedule, _ in self._schedules:
@@ -199,7 +199,7 @@ class Probes:
             raise RunError(f"cannot make {folder}: {explain(error)}") from error
 
     def due(self) -> list[str]:
-        """Names of the probes of which a line falls due; to be asked once after each step."""
+        """Names of the probes whose lines are due; to be called once after each step."""
         sim = self._sim
         return [
             name
@@ -211,16 +211,16 @@ class Probes:
     def write(self, names: Iterable[str] | None = None) -> None:
         """Write lines of some probes, or of all, unless this step has one already; collective."""
         sim = self._sim
-        wanted = [self._probes[name] for name in (self._probes if names is None else names)]
-        wanted = [probe for probe in wanted if probe.file.step != sim.step]
-        if not wanted:
+        due = [self._probes[name] for name in (self._probes if names is None else names)]
+        due = [probe for probe in due if probe.file.step != sim.step]
+        if not due:
             return
-        lines = sample(sim, [probe.target for probe in wanted])
-        for probe in wanted:
+        lines = sample(sim, [probe.target for probe in due])
+        for probe in due:
             probe.file.step = sim.step
 
         def append() -> None:
-            for probe, line in zip(wanted, lines, strict=True):
+            for probe, line in zip(due, lines, strict=True):
                 probe.file.append(line)
 
         on_root(sim.comm, append)
@@ -231,7 +231,7 @@ class Probes:
             probe.file.sync()
 
     def records(self) -> dict[str, Record]:
-        """What a checkpoint is to keep, by name."""
+        """The records for a checkpoint, by name."""
         return {name: probe.record() for name, probe in self._probes.items()}
 
     def close(self) -> None:

@@ -1,4 +1,4 @@
-"""How far the run is: a bar at a terminal, a line now and then elsewhere."""
+"""Progress of a run: a bar at a terminal, a line now and then elsewhere."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ _LONGEST_PAUSE_SECONDS = 60.0
 _PAUSE_GROWTH = 1.5
 _SMOOTHING = 0.4
 _DEFAULT_COLUMNS = 80
-# In a narrower terminal the numbers need the room of the bar.
+# In a narrower terminal the numbers take the place of the bar.
 _BAR_COLUMNS = 90
 
 
 def terminal_columns() -> int:
-    """Find out how wide the user's terminal is.
+    """Return the width of the user's terminal.
 
     Under mpirun every rank's own output looks like a terminal even in a batch job; what counts is
-    where the launcher writes.
+    the launcher's own output.
 
     Returns
     -------
@@ -131,7 +131,7 @@ class Progress:
         self._log.say(f"{100.0 * time / self._end:3.0f} %  {text}")
 
     def close(self) -> None:
-        """Take the bar away."""
+        """Remove the bar."""
         if self._bar is not None:
             with suppress(OSError):
                 self._bar.stop()

@@ -1,4 +1,4 @@
-"""All that a run writes while it goes on: frames, history and checkpoints, each in its time."""
+"""Output of a run in progress: frames, history and checkpoints, each when it is due."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Recorder:
     directory : RunDirectory
         Prepared for the run.
     case : Case
-        The whole case, with all its stages; the present one says when what is written.
+        The whole case, with all its stages; the present one gives the times of output.
     sim : Simulation
         The run, at its begin or as resumed.
 
@@ -78,7 +78,7 @@ class Recorder:
         self._record(frame=True, line=True)
 
     def resume(self, about: About) -> list[str]:
-        """Take up the output where it was when a checkpoint was written; collective.
+        """Continue the output from where it was when a checkpoint was written; collective.
 
         Parameters
         ----------
@@ -140,7 +140,7 @@ class Recorder:
         checkpoint = self.checkpoints.due(sim) or sim.agreed_request == Request.CHECKPOINT
         if not (finish or frame or line or probes or checkpoint):
             return
-        sim.agree()
+        sim.complete_reduction()
         if finish:
             with self._timed("frames"), self._salvaging():
                 for series in self._series:

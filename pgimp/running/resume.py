@@ -24,12 +24,12 @@ from pgimp.solver.clock import clock_of
 from pgimp.solver.simulation import Simulation
 from pgimp.solver.state import State
 
-#: What may be another in a resumed run: it changes no particle, or only when the run ends.
+#: Keys that a resumed run may change: they affect no particle, or only the run's end.
 MAY_CHANGE = ("title", "time.end", "output", "history", "probes", "checkpoint")
 
 
 class Resumed(NamedTuple):
-    """A simulation in the state of a checkpoint, and what the checkpoint says of the output."""
+    """A simulation in the state of a checkpoint, and the checkpoint's header on the output."""
 
     sim: Simulation
     about: About
@@ -47,12 +47,12 @@ def resume(case: Case, comm: Any, directory: RunDirectory, log: Log) -> Resumed 
     directory : RunDirectory
         Claimed for this run.
     log : Log
-        Receives what is found.
+        Receives the messages.
 
     Returns
     -------
     Resumed or str
-        Without a checkpoint, or if there is nothing left to do, a word on it: "afresh", "done".
+        Without a checkpoint "afresh"; if nothing is left to do "done".
 
     Raises
     ------
@@ -108,7 +108,7 @@ def resume(case: Case, comm: Any, directory: RunDirectory, log: Log) -> Resumed 
 
 
 def _require_lines(directory: Path, case: Case, about: About) -> None:
-    """Refuse to go on with files of lines that have lost some."""
+    """Refuse to go on with history or probe files that have lost lines."""
     require_whole(directory / "history.csv", about.history, about.lines)
     for name in case.probes:
         if record := about.probes.get(name):
@@ -126,7 +126,7 @@ def _case_of(directory: Path) -> str | None:
 
 
 def _ended(case: Case, state: State) -> bool:
-    """Return whether nothing is left to do; a checkpoint from after the end is no use."""
+    """Return whether nothing is left to do; a checkpoint after the end is refused."""
     stage = case.stages[state.stage]
     clock = clock_of(stage, before=state.counted)
     if state.time > clock.end * (1.0 + 1e-12):
@@ -140,9 +140,9 @@ def _ended(case: Case, state: State) -> bool:
 
 
 def _compare(text: str, case: Case, source: str, log: Log, stage: int = 0) -> Case:
-    """Refuse a case that is another one than that of a run; tell of changes.
+    """Refuse a case that differs from a run's in more than `MAY_CHANGE`; log the changes.
 
-    Stages that have not begun yet may be others, and more. Returned is the case of the stage that
+    Stages that have not begun yet may differ, also in number. Returns the case of the stage that
     the run is in.
     """
     try:
@@ -188,7 +188,7 @@ def _compare(text: str, case: Case, source: str, log: Log, stage: int = 0) -> Ca
 def _differences(
     before: Case, case: Case, stage: int
 ) -> tuple[list[tuple[str, Any, Any]], list[str]]:
-    """Return what is another and may be, with both values, and what may not, in words."""
+    """Return differences that are allowed, with both values, and those that are not, in words."""
     accepted, refused = [], []
     for number in range(stage + 1):
         old, new = (
@@ -210,12 +210,12 @@ def _differences(
         if number == stage:
             accepted = changed
         if found:
-            break  # what follows is made from it
+            break  # the following keys are derived from it
     return accepted, refused
 
 
 def _taken(case: dict[str, Any], key: str) -> Any:
-    """Take the value of a key out of a case."""
+    """Remove a key from a case, and return its value."""
     *path, name = key.split(".")
     for part in path:
         case = case[part]
@@ -243,7 +243,7 @@ def _short(value: Any) -> str:
 
 
 def _made_otherwise(about: About) -> Iterator[str]:
-    """Yield in words by what else the checkpoint was written, if that may change bits."""
+    """Yield in words differences of the software and CPU that may change bits."""
     for name, now in made_by().items():
         then = about.made_by.get(name)
         if then != now:

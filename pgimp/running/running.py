@@ -1,4 +1,4 @@
-"""Running a simulation to its end, or to where it is asked to stop, with all its output."""
+"""Running a simulation to its end, or until it is asked to stop, with all its output."""
 
 from __future__ import annotations
 
@@ -18,27 +18,27 @@ from pgimp.running.stop import Stop
 from pgimp.solver.reduction import Request
 from pgimp.solver.simulation import Simulation
 
-#: Part of the mass past a wall that is worth a note.
+#: Part of the mass past a wall from which a note is due.
 _NEGLIGIBLE = 1e-6
 
 
 def advance(
     case: Case, sim: Simulation, about: About | None, directory: RunDirectory, log: Log, stop: Stop
 ) -> bool:
-    """Take all steps, with frames, history lines and checkpoints where they fall due; collective.
+    """Do all steps, with frames, history lines and checkpoints when they are due; collective.
 
     Parameters
     ----------
     case : Case
         What is simulated.
     sim : Simulation
-        At its begin, or as resumed.
+        At its start, or as resumed.
     about : About or None
-        What the checkpoint that it was resumed from says.
+        The header of the checkpoint that it was resumed from.
     directory : RunDirectory
         Prepared for the run.
     log : Log
-        Receives what there is to say.
+        Receives messages.
     stop : Stop
         Tells when to stop before the end, with a checkpoint.
 
@@ -68,13 +68,13 @@ def advance(
                 _next_stage(sim, recorder, log)
             each = (perf_counter() - began) / (sim.step - first + 1)
             sim.request = _request(sim, recorder, stop, each)
-            sim.advance(agree=False)
+            sim.advance(complete=False)
             recorder.step()
             progress.step()
             if sim.watch and sim.watch.said:
                 log.say(f"warning: {sim.watch.said.pop(0)}")
             stopped = sim.agreed_request == Request.STOP
-        sim.agree()
+        sim.complete_reduction()
         if not sim.finished:
             stop.agree(0.0)
             recorder.checkpoint()
@@ -123,7 +123,7 @@ def advance(
 
 def _next_stage(sim: Simulation, recorder: Recorder, log: Log) -> None:
     """Keep the state at the end of a stage, and begin the next one; collective."""
-    sim.agree()
+    sim.complete_reduction()
     recorder.end()
     known = len(sim.warnings)
     sim.next_stage()
@@ -138,10 +138,10 @@ def _next_stage(sim: Simulation, recorder: Recorder, log: Log) -> None:
 
 
 def _request(sim: Simulation, recorder: Recorder, stop: Stop, step: float) -> Request:
-    """What this rank asks for after the next step; `step` is how long one takes.
+    """Request of this rank after the next step; `step` is the duration of one.
 
-    It may be agreed on a step later, see `Simulation.advance`; until that is known, a checkpoint
-    must not be asked for again.
+    It may be agreed on a step later, see `Simulation.advance`; until then a checkpoint must not be
+    requested again.
     """
     if stop.requested(recorder.checkpoints.seconds + 3.0 * step):
         return Request.STOP
@@ -163,7 +163,7 @@ def amount(size: float) -> str:
 def _say_done(
     sim: Simulation, first: int, recorder: Recorder, directory: RunDirectory, log: Log, total: float
 ) -> None:
-    """Return what was done since the step `first`, in `total` seconds."""
+    """Return a summary of the steps since `first`, in `total` seconds."""
     output = sum(recorder.seconds.values())
     steps = sim.step - first
     rate = sim.comm.allreduce(sim.rank.particle_steps) / max(total, 1e-9)
@@ -206,7 +206,7 @@ def _say_done(
             f"note: in {held} particle-steps ({share:.2g} %) a wall held in a particle whose "
             "centre had passed it; its velocity into the wall is lost, as a force of the wall"
         )
-    part, when, face = sim.diagnostic_sums.beyond
+    part, when, face = sim.diagnostic_sums.most_outside
     if part > _NEGLIGIBLE:
         log.say(
             f"note: particles carried up to {100.0 * part:.2g} % of the mass past {face} (t = "

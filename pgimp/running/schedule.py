@@ -1,4 +1,4 @@
-"""When something falls due: at the first step at or after each of its times."""
+"""Schedules: an action is due at the first step at or after each of its times."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ class Schedule:
         self.skip(0.0, 0, 0.0)
 
     def due(self, time: float, step: int, dt: float) -> bool:
-        """Return whether to act now; to be asked once after each step.
+        """Return whether to act now; to be called once after each step.
 
         Parameters
         ----------
         time, step, dt : float, int, float
-            Where the run is, and the size of its last step.
+            Time, number and length of the last step.
 
         Returns
         -------
@@ -48,7 +48,7 @@ class Schedule:
         return True
 
     def skip(self, time: float, step: int, dt: float) -> None:
-        """Look for the next time after the present."""
+        """Find the next time after the present."""
         now = time + _ROUNDING * dt
         if self._steps is not None:
             self._next_step = (step // self._steps + 1) * self._steps
@@ -62,5 +62,5 @@ class Schedule:
                 while number * self._interval <= now:
                     number += 1
                 following = number * self._interval
-            # Else multiples are closer than a float64 can tell times apart: every step is due.
+            # Else multiples are closer than float64 resolves times: every step is due.
             self._next_time = min(self._next_time, following)

@@ -1,4 +1,4 @@
-"""When a run is to stop before its end: signals, the wall time, the limit of the batch job."""
+"""Stopping a run before its end: signals, the wall time, the limit of the batch job."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from typing import Any
 
 from pgimp import signals
 
-# Kept free before a limit besides what a checkpoint takes: for the files to be closed, and for
-# interpreter and launcher to leave.
+# Margin before a limit besides the checkpoint: to close the files, and for interpreter and launcher
+# to exit.
 _MARGIN_PART = 0.05
 _SHORTEST_MARGIN, _LONGEST_MARGIN = 1.0, 60.0
 _SQUEUE_SECONDS = 5.0
-# A process that a signal ended has this much and the signal's number as status, in a shell.
+# In a shell, the status of a process that a signal ended is this plus the signal's number.
 _SIGNAL_STATUS = 128
 
 _WALL_TIME = re.compile(r"(?:(\d{1,5})-(\d\d?)|(\d{1,7}))(?::(\d\d))?(?::(\d\d))?", re.ASCII)
@@ -76,7 +76,7 @@ def clock(seconds: float) -> str:
 
 
 def slurm_seconds_left() -> float | None:
-    """Ask how long the Slurm job around this process may go on.
+    """Return the time left for the Slurm job around this process.
 
     Returns
     -------
@@ -109,10 +109,10 @@ def slurm_seconds_left() -> float | None:
 
 
 class Held:
-    """Keeps signals from striking, for example within a write; a context manager.
+    """Defers signals, for example during a write; a context manager.
 
     They are noted in `pgimp.signals.received`. Only those are held that have their default effect:
-    a handler of the program around stays. A second SIGINT strikes at once. Outside of the main
+    a handler of the program around stays. A second SIGINT takes effect at once. Outside of the main
     thread, where Python allows no handlers, nothing is held.
 
     Parameters
@@ -123,7 +123,7 @@ class Held:
     Attributes
     ----------
     came : list of int
-        Those that came, known when the context has ended.
+        Those that arrived, complete when the context has ended.
     """
 
     def __init__(self, numbers: Sequence[int]) -> None:
@@ -142,7 +142,7 @@ class Held:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Give the signals their usual effect again."""
+        """Restore the signals' usual effect."""
         for number, usual in self._usual.items():
             signal.signal(number, usual)
         self.came = [number for number in signals.received if number in self._usual]
@@ -150,7 +150,7 @@ class Held:
             signals.received.remove(number)
 
     def check(self) -> None:
-        """Raise if one of them came.
+        """Raise if one of them arrived.
 
         Raises
         ------
@@ -162,11 +162,11 @@ class Held:
 
 
 class Stop:
-    """Tells a run when to stop before its end; a context manager around all that the run writes.
+    """Decides when a run is to stop before its end; a context manager around all its output.
 
     In the command ``pgimp`` signals have been noted since it was started. Called from Python, they
     are noted within this context, as far as the program around has no handlers of its own. That
-    program then gets what was meant for it too when the context ends in good order, which is when
+    program then gets the signals, too, when the context ends normally, which is when
     the files are closed: a KeyboardInterrupt after SIGINT, a SystemExit after SIGTERM.
 
     Parameters
@@ -213,12 +213,12 @@ class Stop:
         return self
 
     def __exit__(self, kind: object, *_: object) -> None:
-        """Restore the handlers, and pass on to the program around what was meant for it too.
+        """Restore the handlers, and pass the signals on to the program around.
 
         Raises
         ------
         KeyboardInterrupt, SystemExit
-            If the context ends in good order, after SIGINT and SIGTERM; never in the command.
+            If the context ends normally, after SIGINT and SIGTERM; never in the command.
         """
         self._held.__exit__()
         if kind is None and not signals.installed:
@@ -234,7 +234,7 @@ class Stop:
         Parameters
         ----------
         reserve : float
-            Seconds that a checkpoint takes. What follows it gets a margin besides: 5 % of the whole
+            Seconds that a checkpoint takes. A margin is added for what follows: 5 % of the whole
             time, but at least a second and at most a minute.
         """
         if self.reason:

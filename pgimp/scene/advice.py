@@ -1,4 +1,4 @@
-"""When the initial configuration is the better one, for ``pgimp check``."""
+"""Advice on the initial configuration, for ``pgimp check``."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from pgimp.scene import nearness
 from pgimp.scene.facts import BodyFacts
 from pgimp.scene.sanity import strains
 
-#: Cells by which a body moves, and strain, from which the configuration makes a difference.
+#: Displacement in cells, and strain, from which the configuration makes a difference.
 _FAR, _MUCH = 0.5, 0.05
 
 
 def advice(case: Any, bodies: Sequence[BodyFacts]) -> list[str]:
     """Return whether bodies that move, turn or stretch would do better in the initial one.
 
-    That is for elastic bodies which meet nothing but what holds them from the start, or what they
-    feel there, too.
+    That is for elastic bodies whose contacts are those that hold them from the start, or that work
+    there, too.
     """
     if not all(_fits(case, body) for body in case.bodies.values()):
         return []

@@ -1,4 +1,4 @@
-"""Mass, centre and inertia of free rigid bodies, measured as the mass of others is."""
+"""Mass, centre and inertia of free rigid bodies, measured like the mass of others."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _BOXES, _ACROSS, _MOST = (1000, 256, 64), 48, 1_000_000
 
 
 class Bulk(NamedTuple):
-    """What a body's inertia is.
+    """Inertia of a body.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ def everywhere(D: int) -> NDArray[np.float64]:
 
 
 def bulk(region: Region, density: float, within: NDArray[np.float64]) -> Bulk:
-    """Measure a body that fills with a density what of a region of finite size lies in a box.
+    """Measure a body with a density that fills the part of a finite region in a box.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def bulk(region: Region, density: float, within: NDArray[np.float64]) -> Bulk:
     Raises
     ------
     CaseError
-        If nothing does.
+        If there is no such part.
     """
     D = within.shape[1]
     low, high = np.clip(np.array(region.bounds(), float), *within)
@@ -76,7 +76,7 @@ def bulk(region: Region, density: float, within: NDArray[np.float64]) -> Bulk:
     for d in range(D):
         for e in range(D):
             second[d, e] = (part * arm[:, d] * arm[:, e]).sum()
-        # Of a box itself, of which the rest is taken for one as wide and less high.
+        # Of a box itself; a cut one counts as a smaller box of the same shape.
         second[d, d] += (part * part ** (2.0 / D)).sum() * body.size[d] ** 2 / 12.0
     unit = density * float(np.prod(body.size))
     inertia = unit * (np.trace(second) * np.identity(3) - second)

@@ -1,4 +1,4 @@
-"""Velocity gradients of particles from a file that gives their velocities alone.
+"""Velocity gradients of particles from a file that only has their velocities.
 
 With `method.affine` every particle carries the gradient of the velocity around it. That of a body
 with a motion of its own follows from the motion; that of a cloud from the velocities of the
@@ -18,10 +18,10 @@ from pgimp.scene.pointscloud import Cloud
 
 Reals = NDArray[np.float64]
 
-#: How far neighbours are looked for, over the largest particle's size.
+#: Distance within which neighbours are sought, over the largest particle's size.
 _REACH = 2.0
 
-#: Limits of that size, over that of the lattice's particles: files may say anything.
+#: Limits of that size, over that of the lattice's particles: files may have anything.
 _SMALLEST, _LARGEST = 0.25, 4.0
 
 #: Cells along a direction: numbers of cells stay below 2^63.
@@ -31,9 +31,9 @@ _MOST_CELLS = 2**20
 def with_gradients(
     cloud: Cloud, box: Sequence[float], blocks: list[ParticleBlock]
 ) -> list[ParticleBlock]:
-    """Give some of a cloud's particles the gradients of their velocity, where the file lacks them.
+    """Add velocity gradients to some of a cloud's particles, where the file lacks them.
 
-    They do not depend on which particles are asked for together.
+    They do not depend on the division into blocks.
 
     Parameters
     ----------

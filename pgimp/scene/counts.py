@@ -1,4 +1,4 @@
-"""The count of all particles before any is made, each rank a share, and what bodies share."""
+"""Count of all particles before any is created, each rank a share, and checks of overlaps."""
 
 from typing import Any, NamedTuple
 
@@ -9,7 +9,7 @@ from pgimp.scene.lattice import Lattice
 
 
 class Counts(NamedTuple):
-    """What all ranks know about the particles before any exists.
+    """Counts known to all ranks before any particle exists.
 
     `counts` holds the particles of each body in each plane, (bodies, planes); `notes` says which
     bodies share cells.

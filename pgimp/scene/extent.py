@@ -1,4 +1,4 @@
-"""How many particles a case will have, from the outside: bounds that cost no memory."""
+"""Number of particles of a case, estimated by bounds that cost no memory."""
 
 from typing import NamedTuple
 
@@ -9,12 +9,12 @@ from pgimp.case.schema import Case
 from pgimp.geometry.regions import Points
 from pgimp.geometry.regions.base import Region
 
-#: Bricks that are looked at, times the parts of the regions: a fraction of a second.
+#: Bricks that are examined, times the parts of the regions: a fraction of a second.
 _LOOKS = 400_000
 
 
 class Extent(NamedTuple):
-    """What is known of a body without looking at its particles one by one.
+    """Bounds of a body without examining its particles one by one.
 
     Attributes
     ----------

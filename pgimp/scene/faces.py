@@ -31,7 +31,7 @@ class Face:
         return self.condition.parameters(self.axis, self.side, start, end)
 
     def wall(self, frame: Frame, end: float) -> tuple[float, float] | None:
-        """Coordinate onto which the face puts particles that pass it, and its velocity there.
+        """Coordinate to which the face moves particles that pass it, and its velocity there.
 
         None where it lets them pass, since it draws the material out of the domain or leaves it
         free along its normal.
@@ -43,7 +43,7 @@ class Face:
         if self.side < 0:
             return origin, speed
         # Just within the last cell: on the face itself a point would have its gradient on vertices
-        # beyond, without mass, where the force that balances the one on the face would be lost.
+        # beyond, without mass, and lose the force that balances the one on the face.
         place = origin + cells * frame.cell[self.axis]
         while (place - origin) * frame.inverse[self.axis] >= cells:
             place = float(np.nextafter(place, -np.inf))
@@ -58,16 +58,16 @@ def _numbers(parameters: Any) -> list[float]:
 
 
 def _example(hint: Any) -> Any:
-    """Make something of a type: a number, a boolean, a tuple or NamedTuple of such."""
+    """Make a value of a type: a number, a boolean, a tuple or NamedTuple of such."""
     if hasattr(hint, "_fields"):
         return hint(*(_example(each) for each in get_type_hints(hint).values()))
     return tuple(map(_example, get_args(hint))) if get_args(hint) else hint()
 
 
 def table_of(parameters: Sequence[Any]) -> Faces:
-    """Make the table that kernels get of the parameters of each face's condition.
+    """Make the kernels' table of the parameters of each face's condition.
 
-    It has all conditions that are registered, whichever faces use: kernels are compiled once.
+    It has all registered conditions, whichever are in use, so that kernels are compiled once.
     """
     entries = [get_type_hints(entry.parameters)["return"] for entry in BOUNDARIES.values()]
     kinds = {kind: _example(kind) for kind in entries}
@@ -86,7 +86,7 @@ def _set_row(row: np.ndarray, parameters: Any) -> None:
 
 
 class FaceTable:
-    """What kernels get of the faces in each step.
+    """The faces for the kernels of a step.
 
     Parameters
     ----------
@@ -99,14 +99,14 @@ class FaceTable:
         self._vary = [(n, face) for n, face in enumerate(faces) if face.condition.varies]
 
     def at(self, start: float, end: float) -> Any:
-        """Return `Faces`, or () if there are none, for a step; good until the next call."""
+        """Return `Faces`, or () if there are none, for a step; valid until the next call."""
         for n, face in self._vary:
             _set_row(self._table.rows[n], face.parameters(start, end))
         return self._table
 
 
 def walls(faces: Sequence[Face], frame: Frame, end: float) -> np.ndarray:
-    """Where faces hold particles in during a step to `end`.
+    """Faces that hold particles in during a step to `end`.
 
     Returns
     -------
@@ -122,24 +122,24 @@ def walls(faces: Sequence[Face], frame: Frame, end: float) -> np.ndarray:
     return found
 
 
-def room(faces: Sequence[Face], frame: Frame) -> tuple[tuple[float, float], ...]:
+def position_bounds(faces: Sequence[Face], frame: Frame) -> tuple[tuple[float, float], ...]:
     """Coordinates between which bodies in the initial configuration have to stay.
 
-    What lies on a wall that stands still, or is held by it, cannot pass it; what has passed it has
-    come from elsewhere, and the wall could not know: its vertices hold what lies on them at the
-    start. Other faces are no limit.
+    A body that lies on a wall at rest, or is held by it, cannot pass it; one that has passed it
+    came from elsewhere, and the wall, whose vertices hold what lies on them at the start, could not
+    see it. Other faces are no limit.
     """
-    bounds = [[-np.inf, np.inf] for _ in frame.cell]
+    position_bounds = [[-np.inf, np.inf] for _ in frame.cell]
     for face in faces:
         if not face.condition.varies and face.condition.speed(face.axis, 0.0) == 0.0:
             d, end = face.axis, face.side > 0
             wall = frame.origin[d] + end * frame.cells[d] * frame.cell[d]
-            bounds[d][end] = float(wall + face.side * SLACK * frame.cell[d])
-    return tuple((low, high) for low, high in bounds)
+            position_bounds[d][end] = float(wall + face.side * SLACK * frame.cell[d])
+    return tuple((low, high) for low, high in position_bounds)
 
 
 def walls_approached(faces: Sequence[Face]) -> list[Wall]:
-    """Make what `find_clearances` wants of the faces that let bodies come near."""
+    """Make `find_clearances`' walls from the faces that let bodies approach."""
     return [
         Wall(face.axis, face.side, number)
         for number, face in enumerate(faces)
@@ -148,7 +148,7 @@ def walls_approached(faces: Sequence[Face]) -> list[Wall]:
 
 
 def sides_approached(faces: Sequence[Face], frame: Frame) -> tuple[Any, ...]:
-    """Make what particles are told of them; () if there is none."""
+    """Make the particles' data of these walls; () if there is none."""
     sides: list[Any] = []
     for d, cell in enumerate(frame.cell):
         ends = frame.origin[d], frame.origin[d] + frame.cells[d] * cell
@@ -158,7 +158,7 @@ def sides_approached(faces: Sequence[Face], frame: Frame) -> tuple[Any, ...]:
         if not own:
             sides.append(Sides(0.0, 0.0, 0.0, 0.0))  # no particle is near it
             continue
-        # What vertices on the wall feel is not farther; two walls share what is between them.
+        # Vertices on the wall see no farther; two walls share the space between them.
         peak = min(1.25, 0.25 * frame.cells[d] if len(own) > 1 else 1.25) * cell
         sides.append(Sides(min(own), max(own), 0.5 * (min(own) + max(own)), peak))
     return tuple(sides) if any(side.peak > 0.0 for side in sides) else ()

@@ -1,4 +1,4 @@
-"""What is known of the bodies before the run, from particles that are made a block at a time."""
+"""Facts about the bodies before the run, from particles that are created block by block."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _Reals = np.ndarray[Any, np.dtype[np.float64]]
 
 @dataclass(frozen=True)
 class BodyFacts:
-    """What is known of a body before the run.
+    """Facts about a body before the run.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ class BodyFacts:
 
 @dataclass
 class Findings:
-    """What the particles of a case show, body by body.
+    """Facts about the particles of a case, body by body.
 
     Attributes
     ----------
@@ -85,7 +85,7 @@ class Findings:
 
 
 def examine(scene: Scene, lattice: Lattice, counts: np.ndarray) -> Findings:
-    """Make all particles, a block at a time, and look at each.
+    """Create all particles, block by block, and collect the facts.
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ def _examine(
         own.add(block)
         _count_held(scene, block, ends, found)
         _measure_probes(scene, block, ends, found)
-    # Boxes round the particles, where the region itself does not say less.
+    # Boxes round the particles, unless the region itself is smaller.
     half = 0.5 * np.array(scene.frame.cell) / lattice.per_cell
     low, high = low - half, high + half
     region = scene.case.bodies[scene.body_names[body]].region
@@ -158,7 +158,7 @@ class _Speeds:
         self.momentum = np.zeros(dimension)
 
     def add(self, v: _Reals, mass: _Reals) -> None:
-        """Take some particles."""
+        """Add some particles."""
         with np.errstate(over="ignore"):
             self.top = max(self.top, float(np.sqrt((v * v).sum(axis=1)).max()))
         self.least = np.minimum(self.least, v.min(axis=0))
@@ -181,7 +181,7 @@ class _Varied:
             self.density = scene.materials[number].density
 
     def add(self, block: ParticleBlock) -> None:
-        """Take some particles."""
+        """Add some particles."""
         own = self._scene.variations.of(block, self._scene.body_material[self._body])
         if own is None:
             return
@@ -197,7 +197,7 @@ class _Varied:
 
     @property
     def ranges(self) -> dict[str, tuple[float, float, float]]:
-        """Least, mean and greatest value of what varies, by key."""
+        """Least, mean and greatest value of varying parameters, by key."""
         if self._layout is None:
             return {}
         rows = np.stack([self._least, self._sums / self._count, self._most], axis=1).tolist()
@@ -207,7 +207,7 @@ class _Varied:
 
 def wave_speed(scene: Scene, body: int, points: tuple[_Reals, _Reals] | None = None) -> float:
     """Wave speed of a body at rest; see `rest_rate`."""
-    # In cells in which viscosity is nothing.
+    # With cells so large that viscosity is negligible.
     return rest_rate(scene, body, 2.0**-200, points) * 2.0**200
 
 

@@ -10,7 +10,7 @@ from typing import NamedTuple, Self
 
 from pgimp.errors import CaseError
 from pgimp.physics.loads.motion import RigidMotion
-from pgimp.physics.rigid import WAYS, Pose, RigidBody, Triple
+from pgimp.physics.rigid import FREEDOMS, Pose, RigidBody, Triple
 from pgimp.scene.bulk import Bulk
 
 Matrix = tuple[float, ...]
@@ -24,7 +24,7 @@ STATE = 16
 
 
 class State(NamedTuple):
-    """How a body moves at an instant.
+    """State of motion of a body.
 
     Attributes
     ----------
@@ -60,7 +60,7 @@ class State(NamedTuple):
 
 
 class FreeBody:
-    """What does not change of a rigid body that moves freely.
+    """Constants of a rigid body that moves freely.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ class FreeBody:
     Attributes
     ----------
     may : tuple of 6 bool
-        Along which directions, and about which, it may move.
+        Its degrees of freedom: along x, y, z and about them.
     """
 
     def __init__(self, name: str, entry: RigidBody, bulk: Bulk, dimensions: int) -> None:
@@ -100,11 +100,11 @@ class FreeBody:
         still = State(centre, (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0,) * 3)
         moving = [v if may else 0.0 for v, may in zip((x, y, z, *omega), self.may, strict=True)]
         least = 1e-9 * max(map(abs, (x, y, z)))
-        for v, kept, way in zip((x, y, z), moving, WAYS, strict=False):
+        for v, kept, freedom in zip((x, y, z), moving, FREEDOMS, strict=False):
             if abs(v - kept) > least:
                 raise CaseError(
                     f"bodies.{self.name}.velocity: its centre of mass moves by {v:.3g} along "
-                    f"{way}, which `fixed` excludes"
+                    f"{freedom}, which `fixed` excludes"
                 )
         momentum, spin = self.momenta(self.inertia(still.turn), moving)
         return still._replace(momentum=momentum, spin=spin)
@@ -120,7 +120,7 @@ class FreeBody:
         return tuple(found)
 
     def mass_matrix(self, inertia: Matrix) -> list[list[float]]:
-        """Return what turns velocity and angular velocity into momenta, 6 x 6; ones where held."""
+        """Return the mass matrix, 6 x 6: momenta from velocities; ones where held."""
         M = [[0.0] * 6 for _ in range(6)]
         for i in range(6):
             for j in range(6):
@@ -154,20 +154,20 @@ class FreeBody:
         return tuple(solve(self.mass_matrix(inertia), [*momenta]))
 
     def halfway(self, state: State, dt: float) -> Matrix:
-        """Return the moments of inertia where its rotation will have brought it in half a step.
+        """Return the moments of inertia at its rotation after half a step.
 
-        With these a body that nothing touches keeps its energy to second order in the step.
+        With these a body without forces conserves its energy to second order in the step.
         """
         omega = self.velocities(state)[3:]
         return self.inertia(turned(state.turn, _triple(tuple(0.5 * dt * w for w in omega))))
 
     def moved(self, state: State, momenta: Six, inertia: Matrix, dt: float) -> State:
-        """Return the state after a step: moved by the velocities that these momenta are."""
+        """Return the state after a step with these momenta."""
         p = tuple(value if may else 0.0 for value, may in zip(momenta, self.may, strict=True))
         v = self._velocities(p, inertia)
-        way, turn = _triple(tuple(dt * x for x in v)), _triple(tuple(dt * w for w in v[3:]))
+        shift, turn = _triple(tuple(dt * x for x in v)), _triple(tuple(dt * w for w in v[3:]))
         return State(
-            add(state.centre, way), turned(state.turn, turn), _triple(p), _triple(p[3:]),
+            add(state.centre, shift), turned(state.turn, turn), _triple(p), _triple(p[3:]),
             add(state.angle, turn),
         )  # fmt: skip
 

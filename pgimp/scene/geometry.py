@@ -1,4 +1,4 @@
-"""Geometry that lies in files: read by rank 0, known to all ranks while particles are made."""
+"""Geometry in files: read by rank 0, shared with all ranks while particles are created."""
 
 from __future__ import annotations
 
@@ -37,12 +37,12 @@ def _meshes(case: Case) -> Iterator[tuple[str, Mesh]]:
 
 
 def share(case: Case, comm: Any) -> None:
-    """Read the files of a case on rank 0, and let all ranks have them; collective.
+    """Read the files of a case on rank 0, and share them with all ranks; collective.
 
     Raises
     ------
     CaseError
-        The same on every rank: a file that cannot be used, or what lies beyond the domain.
+        The same on every rank: a file that cannot be used, or a body beyond the domain.
     """
     with located(case):
         _share(case, comm)
@@ -81,7 +81,7 @@ def _from_files(case: Case) -> dict[str, Region]:
 
 
 def _beyond(case: Case) -> list[str]:
-    """Return what of bodies in files lies beyond the domain, and if another unit explains it."""
+    """Return parts of bodies in files beyond the domain, and whether another unit explains it."""
     messages = []
     for name, region in _from_files(case).items():
         path = ("bodies", name, "region")
@@ -130,7 +130,7 @@ def _away(case: Case) -> list[str]:
 
 
 def _warm_up() -> None:
-    """Compile what all ranks will ask of a mesh."""
+    """Compile the kernels for meshes of all ranks."""
     corners = np.vstack([np.zeros(3), np.eye(3)])
     faces = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
     surface = build_tree(corners[faces], np.zeros(4, np.int64), 3)
@@ -141,35 +141,35 @@ def _warm_up() -> None:
 
 
 def _read_points(case: Case, comm: Any) -> None:
-    """Let rank 0 check the files of particles, and all ranks know what they hold."""
+    """Check the files of particles on rank 0, and share their extents with all ranks."""
     if not any(isinstance(body.region, Points) for body in case.bodies.values()):
         return
-    room = _most_particles(case, comm)
+    capacity = _most_particles(case, comm)
     for name, body in case.bodies.items():
         points = body.region
         if not isinstance(points, Points):
             continue
         material = case.materials[body.material]
         states = {state.name: state.tensor for state in material.states}
-        wanted = [
+        columns = [
             (column, ".".join(path), part)
             for path, variation in material.variations.items()
             for part in variation.parts()
             for column in part.columns
         ]
-        points.expect(dict.fromkeys((column for column, _, _ in wanted), False) | states)
+        points.expect(dict.fromkeys((column for column, _, _ in columns), False) | states)
 
         def read(
             name: str = name,
             points: Points = points,
             material: Any = material,
-            wanted: Any = wanted,
+            columns: Any = columns,
         ) -> Any:
             try:
-                found = points.read(room)
+                found = points.read(capacity)
             except CaseError as error:
                 raise CaseError(f"bodies.{name}.region: {error}") from None
-            for column, key, _ in wanted:
+            for column, key, _ in columns:
                 if column not in found.states:
                     raise CaseError(
                         f"bodies.{name}.region: the particles {points.file} have no column "
@@ -192,12 +192,12 @@ def _read_points(case: Case, comm: Any) -> None:
 
         points.__dict__["summary"] = found = on_root(comm, read)
         means = dict(zip(found.states, found.means, strict=True))
-        for column, _, part in wanted:
+        for column, _, part in columns:
             part.learn(means[column])
 
 
 def _read_tables(case: Case, comm: Any) -> None:
-    """Let rank 0 read the tables over a coordinate that lie in files, and all ranks know them."""
+    """Read the tables over a coordinate in files on rank 0, and share them with all ranks."""
     for key, table in tables(case):
 
         def read(key: str = key, table: Any = table) -> Any:
@@ -223,7 +223,7 @@ def _most_particles(case: Case, comm: Any) -> int | None:
 
 
 def take_as_empty(case: Case, comm: Any) -> None:
-    """Take the bodies in files for empty, where their particles exist already."""
+    """Treat the bodies in files as empty, where their particles exist already."""
     for _, mesh in _meshes(case):
         mesh.__dict__["surface"] = nothing(case.dimensions)
     for body in case.bodies.values():
@@ -232,7 +232,7 @@ def take_as_empty(case: Case, comm: Any) -> None:
 
 
 def release(case: Case) -> None:
-    """Free what was read; it is read again when needed."""
+    """Free the data that were read; they are read again when needed."""
     for _, mesh in _meshes(case):
         mesh.__dict__.pop("surface", None)
     for body in case.bodies.values():

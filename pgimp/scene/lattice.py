@@ -2,8 +2,8 @@
 
 Particles are made slab by slab: first every rank counts those of its share of the lattice's
 planes, then, with the counts known to all, it makes the particles of its own layers only. No rank
-ever holds more. Ids number the particles by body, then by position (x first). What a particle at a
-body's surface has of the body is found by `pgimp.scene.latticebody`.
+ever holds more. Ids number the particles by body, then by position (x first). The part of
+the body that a particle at its surface has is found by `pgimp.scene.latticebody`.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -24,7 +24,7 @@ from pgimp.scene.overlap import overlaps
 from pgimp.scene.pointscloud import Cloud
 from pgimp.scene.volumefractions import Ranges, VolumeFractions
 
-#: Particles that are made at a time.
+#: Particles that are created at a time.
 _BLOCK = 200_000
 
 
@@ -40,7 +40,7 @@ class ParticleBlock(NamedTuple):
     fractions : (n,) float64
         Volumes, over that of a particle that no surface cuts.
     centroids : (n, D) float64
-        Centres of mass of what the particles have of the body.
+        Centres of mass of the particles' parts of the body.
     velocities : (n, D) float64 or None
     stresses : (n, 3, 4 or 6) float64 or None
     gradients : (n, D * D) float64 or None
@@ -95,9 +95,9 @@ class Lattice:
         ]
 
     def excess(self, block: ParticleBlock) -> NDArray[np.float64]:
-        """What curvature adds to the mean gap from a plane, (n,), of particles that it cuts.
+        """The curvature's share of the mean gap from a plane, (n,), of particles that it cuts.
 
-        See `LatticeBody.excess`; 0 of others, and of those from a file, whose surface is not known.
+        See `LatticeBody.excess`; 0 for others, and for those from a file, whose surface is unknown.
         """
         found, body = np.zeros(len(block.ids)), self.bodies[block.body]
         cut = np.flatnonzero((block.centroids != block.positions).any(axis=1))
@@ -131,7 +131,7 @@ class Lattice:
 
     @contextmanager
     def _named(self, body: int) -> Iterator[None]:
-        """Give errors about a body's region its key."""
+        """Add the key of a body's region to errors about it."""
         try:
             yield
         except (TangledError, CaseError) as error:
@@ -140,7 +140,7 @@ class Lattice:
     def close_pairs(self) -> Iterator[tuple[int, int, Ranges]]:
         """Pairs of bodies that may share a cell, with the part of the lattice where they may.
 
-        Those of a file's particles are looked at by `pgimp.scene.overlap`.
+        Those of a file's particles are checked by `pgimp.scene.overlap`.
         """
         for a, first in enumerate(self.bodies):
             for b in range(a + 1, len(self.bodies)):
@@ -164,7 +164,7 @@ class Lattice:
     def find_overlaps(
         self, planes: tuple[int, int]
     ) -> tuple[list[tuple[tuple[int, int], str]], set[tuple[str, str]]]:
-        """Where bodies come together, among the points of a range of planes.
+        """Find where bodies meet, among the points of a range of planes.
 
         Returns
         -------
@@ -209,8 +209,8 @@ class Lattice:
     ) -> str | None:
         """The first point at which two bodies overlap, as text.
 
-        Bodies may share a box that a surface cuts as far as there is room: what is more, by more
-        than their surfaces' curvature leaves uncertain, is an overlap.
+        Bodies may share a box that a surface cuts if their parts fit into it: an excess, beyond the
+        uncertainty from their surfaces' curvature, is an overlap.
         """
         first, second = both
         places = np.flatnonzero(first.exists & second.exists)
@@ -251,8 +251,8 @@ class Lattice:
         only : int, optional
             The one body.
         own : callable, optional
-            Tells which coordinates along x are wanted of particles that are not on the lattice; by
-            default those within the planes.
+            Selects particles that are not on the lattice by their coordinates along x; by default
+            those within the planes.
         """
         ends = np.cumsum(counts.ravel()).reshape(counts.shape)
         for number, body in enumerate(self.bodies):

@@ -1,4 +1,4 @@
-"""How much of each lattice box a body fills, and the particles that this makes of them.
+"""Volume fractions of a body in the lattice boxes, and the particles made from them.
 
 A lattice box is the box of a particle's full size round a lattice point. One that the surface
 cuts takes the share of volume, mass and momentum of its part inside (3-5), so that the sums over a
@@ -10,7 +10,7 @@ converges with fourth order: its error is 2e-4, 2e-5, 9e-7, 7e-8 where the radiu
 boxes; that of whole particles, 6e-2, 1e-2, 3e-3, 1e-3, with an order between one and two. A rim
 that no plane along the grid contains, as of a tilted cylinder, leaves 1e-3, 1e-4, 6e-5, 8e-6.
 
-What does not follow from the sums: a cut particle stands at its lattice point, not at the centroid
+Not covered by the sums: a cut particle stands at its lattice point, not at the centroid
 of its part, so that the centre of mass of a body is off by at most half a box's size times the part
 of the mass that is in cut particles: by second order.
 """
@@ -24,21 +24,21 @@ from pgimp.geometry.measure import measure
 from pgimp.geometry.regions.base import Region
 from pgimp.scene.volumefractions import Places, Ranges, Reals, VolumeFractions
 
-#: Points that are looked at one by one at a time, and boxes at a time in slabs of planes.
+#: Points examined at a time one by one, and boxes at a time in slabs of planes.
 _BLOCK = 200_000
 _SLAB = 4_000_000
 
-#: Part of a box below which what the surface leaves of it merges into a neighbour, if one has more.
+#: Part of a box below which a cut box merges into a neighbour, if one has more.
 LEAST_FRACTION = 1e-3
 
 #: Up to this number, all parts of a region are tested on all boxes. Of more parts only those that
-#: reach a block of boxes are, which has this number of boxes along each direction.
+#: reach a block of boxes, which has this number of boxes along each direction.
 _FEW, _NEAR = 8, 16
 
-#: Of a cell: step of the differences that tell curvatures; curvature from which on it is an edge.
+#: Of a cell: step of the differences for curvatures; curvature from which on it is an edge.
 _STEP, _SHARP = 0.25, 0.5
 
-#: Points of a brick, for which one look may decide.
+#: Points of a brick, for which one test may decide.
 _BRICK = 512
 
 
@@ -72,12 +72,12 @@ class LatticeBody:
             self.box.append((max(0, begin), min(len(e) - 1, end)))
         self.size = np.array([(e[-1] - e[0]) / (len(e) - 1) for e in edges])
         self.radius = 0.5 * float(np.sqrt((self.size * self.size).sum())) * (1.0 + 1e-9)
-        # Fractions and moments by the part of the lattice: one rank first counts and then makes.
+        # Fractions and moments by the part of the lattice: a rank counts first, then creates.
         self._measured: dict[tuple[tuple[int, int], ...], tuple[Reals, Reals]] = {}
         self._filled: dict[
             tuple[tuple[int, int], ...], tuple[NDArray[np.uint8], VolumeFractions]
         ] = {}
-        # What rounding of coordinates leaves of a box, or lacks of one.
+        # Part of a box that rounding of coordinates may add or remove.
         reach = max(
             float(np.abs(e[[0, -1]]).max() / h) for e, h in zip(edges, self.size, strict=True)
         )
@@ -152,13 +152,13 @@ class LatticeBody:
         return volumes._replace(whole=np.unpackbits(bits, count=number).view(bool))
 
     def excess(self, x: Reals, cell: Reals) -> Reals:
-        """What curvature adds to the mean gap from a plane, a length, at boxes that it cuts, (n,).
+        """Curvature's share of the mean gap from a plane, a length, at boxes that it cuts, (n,).
 
         A surface of the curvature k along a direction is k s^2/2 farther from a plane at the
         distance s from where it touches it. The mean of that over the tent of a vertex is k/12, in
         cells; vertices lie up to half a cell from there, which adds up to k/8, half of it here.
-        Curvatures are second differences of the distance, over a quarter of a cell; what is bent
-        by more than `_SHARP` is an edge, and has none.
+        Curvatures are second differences of the distance, over a quarter of a cell; more than
+        `_SHARP` is an edge, and counts as none.
 
         Parameters
         ----------
@@ -196,7 +196,7 @@ class LatticeBody:
         return self._rounded(volume, moment)
 
     def _rounded(self, volume: Reals, moment: Reals) -> tuple[Reals, Reals]:
-        """Over the volume of a box, exactly 0 or 1 where only rounding is left or missing."""
+        """Over the volume of a box, exactly 0 or 1 where it differs by rounding only."""
         full = float(np.prod(self.size))
         volume /= full
         moment /= full
@@ -205,10 +205,10 @@ class LatticeBody:
         return volume, moment
 
     def _neighbourhoods(self, index: list[Places]) -> Iterator[tuple[Places, Region]]:
-        """Boxes by block of the lattice, with what of a region of many parts reaches there.
+        """Boxes by block of the lattice, with the parts of a region that reach there.
 
-        The blocks are those of the whole lattice: neither the ranks nor what else is measured
-        changes a bit.
+        The blocks are those of the whole lattice, so that the bits depend neither on the ranks nor
+        on other boxes.
         """
         if self.region.parts <= _FEW:
             yield np.arange(len(index[0])), self.region
@@ -229,7 +229,7 @@ class LatticeBody:
         return _points(self.centres, ranges, places)
 
     def _bricks(self, ranges: Ranges) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-        """Boxes in bricks that lie inside altogether, and in bricks that may meet the surface."""
+        """Boxes in bricks that lie inside entirely, and in bricks that may meet the surface."""
         side = round(_BRICK ** (1.0 / len(ranges)))
         middles, square = [], 0.0
         for e, (begin, end) in zip(self.edges, ranges, strict=True):

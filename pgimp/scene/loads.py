@@ -1,4 +1,4 @@
-"""What a case adds to stress and gravity, and which of its particles carry or feel it."""
+"""Loads of a case besides stress and gravity, and the particles that carry them."""
 
 from typing import Any
 
@@ -44,7 +44,7 @@ class SceneLoads:
     force : NamedTuple or ()
         Parameters of the body force, or of the exact solution that needs one.
     walls : tuple of Sides or ()
-        The walls whose clearances are wanted, see `Loads`.
+        The walls whose clearances are needed, see `Loads`.
     follows : bool
         Whether the particles' size follows the deformation.
     """
@@ -86,7 +86,7 @@ class SceneLoads:
 
     @property
     def carried(self) -> dict[str, Any]:
-        """What particles carry for the loads, for `Carried`."""
+        """Columns of particles for the loads, see `Carried`."""
         return {
             "affine": bool(self.affine),
             "viscous": bool(self.viscosity),
@@ -120,14 +120,14 @@ class SceneLoads:
     def displacement(self, number: int, t: float) -> tuple[float | None, ...]:
         """Displacement that a constraint has prescribed until `t`, in stages before too."""
         name, entry = list(self.case.constraints)[number], self.constraints[number]
-        ways = self.case.staged.ways.get(name, (0.0,) * len(entry.velocity))
+        before = self.case.staged.displacements.get(name, (0.0,) * len(entry.velocity))
         return tuple(
-            None if way is None else way + before
-            for way, before in zip(entry.displacement(t), ways, strict=True)
+            None if shift is None else shift + offset
+            for shift, offset in zip(entry.displacement(t), before, strict=True)
         )
 
-    def attach(self, p: Particles, n: int) -> None:
-        """Give the first `n` particles, in their initial state, their patches and constraints."""
+    def initialise(self, p: Particles, n: int) -> None:
+        """Set patches and constraints of the first `n` particles, in their initial state."""
         rows = slice(0, n)
         for i, entry in enumerate(self.tractions):
             mine = np.flatnonzero(p.body[rows] == self.bodies.index(entry.body))
@@ -149,9 +149,9 @@ class SceneLoads:
             p.constraint[mine, 0] = self.held(number, p.x[mine])
 
     def held(self, body: int, x: np.ndarray) -> np.ndarray:
-        """Which constraint holds each particle of a body, in its initial state, (n,) int64.
+        """Constraint of each particle of a body, in its initial state, (n,) int64.
 
-        Constraints are numbered from 1, the last of several has it; 0 stands for none.
+        Constraints are numbered from 1, the last of several holds it; 0 stands for none.
         """
         number = np.zeros(len(x), np.int64)
         for i, entry in enumerate(self.constraints):
@@ -201,10 +201,9 @@ class SceneLoads:
         return low + points / n * cell, low + (points[:-1] + 0.5) / n * cell
 
     def scale_patches(self, population: Population, comm: Any) -> None:
-        """Let the patches of each traction have the whole area of its face; collective.
+        """Scale the patches of each traction to the whole area of its face; collective.
 
-        Small parts that were merged into other particles leave a little without a carrier.
-
+        Small parts that were merged into other particles leave some area without a carrier.
         """
         if not self.tractions:
             return

@@ -1,4 +1,4 @@
-"""Boxes round the bodies, and how they move if only walls and prescribed motion stop them.
+"""Boxes round the bodies, and their motion if only walls and constraints stop them.
 
 From the case alone: gravity, the velocities at the start, constraints, and faces that hold.
 """
@@ -17,7 +17,7 @@ AXES = "xyz"
 
 #: Number of instants at which distances of bodies are checked; fewer if there are many bodies.
 _INSTANTS, _FEWEST_INSTANTS, _PLACES = 129, 9, 20_000
-#: Distances below this part of a cell are none: the bodies touch.
+#: Distances below this part of a cell count as contact.
 TOUCH = 1e-6
 
 
@@ -37,7 +37,7 @@ class Box(NamedTuple):
 
 
 def instants(case: Any) -> np.ndarray:
-    """Times at which to look at the boxes, from the start to the end."""
+    """Times at which the boxes are evaluated, from the start to the end."""
     number = min(_INSTANTS, max(_FEWEST_INSTANTS, _PLACES // len(case.bodies)))
     return np.linspace(0.0, case.time.end, number)
 
@@ -51,16 +51,16 @@ def moving_boxes(case: Any, times: np.ndarray) -> list[Box]:
         velocity, turns = _velocity(body.velocity, 0.5 * (low + high))
         moved = [entry for entry in case.constraints.values() if entry.body == name]
         if moved:
-            way = _integral(_prescribed(moved[-1].velocity, times), times)
+            displacement = _integral(_prescribed(moved[-1].velocity, times), times)
         elif any(_held(case, low, high)):
-            way = np.zeros((len(times), len(low)))
+            displacement = np.zeros((len(times), len(low)))
         else:
-            way = velocity * times[:, None] + _integral(fall, times)
-        way = _stopped(case, low, high, way)
-        wider = np.zeros_like(way)
+            displacement = velocity * times[:, None] + _integral(fall, times)
+        displacement = _stopped(case, low, high, displacement)
+        wider = np.zeros_like(displacement)
         if turns:
             wider[1:] = 0.5 * (float(np.linalg.norm(high - low)) - (high - low))
-        boxes.append(Box(name, low + way - wider, high + way + wider))
+        boxes.append(Box(name, low + displacement - wider, high + displacement + wider))
     return boxes
 
 
@@ -114,13 +114,13 @@ def _held(case: Any, low: np.ndarray, high: np.ndarray) -> Iterator[bool]:
             yield all(held_at(condition, axis, side)[: case.dimensions])
 
 
-def _stopped(case: Any, low: np.ndarray, high: np.ndarray, way: np.ndarray) -> np.ndarray:
-    """The way of a box that walls stop."""
+def _stopped(case: Any, low: np.ndarray, high: np.ndarray, displacement: np.ndarray) -> np.ndarray:
+    """Displacement of a box that walls stop."""
     for _, _, axis, side in faces_with_condition(case):
         if side < 0:
             least = min(0.0, case.grid.origin[axis] - low[axis])
-            way[:, axis] = np.maximum(way[:, axis], least)
+            displacement[:, axis] = np.maximum(displacement[:, axis], least)
         else:
             most = max(0.0, case.grid.corner[axis] - high[axis])
-            way[:, axis] = np.minimum(way[:, axis], most)
-    return way
+            displacement[:, axis] = np.minimum(displacement[:, axis], most)
+    return displacement

@@ -1,9 +1,9 @@
 """Bodies that come near each other, or a wall, and share a velocity field: they stick together.
 
-A particle shares vertices of the grid with whatever is within its reach. Between the surfaces of
+A particle shares vertices of the grid with everything within its reach. Between the surfaces of
 two bodies, whose outermost particles lie half a particle's spacing inside, that is
 2 (1 + d) - 1/n cells, with the half-width d of chi_p in cells and n particles a cell: 2 with boxes.
-From a wall it is half of that. Pairs of bodies that an entry of `contact` is for do what it says.
+From a wall it is half of that. Pairs of bodies with an entry of `contact` follow its law.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ def notes(case: Any) -> list[str]:
 
 
 def meet(case: Any) -> bool:
-    """Whether bodies may come near each other, or a wall, that they are apart from at the start."""
+    """Whether bodies may approach each other, or a wall, from a distance at the start."""
     boxes = moving_boxes(case, times := instants(case))
     return bool(_pairs_that_meet(case, boxes, times) or [*_walls(case, boxes, at_once=False)])
 
@@ -87,7 +87,7 @@ def _pairs_that_meet(case: Any, boxes: list[Box], times: np.ndarray) -> str:
 
 
 def _passing(case: Any, boxes: list[Box], times: np.ndarray) -> Iterator[str]:
-    """Return what bodies in the initial configuration come to and do not feel."""
+    """Return what bodies in the initial configuration approach without contact."""
     if names := _pairs_that_meet(case, boxes, times):
         yield (
             f"bodies: {names} may meet, but in the initial configuration they do not feel each "
@@ -115,7 +115,7 @@ def _pairs(case: Any, boxes: list[Box], times: np.ndarray) -> Iterator[str]:
 
 
 def _walls(case: Any, boxes: list[Box], at_once: bool) -> Iterator[str]:
-    """Return which bodies are within a wall's reach without touching it, or will come there."""
+    """Return which bodies are, or will be, within a wall's reach without touching it."""
     near = 0.5 * reach(case)
     for face, condition, axis, side in faces_with_condition(case):
         if condition.approaches and case.method.chi != "point":
@@ -140,7 +140,7 @@ def _walls(case: Any, boxes: list[Box], at_once: bool) -> Iterator[str]:
 
 
 def _rigid(case: Any) -> Iterator[str]:
-    """Return which bodies no entry of contact lets meet a rigid body freely."""
+    """Return which bodies may meet a rigid body without an entry of contact."""
     names = [*case.bodies, *case.tools]
     if not case.tools:
         return
@@ -180,7 +180,7 @@ def bonded(scene: Any, lattice: Any, counts: np.ndarray) -> Iterator[str]:
     case = scene.case
     boxes = moving_boxes(case, np.array([0.0, case.time.end]))
     cell, origin = np.array(scene.frame.cell), np.array(scene.frame.origin)
-    # What a surface cuts reaches farther, by half a particle at most.
+    # A cut particle reaches farther, by half a particle at most.
     near = reach(case) + 1.0 / np.array(lattice.per_cell)
     lows, highs = (np.array([getattr(box, end)[0] for box in boxes]) for end in ("low", "high"))
     found: list[str] = []

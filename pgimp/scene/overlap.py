@@ -1,8 +1,7 @@
-"""Where the particles of a file lie on one another, in another body, or on those of another file.
+"""Overlaps of a file's particles with one another, with another body, or with another file's.
 
-Of two bodies only what lies in their common box is looked at; where there is none, nothing is read.
-What is refused is a mistake for sure, such as the same file twice: bodies in contact may reach into
-each other a little.
+Of two bodies only the common box is examined; without one, nothing is read. Refused are only
+certain mistakes, such as the same file twice: bodies in contact may overlap a little.
 """
 
 from __future__ import annotations
@@ -27,10 +26,10 @@ _DEEP, _CLOSE = 0.25, 0.1
 #: How close two particles of one file may not be, over a box of the lattice; rows that are named.
 _SAME, _NAMED = 1e-6, 10
 
-#: Distances to parts of a region that are asked for at most, and at a time.
+#: Distances to parts of a region that are computed at most, and at a time.
 _LOOKS, _BLOCK = 100_000_000, 1_000_000
 
-#: Of the golden ratio: numbers of cells become one that is another for almost any other cell.
+#: Hash multiplier, from the golden ratio: combines the numbers of a cell with few collisions.
 _MIX = np.int64(0x1E3779B97F4A7C15)
 
 
@@ -96,7 +95,7 @@ def overlaps(
 
 
 def _common(first: Bounds, second: Bounds) -> tuple[Reals, Reals]:
-    """Corners of what two boxes have in common; low above high where they are apart."""
+    """Corners of the intersection of two boxes; low above high where it is empty."""
     low, high = np.maximum(first[0], second[0]), np.minimum(first[1], second[1])
     return low, high
 
@@ -111,7 +110,7 @@ def _inside(
 ) -> str:
     """Name the first particle that lies in a body on the lattice, called `name`."""
     here = _taken(cloud, box, planes, None)
-    # Of many particles and many parts some must do, the same ones on any ranks.
+    # Of many particles and many parts a sample must do, the same on any ranks.
     some = here.rows % (1 + cloud.region.summary.number * body.region.parts // _LOOKS) == 0
     here = _CloudParticles(*(column[some] for column in here))
     found = [np.zeros(0, np.int64)]
@@ -168,7 +167,7 @@ def _close(
 def _coincident(cloud: Cloud, planes: tuple[int, int], limit: float) -> str:
     """Name the particles of a file at one place, the first that several share.
 
-    No distance between particles of a file is too short but none: how they are made is not known.
+    Only zero distance between particles of a file is refused: how they were made is unknown.
     """
     if planes[0] >= planes[1]:
         return ""
@@ -191,11 +190,11 @@ def _pairs(x: Reals, reach: float) -> Iterator[tuple[Ints, Ints]]:
     """Yield pairs of rows, the lower one first, among them those of points closer than `reach`.
 
     The points are sorted into cells, of twice that size, on lattices that are shifted against each
-    other by half a cell in every combination of directions: two points so close are in one cell
-    of one of them. Of many in a cell each has its neighbour in the list.
+    other by half a cell in every combination of directions: two points so close share a cell of
+    one of them. Of many in a cell each has its neighbour in the list.
     """
     for shift in product((0.0, 0.5), repeat=x.shape[1]):
-        # Cells by one number: where two have the same, the distance tells.
+        # Cells by one number: where two have the same, the distance decides.
         cell = np.zeros(len(x), np.int64)
         for d, by in enumerate(shift):
             along = np.floor(x[:, d] / (2.0 * reach) + by).astype(np.int64)
@@ -212,14 +211,14 @@ def _taken(
     """Particles in a box and in a range of planes, or up to a distance beyond these along x."""
     edges = cloud.edges[0]
 
-    def wanted(x: Reals) -> NDArray[np.bool_]:
+    def near(x: Reals) -> NDArray[np.bool_]:
         inside = (box[0][0] <= x) & (x <= box[1][0])
         if beyond is None:
             return inside & cloud.between(x, planes)
         return inside & (edges[planes[0]] - beyond <= x) & (x <= edges[planes[1]] + beyond)
 
     parts = [_CloudParticles(np.zeros(0, np.int64), np.zeros((0, len(cloud.edges))), np.zeros(0))]
-    for rows, block in cloud.region.chosen(wanted):
+    for rows, block in cloud.region.chosen(near):
         keep = ((box[0] <= block.position) & (block.position <= box[1])).all(axis=1)
         parts.append(_CloudParticles(rows[keep], block.position[keep], block.volume[keep]))
     return _CloudParticles(*(np.concatenate(column) for column in zip(*parts, strict=True)))

@@ -32,7 +32,7 @@ class Cloud:
         self.box: Ranges = [(0, 0)] * len(edges)
 
     def _planes(self, x: Reals) -> NDArray[np.int64]:
-        """Plane of each coordinate; those on the domain's far face are of the last one."""
+        """Plane of each coordinate; those on the domain's far face belong to the last one."""
         edges = self.edges[0]
         return np.clip(np.searchsorted(edges, x, "right") - 1, 0, len(edges) - 2)
 

@@ -1,4 +1,4 @@
-"""The particles of a scene at the start: where they are, how they move, and what they carry."""
+"""Initial particles of a scene: positions, velocities, and all other columns."""
 
 from collections.abc import Callable
 from itertools import chain
@@ -29,7 +29,7 @@ def populate(
     planes : (int, int)
         First plane and end.
     own : callable, optional
-        See `Lattice.make`; what it chooses need not be what the planes count.
+        See `Lattice.make`; its choice need not match the counts of the planes.
     """
     # The number of particles in files is only known once they are read.
     files: list[list[ParticleBlock] | None] = []
@@ -89,7 +89,7 @@ def populate(
         row += len(block.ids)
     if p.origin.shape[1]:
         p.origin[:] = p.x
-    scene.loads.attach(p, row)
+    scene.loads.initialise(p, row)
     return p
 
 
@@ -133,7 +133,7 @@ def _velocity_gradients(scene: Scene, body: int, positions: np.ndarray) -> np.nd
 
 
 def _vary(scene: Scene, p: Particles, rows: slice, block: ParticleBlock) -> None:
-    """Give particles what they have of their own of their material, if it varies in space."""
+    """Set parameters that vary in space, and the mass, state and stress that follow."""
     own = scene.variations.of(block, scene.body_material[block.body])
     if own is None:
         return

@@ -1,4 +1,4 @@
-"""What in a case looks like a mistake, of units mostly: seen before an hour is lost."""
+"""Sanity checks of a case, of units mostly, before an hour is lost."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from pgimp.scene.facts import BodyFacts, Findings
 from pgimp.scene.supports import held_at, own_weight
 from pgimp.schema.tables import Table, VectorTable
 
-#: A strain by loads above this is no elastic solid's.
+#: No elastic solid is strained more than this by loads.
 _MOST_STRAIN = 0.5
-#: How long runs last in transits: something happens; explicit steps are worth it.
+#: Durations of runs in transits: long enough to see waves; short enough for explicit steps.
 _FEWEST_TRANSITS, _MOST_TRANSITS = 0.1, 1.0e6
-#: Below this, most steps are for nothing.
+#: Below this, most steps are wasted.
 _LEAST_COURANT = 0.01
 #: Cells across a body below which it is thin, and from a wall within which a face is at it.
 _THIN, _AT_WALL = 1.0 - 1e-9, 0.5
@@ -27,9 +27,9 @@ _THIN, _AT_WALL = 1.0 - 1e-9, 0.5
 _FEW = 3.0 - 1e-9
 #: Poisson's ratio above which bodies lock.
 _NEARLY_HALF = 0.45
-#: Spacings of particles within which a probe's particle lies, with room for a file's.
+#: Spacings of particles within which a probe's particle lies, with a margin for a file's.
 _FAR = 1.0
-#: Waves [m/s], from jelly to diamond, and densities [kg/m^3], from aerogel to osmium, with room.
+#: Waves [m/s], from jelly to diamond, and densities [kg/m^3], from aerogel to osmium; widened.
 _WAVES, _DENSITIES = (0.05, 3.0e4), (0.5, 3.0e4)
 
 AXES = "xyz"
@@ -40,7 +40,7 @@ _MASSES = {"kg": 1.0, "g": 1e-3, "mg": 1e-6, "t": 1e3, "tonne": 1e3, "Mg": 1e3}
 
 
 def strains(case: Any, body: BodyFacts) -> dict[str, float]:
-    """Return what the loads on a body would strain it by, were it linear.
+    """Return the strains of a body by its loads, were it linear.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def strains(case: Any, body: BodyFacts) -> dict[str, float]:
     Returns
     -------
     dict
-        The strain of each load that there is, by words for it; weight and velocity always.
+        The strain of each load, by words for it; always of weight and velocity.
     """
     c = body.wave_speed
     modulus = body.density * c * c
@@ -115,7 +115,7 @@ def body_warnings(case: Any, body: BodyFacts, duration: float) -> Iterator[str]:
 
 
 def _locking(case: Any, body: BodyFacts) -> Iterator[str]:
-    """Yield advice where a material is nearly incompressible and its particles each see that."""
+    """Yield advice where particles of a nearly incompressible material may lock."""
     name, method = case.bodies[body.name].material, case.method
     poisson = getattr(case.materials[name], "poisson", 0.0)
     if "poisson" in body.varies:
@@ -147,7 +147,7 @@ def _coarse(key: str, variation: Variation, case: Any) -> Iterator[str]:
 
 
 def case_warnings(case: Any, found: Findings) -> Iterator[str]:
-    """Yield what the whole shows: thin bodies, idle probes and tractions, an unhappy method.
+    """Yield warnings about the whole: thin bodies, idle probes and tractions, unsuitable methods.
 
     Parameters
     ----------
@@ -218,7 +218,7 @@ def _pressed(case: Any) -> set[str]:
 
 
 def _ineffective_tractions(case: Any) -> Iterator[str]:
-    """Yield the tractions that a wall takes up whole."""
+    """Yield the tractions that a wall bears entirely."""
     for name, entry in case.tractions.items():
         condition = case.boundaries.get(entry.face)
         if condition is None:
@@ -236,7 +236,7 @@ def _ineffective_tractions(case: Any) -> Iterator[str]:
 
 
 def _unlikely(units: str, body: BodyFacts) -> Iterator[str]:
-    """Yield what no solid has, in units whose label can be read, such as "mm, t, s"."""
+    """Yield values that no solid has, in units with a known label, such as "mm, t, s"."""
     words = re.split(r"[\s,;]+", units.strip())
     if units.strip() == "SI":
         words = ["m", "kg", "s"]
@@ -273,7 +273,7 @@ def _outside(
 
 
 def small_step_warning(dt: float, rate: float) -> str:
-    """Warning about a step far below what is stable, empty where there is nothing to say.
+    """Warning about a step far below the stable one; else empty.
 
     Parameters
     ----------

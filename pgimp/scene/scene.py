@@ -1,4 +1,4 @@
-"""The scene: a case turned into what the solver works with, the same on every rank."""
+"""The scene: a case in the form that the solver uses, the same on every rank."""
 
 from math import prod
 from typing import Any
@@ -24,7 +24,7 @@ from pgimp.scene.faces import (
     AXES,
     Face,
     FaceTable,
-    room,
+    position_bounds,
     sides_approached,
     walls,
     walls_approached,
@@ -43,7 +43,7 @@ LEAST, MOST = 1e-200, 1e200
 
 
 class Scene:
-    """What does not change during a run.
+    """Everything that is constant during a stage.
 
     Attributes
     ----------
@@ -60,7 +60,7 @@ class Scene:
         Parameters of the materials in use, with typical numbers where they vary in space (see
         `variations`); `material_of` the one of each body.
     losses : tuple of str
-        Those of `LOSSES` that a material in use tells; `sums` columns of `layer_sums`.
+        Those of `LOSSES` that a material in use reports; `sums` is the columns of `layer_sums`.
     faces : list of Face
         Faces with a condition, x-min to z-max.
     mirrors : list of Mirror
@@ -68,13 +68,13 @@ class Scene:
     most_mass : float
         Mass that the domain can hold at most.
     pairs : Pairs or None
-        What happens where two bodies meet; None where all share one velocity field.
+        The laws of contact; None where all bodies share one velocity field.
     tools : SceneTools
         The rigid bodies; false where there are none.
     exact : NamedTuple or ()
         Parameters of the exact solution, if the case names one; `moves` if it gives the velocities.
     setting : Setting
-        What kernels know of it.
+        The scene for kernels.
     """
 
     def __init__(self, case: Case) -> None:
@@ -109,16 +109,16 @@ class Scene:
             parameters_of(case.materials[name], self.dimension) for name in used
         )
         self.initial_pressures = [case.materials[name].initial_pressure for name in used]
-        told = {loss for name in used for loss in case.materials[name].LOSSES}
-        self.losses = tuple(loss for loss in LOSSES if loss in told)
-        self.sums = SUMS + (len(LOSSES) if told else 0)
+        losses = {loss for name in used for loss in case.materials[name].LOSSES}
+        self.losses = tuple(loss for loss in LOSSES if loss in losses)
+        self.sums = SUMS + (len(LOSSES) if losses else 0)
         with located(case):
             self.most_mass = self._weigh(used)
         named = case.boundaries
         order = [f"{axis}-{end}" for axis in AXES for end in ("min", "max")]
         self.faces = [Face(name, named[name]) for name in order if name in named]
-        #: Whether bodies in the initial configuration come to walls that let go: where they are,
-        #: and not on their own grid. Those then come last.
+        #: Whether bodies in the initial configuration meet walls that let go: at their present
+        #: place, not on their own grid. These walls then come last.
         self.lets_go = self.initial and any(face.condition.approaches for face in self.faces)
         if self.lets_go:
             self.faces.sort(key=lambda face: face.condition.approaches)
@@ -126,11 +126,11 @@ class Scene:
         self.exits = sum(
             1 << order.index(face) for face, way in case.escape.items() if way == "remove"
         )
-        #: Whether particles may leave, or might in a stage before this one.
+        #: Whether particles may leave, in this stage or a previous one.
         self.escapes = bool(self.exits) or case.staged.escapes
         #: Whether there may be fewer particles than at the start.
         self.loses = self.escapes or bool(case.staged.removed)
-        # Those that may let go come last: where they meet others, they see the sums of both.
+        # Those that may let go come last: where they meet others, they use the sums of both.
         self.mirrors = sorted(
             (
                 Mirror(face.axis, face.side, number, face.condition.releases)
@@ -140,7 +140,7 @@ class Scene:
             ),
             key=lambda mirror: mirror.releases,
         )
-        # Points tell no gap: it would jump by half a cell as they move.
+        # Points give no gap: it would jump by half a cell as they move.
         near = [] if shape.chi == "point" or self.initial else self.faces
         self.approached = walls_approached(near)
         self.exact: Any = case.exact.parameters(case) if case.exact else ()
@@ -157,7 +157,7 @@ class Scene:
             self.pairs = Pairs.of(case.contact, [*self.body_names, *self.tools.names])
         self.states = States(used, self.materials, self.dimension)
         self.variations = Variations(case, used, self.materials, self.states.width)
-        #: Greatest density of a particle at the start, where materials vary and it is known.
+        #: Greatest density of a particle at the start, where materials vary, once it is known.
         self.densest: float | None = None
         self.fields = EVERY | self.states.fields | self.variations.fields
         self.carried = Carried(
@@ -169,8 +169,8 @@ class Scene:
             [face for face in self.faces if not (self.lets_go and face.condition.approaches)]
         )
         self._walls = None if varies else walls(self.faces, self.frame, 0.0)
-        #: Between what a particle has to be, where the grid does not say so.
-        self.room = room(self.faces, self.frame) if self.initial else None
+        #: Coordinates within which particles must stay, where the grid does not limit them.
+        self.bounds = position_bounds(self.faces, self.frame) if self.initial else None
         D = self.dimension
         self.identity = tuple(float(i == j) for i in range(D) for j in range(D))
         frame = InitialFrame(*self.frame) if self.initial else self.frame
@@ -227,15 +227,15 @@ class Scene:
         return (x, y, z)
 
     def face_parameters(self, start: float, end: float) -> Any:
-        """Conditions of the faces in a step, `Faces` or (); good until the next call."""
+        """Conditions of the faces in a step, `Faces` or (); valid until the next call."""
         return self._face_table.at(start, end)
 
     def standing_faces(self) -> Any:
-        """All faces with a condition, for kernels that ask no more than where they are."""
+        """All faces with a condition, for kernels that only need their places."""
         return FaceTable(self.faces).at(0.0, 1.0)
 
     def walls(self, start: float, end: float) -> np.ndarray:
-        """Where faces hold particles in during a step; good until the next call.
+        """Faces that hold particles in during a step; valid until the next call.
 
         See `pgimp.kernels.walls`.
         """
@@ -248,7 +248,7 @@ class Scene:
         return self.variations.layouts[self.body_material[body]] is not None
 
     def weigh(self, densest: float) -> None:
-        """Learn the greatest density of particles whose materials vary."""
+        """Set the greatest density of particles whose materials vary."""
         self.densest = densest
         self.most_mass = densest * prod(self.case.grid.size)
 

@@ -1,4 +1,4 @@
-"""What holds a body at the start, and the strain by its own weight that follows from it."""
+"""Supports of a body at the start, and its strain by its own weight on them."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Support(NamedTuple):
 
 
 def supports(case: Any, body: BodyFacts) -> Iterator[Support]:
-    """Yield what holds a body: faces with a condition that it lies at, and constraints.
+    """Yield the supports of a body: faces with a condition at which it lies, and constraints.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def greatest(load: Any, dimensions: int) -> np.ndarray:
 
 
 def own_weight(case: Any, body: BodyFacts) -> dict[str, float]:
-    """Strains of a linear body by its weight, by words for how it carries that.
+    """Strains of a linear body by its weight, by words for how it bears that.
 
     As a column, rho g h/M with the wave modulus M. Where it is clamped at the side, also as a beam:
     3 rho g l^2/(E h) at the root of a cantilever whose end sinks by 1.5 rho g l^4/(E h^2), a sixth
@@ -133,9 +133,9 @@ def own_weight(case: Any, body: BodyFacts) -> dict[str, float]:
 def _clamped(
     body: BodyFacts, held: list[Support], axis: int, down: int
 ) -> tuple[list[str], float] | None:
-    """Names of what clamps a body's ends along an axis, and its free length; None if nothing does.
+    """Names of the supports that clamp a body's ends along an axis, and its free length; else None.
 
-    Nor does anything where the body rests on, or hangs from, something over most of its length.
+    A body that rests on, or hangs from, something over most of its length is not clamped.
     """
     names: dict[int, str] = {}
     low, high = body.low[axis], body.high[axis]

@@ -1,4 +1,4 @@
-"""What rigid bodies must be: slow enough, apart from others, and the same as before."""
+"""Checks of rigid bodies: slow enough, apart from others, and the same as before."""
 
 from __future__ import annotations
 
@@ -21,8 +21,9 @@ from pgimp.scene.freebody import State
 from pgimp.scene.toolmeasure import is_symmetry
 from pgimp.scene.tools import SceneTools
 
-#: Cells within which surfaces of regions touch, and of those that distances at points of a lattice
-#: round; how far into what it does not feel a free rigid body may run; how near is looked closely.
+#: Cells within which surfaces of regions touch, and surfaces rounded by a lattice of distances;
+#: depth to which a free rigid body may overlap what it does not feel; distance for the closer
+#: check.
 _TOUCH, _ROUNDED, _PAST, _NEAR = 0.05, 0.2, 0.5, 0.3
 
 #: Part of the speed of waves above which a rigid body that moves as prescribed is fast: at half of
@@ -32,7 +33,7 @@ _FAST = 0.3
 
 
 def speed_warnings(scene: Any) -> list[str]:
-    """Return which rigid bodies are too fast for the waves of what they may meet.
+    """Return which rigid bodies are too fast for the waves of the bodies they may meet.
 
     Parameters
     ----------
@@ -75,7 +76,7 @@ def require_slow(tools: SceneTools, dt: float) -> None:
 
 
 def require_same(tools: SceneTools, checksum: str) -> None:
-    """Refuse to go on with other bodies than a run began with."""
+    """Refuse to go on with other rigid bodies than a run began with."""
     if checksum != tools.checksum:
         raise UsageError(
             "the rigid bodies are not those of the run: has the file of a mesh changed? Put it "
@@ -90,8 +91,8 @@ def require_apart(
 ) -> None:
     """Refuse bodies that overlap rigid ones at the start; collective.
 
-    How far is known from the regions, at particles that lie in both. Bodies of a file have none:
-    of these a particle may have its centre as far in as half its size.
+    The depth follows from the regions, at particles that lie in both. Bodies of a file have none: a
+    particle's centre may be inside by half its size.
 
     Parameters
     ----------
@@ -137,9 +138,9 @@ def _depths(
     x: NDArray[np.float64],
     distance: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """How far a body reaches into a rigid one, by particle near it; zero where that is nothing.
+    """Depth of a body in a rigid one, by particle near it; zero without overlap.
 
-    Between two surfaces that have passed each other the distances from them add up to how far.
+    Between two surfaces that have passed each other the distances from them add up to the depth.
     """
     cell = np.array(tools.frame.cell)
     if region.WHOLE_BODY:
@@ -154,18 +155,18 @@ def _depths(
 def collisions(
     tools: SceneTools, faces: Sequence[Face], states: list[State], time: float, first: bool
 ) -> Iterator[tuple[float, float, str, str]]:
-    """Yield what free rigid bodies have run into that they do not feel: walls, and rigid bodies.
+    """Yield overlaps of free rigid bodies with walls and rigid bodies, which they do not feel.
 
-    At the `first` instant, when nothing has run yet, they may but touch.
+    At the `first` instant they may only touch.
 
     Yields
     ------
     excess : float
-        By how much it is farther in than may be, in cells.
+        Depth beyond the tolerance, in cells.
     depth : float
-        How far it is in, in cells.
+        Depth, in cells.
     name, what : str
-        That of the body, and what it has run into.
+        The body's name, and what it overlaps.
     """
     frame, points = tools.frame, tools.surface_at(tools.poses(time, states))
     placed, least = tools.at(time, time, states), min(frame.cell)
@@ -191,13 +192,13 @@ def collisions(
             if other != number:
                 distances(placed, other, frame, mine, distance)
                 depth = max(0.0, -float(distance.min(initial=0.0))) / least
-                # Farther in than half of a thin body it would be on its way out.
+                # Deeper than half of a thin body it would leave on the other side.
                 limit = min(_ROUNDED if first else _PAST, 0.25 * tools.thick[other] / least)
                 yield depth - limit, depth, tools.names[number], f"the rigid body '{name}'"
 
 
 def _across(axis: int, D: int) -> str:
-    """Say what a body must not do whose other half lies beyond a plane of symmetry."""
+    """Explain the limits on a body that lies across a plane of symmetry."""
     own = "xyz"[axis]
     turns = ([], ["rotation"], [f"rotation-{c}" for c in "xyz" if c != own])[D - 1]
     return f"[{', '.join([own, *turns])}]"
@@ -216,7 +217,7 @@ def require_clear(
     Parameters
     ----------
     number, time : int, float
-        Steps done, and the time that it is.
+        Steps done, and the time.
 
     Raises
     ------
@@ -247,7 +248,7 @@ def require_clear(
 
 
 def _within_bodies(tools: SceneTools) -> list[tuple[float, tuple[float, ...], int, str]]:
-    """Find rigid bodies too small for particles in them: how deep, where, in what body."""
+    """Find overlaps of rigid bodies too small to contain particles: depth, place and body."""
     found, D = [], len(tools.frame.cell)
     for name, field in zip(tools.names, tools.fields, strict=True):
         deepest = np.argsort(field.values[:, 0], kind="stable")[:64]

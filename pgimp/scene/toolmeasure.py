@@ -1,4 +1,4 @@
-"""Rigid bodies measured where they are at the start: their distances, thickness and inertia."""
+"""Measures of rigid bodies at the start: distances, thickness and inertia."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from pgimp.physics.rigid import Free, Motion, RigidBody
 from pgimp.scene.bulk import Bulk, bulk, everywhere
 from pgimp.schema.tables import VectorTable
 
-#: Instants at which the way of a body that does not turn is looked at, to know what of it matters.
+#: Instants at which a body that does not turn is placed, to find the part of it that matters.
 _INSTANTS = 2000
 
-#: Least density of a free body, over that of the material around it; and the other way round.
+#: Least density of a free body, over that of the material around it; and the inverse.
 LIGHTEST = 1e-10
 
 #: Points that a lattice may have: about 1 GB.
@@ -29,7 +29,7 @@ _Ends = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 
 class Measured(NamedTuple):
-    """What is known of a body from its region.
+    """Measures of a body from its region.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class Measured(NamedTuple):
 
 
 def require_densities(case: Case) -> None:
-    """Refuse free bodies whose mass no solution of six equations can bear.
+    """Refuse free bodies whose mass is out of the range for solving six equations.
 
     Raises
     ------
@@ -67,7 +67,7 @@ def require_densities(case: Case) -> None:
 
 
 def measure(case: Case, frame: Frame, name: str, entry: RigidBody) -> Measured:
-    """Measure a body, of which meshes are in memory no longer than that.
+    """Measure a body; meshes are in memory only meanwhile.
 
     Raises
     ------
@@ -89,9 +89,9 @@ def measure(case: Case, frame: Frame, name: str, entry: RigidBody) -> Measured:
 
 
 def is_symmetry(face: str, condition: Any, free: Free, D: int) -> bool:
-    """Whether a face is a plane of symmetry also for a free rigid body, which may lie across it.
+    """Whether a face is a plane of symmetry for a free rigid body, too, which may lie across it.
 
-    So it is where the body can move along it, and turn about its normal, only.
+    It is where the body can only move along it and turn about its normal.
     """
     own, may = "xyz".index(face[0]), free.may(D)
     others = any(may[3 + d] for d in range(3) if d != own)
@@ -99,7 +99,7 @@ def is_symmetry(face: str, condition: Any, free: Free, D: int) -> bool:
 
 
 def _symmetric_part(case: Case, free: Free) -> NDArray[np.float64]:
-    """Return the box, (2, D), of which what lies beyond its sides is the other half of a body."""
+    """Return the box, (2, D), beyond whose sides lies the other half of a body."""
     D = len(case.grid.cell)
     ends = everywhere(D)
     for face, condition in case.boundaries.items():
@@ -146,7 +146,7 @@ def _within(case: Case, frame: Frame, entry: RigidBody) -> _Ends | None:
     if isinstance(velocity, VectorTable):
         rows = np.array([time for time, _ in velocity.table])
         times = np.concatenate([times, rows[(rows > 0.0) & (rows < end)]])
-    ways = np.array([motion.displacement(float(t))[:D] for t in times])
+    paths = np.array([motion.displacement(float(t))[:D] for t in times])
     slack = (MARGIN + 1.0) * np.array(frame.cell)
-    low = np.array(case.grid.origin, float) - ways.max(axis=0) - slack
-    return low, np.array(case.grid.corner, float) - ways.min(axis=0) + slack
+    low = np.array(case.grid.origin, float) - paths.max(axis=0) - slack
+    return low, np.array(case.grid.corner, float) - paths.min(axis=0) + slack

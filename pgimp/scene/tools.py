@@ -1,4 +1,4 @@
-"""The rigid bodies of a scene, and where they are in each step."""
+"""The rigid bodies of a scene, and their places in each step."""
 
 from __future__ import annotations
 
@@ -41,10 +41,10 @@ from pgimp.physics.rigid import Motion, Pose, Triple
 from pgimp.scene.freebody import FreeBody, State
 from pgimp.scene.toolmeasure import lattice_points, measure, require_densities
 
-#: How much a free body yields to what is held, over how much it would if nothing else held it: of
-#: a step's change of velocity this part is left, divided among the vertices that it is on.
-#: From 1e-6 to 1e-2 a ball that falls on what is held comes to rest at the same place, to a per
-#: cent of its way, with a hundredth of the material's density as with a hundred times it.
+#: Compliance of a free body against held fields, over its own as a free one: of a step's change of
+#: velocity this part remains, divided among the vertices that it is on. From 1e-6 to 1e-2 a ball
+#: that falls on a held body comes to rest at the same place, to a per cent of its path, with a
+#: hundredth of the material's density as with a hundred times it.
 SOFT = 1e-3
 
 class Surface(NamedTuple):
@@ -105,7 +105,7 @@ class SceneTools:
         )
 
     def measure(self, comm: Any) -> None:
-        """Find the distances, on rank 0, and let all ranks have them; collective.
+        """Compute the distances on rank 0, and share them with all ranks; collective.
 
         Raises
         ------
@@ -125,7 +125,7 @@ class SceneTools:
             ):
                 if one.inertia:
                     self.free[number] = FreeBody(name, entry, one.inertia, len(self.frame.cell))
-        # Steps depend on these: one rank computes them, as machines may round otherwise.
+        # Steps depend on these: one rank computes them, as machines may round differently.
         self.rate = on_root(comm, self._greatest_rate)
         self.arms = on_root(comm, self._greatest_arms)
         self._kept = None
@@ -147,7 +147,7 @@ class SceneTools:
 
     @property
     def first(self) -> list[State]:
-        """How those that move freely move at the start, in their order."""
+        """Initial states of those that move freely, in their order."""
         return [body.first for body in self.free.values()]
 
     def rates(self, states: list[State]) -> list[float]:
@@ -172,7 +172,7 @@ class SceneTools:
         return motion.reference
 
     def poses(self, time: float, states: list[State]) -> list[Pose]:
-        """Return where all are at a time, those that move freely in these states."""
+        """Return the poses of all at a time, of those that move freely in these states."""
         free = zip(self.free.items(), states, strict=True)
         placed = {number: body.pose(state) for (number, body), state in free}
         return [
@@ -192,8 +192,8 @@ class SceneTools:
     def at(self, start: float, end: float, states: list[State] | None = None) -> Tools:
         """Return them for the kernels of a step from `start` to `end`.
 
-        Of those that move freely, `states` says how at its start; the velocity at its end is then
-        the same.
+        `states` are those, at its start, of the bodies that move freely; their velocity at its end
+        is set to the same.
         """
         tools, states = self._arrays(), self.first if states is None else states
         free = dict(zip(self.free, states, strict=True))
@@ -236,13 +236,13 @@ class SceneTools:
 
     @cached_property
     def checksum(self) -> str:
-        """What tells these bodies from others, whose mesh has changed; empty without any."""
+        """Checksum of these bodies, with their meshes; empty without any."""
         if not self.fields:
             return ""
         return sha256(b"".join(field.values.tobytes() for field in self.fields)).hexdigest()
 
     def _arrays(self) -> Tools:
-        """Return what does not change, and room for what does."""
+        """Return the constant data, and storage for the rest."""
         if self._kept is None:
             count = len(self.entries)
             motion, about = np.zeros((count, MOTION)), np.zeros((count, ABOUT), np.int64)
@@ -264,7 +264,7 @@ class SceneTools:
         return self._kept
 
     def in_planes(self, planes: int) -> Tools:
-        """Return them for the kernels, where they are at the start, with room for some planes."""
+        """Return them for the kernels, as at the start, with storage for some planes."""
         return self.at(0.0, 0.0)._replace(answers=self._answers(planes))
 
     def _answers(self, planes: int) -> Any:
@@ -278,7 +278,7 @@ class SceneTools:
         for d, (origin, inverse) in enumerate(
             zip(self.frame.origin, self.frame.inverse, strict=True)
         ):
-            # Not by a product of matrices, which machines may round otherwise.
+            # Not by a product of matrices, which machines may round differently.
             a, b, c = (corners[:, k] * row[TURN + 3 * d + k] for k in range(3))
             placed = a + b + c + row[CENTRE + d]
             low, high = placed.min(), placed.max()

@@ -1,4 +1,4 @@
-"""Materials that vary in space: what each particle of a scene has of its own of its material."""
+"""Materials that vary in space: the parameters of each particle."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ Reals = np.ndarray
 
 
 class Own(NamedTuple):
-    """What particles have of their own of their material, (n, ...) each.
+    """Parameters of particles whose material varies, (n, ...) each.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class Own(NamedTuple):
 
 
 class Variations:
-    """What varies in a scene; false where nothing does.
+    """Varying parameters of a scene; false where there are none.
 
     Parameters
     ----------
@@ -57,18 +57,18 @@ class Variations:
     materials : tuple of NamedTuple
         Their parameters, with typical numbers.
     states : int
-        Numbers that a particle remembers.
+        State variables of a particle.
 
     Attributes
     ----------
     width : int
         Columns of a particle.
     materials : tuple of NamedTuple
-        The parameters with `Own` in place of what varies, for kernels.
+        The parameters with `Own` in place of varying ones, for kernels.
     typical : (materials, width) float64
         Columns of a typical particle.
     fields : dict of str to Field
-        What frames may have of them: of particles of materials without it nan.
+        Fields of them for frames: nan for particles of materials without it.
     """
 
     def __init__(self, case: Case, names: list[str], materials: tuple[Any, ...], states: int):
@@ -117,7 +117,7 @@ class Variations:
         return Field(values, f"{'.'.join(path)} of the particle's material: {meaning}")
 
     def of(self, block: ParticleBlock, material: int) -> Own | None:
-        """Return what particles have of their own; None where nothing of their material varies.
+        """Return the particles' own parameters; None where nothing of their material varies.
 
         Raises
         ------
@@ -181,7 +181,7 @@ class Variations:
         return text
 
     def entry(self, material: int, own: Reals) -> Any:
-        """Return the entry of a particle's material as it is there, from its column `own`."""
+        """Return the entry of a particle's material with its parameters, from its column `own`."""
         layout, entry = self.layouts[material], self.case.materials[self.names[material]]
         if layout is None:
             return entry
@@ -191,7 +191,7 @@ class Variations:
 def _refused(
     name: str, layout: Layout, row: list[float], particle: str, error: Exception
 ) -> str:
-    """Say which value of a particle is not allowed."""
+    """Describe which value of a particle is not allowed."""
     if isinstance(error, ValidationError):
         where = error.errors(include_url=False)[0]["loc"]
         key, text = ".".join((name, *map(str, where))), first_text(error)

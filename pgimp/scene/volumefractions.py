@@ -18,7 +18,7 @@ class VolumeFractions(NamedTuple):
     ranges : list of (int, int)
         The part of the lattice: first box and end by direction; its boxes are numbered in C order.
     whole : bool, one for each box
-        Boxes that lie inside altogether, those of `places` excepted.
+        Boxes that lie inside entirely, except those of `places`.
     places : (n,) int64
         Numbers of boxes with a fraction other than 0 and 1, ascending.
     fractions : (n,) float64
@@ -50,7 +50,7 @@ class VolumeFractions(NamedTuple):
         return self._take(places, np.zeros((len(places), self.moments.shape[1])), self.moments)
 
     def _take(self, places: Places, values: Reals, special: Reals) -> Reals:
-        """Replace the values of boxes that are among the special ones."""
+        """Replace the values of boxes that are in `places`."""
         if len(self.places):
             at = np.minimum(np.searchsorted(self.places, places), len(self.places) - 1)
             found = self.places[at] == places

@@ -52,7 +52,7 @@ class Dispatch(ABC):
         """Return the JSON schema of the value."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
-        """Tell pydantic how to validate and to write the value."""
+        """Define for pydantic how to validate and to write the value."""
         return core_schema.no_info_plain_validator_function(
             self.validate,
             serialization=core_schema.plain_serializer_function_ser_schema(self.write),

@@ -163,7 +163,7 @@ def scalar(text: str) -> Any:
 
 
 class _ForeignError(Exception):
-    """What is YAML, but has no place in a case file; and where it is."""
+    """YAML that is not allowed in a case file, and its place."""
 
     def __init__(self, text: str, mark: Any) -> None:
         super().__init__(text)
@@ -204,7 +204,7 @@ class _Builder:
         return CaseError(f"{position(self.filename, event.start_mark)}: {text}")
 
     def take(self, event: Event) -> None:
-        """Take the next event of the parser."""
+        """Consume the next event of the parser."""
         if isinstance(event, DocumentStartEvent):
             self.documents += 1
             if self.documents > 1:

@@ -17,7 +17,7 @@ _FOLDER: ContextVar[str] = ContextVar("folder", default="")
 
 @contextmanager
 def starting_from(filename: str) -> Iterator[None]:
-    """Let names of files start from the folder of a file while its case is validated."""
+    """Resolve names of files from the folder of a file while its case is validated."""
     token = _FOLDER.set(os.path.dirname(os.path.abspath(filename)))
     try:
         yield

@@ -21,7 +21,7 @@ class Problem(NamedTuple):
     path: tuple[str | int, ...]
     """Keys and list indices from the checked value down to the culprit."""
     text: str
-    """What is wrong and what would be right: starts in lower case, ends without a full stop."""
+    """The error and its remedy: starts in lower case, ends without a full stop."""
     absent: bool = False
     """Whether the last key of `path` is what is missing."""
 

@@ -17,7 +17,7 @@ from pgimp.schema.messages import explain, got, unknown
 from pgimp.schema.problems import Problem, problem, raise_problems
 
 COMMENT = "defined under "
-"""What a JSON schema's comment starts with that stands for a reference to a definition."""
+"""Prefix of a JSON schema's comment that stands for a reference to a definition."""
 
 Registry = Callable[[], Mapping[str, type[BaseModel]]]
 

@@ -1,4 +1,4 @@
-"""What the YAML parser finds wrong, in words, with what usually is the cause."""
+"""Errors of the YAML parser, in words, with the usual cause."""
 
 from __future__ import annotations
 

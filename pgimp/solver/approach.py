@@ -1,4 +1,4 @@
-"""Which particles of bodies in the initial configuration are near something they may meet."""
+"""Particles of bodies in the initial configuration that are near possible contact partners."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from pgimp.scene.scene import Scene
 from pgimp.solver.bonds import acting
 from pgimp.solver.clock import Step
 
-#: Cells by which particles may come nearer to something until all is looked at anew; the most
-#: steps until then.
+#: Cells by which particles may come nearer to something before the next search; the most steps
+#: until then.
 MARGIN, LONGEST = 1.0, 16
 
 
@@ -34,7 +34,7 @@ class Approach:
     comm : communicator
         Of all ranks.
     pairs : Pairs
-        What acts on each other.
+        The bodies that act on each other.
     walls : SeparatingWalls
         The walls that let go.
 
@@ -53,11 +53,11 @@ class Approach:
         self._pause = 0
 
     def forget(self) -> None:
-        """Look at all particles anew in the next step: there are others, or of other bodies."""
+        """Search all particles again in the next step: they have changed, or their bodies have."""
         self._pause = 0
 
     def follow(self, population: Population, groups: np.ndarray, tools: Any, t: Step) -> None:
-        """Look at all particles in a step, if some may have come near by then; collective.
+        """Search all particles in a step, if some may have come near by then; collective.
 
         Parameters
         ----------
@@ -75,7 +75,7 @@ class Approach:
         self._pause -= 1
 
     def _look(self, population: Population, groups: np.ndarray, tools: Any, t: Step) -> None:
-        """Find the particles near something, and for how many steps these are all; collective."""
+        """Find the particles near something, and the steps for which this holds; collective."""
         scene, frame, p = self.scene, self.scene.frame, population.particles
         order = population.order
         x = (p.x[order] - np.array(frame.origin)) * np.array(frame.inverse)
@@ -90,8 +90,8 @@ class Approach:
         low = np.min([each[0][0] for each in every], axis=0)
         high = np.max([each[0][1] for each in every], axis=0)
         speed = max(max(each[1] for each in every), scene.tools.rate)
-        way = speed * t.dt
-        self._pause = max(1, min(LONGEST, int(0.4 * MARGIN / way))) if way > 0.0 else LONGEST
+        travel = speed * t.dt
+        self._pause = max(1, min(LONGEST, int(0.4 * MARGIN / travel))) if travel > 0.0 else LONGEST
         away = reach(scene) + MARGIN
         near = np.zeros(len(order), bool)
         for a, b in acting(self.pairs, groups, len(groups)):

@@ -1,4 +1,4 @@
-"""Bodies in the initial configuration: which are bonded, and what acts on each other how."""
+"""Bodies in the initial configuration: which are bonded, and how others act on each other."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pgimp.scene.scene import Scene
 
 
 def with_walls(scene: Scene) -> Pairs:
-    """The law of each pair, walls that let go being bodies behind all others."""
+    """The law of each pair; walls that let go are bodies after all others."""
     letting = [face for face in scene.faces if face.condition.approaches]
     names = [*scene.body_names, *scene.tools.names]
     pairs = scene.pairs or Pairs.of((), names)
@@ -28,7 +28,7 @@ def with_walls(scene: Scene) -> Pairs:
 
 
 def separating_walls(scene: Scene) -> SeparatingWalls:
-    """Walls that let go, as bodies behind all others; see `with_walls`."""
+    """Walls that let go, as bodies after all others; see `with_walls`."""
     frame = scene.frame
     letting = [(n, face) for n, face in enumerate(scene.faces) if face.condition.approaches]
     rows = [
@@ -47,7 +47,7 @@ def bonded(
     """Fields and groups of bodies by their boxes at the start, in cells.
 
     Those under the law `tied` that share vertices there are one group. Others that do have fields
-    of their own, of which as few as may be are used.
+    of their own, as few as possible.
     """
     n = len(low)
     apart = np.full((n, n), -np.inf)

@@ -12,7 +12,7 @@ from pgimp.scene.scene import Scene
 
 
 class Clearances:
-    """How far bodies are from the walls, step by step; nothing where no wall asks for it."""
+    """Distances of bodies from the walls, step by step; nothing where no wall needs them."""
 
     def __init__(self, scene: Scene) -> None:
         self.scene, self.call = scene, Bound()
@@ -20,14 +20,14 @@ class Clearances:
         self.values: Any = np.empty((0, 0)) if scene.approached else ()
 
     def stored(self, grid: Grid) -> Any:
-        """Return what `Forcing` wants, in the grid's size; the numbers are still to be found."""
+        """Return storage for `Forcing.clearances` in the grid's size, still to be filled."""
         shape = (len(self.scene.faces), len(grid.G) // RECORD)
         if self.scene.approached and self.values.shape != shape:
             self.values = np.empty(shape)
         return self.values
 
     def find(self, grid: Grid) -> None:
-        """Find them, after the halo exchange and what faces that hold reflect."""
+        """Compute them, after the halo exchange and the reflection at faces that hold."""
         scene = self.scene
         for wall in scene.approached:
             self.call(find_clearances, scene.frame, grid.field, wall, self.joint, self.values)

@@ -18,7 +18,7 @@ class Step(NamedTuple):
     end: float
 
 
-#: What has been done before the first step.
+#: The step before the first one.
 START = Step(0, 0.0, 0.0, 0.0)
 
 
@@ -55,14 +55,14 @@ class FixedClock:
         return self._begin + (n - self.before) * self._dt
 
     def after(self, number: int, time: float, dt: float) -> Step:
-        """Return what was done last in a run that goes on after `number` steps."""
+        """Return the last step of a run that is resumed after `number` steps."""
         return Step(number, self._after(number - 1), dt, self._after(number))
 
     def time(self, done: Step) -> float:
         """Return the reported time at the end of a step.
 
-        Only there the end is rounded to the case's: for the loads all steps are alike, so that a
-        run that is prolonged has the bits of a longer one.
+        The last step reports the case's end exactly; loads see n dt, so that a run that is
+        prolonged has the bits of a longer one.
         """
         return self.end if done.number == self._steps else done.end
 
@@ -79,7 +79,7 @@ class CourantClock:
     stops : tuple of float
         Times that are met exactly.
     rest_rate : float
-        The largest c_p/L at rest; 0 or inf where nothing follows from it.
+        The largest c_p/L at rest; 0 or inf where it limits nothing.
     """
 
     controlled = True
@@ -88,7 +88,7 @@ class CourantClock:
     def __init__(
         self, courant: float, end: float, stops: tuple[float, ...], rest_rate: float = inf
     ) -> None:
-        #: What is left of the Courant number, see `pgimp.solver.energywatch`.
+        #: Reduction of the Courant number, see `pgimp.solver.energywatch`.
         self.part = 1.0
         self._courant, self.rest_rate = courant, rest_rate or inf  # 0: dust, a gas at rest
         self._stops = sorted({t for t in stops if 0.0 < t < end} | {end})
@@ -124,7 +124,7 @@ class CourantClock:
         return Step(done.number + 1, start, dt, stop if count == 1 else start + dt)
 
     def after(self, number: int, time: float, dt: float) -> Step:
-        """Return what was done last in a run that goes on after `number` steps, at `time`."""
+        """Return the last step of a run that is resumed after `number` steps, at `time`."""
         return Step(number, time - dt, dt, time)
 
     def time(self, done: Step) -> float:

@@ -1,4 +1,4 @@
-"""The columns of history.csv, each said once: name, unit, meaning, and the value in a line."""
+"""The columns of history.csv, each declared once: name, unit, meaning, and the value in a line."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def _constraints(scene: Any) -> list[str]:
 
 
 def _loss(name: str, meaning: str) -> Group:
-    """The column of one of `LOSSES`, in scenes with materials that tell it."""
+    """The column of one of `LOSSES`, in scenes with materials that report it."""
     return Group(
         lambda scene: [""] if name in scene.losses else [],
         (Column(name, "energy", meaning, lambda s, _: s.lost(name)),),
@@ -32,7 +32,7 @@ def _loss(name: str, meaning: str) -> Group:
 def _gone(
     name: str, there: Callable[[Any], bool], sums: Callable[[Totals], np.ndarray], mass: str
 ) -> Group:
-    """The columns of particles that have gone, in scenes where `there` says that some may."""
+    """The columns of particles that are gone, in scenes where `there` says that some may go."""
     return Group(
         lambda scene: [""] if there(scene) else [],
         (
@@ -202,7 +202,7 @@ HISTORY = (
                 "mass that particles carry past each named face in the last step, on vertices "
                 "beyond it: a particle of fixed size does where the material is compressed against "
                 "a wall, and what lies there the wall bears",
-                lambda s, k: s.beyond[k],
+                lambda s, k: s.outside_mass[k],
             ),
         ),
     ),

@@ -1,4 +1,4 @@
-"""Which layers are whose: at the start, and as the load changes while a simulation goes on."""
+"""Ownership of layers: at the start, and as the load changes in the course of a simulation."""
 
 from collections.abc import Callable
 from time import perf_counter, thread_time
@@ -18,7 +18,7 @@ RESORT = 48
 
 
 def partition(scene: Scene, comm: Any, counts: np.ndarray) -> tuple[Slab, Balance, list[str]]:
-    """Give each rank its layers at the start, so that none has more particles than need be.
+    """Cut the layers into slabs at the start, one a rank, with balanced particle numbers.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ def partition(scene: Scene, comm: Any, counts: np.ndarray) -> tuple[Slab, Balanc
     Slab
         This rank's.
     Balance
-        What is known of the load of the ranks.
+        The load of the ranks.
     list of str
         What the user should know.
     """
@@ -53,8 +53,8 @@ def partition(scene: Scene, comm: Any, counts: np.ndarray) -> tuple[Slab, Balanc
     return slab_of(cuts, comm.rank), balance, notes
 
 
-def owned(scene: Scene, slab: Slab) -> Callable[[np.ndarray], np.ndarray]:
-    """Return which undeformed particles are a slab's, by their coordinates along x."""
+def slab_predicate(scene: Scene, slab: Slab) -> Callable[[np.ndarray], np.ndarray]:
+    """Return a test whether undeformed particles are a slab's, by their coordinates along x."""
 
     def own(x: np.ndarray) -> np.ndarray:
         layers = np.empty(len(x), np.int64)
@@ -65,7 +65,7 @@ def owned(scene: Scene, slab: Slab) -> Callable[[np.ndarray], np.ndarray]:
 
 
 def rebalance(rank: Rank, balance: Balance, step: int) -> None:
-    """Let rank 0 decide where slab boundaries should be, and move them; collective."""
+    """Move slab boundaries to where rank 0 decides; collective."""
     begin, comm = perf_counter(), rank.comm
     counts = comm.gather(np.diff(rank.population.start))
     cuts = None if counts is None else balance.decide(np.concatenate(counts), step)

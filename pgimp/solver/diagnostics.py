@@ -49,7 +49,7 @@ def sums_of_bodies(rank: Rank, scene: Any, order: Any) -> np.ndarray:
     rank : Rank
         Has the particles.
     scene : Scene
-        With the parameters that count.
+        Gives the parameters.
     order : Order
         Which particles of the rank, by layer.
 
@@ -90,11 +90,11 @@ def column_names(scene: Any) -> list[str]:
 
 
 class Diagnostics:
-    """Sums of one simulation; what refers to earlier lines is kept on rank 0."""
+    """Sums of one simulation; references to earlier lines are kept on rank 0."""
 
     def __init__(self) -> None:
         #: Greatest part of the mass beyond a face in any line, when, and which; on rank 0.
-        self.beyond = (0.0, 0.0, "")
+        self.most_outside = (0.0, 0.0, "")
         self.first_energy: float | None = None
         self.last: tuple[float, np.ndarray, np.ndarray] | None = None
         #: Of stages, see `Totals`; of use on rank 0.
@@ -111,7 +111,7 @@ class Diagnostics:
         The reaction of a face, or of a constraint, is the mean force that it exerted on the
         material since the last line: its impulse over the time. The dissipated energy closes the
         balance: initial energy plus external work less kinetic and strain energy, also that of
-        particles that were removed, plus what changes of stages brought.
+        particles that were removed, plus what changes between stages added.
         """
         scene = rank.scene
         sums, masses, unit = _own_sums(rank, scene, rank.population.ordered)
@@ -125,13 +125,13 @@ class Diagnostics:
             axis=1,
         )  # fmt: skip
         errors = self._own_errors(rank, done.end)
-        booked = (impulse, own.beyond, own.contact, own.tools)
+        booked = (impulse, own.outside_mass, own.contact, own.tools)
         parts = rank.comm.gather((sums, own.work, booked, errors, own.escaped, masses))
         if parts is None:
             return None
         bodies, every = _reduced([part[0] for part in parts], [part[5] for part in parts], unit)
         work = float(np.concatenate([part[1] for part in parts]).sum())
-        impulse, beyond, contact, tools = (
+        impulse, outside_mass, contact, tools = (
             np.add.reduce(np.concatenate([part[2][i] for part in parts]), axis=0) for i in range(4)
         )
         total = np.add.reduce(bodies, axis=0)
@@ -144,15 +144,15 @@ class Diagnostics:
         if scene.exact:
             added = np.add.reduce(np.concatenate([part[3][0] for part in parts]), axis=0)
             most = np.concatenate([part[3][1] for part in parts]).max(axis=0)
-        for face, mass in zip(scene.faces, beyond, strict=True):
+        for face, mass in zip(scene.faces, outside_mass, strict=True):
             if total[MASS]:
                 share = (float(mass / total[MASS]), done.end, face.name)
-                self.beyond = max(self.beyond, share)
+                self.most_outside = max(self.most_outside, share)
         force = self._forces(done.end, impulse)
         return line_of(
             Totals(
                 scene, done, bodies, total, escaped, self.removed_so_far(scene), self.changed,
-                self.first_energy, work, force, beyond, contact, tools,
+                self.first_energy, work, force, outside_mass, contact, tools,
                 rank.free.now if rank.free else {}, added, most,
             )
         )  # fmt: skip

@@ -126,8 +126,8 @@ class Simulation:
             On every rank, if particles of any are at fault.
         """
         while not self.finished and self.time < to and not isclose(self.time, to, rel_tol=_SAME):
-            self.core.advance(agree=False)
-        self.core.agree()
+            self.core.advance(complete=False)
+        self.core.complete_reduction()
 
     def diagnostics(self) -> dict[str, float] | None:
         """Return a line of history.csv as it would be now; None but on rank 0; collective."""
@@ -189,6 +189,6 @@ class Particles(Mapping[str, np.ndarray]):
 
     def to_pandas(self, *names: str) -> pandas.DataFrame:
         """Return fields, all by default, as a pandas.DataFrame; see `Frame.to_pandas`."""
-        wanted = [name for name in names or self if name != "id"]
-        found = Fields({"id": self["id"]} | {name: self[name] for name in wanted})
+        chosen = [name for name in names or self if name != "id"]
+        found = Fields({"id": self["id"]} | {name: self[name] for name in chosen})
         return found.to_pandas().set_index("id")

@@ -1,9 +1,9 @@
-"""Does energy come from nothing? What guards steps that are as long as can be (`courant: auto`).
+"""Spurious energy: the guard of steps that are as long as possible (`courant: auto`).
 
-Every `EVERY` steps kinetic and strain energy are compared with what there was at first and what the
-loads have done since. Of a step that is too long the energy grows without bound, from rounding on,
-so that it is seen long before anything else: the steps then become shorter. Sums are taken layer by
-layer, as those of the history, so that any number of ranks sees the same bits.
+Every `EVERY` steps kinetic and strain energy are compared with the initial energy plus the work of
+the loads since. If the step is too long, energy grows without bound, from rounding on, and shows
+that long before anything else does: the steps then become shorter. Sums are taken layer by layer,
+as those of the history, so that they have the same bits on any number of ranks.
 """
 
 from typing import Any
@@ -13,23 +13,23 @@ import numpy as np
 from pgimp.errors import EndlessError
 from pgimp.kernels.sums import KINETIC, MASS, STRAIN, layer_sums
 
-#: Steps from one look to the next.
+#: Steps from one check to the next.
 EVERY = 10
 
-#: Energy from nothing, as a part of the greatest that there was, from which steps become shorter,
-#: and by what; the next time it takes so many times as much.
+#: Spurious energy, relative to the greatest energy so far, at which steps become shorter; the
+#: factor on the step; the next bound, relative to the spurious energy found.
 BOUND, SHORTER, AGAIN = 0.05, 0.75, 1.5
 
-#: The least part of the first Courant number, and the energy from nothing that ends the run.
+#: The least part of the first Courant number, and the spurious energy that ends the run.
 LEAST, HOPELESS = 0.3, 10.0
 
 
-#: Energy that counts as none, over that of all mass at the speed of waves: far more than rounding.
+#: Negligible energy, over that of all mass at the speed of waves: far more than rounding.
 NONE = 1e-12
 
 
 class EnergyWatch:
-    """What watches a run whose Courant number is chosen by pgimp; the same on all ranks.
+    """The guard of a run whose Courant number is chosen by pgimp; the same on all ranks.
 
     Parameters
     ----------
@@ -39,9 +39,9 @@ class EnergyWatch:
     Attributes
     ----------
     part : float
-        What is left of the Courant number that the run began with.
+        Present Courant number, relative to that at the start.
     said : list of str
-        What there is to say since somebody has looked.
+        Messages that have not been shown yet.
     """
 
     def __init__(self, speed: float) -> None:
@@ -53,7 +53,7 @@ class EnergyWatch:
 
     @property
     def numbers(self) -> list[float]:
-        """What a checkpoint keeps."""
+        """The state for a checkpoint."""
         return [self.part, self._first, self._most, self._bound]
 
     @numbers.setter
@@ -61,13 +61,13 @@ class EnergyWatch:
         self.part, self._first, self._most, self._bound = numbers
 
     def begin(self, rank: Any) -> None:
-        """Take the energy that there is from now on; collective."""
+        """Set the present energy as the reference; collective."""
         energy, work, mass = self._sums(rank)
         self._first = energy - work
         self._most = max(energy, NONE * mass * self.speed * self.speed)
 
     def look(self, rank: Any, step: int, time: float) -> None:
-        """Compare the energy with what it should be; collective.
+        """Compare the energy with its balance; collective.
 
         Raises
         ------

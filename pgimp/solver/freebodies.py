@@ -1,8 +1,8 @@
 """Rigid bodies that move freely: their velocities at a step's end, and their states.
 
-The impulses that a body gets at the vertices depend on the velocity that it will have, and this on
-them. Both are found together, by Newton's method, so that no ratio of masses shortens the steps.
-Whatever is left of its residual, the body gets exactly the momentum that the material loses.
+The impulses that a body gets at the vertices depend on its velocity at the end, and this on
+them. Newton's method finds both together, so that no ratio of masses shortens the steps. However
+large the residual, the body gets exactly the momentum that the material loses.
 """
 
 from __future__ import annotations
@@ -22,21 +22,21 @@ from pgimp.scene.scene import Scene
 from pgimp.scene.toolchecks import require_clear
 from pgimp.solver.clock import Step
 
-#: Tries of Newton's method. Contact that only opens, closes, sticks or slides takes two or three.
-#: Where a change is not smaller than the one before, only half of it is made, then a quarter.
-#: Bodies that are light for the friction or adhesion that holds them may slip to and fro from try
-#: to try: every other `NEWTON` of them take slip for viscous, which never goes too far.
+#: Iterations of Newton's method. Contact that only opens, closes, sticks or slides takes two or
+#: three. Where a correction is not smaller than the one before, half of it is made, then a quarter.
+#: Bodies that are light for the friction or adhesion that holds them may alternate between slip
+#: directions: every other `NEWTON` iterations treat slip as viscous, which never overshoots.
 TRIES, NEWTON = 72, 12
 
-#: Change of the velocities, over the greatest of the body, at which they are found.
+#: Change of the velocities, over the body's greatest, at which they have converged.
 ENOUGH = 1e-11
 
-#: Cells by which a body may move in a step otherwise than its velocity that was tried last says.
+#: Greatest error of a body's displacement in a step, in cells, if Newton does not converge.
 ASTRAY = 0.05
 
-#: Most steps between two looks at whether bodies have run into what they do not feel, and cells by
-#: which they may have moved meanwhile.
-LOOKS, WAY = 16, 0.2
+#: Most steps between two checks for overlap with what bodies do not feel, and cells by which they
+#: may have moved meanwhile.
+LOOKS, TRAVEL = 16, 0.2
 
 
 class FreeBodies:
@@ -52,7 +52,7 @@ class FreeBodies:
     Attributes
     ----------
     states : list of State
-        How they move.
+        Their states of motion.
     """
 
     def __init__(self, scene: Scene, comm: Any) -> None:
@@ -60,12 +60,12 @@ class FreeBodies:
         self.numbers, self.bodies = list(scene.tools.free), list(scene.tools.free.values())
         self.states = scene.tools.first
         self._inertia: list[Matrix] = []
-        self._wanted: list[list[float]] = []
+        self._free_momenta: list[list[float]] = []
         self._touched = False
 
     @property
     def now(self) -> dict[int, tuple[FreeBody, State]]:
-        """The bodies by number, and how they move."""
+        """The bodies and their states, by number."""
         each = zip(self.bodies, self.states, strict=True)
         return dict(zip(self.numbers, each, strict=True))
 
@@ -75,12 +75,12 @@ class FreeBodies:
         return max(self.tools.rates(self.states))
 
     def require_clear(self, done: Step, dt: float) -> None:
-        """Refuse bodies that have run into what they do not feel; collective, now and then.
+        """Refuse bodies that overlap what they do not feel; collective, every few steps.
 
-        `dt` is the length of the next step. At the start it has been done before.
+        `dt` is the length of the next step. The start has been checked already.
         """
-        way = max(self.rate, self.tools.rate) * dt
-        pause = max(1, min(LOOKS, int(WAY / way))) if way > 0.0 else LOOKS
+        travel = max(self.rate, self.tools.rate) * dt
+        pause = max(1, min(LOOKS, int(TRAVEL / travel))) if travel > 0.0 else LOOKS
         if done.number and done.number % pause == 0 and self._may_meet():
             number, time = done.number, done.end
             require_clear(self.tools, self.scene.faces, self.states, number, time, self.comm)
@@ -114,7 +114,7 @@ class FreeBodies:
                     f"  try: time.step: {0.3 / rate:.3g}, or {{courant: 0.3}}"
                 )
 
-    def settle(
+    def solve_velocities(
         self, tools: Tools, grid: Grid, t: Step, gravity: tuple[float, ...],
         find_response: Callable[[], None],
     ) -> None:  # fmt: skip
@@ -123,7 +123,7 @@ class FreeBodies:
         Parameters
         ----------
         tools : Tools
-            Those of the step; the bodies have got nothing yet.
+            Those of the step, without impulses yet.
         grid : Grid
             The rank's planes.
         t : Step
@@ -133,18 +133,18 @@ class FreeBodies:
         find_response : callable
             Sets `answers` for the velocities that are in `tools`.
         """
-        self._inertia, self._wanted, tried = [], [], []
+        self._inertia, self._free_momenta, tried = [], [], []
         for body, state in zip(self.bodies, self.states, strict=True):
             inertia = body.halfway(state, t.dt)
             weight = [t.dt * body.bulk.mass * g for g in gravity]
             push = [p + w for p, w in zip(state.momentum, weight, strict=True)]
-            wanted = [
+            momenta = [
                 p if may else 0.0
                 for p, may in zip((*push, *state.spin), body.may, strict=True)
             ]
             self._inertia.append(inertia)
-            self._wanted.append(wanted)
-            tried.append(solve(body.mass_matrix(inertia), wanted))
+            self._free_momenta.append(momenta)
+            tried.append(solve(body.mass_matrix(inertia), momenta))
         self._touched, part, before = False, 1.0, inf
         for number in range(TRIES):
             cautious = number // NEWTON % 2 == 1
@@ -181,7 +181,7 @@ class FreeBodies:
             tools.motion[number, CAUTIOUS] = cautious
 
     def _require_found(self, sums: np.ndarray, tried: list[list[float]], t: Step) -> None:
-        """Refuse velocities that are far from those that the bodies will get; on every rank."""
+        """Refuse velocities that have not converged; on every rank."""
         inverse = max(self.scene.frame.inverse)
         for number, (body, v) in enumerate(zip(self.bodies, tried, strict=True)):
             M = body.mass_matrix(self._inertia[number])
@@ -196,17 +196,17 @@ class FreeBodies:
                 )
 
     def _rest(self, number: int, sums: list[float], v: list[float]) -> list[float]:
-        """Return what momenta a body would have besides those of the velocities that are tried."""
+        """Return a body's residual: its momenta less those of the velocities that are tried."""
         body = self.bodies[number]
         M, rest = body.mass_matrix(self._inertia[number]), [0.0] * 6
         for i in range(6):
             if body.may[i]:
                 has = sum(M[i][j] * v[j] for j in range(6))
-                rest[i] = self._wanted[number][i] + sums[GIVEN + i] - has
+                rest[i] = self._free_momenta[number][i] + sums[GIVEN + i] - has
         return rest
 
     def _change(self, number: int, sums: list[float], v: list[float]) -> list[float]:
-        """Return how a body's velocities that are tried have to change, after Newton."""
+        """Return Newton's correction of the velocities that are tried."""
         M, may = self.bodies[number].mass_matrix(self._inertia[number]), self.bodies[number].may
         for i in range(6):
             for j in range(6):
@@ -215,14 +215,14 @@ class FreeBodies:
         return solve(M, self._rest(number, sums, v))
 
     def _size(self, number: int, v: list[float], change: list[float]) -> float:
-        """Return the size of a change of velocities, over theirs."""
+        """Return the relative size of a change of velocities."""
         scale = [1.0] * 3 + [self.tools.arms[number]] * 3
         most = max(abs(x) * s for x, s in zip(v, scale, strict=True))
         by = max(abs(x) * s for x, s in zip(change, scale, strict=True))
         return by / max(most, by) if by != 0.0 else 0.0
 
     def _sum(self, tools: Tools, grid: Grid) -> np.ndarray:
-        """Sum up what is in `answers`, plane by plane in their order; collective."""
+        """Sum up `answers`, plane by plane in their order; collective."""
         about = tools.about[self.numbers]
         low, high = int(about[:, LEAST].min()), int(about[:, MOST].max())
         every = np.zeros((high - low + 1, len(self.bodies), ANSWER))
@@ -240,13 +240,13 @@ class FreeBodies:
         return np.add.reduce(every, axis=0)
 
     def move(self, tools: Tools, grid: Grid, dt: float) -> None:
-        """Give the bodies what they have got in a step, and move them; collective."""
+        """Apply the step's impulses to the bodies, and move them; collective."""
         got = np.zeros((len(self.bodies), ANSWER))
         if self._touched:
             got = self._sum(tools, grid)
         for number, body in enumerate(self.bodies):
             taken = got[number, TAKEN : TAKEN + 6].tolist()
-            momenta = tuple(p + J for p, J in zip(self._wanted[number], taken, strict=True))
+            momenta = tuple(p + J for p, J in zip(self._free_momenta[number], taken, strict=True))
             self.states[number] = body.moved(
                 self.states[number], momenta, self._inertia[number], dt
             )

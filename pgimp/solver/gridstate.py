@@ -1,7 +1,7 @@
 """The part of the grid where there are particles, as output shows it.
 
-It is summed again from the particles as they are, just as the next step will do: what is left
-from the last step belongs to where they were. So a frame of the grid belongs to the particles of
+It is summed again from the particles as they are, just as the next step will do: the sums of the
+last step belong to where they were. So a frame of the grid belongs to the particles of
 the same time, also at the start, and after a resume. Of bodies in the initial configuration it is
 the grid at the start: vertices and cells stay where they were then.
 """
@@ -41,7 +41,7 @@ class ActiveGrid(NamedTuple):
     mass, momentum, force : (n,), (n, 3), (n, 3) float64
         Sums over the particles; the force with that of gravity.
     contact : (n, 3) float64
-        See `_contact`; zeros where it is not wanted.
+        See `_contact`; zeros where it is not requested.
     cells : (c, 2^D) int64
         Vertices of the cells in which there are centres of particles, numbered over all ranks.
     first : (int, int)
@@ -70,13 +70,13 @@ def active_grid(rank: Rank, time: float, dt: float = 0.0) -> ActiveGrid:
     time : float
         The time.
     dt : float
-        Length of the step for which forces of contact are wanted; 0: they are not.
+        Length of the step for the forces of contact; 0: without them.
     """
     comm, scene, grid, slab = rank.comm, rank.scene, rank.grid, rank.slab
-    wanted = bool(rank.meetings) and dt > 0.0
-    if wanted and rank.meetings:  # before the first step all bodies share a field
+    contacts = bool(rank.meetings) and dt > 0.0
+    if contacts and rank.meetings:  # before the first step all bodies share a field
         rank.meetings.regroup(grid, rank.population)
-    sum_particles(rank, scene.loads.at(time), marked=wanted and bool(scene.loads.constraints))
+    sum_particles(rank, scene.loads.at(time), marked=contacts and bool(scene.loads.constraints))
     rank.halo.finish(grid)
     own, D = grid.owned, scene.dimension
     extent = grid.window.extent
@@ -94,16 +94,16 @@ def active_grid(rank: Rank, time: float, dt: float = 0.0) -> ActiveGrid:
     first, total = counts[: comm.rank].sum(axis=0), counts.sum(axis=0)
     numbers = np.full((own + 1, *extent[1:]), -1, np.int64)
     numbers[:own][vertices] = first[0] + np.arange(counts[comm.rank, 0])
-    sent = None if slab.below is None else comm.isend(numbers[0], slab.below, _DOWN)
-    if slab.above is not None:
-        numbers[own] = comm.recv(source=slab.above, tag=_DOWN)
+    sent = None if slab.lower is None else comm.isend(numbers[0], slab.lower, _DOWN)
+    if slab.upper is not None:
+        numbers[own] = comm.recv(source=slab.upper, tag=_DOWN)
     if sent is not None:
         sent.wait()
     i, j, k = np.nonzero(cells)
     corners = [numbers[i + a, j + b, k + c] for a, b, c in _CORNERS[D - 1]]
 
     found, place = records[vertices], np.nonzero(vertices)
-    contact = _contact(rank, time, dt)[vertices] if wanted else np.zeros((len(found), 3))
+    contact = _contact(rank, time, dt)[vertices] if contacts else np.zeros((len(found), 3))
     position = np.zeros((len(found), 3))
     for d in range(D):
         number = place[d] + (grid.window.lower[d] - scene.frame.ghost)
@@ -142,20 +142,20 @@ def _contact(rank: Rank, time: float, dt: float) -> np.ndarray:
     call(update_momentum, scene.frame, field, faces, forcing, unbooked, contact, BEGINNING)
     if rank.free:
         respond = partial(call, find_response, contact, faces, scene.frame, field, forcing)
-        rank.free.settle(contact.tools, grid, t, forcing.gravity, respond)
+        rank.free.solve_velocities(contact.tools, grid, t, forcing.gravity, respond)
     forces(True, found)
     return found.reshape(grid.owned, *extent[1:], 3)
 
 
 def _cells(rank: Rank) -> tuple[np.ndarray, np.ndarray]:
-    """Which cells hold centres of particles, by their lowest vertex; collective.
+    """Cells that hold centres of particles, by their lowest vertex; collective.
 
     Returns
     -------
     cells : (own planes, y, z) bool
         Those of this rank.
     below : (y, z) bool
-        Those of the last plane of the rank below.
+        Those of the last plane of the lower rank.
     """
     grid, slab, own, window = rank.grid, rank.slab, rank.grid.owned, rank.grid.window
     p, order, frame = rank.particles, rank.population.order, rank.scene.frame
@@ -167,14 +167,14 @@ def _cells(rank: Rank) -> tuple[np.ndarray, np.ndarray]:
             cell = np.floor((x[:, d] - frame.origin[d]) * frame.inverse[d])
             place[d] = cell.astype(np.int64) + (frame.ghost - window.lower[d])
         marks[tuple(place)] = True
-    # A particle of the last layer may be in the next cell, whose vertex the rank above has. Other
+    # A particle of the last layer may be in the next cell, whose vertex the upper rank has. Other
     # layers do not reach beyond, so that the plane before is complete.
     sent = None
-    if slab.above is not None:
-        sent = rank.comm.isend(marks[own - 1 : own + 1], slab.above, _UP)
+    if slab.upper is not None:
+        sent = rank.comm.isend(marks[own - 1 : own + 1], slab.upper, _UP)
     below = np.zeros(window.extent[1:], bool)
-    if slab.below is not None:
-        below, shared = rank.comm.recv(source=slab.below, tag=_UP)
+    if slab.lower is not None:
+        below, shared = rank.comm.recv(source=slab.lower, tag=_UP)
         marks[0] |= shared
     if sent is not None:
         sent.wait()

@@ -1,9 +1,9 @@
-"""Which bodies share a velocity field: those that cannot meet within the next steps.
+"""Assignment of velocity fields: bodies that cannot meet within the next steps share one.
 
 A body has a field of its own only near one that it may meet, so that a scene of bodies that are
 apart, or of a hundred grains, needs a handful. Sharing changes no bit: bodies that share a field
-share none of its vertices. How far they are apart is found as minima and maxima over all ranks,
-which depend on no order.
+share none of its vertices. Their distances are minima and maxima over all ranks, which
+depend on no order.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ from pgimp.kernels.boxes import grow_boxes
 from pgimp.kernels.particles import Frame
 from pgimp.scene.scene import Scene
 
-#: Steps for which bodies must be out of reach at least to share a field, and the most after which
-#: all is found anew. In a step a particle moves by a cell at most, or the run ends.
+#: Least number of steps for which bodies must stay out of reach to share a field, and the most
+#: before the next search. In a step a particle moves by a cell at most, or the run ends.
 FEWEST, MOST = 2, 64
 
-#: The most steps where there are several fields: between two looks bodies may go as many cells, and
-#: so far around them planes are searched for where they meet.
+#: The most steps where there are several fields: between two searches bodies may move by as many
+#: cells, and planes are searched that far around them.
 NEAR = 16
 
 
@@ -79,7 +79,7 @@ def where_near(boxes: np.ndarray, fields: tuple[int, ...], reach: float, steps: 
 
 
 def assign(boxes: np.ndarray, reach: float) -> tuple[tuple[int, ...], int]:
-    """Give each body the lowest field that none has which it may meet soon.
+    """Assign each body the lowest field that no body has which it may meet soon.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What is known of a run's stages before its first step: columns of the history, and steps."""
+"""Checks of all stages before a run's first step: columns of the history, and steps."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -20,7 +20,7 @@ _SUMS = ("removed.", "escaped.", "stages.")
 def look_ahead(scenes: Sequence[Scene]) -> list[str]:
     """Return the columns that the history of a run of several stages has, in their order.
 
-    Everything that can be known of the stages without their particles is looked at.
+    Everything that can be checked in the stages without their particles is checked.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ def look_ahead(scenes: Sequence[Scene]) -> list[str]:
 
 
 def absent(column: str) -> float:
-    """Return what a line has in a column that its stage does not have."""
+    """Return a line's value in a column that its stage does not have."""
     return 0.0 if column.startswith(_SUMS) else float("nan")
 
 
@@ -59,7 +59,7 @@ def stage_rate(scene: Scene, rates: Mapping[str, float]) -> float:
         The stage's.
     rates : dict of str to float
         By name those of bodies whose materials vary, which keep their parameters in all stages: the
-        greatest of their particles. Of those that are not named nothing is known.
+        greatest of their particles. The rates of bodies that are not named are unknown.
     """
     found = [0.0]
     for body, name in enumerate(scene.body_names):

@@ -13,7 +13,7 @@ from pgimp.kernels.ledger import (
 from pgimp.scene.freebody import FreeBody, Six
 from pgimp.solver.totals import Column, Group
 
-#: What a body's six numbers are before it is measured, where only names are wanted.
+#: Stand-in for a body's six numbers before it is measured, where only names matter.
 _SIX: Six = (0.0,) * 6
 
 MEETING = (
@@ -82,7 +82,7 @@ MEETING = (
                 "tool.NAME.displacement-AXIS", "length",
                 "way of the rigid body since the start: of its axis where it turns, of its centre "
                 "of mass where it moves freely",
-                lambda s, k: s.way_of_tool(k),
+                lambda s, k: s.displacement_of_tool(k),
             ),
         ),
     ),

@@ -1,4 +1,4 @@
-"""Where bodies meet: their velocity fields, and the sums that tell the gaps between them."""
+"""Contact of bodies: their velocity fields, and the sums that give the gaps between them."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Meetings:
 
     Volumes are summed only for planes in which several fields have mass: by the same layered sums
     and the same exchange as masses, so that all ranks get the same bits. A neighbour takes part
-    if such a plane is shared with it, which both sides see alike.
+    if such a plane is shared with it, on which both sides agree.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ class Meetings:
         self._halos: dict[tuple[bool, bool], Halo] = {}
 
     def regroup(self, grid: Grid, population: Population) -> None:
-        """Find out, when it is time, which bodies need fields of their own; collective."""
+        """Assign velocity fields to bodies, when it is due; collective."""
         if self._steps > 0:
             self._steps -= 1
             return
@@ -115,13 +115,13 @@ class Meetings:
         return begun > np.searchsorted(np.sort(high), place, "left")
 
     def _connect(self, grid: Grid) -> None:
-        """Make room for the sums in the planes of `grid`."""
+        """Allocate the sums for the planes of `grid`."""
         for halo in self._halos.values():
             halo.close()
         self._halos.clear()
         self._known, self._where, scene = grid.field, None, self.scene
         self._planes = np.empty(0, np.int64)
-        self._volumes = Grid(scene.frame, scene.vertices, grid.slab, grid.late, self.fields)
+        self._volumes = Grid(scene.frame, scene.vertices, grid.slab, grid.lag, self.fields)
         self._volumes.store(grid.base)
         most = 1 + max(self.fields)
         self._contact = Contact.empty(
@@ -158,16 +158,16 @@ class Meetings:
             particles_to_grid, self.scene.setting.without_materials(), volumes.field,
             population.particles, volume_sums(self.scene.shape), order, self._runs,
         )  # fmt: skip
-        below = slab.below is not None and bool(planes[0] < shared)
-        above = slab.above is not None and bool(planes[-1] >= layers)
-        if not (below or above):
+        lower = slab.lower is not None and bool(planes[0] < shared)
+        upper = slab.upper is not None and bool(planes[-1] >= layers)
+        if not (lower or upper):
             return
-        halo = self._halos.get((below, above))
+        halo = self._halos.get((lower, upper))
         if halo is None:
             part = slab._replace(
-                below=slab.below if below else None, above=slab.above if above else None
+                lower=slab.lower if lower else None, upper=slab.upper if upper else None
             )
-            halo = self._halos[below, above] = Halo(self.comm, part, shared)
+            halo = self._halos[lower, upper] = Halo(self.comm, part, shared)
         halo.proceed(volumes)
         halo.finish(volumes)
 

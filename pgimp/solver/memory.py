@@ -1,4 +1,4 @@
-"""How much memory a run will take, found before anything large exists, and whether it is there.
+"""Memory that a run will take, estimated and compared with what is free before it is used.
 
 The terms are those of what a rank allocates, with the transients of the phase that takes most.
 Measured peaks are within some ten per cent (tests/solver/test_memory.py); what a run needs besides,
@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pgimp.decomposition.grid import LATE, MARGIN
+from pgimp.decomposition.grid import LAG, MARGIN
 from pgimp.errors import CaseError
 from pgimp.kernels.ledger import BOOKED, TOOLED
 from pgimp.kernels.particles import Particles
@@ -22,7 +22,7 @@ from pgimp.scene.latticebody import _SLAB
 from pgimp.scene.scene import Scene
 from pgimp.solver.groups import assign, reach
 
-#: What a process takes besides after its start: kernels, HDF5, buffers of MPI.
+#: What a process takes besides, after its start: kernels, HDF5, buffers of MPI.
 BASE = 100_000_000
 
 #: Rows of a rank's particles are numbered by int32.
@@ -53,7 +53,7 @@ class Part(NamedTuple):
     advice : str
         What would change that in the case.
     shared : bool
-        Whether it becomes less with more ranks.
+        Whether more ranks make it less.
     """
 
     what: str
@@ -74,7 +74,7 @@ class Estimate(NamedTuple):
     parts : list of Part
         What is there at the peak; the largest first.
     untouched : Part
-        What is asked for besides, but not touched where there are no particles.
+        What is allocated besides, but not touched where there are no particles.
     """
 
     particles: float
@@ -89,7 +89,7 @@ class Estimate(NamedTuple):
 
 
 def bytes_each(scene: Scene, ranks: int) -> tuple[int, int, int]:
-    """Bytes of a particle's columns, of what a rank keeps for it, and while output is written."""
+    """Bytes of a particle: its columns, what a rank keeps for it, and more during output."""
     p = Particles.empty(1, scene.carried)
     columns = sum(array.nbytes for array in p)
     widest = 8 * max(array.size for array in p)
@@ -99,7 +99,7 @@ def bytes_each(scene: Scene, ranks: int) -> tuple[int, int, int]:
     # Rows and their order; what goes to other ranks and comes from them; a compressed field. It is
     # more than a checkpoint needs.
     frame = (40 if ranks == 1 else 36 + 2 * field) + field * (output.compression != "none")
-    # Room for the widest column, order and spare order; what comes from other ranks.
+    # Scratch for the widest column, order and spare order; what comes from other ranks.
     kept = columns * (1.0 if ranks == 1 else 1.125) + widest + 8
     return columns, int(kept), int(kept + frame)
 
@@ -107,7 +107,7 @@ def bytes_each(scene: Scene, ranks: int) -> tuple[int, int, int]:
 def window(scene: Scene, bodies: list[Extent], ranks: int) -> list[int]:
     """Vertices along each direction where there are particles at the beginning, and a margin."""
     s, per_cell = scene.vertices, scene.case.method.particles_per_cell
-    margin = 2 * (MARGIN + (LATE if ranks > 1 else 0))
+    margin = 2 * (MARGIN + (LAG if ranks > 1 else 0))
     extent = []
     for d in range(scene.dimension):
         low = min(body.low[d] for body in bodies) // per_cell[d]
@@ -147,8 +147,7 @@ def estimate(
     bodies : list of Extent
         See `extents`.
     count : float, optional
-        Particles of all ranks; without it a number that there are at least, unless much of the
-        bodies is surface.
+        Particles of all ranks; by default a lower bound, unless much of the bodies is surface.
     share : float, optional
         The rank's part of the particles and layers; without it all ranks have the same.
     """
@@ -176,7 +175,7 @@ def estimate(
     if scene.approached:
         plane += prod(extent[1:]) * fields * 8 * len(scene.faces)
     occupied = min(extent[0], sum(body.boxes[0] / per_cell[0] + s for body in bodies))
-    # A layer's own planes; what is put aside at both ends, and received.
+    # A layer's own planes; what is deferred at both ends, and received.
     beside = s + (1.5 * s * (s - 1) if ranks > 1 else 0)
     grid = Part(
         f"the grid's window of {' x '.join(str(n) for n in extent[1:]) or 'a'} vertices a plane",

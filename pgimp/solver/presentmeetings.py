@@ -1,4 +1,4 @@
-"""Where bodies in the initial configuration meet: each other, rigid bodies, walls that let go."""
+"""Contact of bodies in the initial configuration: each other, rigid bodies, walls that let go."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from pgimp.decomposition.grid import Grid
 from pgimp.decomposition.population import Population
 from pgimp.jit.bound import Bound
-from pgimp.kernels.accumulated import Responses, find_responses, settle_contacts
+from pgimp.kernels.accumulated import Responses, find_responses, solve_impulses
 from pgimp.kernels.boxes import grow_boxes
 from pgimp.kernels.concepts import Forcing
 from pgimp.kernels.contact import Contact
@@ -38,17 +38,17 @@ from pgimp.solver.approach import Approach, reach
 from pgimp.solver.bonds import bonded, separating_walls, with_walls
 from pgimp.solver.clock import Step
 
-#: The most sweeps over all pairs in a step, and the change of impulses, over the greatest, that is
-#: none. A hundred sweeps to 1e-4 find the same motion, and disks that meet then lose more.
+#: The most sweeps over all pairs in a step, and the relative change of impulses that ends them. A
+#: hundred sweeps to 1e-4 find the same motion, but disks that meet then lose more.
 SWEEPS, ENOUGH = 30, 1e-3
 
 
 class PresentMeetings:
     """Contact of bodies in the initial configuration, on one rank.
 
-    Particles that are near something go to all ranks, in canonical order, with the vertices of
-    their own grid. All then find the same impulses, and give them to the vertices that they have:
-    nothing of it depends on which rank a particle is on, and no step needs more than one exchange.
+    Particles that are near something are gathered on all ranks, in canonical order, with the
+    vertices of their own grid. All ranks then find the same impulses and apply them to their own
+    vertices: nothing depends on the ranks, and no step needs more than one exchange.
 
     Parameters
     ----------
@@ -84,11 +84,11 @@ class PresentMeetings:
         self._local = local_vertices(scene.vertices, scene.dimension)
 
     def forget(self) -> None:
-        """Look at all particles anew in the next step: there are others, or of other bodies."""
+        """Search all particles again in the next step: they have changed, or their bodies have."""
         self._approach.forget()
 
     def group(self, grid: Grid, population: Population) -> None:
-        """Find out, once, which bodies are bonded at the start; collective."""
+        """Find, once, which bodies are bonded at the start; collective."""
         if self._grouped:
             return
         self._grouped = True
@@ -110,10 +110,10 @@ class PresentMeetings:
         self, grid: Grid, population: Population, ledger: Ledger, t: Step, forcing: Forcing,
         faces: Any,
     ) -> None:  # fmt: skip
-        """Let all that meets exchange impulses, after the update of momentum; collective.
+        """Exchange the impulses of contact, after the update of momentum; collective.
 
-        Velocities and accelerations of the vertices change. What bodies meet is at present; what
-        holds the vertices of the start, `faces` and constraints, is that of the start.
+        Velocities and accelerations of the vertices change. Bodies meet where they are now; faces
+        and constraints hold the vertices of the start, as at the start.
         """
         scene, contact, call = self.scene, self._contact, self.call
         ledger.contact[:, :, CONTACT_AREA] = 0.0
@@ -132,7 +132,7 @@ class PresentMeetings:
         changes = vertices.values[:, MOVES:YIELDS] - before
         call(give_to_vertices, scene.frame, grid.field, vertices.keys, changes, t.dt)
         call(book_held, holding, grid.field, vertices, ledger)
-        if grid.slab.layers and grid.slab.below is None:
+        if grid.slab.layers and grid.slab.lower is None:
             call(book_contacts, contact, free, *known, vertices.values, self._walls, ledger)
 
     def _gather(
@@ -158,7 +158,7 @@ class PresentMeetings:
         return table, StartVertices(keys, values)
 
     def _solve(self, table: np.ndarray, vertices: StartVertices, free: Holding, t: Step) -> Any:
-        """Find the impulses; `vertices` has the velocities then.
+        """Find the impulses; `vertices` gets the velocities after them.
 
         Returns the pairs, those that lie too deep to act, and the responses of the first; None
         where nothing meets.
@@ -168,20 +168,20 @@ class PresentMeetings:
         now, start = self._supports(len(table)), self._supports(len(table))
         call(find_supports, shape, frame, scene.identity, table, PLACE, now)
         present = self._sum(table, now)
-        room = 4 * len(present.keys)
+        capacity = 4 * len(present.keys)
         while True:
-            encounters = Encounters.empty(room)
+            encounters = Encounters.empty(capacity)
             pairs, deep = call(
                 find_encounters, contact, frame, self._every_face, self._walls, present, t.dt,
                 encounters,
             )  # fmt: skip
-            if pairs + deep <= room:
+            if pairs + deep <= capacity:
                 break
-            room = pairs + deep
+            capacity = pairs + deep
         if pairs == 0:
             self.sweeps = 0
             return None
-        below = encounters.between(room - deep, room)
+        deeper = encounters.between(capacity - deep, capacity)
         encounters = encounters.between(0, pairs)
         call(find_supports, shape, frame, scene.identity, table, START, start)
         hashes, values = room_for(len(vertices.keys)), vertices.values
@@ -189,12 +189,12 @@ class PresentMeetings:
         call(find_vertices, frame, table, start, 1 + max(self.fields, default=0), hashes)
         responses = call(find_responses, table, now, start, encounters, present.sums, values)
         self.sweeps = call(
-            settle_contacts, contact, free, encounters, responses, values, SWEEPS, ENOUGH
+            solve_impulses, contact, free, encounters, responses, values, SWEEPS, ENOUGH
         )
-        return encounters, below, responses
+        return encounters, deeper, responses
 
     def _sum(self, table: np.ndarray, now: Supports) -> Present:
-        """What groups have at the vertices; `now` are the particles' supports there."""
+        """The groups' sums at the vertices; `now` are the particles' supports there."""
         most, low = now.at.size, now.first.min(axis=0)
         extent = now.first.max(axis=0) - low + self.scene.vertices
         present = Present(
@@ -206,7 +206,7 @@ class PresentMeetings:
         return present._replace(keys=keys, sums=sums, order=np.argsort(keys, kind="stable"))
 
     def _supports(self, count: int) -> Supports:
-        """Room for the supports of so many particles."""
+        """Storage for the supports of `count` particles."""
         return Supports.empty(count, self._local)
 
 
@@ -235,7 +235,7 @@ def calls(
     yield 0.2, lambda: number_keys(none, room_for(0))
     yield 0.3, lambda: find_vertices(frame, table, supports, 1, room_for(0))
     yield 2.0, lambda: find_responses(table, supports, supports, encounters, present.sums, values)
-    yield 2.0, lambda: settle_contacts(contact, free, encounters, rows, values, 1, ENOUGH)
+    yield 2.0, lambda: solve_impulses(contact, free, encounters, rows, values, 1, ENOUGH)
     yield 0.3, lambda: give_to_vertices(frame, grid.field, none, np.empty((0, 3)), 1.0)
     yield 1.0, lambda: book_held(holding, grid.field, vertices, ledger)
     yield 2.0, lambda: book_contacts(
@@ -244,6 +244,6 @@ def calls(
 
 
 def _nothing_held(holding: Holding) -> Holding:
-    """For the law of contact: vertices that are held have no mobility, which is all."""
+    """The holding for the law of contact: none, as held vertices have no mobility."""
     forcing = holding.forcing._replace(marked=(), clearances=())
     return holding._replace(faces=(), forcing=forcing)

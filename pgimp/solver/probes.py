@@ -1,7 +1,7 @@
-"""What probes see: a particle that is followed by its number, or the material at a place.
+"""Probes: a particle that is followed by its id, or the material at a place.
 
-All is done only when a line falls due: a step knows nothing of probes. What is seen does not
-depend on the ranks: a particle is on one of them, and the sums at a place go layer by layer in
+Work is done only when a line is due: a step knows nothing of probes. Values do not depend on the
+ranks: a particle is on one of them, and the sums at a place go layer by layer in
 canonical order, as those of the history.
 """
 
@@ -34,7 +34,7 @@ Line = dict[str, float | None]
 
 
 class Point:
-    """A material point: the particle of a number, on whatever rank it is.
+    """A material point: the particle of an id, on any rank.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ class Point:
     def __init__(self, number: int, origin: Sequence[float]) -> None:
         self.number = number
         self.origin = tuple(origin)
-        #: Whether no rank has it any more.
+        #: Whether it has left all ranks.
         self.gone = False
         self._row = -1
 
@@ -63,7 +63,7 @@ class Point:
         return self._row >= 0
 
     def search(self, population: Population) -> bool:
-        """Look for the particle among all of this rank; tell whether it is there."""
+        """Search all of this rank's particles for it; returns whether it is there."""
         self._row = -1
         for begin, end in blocks(len(population.order), _BLOCK):
             rows = population.order[begin:end]
@@ -90,7 +90,7 @@ class Point:
         return np.concatenate(found)
 
     def line(self, sim: "Simulation", parts: list[np.ndarray | None]) -> Line:
-        """A line on rank 0, from what each rank has; nothing but the time once it is gone."""
+        """A line on rank 0, from each rank's part; nothing but the time once it is gone."""
         names = []
         for name, components in _followed(sim.scene):
             parts_of = sim.scene.fields[name].components.split()
@@ -169,7 +169,7 @@ class Place:
 
 
 def _line(sim: "Simulation", names: list[str], values: np.ndarray | None) -> Line:
-    """A line with the first columns as `values` say, and nothing in the others."""
+    """A line with `values` in the first columns, and nothing in the others."""
     line: Line = {"time": sim.time, "step": sim.step} | dict.fromkeys(names)
     if values is not None:
         # Added zero turns -0 into 0.

@@ -1,4 +1,4 @@
-"""What one rank holds of a simulation: its slab's particles, grid, messages and books."""
+"""One rank's part of a simulation: its slab's particles, grid, messages and ledger."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from pgimp.decomposition.grid import LATE, Grid
+from pgimp.decomposition.grid import LAG, Grid
 from pgimp.decomposition.halo import Halo
 from pgimp.decomposition.migrate import Migration
 from pgimp.decomposition.population import Population
@@ -33,7 +33,7 @@ MOST_LISTED = 1024
 
 
 class Rank:
-    """One rank's part of a simulation; it goes over to other slabs with `move`.
+    """One rank's part of a simulation; `move` changes its slab.
 
     Parameters
     ----------
@@ -66,19 +66,18 @@ class Rank:
         Calls the kernels of a step.
     lightest : float
         Mass below which a vertex is not accelerated.
-    reach : (2, 2) int64
-        First vertices that particles have been found to need, see `StepReduction`.
+    vertex_bounds : (2, 2) int64
+        First vertices of the particles' supports so far, see `StepReduction`.
     timings : dict of str to float
         Seconds spent in each phase.
     worked : dict of str to float
-        Those in which it had a core, where ranks must share cores; else the same.
+        CPU seconds, where ranks share cores; else the same as `timings`.
     particle_steps, clamped, held : int
         Particle-steps in this process; those, since the start, with a half-width held at one cell,
         and those in which a wall held a particle in.
-    faults, failed : (n, 2) int64, int
-        Rows and faults of particles at fault in the last step, and their number, which may be
-        greater.
-    fault_buffer : (2, size, 2) int64
+    errors, failed : (n, 2) int64, int
+        Rows and errors of particles at fault in the last step; their number, which may be greater.
+    error_buffer : (2, size, 2) int64
         Where the kernels write them.
     """
 
@@ -100,17 +99,17 @@ class Rank:
         self.timings = dict.fromkeys((*PHASES, "sort", "balance"), 0.0)
         self.worked = dict.fromkeys(PHASES, 0.0) if shares_cores(comm) else self.timings
         self.particle_steps = self.clamped = self.held = 0
-        self.fault_buffer = np.zeros((2, MOST_LISTED, 2), np.int64)
-        self.faults, self.failed = self.fault_buffer[0, :0], 0
-        self.reach = np.zeros((2, 2), np.int64)
+        self.error_buffer = np.zeros((2, MOST_LISTED, 2), np.int64)
+        self.errors, self.failed = self.error_buffer[0, :0], 0
+        self.vertex_bounds = np.zeros((2, 2), np.int64)
         self._meet()
         self.clearances = Clearances(scene)
-        #: Whether there are other layers than when rows were last sorted.
+        #: Whether the layers have changed since rows were last sorted.
         self.moved = False
         self._allocate(slab)
 
     def _meet(self) -> None:
-        """Make what finds where bodies meet, anew."""
+        """Recreate the contact detection."""
         scene = self.scene
         self.meetings: Meetings | None = None
         self.present: PresentMeetings | None = None
@@ -120,13 +119,13 @@ class Rank:
             self.meetings = Meetings(scene, self.comm)
 
     def _allocate(self, slab: Slab) -> None:
-        """Make grid, messages and books for a slab; the window is still to be set."""
+        """Allocate grid, messages and ledger for a slab; the window is still to be set."""
         scene, comm = self.scene, self.comm
         self.slab = slab
-        late = LATE if comm.size > 1 and not scene.initial else 0
+        lag = LAG if comm.size > 1 and not scene.initial else 0
         meetings = self.meetings or self.present
         fields = meetings.fields if meetings else ()
-        self.grid = Grid(scene.frame, scene.vertices, slab, late, fields, scene.room)
+        self.grid = Grid(scene.frame, scene.vertices, slab, lag, fields, scene.bounds)
         self.halo = Halo(comm, slab, scene.vertices - 1)
         self.migration = Migration(comm, slab, self.particles)
         outflow = (len(scene.body_names), scene.sums) if scene.escapes else (0, 0)
@@ -161,13 +160,13 @@ class Rank:
         return self.population.order.astype(np.int64)
 
     def booked(self) -> Ledger:
-        """Return the books of the planes that the rank owns."""
+        """Return the ledger of the planes that the rank owns."""
         return self.ledger.first(self.grid.owned)
 
     def move(self, old: list[int], new: list[int]) -> None:
-        """Go over to another decomposition between two steps; collective.
+        """Change the decomposition between two steps; collective.
 
-        No bit of what follows depends on it.
+        No bit of the results depends on it.
 
         Parameters
         ----------
@@ -185,14 +184,14 @@ class Rank:
             booked[:] = values
 
     def enter(self, scene: Scene, particles: Particles) -> None:
-        """Go over to the scene of another stage between two steps; the books begin anew.
+        """Change to the scene of another stage between two steps; the ledger starts from zero.
 
         Parameters
         ----------
         scene : Scene
             Of the same bodies.
         particles : Particles
-            The same, with the columns that the scene wants.
+            The same, with the columns of the scene.
         """
         window, self.scene, self.call = self.grid.base, scene, Bound()
         self.population.particles = particles
@@ -202,10 +201,10 @@ class Rank:
         self.grid.store(window)
 
     def remove_outflow(self, left: np.ndarray) -> None:
-        """Book the particles that have left the domain, and give up their rows.
+        """Book the particles that have left the domain, and free their rows.
 
-        What they take with them is added to the sums of the layer in which they were, in canonical
-        order, so that the books have the same bits on any number of ranks.
+        Their mass, momentum and energy are added to the sums of their last layer, in canonical
+        order, so that the ledger has the same bits on any number of ranks.
 
         Parameters
         ----------
@@ -219,20 +218,20 @@ class Rank:
         order = Order(leaving, np.searchsorted(left[gone], population.start))
         escaped = self.ledger.escaped[: self.slab.layers]
         layer_sums(scene.setting.without_shape(), self.particles, order, escaped)
-        population.release(leaving)
+        population.free_later(leaving)
 
-    def list_faults(self, numbers: list[int]) -> None:
+    def list_errors(self, numbers: list[int]) -> None:
         """List the particles at fault in this step in canonical order, at most `MOST_LISTED`.
 
         Parameters
         ----------
         numbers : list of int
-            How many have been found by each call; the first ones are in `fault_buffer`.
+            Number found by each call; the first ones are in `error_buffer`.
         """
         found = np.concatenate(
-            [buffer[:n] for buffer, n in zip(self.fault_buffer, numbers, strict=False)]
+            [buffer[:n] for buffer, n in zip(self.error_buffer, numbers, strict=False)]
         )
         place = np.empty(self.particles.capacity, np.int64)
         place[self.population.order] = np.arange(self.count)
         self.failed = sum(numbers)
-        self.faults = found[np.argsort(place[found[:, 0]])][:MOST_LISTED]
+        self.errors = found[np.argsort(place[found[:, 0]])][:MOST_LISTED]

@@ -1,8 +1,8 @@
-"""What all ranks agree on after a step: speed, requests and the window, by one reduction.
+"""The reduction after a step: speed, requests and the window, for all ranks.
 
 It is begun when a rank has done its step and completed when the next one needs it, after the sums
-of the grid are complete. So a rank need not wait at a step's end for those that are late by less
-than it has to do meanwhile. What is due between two steps completes it first.
+of the grid are complete. So a rank need not wait at a step's end for those that are behind by less
+than its work until then. Actions due between two steps complete it first.
 """
 
 import weakref
@@ -13,7 +13,7 @@ import numpy as np
 
 
 class Request(IntEnum):
-    """What a rank may ask for after a step; the greatest of all ranks counts, on all of them."""
+    """Request of a rank after a step; the greatest of all ranks counts, on all of them."""
 
     NONE = 0
     #: The rank still waits for the disk, see `pgimp.running.frames`.
@@ -21,21 +21,21 @@ class Request(IntEnum):
     CHECKPOINT = 2
     STOP = 3
     #: Particles of the rank are at fault.
-    FAULT = 4
+    ERROR = 4
 
 
 def _complete(requests: list[Any]) -> None:
-    """Wait for what has been begun: MPI writes to its arrays until then."""
+    """Wait for the requests: MPI writes to its arrays until then."""
     while requests:
         requests.pop().Wait()
 
 
 class StepReduction:
-    """The reduction of a step; on one rank what is agreed on is what that rank says.
+    """The reduction of a step; on one rank it gives that rank's own values.
 
-    The same calls on all ranks in the same places of their steps, so that all know the same. What
-    is begun when it is dropped, or at the process's end, is waited for: all ranks have begun it
-    or will, before they need anything else.
+    All ranks make the same calls at the same points of their steps. A reduction that is open when
+    the object is dropped, or at the process's end, is completed: all ranks have begun it, or will,
+    before they need anything else.
 
     Parameters
     ----------
@@ -50,15 +50,15 @@ class StepReduction:
         Largest (c_p + |v_p|)/L.
     request : Request
         The greatest.
-    asks : bool
+    rebalance_requested : bool
         Whether any rank asks for another decomposition.
-    reach : (2, 2) int64
+    vertex_bounds : (2, 2) int64
         First vertices (least, greatest; y, z) that all ranks together have reported.
     """
 
     def __init__(self, comm: Any) -> None:
-        self.rate, self.request, self.asks = 0.0, Request.NONE, False
-        self.reach = np.zeros((2, 2), np.int64)
+        self.rate, self.request, self.rebalance_requested = 0.0, Request.NONE, False
+        self.vertex_bounds = np.zeros((2, 2), np.int64)
         self._comm = comm
         self._mine, self._every = np.zeros((2, 7))
         self._begun: list[Any] = []
@@ -69,26 +69,28 @@ class StepReduction:
 
             self._greatest = MPI.MAX
 
-    def begin(self, rate: float, request: Request, asks: bool, reach: np.ndarray) -> None:
-        """Return what this rank has found in a step; collective."""
+    def begin(
+        self, rate: float, request: Request, rebalance_requested: bool, bounds: np.ndarray
+    ) -> None:
+        """Start the reduction of a step with what this rank has found; collective."""
         self.open = True
         if self._comm.size == 1:
-            self.rate, self.request, self.reach = rate, request, reach
+            self.rate, self.request, self.vertex_bounds = rate, request, bounds
             return
         mine = self._mine
-        mine[0], mine[5], mine[6] = rate, request, asks
-        np.negative(reach[0], out=mine[1:3])
-        mine[3:5] = reach[1]
+        mine[0], mine[5], mine[6] = rate, request, rebalance_requested
+        np.negative(bounds[0], out=mine[1:3])
+        mine[3:5] = bounds[1]
         self._begun.append(self._comm.Iallreduce(mine, self._every, self._greatest))
 
     def end(self) -> bool:
-        """Wait until all have said it; whether there was anything to wait for."""
+        """Complete the reduction; whether one was open."""
         was_open, self.open = self.open, False
         if self._begun:
             _complete(self._begun)
             every = self._every
-            self.rate, self.asks = float(every[0]), bool(every[6])
+            self.rate, self.rebalance_requested = float(every[0]), bool(every[6])
             self.request = Request(int(every[5]))
-            np.negative(every[1:3], out=self.reach[0], casting="unsafe")
-            self.reach[1] = every[3:5]
+            np.negative(every[1:3], out=self.vertex_bounds[0], casting="unsafe")
+            self.vertex_bounds[1] = every[3:5]
         return was_open

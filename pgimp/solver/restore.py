@@ -1,4 +1,4 @@
-"""A simulation's state put back: what a checkpoint holds is checked, then taken over."""
+"""Restoring a simulation's state: a checkpoint is checked, then taken over."""
 
 from typing import Any
 
@@ -21,7 +21,7 @@ def outline(scene: Scene, source: Any, comm: Any) -> tuple[State, np.ndarray]:
     """State and number of particles by layer, in agreement with each other and the scene.
 
     Everything in a checkpoint is checked before it is used: a file with the right checksums may
-    still hold what no run has written. Collective.
+    still hold data that no run has written. Collective.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ def read_particles(
 
 
 def read_books(rank: Rank, source: Any, state: State, records: Diagnostics) -> None:
-    """Put the sums by plane, and what the history keeps, into place; collective.
+    """Restore the sums by plane and the state of the history; collective.
 
     Raises
     ------
@@ -110,7 +110,7 @@ def read_books(rank: Rank, source: Any, state: State, records: Diagnostics) -> N
         if gone != (state.removed is not None) or len(state.removed or ()) != gone * scene.sums:
             raise DamagedError("what it has of removed bodies is not of its stage")
         found = {}
-        for name, mine in own._asdict().items():
+        for name, mine in own.datasets().items():
             if mine.shape[1:] and 0 in mine.shape[1:]:
                 continue
             whole = _whole(source, name, (planes, *mine.shape[1:]))
@@ -128,7 +128,7 @@ def read_books(rank: Rank, source: Any, state: State, records: Diagnostics) -> N
         return found
 
     found = all_or_none(rank.comm, read, DamagedError)
-    for name, mine in own._asdict().items():
+    for name, mine in own.datasets().items():
         if name in found:
             mine[:] = found[name]
     if rank.free:
@@ -137,7 +137,7 @@ def read_books(rank: Rank, source: Any, state: State, records: Diagnostics) -> N
         rank.clamped, rank.held = state.clamped, state.held
     rank.lightest = state.lightest
     records.first_energy = state.first_energy
-    records.beyond = (state.beyond, state.beyond_time, state.beyond_face)
+    records.most_outside = (state.beyond, state.beyond_time, state.beyond_face)
     records.removed = None if state.removed is None else np.array(state.removed)
     records.changed = state.changed
     if state.last_line is not None:
@@ -157,7 +157,7 @@ def _whole(source: Any, name: str, shape: tuple[int, ...]) -> np.ndarray:
 
 
 def _read_rows(scene: Scene, source: Any, first: int, n: int) -> Particles:
-    """Read `n` rows of a checkpoint, with the columns that the scene wants."""
+    """Read `n` rows of a checkpoint, with the columns of the scene."""
     expected = Particles.empty(0, scene.carried)._asdict()
     particles = Particles.empty(max(n, 1), scene.carried)
     for name, like in expected.items():
@@ -181,7 +181,7 @@ def _read_rows(scene: Scene, source: Any, first: int, n: int) -> Particles:
 def _inconsistent(
     scene: Scene, slab: Slab, p: Particles, start: np.ndarray, n: int, count: int
 ) -> str:
-    """Return what in particles cannot be of this scene; the step relies on all of it."""
+    """Return how particles cannot be of this scene, as a step requires; empty if they can."""
     frame = scene.frame
     x = ((p.origin if scene.initial else p.x)[:n] - frame.origin) * frame.inverse
     if ((x < 0.0) | (x > np.array(frame.cells, float))).any():

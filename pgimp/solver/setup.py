@@ -1,7 +1,7 @@
-"""How a simulation comes to its first step: from its case, or from a checkpoint.
+"""Set-up of a simulation up to its first step: from its case, or from a checkpoint.
 
-What is wrong is refused as early as it shows, above all before kernels are compiled: what the case
-alone says, then what its particles show, then what their waves say of the first step.
+Errors are reported as early as they can be found, above all before kernels are compiled: those of
+the case alone, then of its particles, then of the first step given their wave speeds.
 """
 
 from collections.abc import Sequence
@@ -44,7 +44,7 @@ LIGHT = 1e-12
 
 
 def begin(sim: Any, scenes: Sequence[Scene]) -> None:
-    """Make the particles of the case, and look at its first step; collective.
+    """Create the particles of the case, and check its first step; collective.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ def begin(sim: Any, scenes: Sequence[Scene]) -> None:
     Raises
     ------
     CaseError
-        On every rank, for what only the scene's particles show.
+        On every rank, for errors that show only in the particles.
     """
     scene, comm = sim.scene, sim.comm
     share(sim.case, comm)
@@ -94,7 +94,7 @@ def begin(sim: Any, scenes: Sequence[Scene]) -> None:
 
 
 def resume(sim: Any, source: Any, counted: int) -> None:
-    """Take over the state of a checkpoint; collective.
+    """Restore the state of a checkpoint; collective.
 
     Parameters
     ----------
@@ -134,13 +134,13 @@ def resume(sim: Any, source: Any, counted: int) -> None:
 
 
 def _compile(sim: Any, counted: int) -> None:
-    """Compile the kernels of a step, and make what asks them how fast waves are; collective."""
+    """Compile the kernels of a step, and make the function for the wave speeds; collective."""
     scene, comm = sim.scene, sim.comm
     warm_up(scene, comm)
     rate = max(rest_rate(scene, body) for body in range(len(scene.body_names)))
     sim.clock = clock_of(sim.case, rate, counted)
     sim.watch = EnergyWatch(rate * min(scene.frame.cell)) if sim.case.watched else None
-    # What ranks have to say of the cache on their nodes, once each.
+    # Messages of the ranks about the cache on their nodes, each once.
     said = comm.allgather((problems(), FOLDER.warning))
     sim.notes[:0] = messages(found for found, _ in said)
     sim.warnings += dict.fromkeys(warning for _, warning in said if warning)
@@ -153,7 +153,7 @@ def put_in_order(
     count: int,
     start: np.ndarray | None = None,
 ) -> None:
-    """Put a rank's particles in order, and make what it needs besides; collective.
+    """Create a rank from its particles, which are put in order; collective.
 
     Parameters
     ----------

@@ -16,11 +16,11 @@ from pgimp.scene.populate import populate
 from pgimp.scene.scene import Scene
 from pgimp.solver import setup
 from pgimp.solver.clock import START, CourantClock, FixedClock, Step
-from pgimp.solver.decomposition import RESORT, owned, partition, rebalance
+from pgimp.solver.decomposition import RESORT, partition, rebalance, slab_predicate
 from pgimp.solver.diagnostics import Diagnostics
 from pgimp.solver.energywatch import EVERY, LEAST, EnergyWatch
-from pgimp.solver.faults import Failure, collect
 from pgimp.solver.lookahead import absent, look_ahead
+from pgimp.solver.particle_errors import Failure, collect_errors
 from pgimp.solver.rank import Rank
 from pgimp.solver.reduction import Request, StepReduction
 from pgimp.solver.stages import enter
@@ -46,14 +46,14 @@ class Simulation:
     cases : tuple of Case
         Those of the stages; `stage` is the number of the present one, `case` its case.
     scene, clock : Scene, FixedClock or CourantClock
-        What does not change, but from stage to stage.
+        Constant within a stage.
     columns : list of str
-        Columns of the history of a run of several stages, all that any has; empty of others.
+        Columns of the history of a run of several stages, the union of theirs; else empty.
     rank, balance : Rank, Balance
-        What this rank holds, and what is known of the load of all.
+        This rank's part, and the load of all.
     done, doing : Step, Step or None
-        The last step of which all ranks have said that it went well; the step after it, if this
-        rank has done it and does not know of the others.
+        The last step that succeeded on all ranks; the step after it, if this rank has done it
+        and its reduction is not complete.
     count : int
         Particles of all ranks at the start, which is one more than the greatest id; see `present`.
     notes, warnings : list of str
@@ -64,18 +64,18 @@ class Simulation:
         The greatest request of all ranks that has become known since the last step began, the same
         on all; `Request.PENDING` if none has.
     reduction : StepReduction
-        What all ranks say of the last step, or will have said.
+        The reduction of the last step, complete or not.
     rate : float
         Largest (c_p + |v_p|)/L of all ranks.
     watch : EnergyWatch or None
-        What guards steps that pgimp chooses.
+        The guard of steps that pgimp chooses.
     failure : Failure or None
         The step that failed; `time`, `step` and `dt` are then those of the step before.
 
     Raises
     ------
     CaseError
-        The same on every rank, for what only the scene's particles show.
+        The same on every rank, for errors that show only in the particles.
     DamagedError
         The same on every rank, if the checkpoint does not hold a state of this case.
     """
@@ -110,7 +110,7 @@ class Simulation:
             setup.resume(self, source, state.counted)
 
     def decompose(self, counts: np.ndarray) -> Slab:
-        """Give each rank its layers, so that no rank has more particles than need be."""
+        """Cut the layers into slabs, one a rank, with balanced numbers of particles."""
         slab, self.balance, notes = partition(self.scene, self.comm, counts)
         self.notes += notes
         return slab
@@ -121,7 +121,9 @@ class Simulation:
         """Particles of a slab's layers, and their number; `layer` holds that of each plane."""
         own = np.searchsorted(layer, (slab.first, slab.first + slab.layers))
         begin, end = int(own[0]), int(own[1])
-        particles = populate(self.scene, lattice, counts, (begin, end), owned(self.scene, slab))
+        particles = populate(
+            self.scene, lattice, counts, (begin, end), slab_predicate(self.scene, slab)
+        )
         return particles, int(np.count_nonzero(particles.m))
 
     @property
@@ -157,7 +159,7 @@ class Simulation:
 
     @property
     def agreed(self) -> bool:
-        """Whether all that the ranks say of the last step is known."""
+        """Whether the last step's reduction is complete."""
         return not self.reduction.open
 
     @property
@@ -191,17 +193,17 @@ class Simulation:
         RunError
             On every rank, if the last step of the one before has failed, or the next cannot begin.
         """
-        self.agree()
+        self.complete_reduction()
         enter(self)
 
-    def advance(self, agree: bool = True) -> None:
+    def advance(self, complete: bool = True) -> None:
         """Do one step, the first of the next stage where one is done; collective.
 
         Parameters
         ----------
-        agree : bool
-            Whether to wait until all ranks have done it. Otherwise it is the next step, or
-            `agree`, that finds out whether it has failed.
+        complete : bool
+            Whether to wait until all ranks have done it. Otherwise the next step, or
+            `complete_reduction`, finds out whether it has failed.
 
         Raises
         ------
@@ -219,20 +221,20 @@ class Simulation:
         self.doing, number = doing, doing.number
         if self.comm.size > 1:
             balance.note(rank.worked, rank.count, number)
-        asked = reduction.asks
-        request = Request.FAULT if rank.failed else self.request
-        reduction.begin(rate, request, balance.asks, rank.reach)
+        move = reduction.rebalance_requested
+        request = Request.ERROR if rank.failed else self.request
+        reduction.begin(rate, request, balance.rebalance_requested, rank.vertex_bounds)
         sort = number % RESORT == 0
         look = self.watch is not None and number % EVERY == 0
-        if agree or asked or sort or look or self.comm.size == 1:
-            self.agree()
+        if complete or move or sort or look or self.comm.size == 1:
+            self.complete_reduction()
         if look:
             self._look()
-        if not rank.grid.covers(reduction.reach):
-            rank.grid.extend(reduction.reach)
-        if asked:
+        if not rank.grid.covers(reduction.vertex_bounds):
+            rank.grid.extend(reduction.vertex_bounds)
+        if move:
             rebalance(rank, balance, number)
-            reduction.asks = False
+            reduction.rebalance_requested = False
         if sort:
             self._sort()
 
@@ -242,8 +244,8 @@ class Simulation:
         return self.scene.controlled if self.clock.controlled else False
 
     def _next(self) -> Step:
-        """Learn how the step before went, of which the greatest speed is that of the next."""
-        self.agree()
+        """Complete the last step's reduction; its top speed sets the next dt."""
+        self.complete_reduction()
         step = self.clock.next(self.done, self.fastest)
         if free := self.rank.free:
             free.require_slow(step)
@@ -256,8 +258,8 @@ class Simulation:
         rate, free = max(self.rate, self.scene.tools.rate), self.rank.free
         return max(rate, free.rate) if free else rate
 
-    def agree(self) -> None:
-        """Learn what all ranks say of the last step, if that is not known; collective.
+    def complete_reduction(self) -> None:
+        """Complete the last step's reduction, if that has not been done; collective.
 
         Raises `RunError` as `advance` does.
         """
@@ -267,13 +269,13 @@ class Simulation:
         known = self.agreed_request if self.agreed_request != Request.PENDING else Request.NONE
         self.rate, self.agreed_request = reduction.rate, max(known, reduction.request)
         last, self.doing = self.now, None
-        if reduction.request == Request.FAULT:
-            self.failure = collect(self.rank, last)
+        if reduction.request == Request.ERROR:
+            self.failure = collect_errors(self.rank, last)
             raise RunError(self.failure.text)
         self.done = last
 
     def _look(self) -> None:
-        """See where energy comes from nothing, and shorten the steps; collective."""
+        """Look for spurious energy, and shorten the steps; collective."""
         assert self.watch is not None
         begin = perf_counter()
         self.watch.look(self.rank, self.step, self.time)
@@ -281,12 +283,12 @@ class Simulation:
         self.rank.timings["order"] += perf_counter() - begin
 
     def shorten(self) -> None:
-        """Take what is left of the Courant number that pgimp has chosen."""
+        """Apply the energy watch's reduction to the Courant number that pgimp has chosen."""
         if self.watch and isinstance(self.clock, CourantClock):
             self.clock.part = min(max(self.watch.part, LEAST), 1.0)
 
     def _sort(self) -> None:
-        """Sort the rows, report the load, and shrink a window that has become far too wide."""
+        """Sort the rows, report the load, and shrink a window that is far too wide."""
         begin, rank = perf_counter(), self.rank
         if not self.scene.initial or rank.moved:
             rank.population.sort()

@@ -120,7 +120,7 @@ def require_stable(dt: float, rate: float, stable: float, diffusive: Sequence[st
 
 
 def stability_warning(dt: float, rate: float, stable: float) -> str:
-    """Warning about a Courant number above `stable`, empty where there is nothing to say."""
+    """Warning about a Courant number above `stable`; else empty."""
     if dt * rate <= stable * (1.0 + 1e-9):
         return ""
     safe = min(stable, 0.3)

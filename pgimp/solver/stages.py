@@ -1,7 +1,7 @@
-"""From a stage of a run to the next: what particles and books keep, and what becomes another.
+"""From a stage of a run to the next: what particles and ledger keep, and what changes.
 
 All of it follows from the state at the end of a stage, which a checkpoint holds, and from the two
-stages' cases. So it is the same whether the run has come there or has been resumed there.
+stages' cases. So it is the same whether the run was resumed there or not.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pgimp.case.check_stages import begins_anew
+from pgimp.case.check_stages import reselects
 from pgimp.errors import CaseError, RunError
 from pgimp.kernels.concepts import Order
 from pgimp.kernels.ledger import Ledger
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 
 def enter(sim: Any) -> None:
-    """Go over to the next stage, once the last step of the one before is done; collective.
+    """Enter the next stage, once the last step of the one before is done; collective.
 
     Parameters
     ----------
@@ -99,20 +99,20 @@ def enter(sim: Any) -> None:
 
 
 def _remove(rank: Rank, bodies: list[int]) -> np.ndarray:
-    """Take out all particles of some bodies; return their sums, of use on rank 0."""
+    """Remove all particles of some bodies; return their sums, of use on rank 0."""
     population = rank.population
     order = population.order
     places = np.flatnonzero(np.isin(rank.particles.body[order], bodies)).astype(np.int32)
     rows = order[places]
     start = np.searchsorted(places, population.start)
     taken = sums_of_bodies(rank, rank.scene, Order(rows, start))
-    population.release(rows)
+    population.free_later(rows)
     population.restore_order(places, np.empty(0, np.int32))
     return np.add.reduce(taken, axis=0)
 
 
 def _carried(rank: Rank, old: Scene, new: Scene) -> Particles:
-    """The particles with the columns of the next stage; what is new in them is zero."""
+    """The particles with the columns of the next stage; new columns are zero."""
     p, rows = rank.particles, rank.live()
     arrays = {}
     for name, like in Particles.empty(0, new.carried)._asdict().items():
@@ -134,7 +134,7 @@ def _carried(rank: Rank, old: Scene, new: Scene) -> Particles:
 def _held(rank: Rank, before: Case, new: Scene) -> np.ndarray:
     """Number of the constraint that holds each particle, in canonical order; collective.
 
-    Those that were there before keep their particles; of several the last has it.
+    Existing constraints keep their particles; of several the last one holds.
     """
     p, rows = rank.particles, rank.live()
     had = p.constraint[rows, 0] if p.constraint.shape[1] else np.zeros(len(rows), np.int32)
@@ -142,7 +142,7 @@ def _held(rank: Rank, before: Case, new: Scene) -> np.ndarray:
     found = np.zeros(len(rows), np.int32)
     begin = []
     for i, (name, entry) in enumerate(new.case.constraints.items(), 1):
-        if begins_anew(before, new.case, name):
+        if reselects(before, new.case, name):
             mine = np.flatnonzero(p.body[rows] == new.body_names.index(entry.body))
             mine = mine[entry.region.contains(p.x[rows[mine]])]
             begin.append((name, entry.body, len(mine)))
@@ -161,7 +161,7 @@ def _held(rank: Rank, before: Case, new: Scene) -> np.ndarray:
 
 
 def _forces(scene: Scene) -> list[Hashable]:
-    """What `Diagnostics.last` has rows of, in their order."""
+    """Names of the rows of `Diagnostics.last`, in their order."""
     faces, constraints, contact, tools = _booked(scene)
     kinds = ("face", "constraint", "contact", "impulse", "moment")
     return [
@@ -172,7 +172,7 @@ def _forces(scene: Scene) -> list[Hashable]:
 
 
 def _booked(scene: Scene) -> tuple[list[str], ...]:
-    """Names of faces, constraints, entries of contact and rigid bodies that are booked of."""
+    """Names of the faces, constraints, entries of contact and rigid bodies in the ledger."""
     # The last law of contact is for pairs without an entry.
     contact = [*(entry.name for entry in scene.case.contact), ""] if scene.pairs else []
     faces = [face.name for face in scene.faces]
@@ -190,11 +190,11 @@ def _rows(old: Sequence[Hashable], new: Sequence[Hashable], values: np.ndarray) 
 
 
 def _take_over(old: Scene, new: Scene, had: Ledger, has: Ledger) -> None:
-    """Put what was booked into the books of the next stage."""
+    """Copy the ledger into that of the next stage."""
     faces, constraints, contact, tools = zip(_booked(old), _booked(new), strict=True)
     kinds = {
-        "impulse": faces, "beyond": faces, "constraint_impulse": constraints, "contact": contact,
-        "tools": tools,
+        "impulse": faces, "outside_mass": faces, "constraint_impulse": constraints,
+        "contact": contact, "tools": tools,
     }  # fmt: skip
     for name, (before, after) in kinds.items():
         by_name = np.moveaxis(getattr(had, name), 1, 0)
@@ -205,7 +205,7 @@ def _take_over(old: Scene, new: Scene, had: Ledger, has: Ledger) -> None:
 
 
 def _free(rank: Rank) -> list[tuple[str, Any]]:
-    """The rigid bodies that move freely, by name, and how they do."""
+    """The rigid bodies that move freely, by name, and their states."""
     if rank.free is None:
         return []
     names = [rank.scene.tools.names[number] for number in rank.scene.tools.free]
@@ -213,7 +213,7 @@ def _free(rank: Rank) -> list[tuple[str, Any]]:
 
 
 def _watch(sim: Any, speed: float) -> None:
-    """Watch the energy from here on, if the stage's steps are chosen; what is learned stays."""
+    """Watch the energy from here on, if pgimp chooses the stage's steps; its numbers stay."""
     before, sim.watch = sim.watch, None
     if not sim.case.watched:
         return

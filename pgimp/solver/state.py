@@ -1,7 +1,7 @@
 """The complete state of a simulation, as a checkpoint keeps it; `restore` puts it back.
 
-What is kept does not depend on the ranks: particles in canonical order, sums by plane. What can
-be had again from the case, or only saves time (the window, the holes between rows), is not kept.
+What is kept does not depend on the ranks: particles in canonical order, sums by plane. What follows
+from the case, or only saves time (the window, the holes between rows), is not kept.
 """
 
 from collections.abc import Iterator, Mapping
@@ -19,7 +19,7 @@ _MODEL = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=Fals
 
 
 class State(BaseModel):
-    """What a checkpoint says besides particles and sums: where the run is, and its records."""
+    """Header of a checkpoint besides particles and sums: progress of the run, and its records."""
 
     model_config = _MODEL
 
@@ -62,7 +62,7 @@ class State(BaseModel):
 
 
 class Ordered(Mapping[str, np.ndarray]):
-    """A rank's particles in canonical order, a column at a time: a copy of one is made on asking.
+    """A rank's particles in canonical order; a column is copied when it is asked for.
 
     Parameters
     ----------
@@ -108,12 +108,12 @@ def capture(
     stage: int = 0,
     counted: int = 0,
 ) -> tuple[dict[str, Any], Ordered, dict[str, np.ndarray]]:
-    """Take the state out of a simulation between two steps; collective.
+    """Capture the state of a simulation between two steps; collective.
 
     Parameters
     ----------
     rank : Rank
-        What the rank holds.
+        The rank.
     done : Step
         The last step.
     rate : float
@@ -121,9 +121,9 @@ def capture(
     count : int
         Particles of all ranks at the start.
     records : Diagnostics
-        What the history keeps from line to line.
+        State of the history from line to line.
     watch : EnergyWatch, optional
-        What guards the steps.
+        The guard of the steps.
     stage, counted : int
         Number of the stage, and of the steps before those that its clock counts.
 
@@ -151,9 +151,9 @@ def capture(
         held=sum(part[1][1] for part in parts),
         first_energy=records.first_energy,
         last_line=records.last[0] if records.last else None,
-        beyond=records.beyond[0],
-        beyond_time=records.beyond[1],
-        beyond_face=records.beyond[2],
+        beyond=records.most_outside[0],
+        beyond_time=records.most_outside[1],
+        beyond_face=records.most_outside[2],
         tools=rank.scene.tools.checksum,
         densest=rank.scene.densest,
         watch=watch.numbers if watch else None,
@@ -163,7 +163,7 @@ def capture(
         changed=records.changed,
     )
     whole = {"layers": np.concatenate([part[0] for part in parts]).astype(np.int64)}
-    for i, name in enumerate(own._fields):
+    for i, name in enumerate(own.datasets()):
         whole[name] = np.concatenate([part[2][i] for part in parts])
     if rank.free:
         whole["free-bodies"] = np.array([state.numbers for state in rank.free.states])

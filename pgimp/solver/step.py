@@ -28,20 +28,20 @@ def step(
     Parameters
     ----------
     rank : Rank
-        What the rank holds. Of particles at fault it has the number, and a list.
+        The rank, which gets the number and a list of particles at fault.
     start : float
         Time at the beginning of the step.
     begin : callable
-        What waits for all ranks to say how the step before went, and gives this one.
+        Completes the reduction of the step before, and returns this step.
     controlled : bool or float
-        Whether the greatest speed is wanted, see `pgimp.kernels.pace`.
+        Whether to find the greatest speed, see `pgimp.kernels.pace`.
 
     Returns
     -------
     Step
         The step.
     float
-        Largest (c_p + |v_p|)/L of the rank, if it is wanted.
+        Largest (c_p + |v_p|)/L of the rank, if `controlled`.
 
     Raises
     ------
@@ -78,10 +78,10 @@ def step(
     free = rank.free
     if free is None:
         update(WHOLE)  # (14, 17)
-    else:  # what they get at all vertices tells how fast they will be, and that what they get
+    else:  # impulses and new velocities depend on each other: solve for both
         update(BEGINNING)
         respond = partial(call, find_response, contact, faces, scene.frame, field, vertex_forcing)
-        free.settle(contact.tools, grid, t, forcing.gravity, respond)
+        free.solve_velocities(contact.tools, grid, t, forcing.gravity, respond)
         update(REST)
         free.move(contact.tools, grid, t.dt)
     if forcing.marked:
@@ -96,7 +96,7 @@ def step(
     rate, failed, outflow, found = 0.0, [], 0, 0
     particle_forcing = on_particles(forcing)
     for half, layers in enumerate(rank.halo.halves(order.start)):  # first what neighbours wait for
-        report = Report(rank.reach, changed[found:], rank.fault_buffer[half])
+        report = Report(rank.vertex_bounds, changed[found:], rank.error_buffer[half])
         wrong, left, moved, fastest, clamped, held = call(  # (26, 27, 29, 30)
             grid_to_particles, scene.setting, field, population.particles, order, layers,
             particle_forcing, report, ledger,
@@ -112,7 +112,7 @@ def step(
             lap("migrate")
     rank.particle_steps += len(order.rows)
     if sum(failed):
-        rank.list_faults(failed)
+        rank.list_errors(failed)
 
     changed = changed[:found]
     if len(failed) > 1:
@@ -131,7 +131,7 @@ def step(
 
 
 def acting(rank: Rank, t: Step, loads: Loads, controlled: bool | float) -> Forcing:
-    """Return what acts in a step; see `step`."""
+    """Return the forcing of a step; see `step`."""
     scene, grid = rank.scene, rank.grid
     constraints = scene.loads.constraints_at(t.start, t.end)
     marked = (constraints, grid.marks) if constraints else ()
@@ -142,7 +142,7 @@ def acting(rank: Rank, t: Step, loads: Loads, controlled: bool | float) -> Forci
 
 
 def fold_mirrors(rank: Rank, forcing: Forcing, contact: Any, ledger: Ledger) -> None:
-    """Fold what faces reflect, and find the clearances of those that let go."""
+    """Fold the sums beyond faces that reflect; find the clearances of those that let go."""
     scene, field, call = rank.scene, rank.grid.field, rank.call
     for releases in (False, True):  # those that let go last: they see the sums of both
         for mirror in scene.mirrors:
@@ -155,7 +155,7 @@ def fold_mirrors(rank: Rank, forcing: Forcing, contact: Any, ledger: Ledger) -> 
 
 
 def on_vertices(forcing: Forcing) -> Forcing:
-    """Of what acts, all but what acts on particles alone.
+    """The forcing without particle-only loads.
 
     Kernels that work on vertices are then compiled once for all kinds of loads.
     """
@@ -164,7 +164,7 @@ def on_vertices(forcing: Forcing) -> Forcing:
 
 
 def on_particles(forcing: Forcing) -> Forcing:
-    """Of what acts, all but what acts on vertices alone; see `on_vertices`."""
+    """The forcing without vertex-only loads; see `on_vertices`."""
     return forcing._replace(loads=forcing.loads._replace(walls=()), marked=(), clearances=())
 
 
@@ -173,7 +173,7 @@ def sum_particles(rank: Rank, loads: Loads, marked: bool) -> None:
     scene, grid, particles = rank.scene, rank.grid, rank.particles
     summed = loads.summed()
     setting, order = scene.setting.without_materials(), rank.population.ordered
-    if rank.failed:  # what others do not know yet; such particles may be anywhere
+    if rank.failed:  # others do not know of it yet; such particles may be anywhere
         order = order._replace(start=np.zeros_like(order.start))
     if marked:
         rank.call(mark_constrained_vertices, setting, grid.window, particles, order, grid.marks)
@@ -186,7 +186,7 @@ def sum_particles(rank: Rank, loads: Loads, marked: bool) -> None:
 
 
 def _stopwatch(timings: dict[str, float], worked: dict[str, float]) -> Callable[[str], None]:
-    """Make what adds the time since it was last called to that of a phase.
+    """Return a function that adds the time since its last call to that of a phase.
 
     `worked`, unless it is the same as `timings`, gets the rank's own CPU time.
     """

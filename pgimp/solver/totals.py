@@ -1,4 +1,4 @@
-"""What a line of the history is computed from, sums over all ranks, and what a column is."""
+"""Sums over all ranks for a line of the history, and the types of its columns."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ T = TypeVar("T")
 
 
 class Totals(NamedTuple):
-    """What a line of the history is computed from, of all ranks.
+    """Data of all ranks for a line of the history.
 
     Attributes
     ----------
@@ -33,9 +33,9 @@ class Totals(NamedTuple):
     escaped : (columns,) float64
         Those of the particles that were removed since the start, when they were.
     removed : (columns,) float64
-        Those of bodies that stages have removed, when they did.
+        Those of bodies that stages have removed, at that time.
     changed : float
-        Strain energy that other parameters of materials brought as stages began.
+        Strain energy added by new parameters of materials as stages began.
     first_energy : float
         Kinetic and strain energy at the start.
     work : float
@@ -43,14 +43,14 @@ class Totals(NamedTuple):
     force : (faces + constraints + entries of contact + 2 rigid bodies, 3) float64
         Mean force of each on the material since the last line; of rigid bodies the mean forces on
         them, then the mean moments.
-    beyond : (faces,) float64
+    outside_mass : (faces,) float64
         Mass beyond each face in the last step.
     contact : (entries, BOOKED) float64
-        What is booked of contact.
+        The ledger of contact.
     tools : (rigid bodies, TOOLED) float64
-        What is booked of rigid bodies.
+        The ledger of rigid bodies.
     free : dict of int to (FreeBody, State)
-        The rigid bodies that move freely, by number, and how they do.
+        The rigid bodies that move freely, by number, and their states.
     errors, greatest : (ERRORS,) float64
         Sums and maxima of the errors, as `layer_errors` has them; zeros without exact solution.
     """
@@ -65,7 +65,7 @@ class Totals(NamedTuple):
     first_energy: float
     work: float
     force: np.ndarray
-    beyond: np.ndarray
+    outside_mass: np.ndarray
     contact: np.ndarray
     tools: np.ndarray
     free: dict[int, tuple[FreeBody, State]]
@@ -87,7 +87,7 @@ class Totals(NamedTuple):
         return tuple(moment[i] if i in axes else None for i in range(3))
 
     def lost(self, name: str) -> float:
-        """Return one of `LOSSES` of all particles, those too that have gone."""
+        """Return one of `LOSSES` of all particles, including those that are gone."""
         column = SUMS + LOSSES.index(name)
         return self.total[column] + self.escaped[column] + self.removed[column]
 
@@ -106,18 +106,20 @@ class Totals(NamedTuple):
         """Return the mean moment on a rigid body, None about axes where it is always zero."""
         return self.about_axes(self.force[len(self.force) - len(self.tools) + k])
 
-    def way_of_tool(self, k: int) -> tuple[float, ...]:
+    def displacement_of_tool(self, k: int) -> tuple[float, ...]:
         """Return the displacement of a rigid body since the start."""
         if k in self.free:
             body, state = self.free[k]
-            way = tuple(x - y for x, y in zip(state.centre, body.bulk.centre, strict=True))
+            displacement = tuple(x - y for x, y in zip(state.centre, body.bulk.centre, strict=True))
         else:
             motion = self.scene.tools.entries[k].rigid
-            way = (0.0,) * 3 if isinstance(motion, Free) else motion.displacement(self.done.end)
-        return way[: self.scene.dimension]
+            displacement = (
+                (0.0,) * 3 if isinstance(motion, Free) else motion.displacement(self.done.end)
+            )
+        return displacement[: self.scene.dimension]
 
     def of_free(self, k: int, what: Callable[[FreeBody, State], T], unknown: T) -> T:
-        """Return something of the rigid body `k` of those that move freely, once it is known."""
+        """Return a value of the k-th rigid body that moves freely, once it is known."""
         return what(*list(self.free.values())[k]) if self.free else unknown
 
     def mean(self, column: int) -> float:
@@ -126,7 +128,7 @@ class Totals(NamedTuple):
         return self.errors[column] / volume if volume else np.nan
 
     def reference_stress(self) -> float:
-        """Return the stress that (47) refers to; 1 before the load sets in: there is no error."""
+        """Return the stress that (47) refers to; 1 before the load starts: there is no error."""
         return self.scene.exact.scale(self.done.end) or 1.0
 
 
@@ -157,7 +159,7 @@ class Group(NamedTuple):
     ----------
     names : callable
         Takes the scene; returns what NAME or FACE stands for. Columns without them are written
-        once if there is any, whatever it is.
+        once if there is any name.
     columns : tuple of Column
         In their order.
     """

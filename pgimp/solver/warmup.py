@@ -1,4 +1,4 @@
-"""Calls of every kernel of a scene on no particles, so that they are compiled and cached."""
+"""Calls of every kernel of a scene without particles, so that they are compiled and cached."""
 
 from collections.abc import Iterator
 from functools import partial
@@ -22,7 +22,7 @@ from pgimp.kernels.ledger import Ledger
 from pgimp.kernels.meet import find_meetings
 from pgimp.kernels.mirror import fold, fold_volumes, reflect
 from pgimp.kernels.momentum import WHOLE, update_momentum
-from pgimp.kernels.order import layers_of, locate, merge, reach_of
+from pgimp.kernels.order import grow_vertex_bounds, layers_of, locate, merge
 from pgimp.kernels.p2g import complete, particles_to_grid
 from pgimp.kernels.particles import Particles
 from pgimp.kernels.response import find_response
@@ -49,9 +49,9 @@ def _calls(scene: Scene) -> Iterator[Call]:
     rows = np.empty(0, np.int32)
     start = np.zeros(2, np.int64)
     order = Order(rows, start)
-    reach = np.array([[2**62] * 2, [-(2**62)] * 2])
+    bounds = np.array([[2**62] * 2, [-(2**62)] * 2])
     fields = (0,) * len(scene.body_names) if scene.pairs else ()
-    grid = Grid(frame, vertices, Slab(0, 1, None, None), fields=fields, room=scene.room)
+    grid = Grid(frame, vertices, Slab(0, 1, None, None), fields=fields, bounds=scene.bounds)
     grid.cover(np.full((2, 2), vertices))
     wire = np.empty(0, np.int64)
     bodies, faces = len(scene.material_of), scene.face_parameters(0.0, 0.0)
@@ -64,7 +64,7 @@ def _calls(scene: Scene) -> Iterator[Call]:
         clearances,
     )
     vertex_forcing = on_vertices(forcing)
-    report = Report(reach, rows.copy(), np.zeros((1, 2), np.int64))
+    report = Report(bounds, rows.copy(), np.zeros((1, 2), np.int64))
     ledger = Ledger.empty(grid.planes, count, len(constraints))
     contact: Any = ()
     if scene.initial and (scene.pairs or scene.lets_go):
@@ -110,7 +110,7 @@ def _calls(scene: Scene) -> Iterator[Call]:
     yield 0.7, lambda: merge(p, rows, start, rows, 0, rows, rows.copy(), start.copy())
     yield 0.5, lambda: pack_rows(*p.columns(), rows, wire, 0, 0)
     yield 0.4, lambda: unpack_rows(*p.columns(), rows, wire, 0, 0)
-    yield 0.4, lambda: reach_of(shape, setting.frame, p, rows, reach)
+    yield 0.4, lambda: grow_vertex_bounds(shape, setting.frame, p, rows, bounds)
     yield 0.4, lambda: exact_masses(p, rows, 1.0, np.zeros((bodies, 2), np.int64))
     yield 0.3, lambda: sort_rows(p.layer, p.cell, p.id, rows, rows.copy())
     yield 0.3, lambda: partition_migrants(p.layer, rows, rows, 0, 1, rows.copy(), rows.copy())

@@ -1,4 +1,4 @@
-"""The window of the grid that all ranks store: made, and made smaller, for where particles are."""
+"""The window of the grid that all ranks store, fitted to where particles are."""
 
 import numpy as np
 
@@ -8,35 +8,35 @@ from pgimp.solver.reduction import StepReduction
 
 def open_window(rank: Rank, reduction: StepReduction) -> None:
     """Make the window for the particles of all ranks; collective."""
-    _cover(rank, reduction, _reach_of_all(rank))
+    _cover(rank, reduction, _bounds_of_all(rank))
 
 
 def shrink_window(rank: Rank, reduction: StepReduction) -> None:
-    """Reallocate it if it has become far too wide; collective, between reductions.
+    """Reallocate it if it is far too wide; collective, between reductions.
 
-    In the initial configuration it is as narrow as can be from the start.
+    In the initial configuration it is as narrow as possible from the start.
     """
     if rank.scene.initial:
         return
-    reach = _reach_of_all(rank)
-    needed = np.prod(np.maximum(reach[1] - reach[0], 0) + 4.0)
+    bounds = _bounds_of_all(rank)
+    needed = np.prod(np.maximum(bounds[1] - bounds[0], 0) + 4.0)
     stored = np.prod(rank.grid.base[1] - rank.grid.base[0] + 1.0)
     if stored > 2.0 * needed + 64.0:
-        _cover(rank, reduction, reach)
+        _cover(rank, reduction, bounds)
 
 
-def _cover(rank: Rank, reduction: StepReduction, reach: np.ndarray) -> None:
+def _cover(rank: Rank, reduction: StepReduction, bounds: np.ndarray) -> None:
     if rank.scene.initial:
-        rank.grid.store(reach)
+        rank.grid.store(bounds)
     else:
-        rank.grid.cover(reach)
-    rank.reach[:] = reduction.reach[:] = rank.grid.known
+        rank.grid.cover(bounds)
+    rank.vertex_bounds[:] = reduction.vertex_bounds[:] = rank.grid.inner_bounds
 
 
-def _reach_of_all(rank: Rank) -> np.ndarray:
+def _bounds_of_all(rank: Rank) -> np.ndarray:
     """Least and greatest first vertices of all ranks; 0 where there are no particles."""
-    reach = rank.population.reach()
+    bounds = rank.population.vertex_bounds()
     if rank.comm.size > 1:
-        every = np.array(rank.comm.allgather(reach))
-        reach = np.stack([every[:, 0].min(axis=0), every[:, 1].max(axis=0)])
-    return np.where(reach[0] > reach[1], 0, reach)
+        every = np.array(rank.comm.allgather(bounds))
+        bounds = np.stack([every[:, 0].min(axis=0), every[:, 1].max(axis=0)])
+    return np.where(bounds[0] > bounds[1], 0, bounds)

@@ -170,10 +170,10 @@ class Timed:
         sim.comm.Barrier()
         began = clock()
         for _ in range(self.steps):
-            sim.advance(agree=False)
+            sim.advance(complete=False)
             if self._after:
                 self._after()
-        sim.agree()
+        sim.complete_reduction()
         sim.comm.Barrier()
         self.seconds.append(clock() - began)
         spent = {

@@ -103,12 +103,12 @@ def count_here(quick, ranks):
             for kind, along in (("strong", 2 * ranks[-1] + 32), ("weak", 8 * size)):
                 sim = create(block((along, *across)), some, random=True)
                 for _ in range(BEFORE):
-                    sim.advance(agree=False)
-                sim.agree()
+                    sim.advance(complete=False)
+                sim.complete_reduction()
                 before = sent()
                 for _ in range(COUNTED):
-                    sim.advance(agree=False)
-                sim.agree()
+                    sim.advance(complete=False)
+                sim.complete_reduction()
                 every = some.gather([*((sent() - before) / COUNTED), sim.rank.count])
                 if world.rank == 0:
                     messages, volume, reductions, _, particles = zip(*every, strict=True)

@@ -80,7 +80,7 @@ def _checked(bound, kernel, *args):
 
 def _ask(balance, worked, count, step):
     balance._taken += 1
-    balance.asks = balance.on and step % EVERY == 0
+    balance.rebalance_requested = balance.on and step % EVERY == 0
 
 
 def _anywhere(balance, counts, step):

@@ -74,7 +74,7 @@ def test_a_stage_is_the_case_before_it_with_the_changes():
     assert (second.time.step, third.courant) == (0.01, 0.2)
     assert [each.output.at for each in (first, second, third)] == [(0.3,), (1.5,), ()]
     # What constraints have prescribed so far: none along y, 0 and 1 along x.
-    assert third.staged.ways["grip"] == (-1.0, -0.5)
+    assert third.staged.displacements["grip"] == (-1.0, -0.5)
 
 
 def test_a_case_without_stages_is_its_own_only_stage():

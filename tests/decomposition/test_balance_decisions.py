@@ -41,7 +41,7 @@ class Machine:
             self.every = np.stack([seconds, plane * planes, counts, planes, moved], axis=1)
             self.seconds = seconds + plane * planes
             self.balance.report(self, int(counts[0]), int(planes[0]), self.step)
-            if self.balance.asks:
+            if self.balance.rebalance_requested:
                 new = self.balance.decide(self.layers, self.step)
                 if new:
                     self.balance.cuts = new
@@ -144,9 +144,9 @@ def test_a_rank_asks_when_particles_pour_in():
     balance.watch(500)
     balance.note(timings, 500, 1)
     balance.note(timings, 514, 900)
-    assert not balance.asks
+    assert not balance.rebalance_requested
     balance.note(timings, 530, 900)
-    assert balance.asks
+    assert balance.rebalance_requested
 
 
 def test_a_rank_asks_for_nothing_that_cannot_pay():
@@ -156,14 +156,14 @@ def test_a_rank_asks_for_nothing_that_cannot_pay():
     balance.watch(500)
     for step in range(1, 2000):
         balance.note(timings, 530, step)
-        if balance.asks:
+        if balance.rebalance_requested:
             break
     move_cost = balance_module._MOVE_COST * (30 + balance_module._FIXED_COST)
     assert 30 * (step - 1) <= move_cost < 30 * step
     balance.moved(0.0, step)
     balance.watch(530)
     balance.note(timings, 560, step + 1)
-    assert not balance.asks
+    assert not balance.rebalance_requested
 
 
 def test_the_switch(monkeypatch):

@@ -209,7 +209,7 @@ def test_rows_of_those_that_left_are_used_again():
     slab = Slab(0, 8, None, 1)
     population = Population(p, 6, shape.parameters(frame.cell), frame, slab)
     population.particles.layer[[1, 4]] = 8
-    population.release(np.array([1, 4], np.int32))
+    population.free_later(np.array([1, 4], np.int32))
     population.restore_order(np.array([1, 4], np.int32), np.empty(0, np.int32))
     assert population.particles.id[population.order].tolist() == [0, 2, 3, 5]
     assert sorted(population.insert(2).tolist()) == [1, 4]
@@ -280,5 +280,5 @@ def test_cuts(counts, ranks, width):
     assert owned == list(range(layers))
     for rank, slab in enumerate(slabs):
         assert (slab.layers > 0) == (rank < active)
-        assert slab.below == (rank - 1 if 0 < rank < active else None)
-        assert slab.above == (rank + 1 if rank + 1 < active else None)
+        assert slab.lower == (rank - 1 if 0 < rank < active else None)
+        assert slab.upper == (rank + 1 if rank + 1 < active else None)

@@ -40,7 +40,7 @@ def test_the_order_is_canonical_whoever_comes_and_goes(seed, count, steps):
         rows = order[changed]
         gone = (p.layer[rows] < 3) | (p.layer[rows] > 5)
         # As `migrate` does it: rows are given up first, then newcomers get rows.
-        population.release(rows[gone])
+        population.free_later(rows[gone])
         new = population.insert(newcomers)
         p = population.particles
         p.id[new] = rng.permutation(newcomers) + next_id

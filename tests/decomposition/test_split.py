@@ -82,7 +82,7 @@ def agrees_on(shape, frame, particles, faces, mirrors, every_cut):
     """Compare a step on all slabs with one on a single slab; the number of ways tried."""
     D = len(frame.cells)
     whole = Rank(shape, frame, copy_of(particles))
-    reach = whole.population.reach()
+    bounds = whole.population.vertex_bounds()
     sums = sums_of(whole, D, 2, MATERIAL_OF)
     whole.particles_to_grid(faces)
     added = [plane.copy() for plane in planes(whole)]
@@ -94,7 +94,7 @@ def agrees_on(shape, frame, particles, faces, mirrors, every_cut):
 
     tried = 0
     for cuts in every_cut:
-        ranks = split(shape, frame, particles, cuts, reach)
+        ranks = split(shape, frame, particles, cuts, bounds)
         assert sum(len(rank.population.order) for rank in ranks) == 60
         parts = [sums_of(rank, D, 2, MATERIAL_OF) for rank in ranks]
         assert np.concatenate(parts).tobytes() == sums.tobytes()
@@ -104,7 +104,7 @@ def agrees_on(shape, frame, particles, faces, mirrors, every_cut):
             rank.update_momentum(DT, GRAVITY[:D], faces, mirrors=mirrors)
         agree(ranks, done)
         owned = [
-            slice(None, rank.slab.layers if rank.slab.above is not None else None) for rank in ranks
+            slice(None, rank.slab.layers if rank.slab.upper is not None else None) for rank in ranks
         ]
         for quantity in ("work", "impulse"):
             every = [getattr(r, quantity)[own] for r, own in zip(ranks, owned, strict=True)]

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pgimp.decomposition.grid import LATE, MARGIN, Grid
+from pgimp.decomposition.grid import LAG, MARGIN, Grid
 from pgimp.decomposition.slabs import Slab
 from pgimp.jit.kernel import kernel
 from pgimp.kernels.particles import Frame
@@ -18,14 +18,14 @@ def first_vertices(shape, frame, y, found):
         found[i] = first_vertex(frame, 1, shape.half[1], y[i])
 
 
-def plane_grid(origin, cell, cells, vertices, late=0):
+def plane_grid(origin, cell, cells, vertices, lag=0):
     frame = Frame(
         (0.0, origin), (1.0, cell), (1.0, 1.0 / cell), (4, cells), vertices - 1
     )
-    return Grid(frame, vertices, Slab(0, 4 + 2 * vertices, None, None), late)
+    return Grid(frame, vertices, Slab(0, 4 + 2 * vertices, None, None), lag)
 
 
-def reach(low, high):
+def bounds(low, high):
     return np.array([[low, 0], [high, 0]])
 
 
@@ -37,7 +37,7 @@ def test_a_particle_within_the_bounds_has_its_support_in_the_window(shape, verti
     """Also far from the origin, where coordinates are coarse: Numba checks no index."""
     grid = plane_grid(origin, cell, 2000, vertices)
     for low in range(MARGIN + 3, 1900, 37):
-        grid.cover(reach(low, low + 5))
+        grid.cover(bounds(low, low + 5))
         least, most = grid.bounds[1]
         y = np.array([least, most])
         for _ in range(3):  # the bounds themselves and what lies next to them
@@ -50,17 +50,17 @@ def test_a_particle_within_the_bounds_has_its_support_in_the_window(shape, verti
 
 def test_only_the_side_that_is_reached_grows():
     grid = plane_grid(0.0, 1.0, 1000, 3)
-    grid.cover(reach(100, 110))
+    grid.cover(bounds(100, 110))
     assert grid.base[:, 0].tolist() == [100 - MARGIN, 110 + MARGIN]
-    grid.extend(reach(100 - MARGIN, 111 + MARGIN))
+    grid.extend(bounds(100 - MARGIN, 111 + MARGIN))
     assert grid.base[:, 0].tolist() == [100 - MARGIN, 111 + 2 * MARGIN]
-    grid.extend(reach(5, 120))
+    grid.extend(bounds(5, 120))
     assert grid.base[:, 0].tolist() == [5 - MARGIN, 120 + MARGIN]
 
 
 def test_the_window_ends_with_the_grid():
     grid = plane_grid(0.0, 1.0, 10, 3)
-    grid.cover(reach(0, 12))
+    grid.cover(bounds(0, 12))
     assert grid.base[:, 0].tolist() == [0, 12]
     assert grid.window.extent[1] == grid.frame.vertices[1] == 15
 
@@ -69,11 +69,11 @@ def test_the_window_ends_with_the_grid():
 def test_what_is_known_a_step_late_is_in_the_window_all_the_same(cells):
     """In a step a particle moves by up to a cell, and its support may become as large as can be."""
     random = np.random.default_rng(cells)
-    grid = plane_grid(0.0, 1.0, cells, 3, LATE)
+    grid = plane_grid(0.0, 1.0, cells, 3, LAG)
     last = grid.frame.vertices[1] - 3
     y = random.uniform(0.0, cells)
-    grid.cover(reach(*2 * [int(y) + grid.frame.ghost]))
-    mine, reported, grown, drift = grid.known.copy(), None, 0, 1.0
+    grid.cover(bounds(*2 * [int(y) + grid.frame.ghost]))
+    mine, reported, grown, drift = grid.inner_bounds.copy(), None, 0, 1.0
     for _ in range(2000):
         drift *= -1.0 if random.random() < 0.01 else 1.0
         y = min(max(0.0, y + random.choice([drift, random.uniform(-1.0, 1.0)])), float(cells))

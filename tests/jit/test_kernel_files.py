@@ -16,7 +16,7 @@ from cache_words import COMPILING
 
 from pgimp.jit import cache, sealed
 from pgimp.jit.cache import KernelCache, Store, announced, messages
-from pgimp.jit.folder import Folder, cache_folder, wanted_folder
+from pgimp.jit.folder import Folder, cache_folder, preferred_folder
 from pgimp.jit.kernel import kernel
 
 SEED = 20041
@@ -168,7 +168,7 @@ def test_folders_that_others_can_write_to_are_not_used(tmp_path, monkeypatch):
     link.symlink_to(base)
     for path in (base, link):
         monkeypatch.setenv("PGIMP_CACHE_DIR", str(path))
-        wanted = wanted_folder()
+        wanted = preferred_folder()
         assert cache_folder() == Folder(wanted)
         assert wanted.stat().st_mode & 0o777 == base.stat().st_mode & 0o777 == 0o700
         for whose, mode, fits in [
@@ -212,7 +212,7 @@ def test_the_cache_folder_is_absolute(tmp_path, monkeypatch):
     monkeypatch.setenv("HOME", str(tmp_path / "home"))
     for given, found in {"here": tmp_path / "here", "~/there": tmp_path / "home/there"}.items():
         monkeypatch.setenv("PGIMP_CACHE_DIR", given)
-        assert wanted_folder().parent == found
+        assert preferred_folder().parent == found
 
 
 def test_a_temporary_folder_that_others_can_write_to_is_not_used(tmp_path, monkeypatch):

@@ -19,7 +19,7 @@ from kernel_driver import (
 )
 
 from pgimp.jit.kernel import kernel
-from pgimp.kernels.order import cell_numbers, locate, reach_of, vertices_of
+from pgimp.kernels.order import cell_numbers, grow_vertex_bounds, locate, vertices_of
 from pgimp.kernels.particles import Particles
 from pgimp.kernels.place import half_widths
 
@@ -105,8 +105,8 @@ def test_grid_to_particles_does_not_see_the_neighbours(name, D):
         rank = Rank(shape, frame, copy_of(before))
         rank.grid = whole.grid
         restored(rank, chosen, rows, capacity)
-        fault, _, found, rate, *_ = rank.grid_to_particles(DT)
-        assert fault == 0
+        error, _, found, rate, *_ = rank.grid_to_particles(DT)
+        assert error == 0
         for field in ADVANCED:
             assert bits(getattr(rank.particles, field)[rows]) == expected[field][chosen], field
         moved = before.layer[chosen] != whole.particles.layer[chosen]
@@ -143,14 +143,14 @@ def test_particles_to_grid_does_not_see_the_neighbours(name, D):
     alone = []
     for k in range(n):
         rank = Rank(shape, frame, copy_of(particles))
-        reach = rank.population.reach()
+        bounds = rank.population.vertex_bounds()
         restored(rank, slice(k, k + 1), np.array([0]), 1)
         rank.particles_to_grid()
         alone.append(rank.records())
     assert ((np.array(alone)[..., 0] != 0).sum(axis=0) <= 1).all()
     for m in (*range(1, 18), n):
         chosen, rows, capacity = slice(n - m, n), rng.permutation(2 * m)[:m], 2 * m
-        rank = Rank(shape, frame, copy_of(particles), reach=reach)
+        rank = Rank(shape, frame, copy_of(particles), bounds=bounds)
         restored(rank, chosen, rows, capacity)
         rank.particles_to_grid()
         assert rank.records().tobytes() == sum(alone[chosen], np.zeros(alone[0].shape)).tobytes()
@@ -196,10 +196,10 @@ def test_locate_does_not_see_the_neighbours(name, D):
         first = vertices_of(p.cell[rows], frame.vertices)
         assert (first[:, 0] == p.layer[rows]).all()
         assert (p.cell >= 0).all() and (p.cell[rows] < cell_numbers(frame.vertices)).all()
-        reach = np.array([[2**62] * 2, [-(2**62)] * 2])
-        reach_of(rank.shape, frame, p, rank.population.order, reach)
+        bounds = np.array([[2**62] * 2, [-(2**62)] * 2])
+        grow_vertex_bounds(rank.shape, frame, p, rank.population.order, bounds)
         for d in range(1, D):
-            assert reach[0, d - 1] == first[:, d].min() and reach[1, d - 1] == first[:, d].max()
+            assert bounds[0, d - 1] == first[:, d].min() and bounds[1, d - 1] == first[:, d].max()
 
 
 @EVERY
@@ -228,6 +228,6 @@ def test_all_kernels_find_the_same_layer(name, D):
         layer = rank.particles.layer.copy()
         rank.grid.active[:] = 1
         assert not rank.grid.G.any()
-        fault, _, found, *_ = rank.grid_to_particles(1e-3)
-        assert (fault, found) == (0, 0)
+        error, _, found, *_ = rank.grid_to_particles(1e-3)
+        assert (error, found) == (0, 0)
         assert (rank.particles.layer == layer).all()

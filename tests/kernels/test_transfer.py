@@ -129,11 +129,11 @@ def test_grid_to_particles(name, D, tracked):
     rank.update_momentum(DT, GRAVITY[:D], (), LIGHTEST)
     reference.update_momentum(DT, GRAVITY, (), LIGHTEST)
     before = copied(rank)
-    fault, _, found, rate, clamped, _ = rank.grid_to_particles(DT, tracked)
+    error, _, found, rate, clamped, _ = rank.grid_to_particles(DT, tracked)
     reference.grid_to_particles(
         p, rank.setting.materials, rank.setting.material_of, DT, tracked
     )
-    assert fault == 0
+    assert error == 0
     after = copied(rank)
     for field in ("x", "v", "F", "sigma", "V"):
         assert close(getattr(after, field), getattr(p, field)), field

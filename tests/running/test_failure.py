@@ -153,9 +153,9 @@ def test_what_is_at_infinity_is_drawn_where_it_was(tmp_path, pvpython):
 
     sim, text = stopped(fling, 3)
     assert "not a finite number" in text and sim.rank.failed > 8
-    rows = sim.rank.faults[: sim.rank.failed, 0]
+    rows = sim.rank.errors[: sim.rank.failed, 0]
     assert not np.isfinite(sim.particles.x[rows]).all()
-    assert (sim.rank.faults[: sim.rank.failed, 1] == NOT_FINITE).all()
+    assert (sim.rank.errors[: sim.rank.failed, 1] == NOT_FINITE).all()
     folder = failure.write(tmp_path, sim, text, tmp_path / "none.csv")
     found, _ = read(folder)
     start_of = start(CASE)
@@ -179,7 +179,7 @@ def test_the_neighbourhood_stays_small(tmp_path, monkeypatch):
     monkeypatch.setattr(failure, "_MOST_CENTRES", 2)
     monkeypatch.setattr(failure, "_MOST_FAULTS", 2)
     found, _ = read(failure.write(tmp_path, sim, text, tmp_path / "none.csv"))
-    p, rows = sim.particles, sim.rank.faults[:2, 0]
+    p, rows = sim.particles, sim.rank.errors[:2, 0]
     inside = {r: around(sim, p.x[rows], r) - {9, 10} for r in failure.RADII}
     radius = max(r for r, ids in inside.items() if len(ids) <= 30)
     assert 0.5 < radius < 3.0 and set(found["id"].tolist()) == inside[radius] | {9, 10}

@@ -147,8 +147,8 @@ def test_a_history_that_is_moved_away_ends_the_run(folder, tmp_path, monkeypatch
 
     advance = Simulation.advance
 
-    def disturbed(sim, agree=True):
-        advance(sim, agree)
+    def disturbed(sim, complete=True):
+        advance(sim, complete)
         if sim.step == 50:
             (tmp_path / "run" / "history.csv").rename(tmp_path / "history.csv")
 

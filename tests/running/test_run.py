@@ -118,9 +118,9 @@ def test_the_frame_before_steps_become_too_short_is_kept(tmp_path, monkeypatch):
 
     advance = Simulation.advance
 
-    def disturbed(sim, agree=True):
+    def disturbed(sim, complete=True):
         sim.rate = 1e300
-        advance(sim, agree)
+        advance(sim, complete)
 
     monkeypatch.setattr(Simulation, "advance", disturbed)
     (tmp_path / "blocks.yaml").write_text(CASE)

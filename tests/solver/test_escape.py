@@ -97,7 +97,7 @@ def test_other_faces_still_stop_the_run(ways, face):
     sim = leaving(2, ways)
     with pytest.raises(RunError, match=f"left the domain through {face}"):
         finish(sim)
-    rows = sim.rank.faults[: sim.rank.failed, 0]
+    rows = sim.rank.errors[: sim.rank.failed, 0]
     axis = AXES.index(face[0])
     assert (sim.particles.x[rows, axis] > 9.0).all() and set(rows) <= set(sim.live())
     assert (sim.particles.x[rows, 1 - axis] > 9.0).any()
@@ -119,7 +119,7 @@ def test_who_leaves_with_a_fault_is_at_fault(field, value, text):
     number = int(sim.particles.id[sim.particles.x[:, 0].argmax()])
     with pytest.raises(RunError, match=f"particle {number} of body 'body' .*{text}"):
         sim.advance()
-    assert sim.particles.x[sim.rank.faults[0, 0], 0] > 9.0
+    assert sim.particles.x[sim.rank.errors[0, 0], 0] > 9.0
 
 
 @pytest.fixture(scope="module")

@@ -77,7 +77,7 @@ def disturbed(case):
     p.v[rows] = rng.normal(size=p.v[rows].shape)
     p.sigma[rows] = rng.normal(size=p.sigma[rows].shape)
     p.F[rows] += 0.25 * rng.uniform(-1.0, 1.0, p.F[rows].shape)
-    p.x[rows] += rng.normal(size=p.x[rows].shape) + (100.0 if sim.scene.room[0][1] > 1e9 else 0.0)
+    p.x[rows] += rng.normal(size=p.x[rows].shape) + (100.0 if sim.scene.bounds[0][1] > 1e9 else 0.0)
     if p.L.shape[1]:
         p.L[rows] = rng.normal(size=p.L[rows].shape)
     return sim

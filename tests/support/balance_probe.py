@@ -32,7 +32,7 @@ EVERY = 5
 
 def ask(mine, worked, count, step):
     mine._taken += 1
-    mine.asks = mine._taken % EVERY == 0
+    mine.rebalance_requested = mine._taken % EVERY == 0
 
 
 def random_cuts(mine, counts, step):
@@ -67,8 +67,8 @@ watched: dict = {}
 advance = Simulation.advance
 
 
-def watch(sim, agree=True):
-    advance(sim, agree)
+def watch(sim, complete=True):
+    advance(sim, complete)
     now = sim.comm.gather((sim.rank.count, np.diff(sim.population.start)))
     if now is not None:
         watched.setdefault("ranks", []).append([part[0] for part in now])

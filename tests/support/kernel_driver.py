@@ -135,18 +135,18 @@ class Rank:
         Entry of the case.
     slab : Slab, optional
         By default all layers of the grid.
-    reach : (2, 2) int64, optional
+    bounds : (2, 2) int64, optional
         First vertices that the window has to cover; by default those of the particles.
 
     Attributes
     ----------
-    exits, room : int
+    exits, capacity : int
         Faces that let particles go, and most particles at fault that are listed.
     mean : float or ()
         See `Loads`.
     """
 
-    exits, room = 0, 8
+    exits, capacity = 0, 8
     mean: Any = ()
 
     def __init__(
@@ -156,7 +156,7 @@ class Rank:
         particles: Particles,
         slab: Slab | None = None,
         comm: Any = None,
-        reach: np.ndarray | None = None,
+        bounds: np.ndarray | None = None,
     ) -> None:
         self.frame, self.vertices = frame, shape.vertices
         self.shape = shape.parameters(frame.cell)
@@ -165,7 +165,7 @@ class Rank:
         self.slab = slab or Slab(0, frame.vertices[0], None, None)
         self.population = Population(particles, particles.capacity, self.shape, frame, self.slab)
         self.grid = Grid(frame, self.vertices, self.slab)
-        self.grid.cover(self.population.reach() if reach is None else reach)
+        self.grid.cover(self.population.vertex_bounds() if bounds is None else bounds)
         self.halo = Halo(comm, self.slab, self.vertices - 1)
         self.halo.piece = 7  # so that messages overlap with several pieces of some slabs
 
@@ -189,7 +189,7 @@ class Rank:
         self.approached = walls_approached(near)
         loads = Loads(walls=sides_approached(near, self.frame), mean=self.mean)
         grid, population = self.grid, self.population
-        for array in (grid.G, grid.aside):
+        for array in (grid.G, grid.deferred):
             array.fill(np.nan)  # only what the kernel sets may be used
         grid.active.fill(0)
         for part in self.halo.parts(population.start):
@@ -212,8 +212,9 @@ class Rank:
         """Momentum update; sets `impulse` (planes, faces, 3) and `work` (planes,)."""
         field = self.grid.field
         ledger = Ledger.empty(self.grid.planes, len(faces), 0)
-        ledger.beyond[:] = np.nan
-        self.impulse, self.work, self.beyond = ledger.impulse, ledger.work, ledger.beyond
+        ledger.outside_mass[:] = np.nan
+        self.impulse, self.work = ledger.impulse, ledger.work
+        self.outside_mass = ledger.outside_mass
         b = (*gravity, 0.0, 0.0, 0.0)[:3]
         forcing = self.forcing(dt)._replace(gravity=b, lightest=lightest)
         near = np.empty((len(faces), len(self.grid.G) // RECORD))
@@ -240,23 +241,23 @@ class Rank:
         )
 
     def grid_to_particles(self, dt: float, tracked: bool = True) -> tuple:
-        """First fault and its row, then as the kernel from the changed layers on.
+        """First error and its row, then as the kernel from the changed layers on.
 
-        Rows and faults of all are in `faults`, places of changed layers in ``population.changed``.
+        Rows and errors of all are in `errors`, places of changed layers in ``population.changed``.
         """
         grid, population = self.grid, self.population
-        self.reach = grid.base.copy()
-        room = np.zeros((self.room, 2), np.int64)
+        self.vertex_bounds = grid.base.copy()
+        errors = np.zeros((self.capacity, 2), np.int64)
         self.failed, self.outflow, *rest = grid_to_particles(
             self.setting._replace(tracked=tracked, exits=self.exits), grid.field,
             population.particles, population.ordered, np.arange(len(population.start) - 1),
             self.forcing(dt)._replace(loads=Loads(mean=self.mean)),
-            Report(self.reach, population.changed, room),
+            Report(self.vertex_bounds, population.changed, errors),
             Ledger.empty(grid.planes, 0, 0),
         )  # fmt: skip
-        self.faults = room[: self.failed]
-        row, fault = self.faults[0] if self.failed else (-1, 0)
-        return (int(fault), int(row), *rest)
+        self.errors = errors[: self.failed]
+        row, error = self.errors[0] if self.failed else (-1, 0)
+        return (int(error), int(row), *rest)
 
     def records(self) -> np.ndarray:
         """Records of the vertices of all of the grid, (vertices of each direction, 8); else 0."""
@@ -272,7 +273,7 @@ class Rank:
         return full[: shape[0]].reshape(*self.frame.vertices, 8)
 
 
-def split(shape: Any, frame: Frame, particles: Particles, cuts: list[int], reach: np.ndarray):
+def split(shape: Any, frame: Frame, particles: Particles, cuts: list[int], bounds: np.ndarray):
     """Ranks that share the particles; `cuts` as from `pgimp.decomposition.slabs.cut`."""
     whole = Rank(shape, frame, copy_of(particles))
     boxes: dict = {}
@@ -282,7 +283,7 @@ def split(shape: Any, frame: Frame, particles: Particles, cuts: list[int], reach
         layer = whole.particles.layer
         mine = (layer >= slab.first) & (layer < slab.first + slab.layers)
         own = Particles(*(array[mine] for array in whole.particles))
-        ranks.append(Rank(shape, frame, own, slab, Comm(rank, boxes), reach))
+        ranks.append(Rank(shape, frame, own, slab, Comm(rank, boxes), bounds))
     return ranks
 
 

@@ -71,10 +71,10 @@ def memory(case):
             after.append(used())
         tracemalloc.reset_peak()
         before = tracemalloc.get_traced_memory()[0]
-        sim.advance(agree=False)
+        sim.advance(complete=False)
         if step > WARM and (step + 1) % RESORT:  # a re-sort is no part of a step
             most = max(most, tracemalloc.get_traced_memory()[1] - before)
-    sim.agree()
+    sim.complete_reduction()
     after.append(used())
     messages = sim.rank.halo.messages + sim.rank.migration.messages
     moved = sim.rank.migration.bytes - 8 * sim.rank.migration.messages

@@ -32,10 +32,10 @@ def disturb(how, whom, step):
     halo.PIECE = 1
     advance = Simulation.advance
 
-    def disturbed(sim, agree=True):
+    def disturbed(sim, complete=True):
         if sim.step == step - 1:
             how(sim, whom)
-        advance(sim, agree)
+        advance(sim, complete)
 
     Simulation.advance = disturbed
 

@@ -1,4 +1,4 @@
-"""Reads a mesh file in a process of its own, ``pgimp.geometry.mesh.child FILE BYTES SECONDS``.
+"""Reads a mesh file in its own process, ``pgimp.geometry.mesh.child FILE BYTES SECONDS``.
 
 Readers of dozens of formats get unchecked files: they print, exit, allocate what a
 damaged header asks for, or loop. Here they have limits of memory and time, and what goes wrong ends
@@ -20,7 +20,7 @@ import numpy as np
 #: Endings of formats that are HDF5, or lead to such files.
 _HDF5 = (".xdmf", ".xmf", ".h5m", ".hmf", ".med", ".cgns")
 
-#: Time that may pass, over that of the processor: a last resort where something waits.
+#: Wall time allowed, over CPU time: a last resort where something blocks.
 _PATIENCE = 5
 
 
@@ -44,7 +44,7 @@ def main() -> None:
         text = "it is nested too deeply"
     except SystemExit:
         text = _REASON.get("text") or "meshio cannot read it"
-    except BaseException as error:  # whatever a reader raises, the file is at fault
+    except BaseException as error:  # any error of a reader is the file's fault
         text = " ".join(f"{type(error).__name__}: {error}".split())[:300]
     else:
         for array in (np.array(len(arrays)), *arrays):
@@ -56,7 +56,7 @@ def main() -> None:
 
 
 class _Pipe:
-    """What NumPy does not take for a file on a disk, in which it would look for its place."""
+    """A stream that NumPy does not treat as a file on a disk, where it would seek."""
 
     def __init__(self, stream: IO[bytes]) -> None:
         self.write = stream.write
@@ -92,7 +92,7 @@ def _read(name: str) -> list[np.ndarray]:
 
 
 def _require_file(name: Any) -> None:
-    """Refuse pipes and devices, which may keep a reader waiting or have no end."""
+    """Refuse pipes and devices, which may block a reader or have no end."""
     try:
         mode = os.stat(name).st_mode
     except (OSError, ValueError, TypeError):
@@ -108,7 +108,7 @@ def _guard(event: str, args: tuple[Any, ...]) -> None:
 
 
 def _guard_hdf5() -> None:
-    """Let h5py open files that have all their data in themselves, and no others."""
+    """Make h5py open only files that contain all their data."""
     import h5py
 
     class File(h5py.File):
@@ -140,7 +140,7 @@ def _guard_hdf5() -> None:
 
 
 def _check_stl(name: str) -> None:
-    """Tell a truncated binary file from text, which meshio would take it for."""
+    """Detect a truncated binary file, which meshio would read as text."""
     size = os.path.getsize(name)
     with open(name, "rb") as file:
         head = file.read(84)

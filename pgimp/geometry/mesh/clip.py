@@ -1,4 +1,4 @@
-"""What boxes of a lattice have of a body that a closed surface of triangles bounds, exactly.
+"""Exact parts of a lattice's boxes in a body that a closed surface of triangles bounds.
 
 The volume below the surface is summed triangle by triangle: a piece of one that lies in a box adds
 the prism between it and the box's floor, and the area of its shadow to all boxes below it, with the
@@ -91,7 +91,7 @@ def _first(edges, x):
 
 @allocating_kernel
 def clip_plane(T, chosen, x0, x1, ey, ez, sums, touched):
-    """Sum what the boxes of one plane of a lattice have of the body.
+    """Sum the parts of the body in the boxes of one plane of a lattice.
 
     Parameters
     ----------
@@ -159,7 +159,7 @@ def clip_plane(T, chosen, x0, x1, ey, ez, sums, touched):
 
 @kernel
 def _column(column, m, place, ez, near, buffers, sums, touched):
-    """Share out what a column of boxes has of a triangle.
+    """Distribute a triangle's part in a column of boxes.
 
     `place` has their low corner, and their centre relative to that; `buffers` two further polygons.
     """
@@ -197,7 +197,7 @@ def _column(column, m, place, ez, near, buffers, sums, touched):
 
 @kernel
 def settle_plane(sums, touched, dx, ey, ez, slack, inside, parts):
-    """Turn sums into what each box has: `inside` where all of it, `parts` where the surface is.
+    """Turn sums into each box's part: `inside` where all of it, `parts` where the surface is.
 
     Parameters
     ----------

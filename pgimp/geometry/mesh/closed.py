@@ -1,4 +1,4 @@
-"""A closed surface from facets: merged, checked, and turned so that it encloses what is inside.
+"""A closed surface from facets: merged, checked, and oriented outwards.
 
 In 2D the outline is extended by one along a third direction, which makes it the mantle of a prism
 without its ends; they would cast no shadow. One set of kernels then does for 2D and 3D. The
@@ -17,10 +17,10 @@ from pgimp.geometry.mesh.tree import Surface, build_tree
 Reals = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-#: Triangles through which lines are looked along, for parts that overlap.
+#: Triangles through which lines are traced, to find parts that overlap.
 _LOOKS = 20_000
 
-#: Least slope of a triangle against the line that is looked along.
+#: Least slope of a triangle against the line that is traced.
 _SLOPE = 1e-6
 
 
@@ -42,7 +42,7 @@ def enclose(found: Facets) -> Surface:
     else:
         pairs, turned = _corners(points, facets, found.filled, cells)
     if found.filled:
-        # The cells know what is inside; parts may touch in edges only, where others could not tell.
+        # Cells define the inside; parts may touch in edges only, where facets alone are ambiguous.
         everything = np.zeros(len(facets), np.int64)
         if _volumes(_stretch(points, facets), everything)[0] < 0.0:
             facets = facets[:, ::-1]
@@ -213,7 +213,7 @@ def _volumes(triangles: Reals, component: Ints) -> Reals:
 
 
 def _depths(surface: Surface, triangles: Reals, component: Ints) -> Ints:
-    """How many other components each one lies in."""
+    """Number of other components around each one."""
     number = int(component.max()) + 1
     if number == 1:
         return np.zeros(1, np.int64)
@@ -228,7 +228,7 @@ def _depths(surface: Surface, triangles: Reals, component: Ints) -> Ints:
 
 
 def _check_lines(surface: Surface, places: Reals, facets: Ints, cells: Ints) -> None:
-    """Refuse parts of a surface that overlap: along a line, ways in and out must take turns.
+    """Refuse parts of a surface that overlap: along a line, entries and exits must alternate.
 
     The facets at their `places` are those of the surface, in the order of their `cells`.
     """
@@ -242,7 +242,7 @@ def _check_lines(surface: Surface, places: Reals, facets: Ints, cells: Ints) -> 
     for axis in range(3):
         if surface.dimensions == 2 and axis == 1:
             continue
-        # A line that runs along its triangle does not tell where it meets it.
+        # A line along its triangle meets it nowhere in particular.
         across = slopes[:, axis] > _SLOPE
         heights, signs = surface.meet(points[across], axis)
         order = np.argsort(heights, axis=1, kind="stable")

@@ -87,7 +87,7 @@ def read_mesh(name: str) -> RawMesh:
 
 
 class _Pipe:
-    """What NumPy does not take for a file on a disk, in which it would look for its place."""
+    """A stream that NumPy does not treat as a file on a disk, where it would seek."""
 
     def __init__(self, stream: IO[bytes]) -> None:
         self.read = stream.read

@@ -1,4 +1,4 @@
-"""A closed surface of triangles with a tree over them, and what it can be asked."""
+"""A closed surface of triangles with a tree over them, and its queries."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pgimp.errors import CaseError
 Reals = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-#: Planes of boxes for which the triangles that may reach them are looked for together.
+#: Planes of boxes whose triangles are searched together.
 _TOGETHER = 32
 
 #: Part of a box that no surface reaches, or that is beyond none and all, by rounding at most.
@@ -61,7 +61,7 @@ class Surface(NamedTuple):
 
     @property
     def volume(self) -> float:
-        """What it encloses, exactly but for rounding."""
+        """Enclosed volume, exact to rounding."""
         if len(self.triangles) == 0:
             return 0.0
         p = self.triangles - 0.5 * (self.low[1] + self.high[1])
@@ -102,7 +102,7 @@ class Surface(NamedTuple):
         return np.where(self.contains(points), -out, out)
 
     def crossings(self, points: Reals, axis: int) -> Reals:
-        """Where lines through points meet the surface, (n, k), NaN where a line has fewer."""
+        """Intersections of lines through points with the surface, (n, k), NaN where fewer."""
         if self.dimensions == 2 and axis == 1:
             axis = 2
         return self.meet(self._lift(points), axis)[0]
@@ -125,7 +125,7 @@ class Surface(NamedTuple):
     def fill(
         self, edges: list[Reals], ranges: list[tuple[int, int]]
     ) -> tuple[NDArray[np.bool_], Ints, Reals, Reals]:
-        """Return what the boxes of a part of a lattice have of the body, exactly.
+        """Return the exact parts of the body in the boxes of a part of a lattice.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""Questions to a closed surface of triangles: nearest distance, what a line meets, inside or out.
+"""Queries of a closed surface of triangles: distance, intersections with lines, inside or out.
 
 The triangles, (n, 3, 3) float64, stand in the order of a tree of boxes: node 1 is the root, the
 children of node i are 2 i and 2 i + 1, and the last `leaves` nodes hold `LEAF` triangles each.
@@ -17,7 +17,7 @@ _DEEP = 64
 
 
 def _beside(u0, v0, u1, v1, u, v):
-    """Which side of the line from (u0, v0) to (u1, v1) a point lies on: the same bits always."""
+    """Side of a point with respect to the line from (u0, v0) to (u1, v1): always the same bits."""
 
 
 @exact(_beside)
@@ -27,7 +27,7 @@ def _beside_exact(u0, v0, u1, v1, u, v):
 
 @kernel
 def turns(T, t, i, j, u, v):
-    """How often a triangle turns round the point (u, v) in the plane of axes i, j: -1, 0 or 1."""
+    """Winding number of a triangle round the point (u, v) in the plane of axes i, j: -1, 0 or 1."""
     total = 0
     for a in range(3):
         b = (a + 1) % 3
@@ -96,7 +96,7 @@ def inside(T, low, high, leaves, component, own, points, out):
 
 @allocating_kernel
 def lines(T, low, high, leaves, axis, points, heights, signs):
-    """Where lines along an axis meet the surface, and how often at most.
+    """Intersections of lines along an axis with the surface, and their greatest number.
 
     The first columns of `heights` and `signs`, (n, k), of each line are set, as far as there is
     room. Along the axis a sign of 1 is a way out of the body.
@@ -187,7 +187,7 @@ def distances(T, low, high, leaves, points, out):
                 continue
             one, two = 2 * node, 2 * node + 1
             a, b = _to_box(low, high, one, x, y, z), _to_box(low, high, two, x, y, z)
-            if a < b:  # the nearer one is looked at first
+            if a < b:  # the nearer one first
                 one, two, a, b = two, one, b, a
             stack[top], near[top] = one, a
             stack[top + 1], near[top + 1] = two, b

@@ -1,6 +1,6 @@
 """The user's own particles, read block by block from an HDF5 or a CSV file.
 
-HDF5: datasets `position` (n, D), `volume` (n,), and if wanted `velocity` (n, D), `stress` (n, 6),
+HDF5: datasets `position` (n, D), `volume` (n,), and optionally `velocity` (n, D), `stress` (n, 6),
 `velocity-gradient` (n, D, D); vectors and tensors may be those of 3D in any dimension, as in the
 frames of a run. CSV: a line of names, `x, y, z, volume, velocity-x, ..., stress-xx, ...,
 velocity-gradient-xx, -xy, ...`, then a line for each particle; empty lines and those that begin

@@ -1,4 +1,4 @@
-"""Particles from HDF5: datasets `position`, `volume`, and if wanted others, block by block."""
+"""Particles from HDF5: datasets `position`, `volume`, and optional others, block by block."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ def _check(h5py: Any, data: Any, key: str, kind: _Kind) -> None:
 
 
 def _rows(values: Any, key: str, kind: _Kind, first: int, D: int) -> Reals:
-    """Rows of a dataset as the case has them; refuse what has no place there."""
+    """Rows of a dataset as in the case; refuse components that the case does not have."""
     table = np.asarray(values, float).reshape(len(values), -1)
     if table.shape[1] <= len(kind.kept):
         return table

@@ -1,4 +1,4 @@
-"""A checkpoint on the disk, read without trust.
+"""A checkpoint on the disk, read defensively.
 
 It is an HDF5 file after a user block with pgimp's own header. Reading goes by that header alone:
 the HDF5 library can crash on a file that is damaged.
@@ -23,7 +23,7 @@ __all__ = ["LAYOUT", "CheckpointFile", "DamagedError", "write"]
 
 Array = np.ndarray
 
-# What is looked at at once.
+# Bytes read at once.
 _BLOCK = 4 << 20
 
 

@@ -1,7 +1,7 @@
-"""The header of a checkpoint: what lies where in the file, with the checksums of all of it.
+"""The header of a checkpoint: layout of the file, with the checksums of all of it.
 
-A file from elsewhere may be damaged or made to do harm, so nothing of its header is believed
-before it is checked against the size of the file itself.
+A file from elsewhere may be damaged or made to do harm, so its header is checked against
+the size of the file itself before use.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ class Place(BaseModel):
 
 
 class Header(BaseModel):
-    """What the JSON text says.
+    """The content of the JSON text.
 
     Attributes
     ----------
@@ -65,7 +65,7 @@ class Header(BaseModel):
     count : int
         Rows of each dataset in `rows`.
     about : dict
-        What the run says.
+        The run's own data.
     rows, whole : dict of str to Place
         Datasets with a row for each particle, and others.
     pieces : list of [start, size, CRC-32]
@@ -83,7 +83,7 @@ class Header(BaseModel):
 
     @property
     def begin(self) -> int:
-        """Where the user block ends."""
+        """End of the user block."""
         return self.pieces[0][0]
 
 

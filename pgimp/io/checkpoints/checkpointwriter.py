@@ -1,6 +1,6 @@
 """Writing a checkpoint: reserve the space, write data and header, sync, and only then the name.
 
-Every rank makes checksums of what it writes, while it does. They are in the header, and are
+Every rank computes checksums of its data while writing. They are in the header, and are
 compared before the file gets its name and when the checkpoint is read.
 """
 
@@ -118,7 +118,7 @@ def _little(array: Array) -> np.dtype:
 
 
 class _Plan:
-    """What rank 0 does: makes the file and, when all have written to it, header and name.
+    """Part of rank 0: makes the file and, when all have written to it, header and name.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""A file of particles, as frames are and what is kept of a failed run: whole or not there."""
+"""A file of particles, for frames and failed runs: complete or absent."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ FORMAT_VERSION = 1
 CONNECTIVITY = Dataset(
     "connectivity", "<i8", (), {"meaning": "the row itself, for the cells of XDMF readers"}
 )
-# What stands for time and step in the headers that all frames have in common: with characters that
-# no text of a case has.
+# Placeholders of time and step in the common header of all frames: with characters that no text of
+# a case has.
 _TIME, _STEP = b"\x01time\x02\x03\x04", b"\x01step\x02\x03\x04"
 # Fields are written together if a rank has at most this number of bytes of them in all.
 _TOGETHER = 4 << 20
@@ -45,7 +45,7 @@ class ParticleFile:
     fields : list of str
         Which fields the files have.
     precision : str
-        Type of what is no whole number: float64 or float32.
+        Type of real numbers: float64 or float32.
     compressed : bool
         Whether the datasets are compressed.
 
@@ -134,13 +134,13 @@ class ParticleFile:
         Raises
         ------
         RunError
-            On every rank, if there is no room, or the file cannot be made; it is then not there.
+            On every rank, if the disk is full, or the file cannot be made; it then does not exist.
             Other errors are raised at the end.
         """
         comm, part, scene = rows.comm, temporary(path), self._scene
         attributes = {"time": state[0], "step": np.int64(state[1])} | self._attributes
         with removed_on_error(part, comm):
-            # HDF5 cannot cut nothing into chunks.
+            # HDF5 cannot chunk an empty dataset.
             way = self._in_chunks if self._compressed and rows.count else self._in_place
             values = _Values(
                 self,
@@ -160,7 +160,7 @@ class ParticleFile:
     def _in_place(
         self, part: Path, rows: Rows, attributes: dict[str, Any], values: _Values, what: str
     ) -> FrameFile:
-        """Write each row where it belongs, in datasets that lie in one piece each."""
+        """Write each row to its place, in contiguous datasets."""
         says: dict[int, bytes] = {}
 
         def begin() -> dict[str, int]:
@@ -189,7 +189,7 @@ class ParticleFile:
     def _in_chunks(
         self, part: Path, rows: Rows, attributes: dict[str, Any], values: _Values, what: str
     ) -> FrameFile:
-        """Compress each chunk of rows, and write it where rank 0 finds a place for it."""
+        """Compress each chunk of rows, and write it to the place that rank 0 assigns."""
         made: list[Chunks] = []
         says: dict[int, bytes] = {}
         length = chunk_rows(rows.count)
@@ -249,7 +249,7 @@ class ParticleFile:
 
 
 class _Values:
-    """What goes into the rows of a file.
+    """Values for the rows of a file.
 
     Attributes
     ----------

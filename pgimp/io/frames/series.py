@@ -1,8 +1,8 @@
 """A series of files in the folder of frames, with the XDMF file that lists them.
 
-The run does not wait for the disk: a file is written to the kernel's memory, brought to the disk
-while the next steps go on, and only then gets its name. So what has a name is whole, also after a
-crash of the machine; the last one appears as soon as the disk has it, before a checkpoint at the
+The run does not wait for the disk: a file is written to the kernel's memory, synced to the disk
+during the next steps, and only then renamed. So a file with its name is whole, also after a crash
+of the machine; the last one appears as soon as the disk has it, before a checkpoint at the
 latest, and is lost if the run dies before that.
 """
 
@@ -43,7 +43,7 @@ class Series(ABC):
     Attributes
     ----------
     written : int
-        Number of files that have their names, or would have, had all been asked for.
+        Number of files that have their names, or would have, had all been requested.
     latest, step : float, int
         Simulated time of the last of these, and step of the last file that was begun; the step
         is -1 before the first.
@@ -63,10 +63,10 @@ class Series(ABC):
 
     @abstractmethod
     def _listed(self, path: Path) -> Entry:
-        """Read from a file how it is listed; a RunError says what is wrong with it."""
+        """Read a file's entry in the list; a RunError if the file is wrong."""
 
     def _wait_for(self, file: Unfinished, entry: Entry) -> None:
-        """Let a file get its name at the next `finish`."""
+        """Schedule a file for renaming at the next `finish`."""
         self._pending = file, entry
         self.step = entry.step
 
@@ -81,7 +81,7 @@ class Series(ABC):
         return self._pending is None or self._pending[0].ready
 
     def finish(self, last: bool = False) -> None:
-        """Give the last file its name when it is on the disk, unless it has it; collective.
+        """Rename the last file when it is on the disk, unless that is done; collective.
 
         Parameters
         ----------
@@ -108,7 +108,7 @@ class Series(ABC):
         self.latest = entry.time
 
     def sync(self, last: bool = False) -> None:
-        """Ensure that all files so far outlast a crash of the machine; collective.
+        """Ensure that all files so far survive a crash of the machine; collective.
 
         Parameters
         ----------
@@ -139,12 +139,12 @@ class Series(ABC):
         Parameters
         ----------
         number : int
-            How many there were when the state was kept from which the run goes on.
+            Number of files at the checkpoint from which the run goes on.
 
         Returns
         -------
         list of str
-            What is wrong with files that should be there; those are not listed any more.
+            Errors of files that should exist; those are not listed any more.
 
         Raises
         ------

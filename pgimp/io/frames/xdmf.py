@@ -18,7 +18,7 @@ _NUMBER_TYPE = {"f": "Float", "i": "Int"}
 class Collection:
     """A temporal collection of frames, whole again after each frame.
 
-    ParaView has three readers of XDMF, and this is what all of them read alike: cells by an
+    ParaView has three readers of XDMF, which all read the same subset alike: cells by an
     explicit connectivity dataset, six-component tensors as a matrix, whole datasets only.
 
     Parameters
@@ -41,8 +41,7 @@ class Collection:
         Parameters
         ----------
         durable : bool
-            Whether it must outlast a crash of the machine; until the last frame, the file can be
-            made again.
+            Whether it must survive a crash of the machine; until the last frame, it can be rebuilt.
 
         Raises
         ------
@@ -82,7 +81,7 @@ def particles(
     return _grid("particles", file, time, (count, count), topology, fields)
 
 
-#: What the cells of a grid are, by dimension, with the attribute that says so.
+#: Type of the cells of a grid, by dimension, with its attribute.
 _CELLS = (
     'TopologyType="Polyline"',
     'TopologyType="Quadrilateral"',

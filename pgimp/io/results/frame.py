@@ -76,7 +76,7 @@ class Frame:
         return list(self.fields)
 
     def __repr__(self) -> str:
-        """Return which frame it is and what it has."""
+        """Return its number and its fields."""
         fields = ", ".join(self.fields)
         said = f"<Frame {self.number}: t = {self.time:.6g}, {self._count} particles; {fields}>"
         return escape(said)
@@ -151,11 +151,11 @@ class Frame:
         UsageError
             If pandas is not installed.
         """
-        wanted = [name for name in names or self.fields if name != "id"]
-        return data_frame({"id": self["id"]} | {name: self[name] for name in wanted}, index="id")
+        chosen = [name for name in names or self.fields if name != "id"]
+        return data_frame({"id": self["id"]} | {name: self[name] for name in chosen}, index="id")
 
 
-# What h5py raises for a file that is not what it should be, and what comes of odd types and shapes.
+# Errors of h5py for a file of another content, and those from odd types and shapes.
 _DAMAGES = (OSError, KeyError, TypeError, ValueError, AttributeError, RuntimeError)
 
 
@@ -191,10 +191,10 @@ class Reading:
 
 
 class Content:
-    """What an open HDF5 file holds itself.
+    """The content of an open HDF5 file itself.
 
     Links and datasets that lead to other files are refused: those may be anybody's, or a pipe that
-    keeps whoever opens it waiting.
+    blocks.
 
     Parameters
     ----------

@@ -27,7 +27,7 @@ class Pair:
     only : (ndarray, ndarray)
         The ids that only one of the frames has; none unless `comparable`.
     comparable : bool
-        Whether particles can be told apart: the frames have the same ids in the same order, or
+        Whether particles can be identified: the frames have the same ids in the same order, or
         each has ascending ones.
     """
 

@@ -27,7 +27,7 @@ __all__ = ["Frame", "Run", "open"]
 
 
 def open(directory: str | Path) -> Run:
-    """Open a run directory, also of a run that goes on or died.
+    """Open a run directory, also of a run in progress or one that died.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ def open(directory: str | Path) -> Run:
     Returns
     -------
     Run
-        Its results; what the run adds later appears as well.
+        Its results; later additions by the run appear as well.
 
     Raises
     ------
@@ -69,7 +69,7 @@ class Run:
 
     @property
     def info(self) -> dict[str, Any]:
-        """What run.json says of the last start: versions, hosts, state, steps and so on.
+        """The last start in run.json: versions, hosts, state, steps and so on.
 
         While the run goes on, steps and time are those of the last line of history.csv.
         """
@@ -115,7 +115,7 @@ class Run:
         return self._known[path][1]
 
     def __repr__(self) -> str:
-        """Return how far the run is."""
+        """Return the progress of the run."""
         info = self.info
         steps = f"{info['steps']} steps{' so far' * (info['state'] == 'running')}"
         return escape(f"<Run {self.path}: {info['state']}, {steps}, {len(self)} frames>")

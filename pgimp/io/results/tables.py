@@ -1,4 +1,4 @@
-"""Results as NumPy arrays that pandas takes over, if it is asked for."""
+"""Results as NumPy arrays, and as tables of pandas on request."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ class Tables(dict[str, Table]):
 
 
 def absent(what: str, name: str, known: Collection[str]) -> str:
-    """Message: there is no such name; a similar one, and all there are."""
+    """Message for an unknown name: a similar one, and all there are."""
     guess = nearest(name, known)
     hint = f"did you mean {guess!r}? " if guess else ""
     return escape(f"there is no {what}; {hint}there are: {', '.join(known) or 'none'}")

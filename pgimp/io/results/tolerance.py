@@ -1,4 +1,4 @@
-"""How far the numbers of two runs may lie apart, and where they lie apart most."""
+"""Tolerances for the numbers of two runs, and their largest differences."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Array = np.ndarray
 
 
 class Tolerance(NamedTuple):
-    """How far numbers may lie apart; with both zero they must have the same bits.
+    """Tolerance of numbers; with both zero they must have the same bits.
 
     Attributes
     ----------
@@ -81,7 +81,7 @@ class Worst(NamedTuple):
 
 
 class Moment(Protocol):
-    """What has a step and a time, such as a frame."""
+    """Anything with a step and a time, such as a frame."""
 
     step: int
     time: float

@@ -1,4 +1,4 @@
-"""Which files in a run directory are a run's own, and whether anything else is in their way."""
+"""Files in a run directory that are a run's own, and others that block them."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ FOLDERS = ("frames", "checkpoints")
 FAILURE = "failure"
 #: A file that exists once the failure of a run is recorded.
 FAILED = ".failed"
-#: What is half written.
+#: Files being written.
 PART = re.compile(
     r"\.(case\.yaml|input\.yaml|run\.json|report\.txt|particles\.(xdmf|h5)|"
     r"(grid|rigid)\.xdmf|(particles|grid|rigid|step)-\d+\.h5)\.part"
 )
-# Of each folder, what a run writes there.
+# Files that a run writes, by folder.
 _DATA = {
     "checkpoints": re.compile(r"step-\d{9,}\.h5(\.damaged)?"),
     "frames": re.compile(f"{FRAME.pattern}|{GRID_FRAME.pattern}|{RIGID_FRAME.pattern}"),
@@ -37,7 +37,7 @@ _DATA = {
 
 
 def own_files(directory: Path) -> Iterator[Path]:
-    """Yield the files of a run but run.json: without it the rest is taken for no run.
+    """Yield the files of a run but run.json, without which the rest counts as no run.
 
     Raises
     ------
@@ -62,7 +62,7 @@ def probes_so_far(directory: Path) -> set[str]:
 
 
 def require_room(directory: Path, resume: bool, probes: Collection[str]) -> None:
-    """Ensure that nothing is in the way of a run that is none of pgimp's; nothing is changed.
+    """Ensure that no foreign files block a run; nothing is changed.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ def require_room(directory: Path, resume: bool, probes: Collection[str]) -> None
     Raises
     ------
     UsageError
-        With what is in the way, and what to do.
+        With the blocking files, and what to do.
     OSError
         If a folder cannot be read.
     """

@@ -1,4 +1,4 @@
-"""Where the files of the probes are, and which there are in a run directory."""
+"""Files of the probes in a run directory."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def probe_files(directory: Path) -> Iterator[Path]:
 
 
 def probes_ever(directory: Path, run: dict[str, Any] | None) -> set[str]:
-    """Return the names of all probes that a run had, also those that its case has no more.
+    """Return the names of all probes that a run had, also those that its case no longer has.
 
     Parameters
     ----------
@@ -65,5 +65,5 @@ def _of_text(text: bytes) -> tuple[str, ...]:
 
 
 def _names(found: Iterable[Any]) -> Iterator[str]:
-    """Yield what may name a probe: no more than that becomes the name of a file to delete."""
+    """Yield valid names of probes: only these become names of files to delete."""
     yield from (str(name) for name in found if _NAME.fullmatch(str(name)))

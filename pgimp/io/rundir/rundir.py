@@ -1,4 +1,4 @@
-"""The run directory: one run at a time, and nothing lost that is not to be replaced."""
+"""The run directory: one run at a time, and no results lost by accident."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ from pgimp.io.rundir.probefiles import PROBES
 from pgimp.mpi.collective import on_root
 from pgimp.terminal import escape
 
-#: State of a run whose directory is not yet cleared of the one before.
+#: State of a run while the files of the one before are still in its directory.
 STARTING = "starting"
 # A name that cannot be that of a directory on any disk.
 _NO_PLACE = (errno.ENOTDIR, errno.ENAMETOOLONG, errno.ELOOP)
 _LOCK = ".lock"
-# Of ranks that fail together the lowest speaks on the terminal; so it does here.
+# Of ranks that fail together the lowest reports on the terminal; so it does here.
 _HEAD_START_SECONDS = 0.01
 _LONGEST_HEAD_START_SECONDS = 0.2
 
@@ -61,7 +61,7 @@ class RunDirectory:
     ----------
     before : dict or None
         The last start of an existing run, as run.json has it, with the step of the last
-        checkpoint of all starts. Its state is "lost" if only the checkpoints are left to tell.
+        checkpoint of all starts. Its state is "lost" if only the checkpoints are left.
 
     Raises
     ------
@@ -167,7 +167,7 @@ class RunDirectory:
     def prepare(self, texts: dict[str, bytes], start: dict[str, Any], resume: bool = False) -> None:
         """Write the files that a run starts with; collective.
 
-        An older run is deleted, or, to go on with it, cleared of what was half written.
+        An older run is deleted, or, if it is resumed, cleared of half-written files.
 
         Parameters
         ----------
@@ -189,7 +189,7 @@ class RunDirectory:
         try:
             require_room(self.path, resume, self._probes)
             start = start | {PROBES: sorted(self._probes)}
-            # Of probes that are dropped, nothing but run.json knows.
+            # Probes that are dropped are known to run.json only.
             both = {PROBES: sorted({*self._probes, *probes_so_far(self.path)})}
             for name in FOLDERS:
                 (self.path / name).mkdir(exist_ok=True)
@@ -224,12 +224,12 @@ class RunDirectory:
         state : str
             "failed" or "stopped".
         step, when : int, float
-            How far the run came: its step and its simulated time.
+            The run's last step and its simulated time.
         message : str
             What happened.
         """
         time.sleep(min(self.comm.rank * _HEAD_START_SECONDS, _LONGEST_HEAD_START_SECONDS))
-        # On a disk that is full or gone the message on the terminal must do.
+        # With a full or missing disk, only the terminal has the message.
         with suppress(OSError):
             os.close(os.open(self.path / FAILED, os.O_CREAT | os.O_EXCL | os.O_WRONLY))
             self._update(state=state, steps=step, time=when, message=message)
@@ -239,7 +239,7 @@ class RunDirectory:
     def finish(
         self, state: str, step: int, when: float, seconds: float, message: str | None = None
     ) -> None:
-        """Note in run.json that the run ended in good order; collective.
+        """Note in run.json that the run ended normally; collective.
 
         Parameters
         ----------
@@ -287,7 +287,7 @@ class RunDirectory:
         runinfo.update(self.path / RUN, ended=runinfo.now(), **changes)
 
     def release(self) -> None:
-        """Let other runs have the directory; one that this run made and left empty goes."""
+        """Release the directory for other runs; delete it if this run made it and left it empty."""
         if self._lock >= 0:
             with suppress(OSError):
                 (self.path / _LOCK).unlink()

@@ -1,4 +1,4 @@
-"""What run.json says of a run: with what, by what, where and how far."""
+"""run.json: versions, hosts, state and progress of a run."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def now() -> str:
 
 
 def describe_start(comm: Any, particles: int, resumed: int | None = None) -> dict[str, Any]:
-    """Collect what is to be known of a start of a run.
+    """Collect the data of a run's start.
 
     Parameters
     ----------
@@ -151,7 +151,7 @@ def read(path: Path) -> dict[str, Any] | None:
 
 
 def _is_start(start: Any) -> bool:
-    """Return whether an entry of ``starts`` has what is relied on."""
+    """Return whether an entry of ``starts`` has the required keys."""
     kinds = {"state": str, "began": str, "steps": int}
     return isinstance(start, dict) and all(
         isinstance(start.get(key), kind) for key, kind in kinds.items()

@@ -1,4 +1,4 @@
-"""What may have happened to particles in a step: faults, walls, other layers, the way out."""
+"""Checks of particles after a step: errors, walls, changes of layer, outflow."""
 
 from math import isfinite
 
@@ -11,10 +11,10 @@ from pgimp.kernels.walls import hold_inside
 from pgimp.physics.shapes.base import size
 from pgimp.physics.shapes.stretch import LARGEST
 
-#: What is wrong with a particle at fault.
+#: Errors of a particle.
 NOT_FINITE, INVERTED, TOO_FAST, OUTSIDE, OUT_OF_RANGE = 1, 2, 3, 4, 5
 
-#: What `_outside` says of a particle that has left through a face that lets it go.
+#: Result of `_outside` for a particle that has left through an open face.
 _LEAVES = -1
 
 #: The layer of such a particle.
@@ -35,7 +35,7 @@ def _within(bounds, x):
 
 
 def and_finite(mask, values):
-    """The mask, false as well where one of the vectors `values` is not finite."""
+    """The mask, also false where one of the vectors `values` is not finite."""
 
 
 @specialise(and_finite)
@@ -46,7 +46,7 @@ def _and_finite(mask, values):
 
 
 def and_positive(mask, margin):
-    """The mask, false as well where a vector is not above zero; a number says nothing."""
+    """The mask, also false where a vector is not above zero; a number does not change it."""
 
 
 @specialise(and_positive)
@@ -76,7 +76,7 @@ def _all_positive_of(margin):
 
 @inner_kernel
 def _broken(x, v, J, finite):
-    """Name the fault of a particle, wherever it is and moves; 0 for none."""
+    """Return a particle's error, regardless of place and displacement; 0 for none."""
     for d in range(len(x)):
         if not (isfinite(x[d]) and isfinite(v[d])):
             return NOT_FINITE
@@ -89,10 +89,10 @@ def _broken(x, v, J, finite):
 
 @inner_kernel
 def _unsound(frame, x, v, u, J, finite, valid, dt):
-    """Name the fault of a particle that failed the combined check, wherever it is; 0 for none."""
-    fault = _broken(x, v, J, finite)
-    if fault != 0:
-        return fault
+    """Return the error of a particle that failed the combined check, at any place; else 0."""
+    error = _broken(x, v, J, finite)
+    if error != 0:
+        return error
     for d in range(len(x)):
         if not abs(u[d]) * dt * frame.inverse[d] <= 1.0:
             return TOO_FAST
@@ -101,19 +101,19 @@ def _unsound(frame, x, v, u, J, finite, valid, dt):
 
 @inner_kernel
 def _outside(frame, exits, x):
-    """Return whether a particle has left the domain, and if it may."""
-    fault = 0
+    """Return whether a particle has left the domain, and whether it may."""
+    error = 0
     for d in range(len(x)):
         xi = (x[d] - frame.origin[d]) * frame.inverse[d]
         if not (xi >= 0.0 and xi <= frame.cells[d]):
             if exits >> (2 * d + (xi > 0.0)) & 1 == 0:
                 return OUTSIDE
-            fault = _LEAVES
-    return fault
+            error = _LEAVES
+    return error
 
 
 def check(limits, field, particles, batch, found, report, ledger, counts):
-    """See whether all is as usual with four particles, and if not, what happened to them.
+    """Check four particles, and examine those that fail the combined check.
 
     In the initial configuration they keep their layers, and may be anywhere but beyond a wall.
 
@@ -140,7 +140,7 @@ def _check(limits, field, particles, batch, found, report, ledger, counts):
     def check(limits, field, particles, batch, found, report, ledger, counts):
         frame, shape, limit, number = limits[0], limits[1], limits[2], batch.number
         u, v, x, F, J, state, margin = found
-        # One branch for all that rarely happens, NaN included; its speed limit is sharper.
+        # One branch for all rare events, NaN included; its speed limit is stricter.
         half, most = size(shape, frame.cell, F)
         now = first_vertex(frame, 0, half[0], x[0])
         sound = and_finite(within(field.bounds, x) & (J > 0.0), state)
@@ -161,14 +161,14 @@ def _check(limits, field, particles, batch, found, report, ledger, counts):
         usual = bits(and_positive(sound, margin))
         if usual != 15:
             good = (usual, _all_finite(state))
-            counts = _count_faults(field.bounds, batch, good, (v, x, J), report, counts)
+            counts = _count_errors(field.bounds, batch, good, (v, x, J), report, counts)
         return counts
 
     return check_initial if is_initial(limits[0]) else check
 
 
 def limits_of(setting, forcing, inverse):
-    """What `check` needs to know of a scene: nothing of its materials, of which there are many.
+    """The part of a scene that `check` needs: without its materials, of which there are many.
 
     Parameters
     ----------
@@ -193,12 +193,12 @@ def _limits_of(setting, forcing, inverse):
     )  # fmt: skip
 
 
-def _count_faults(bounds, batch, good, found, report, counts):
-    """As `examine`, in the initial configuration: faults alone."""
+def _count_errors(bounds, batch, good, found, report, counts):
+    """As `examine`, in the initial configuration: errors alone."""
 
 
-@specialise(_count_faults)
-def _count_faults_of(bounds, batch, good, found, report, counts):
+@specialise(_count_errors)
+def _count_errors_of(bounds, batch, good, found, report, counts):
     def count(bounds, batch, good, found, report, counts):
         usual, finite = good
         v, x, J = found
@@ -207,12 +207,12 @@ def _count_faults_of(bounds, batch, good, found, report, counts):
             if usual >> j & 1:
                 continue
             xj = of_lane(x, j)
-            fault = _broken(xj, of_lane(v, j), lane(J, j), finite >> j & 1)
-            if fault == 0:
-                fault = OUT_OF_RANGE if within(bounds, xj) else OUTSIDE
-            if failed < len(report.faults):
-                report.faults[failed, 0] = batch.rows[j]
-                report.faults[failed, 1] = fault
+            error = _broken(xj, of_lane(v, j), lane(J, j), finite >> j & 1)
+            if error == 0:
+                error = OUT_OF_RANGE if within(bounds, xj) else OUTSIDE
+            if failed < len(report.errors):
+                report.errors[failed, 0] = batch.rows[j]
+                report.errors[failed, 1] = error
             failed += 1
         return failed, outflow, moved, clamped, held
 
@@ -220,7 +220,7 @@ def _count_faults_of(bounds, batch, good, found, report, counts):
 
 
 def examine(limits, particles, batch, good, found, report, ledger, counts):
-    """See what happened to those of four particles that are not as usual.
+    """Examine those of four particles that failed the combined check.
 
     Parameters
     ----------
@@ -230,8 +230,8 @@ def examine(limits, particles, batch, good, found, report, ledger, counts):
     particles, batch, report, ledger
         As in `check`.
     good : tuple of 3 int
-        Bit j is set for a particle of which nothing has to be seen, whose state is finite, and
-        whose material is in its range.
+        Bit j is set for a particle that passed the check, whose state is finite, and whose
+        material is in its range.
     found : tuple
         u, v, x, J, half-widths, first vertex along x and greatest stretch of the four.
     counts : tuple of 5 int
@@ -249,7 +249,7 @@ def examine(limits, particles, batch, good, found, report, ledger, counts):
 def _examine(limits, particles, batch, good, found, report, ledger, counts):
     def examine(limits, particles, batch, good, found, report, ledger, counts):
         frame, exits, dt, walls, constraints = limits
-        number, reach = batch.number, report.reach
+        number, bounds = batch.number, report.vertex_bounds
         usual, finite, valid = good
         u, v, x, J, half, now, most = found
         failed, outflow, moved, clamped, held = counts
@@ -260,38 +260,38 @@ def _examine(limits, particles, batch, good, found, report, ledger, counts):
             clamped += lane(vector(most), j) > LARGEST
             xj = of_lane(x, j)
             layer_now = int(lane(now, j))
-            fault = _unsound(
+            error = _unsound(
                 frame, xj, of_lane(v, j), of_lane(u, j), lane(J, j), finite >> j & 1,
                 valid >> j & 1, dt,
             )  # fmt: skip
-            if fault == 0:
-                fault = _outside(frame, exits, xj)
-            if fault == OUTSIDE and hold_inside(
+            if error == 0:
+                error = _outside(frame, exits, xj)
+            if error == OUTSIDE and hold_inside(
                 walls, frame, constraints, particles, p,
                 ledger.impulse[batch.layer], ledger.work[batch.layer : batch.layer + 1],
             ):  # fmt: skip
                 held += 1
                 xj = read(particles.x, p, 0, frame.origin)
                 layer_now = int(first_vertex(frame, 0, lane(vector(half[0]), j), xj[0]))
-                fault = _outside(frame, exits, xj)
-            if fault == _LEAVES:
+                error = _outside(frame, exits, xj)
+            if error == _LEAVES:
                 particles.layer[p] = OUTFLOW
                 report.changed[moved] = batch.first + j
                 moved += 1
                 outflow += 1
                 continue
-            if fault == 0 and abs(layer_now - number) > 1:
-                fault = TOO_FAST  # a cell, but for rounding: past a slab of one layer
-            if fault != 0:
-                if failed < len(report.faults):
-                    report.faults[failed, 0] = p
-                    report.faults[failed, 1] = fault
+            if error == 0 and abs(layer_now - number) > 1:
+                error = TOO_FAST  # a cell, but for rounding: past a slab of one layer
+            if error != 0:
+                if failed < len(report.errors):
+                    report.errors[failed, 0] = p
+                    report.errors[failed, 1] = error
                 failed += 1
                 continue
             for d in range(1, len(xj)):
                 i = first_vertex(frame, d, lane(vector(half[d]), j), xj[d])
-                reach[0, d - 1] = min(reach[0, d - 1], i)
-                reach[1, d - 1] = max(reach[1, d - 1], i)
+                bounds[0, d - 1] = min(bounds[0, d - 1], i)
+                bounds[1, d - 1] = max(bounds[1, d - 1], i)
             if layer_now != number:
                 particles.layer[p] = layer_now
                 report.changed[moved] = batch.first + j

@@ -1,8 +1,8 @@
 """Deformation gradients and volumes (29, 30).
 
-Of materials that flow, shear has no end: of these only the volume J is followed, and F is the
+Materials that flow may shear without limit: only their volume J is integrated, and F is the
 isotropic J^(1/D) 1. J grows by det(1 + dt L), as that of a solid does: in a rigid rotation, whose
-step is 1 + dt L = R, it stays as it is, where exp(dt tr L) would shrink it in every step.
+step is 1 + dt L = R, it does not change, where exp(dt tr L) would shrink it in every step.
 """
 
 from math import sqrt
@@ -24,7 +24,7 @@ _NEAR = 0.25
 def velocity_gradients(frame, particles, batch, D):
     """Velocity gradients L of four particles at the step's beginning, by present places.
 
-    `D` is what the grid gives: L itself or, in the initial configuration, the gradient of the
+    `D` is from the grid: L itself or, in the initial configuration, the gradient of the
     velocity by initial places, which is the rate of F; then L = D F^-1. Either way F after the step
     is (1 + dt L) F, to rounding.
     """
@@ -49,7 +49,7 @@ def update_deformation(setting, forcing, particles, batch, numbers, L):
     numbers : tuple of 4 int
         Their materials.
     L : tuple of D*D Vec4
-        Velocity gradients, as the grid gives them: see `velocity_gradients`.
+        Velocity gradients from the grid, see `velocity_gradients`.
     """
 
 
@@ -93,7 +93,7 @@ def _side_of(volume, L):
     if len(L) == 1:
         return lambda volume, L: volume
     if len(L) == 4:
-        return lambda volume, L: sqrt(max(0.0, volume))  # what is turned inside out has none
+        return lambda volume, L: sqrt(max(0.0, volume))  # an inverted one has none
     return _cube_root
 
 

@@ -11,7 +11,7 @@ from pgimp.physics.materials.evaluate import evaluate_four
 
 
 def _width(materials, like):
-    """Numbers that the widest of some materials remembers; `like` is as long as F."""
+    """Greatest number of state variables of some materials; `like` is as long as F."""
     dimensions = isqrt(len(like))
     return max(state_width(material.instance_class, dimensions) for material in materials)
 
@@ -93,20 +93,20 @@ def _update_stress(setting, forcing, particles, rows, numbers, F, J, L):
 
 
 def heating(setting, loads, particles, rows):
-    """Viscous pressure q of four particles in a step, (q,), where a material wants it; else ()."""
+    """Viscous pressure q of four particles in a step, (q,), where a material needs it; else ()."""
 
 
 @specialise(heating)
 def _heating(setting, loads, particles, rows):
     viscous = hasattr(loads.types[loads.fields.index("viscosity")], "instance_class")
-    wanted = any(takes_viscous_pressure(each.instance_class) for each in _materials(setting))
-    if not (viscous and wanted):
+    needed = any(takes_viscous_pressure(each.instance_class) for each in _materials(setting))
+    if not (viscous and needed):
         return lambda setting, loads, particles, rows: ()
     return lambda setting, loads, particles, rows: take_row(particles.q, rows, 0, (0.0,))
 
 
 def keep_state(particles, rows, state):
-    """Let four particles keep their state, where they have any."""
+    """Store the state of four particles, if they have any."""
 
 
 @specialise(keep_state)
@@ -129,7 +129,7 @@ def _wave_speed(setting, numbers, F, J, state):
 
 
 def diffusion_speed(setting, numbers, F, J, state, inverse, extra):
-    """What viscosity adds to the speed that limits the step, see `effective_wave_speed`.
+    """Viscosity's share of the speed that limits the step, see `effective_wave_speed`.
 
     The explicit diffusion of momentum with the diffusivity nu is stable up to dt = h^2/(2 D nu),
     for cells of the side h in D directions: that of a speed of D nu/h.
@@ -139,7 +139,7 @@ def diffusion_speed(setting, numbers, F, J, state, inverse, extra):
     inverse : float
         1/h.
     extra : Vec4 or float
-        What artificial viscosity adds.
+        The share of artificial viscosity.
     """
 
 
@@ -157,7 +157,7 @@ def _diffusion_speed(setting, numbers, F, J, state, inverse, extra):
 
 
 def margins(setting, numbers, F, J, sigma, state):
-    """How far four particles are from the end of their materials' range; 1 where none has any."""
+    """Margins of four particles to the end of their materials' range; 1 where none has one."""
 
 
 @specialise(margins)

@@ -1,4 +1,4 @@
-"""Velocities (27) and positions (26): what particles take from the grid's motion."""
+"""Velocities (27) and positions (26) of particles from the grid's motion."""
 
 from pgimp.jit.kernel import specialise
 from pgimp.jit.tuples import plus_scaled

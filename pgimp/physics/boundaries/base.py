@@ -1,4 +1,4 @@
-"""What the entries of all boundary conditions have in common, and the kernels' view of one."""
+"""Base of the entries of boundary conditions, and the kernels' view of one."""
 
 from abc import abstractmethod
 from typing import ClassVar, NamedTuple
@@ -17,7 +17,7 @@ class Boundary(Model):
     releases: ClassVar[bool] = False
 
     #: Whether the parameters have a static method ``approach(face, v, a, clearance)`` in place of
-    #: ``constrain(face, v, a)``: it is told how far bodies still are from the face [m].
+    #: ``constrain(face, v, a)``: with the distance of bodies from the face [m].
     approaches: ClassVar[bool] = False
 
     @property
@@ -46,7 +46,7 @@ class Boundary(Model):
 
 
 def constrain(face, v, a, clearance):
-    """Velocity and acceleration of a vertex on the face or beyond, as the condition wants them.
+    """Velocity and acceleration of a vertex on the face or beyond, by its condition.
 
     `clearance`, a length, is for those that let bodies come near, see `Boundary.approaches`.
     """

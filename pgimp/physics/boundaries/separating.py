@@ -23,30 +23,29 @@ class SeparatingParameters(NamedTuple):
     def approach(face, v, a, clearance):
         """Stop what moves into the wall, and brake what slides on it, as far as it is pressed.
 
-        As where bodies meet: first the velocity that particles bring, then that after forces have
-        acted; of the second the acceleration changes, too. What is left of the way to the wall may
-        be closed within the step.
+        As in contact of bodies: first the velocity from the particles, then that after forces,
+        which also changes the acceleration. The gap to the wall may close within the step.
         """
         dt = face.dt
-        closing = clearance / dt
+        gap_rate = clearance / dt
         brought = (v[0] - dt * a[0], v[1] - dt * a[1], v[2] - dt * a[2])
-        left = _brake(face, brought, closing)
+        left = _brake(face, brought, gap_rate)
         u = (  # v itself, not but for rounding, where nothing was changed
             v[0] if left[0] == brought[0] else left[0] + dt * a[0],
             v[1] if left[1] == brought[1] else left[1] + dt * a[1],
             v[2] if left[2] == brought[2] else left[2] + dt * a[2],
         )
-        w = _brake(face, u, closing)
+        w = _brake(face, u, gap_rate)
         return w, (
             a[0] + (w[0] - u[0]) / dt, a[1] + (w[1] - u[1]) / dt, a[2] + (w[2] - u[2]) / dt
         )  # fmt: skip
 
 
 @kernel
-def _brake(face, v, closing):
+def _brake(face, v, gap_rate):
     """Velocity of a vertex after the wall's impulse."""
     k = face.axis
-    into = (v[0] if k == 0 else (v[1] if k == 1 else v[2])) * face.side - closing
+    into = (v[0] if k == 0 else (v[1] if k == 1 else v[2])) * face.side - gap_rate
     if not into > 0.0:
         return v
     x, y, z = (0.0 if k == 0 else v[0]), (0.0 if k == 1 else v[1]), (0.0 if k == 2 else v[2])
@@ -54,7 +53,7 @@ def _brake(face, v, closing):
     part = 0.0
     if speed > face.static * into:
         part = max(0.0, 1.0 - face.kinetic * into / speed)
-    normal = closing * face.side
+    normal = gap_rate * face.side
     return (
         normal if k == 0 else part * x, normal if k == 1 else part * y,
         normal if k == 2 else part * z,

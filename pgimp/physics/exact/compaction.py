@@ -1,6 +1,6 @@
 """A bar under a body force that grows with time (4.1): in equilibrium, or with the waves it sends.
 
-With s = E (F - 1) the wave equation in the initial coordinate Z is linear, whatever the strain:
+With s = E (F - 1) the wave equation in the initial coordinate Z is linear for any strain:
 rho0 u_tt = E u_ZZ + rho0 b. In equilibrium u = rho0 b/E (L Z - Z^2/2). Under the ramp b = b' t
 that displacement, linear in time, satisfies the wave equation as well, but moves from the start;
 the exact solution adds the free vibration w with w = 0 and w_t = -r(Z), the rate of the other, at

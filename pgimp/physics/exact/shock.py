@@ -2,7 +2,7 @@
 
 Behind the first front the bar is at rest with F = 1 - |v0|/c (46), behind the reflected one it is
 unstressed and flies back at |v0|. In the initial coordinate Z both run at c = sqrt(E/rho0),
-whatever the strain. At t = 2 L/c the whole bar leaves the wall.
+for any strain. At t = 2 L/c the whole bar leaves the wall.
 """
 
 from collections.abc import Iterator, Mapping

@@ -1,6 +1,6 @@
 """A natural vibration of a bar: u = A sin(k Z) sin(c k t), exact for any amplitude.
 
-With s = E (F - 1) the wave equation in the initial coordinate Z is linear, whatever the strain.
+With s = E (F - 1) the wave equation in the initial coordinate Z is linear for any strain.
 """
 
 from collections.abc import Iterator, Mapping

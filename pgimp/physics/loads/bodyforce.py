@@ -1,4 +1,4 @@
-"""What the entries of all body forces have in common, and the kernels' view of one."""
+"""Base of the entries of body forces, and the kernels' view of one."""
 
 from abc import abstractmethod
 from typing import Any

@@ -89,14 +89,14 @@ def parameters_of(entry: Material, dimensions: int) -> Any:
             raise UsageError(
                 f"{who}: {place_of(kind, quantity)} takes {given} arguments instead of {call}"
             )
-    _require_told(who, entry, kind)
+    _require_losses(who, entry, kind)
     tag(kind)
     require_fit(who, parameters, dimensions)
     return parameters
 
 
-def _require_told(who: str, entry: Material, kind: type) -> None:
-    """Refuse losses that are not known, or that no function tells."""
+def _require_losses(who: str, entry: Material, kind: type) -> None:
+    """Refuse unknown losses, and losses without a function."""
     if not isinstance(entry.LOSSES, tuple) or not set(entry.LOSSES) <= set(LOSSES):
         raise UsageError(
             f"{who}: LOSSES of {type(entry).__qualname__} ({file_of(type(entry))}) must be a tuple "

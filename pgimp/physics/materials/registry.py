@@ -54,7 +54,7 @@ class Registry(dict[str, type[Material]]):
                 package = point.dist.name if point.dist else "a package"
                 raise UsageError(
                     f"the material '{point.name}' of {package} ({point.value}) cannot be loaded: "
-                    f"{_told(error)}"
+                    f"{_reason(error)}"
                 ) from error
 
     def add(self, entry: M) -> M:
@@ -164,7 +164,7 @@ def import_file(name: str) -> None:
         raise
     except Exception as error:
         where = "" if path is None else _line(error, path)
-        raise UsageError(f"--import {name}: {where}{_told(error)}") from error
+        raise UsageError(f"--import {name}: {where}{_reason(error)}") from error
     imported.append(name if path is None else str(path))
 
 
@@ -189,7 +189,7 @@ def _import_path(path: Path, name: str) -> None:
     importlib.import_module(module)
 
 
-def _told(error: BaseException) -> str:
+def _reason(error: BaseException) -> str:
     text = " ".join(str(error).split())
     return text if isinstance(error, UsageError) else f"{type(error).__name__}: {text}"
 

@@ -150,7 +150,7 @@ def size(shape, cell, F):
     """Half-widths of a particle's chi_p by direction, in cells, and the largest before clamping."""
 
 
-@exact(size)  # all kernels must find the same layer, whatever the code around
+@exact(size)  # all kernels must find the same layer, in any code
 def _size(shape, cell, F):
     return shape.instance_class.size
 

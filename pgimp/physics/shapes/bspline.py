@@ -1,7 +1,7 @@
 """B-splines of second and third order, as other codes have them: chi_p is as wide as a cell.
 
 The quadratic one is the grid's tent averaged over a box of one cell, which is gimp's weight (40)
-with a half-width of half a cell whatever the particles per cell; the cubic one is its average over
+with a half-width of half a cell for any particles per cell; the cubic one is its average over
 a tent of one cell either way, that of a fuzzy particle of constant size. So both have the kernels
 of these shapes. Weights are smooth, once and twice differentiable, and the particles of a cell
 overlap, so that little noise comes from those that change cells.

@@ -1,7 +1,7 @@
 """Fuzzy particles (Fig. 3): chi_p is a tent, so that neighbours overlap and weights are cubic.
 
 `fuzzy-nearest` has the half-width d = L/(particles per cell): a particle overlaps its neighbours
-only, and chi_p(x_p) = 1. `fuzzy-constant` has d = L whatever the particles per cell, and the height
+only, and chi_p(x_p) = 1. `fuzzy-constant` has d = L for any particles per cell, and the height
 1/(particles per cell). Either way the tents of a lattice sum to one inside a body, and S_vp, which
 is normalised by V_p, is the convolution of the grid's tent with a tent of unit area.
 

@@ -8,7 +8,7 @@ from pgimp.physics.shapes.base import PointShape
 
 
 class MpmParameters(NamedTuple):
-    """A point has no size; the tuple keeps one number because Numba wants a field."""
+    """A point has no size; the tuple keeps one number because Numba needs a field."""
 
     half: tuple[float, ...]
 

@@ -1,4 +1,4 @@
-"""The text of a batch script: what is asked of the scheduler, and a run that goes on until done."""
+"""The text of a batch script: requests to the scheduler, and a run that continues until done."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from importlib.resources import files
 
 from pgimp.running.stop import clock
 
-# Fraction of a job's time by which it is asked to stop early; at least, at most (seconds).
+# Fraction of a job's time by which it is stopped early; at least, at most (seconds).
 _NOTICE_PART, _LEAST_NOTICE, _MOST_NOTICE = 0.05, 60.0, 300.0
 _MODULE = "type module >/dev/null 2>&1 || . /etc/profile"
 _SLURM_WORDS = {"submit": "sbatch", "cancel": "scancel", "number": "SLURM_JOB_ID"}
@@ -26,7 +26,7 @@ class _Text(string.Template):
 
 @dataclass(frozen=True)
 class Job:
-    """What a script is to run, and where; no text in it has control characters.
+    """The run of a script, and its resources; no text in it has control characters.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class Job:
     seconds : float
         The most that the job may take at a time.
     account, partition : str
-        Whom to charge; the partition or queue. One word each, or empty for the cluster's choice.
+        The account; the partition or queue. One word each, or empty for the cluster's choice.
     directives : sequence of str
         More options of ``sbatch`` or ``qsub``, as the script is to have them.
     modules : sequence of str
@@ -94,7 +94,7 @@ def write(job: Job) -> str:
     Parameters
     ----------
     job : Job
-        What it is to do.
+        The job.
     """
     slurm = job.scheduler == "slurm"
     options = [f"--output={job.output}", "--resume", *(f"--set={one}" for one in job.changes)]
@@ -127,7 +127,7 @@ def _template(scheduler: str) -> str:
 
 
 def _slurm(job: Job) -> list[str]:
-    """Directives of Slurm; of two of a kind the later counts, so that those asked for come last."""
+    """Directives of Slurm; of two of a kind the later counts, so that the user's come last."""
     words = [f"--job-name={job.name}", f"--ntasks={job.ranks}"]
     if job.nodes:
         words.append(f"--nodes={job.nodes}")

@@ -1,1 +1,1 @@
-"""What ``pgimp check`` says of a case that takes a simulation to know: steps, time and memory."""
+"""Estimates of ``pgimp check`` that need a simulation: steps, time and memory."""

@@ -1,4 +1,4 @@
-"""What a case costs, in words: time on this machine and on others, and memory."""
+"""Cost of a case, in words: time on this machine and on others, and memory."""
 
 import numpy as np
 
@@ -24,9 +24,9 @@ from pgimp.tools.model.report import (
 )
 from pgimp.tools.model.sample import samples_of
 
-#: Particles of the samples that are timed; the last are more than caches hold.
+#: Particles of the samples that are timed; the last exceed the caches.
 _SMALLEST, _SMALL, _LARGE = 200, 5_000, 150_000
-#: For how long they are timed.
+#: Seconds for which they are timed.
 _SECONDS = 1.0
 _YEAR = 365.25 * 86400.0
 
@@ -51,7 +51,7 @@ def report_cost(
     crossing: float,
     steps: float,
 ) -> None:
-    """Time on this machine, the number of ranks that pays off, and why not more do."""
+    """Time on this machine, the number of ranks that pays off, and the reason for its limit."""
     bodies, count, network = extents(scene.case), int(counts.sum()), Network()
     layout = layout_of(scene, bodies, lattice.coordinates[0], counts.sum(axis=0))
     layout = layout._replace(crossing=crossing)
@@ -89,7 +89,7 @@ def _time_text(seconds: float) -> str:
 
 
 def report_memory(found: Estimate) -> None:
-    """Memory on one rank, and how much of it there is."""
+    """Memory on one rank, needed and available."""
     free = min((limit.free for limit in limits()), default=None)
     here = "" if free is None else f"; {size_text(free)} are free here"
     print(f"memory           about {size_text(found.size)} on one rank{here}")

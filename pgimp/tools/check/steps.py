@@ -1,4 +1,4 @@
-"""How many steps a case takes, in words: as a pilot run predicts, and stage by stage."""
+"""Number of steps of a case, in words: as a pilot run predicts, and stage by stage."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from math import ceil
@@ -32,9 +32,9 @@ def report_steps(case: Case, steps: float, tried: Pilot | None) -> float:
 def report_stages(
     case: Case, scenes: Sequence[Scene], factor: float, varied: Mapping[str, float]
 ) -> float:
-    """Say what the stages after the first change; return how many steps they take, about.
+    """Describe the changes by the stages after the first; return their steps, about.
 
-    `factor` is by how much the first has more steps than at rest, where waves set their length;
+    `factor` is the ratio of the first one's steps to those at rest, where waves set their length;
     `varied` has rates of bodies whose materials vary, see `stage_rate`.
     """
     total = 0.0
@@ -56,7 +56,7 @@ def report_stages(
 
 
 def predicted(case: Case, tried: Pilot) -> str:
-    """Return how many steps a pilot run predicts, and what that supposes."""
+    """Return the number of steps that a pilot run predicts, and its assumptions."""
     text = f"{tried.steps:,.0f} to t = {case.time.end:g}"
     if tried.done < 1.0:
         ended = "failed" if tried.failure else "ran out of time"
@@ -81,7 +81,7 @@ def _size(tried: Pilot) -> str:
 
 
 def pilot_warnings(case: Case, courant: float, tried: Pilot | None) -> Iterator[str]:
-    """Return what a pilot run came to that a run may come to as well."""
+    """Return the failure of a pilot run that a run may have, too."""
     if tried is None:
         return
     if tried.failure:

@@ -1,4 +1,4 @@
-"""What ``pgimp doctor`` looks at, a module for each topic: what is found, and what to do about it.
+"""Checks of ``pgimp doctor``, a module for each topic: findings, and what to do about them.
 
 Libraries are tried in processes of their own: one that crashes is then a finding, and the doctor
 itself never initialises MPI.

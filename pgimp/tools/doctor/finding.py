@@ -11,9 +11,9 @@ class Finding(NamedTuple):
     Attributes
     ----------
     part : str
-        What was looked at.
+        The thing that was checked.
     found : str
-        What is there.
+        The result.
     cure : str
         What to do; empty if all is well.
     broken : bool

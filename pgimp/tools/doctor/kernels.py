@@ -9,7 +9,7 @@ from pathlib import Path
 
 from pgimp.errors import UsageError
 from pgimp.jit import sealed
-from pgimp.jit.folder import wanted_folder
+from pgimp.jit.folder import preferred_folder
 from pgimp.tools.doctor.finding import Finding
 from pgimp.tools.doctor.probe import ask
 
@@ -22,13 +22,13 @@ print(json.dumps({
     "version": numba.__version__,
     "cpu": llvmlite.binding.get_host_cpu_name(),
     "folder": str(kernel.FOLDER.path),
-    "wanted": str(folder.wanted_folder()),
+    "preferred": str(folder.preferred_folder()),
     "why_not": kernel.FOLDER.why_not,
     "compiles": not numba.config.DISABLE_JIT,
 }))
 """
 
-#: What an LLVM target can do, such as +avx2,-avx512f: in a kernel's key it follows the CPU's name.
+#: Features of an LLVM target, such as +avx2,-avx512f: in a kernel's key it follows the CPU's name.
 _FEATURES = re.compile(r"[+-][\w.-]+(,[+-][\w.-]+)+")
 _MOST_FILES = 200
 
@@ -36,7 +36,7 @@ _MOST_FILES = 200
 def examine() -> Iterator[Finding]:
     """Check Numba, the folder of its kernels, and the files in it."""
     try:
-        wanted_folder()
+        preferred_folder()
     except UsageError as error:
         yield Finding("Numba", "PGIMP_CACHE_DIR is empty", str(error), True)
         return
@@ -55,7 +55,7 @@ def examine() -> Iterator[Finding]:
         yield Finding(
             "Numba",
             found,
-            f"they belong into {tried['wanted']}, but {tried['why_not']}, so that they are "
+            f"they belong into {tried['preferred']}, but {tried['why_not']}, so that they are "
             "compiled again on every fresh machine; export PGIMP_CACHE_DIR=FOLDER, one that only "
             "you can write to, from all nodes",
         )

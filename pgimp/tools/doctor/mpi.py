@@ -129,12 +129,12 @@ def _version(mpirun: str) -> Finding:
 
 
 def _two_ranks(mpi: dict[str, Any], launcher: str, ways: Sequence[Sequence[str]]) -> Finding:
-    """Start two ranks, in each of the ways until they find each other."""
+    """Start two ranks, with each set of options until they find each other."""
     name = os.path.basename(launcher)
     part = "two ranks" if name != "srun" else "srun"
     answers: list[Answer] = []
     for options in ways:
-        # By its name, as people start it: called as /bin/mpirun, Open MPI's refuses, because it
+        # By its name, as users start it: called as /bin/mpirun, Open MPI's refuses, because it
         # takes what is before /bin for its prefix.
         tried = ask(_RANKS_PROBE, launch=[name, *options, "-n", "2"])
         answers.append(tried)
@@ -183,7 +183,7 @@ def cure(mpi: dict[str, Any], launcher: str) -> str:
 
 
 def library_of(launcher: str) -> str | None:
-    """Return the MPI library beside a launcher, if there is one to be found."""
+    """Return the MPI library beside a launcher, if one is found."""
     prefix = Path(launcher).resolve().parent.parent
     for name in ("libmpi.so", "libmpi.so.*"):
         for folder in ("lib", "lib64", "lib/release", "lib/*-linux-gnu"):

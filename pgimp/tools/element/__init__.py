@@ -1,1 +1,1 @@
-"""What a material does along a path, without a grid: ``pgimp element`` and `pgimp.element`."""
+"""Response of a material along a path, without a grid: ``pgimp element`` and `pgimp.element`."""

@@ -1,4 +1,4 @@
-"""A particle taken along a path, with the strains found at which given stresses act."""
+"""A particle driven along a path, with the strains solved for at which given stresses act."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _LARGEST_STRAIN = 0.1
 def follow(
     element: Element, path: Path, values: Array, confine: float, rate: float
 ) -> tuple[Array, Array, Array]:
-    """Take a particle along a path.
+    """Drive a particle along a path.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ def follow(
     Raises
     ------
     RunError
-        If no strain gives the stress that a path asks for, or the material gives no finite stress.
+        If no strain gives the path's prescribed stress, or the material gives no finite stress.
     """
     strains = np.zeros(3)
     if confine:
@@ -72,7 +72,7 @@ def follow(
 
 
 def _confine(element: Element, strains: Array, pressure: float, rate: float) -> None:
-    """Put a particle under pressure from all sides, in ten steps."""
+    """Bring a particle under pressure from all sides, in ten steps."""
     for k in range(1, 11):
         strains[:] = _step(element, strains, 0.0, (0, 1, 2), -pressure * k / 10.0, 0.1 / rate)
 
@@ -80,7 +80,7 @@ def _confine(element: Element, strains: Array, pressure: float, rate: float) -> 
 def _step(
     element: Element, strains: Array, shear: float, free: tuple[int, ...], target: float, dt: float
 ) -> Array:
-    """Take one step to strains of which some are free, so that their stress is the target."""
+    """Do one step to strains of which some are free, so that their stress is the target."""
     D, found = element.dimensions, strains.copy()
 
     def stresses(trial: Array) -> Array:

@@ -1,4 +1,4 @@
-"""A material asked step by step, by the functions that are compiled into a run's kernels."""
+"""A material evaluated step by step, by the functions that are compiled into a run's kernels."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ class Element:
         self.speed = np.nan
 
     def tried(self, F: Array, dt: float | Array) -> tuple[Array, Array]:
-        """Return what it would be after steps, without taking them.
+        """Return its state after steps, without doing them.
 
         Parameters
         ----------
@@ -133,7 +133,7 @@ class Element:
         return found[1:], speed
 
     def advance(self, F: Array, dt: float | Array) -> Array:
-        """Take steps, see `tried`; return stress and state after each."""
+        """Do steps, see `tried`; return stress and state after each."""
         rows, speeds = self.tried(F, dt)
         self.row, self.F, self.speed = rows[-1].copy(), np.array(F[-1]), float(speeds[-1])
         return rows

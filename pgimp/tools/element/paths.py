@@ -1,4 +1,4 @@
-"""The paths along which a material is taken: what is strained, and what is held under stress."""
+"""Paths along which a material is driven: strained directions, and those of a given stress."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Array = np.ndarray
 
 
 class Path(NamedTuple):
-    """A way to deform.
+    """A path of deformation.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What is said of a particle along its path: columns, exact ones beside them, and a picture."""
+"""Results for a particle along its path: columns, exact ones beside them, and a picture."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def curve(
     name : str
         Of the path.
     values : list of float
-        Where it leads, one after the other.
+        Its targets, one after the other.
     steps : int
         To each of them.
     confine, rate : float
@@ -95,7 +95,7 @@ def text(table: dict[str, Array]) -> str:
 
 
 def draw(table: dict[str, Array], name: str, title: str) -> Any:
-    """Return a figure of the path's stress, and of what the material remembers."""
+    """Return a figure of the path's stress and of the material's state."""
     from matplotlib.figure import Figure
 
     from pgimp.tools.plot.style import COLOURS, plain

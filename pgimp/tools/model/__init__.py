@@ -1,1 +1,1 @@
-"""What a step costs on any number of ranks: measured here, on one or two, and extrapolated."""
+"""Cost of a step on any number of ranks: measured here, on one or two, and extrapolated."""

@@ -1,4 +1,4 @@
-"""What the parts of a step cost, in seconds: on this machine, and between nodes."""
+"""Costs of the parts of a step, in seconds: on this machine, and between nodes."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ class Network(NamedTuple):
 
 
 class Messages(NamedTuple):
-    """What ranks of a node pay for being several.
+    """Costs of communication between ranks of a node.
 
     Attributes
     ----------
     neighbour : float
-        Seconds of a step for each neighbour, however little is said: calls, latencies, and the
+        Seconds of a step for each neighbour, for messages of any size: calls, latencies, and the
         search for particles that leave.
     bandwidth : float
         Bytes per second from one rank to another.
@@ -52,7 +52,7 @@ class Messages(NamedTuple):
 
 
 class Costs(NamedTuple):
-    """What a rank pays for its work, and for its neighbours.
+    """Costs of a rank's work, and of its neighbours.
 
     Attributes
     ----------
@@ -69,8 +69,8 @@ class Costs(NamedTuple):
     messages : Messages
         Between ranks of a node.
     busy : float
-        Factor of all work where the other cores of a node work too: what they share, and waiting
-        for those that are slower for a while. 1 where that is not measured.
+        Factor of all work where the other cores of a node work too: shared resources, and waiting
+        for cores that are slower for a while. 1 if not measured.
     """
 
     fixed: float

@@ -1,4 +1,4 @@
-"""What is there to be cut into slabs: the particles of each layer, and the size of a plane."""
+"""The scene to be cut into slabs: the particles of each layer, and the size of a plane."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Layout(NamedTuple):
     crossing : float
         Part of a layer's particles that leave it in a step.
     wide : int
-        Vertices of a plane where there are several ranks; 0 where that is not known to differ.
+        Vertices of a plane on several ranks; 0 if the same.
     """
 
     counts: NDArray[np.int64]
@@ -91,14 +91,14 @@ def layout_now(sim: Any) -> Layout:
     speed = float(np.abs(sim.particles.v[rows, 0]).sum())
     mine = (sim.rank.slab.first, np.diff(sim.population.start), speed)
     counts = np.zeros(scene.frame.vertices[0], np.int64)
-    way = 0.0
+    travel = 0.0
     for first, some, speeds in sim.comm.allgather(mine):
         counts[first : first + len(some)] = some
-        way += speeds * sim.dt
+        travel += speeds * sim.dt
     return Layout(
         counts,
         int(np.prod(sim.rank.grid.window.extent[1:], dtype=np.int64)),
         scene.vertices,
         scene.ends,
-        min(1.0, way * scene.frame.inverse[0] / max(int(counts.sum()), 1)),
+        min(1.0, travel * scene.frame.inverse[0] / max(int(counts.sum()), 1)),
     )

@@ -1,4 +1,4 @@
-"""Measurement of what the parts of a step cost."""
+"""Measurement of the costs of the parts of a step."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _REPEATS = 20
 def run_in_turn(
     samples: Sequence[Sample | None], comm: Any, seconds: float, fewest: int = 3
 ) -> None:
-    """Time blocks of all samples by turns, so that what disturbs one disturbs all; collective.
+    """Time blocks of all samples by turns, so that disturbances hit all alike; collective.
 
     On a rank that has no part in a sample, it is None.
 
@@ -55,7 +55,7 @@ def costs_of(samples: Sequence[Sample]) -> Costs:
     grid = [sample.seconds("momentum") for sample in samples]
     vertex = max(0.0, (grid[-1] - grid[0]) / max(vertices[-1] - vertices[0], 1.0))
     rest = [sample.seconds() - vertex * n for sample, n in zip(samples, vertices, strict=True)]
-    # The smallest sample says what is left without particles, the others what one costs.
+    # The smallest sample gives the fixed cost, the others that of a particle.
     each = max(0.0, (rest[1] - rest[0]) / max(counts[1] - counts[0], 1.0))
     fixed = max(rest[0] - each * counts[0], 0.05 * rest[0])
     particles = tuple(

@@ -2,9 +2,9 @@
 
 Under Courant control a step follows the fastest wave, which speeds up in a body that is compressed
 and with the particles' velocity. The number of steps is the integral of max_p(c_p + |v_p|) over
-time, over the cell and the Courant number; that integral hardly depends on the cells. How much it
-does is seen from a further run on cells that are coarser still: the error is taken to grow linearly
-with the cells. A run that is ended early says nothing of the time after it.
+time, over the cell and the Courant number; that integral hardly depends on the cells. Its
+sensitivity follows from a further run on coarser cells: the error is assumed to grow linearly with
+the cells. A run that is ended early gives no information on the time after it.
 """
 
 from __future__ import annotations
@@ -25,21 +25,21 @@ from pgimp.tools.model.costs import Costs
 _SECONDS = 2.0
 #: Cells that remain across a body, unless it has fewer.
 _FEWEST_CELLS = 6.0
-#: Steps of a fixed length between two looks at the fastest wave.
+#: Steps of a fixed length between two evaluations of the fastest wave.
 _LOOK = 10
-#: What the cells are made longer by, besides: a constraint may hold no particle with others.
+#: Further factors on the cells: with others a constraint may hold no particle.
 _TRIES = (1.0, 0.9, 1.15, 0.8, 1.3, 0.65)
-#: How often a run that took too long is repeated on coarser cells.
+#: Repetitions on coarser cells of a run that took too long.
 _REPEATS = 2
-#: By how much the cells of a further run are longer, which shows what the cells matter; and the
-#: least error for each length of a cell that they are longer, for bodies tear later or earlier.
+#: Factor on the cells of a further run, which shows their influence; and the least error for each
+#: cell's length by which they are longer, as bodies tear later or earlier.
 _COARSER, _LEAST_ERROR = 1.3, 0.05
 #: Particles of a pilot run at most. Those of files do not become fewer with larger cells.
 _MOST_PARTICLES = 200_000
 
 
 class Pilot(NamedTuple):
-    """What a pilot run found.
+    """Result of a pilot run.
 
     Attributes
     ----------
@@ -50,7 +50,7 @@ class Pilot(NamedTuple):
     factor : float
         Its cells over those of the case.
     done : float
-        Part of the time that it simulated. `steps` supposes that waves are as fast after it as at
+        Part of the time that it simulated. `steps` assumes that waves are as fast after it as at
         its end.
     failure : str
         First line of why it failed, if it did.
@@ -70,7 +70,7 @@ class Pilot(NamedTuple):
 
 
 def pilot(case: Case, count: int, steps: float, costs: Costs, fewest: float) -> Pilot | None:
-    """Run a case on a coarse grid, or as it is where that takes little time; nothing is written.
+    """Run a case on a coarse grid, or as it is if that takes little time; nothing is written.
 
     Parameters
     ----------
@@ -134,7 +134,7 @@ def _error(fine: Pilot, rough: Pilot | None) -> float:
 
 
 def _seconds(case: Case, count: int, steps: float, costs: Costs, factor: float) -> float:
-    """What a pilot run with cells `factor` times as long takes."""
+    """Time of a pilot run with cells `factor` times as long."""
     particles = count / factor**case.dimensions
     return steps / factor * (costs.fixed + particles * float(costs.particle(particles)))
 
@@ -161,18 +161,18 @@ def coarse(case: Case, factor: float) -> Case:
 def _run(sim: Simulation, case: Case) -> Pilot:
     begin, failure = perf_counter(), ""
     longer = max(1.0 / cell for cell in case.grid.cell) / max(sim.scene.frame.inverse)
-    way = most = rate = 0.0
+    travel = most = rate = 0.0
     try:
         while not sim.finished and perf_counter() - begin < 2.0 * _SECONDS:
             rate = _rate(sim) * longer
             sim.advance()
-            way += sim.dt * max(rate, sim.fastest * longer)
+            travel += sim.dt * max(rate, sim.fastest * longer)
             most = max(most, sim.dt * rate / longer)
     except RunError as error:
         failure = str(error).splitlines()[0]
     end = case.time.end
-    way += (end - sim.time) * max(rate, sim.fastest * longer)
-    steps = float(case.time.steps or 0) if case.courant is None else way / case.courant
+    travel += (end - sim.time) * max(rate, sim.fastest * longer)
+    steps = float(case.time.steps or 0) if case.courant is None else travel / case.courant
     done = sim.time / end
     return Pilot(steps, sim.count, longer, min(done, 1.0), failure, most)
 

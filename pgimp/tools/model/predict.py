@@ -1,4 +1,4 @@
-"""The time of a step on any number of ranks, from what its parts cost."""
+"""The time of a step on any number of ranks, from the costs of its parts."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pgimp.tools.model.layout import Layout
 
 #: Efficiency down to which more ranks pay off.
 EFFICIENT = 0.7
-#: Ranks up to which the model is asked.
+#: Greatest number of ranks that is tried.
 MOST_RANKS = 10_000
 #: Bytes of a vertex's record.
 _RECORD = 64
@@ -31,11 +31,11 @@ class Step(NamedTuple):
     seconds : float
         The step.
     fixed, mean, excess : float
-        What a step costs without particles; the mean of all slabs' particles and planes; what the
-        slowest rank has beyond that mean, because layers are not divided.
+        Cost of a step without particles; mean over the slabs of particles and planes; excess of
+        the slowest rank over that mean, because layers are not divided.
     planes, calls, reduction : float
-        Exchange of shared planes as far as nothing hides it; latencies and calls of messages to
-        neighbours, with the particles that go there; the reduction, as far as nothing hides it.
+        Exchange of shared planes that is not hidden; latencies and calls of messages to
+        neighbours, with the particles that go there; the reduction that is not hidden.
     most : int
         Particles of the fullest slab.
     """
@@ -61,7 +61,7 @@ class Step(NamedTuple):
         return one.seconds / (self.ranks * self.seconds)
 
     def loss(self, one: Step) -> str:
-        """What costs most of the efficiency, as text."""
+        """Main loss of efficiency, as text."""
         if self.slabs < self.ranks:
             return out_of_layers(self.slabs)
         losses = {
@@ -84,9 +84,9 @@ def predict(layout: Layout, costs: Costs, network: Network, ranks: int) -> Step:
     Parameters
     ----------
     layout : Layout
-        What there is to do.
+        The work.
     costs : Costs
-        What that costs on a node.
+        Its costs on a node.
     network : Network
         Messages between nodes.
     ranks : int
@@ -169,7 +169,7 @@ def pays_off(
     one, best : Step
         A step on one rank, and on the number of ranks that pays off.
     limit : str
-        What costs most of the efficiency beyond that, as text; empty if it is `most`.
+        Main loss of efficiency beyond that, as text; empty if it is `most`.
     """
     one = predict(layout, costs, network, 1)
     most = min(most, MOST_RANKS)

@@ -23,7 +23,7 @@ def rank_counts(marks: Iterable[int], most: int = MOST_RANKS) -> list[int]:
 def scaling(
     layout: Layout, costs: Costs, network: Network, memory: Callable[[Step], float]
 ) -> dict[str, Any]:
-    """Strong scaling of a layout: how far it pays off, and why not further.
+    """Strong scaling of a layout: up to where it pays off, and the reason for its limit.
 
     Parameters
     ----------
@@ -33,8 +33,8 @@ def scaling(
     Returns
     -------
     dict
-        ``particles``, ``slabs`` (the most that there can be), ``pays_off`` (ranks), ``limit`` (what
-        costs most of the efficiency beyond, as text) and ``steps``, see `entry`.
+        ``particles``, ``slabs`` (the most that there can be), ``pays_off`` (ranks), ``limit`` (the
+        main loss of efficiency beyond, as text) and ``steps``, see `entry`.
     """
     one, best, limit = pays_off(layout, costs, network)
     slabs = layout.most_ranks
@@ -93,7 +93,7 @@ def lines(
 
 
 def remark(found: dict[str, Any]) -> Callable[[dict[str, Any]], str]:
-    """What is said of the lines of a strong scaling."""
+    """Remarks on the lines of a strong scaling."""
 
     def text(step: dict[str, Any]) -> str:
         said = []
@@ -111,7 +111,7 @@ def remark(found: dict[str, Any]) -> Callable[[dict[str, Any]], str]:
 
 
 def verdict(found: dict[str, Any]) -> str:
-    """How many ranks pay off, and why more do not, as text."""
+    """Number of ranks that pays off, and the reason for its limit, as text."""
     ranks = found["pays_off"]
     text = f"up to {ranks:,} pay off" if ranks > 1 else "1; more do not pay off"
     beyond = f"; beyond, {found['limit']}" if found["limit"] else ""

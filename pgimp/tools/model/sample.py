@@ -27,14 +27,14 @@ _ROW = 9
 _STRAIN = 1e-3
 #: Radians in which places and strains go around from cell to cell.
 _WAVE = 0.6
-#: Cells a step by which particles move at least, on average: so much as to change layers at times.
+#: Least mean displacement of particles in a step, in cells: enough to change layers at times.
 _DRIFT = 0.005
-#: Greatest ratio of the particles of a sample to those asked for.
+#: Greatest ratio of the particles of a sample to those requested.
 _LARGER = 4.0
-#: Part of its particles that a sample must still have: of those left it would say too little.
+#: Part of its particles that a sample must keep to be representative.
 _KEPT = 0.98
-#: Steps, or multiples of a case's end, that no sample reaches; and steps that are enough of them: a
-#: run of too many is refused, see `pgimp.solver.stability.require_end`.
+#: Steps, or multiples of a case's end, that no sample reaches; and enough steps for a sample: a run
+#: of too many is refused, see `pgimp.solver.stability.require_end`.
 _ENDLESS, _MANY = 1_000_000, 1e9
 
 
@@ -46,8 +46,8 @@ class Scattered(Simulation):
         dt = self.clock.next(self.done, self.rate).dt
         v, cell = self.particles.v, self.scene.frame.cell[0]
         rows = self.live()
-        way = dt / cell * float(np.abs(v[rows, 0]).sum())
-        total, count = np.sum(comm.allgather((way, len(rows))), axis=0)
+        crossings = dt / cell * float(np.abs(v[rows, 0]).sum())
+        total, count = np.sum(comm.allgather((crossings, len(rows))), axis=0)
         if total < _DRIFT * count:
             v[rows, 0] += _DRIFT * cell / dt
 
@@ -58,12 +58,12 @@ class Scattered(Simulation):
         end = slab.first + slab.layers
         if slab.layers == 0:
             return super().create(slab, lattice, counts, layer)
-        # Those of the neighbours' next layers may come to lie here.
+        # Particles of the neighbours' next layers may end up here.
         wider = slab._replace(first=slab.first - 1, layers=slab.layers + 2)
         p, count = super().create(wider, lattice, counts, layer)
         scene, D = self.scene, self.scene.dimension
         cell = np.array(scene.frame.cell)
-        # Neighbours lie alike, as in a body that moves and deforms.
+        # Neighbours have similar offsets, as in a body that moves and deforms.
         phase = (p.x[:count] / cell).sum(axis=1)[:, None] * _WAVE
         p.x[:count] += 0.49 * cell / lattice.per_cell * np.sin(phase + np.arange(D))
         p.F[:count] += _STRAIN * np.sin(phase + np.arange(D * D))
@@ -71,8 +71,8 @@ class Scattered(Simulation):
             p.origin[:] = p.x
         rows = np.arange(count, dtype=np.int32)
         locate(scene.shape, scene.setting.frame, p, rows, scene.frame.vertices)
-        here = (p.layer[:count] >= slab.first) | (slab.below is None)
-        here &= (p.layer[:count] < end) | (slab.above is None)
+        here = (p.layer[:count] >= slab.first) | (slab.lower is None)
+        here &= (p.layer[:count] < end) | (slab.upper is None)
         rows = rows[here]
         kept = np.append(rows, 0)  # room for one at least
         return Particles._make(column[kept] for column in p), len(rows)
@@ -84,19 +84,19 @@ class Sample:
     Parameters
     ----------
     make : callable
-        Makes the simulation; again whenever it fails, for what it computes is of no interest.
+        Makes the simulation; again whenever it fails, as its results are of no interest.
     comm : communicator
         Of its ranks.
     whole : bool
         Whether the whole of it is timed, at least once. Otherwise it soon starts over, before its
-        scene has become another.
+        scene has changed much.
 
     Attributes
     ----------
     sim : Simulation
         As it is.
     done : bool
-        Whether it has come to its end once, or is not to.
+        Whether it has reached its end once, or need not.
     """
 
     def __init__(self, make: Callable[[], Simulation], comm: Any, whole: bool = False) -> None:
@@ -121,15 +121,15 @@ class Sample:
     def _advance(self, steps: int) -> int:
         """Steps done, fewer at the end; 0 if they are discarded and it starts over.
 
-        The same on every rank. The whole of a run is of use, whatever it is; its error is raised.
+        The same on every rank. If the whole run is timed, any steps count, and errors are raised.
         """
         self._left -= steps
         sim = self.sim
         first = sim.step
         try:
             while sim.step < first + steps and not sim.finished:
-                sim.advance(agree=False)
-            sim.agree()
+                sim.advance(complete=False)
+            sim.complete_reduction()
         except RunError:
             if self._whole:
                 raise

@@ -24,7 +24,7 @@ _MARKED = 400
 
 
 def along(
-    shots: Sequence[PlotFrame],
+    snapshots: Sequence[PlotFrame],
     quantities: Sequence[Quantity],
     selection: Selection,
     axis: int,
@@ -34,7 +34,7 @@ def along(
 
     Parameters
     ----------
-    shots : sequence of PlotFrame
+    snapshots : sequence of PlotFrame
         The frames.
     quantities : sequence of Quantity
         What is drawn of each.
@@ -63,7 +63,7 @@ def along(
     """
     from matplotlib.figure import Figure
 
-    means = shots[0].shown.dimension > 1 and not selection.place
+    means = snapshots[0].shown.dimension > 1 and not selection.place
     name, value = AXES[axis], quantities[0].text
     value = f"position.{name}" if value == name else value
     table = Table(["run", "frame", "time", *([] if means else ["id"]), name, value])
@@ -72,44 +72,48 @@ def along(
     figure = Figure(figsize=(6.4, 4.2))
     axes = figure.subplots()
     remarks = []
-    for number, (shot, quantity) in enumerate(zip(shots, quantities, strict=True)):
-        same = [shot.shown.name, shot.frame.number, shot.frame.time]
+    for number, (snapshot, quantity) in enumerate(zip(snapshots, quantities, strict=True)):
+        same = [snapshot.shown.name, snapshot.frame.number, snapshot.frame.time]
         if means:
-            place, values, counts = _means(shot, quantity, selection, axis)
+            place, values, counts = _means(snapshot, quantity, selection, axis)
             table.add(same, [place, values, counts])
         else:
-            ids, place, values, total = _points(shot, quantity, selection, axis)
+            ids, place, values, total = _points(snapshot, quantity, selection, axis)
             table.add(same, [ids, place, values])
             if len(place) < total:
-                remarks.append(f"{shot.frame.path}: {len(place):,} of {total:,} particles drawn")
+                remarks.append(
+                    f"{snapshot.frame.path}: {len(place):,} of {total:,} particles drawn"
+                )
         axes.plot(
             place,
             values,
             color=COLOURS[number % len(COLOURS)],
-            ls=DASHES[number % len(DASHES)] if len(shots) > 1 else "-",
+            ls=DASHES[number % len(DASHES)] if len(snapshots) > 1 else "-",
             marker=MARKERS[number % len(MARKERS)] if len(place) <= _MARKED else None,
             ms=3,
             lw=1.1,
-            label=_legend(shot, shots),
+            label=_legend(snapshot, snapshots),
         )
-    shown = shots[0].shown
+    shown = snapshots[0].shown
     axes.set(
         xlabel=shown.label(name, "length"),
         ylabel=shown.label(_described(quantities[0], selection, means), quantities[0].kind),
-        title=_title(shots),
+        title=_title(snapshots),
     )
     axes.title.set_fontsize(10)
     if logarithmic:
         axes.set_yscale("log", nonpositive="mask")
         log_ticks(axes.yaxis)
-    if len(shots) > 1:
+    if len(snapshots) > 1:
         axes.legend(fontsize=9)
     return figure, table, remarks
 
 
-def _means(shot: PlotFrame, quantity: Quantity, selection: Selection, axis: int) -> tuple[Any, ...]:
+def _means(
+    snapshot: PlotFrame, quantity: Quantity, selection: Selection, axis: int
+) -> tuple[Any, ...]:
     """Return places, means and numbers of particles of the strips that have any."""
-    case = shot.shown.case
+    case = snapshot.shown.case
     grid, each = case["grid"], case["method"]["particles_per_cell"]
     origin, length = float(grid["origin"][axis]), float(grid["size"][axis])
     width = float(grid["cell"][axis]) / float(each[axis])
@@ -117,7 +121,7 @@ def _means(shot: PlotFrame, quantity: Quantity, selection: Selection, axis: int)
     if strips > _MOST_BINS:
         raise UsageError(f"{strips:,} strips of particles along {AXES[axis]} are too many to draw")
     sums = np.zeros((4, strips))
-    for block in selection.blocks(shot.frame, quantity):
+    for block in selection.blocks(snapshot.frame, quantity):
         place = block.position[:, axis]
         strip = np.clip(np.floor((place - origin) / width), 0, strips - 1).astype(np.int64)
         weights = (np.ones_like(place), block.volume, block.volume * place)
@@ -125,20 +129,20 @@ def _means(shot: PlotFrame, quantity: Quantity, selection: Selection, axis: int)
             row += np.bincount(strip, weight, strips)
     counts, volume, place, value = sums[:, sums[0] > 0]
     if not len(counts):
-        raise empty(shot.frame, selection.place)
+        raise empty(snapshot.frame, selection.place)
     return place / volume, value / volume, counts.astype(np.int64)
 
 
 def _points(
-    shot: PlotFrame, quantity: Quantity, selection: Selection, axis: int
+    snapshot: PlotFrame, quantity: Quantity, selection: Selection, axis: int
 ) -> tuple[Any, ...]:
     """Return numbers, places and values of particles in order along the axis, and how many."""
-    blocks = list(selection.blocks(shot.frame, quantity))
+    blocks = list(selection.blocks(snapshot.frame, quantity))
     ids = np.concatenate([block.id for block in blocks])
     place = np.concatenate([block.position[:, axis] for block in blocks])
     values = np.concatenate([block.value for block in blocks])
     if not len(ids):
-        raise empty(shot.frame, selection.place)
+        raise empty(snapshot.frame, selection.place)
     order = np.lexsort((ids, place))[:: -(-len(ids) // MOST_POINTS)]
     return ids[order], place[order], values[order], len(ids)
 
@@ -150,13 +154,13 @@ def _described(quantity: Quantity, selection: Selection, means: bool) -> str:
     return f"{quantity.label} at {at}" if at else quantity.label
 
 
-def _legend(shot: PlotFrame, shots: Sequence[PlotFrame]) -> str:
-    names = {one.shown.name for one in shots}
-    times = {one.frame.time for one in shots}
-    parts = [plain(shot.shown.name)] if len(names) > 1 else []
-    return ", ".join([*parts, *([shot.title] if len(times) > 1 or not parts else [])])
+def _legend(snapshot: PlotFrame, snapshots: Sequence[PlotFrame]) -> str:
+    names = {one.shown.name for one in snapshots}
+    times = {one.frame.time for one in snapshots}
+    parts = [plain(snapshot.shown.name)] if len(names) > 1 else []
+    return ", ".join([*parts, *([snapshot.title] if len(times) > 1 or not parts else [])])
 
 
-def _title(shots: Sequence[PlotFrame]) -> str:
-    times = {shot.frame.time for shot in shots}
-    return shots[0].title if len(times) == 1 else ""
+def _title(snapshots: Sequence[PlotFrame]) -> str:
+    times = {snapshot.frame.time for snapshot in snapshots}
+    return snapshots[0].title if len(times) == 1 else ""

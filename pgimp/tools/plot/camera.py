@@ -1,4 +1,4 @@
-"""From where particles are seen: directions, and the faces of a particle's box."""
+"""Viewing directions, and the visible faces of a particle's box."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _EYES = {
     **{f"{axis}-min": -unit for axis, unit in zip(AXES, np.eye(3), strict=True)},
     **{f"{axis}-max": unit for axis, unit in zip(AXES, np.eye(3), strict=True)},
 }
-# Of faces across x, y and z: enough to show the shape, too little to be taken for another value.
+# Of faces across x, y and z: enough to show the shape, too little to look like another value.
 _LIGHT = np.array([0.77, 0.89, 1.0])
 
 
@@ -45,7 +45,7 @@ class Camera(NamedTuple):
         return bool(np.isin(np.abs([self.right, self.up]), (0.0, 1.0)).all())
 
     def axis(self, direction: Array) -> tuple[str, bool]:
-        """Return the name of an axis of space and whether it points the other way."""
+        """Return the name of an axis of space and whether it is reversed."""
         number = int(np.argmax(np.abs(direction)))
         return AXES[number], bool(direction[number] < 0.0)
 
@@ -54,7 +54,7 @@ class Camera(NamedTuple):
         return position @ np.stack([self.right, self.up, self.towards], axis=1)
 
     def faces(self) -> tuple[Array, Array]:
-        """Return what is seen of a box of half-width 1: its faces and how light they are.
+        """Return the visible part of a box of half-width 1: its faces and their lightness.
 
         Returns
         -------

@@ -49,7 +49,7 @@ def curves(
         The probes; the history alone if empty.
     columns : sequence of str
         Columns of history.csv and of the probes, or patterns of their names; if empty those that
-        are wanted most often.
+        are needed most often.
     across : str
         The column along the horizontal axis.
     logarithmic : bool
@@ -112,7 +112,7 @@ def _named(series: Sequence[Series], columns: Sequence[str]) -> list[str]:
 
 
 def _default(series: Sequence[Series]) -> list[str]:
-    """Return the energies, and of works, forces and errors what is not zero throughout.
+    """Return the energies, and the works, forces and errors that are not always zero.
 
     Of each face and constraint this is the component of the force that is greatest in any run; of
     a probe its displacement, velocity, pressure and von Mises stress.
@@ -127,8 +127,8 @@ def _default(series: Sequence[Series]) -> list[str]:
             force = _FORCE.fullmatch(name)
             rivals = [f"{force[1]}-{axis}" for axis in AXES] if force else [name]
             best = max(rivals, key=lambda rival: most.get(rival, 0.0))
-            wanted = best == name if force else re.fullmatch(_IF_ANY, name)
-            if wanted and most[name] > 0.0:
+            shown = best == name if force else re.fullmatch(_IF_ANY, name)
+            if shown and most[name] > 0.0:
                 names.append(name)
     return (names or [name for name in known if name not in ("time", "step")])[:_MOST_COLUMNS]
 

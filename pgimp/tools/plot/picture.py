@@ -34,7 +34,7 @@ _MOST_NAMES = 12
 
 
 def picture(
-    shots: Sequence[PlotFrame],
+    snapshots: Sequence[PlotFrame],
     quantities: Sequence[Quantity],
     selection: Selection,
     camera: Camera,
@@ -44,7 +44,7 @@ def picture(
 
     Parameters
     ----------
-    shots : sequence of PlotFrame
+    snapshots : sequence of PlotFrame
         The frames.
     quantities : sequence of Quantity
         What is drawn of each.
@@ -70,31 +70,31 @@ def picture(
     UsageError
         If there is no such particle.
     """
-    dimension = shots[0].shown.dimension
-    extents = np.array([extent(shot.frame, selection, camera) for shot in shots])
-    for shot, (low, high) in zip(shots, extents, strict=True):
+    dimension = snapshots[0].shown.dimension
+    extents = np.array([extent(snapshot.frame, selection, camera) for snapshot in snapshots])
+    for snapshot, (low, high) in zip(snapshots, extents, strict=True):
         if not (low <= high).all():
-            raise empty(shot.frame, selection.place)
+            raise empty(snapshot.frame, selection.place)
     inside = np.array([extents[:, 0].min(axis=0), extents[:, 1].max(axis=0)])
     table = Table(["run", "frame", "time", "id", *AXES[:dimension], "radius", quantities[0].text])
     drawn, remarks = [], []
-    for shot, quantity in zip(shots, quantities, strict=True):
-        seen, total = visible(shot.frame, selection, quantity, camera, inside)
+    for snapshot, quantity in zip(snapshots, quantities, strict=True):
+        seen, total = visible(snapshot.frame, selection, quantity, camera, inside)
         drawn.append(seen)
         if len(seen.id) < total:
             remarks.append(
-                f"{shot.frame.path}: {len(seen.id):,} of {total:,} particles drawn, in each spot "
-                "of the picture the foremost"
+                f"{snapshot.frame.path}: {len(seen.id):,} of {total:,} particles drawn, in each "
+                "spot of the picture the foremost"
             )
         part = seen.take(np.argsort(seen.id))
         place = part.position[:, :dimension].T
         table.add(
-            [shot.shown.name, shot.frame.number, shot.frame.time],
+            [snapshot.shown.name, snapshot.frame.number, snapshot.frame.time],
             [part.id, *place, part.radius, part.value],
         )
-    edges = [lines(shot.frame, camera) for shot in shots]
+    edges = [lines(snapshot.frame, camera) for snapshot in snapshots]
     inside = widened(inside, edges)
-    figure = _draw(shots, quantities[0], drawn, edges, camera, inside, limits)
+    figure = _draw(snapshots, quantities[0], drawn, edges, camera, inside, limits)
     return figure, table, remarks
 
 
@@ -134,7 +134,7 @@ def scale(values: Array, limits: tuple[float, float] | None) -> tuple[float, flo
 
 
 def _draw(
-    shots: Sequence[PlotFrame],
+    snapshots: Sequence[PlotFrame],
     quantity: Quantity,
     drawn: Sequence[Block],
     edges: Sequence[Array],
@@ -151,38 +151,38 @@ def _draw(
     shades = colormaps[MAP].with_extremes(bad="#c8c8c8")
     colours = ScalarMappable(Normalize(low, high), shades)
     size = inside[1] - inside[0]
-    wide = size[0] * min(len(shots), 2) > _FLAT * size[1]
-    figure, axes = _panels(len(shots), size, wide, camera.along_axes)
+    wide = size[0] * min(len(snapshots), 2) > _FLAT * size[1]
+    figure, axes = _panels(len(snapshots), size, wide, camera.along_axes)
     (left, bottom), (right, top) = inside + 0.03 * size.max() * np.array([[-1.0], [1.0]])
-    several = len({shot.shown.name for shot in shots}) > 1
-    for number, (shot, seen, net, axis) in enumerate(
-        zip(shots, drawn, edges, axes, strict=False)
+    several = len({snapshot.shown.name for snapshot in snapshots}) > 1
+    for number, (snapshot, seen, net, axis) in enumerate(
+        zip(snapshots, drawn, edges, axes, strict=False)
     ):
         rgba = colours.to_rgba(np.ma.masked_invalid(seen.value))
         draw(axis, camera, seen.position, seen.radius, rgba)
         if len(net):
-            draw_lines(axis, net, shot.shown.dimension < 3)
+            draw_lines(axis, net, snapshot.shown.dimension < 3)
         axis.set(xlim=(left, right), ylim=(bottom, top), aspect="equal")
-        name = f"{plain(shot.shown.name)}, " if several else ""
-        axis.set_title(name + shot.title, fontsize=10)
+        name = f"{plain(snapshot.shown.name)}, " if several else ""
+        axis.set_title(name + snapshot.title, fontsize=10)
         axis.grid(False)
         columns = axis.get_subplotspec().get_gridspec().ncols
-        _label(axis, shot, camera, columns, lowest=number + columns >= len(shots))
+        _label(axis, snapshot, camera, columns, lowest=number + columns >= len(snapshots))
         if number == 0 and not camera.along_axes:
             _compass(axis, camera)
-    for axis in axes[len(shots) :]:
+    for axis in axes[len(snapshots) :]:
         axis.set_visible(False)
     bar = figure.colorbar(
         colours,
         ax=list(axes),
-        label=shots[0].shown.label(quantity.label, quantity.kind),
+        label=snapshots[0].shown.label(quantity.label, quantity.kind),
         extend=beyond,
         location="bottom" if wide else "right",
         shrink=0.7 if wide else 0.85,
         aspect=40 if wide else 25,
     )
     bar.outline.set_linewidth(0.6)
-    names = _NAMES.get(quantity.text, lambda _: [])(shots[0].frame)
+    names = _NAMES.get(quantity.text, lambda _: [])(snapshots[0].frame)
     named = [number for number in range(len(names)) if low <= number <= high]
     if 0 < len(named) <= _MOST_NAMES:
         bar.set_ticks(named, labels=[plain(names[number]) for number in named])
@@ -214,7 +214,7 @@ def _panels(count: int, size: Array, wide: bool, labelled: bool) -> tuple[Any, A
     return figure, axes.ravel()
 
 
-def _label(axis: Any, shot: PlotFrame, camera: Camera, columns: int, *, lowest: bool) -> None:
+def _label(axis: Any, snapshot: PlotFrame, camera: Camera, columns: int, *, lowest: bool) -> None:
     """Name the axes at the left and below; `lowest` says that no picture is below this one."""
     from matplotlib.ticker import FuncFormatter, MaxNLocator
 
@@ -230,7 +230,7 @@ def _label(axis: Any, shot: PlotFrame, camera: Camera, columns: int, *, lowest: 
         if reversed_:
             ticks.set_major_formatter(FuncFormatter(lambda value, _: f"{-value + 0.0:g}"))
         if lowest if side == "x" else first:
-            axis.set(**{f"{side}label": shot.shown.label(name, "length")})
+            axis.set(**{f"{side}label": snapshot.shown.label(name, "length")})
     axis.xaxis.set_tick_params(labelbottom=lowest)
 
 

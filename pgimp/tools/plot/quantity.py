@@ -1,4 +1,4 @@
-"""What of a frame is drawn: a field, a component, a magnitude."""
+"""Quantities of a frame to draw: a field, a component, a magnitude."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Quantity(NamedTuple):
 
     @property
     def label(self) -> str:
-        """What an axis says of it, without its unit."""
+        """Its label on an axis, without its unit."""
         name, _, component = self.text.partition(".")
         return f"{_NAMES.get(name, name.replace('-', ' '))} {component}".rstrip()
 
@@ -66,7 +66,7 @@ class Quantity(NamedTuple):
 
 
 def quantity(text: str | None, frame: Frame, dimension: int) -> Quantity:
-    """Find what a name stands for in a frame.
+    """Find the quantity of a frame that a name stands for.
 
     Parameters
     ----------
@@ -131,7 +131,7 @@ def _components(name: str, frame: Frame) -> list[str]:
 
 
 def _names(frame: Frame) -> list[str]:
-    """Return all that a frame can be asked for."""
+    """Return all quantities of a frame."""
     names = [name for name in _FROM_STRESS if name not in frame and _derived(name, frame)]
     for name in frame.fields:
         components = _components(name, frame)

@@ -77,7 +77,7 @@ class PlotRun:
 
 
 def open_runs(directories: Sequence[str]) -> list[PlotRun]:
-    """Open the runs, each with a name that tells it from the others.
+    """Open the runs, each with a unique name.
 
     Raises
     ------
@@ -121,7 +121,7 @@ class PlotFrame:
         return self.shown.instant(self.frame.time)
 
 
-def shots(
+def snapshots(
     runs: Sequence[PlotRun], frames: Sequence[int], times: Sequence[float]
 ) -> list[PlotFrame]:
     """Find the frames to draw.
@@ -170,7 +170,7 @@ def shots(
             found.append(PlotFrame(shown, min(every, key=lambda frame: abs(frame.time - time))))
     if len(found) > _MOST_PANELS:
         raise UsageError(f"{len(found)} frames in one figure; {_MOST_PANELS} is the most")
-    dimensions = {shot.shown.dimension for shot in found}
+    dimensions = {snapshot.shown.dimension for snapshot in found}
     if len(dimensions) > 1:
         raise UsageError("the runs have different dimensions; draw them one at a time")
     return found

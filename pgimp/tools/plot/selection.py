@@ -1,4 +1,4 @@
-"""Which particles of a frame are drawn, read block by block."""
+"""Selection of a frame's particles to draw, read block by block."""
 
 from __future__ import annotations
 
@@ -81,14 +81,14 @@ class Selection(NamedTuple):
         for name in self.bodies:
             if name not in frame.bodies:
                 raise UsageError(f"{frame.path}: {unknown('body', name, frame.bodies, 'it has')}")
-        wanted = [frame.bodies.index(name) for name in self.bodies]
+        chosen = [frame.bodies.index(name) for name in self.bodies]
         for first in range(0, len(frame), _BLOCK_ROWS):
             last = min(first + _BLOCK_ROWS, len(frame))
             position = frame.rows("position", first, last).astype(np.float64)
             radius = frame.rows("radius", first, last).astype(np.float64)
             keep = np.isfinite(position).all(axis=1)
-            if wanted:
-                keep &= np.isin(frame.rows("body", first, last), wanted)
+            if chosen:
+                keep &= np.isin(frame.rows("body", first, last), chosen)
             for axis, place in self.place.items():
                 keep &= np.abs(position[:, axis] - place) <= radius * _TOUCHING
             rows = np.flatnonzero(keep)

@@ -55,7 +55,7 @@ _LEAST_DECADES = 1.0
 
 
 def log_ticks(ticks: Any) -> None:
-    """Give a logarithmic axis labels that neither collide nor leave all but one tick bare.
+    """Label a logarithmic axis without collisions, and with more than one label.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""CSV of exactly what a figure shows."""
+"""CSV of the data of a figure."""
 
 from __future__ import annotations
 

@@ -17,13 +17,13 @@ FEW = 20_000
 """Up to this number, all particles are drawn."""
 
 SPOTS = 1000
-"""Spots along the longer side of a picture with more of them, of which each shows one."""
+"""Spots along the longer side of a picture with more particles; each shows one."""
 
 _SEAM = 0.5  # points; without, hairlines show between neighbours
 
 
 def extent(frame: Frame, selection: Selection, camera: Camera) -> Array:
-    """Return the corners of what particles fill of a picture, (2, 2); low above high if none."""
+    """Return the corners of the particles' extent in a picture, (2, 2); low above high if none."""
     reach = np.abs(camera.faces()[0]).max(axis=(0, 1))
     found = np.array([[np.inf] * 2, [-np.inf] * 2])
     for block in selection.blocks(frame, None):
@@ -81,7 +81,7 @@ def visible(
 
 
 def draw(axis: Any, camera: Camera, position: Array, radius: Array, colours: Array) -> None:
-    """Add particles to axes, as what is seen of boxes with the axes of space.
+    """Add particles to axes, as the visible faces of boxes along the axes of space.
 
     Parameters
     ----------

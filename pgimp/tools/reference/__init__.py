@@ -1,1 +1,1 @@
-"""What a case and a study file may hold, as a page and as JSON schemas."""
+"""Reference of case and study files, as a page and as JSON schemas."""

@@ -11,7 +11,7 @@ from pgimp.schema.registries import COMMENT, ByKey
 
 Schema = dict[str, Any]
 
-#: What a number of a material may be that varies in space.
+#: Schema of a number of a material that varies in space.
 VARIES: Schema = {"$ref": f"#/$defs/{VARIATION.what}"}
 
 
@@ -37,7 +37,7 @@ def json_schema() -> Schema:
 
 
 def _let_vary(form: Schema, definitions: Schema) -> None:
-    """Let numbers of a material, or of a part of it, vary in space."""
+    """Allow numbers of a material, or of a part of it, to vary in space."""
     for name, value in form["properties"].items():
         branches = value.get("anyOf", [value])
         if name == "viscosity" or VARIES in branches:

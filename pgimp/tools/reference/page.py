@@ -114,7 +114,7 @@ def reference() -> str:
 
 
 def _number(names: list[str]) -> str:
-    """Return how many components there are, and which if it is more than three."""
+    """Return the number of components, and their names if more than three."""
     return f"{len(names)}: {' '.join(names)}" if len(names) > 3 else str(max(1, len(names)))
 
 
@@ -173,7 +173,7 @@ def _below(path: str, value: Schema, definitions: Schema, sections: list[_Sectio
             yield from _rows(f"{path}.ENTRY", item, definitions, sections)
         elif word is None:
             for row in _rows(path, form, definitions, sections, forms):
-                if row[0] not in known:  # what an earlier form has, too
+                if row[0] not in known:  # also in an earlier form
                     yield row
             known |= {row[0] for row in _rows(path, form, definitions, [], forms)}
         elif "description" in form:  # else a word that is no type
@@ -209,7 +209,7 @@ def _forms(schema: Schema, definitions: Schema) -> list[Schema]:
     return [
         form
         for choice in choices
-        if choice != VARIES  # the same everywhere, and said once
+        if choice != VARIES  # the same everywhere, and stated once
         for form in _forms(choice, definitions)
     ]
 

@@ -1,4 +1,4 @@
-"""Errors without an exact solution: differences from what a curve tends to as cells shrink.
+"""Errors without an exact solution: differences from a curve's limit as cells shrink.
 
 Richardson's extrapolation: where a quantity q has an error c x^p, those of three sizes of x give p
 and its limit, (q1 - q2)/(q2 - q3) = (x1^p - x2^p)/(x2^p - x3^p). Two sizes, or three whose
@@ -12,12 +12,12 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 #: Orders between which one is believed: the methods here are of second order at most. A greater
-#: one says that cells are still too coarse, or that something else decides.
+#: one means that cells are still too coarse, or that another error dominates.
 LEAST, MOST = 0.5, 2.5
 
 
 class Limit(NamedTuple):
-    """What a curve tends to: the value, and the order found, None where it is taken to be 1."""
+    """Limit of a curve: the value, and the order found, None where it is assumed to be 1."""
 
     value: float
     order: float | None

@@ -17,17 +17,17 @@ SAME_TIME = 1e-9
 
 
 class MeasureError(Exception):
-    """A run's history does not have what is to be measured; the message says why."""
+    """A run's history lacks the quantity to be measured; the message says why."""
 
 
-def measure(history: np.ndarray, wanted: Measure) -> float:
-    """Take a number from a history.
+def measure(history: np.ndarray, quantity: Measure) -> float:
+    """Read a number from a history.
 
     Parameters
     ----------
     history : ndarray, shape (lines,)
         A structured array with a field for each column, and ``time``.
-    wanted : Measure
+    quantity : Measure
         Which number.
 
     Returns
@@ -42,28 +42,28 @@ def measure(history: np.ndarray, wanted: Measure) -> float:
         If there is no such column or line, or it holds no finite number.
     """
     names = history.dtype.names or ()
-    if wanted.column not in names:
-        raise MeasureError(f"history.csv: {unknown('column', wanted.column, names, 'it has')}")
-    values = history[wanted.column]
-    if isinstance(wanted.reference, float | int):
-        values = np.abs(values - wanted.reference)
-        if wanted.relative:
-            values = values / abs(wanted.reference)
+    if quantity.column not in names:
+        raise MeasureError(f"history.csv: {unknown('column', quantity.column, names, 'it has')}")
+    values = history[quantity.column]
+    if isinstance(quantity.reference, float | int):
+        values = np.abs(values - quantity.reference)
+        if quantity.relative:
+            values = values / abs(quantity.reference)
     if len(values) == 0:
         raise MeasureError("history.csv has no lines")
-    if wanted.at == "end":
+    if quantity.at == "end":
         value = values[-1]
-    elif wanted.at == "max":
+    elif quantity.at == "max":
         value = values[np.abs(values).argmax()]
     else:
-        at = float(wanted.at)
+        at = float(quantity.at)
         row = int(np.searchsorted(history["time"], at - SAME_TIME * at))
         if row == len(values):
             last = history["time"][-1]
             raise MeasureError(f"history.csv ends before t = {at:.9g}, at {last:.9g}")
         value = values[row]
     if not isfinite(value):
-        raise MeasureError(f"{wanted.label} is {value:g}")
+        raise MeasureError(f"{quantity.label} is {value:g}")
     return float(value)
 
 
@@ -101,7 +101,7 @@ def orders(points: Sequence[tuple[float, float]]) -> list[float | None]:
 
 
 def pareto(points: Sequence[tuple[float, float]]) -> list[int]:
-    """Find the points that no other one beats.
+    """Find the points of the Pareto front.
 
     Parameters
     ----------

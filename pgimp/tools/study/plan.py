@@ -36,11 +36,11 @@ class Planned:
     options: tuple[str, ...]
     """The changes, as ``--set`` takes them."""
     values: Mapping[str, str]
-    """What is swept, by key, as short texts."""
+    """The swept values, by key, as short texts."""
     resolved: str
     """The text of case.yaml that a finished run of it has."""
     x: float
-    """What the errors are drawn against."""
+    """Abscissa of the errors."""
     curve: str
     """Name of the curve that it belongs to."""
 
@@ -88,7 +88,7 @@ def read_plan(name: str | Path) -> Plan:
 
 
 class _Cases:
-    """Makes the cases of a study, and gathers what is wrong with them."""
+    """Makes the cases of a study, and collects their errors."""
 
     def __init__(self, name: str, study: Study, document: Document) -> None:
         self.name = name
@@ -98,7 +98,7 @@ class _Cases:
         self.wrong: dict[str, list[str]] = defaultdict(list)
 
     def raise_problems(self) -> None:
-        """Raise what is wrong, each message once, with the runs that it is about."""
+        """Raise the errors, each message once, with its runs."""
         lines = [
             f"{text} (run {runs[0]}{f' and {len(runs) - 1} more' if len(runs) > 1 else ''})"
             for text, runs in self.wrong.items()
@@ -152,7 +152,7 @@ class _Cases:
         return path, None
 
     def check_measures(self, found: list[Variant], cases: list[Case]) -> None:
-        """Check that histories will have what is measured.
+        """Check that histories will have the measured quantities.
 
         The error is needed of every run. Of the further columns, which runs may lack, those are
         wrong that no run has.
@@ -164,11 +164,11 @@ class _Cases:
             except CaseError as error:
                 names.append([])
                 self.wrong[f"{self.name}: {error}"].append(one.name)
-        wanted = self.study.measure
+        quantity = self.study.measure
         path = ("error",)
         for one, case, known in zip(found, cases, names, strict=True):
             if known:
-                self._check_measure(path, self.study.error, wanted, known, case, one)
+                self._check_measure(path, self.study.error, quantity, known, case, one)
         everywhere = list(dict.fromkeys(name for known in names for name in known))
         last = max(cases, key=lambda case: case.time.last)
         for i, entry in enumerate(self.study.columns):
@@ -180,23 +180,23 @@ class _Cases:
         self,
         path: tuple[str | int, ...],
         entry: str | Measure,
-        wanted: Measure,
+        quantity: Measure,
         known: list[str],
         case: Case,
         variant: Variant,
     ) -> None:
         inside = not isinstance(entry, str)
-        if wanted.column not in known:
-            text = unknown("column", wanted.column, known, "history.csv will have")
+        if quantity.column not in known:
+            text = unknown("column", quantity.column, known, "history.csv will have")
             label = self.label((*path, "column") if inside else path)
             self.wrong[f"{label}: {text}"].append(variant.name)
         end = case.time.last
-        if isinstance(wanted.at, float) and wanted.at > end * (1.0 + SAME_TIME):
-            text = f"{wanted.at:.15g} is after the end at {end:.15g} (time.end)"
+        if isinstance(quantity.at, float) and quantity.at > end * (1.0 + SAME_TIME):
+            text = f"{quantity.at:.15g} is after the end at {end:.15g} (time.end)"
             self.wrong[f"{self.label((*path, 'at'))}: {text}"].append(variant.name)
 
     def arrange(self, found: list[Variant], cases: list[tuple[str, Case]]) -> list[Planned]:
-        """Find for every run what it is drawn against, and its curve."""
+        """Find for every run its abscissa and its curve."""
         plot = self.study.plot
         data = [case.model_dump(by_alias=True) for _, case in cases]
         x = [self._number(plot.x, content, one) for content, one in zip(data, found, strict=True)]
@@ -244,7 +244,7 @@ class _Cases:
         return value if isinstance(value, str) else f"{key.rpartition('.')[2]} {short(value)}"
 
     def _value(self, key: str, data: Any, variant: Variant, place: tuple[str, ...]) -> Any:
-        """Return what the resolved case has at a key path."""
+        """Return the resolved case's value at a key path."""
         for part in key.split("."):
             try:
                 data = data[int(part) if isinstance(data, list | tuple) else part]

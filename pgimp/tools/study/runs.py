@@ -31,7 +31,7 @@ from pgimp.tools.study.schema import LIMIT, Study, measure_of
 
 DONE, FAILED, ABSENT = "done", "failed", "not run"
 
-# What a run gets to end by itself: the first time with a checkpoint, the second at once.
+# Signals after which a run ends by itself, first with a checkpoint, then at once; and seconds.
 _PATIENCE = (
     (signal.SIGINT, 10.0),
     (signal.SIGINT, 2.0),
@@ -47,14 +47,14 @@ _TAIL_BYTES = 20_000
 
 @dataclass
 class Outcome:
-    """What became of a run."""
+    """Outcome of a run."""
 
     plan: Planned
     state: str = ABSENT
     reused: bool = False
     message: str = ""
     info: dict[str, Any] = field(default_factory=dict)
-    """What run.json says of it, if it is done."""
+    """Its run.json, if it is done."""
     error: float | None = None
     value: float | None = None
     """The column itself, where the error is its difference from a limit."""
@@ -179,7 +179,7 @@ def _wait(
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:
-    """End a run with all that it started, the more rudely the longer it takes."""
+    """End a run with all its children, by force after a while."""
     for number, seconds in _PATIENCE:
         with suppress(ProcessLookupError):
             os.killpg(process.pid, number)
@@ -187,7 +187,7 @@ def _end(process: subprocess.Popen[bytes]) -> None:
             process.wait(seconds)
             break
     with suppress(ProcessLookupError):
-        os.killpg(process.pid, signal.SIGKILL)  # what it left behind
+        os.killpg(process.pid, signal.SIGKILL)  # its children
 
 
 def last_words(text: str, status: int) -> str:
@@ -222,7 +222,7 @@ def last_words(text: str, status: int) -> str:
 
 
 def _measure(study: Study, output: Path, outcome: Outcome) -> None:
-    """Take cost and error from the run's directory."""
+    """Read cost and error from the run's directory."""
     info = outcome.info
     outcome.costs = costs(info["particles"], info["steps"], info["ranks"], info["seconds"])
     try:
@@ -235,9 +235,9 @@ def _measure(study: Study, output: Path, outcome: Outcome) -> None:
         return
     outcome.state = DONE
     lacking = []
-    for wanted in map(measure_of, study.columns):
+    for quantity in map(measure_of, study.columns):
         try:
-            outcome.columns[wanted.label] = measure(lines, wanted)
+            outcome.columns[quantity.label] = measure(lines, quantity)
         except MeasureError as error:
             lacking.append(str(error))
     outcome.message = "; ".join(lacking)

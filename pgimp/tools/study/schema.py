@@ -248,8 +248,8 @@ class Study(Model):
                         yield Problem(path, f"would undo {over} of {seen[over]}")
             for _, changes in sets:
                 seen |= dict.fromkeys(changes, f"sweep.{number}")
-        for number, wanted in enumerate(map(measure_of, self.columns)):
-            if wanted.reference == LIMIT:
+        for number, quantity in enumerate(map(measure_of, self.columns)):
+            if quantity.reference == LIMIT:
                 yield Problem(("columns", number, "reference"), "only the error has a limit")
         if CASE in self.set:
             yield Problem(("set", CASE), "the case is named by the key 'case' of the study itself")

@@ -24,7 +24,7 @@ class Change(NamedTuple):
     """Keys and list indices joined by dots."""
     value: Any
     place: Path
-    """Where the study file has it."""
+    """Its place in the study file."""
 
     @property
     def option(self) -> str:
@@ -40,12 +40,12 @@ class Choice(NamedTuple):
 
 
 class Variant(NamedTuple):
-    """What one run changes."""
+    """The changes of one run."""
 
     name: str
     """Unlike that of any other run, and fit for a folder."""
     choices: tuple[int, ...]
-    """Which choice it takes of each entry."""
+    """Its choice of each entry."""
     labels: tuple[str, ...]
     """The name of each choice."""
     changes: tuple[Change, ...]

@@ -131,17 +131,19 @@ def _cells(one: Outcome, extra: Sequence[str], columns: Sequence[str]) -> Iterat
 
 
 def _legend(plan: Plan) -> Iterator[str]:
-    wanted = plan.study.measure
-    at = {"end": "at the end", "max": "at its largest"}.get(str(wanted.at), f"at t = {wanted.at}")
-    less = f" less {wanted.reference!r}" if wanted.reference else ""
+    quantity = plan.study.measure
+    at = {"end": "at the end", "max": "at its largest"}.get(
+        str(quantity.at), f"at t = {quantity.at}"
+    )
+    less = f" less {quantity.reference!r}" if quantity.reference else ""
     over = ""
-    if wanted.reference == LIMIT:
+    if quantity.reference == LIMIT:
         less = " less what the curve tends to, extrapolated from its three least cells or two"
-        over = ", over that" if wanted.relative else ""
-    elif wanted.relative:
-        over = f", over {abs(float(wanted.reference))!r}"
+        over = ", over that" if quantity.relative else ""
+    elif quantity.relative:
+        over = f", over {abs(float(quantity.reference))!r}"
     yield (
-        f"The error is the absolute value of `{wanted.column}`{less} in history.csv{over}, {at}. "
+        f"The error is the absolute value of `{quantity.column}`{less} in history.csv{over}, {at}. "
         f"The order is that of the error in "
         f"`{plan.study.plot.x}` since the line above it in the curve. Wall time is that of the "
         "steps, without set-up and output. On the front of a cost are the runs that no other one "

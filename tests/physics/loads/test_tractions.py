@@ -151,9 +151,9 @@ def test_uniform_stress_balances_matching_tractions_at_every_vertex(dimension, s
             p.x[rows] += shift * np.array([1.0, 0.7])[:dimension]
             p.sigma[rows] = sigma
             sim.population.sort()
-            sim.rank.reach[:] = sim.population.reach()
-            sim.rank.grid.cover(sim.rank.reach)
-            sim.rank.reach[:] = sim.rank.grid.base
+            sim.rank.vertex_bounds[:] = sim.population.vertex_bounds()
+            sim.rank.grid.cover(sim.rank.vertex_bounds)
+            sim.rank.vertex_bounds[:] = sim.rank.grid.base
             sim.advance()
             grid = sim.rank.grid
             G = grid.G.reshape(grid.planes, -1, 8)[grid.active.astype(bool)]

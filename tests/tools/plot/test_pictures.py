@@ -8,7 +8,7 @@ from pgimp.io.results.reader import Frame
 from pgimp.tools.plot import picture, visible
 from pgimp.tools.plot.camera import camera
 from pgimp.tools.plot.quantity import Quantity, quantity
-from pgimp.tools.plot.runs import open_runs, shots
+from pgimp.tools.plot.runs import open_runs, snapshots
 from pgimp.tools.plot.selection import Selection
 
 RUNS = ("plates", "block")
@@ -21,12 +21,12 @@ def drawn_frame(runs, name, field, view=None, limits=None, place=None, number=-1
 
     from pgimp.tools.plot.style import STYLE
 
-    (shot,) = shots(open_runs([str(runs / name)]), [number], [])
-    dimension = shot.shown.dimension
-    what = quantity(field, shot.frame, dimension)
+    (snapshot,) = snapshots(open_runs([str(runs / name)]), [number], [])
+    dimension = snapshot.shown.dimension
+    what = quantity(field, snapshot.frame, dimension)
     eye = camera(view, dimension, None)
     with rc_context(STYLE):
-        figure, _, _ = picture.picture([shot], [what], Selection((), place or {}), eye, limits)
+        figure, _, _ = picture.picture([snapshot], [what], Selection((), place or {}), eye, limits)
         canvas = FigureCanvasAgg(figure)
         canvas.draw()
     pixels = np.asarray(canvas.buffer_rgba())[::-1, :, :3]

@@ -1,4 +1,4 @@
-"""Particles that stop the run: how all ranks learn of them, and the messages to the user."""
+"""Errors of particles, which stop the run: collected from all ranks, and put into messages."""
 
 from typing import NamedTuple
 
@@ -55,8 +55,8 @@ class Failure(NamedTuple):
     text: str
 
 
-def collect(rank: Rank, step: Step) -> Failure:
-    """Put together what all ranks know of a step that failed; collective.
+def collect_errors(rank: Rank, step: Step) -> Failure:
+    """Collect from all ranks why a step failed; collective.
 
     The message is about the first particle at fault in canonical order.
     """
@@ -73,33 +73,33 @@ def collect(rank: Rank, step: Step) -> Failure:
 
 
 def _describe(rank: Rank, step: Step) -> tuple[str, str, str]:
-    """What is wrong with the rank's first particle at fault, when and where, what to try."""
-    p, (row, fault) = rank.particles, rank.faults[0].tolist()
+    """Describe the rank's first particle at fault: error, place and time, advice."""
+    p, (row, error) = rank.particles, rank.errors[0].tolist()
     place = ", ".join(f"{x:.6g}" for x in p.x[row])
     velocity = ", ".join(f"{v:.4g}" for v in p.v[row])
     body = rank.scene.body_names[p.body[row]]
-    advice = _out_of_range(rank, row)[1] if fault == OUT_OF_RANGE else _ADVICE[fault]
-    if fault == OUTSIDE and rank.scene.initial:
+    advice = _out_of_range(rank, row)[1] if error == OUT_OF_RANGE else _ADVICE[error]
+    if error == OUTSIDE and rank.scene.initial:
         advice = _MET
-    elif fault == OUTSIDE and _face(rank, row) in rank.scene.case.boundaries:
+    elif error == OUTSIDE and _face(rank, row) in rank.scene.case.boundaries:
         advice = _DRAWN_OUT
     return (
-        f"particle {p.id[row]} of body '{body}' {explanation(rank, row, fault)}",
+        f"particle {p.id[row]} of body '{body}' {explanation(rank, row, error)}",
         f"in step {step.number} to time {step.end:.6g} (dt {step.dt:.4g}), at ({place}), velocity "
         f"({velocity}), on rank {rank.comm.rank}",
         advice,
     )
 
 
-def explanation(rank: Rank, row: int, fault: int) -> str:
-    """What is wrong with the particle in `row`: "is turned inside out", "left the domain ..."."""
-    if fault == OUT_OF_RANGE:
+def explanation(rank: Rank, row: int, error: int) -> str:
+    """Explain the error of the particle in `row`: "is turned inside out", "left the domain ..."."""
+    if error == OUT_OF_RANGE:
         return _out_of_range(rank, row)[0]
-    return _WHAT[fault] + (f" through {_face(rank, row)}" if fault == OUTSIDE else "")
+    return _WHAT[error] + (f" through {_face(rank, row)}" if error == OUTSIDE else "")
 
 
 def _out_of_range(rank: Rank, row: int) -> tuple[str, str]:
-    """What its material says of the particle in `row`, and advises; see `Material.out_of_range`."""
+    """Explanation and advice of a particle's material; see `Material.out_of_range`."""
     scene, p = rank.scene, rank.particles
     number = scene.body_material[p.body[row]]
     entry = scene.variations.entry(number, p.own[row])
@@ -110,7 +110,7 @@ def _out_of_range(rank: Rank, row: int) -> tuple[str, str]:
 
 
 def _face(rank: Rank, row: int) -> str:
-    """Name of the face, of those that let nothing go, beyond which a particle lies."""
+    """Name of the closed face that a particle has passed."""
     frame = rank.scene.frame
     if rank.scene.initial:
         for d, (low, high) in enumerate(rank.grid.bounds):

@@ -48,8 +48,8 @@ def test_a_particle_at_fault_is_found_in_the_same_step(name, field, axis, value,
         getattr(rank.particles, field)[:, axis] = value
     rank.particles_to_grid()
     rank.update_momentum(DT)
-    fault, row, *_ = rank.grid_to_particles(DT)
-    assert fault == reason
+    error, row, *_ = rank.grid_to_particles(DT)
+    assert error == reason
     assert row in rank.population.order if reason else row == -1
 
 
@@ -71,10 +71,10 @@ def test_rounding_takes_no_particle_past_two_layers(name):
         layer = int(rank.particles.layer[0])
         rank.particles_to_grid()
         rank.update_momentum(DT)
-        fault, _, found, *_ = rank.grid_to_particles(DT)
-        assert fault in (0, TOO_FAST)
-        stopped += fault == TOO_FAST
-        assert fault or layer - rank.particles.layer[0] == found <= 1
+        error, _, found, *_ = rank.grid_to_particles(DT)
+        assert error in (0, TOO_FAST)
+        stopped += error == TOO_FAST
+        assert error or layer - rank.particles.layer[0] == found <= 1
     assert 0 < stopped < 100
 
 
@@ -84,7 +84,7 @@ def stepped(rank):
     return rank.grid_to_particles(DT)
 
 
-def test_faults_are_listed_in_canonical_order_while_the_others_go_on():
+def test_errors_are_listed_in_canonical_order_while_the_others_go_on():
     """F of one particle reaches no other in the same step; what does not fit is counted."""
     sound, rank = still_particles("gimp"), still_particles("gimp")
     for each in (sound, rank):
@@ -96,7 +96,7 @@ def test_faults_are_listed_in_canonical_order_while_the_others_go_on():
     layers = rank.particles.layer.copy()
     stepped(sound)
     assert sound.failed == 0 and stepped(rank)[:2] == (INVERTED, next(iter(bad)))
-    assert rank.faults.tolist() == [[row, kind] for row, kind in bad.items()]
+    assert rank.errors.tolist() == [[row, kind] for row, kind in bad.items()]
     assert (rank.particles.layer[list(bad)] == layers[list(bad)]).all()
     others = np.setdiff1d(order, list(bad))
     for mine, theirs in zip(rank.particles, sound.particles, strict=True):
@@ -104,9 +104,9 @@ def test_faults_are_listed_in_canonical_order_while_the_others_go_on():
 
     rank = still_particles("gimp")
     rank.particles.F[list(bad), 0] = -9.0
-    rank.room = 2
+    rank.capacity = 2
     stepped(rank)
-    assert rank.failed == 3 and rank.faults[:, 0].tolist() == list(bad)[:2]
+    assert rank.failed == 3 and rank.errors[:, 0].tolist() == list(bad)[:2]
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, 1e300])
@@ -117,7 +117,7 @@ def test_no_place_that_is_none_becomes_a_number(value):
     layers = rank.particles.layer.copy()
     _, _, found, *_ = stepped(rank)
     assert rank.failed == len(rank.population.order) and found == rank.outflow == 0
-    assert (rank.particles.layer == layers).all() and (rank.reach == rank.grid.base).all()
+    assert (rank.particles.layer == layers).all() and (rank.vertex_bounds == rank.grid.base).all()
 
 
 @pytest.mark.parametrize("name", ["mpm", "finite-gimp"])
@@ -145,10 +145,10 @@ def test_particles_leave_through_faces_that_let_them_go(name, exits, directions,
         p.v[0, d] = 0.41 * side * CELL[d] / DT
     rank = Rank(shape, make_frame(shape, ORIGIN, CELL, CELLS), p)
     rank.exits = sum(1 << (2 * "xyz".index(face[0]) + (face[2:] == "max")) for face in exits)
-    fault, _, found, *_ = stepped(rank)
+    error, _, found, *_ = stepped(rank)
     if reason == OUTFLOW:
         assert (rank.failed, rank.outflow, found) == (0, 1, 1)
         assert rank.particles.layer[0] == OUTFLOW and rank.population.changed[0] == 0
         np.testing.assert_allclose(rank.particles.v[0], 0.41 * np.array(directions) * CELL / DT)
     else:
-        assert fault == reason and rank.outflow == found == 0
+        assert error == reason and rank.outflow == found == 0
