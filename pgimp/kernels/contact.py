@@ -50,17 +50,8 @@ SWEEPS = 8
 #: Columns of `Contact.fields`: mass, part filled, normal, velocity, that before, inverse mass by
 #: component, which is 0 where it is held, the curvature's share of the gap, and the inverse mass
 #: again, 0 only where it is held bilaterally, at any velocity: by no wall that lets go.
-WEIGHT, PART, OUTWARD, NOW, BEFORE, MOBILITY, EXCESS, BILATERAL, FIELDS = (
-    0,
-    1,
-    2,
-    5,
-    8,
-    11,
-    14,
-    15,
-    18,
-)
+WEIGHT, PART, OUTWARD, NOW, BEFORE, MOBILITY, EXCESS, BILATERAL = 0, 1, 2, 5, 8, 11, 14, 15
+FIELDS = 18
 
 #: Columns of `Contact.partners`: normal, velocity that closes the gap within the step, impulses so
 #: far along the normal and across it, the latter over that of sticking, area, the impulses of
