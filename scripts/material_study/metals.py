@@ -145,7 +145,8 @@ def taylor_case(cells, **method):
         "format": 1,
         "dimensions": 3,
         "grid": {"origin": [0.0] * 3, "size": size, "cell": [cell] * 3},
-        "method": {"shape": "gimp", "particles_per_cell": [2, 2, 2], "volumetric": "mean"} | method,
+        "method": {"shape": "gimp", "particles_per_cell": [2, 2, 2], "volumetric": "mean",
+                   "affine": True} | method,
         "time": {"end": 80e-6, "step": {"courant": 0.3}},
         "materials": {"copper": TAYLOR},
         "bodies": {
