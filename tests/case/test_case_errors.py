@@ -8,7 +8,7 @@ import pytest
 from bad_cases import GOOD, MISTAKES
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from messages import mentions
+from mentioned import mentions
 
 from pgimp.case.load import load
 from pgimp.case.reader import dump_case, read_case

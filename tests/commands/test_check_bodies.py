@@ -2,7 +2,7 @@
 
 import pytest
 from checked import PLATE, facts, findings, plate, said
-from messages import mentions
+from mentioned import mentions
 
 from pgimp.case.reader import read_case
 from pgimp.errors import CaseError

@@ -6,7 +6,7 @@ import h5py
 import numpy as np
 import pytest
 from compared import call
-from messages import mentions
+from mentioned import mentions
 from scenes import box, scene, write_case
 
 import pgimp

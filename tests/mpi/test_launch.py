@@ -1,7 +1,7 @@
 """One rank or many: which launcher it was, and how ranks fail together."""
 
 import pytest
-from messages import mentions
+from mentioned import mentions
 
 from pgimp.errors import UsageError
 from pgimp.mpi.comm import Serial, abort_on_error, launcher

@@ -9,8 +9,8 @@ import meshes
 import meshio
 import numpy as np
 import pytest
+from mentioned import mentions
 from meshes import stl
-from messages import mentions
 from point_files import write_csv, write_hdf5
 from resumed import EVERY, check_same, steps
 from scenes import write_case

@@ -9,7 +9,7 @@ import time
 from types import SimpleNamespace
 
 import pytest
-from messages import mentions
+from mentioned import mentions
 
 from pgimp import signals
 from pgimp.mpi.comm import Serial

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from messages import mentions
+from mentioned import mentions
 
 from pgimp.case.schema import Case
 from pgimp.mpi.comm import Serial

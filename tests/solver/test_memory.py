@@ -9,7 +9,7 @@ import sys
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from messages import mentions
+from mentioned import mentions
 from processes import SUPPORT, clean_env
 from scenes import box, scene, write_case
 

@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from messages import mentions
+from mentioned import mentions
 from processes import SUPPORT
 from scenes import box, finish, scene, start, wall, write_case
 

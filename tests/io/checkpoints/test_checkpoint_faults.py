@@ -12,7 +12,7 @@ from unittest import mock
 import numpy as np
 import pytest
 from checkpoint_source import ABOUT, check_content, content, write_on
-from messages import mentions
+from mentioned import mentions
 from particle_source import fill_up, small_disk
 from processes import HERE
 

@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from messages import mentions
+from mentioned import mentions
 from particle_source import fill_up, small_disk
 
 from pgimp.errors import RunError, UsageError

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from messages import mentions
+from mentioned import mentions
 from scenes import write_case
 from two_blocks import flying
 

@@ -3,7 +3,7 @@
 from math import inf
 
 import pytest
-from messages import mentions
+from mentioned import mentions
 
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError

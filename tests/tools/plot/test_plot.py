@@ -11,7 +11,7 @@ import zlib
 
 import numpy as np
 import pytest
-from messages import mentions
+from mentioned import mentions
 from plotted import hdf5, numbers, table
 from processes import run as run_program
 

@@ -8,7 +8,7 @@ import pytest
 from falling_study import put
 from hypothesis import given
 from hypothesis import strategies as st
-from messages import mentions
+from mentioned import mentions
 from schema_checker import Checker
 from study_files import HEAD, SWEEP
 
