@@ -294,3 +294,16 @@ def test_the_energy_of_the_whole_is_the_sum_of_its_columns(density, law, two):
     assert works[-1] > 0.05 * sums[0]
     assert np.abs(np.array(sums) / sums[0] - 1.0).max() < 1e-12
     assert losses[-1][0] > 0.0 and losses[-1][1] > 0.0
+
+
+@pytest.mark.parametrize("later", [False, True])
+def test_a_body_force_does_not_act_on_free_bodies_and_it_is_said(later):
+    """Also where a stage has it."""
+    force = {"body_force": {"rotating-frame": {"about": [8.0, 4.0], "rate": 1.0}}}
+    case = struck(2, {}, 1.0)
+    assert not [text for text in start(case).warnings if text.startswith("body_force")]
+    if later:
+        case["time"]["stages"] = [{"name": "turn", "end": 3.0, **force}]
+    else:
+        case |= force
+    assert [text for text in start(case).warnings if "on 'ball'" in text]
