@@ -307,3 +307,23 @@ def test_a_body_force_does_not_act_on_free_bodies_and_it_is_said(later):
     else:
         case |= force
     assert [text for text in start(case).warnings if "on 'ball'" in text]
+
+
+def test_energy_of_a_body_in_3d_that_turns_while_it_is_in_touch():
+    """What it gives up is booked, also where its axis turns: to 1e-4 of its energy."""
+    case = struck(3, {"friction": 0.3}, 1.0)
+    case["bodies"]["ball"] = free([0.7, 2.3, 1.4], [3.7, 3.9, 6.4], 1.0) | {
+        "velocity": {
+            "rotation": {"about": [2.2, 3.1, 3.9], "rate": [0.9, 0.5, -0.7]},
+            "translation": [1.2, 0.3, -0.2],
+        }
+    }
+    sim = start(case)
+    every = []
+    for _ in range(2):
+        line = sim.diagnostics()
+        own = line["tool.ball.kinetic-energy"]
+        every.append(own + line["tool.ball.work"])
+        finish(sim)
+    assert line["contact.block+ball.normal-impulse"] > 1.0
+    assert every[1] == pytest.approx(every[0], rel=1e-4)
