@@ -16,7 +16,18 @@ import numpy as np
 
 from pgimp.decomposition.grid import Grid
 from pgimp.errors import EndlessError
-from pgimp.kernels.tools import ANSWER, CAUTIOUS, FORMER, GIVEN, LATTER, LEAST, MOST, RESPONSE, TAKEN, Tools
+from pgimp.kernels.tools import (
+    ANSWER,
+    CAUTIOUS,
+    FORMER,
+    GIVEN,
+    LATTER,
+    LEAST,
+    MOST,
+    RESPONSE,
+    TAKEN,
+    Tools,
+)
 from pgimp.scene.freebody import FreeBody, Matrix, State, solve
 from pgimp.scene.scene import Scene
 from pgimp.scene.toolchecks import require_clear
@@ -146,8 +157,8 @@ class FreeBodies:
             self._inertia.append(inertia)
             self._wanted.append(wanted)
             tried.append(solve(body.mass_matrix(inertia), wanted))
-            # Half of a moment's work goes into how the axis turns in the step: with twice the change
-            # of velocity that the turning makes by its middle the books close to second order.
+            # A moment also changes how the axis turns in the step. With twice the change of velocity
+            # that turning makes by the step's middle, what is booked is what the body loses.
             turned = solve(body.mass_matrix(inertia), [*state.momentum, *state.spin])
             now = body.velocities(state)
             before.append([2.0 * v - w for v, w in zip(now, turned, strict=True)])
