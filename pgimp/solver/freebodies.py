@@ -157,7 +157,7 @@ class FreeBodies:
             self._inertia.append(inertia)
             self._wanted.append(wanted)
             tried.append(solve(body.mass_matrix(inertia), wanted))
-            # A moment also changes how the axis turns in the step. With twice the change of velocity
+            # A moment also changes how the axis turns in the step. With twice the change of speed
             # that turning makes by the step's middle, what is booked is what the body loses.
             turned = solve(body.mass_matrix(inertia), [*state.momentum, *state.spin])
             now = body.velocities(state)
