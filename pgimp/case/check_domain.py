@@ -6,13 +6,14 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from pgimp.physics.boundaries.slip import Slip
 from pgimp.physics.fields import OPTIONAL
 from pgimp.physics.loads import BODY_FORCES
 from pgimp.physics.materials.vary import field_of
 from pgimp.schema.messages import unknown
 from pgimp.schema.problems import Problem
 from pgimp.schema.registries import name_of
-from pgimp.schema.sizes import Problems, faces, length, nearest_whole, whole
+from pgimp.schema.sizes import WHOLE, Problems, faces, length, nearest_whole, whole
 
 MOST_CELLS = 10_000_000
 """Along one direction."""
@@ -148,4 +149,25 @@ def check_escape(
                 path,
                 f"{face} has a condition (boundaries), through which nothing is to leave; remove "
                 "one of the two",
+            )
+
+
+def check_planes_of_symmetry(before: Any, now: Any) -> Problems:
+    """Check that of free rigid bodies no other part lies beyond planes of symmetry than before."""
+    for face in sorted({*before.boundaries, *now.boundaries}):
+        slips = [isinstance(case.boundaries.get(face), Slip) for case in (before, now)]
+        axis = "xyz".index(face[0])
+        for name, body in now.tools.items() if slips[0] != slips[1] else ():
+            if not (body.free and body.free.mirrored(axis, now.dimensions)):
+                continue
+            if not any(region.FROM_FILE for region in body.region.simple()):
+                low, high = (float(end[axis]) for end in body.region.bounds())
+                slack = WHOLE * now.grid.cell[axis]
+                if now.grid.origin[axis] <= low + slack and high - slack <= now.grid.corner[axis]:
+                    continue
+            yield Problem(
+                ("boundaries", face),
+                f"the rigid body '{name}' reaches across this face: what of it lies beyond has no "
+                "mass while the face is a plane of symmetry (slip), so that this cannot change in "
+                "a stage; keep the face as it is",
             )

@@ -7,6 +7,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from pgimp.case.check_domain import check_planes_of_symmetry
 from pgimp.case.stages import BY_ENTRY, BY_KEY, Stage, Staged, merged
 from pgimp.schema.dispatch import plain
 from pgimp.schema.messages import explain, unknown
@@ -187,6 +188,7 @@ def _changed(before: Case, now: Case, stage: Stage) -> Problems:
             "contact, and end it, but not begin it; give the case itself an entry, as "
             "{bodies: all, law: tied}",
         )
+    yield from check_planes_of_symmetry(before, now)
     if _with_origins(now) and not _with_origins(before):
         yield Problem(
             ("output", "fields"),

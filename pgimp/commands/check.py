@@ -24,7 +24,7 @@ from pgimp.scene.geometry import share
 from pgimp.scene.lattice import Lattice
 from pgimp.scene.sanity import body_warnings, case_warnings, small_step_warning, strains
 from pgimp.scene.scene import MOST_CELLS, Scene, count_particles
-from pgimp.scene.toolchecks import require_apart, require_clear, require_slow, speed_warnings
+from pgimp.scene.toolchecks import motion_warnings, require_apart, require_clear, require_slow
 from pgimp.solver.lookahead import look_ahead, require_stable_stages
 from pgimp.solver.memory import MemoryShortError, require, size_text
 from pgimp.solver.stability import require_end, require_stable, stability_warning
@@ -124,7 +124,7 @@ def report(case: Case) -> None:
         pilot_warnings(case, dt * rate, tried),
         *(body_warnings(case, body, whole.time.last) for body in bodies),
         case_warnings(case, found),
-        speed_warnings(scene),
+        motion_warnings(scenes),
         nearness.bonded(scene, lattice, counts),
         nearness.warnings(case),
         forecast.warnings(whole, steps),

@@ -39,8 +39,8 @@ DISTANCE, NORMAL, MEAN, FILLED, SURFACE, BENT, AT = 0, 1, 4, 5, 6, 9, 10
 #: 6.
 TAKEN, GIVEN, RESPONSE, ANSWER = 0, 6, 12, 48
 
-#: Difference of the mean distance from that at the vertex, as part of a cell, from which a surface
-#: does not count as flat within the neighbourhood.
+#: Difference of the mean distance from that at the vertex, as part of a cell along the surface,
+#: from which this does not count as flat within the neighbourhood.
 FLAT = 0.02
 
 #: Component of a normal along a wall's that is rounding: the wall is perpendicular to the surface.
@@ -146,6 +146,15 @@ def _halves(tools, frame, part):
 
 
 @inner_kernel
+def _tangent(frame, at):
+    """Side of a cell along the surface with the last normal, over which it may be bent."""
+    square, D = 0.0, len(frame.cell)
+    for d in range(D):
+        square += frame.cell[d] ** 2 * (1.0 - at[NORMAL + d] ** 2)
+    return sqrt(square / (D - 1)) if D > 1 else frame.cell[0]
+
+
+@inner_kernel
 def _is_near(tools, t, frame, number):
     """Set distance and normal at a vertex; returns whether the body may be near."""
     about, at, D = tools.about[t], tools.at, len(frame.cell)
@@ -158,7 +167,7 @@ def _is_near(tools, t, frame, number):
     _look_up(tools, t, D, x, y, z)
     for d in range(D):
         along += abs(at[NORMAL + d]) * frame.cell[d]
-    if abs(at[MEAN] - at[DISTANCE]) < FLAT * frame.cell[0]:
+    if abs(at[MEAN] - at[DISTANCE]) < FLAT * _tangent(frame, at):
         return at[MEAN] < along
     return at[DISTANCE] <= sqrt(square)
 
@@ -194,7 +203,8 @@ def fill(tools, t, frame, number, sides):
         volume *= frame.cell[d] * (1.0 if sides[d] == 0 else 0.5)
     reach = sqrt(reach)
     bent = at[MEAN] - at[DISTANCE]
-    at[BENT] = BEND * bent if abs(bent) < SHARP * frame.cell[0] else 0.0
+    wide = _tangent(frame, at)
+    at[BENT] = BEND * bent if abs(bent) < SHARP * wide else 0.0
     x, y, z = place_of(frame, number)
     n0, n1, n2 = at[NORMAL], at[NORMAL + 1], at[NORMAL + 2]
     if at[DISTANCE] < -reach:  # deep inside
@@ -204,7 +214,7 @@ def fill(tools, t, frame, number, sides):
     halved = True  # whole, or cut by walls perpendicular to the surface: planes of symmetry
     for d in range(D):
         halved = halved and (sides[d] == 0 or abs(at[NORMAL + d]) < SQUARE)
-    if halved and abs(at[MEAN] - at[DISTANCE]) < FLAT * frame.cell[0]:
+    if halved and abs(bent) < FLAT * wide:
         a, b, c = _halves(tools, frame, 1.0)
         filled, slope = cut(a, b, c, -at[MEAN])
         at[FILLED], scale = filled, volume * max(slope, 1e-3 / reach)

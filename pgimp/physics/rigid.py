@@ -164,6 +164,14 @@ class Free(Model):
             for d, freedom in enumerate(FREEDOMS)
         )
 
+    def mirrored(self, axis: int, dimensions: int) -> bool:
+        """Whether a body that a plane across `axis` cuts in half keeps to it for good.
+
+        So it does where it can move along the plane, and turn about its normal, only.
+        """
+        may = self.may(dimensions)
+        return not may[axis] and not any(may[3 + d] for d in range(3) if d != axis)
+
 
 class RigidBody(Model):
     """A rigid body without particles: what it meets cannot enter it."""

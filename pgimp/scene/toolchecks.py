@@ -32,17 +32,24 @@ _TOUCH, _ROUNDED, _PAST, _NEAR = 0.05, 0.2, 0.5, 0.3
 _FAST = 0.3
 
 
-def speed_warnings(scene: Any) -> list[str]:
-    """Return which rigid bodies are too fast for the waves of the bodies they may meet.
+def motion_warnings(scenes: Sequence[Any]) -> list[str]:
+    """Return which rigid bodies are too fast for the waves of bodies they may meet, or miss a load.
 
     Parameters
     ----------
-    scene : Scene
-        Its rigid bodies measured.
+    scenes : sequence of Scene
+        Those of all stages, of which the first has its rigid bodies measured.
     """
     found: list[str] = []
+    scene = scenes[0]
     if not scene.tools:
         return found
+    if scene.tools.free and any(each.case.body_force for each in scenes):
+        names = ", ".join(f"'{body.name}'" for body in scene.tools.free.values())
+        found.append(
+            f"body_force: it acts on bodies of a material only, not on {names}, which moves freely "
+            "by gravity and contact alone"
+        )
     first = len(scene.body_names)
     waves = [wave_speed(scene, body) for body in range(first)]
     for number, speed in scene.tools.speeds().items():

@@ -89,13 +89,8 @@ def measure(case: Case, frame: Frame, name: str, entry: RigidBody) -> Measured:
 
 
 def is_symmetry(face: str, condition: Any, free: Free, D: int) -> bool:
-    """Whether a face is a plane of symmetry for a free rigid body, too, which may lie across it.
-
-    It is where the body can only move along it and turn about its normal.
-    """
-    own, may = "xyz".index(face[0]), free.may(D)
-    others = any(may[3 + d] for d in range(3) if d != own)
-    return isinstance(condition, Slip) and not may[own] and not others
+    """Whether a face is a plane of symmetry for a free rigid body, too, which may lie across it."""
+    return isinstance(condition, Slip) and free.mirrored("xyz".index(face[0]), D)
 
 
 def _symmetric_part(case: Case, free: Free) -> NDArray[np.float64]:

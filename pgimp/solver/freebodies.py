@@ -16,7 +16,18 @@ import numpy as np
 
 from pgimp.decomposition.grid import Grid
 from pgimp.errors import EndlessError
-from pgimp.kernels.tools import ANSWER, CAUTIOUS, GIVEN, LATTER, LEAST, MOST, RESPONSE, TAKEN, Tools
+from pgimp.kernels.tools import (
+    ANSWER,
+    CAUTIOUS,
+    FORMER,
+    GIVEN,
+    LATTER,
+    LEAST,
+    MOST,
+    RESPONSE,
+    TAKEN,
+    Tools,
+)
 from pgimp.scene.freebody import FreeBody, Matrix, State, solve
 from pgimp.scene.scene import Scene
 from pgimp.scene.toolchecks import require_clear
@@ -133,6 +144,7 @@ class FreeBodies:
         find_response : callable
             Sets `answers` for the velocities that are in `tools`.
         """
+        before: Any = []
         self._inertia, self._free_momenta, tried = [], [], []
         for body, state in zip(self.bodies, self.states, strict=True):
             inertia = body.halfway(state, t.dt)
@@ -145,6 +157,12 @@ class FreeBodies:
             self._inertia.append(inertia)
             self._free_momenta.append(momenta)
             tried.append(solve(body.mass_matrix(inertia), momenta))
+            # A moment also changes how the axis turns in the step. With twice the change of speed
+            # that turning makes by the step's middle, what is booked is what the body loses.
+            turned = solve(body.mass_matrix(inertia), [*state.momentum, *state.spin])
+            now = body.velocities(state)
+            before.append([2.0 * v - w for v, w in zip(now, turned, strict=True)])
+        tools.motion[self.numbers, FORMER : FORMER + 6] = before
         self._touched, part, before = False, 1.0, inf
         for number in range(TRIES):
             cautious = number // NEWTON % 2 == 1

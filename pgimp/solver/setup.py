@@ -23,11 +23,11 @@ from pgimp.scene.facts import rest_rate
 from pgimp.scene.geometry import release, share, take_as_empty
 from pgimp.scene.scene import Scene, count_particles
 from pgimp.scene.toolchecks import (
+    motion_warnings,
     require_apart,
     require_clear,
     require_same,
     require_slow,
-    speed_warnings,
 )
 from pgimp.solver.clock import CourantClock, clock_of
 from pgimp.solver.energywatch import EnergyWatch
@@ -90,7 +90,7 @@ def begin(sim: Any, scenes: Sequence[Scene]) -> None:
         dt = sim.clock.next(sim.done, rate).dt
         sim.warnings += check_first_step(scene, dt, sim.rate)
     require_slow(scene.tools, dt)
-    sim.warnings += speed_warnings(scene)
+    sim.warnings += motion_warnings(scenes)
 
 
 def resume(sim: Any, source: Any, counted: int) -> None:

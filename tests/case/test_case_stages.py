@@ -220,6 +220,28 @@ def test_contact_cannot_begin_and_exact_solutions_know_no_stages():
         pgimp.load(bar)
 
 
+@pytest.mark.parametrize(("low", "fixed", "allowed"), [
+    (-3.0, ["x", "rotation"], False), (0.0, ["x", "rotation"], True), (-3.0, ["rotation"], True),
+])  # fmt: skip
+def test_planes_of_symmetry_of_free_rigid_bodies_stay(low, fixed, allowed):
+    """What of a body lies beyond has no mass: with another face it would begin to have one."""
+    hammer = {
+        "rigid": {"density": 1.0, "fixed": fixed},
+        "region": {"box": {"min": [low, 5.0], "max": [3.0, 7.0]}},
+    }
+    slip = {"x-min": "slip"}
+    for first, then in ((slip, {"x-min": None}), ({}, slip), (slip, {"x-min": "separating"})):
+        case = scene(2, {"block": box([0.0, 0.0], [4.0, 4.0]), "hammer": hammer}, boundaries=first)
+        case["time"]["stages"] = [{"name": "next", "end": 2.0, "boundaries": then}]
+        if allowed:
+            pgimp.load(case)
+            continue
+        with pytest.raises(CaseError, match=r"boundaries\.x-min: .*'hammer' reaches across"):
+            pgimp.load(case)
+        case["time"]["stages"][0]["remove"] = ["hammer"]
+        pgimp.load(case)
+
+
 def test_a_study_of_accuracy_wants_one_stage(tmp_path):
     from pgimp.tools.study.accuracy import study_of
 

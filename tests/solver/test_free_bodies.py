@@ -294,3 +294,36 @@ def test_the_energy_of_the_whole_is_the_sum_of_its_columns(density, law, two):
     assert works[-1] > 0.05 * sums[0]
     assert np.abs(np.array(sums) / sums[0] - 1.0).max() < 1e-12
     assert losses[-1][0] > 0.0 and losses[-1][1] > 0.0
+
+
+@pytest.mark.parametrize("later", [False, True])
+def test_a_body_force_does_not_act_on_free_bodies_and_it_is_said(later):
+    """Also where a stage has it."""
+    force = {"body_force": {"rotating-frame": {"about": [8.0, 4.0], "rate": 1.0}}}
+    case = struck(2, {}, 1.0)
+    assert not [text for text in start(case).warnings if text.startswith("body_force")]
+    if later:
+        case["time"]["stages"] = [{"name": "turn", "end": 3.0, **force}]
+    else:
+        case |= force
+    assert [text for text in start(case).warnings if "on 'ball'" in text]
+
+
+def test_energy_of_a_body_in_3d_that_turns_while_it_is_in_touch():
+    """What it gives up is booked, also where its axis turns: to 1e-4 of its energy."""
+    case = struck(3, {"friction": 0.3}, 1.0)
+    case["bodies"]["ball"] = free([0.7, 2.3, 1.4], [3.7, 3.9, 6.4], 1.0) | {
+        "velocity": {
+            "rotation": {"about": [2.2, 3.1, 3.9], "rate": [0.9, 0.5, -0.7]},
+            "translation": [1.2, 0.3, -0.2],
+        }
+    }
+    sim = start(case)
+    every = []
+    for _ in range(2):
+        line = sim.diagnostics()
+        own = line["tool.ball.kinetic-energy"]
+        every.append(own + line["tool.ball.work"])
+        finish(sim)
+    assert line["contact.block+ball.normal-impulse"] > 1.0
+    assert every[1] == pytest.approx(every[0], rel=1e-4)

@@ -294,3 +294,20 @@ def test_rigid_bodies_that_are_fast_for_waves_are_warned_of(rigid, speed):
     for text in said:
         assert float(text.split("up to ")[1].split(",")[0]) == pytest.approx(speed, rel=0.02)
         assert "waves in 'block' (11.6)" in text
+
+
+def test_long_cells_along_x_and_along_y_give_the_same():
+    """What counts as flat, and as an edge, is told by the cells along a surface, whatever axis."""
+    found = []
+    for turn in (slice(None), slice(None, None, -1)):
+        ball = {
+            "rigid": {"velocity": [0.1, -0.8][turn]},
+            "region": {"ball": {"centre": [8.1, 9.3][turn], "radius": 3.13}},
+        }
+        bodies = {"plate": box([2.0, 2.0][turn], [14.0, 6.0][turn]), "ball": ball}
+        case = scene(2, bodies, contact=[{"bodies": ["plate", "ball"], "friction": 0.3}], end=1.6)
+        case["grid"] = {"size": [16.0, 16.0], "cell": [1.0, 0.5][turn]}
+        found.append(finish(start(case)).diagnostics())
+    for name in ("normal-impulse", "friction-heat", "impact-loss"):
+        one, other = (line[f"contact.plate+ball.{name}"] for line in found)
+        assert other == pytest.approx(one, rel=1e-9) and one > 1e-5, name
