@@ -58,9 +58,9 @@ def extent(
 ) -> tuple[NDArray[np.float64], float, NDArray[np.int64]]:
     """Return first point, spacing and shape of a region's lattice.
 
-    The middle of the region is on a point of it, or half-way between two, so that the distances of
-    what is symmetric are symmetric too, and the same ones whatever of it can matter; which of the
-    two is chosen by where the ends are nearer to points, as edges are between points rounded.
+    The region's middle is on one of its points, or half-way between two: the lattice of a symmetric
+    region is symmetric, and points are the same ones whatever part of it is `within`. Of the two
+    that is taken whose points are nearer to the region's ends, as edges between points are rounded.
 
     Parameters
     ----------

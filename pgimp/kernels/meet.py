@@ -23,7 +23,8 @@ from pgimp.kernels.holding import Holding
 from pgimp.kernels.loads import relaxed_part
 from pgimp.kernels.record import ACCELERATION, FORCE, HELD, MASS, MOMENTUM, RECORD, VELOCITY
 from pgimp.kernels.selection import HIGH_Y, HIGH_Z, LOW_Y, LOW_Z, include
-from pgimp.kernels.tools import BENT, CENTRE, FILLED, FORMER, FREE, LATTER, SURFACE, fill, place_of
+from pgimp.kernels.toolfill import fill
+from pgimp.kernels.tools import BENT, CENTRE, FILLED, FORMER, FREE, LATTER, SURFACE, place_of
 
 
 @kernel

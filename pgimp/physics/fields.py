@@ -160,16 +160,6 @@ def deformation(source: Source) -> Array:
     return full.reshape(-1, 9)
 
 
-def pressure(source: Source) -> Array:
-    """Return minus a third of the trace of the stress: positive in compression."""
-    return pressure_of(source.take("sigma"))
-
-
-def von_mises(source: Source) -> Array:
-    """Return the von Mises stress: three times the deviator's second invariant, its root."""
-    return von_mises_of(source.take("sigma"))
-
-
 def strain(source: Source) -> Array:
     """Return the Green-Lagrange strain (F^T F - 1)/2 as xx, yy, zz, xy, yz, xz."""
     D, local = source.dimension, source.take("F")
@@ -254,11 +244,11 @@ OPTIONAL = {
         components="xx xy xz yx yy yz zx zy zz", kind="Matrix",
     ),
     "pressure": Field(
-        pressure,
+        lambda source: pressure_of(source.take("sigma")),
         "-(xx + yy + zz)/3 of the stress, compression positive [stress]",
     ),
     "von-mises": Field(
-        von_mises,
+        lambda source: von_mises_of(source.take("sigma")),
         "von Mises equivalent stress [stress]",
     ),
     "strain": Field(

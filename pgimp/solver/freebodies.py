@@ -144,8 +144,8 @@ class FreeBodies:
         find_response : callable
             Sets `answers` for the velocities that are in `tools`.
         """
-        before: Any = []
-        self._inertia, self._free_momenta, tried = [], [], []
+        self._inertia, self._free_momenta = [], []
+        tried: list[list[float]] = []
         for body, state in zip(self.bodies, self.states, strict=True):
             inertia = body.halfway(state, t.dt)
             weight = [t.dt * body.bulk.mass * g for g in gravity]
@@ -154,15 +154,11 @@ class FreeBodies:
                 p if may else 0.0
                 for p, may in zip((*push, *state.spin), body.may, strict=True)
             ]
+            number = self.numbers[len(tried)]
+            tools.motion[number, FORMER : FORMER + 6] = _booked_velocities(body, state, inertia)
             self._inertia.append(inertia)
             self._free_momenta.append(momenta)
             tried.append(solve(body.mass_matrix(inertia), momenta))
-            # A moment also changes how the axis turns in the step. With twice the change of speed
-            # that turning makes by the step's middle, what is booked is what the body loses.
-            turned = solve(body.mass_matrix(inertia), [*state.momentum, *state.spin])
-            now = body.velocities(state)
-            before.append([2.0 * v - w for v, w in zip(now, turned, strict=True)])
-        tools.motion[self.numbers, FORMER : FORMER + 6] = before
         self._touched, part, before = False, 1.0, inf
         for number in range(TRIES):
             cautious = number // NEWTON % 2 == 1
@@ -268,3 +264,13 @@ class FreeBodies:
             self.states[number] = body.moved(
                 self.states[number], momenta, self._inertia[number], dt
             )
+
+
+def _booked_velocities(body: FreeBody, state: State, inertia: Matrix) -> list[float]:
+    """Return the velocities before a step with which the energy that a body loses is booked.
+
+    A moment also changes how the axis turns in the step: twice the change of speed that turning
+    makes by the step's middle is left out, so that what is booked is what the body loses.
+    """
+    turned = solve(body.mass_matrix(inertia), [*state.momentum, *state.spin])
+    return [2.0 * v - w for v, w in zip(body.velocities(state), turned, strict=True)]

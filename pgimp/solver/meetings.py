@@ -17,7 +17,7 @@ from pgimp.kernels.ledger import CONTACT_AREA, Ledger
 from pgimp.kernels.meet import find_meetings
 from pgimp.kernels.p2g import particles_to_grid
 from pgimp.kernels.selection import select_near
-from pgimp.kernels.tools import find_touched
+from pgimp.kernels.toolfill import find_touched
 from pgimp.scene.scene import Scene
 from pgimp.solver.freebodies import FreeBodies
 from pgimp.solver.groups import assign, body_boxes, reach, where_near

@@ -28,7 +28,7 @@ from pgimp.kernels.particles import Particles
 from pgimp.kernels.response import find_response
 from pgimp.kernels.selection import select_near
 from pgimp.kernels.sums import exact_masses, fastest_rate, layer_sums
-from pgimp.kernels.tools import find_touched
+from pgimp.kernels.toolfill import find_touched
 from pgimp.mpi.node import Call, shared_out
 from pgimp.scene.scene import Scene
 from pgimp.solver import presentmeetings

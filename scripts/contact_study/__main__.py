@@ -48,6 +48,7 @@ def _figures(quick):
             floor = "slab" if D == 2 else "rigid"
             jobs[f"rolls {D}", cell] = (rolls.slope, D, cell, 10.0, 0.5, floor)
             jobs[f"slips {D}", cell] = (rolls.slope, D, cell, 30.0, 0.15, floor)
+        jobs["stiff", cell] = (rolls.slope, 3, cell, 10.0, 0.5, "rigid", 3000.0)
         jobs["incline", cell] = (motion.incline, 0.5 * cell)
         jobs["stuck", cell] = (motion.sticking, 0.5 * cell)
         jobs["bar", cell] = (walls.bar, 2.5 * cell)
@@ -146,6 +147,8 @@ def _table(found, cells):
             (f"{what} that slips and rolls: acceleration", "1", at(f"slips {D}", 0)),
             ("the same: of its rotation", "1", at(f"slips {D}", 1)),
         )),
+        ("the sphere of ten times the modulus that rolls: acceleration", "1", at("stiff", 0)),
+        ("the same: of its rotation", "1", at("stiff", 1)),
     ]  # fmt: skip
     text = "| test | exact | measured | on half the cells |\n|---|---|---|---|\n"
     known, head = _known(), ""

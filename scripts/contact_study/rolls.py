@@ -48,7 +48,7 @@ def _motion_of(simulation, D):
     return mean[0], spin / (m * (x[:, up] ** 2 + x[:, 0] ** 2)).sum()
 
 
-def slope(dimensions, cell, angle, friction, floor, times=None, affine=True, young=None):
+def slope(dimensions, cell, angle, friction, floor, young=None):
     """A cylinder or sphere with a radius of 1 on a slope: acceleration, and that of its spin.
 
     Both over those of a rigid one, which rolls if friction is more than tan/(1 + 1/k), with the
@@ -59,7 +59,7 @@ def slope(dimensions, cell, angle, friction, floor, times=None, affine=True, you
     D, g, k = dimensions, 1.0, INERTIA[dimensions]
     s, c = sin(radians(angle)), cos(radians(angle))
     rolls = friction >= s / c / (1.0 + 1.0 / k)
-    times = times or ((1.5, 3.5) if D == 3 else ((2.5, 8.5) if rolls else (1.5, 4.5)))
+    times = (1.5, 3.5) if D == 3 else ((2.5, 8.5) if rolls else (1.5, 4.5))
     exact = (g * s / (1.0 + k),) * 2 if rolls else (g * (s - friction * c), friction * g * c / k)
     way = 0.5 * exact[0] * (times[1] - 0.5 * RAMP) ** 2
     low = 0.0 if floor == "wall" else FLOOR
@@ -72,7 +72,7 @@ def slope(dimensions, cell, angle, friction, floor, times=None, affine=True, you
     case = motion.case_of(bodies, size, cell, times[1], gravity=gravity)
     _floor(case, floor, friction, size)
     case["materials"]["solid"] = motion.SOLID | {"young": young or (1000.0 if D == 2 else 300.0)}
-    case["method"]["affine"] = affine
+    case["method"]["affine"] = True
     case["output"] = {"fields": ["velocity", "mass"]}
     simulation = pgimp.Simulation(case)
     found = []

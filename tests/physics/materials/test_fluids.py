@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from one_material import case_of
 from strain_paths import along, entry_of, invariants, shears, stretches
 
 import pgimp
@@ -149,14 +150,5 @@ WRONG = {
 @pytest.mark.parametrize("name", WRONG)
 def test_what_is_refused(name):
     entry, key, words = WRONG[name]
-    case = {
-        "format": 1,
-        "dimensions": 1,
-        "grid": {"size": [4.0], "cell": [1.0]},
-        "method": {"shape": "gimp", "particles_per_cell": [2]},
-        "time": {"end": 1.0, "step": 0.01},
-        "materials": {"law": entry | {"density": 1.0}},
-        "bodies": {"body": {"material": "law", "region": {"box": {"min": [1.0], "max": [2.0]}}}},
-    }
     with pytest.raises(CaseError, match=rf"materials\.law\.{key}.*{words}"):
-        pgimp.load(case)
+        pgimp.load(case_of(entry))

@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+from one_material import text_of
 from reference_materials import tensor
 
 import pgimp
@@ -135,13 +136,7 @@ WRONG = {
 
 @pytest.mark.parametrize("line", WRONG)
 def test_bad_parameters_are_refused_by_line(line, tmp_path):
-    key = line.partition(":")[0]
-    entry = [f"    {k}: {v}" for k, v in COPPER.items() if k != key]
-    text = "format: 1\ndimensions: 1\ngrid: {origin: [0], size: [4], cell: [1]}\n"
-    text += "method: {shape: gimp, particles_per_cell: [2]}\ntime: {end: 1, step: 0.1}\n"
-    text += "materials:\n  m:\n" + "\n".join([*entry, f"    {line}"]) + "\n"
-    text += "bodies: {b: {material: m, region: {box: {min: [1], max: [2]}}}}\n"
-    (tmp_path / "case.yaml").write_text(text)
+    (tmp_path / "case.yaml").write_text(text_of(COPPER, line))
     with pytest.raises(CaseError, match=re.escape(WRONG[line])) as refused:
         pgimp.load(tmp_path / "case.yaml")
     assert re.search(r"case\.yaml:\d+: materials\.m\.", str(refused.value))

@@ -5,6 +5,7 @@ from math import cos, exp, log, radians, sin, sqrt, tan
 
 import numpy as np
 import pytest
+from one_material import case_of
 from reference_materials import tensor
 from strain_paths import along, entry_of, invariants, random_walk, shears, stretches
 
@@ -285,14 +286,5 @@ WRONG = {
 @pytest.mark.parametrize("name", WRONG)
 def test_what_is_refused(name):
     entry, key, words = WRONG[name]
-    case = {
-        "format": 1,
-        "dimensions": 1,
-        "grid": {"size": [4.0], "cell": [1.0]},
-        "method": {"shape": "gimp", "particles_per_cell": [2]},
-        "time": {"end": 1.0, "step": 0.01},
-        "materials": {"law": {"density": 1.0} | entry},
-        "bodies": {"body": {"material": "law", "region": {"box": {"min": [1.0], "max": [2.0]}}}},
-    }
     with pytest.raises(CaseError, match=rf"materials\.law\.{key}.*{words}"):
-        pgimp.load(case)
+        pgimp.load(case_of(entry))

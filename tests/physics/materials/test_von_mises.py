@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+from one_material import text_of
 from reference_materials import tensor
 from scenes import box, scene, start
 
@@ -170,13 +171,7 @@ WRONG = {
 
 @pytest.mark.parametrize("line", WRONG)
 def test_bad_parameters_are_refused_by_line(line, tmp_path):
-    entry = {k: v for k, v in METAL.items() if not line.startswith(f"{k}:")}
-    lines = [f"    {k}: {v}" for k, v in entry.items()] + [f"    {line}"]
-    text = "format: 1\ndimensions: 1\ngrid: {origin: [0], size: [4], cell: [1]}\n"
-    text += "method: {shape: gimp, particles_per_cell: [2]}\ntime: {end: 1, step: 0.1}\n"
-    text += "materials:\n  m:\n" + "\n".join(lines) + "\n"
-    text += "bodies: {b: {material: m, region: {box: {min: [1], max: [2]}}}}\n"
-    (tmp_path / "case.yaml").write_text(text)
+    (tmp_path / "case.yaml").write_text(text_of(METAL, line))
     with pytest.raises(CaseError, match=WRONG[line]) as refused:
         pgimp.load(tmp_path / "case.yaml")
     assert re.search(r"case\.yaml:1[23]: materials\.m\.", str(refused.value))
