@@ -1,10 +1,12 @@
-"""Checks of bodies in the initial configuration: features they can be combined with."""
+"""Checks of bodies in the initial configuration: what they can be combined with."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import combinations
 from typing import Any
 
+from pgimp.physics.contact import TIED, Pairs
 from pgimp.schema.problems import Problem
 from pgimp.schema.sizes import Problems
 
@@ -30,19 +32,21 @@ def check_configuration(
     boundaries: Mapping[str, Any],
     escape: Mapping[str, str],
     contact: Sequence[Any],
+    exact: Any,
 ) -> Problems:
-    """Check that all bodies have the same configuration, and that the case suits it."""
+    """Check that a case suits the bodies that are in the initial configuration."""
     initial = [name for name, body in bodies.items() if body.configuration == "initial"]
     if not initial:
         return
     first = initial[0]
-    for name, body in bodies.items():
-        if body.configuration != "initial":
-            yield Problem(
-                ("bodies", name, "configuration"),
-                f"is current, and that of '{first}' initial; all bodies of a case have the same: "
-                f"let '{name}' be initial too, or all be current",
-            )
+    current = [name for name in bodies if name not in initial]
+    yield from _parted(bodies, tools, current, contact)
+    if exact is not None and current:
+        yield Problem(
+            ("exact",),
+            f"is for bodies of one configuration, but '{first}' is initial and '{current[0]}' "
+            "current",
+        )
     for name in initial:
         law = materials.get(bodies[name].material)
         if law is not None and law.VOLUME_ONLY:
@@ -51,7 +55,7 @@ def check_configuration(
                 f"'{bodies[name].material}' flows, and keeps no deformation; the initial "
                 "configuration is for solids: take current",
             )
-    if method.volumetric == "mean" and len(method.particles_per_cell) > 1:
+    if method.volumetric == "mean" and len(method.particles_per_cell) > 1 and not current:
         yield Problem(
             ("method", "volumetric"),
             f"mean is for the current configuration, and '{first}' is in the initial one; take "
@@ -72,7 +76,7 @@ def check_configuration(
                 f"'{first}', only separating does: take that, fixed, slip or {{velocity: ..}}, or "
                 "configuration: current",
             )
-    for face in escape:
+    for face in escape if not current else ():
         yield Problem(
             ("escape", face),
             f"bodies in the initial configuration, as '{first}', may leave the domain, and stay "
@@ -85,3 +89,33 @@ def check_configuration(
             "computed from the initial volume and the first Piola-Kirchhoff stress, exactly: leave "
             "it out",
         )
+
+
+def _parted(
+    bodies: Mapping[str, Any], tools: Mapping[str, Any], current: Sequence[str], contact: Any
+) -> Problems:
+    """Check that bodies in the current configuration beside others either share a field or meet.
+
+    Those that are tied share one field, also with what they are tied to in turn.
+    """
+    names = [*bodies, *tools]
+    if any(not set(entry.bodies) <= set(names) for entry in contact if entry.bodies != "all"):
+        return
+    pairs = Pairs.of(contact, names)
+    root = {name: name for name in current}
+    parted = []
+    for one, other in combinations(current, 2):
+        number = abs(int(pairs.entry[names.index(one), names.index(other)]))
+        if number and pairs.law[number - 1] == TIED:
+            old = root[other]
+            root = {name: root[one] if end == old else end for name, end in root.items()}
+        else:
+            parted.append((one, other))
+    for one, other in parted:
+        if root[one] == root[other]:
+            yield Problem(
+                ("contact",),
+                f"'{one}' and '{other}' have an entry, but both are tied to another body without "
+                "one; beside bodies in the initial configuration all of them need an entry: take "
+                "{bodies: all}",
+            )

@@ -246,7 +246,7 @@ def reselects(before: Case, now: Case, name: str) -> bool:
 
 def _with_origins(case: Case) -> bool:
     """Whether particles keep their initial position; see `Scene.origins`."""
-    initial = all(body.configuration == "initial" for body in case.bodies.values())
+    initial = any(body.configuration == "initial" for body in case.bodies.values())
     return initial or "displacement" in case.output.fields
 
 

@@ -84,7 +84,7 @@ def report(case: Case) -> None:
     varied = {body.name: body.rest_rate for body in bodies if body.varies}
     of_stages = require_stable_stages(scenes, varied)
     inverse = max(scene.frame.inverse)
-    # A grid of the initial configuration moves with the bodies.
+    # A grid of the initial configuration moves with its bodies.
     crossing_rate = 0.0 if scene.initial else inverse
     rate = _rate(case, bodies, crossing_rate)
     require_end(scene, max(rate, scene.tools.first_rate))

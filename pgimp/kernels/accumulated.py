@@ -5,7 +5,8 @@ the start, give to the particles around it:
 
     w_i = sum_j B_ij v_j,    B_ij = sum_p m_p S_ip S0_jp / sum_p m_p S_ip,
 
-S being weights at present, S0 those of the start. An impulse J_i changes v_j by B_ij J_i/m_j: it
+S being weights at present, S0 those of the start. A body in the current configuration has vertex i
+itself, B_ij = 1 for j = i. An impulse J_i changes v_j by B_ij J_i/m_j: it
 changes the body's power by J_i . w_i, so that momentum is conserved exactly, and angular momentum
 up to the difference between the two grids. An impulse also moves its neighbours, the more so as
 the two weights smooth it. So impulses are found together: sweeps over all pairs that may meet, each
@@ -23,7 +24,7 @@ from pgimp.kernels.contact import BILATERAL, MOBILITY, NORMAL, NOW, PUSH, SLIP, 
 from pgimp.kernels.contactlaw import exchange
 from pgimp.kernels.encounters import BODIES, ENTRY, SUMS, copy
 from pgimp.kernels.particles import FloatArray, IntArray
-from pgimp.kernels.present import HEAVY, WEIGHS
+from pgimp.kernels.present import BEGUN, HEAVY, WEIGHS
 from pgimp.kernels.startgrid import LOST, MOVES, YIELDS
 from pgimp.kernels.support import weights_at
 
@@ -109,13 +110,14 @@ def find_responses(table, now, before, encounters, sums, values):
     for r in range(rows):
         many[r + 1] += many[r]
     who, weight = np.empty(many[rows], np.int64), np.empty(many[rows])
+    vertex = np.empty(many[rows], np.int64)
     filled = many[:rows].copy()
     for i in range(len(table)):
         for q in range(at.shape[1]):
             if at[i, q] >= 0 and row_of[at[i, q]] >= 0:
                 r = row_of[at[i, q]]
                 x, y, z = weights_at(now, i, q)
-                who[filled[r]], weight[filled[r]] = i, x * y * z
+                who[filled[r]], weight[filled[r]], vertex[filled[r]] = i, x * y * z, at0[i, q]
                 filled[r] += 1
     capacity = 64 * rows + at0.shape[1]
     start = np.zeros(rows + 1, np.int64)
@@ -132,16 +134,17 @@ def find_responses(table, now, before, encounters, sums, values):
                 longer[:used], more[:used] = column[:used], entry[:used]
                 column, entry = longer, more
             part = table[i, WEIGHS] * weight[k] / sums[slots[r], HEAVY]
+            moves = table[i, BEGUN] == 0.0  # its own grid is the present one
             for q in range(at0.shape[1]):
                 j = at0[i, q]
-                if j < 0:
+                if j < 0 or (moves and j != vertex[k]):
                     continue
                 if seen[j] != r:
                     seen[j], place[j] = r, used
                     column[used], entry[used] = j, 0.0
                     used += 1
                 x, y, z = weights_at(before, i, q)
-                entry[place[j]] += part * x * y * z
+                entry[place[j]] += part if moves else part * x * y * z
         start[r + 1] = used
         for d in range(3):
             answer[r, d] = _answer(column, entry, start[r], used, values, YIELDS + d)

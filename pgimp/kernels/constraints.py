@@ -63,10 +63,9 @@ def mark_constrained_vertices(setting, window, particles, order, mask):
     setting, window, particles, order
         See `Setting`, `Window`, `Particles`, `Order`.
     mask : (planes * plane / 8,) int64
-        Set here: bit k of a vertex says that constraint k holds it.
+        Grows: bit k of a vertex says that constraint k holds it.
     """
     shape, frame, rows_of_all, start = setting.shape, setting.frame, order.rows, order.start
-    mask[:] = 0
     buffer = stack(SUPPORT_SIZE)
     for layer in range(len(start) - 1):
         plane = layer + window.lower[0]

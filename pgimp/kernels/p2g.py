@@ -8,14 +8,54 @@ Layers may be computed in another order: those that neighbours wait for come fir
 a layer then has to add later are deferred.
 """
 
-from pgimp.jit.kernel import inner_kernel, kernel
+from typing import Any, NamedTuple
+
+from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.jit.simd import load, pack, store
 from pgimp.kernels.fields import clear_plane, use
 from pgimp.kernels.layer import sum_layer
 
 
+class Others(NamedTuple):
+    """Particles that are summed by another setting, into velocity fields of their own.
+
+    Attributes
+    ----------
+    setting, loads, order
+        See `Setting`, `Loads`, `Order`; the order has the same layers.
+    """
+
+    setting: Any
+    loads: Any
+    order: Any
+
+
+def _sum_others(others, field, particles, layer, span):
+    """Sum those of a layer as well; `span` is the range of a plane so far, and is widened."""
+
+
+@specialise(_sum_others)
+def _sum_others_too(others, field, particles, layer, span):
+    if not hasattr(others, "instance_class"):  # ()
+        return lambda others, field, particles, layer, span: span
+
+    def widen(others, field, particles, layer, span):
+        start = others.order.start
+        if start[layer] == start[layer + 1]:
+            return span
+        low, high = sum_layer(
+            others.setting, field, particles, others.loads, others.order.rows,
+            (start[layer], start[layer + 1]), layer + field.window.lower[0],
+        )  # fmt: skip
+        if span[1] == 0:
+            return low, high
+        return min(low, span[0]), max(high, span[1])
+
+    return widen
+
+
 @kernel
-def particles_to_grid(setting, field, particles, loads, order, runs):
+def particles_to_grid(setting, field, particles, loads, order, runs, others):
     """Sum the particles of some layers of a rank into its planes.
 
     Parameters
@@ -26,6 +66,8 @@ def particles_to_grid(setting, field, particles, loads, order, runs):
         Runs of layers to sum, one after the other: the first layer, that after the last one, and
         whether their sums for planes not shared with the upper rank are deferred; only the rank's
         last layers, as many as it shares planes, may be.
+    others : Others or ()
+        Further particles.
     """
     start, window, shared_lower = order.start, field.window, field.shared_lower
     G, active, scratch, deferred = field.G, field.active, field.scratch, field.deferred
@@ -42,6 +84,7 @@ def particles_to_grid(setting, field, particles, loads, order, runs):
                     setting, field, particles, loads, order.rows,
                     (start[layer], start[layer + 1]), layer + window.lower[0],
                 )  # fmt: skip
+            low, high = _sum_others(others, field, particles, layer, (low, high))
             for i in range(vertices):
                 target = layer + i
                 if target < shared_lower:

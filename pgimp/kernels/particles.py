@@ -237,6 +237,30 @@ class InitialFrame(Frame):
     __slots__ = ()
 
 
+class MixedFrame(NamedTuple):
+    """Place of the grid for bodies of both configurations, where particles are put in order.
+
+    Attributes
+    ----------
+    origin, cell, inverse, cells, ghost
+        See `Frame`.
+    begun : (bodies,) bool
+        Which bodies are in the initial configuration.
+    """
+
+    origin: tuple[float, ...]
+    cell: tuple[float, ...]
+    inverse: tuple[float, ...]
+    cells: tuple[int, ...]
+    ghost: int
+    begun: Any
+
+    @property
+    def vertices(self) -> tuple[int, ...]:
+        """See `Frame.vertices`."""
+        return Frame(*self[:5]).vertices
+
+
 class Window(NamedTuple):
     """The part of the grid that a rank stores: its planes, cut to where particles are.
 

@@ -5,13 +5,18 @@ from math import floor
 import pgimp.jit.functions  # noqa: F401  so that they work on vectors of four particles, too
 from pgimp.jit.kernel import exact, specialise
 from pgimp.jit.tuples import read
-from pgimp.kernels.particles import InitialFrame
+from pgimp.kernels.particles import InitialFrame, MixedFrame
 from pgimp.physics.shapes.base import size
 
 
 def is_initial(frame):
     """Whether a frame, given by its Numba type, is one of the initial configuration."""
     return frame.instance_class is InitialFrame
+
+
+def is_mixed(frame):
+    """Whether a frame, given by its Numba type, is one of bodies of both configurations."""
+    return frame.instance_class is MixedFrame
 
 
 def coordinate(frame, particles, p, d):
@@ -22,6 +27,10 @@ def coordinate(frame, particles, p, d):
 def _coordinate(frame, particles, p, d):
     if is_initial(frame):
         return lambda frame, particles, p, d: particles.origin[p, d]
+    if is_mixed(frame):
+        return lambda frame, particles, p, d: (
+            particles.origin[p, d] if frame.begun[particles.body[p]] else particles.x[p, d]
+        )
     return lambda frame, particles, p, d: particles.x[p, d]
 
 
@@ -45,7 +54,12 @@ def deformation(frame, particles, p):
 
 @specialise(deformation)
 def _deformation(frame, particles, p):
-    like = (0.0,) * len(frame.types[0]) ** 2
+    D = len(frame.types[0])
+    like = tuple(float(i == j) for i in range(D) for j in range(D))
+    if is_mixed(frame):  # weights of the start are those of undeformed particles
+        return lambda frame, particles, p: (
+            like if frame.begun[particles.body[p]] else read(particles.F, p, 0, like)
+        )
     return lambda frame, particles, p: read(particles.F, p, 0, like)
 
 

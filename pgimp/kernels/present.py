@@ -20,12 +20,13 @@ from pgimp.kernels.particles import FloatArray, IntArray
 from pgimp.kernels.place import deformation
 from pgimp.kernels.support import slope_at, vertex_at, weights_at
 
-#: Columns of a particle near a meeting: present and initial position, mass, volume, offset of the
-#: volume's centroid, the curvature's share of the gap, whether it is cut, body, group, field.
-PLACE, START, WEIGHS, VOLUME, OFFSET, BENT, CUT, BODY, GROUP, FIELD = (
-    0, 3, 6, 7, 8, 11, 12, 13, 14, 15,
+#: Columns of a particle near a meeting: present position and that of its weights, mass, volume,
+#: offset of the volume's centroid, the curvature's share of the gap, whether it is cut, body,
+#: group, field, and whether its weights are those of the start.
+PLACE, START, WEIGHS, VOLUME, OFFSET, BENT, CUT, BODY, GROUP, FIELD, BEGUN = (
+    0, 3, 6, 7, 8, 11, 12, 13, 14, 15, 16,
 )  # fmt: skip
-NEAR = 16
+NEAR = 17
 
 #: Columns of a group's sums at a vertex: mass, volume, surface, the offset's correction of the
 #: volume, the curvature's share of the gap and the number in its mean, body.
@@ -74,16 +75,20 @@ def number_of(present, vertex):
 
 
 @kernel
-def take_near(frame, particles, rows, groups, fields, table):
-    """Copy the particles near a meeting, (n, NEAR) float64, in canonical order."""
+def take_near(frame, particles, rows, groups, fields, begun, table):
+    """Copy the particles near a meeting, (n, NEAR) float64, in canonical order.
+
+    `groups`, `fields` and `begun`, of the bodies, are as in `PresentMeetings`.
+    """
     for i in range(len(rows)):
         p, row = rows[i], table[i]
         row[:] = 0.0
         F = deformation(frame, particles, p)
         own, x = read(particles.offset, p, 0, frame.origin), read(particles.x, p, 0, frame.origin)
         X, D = read(particles.origin, p, 0, frame.origin), len(frame.origin)
+        row[BEGUN] = begun[particles.body[p]]
         for d in range(D):
-            row[PLACE + d], row[START + d] = x[d], X[d]
+            row[PLACE + d], row[START + d] = x[d], X[d] if row[BEGUN] else x[d]
             for e in range(D):
                 row[OFFSET + d] += F[D * d + e] * own[e]
             if own[d] != 0.0:

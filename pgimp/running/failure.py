@@ -15,11 +15,11 @@ from pgimp.io.frames.particlefile import ParticleFile
 from pgimp.io.frames.xdmf import Collection, particles
 from pgimp.io.rundir.ownfiles import FAILURE as FOLDER
 from pgimp.kernels.order import vertices_of
-from pgimp.kernels.sums import fastest_rate
 from pgimp.kernels.updates.checks import OUTSIDE
 from pgimp.mpi.collective import on_root
 from pgimp.physics.fields import BY_RANKS, FIELDS, Source
 from pgimp.solver.particle_errors import Failure, explanation
+from pgimp.solver.parts import fastest
 
 if TYPE_CHECKING:
     from pgimp.solver.simulation import Simulation
@@ -154,14 +154,14 @@ def _places(sim: Simulation, rows: Array) -> tuple[Array, Array]:
     """
     p, frame = sim.particles, sim.scene.frame
     xi = (p.x[rows] - frame.origin) * frame.inverse
-    if sim.scene.initial:
-        before = (p.origin[rows] - frame.origin) * frame.inverse
-        drawable = np.isfinite(xi).all(axis=1)
-        return np.where(drawable[:, None], xi, before), drawable
+    begun = sim.scene.begun[p.body[rows]]
     drawable = ((xi >= -1.0) & (xi <= np.array(frame.cells) + 1.0)).all(axis=1)
+    drawable |= begun & np.isfinite(xi).all(axis=1)
     first = vertices_of(p.cell[rows], frame.vertices)
     first[:, 0] = p.layer[rows]
     before = first - frame.ghost + 0.5 + np.array(sim.scene.shape.half)
+    if begun.any():
+        before[begun] = (p.origin[rows[begun]] - frame.origin) * frame.inverse
     return np.where(drawable[:, None], xi, before), drawable
 
 
@@ -206,7 +206,7 @@ def _courant(sim: Simulation, found: _Found) -> float:
     scene, p, order = sim.scene, sim.particles, sim.population.order
     sound = np.isfinite(p.v[order]).all(axis=1) & np.isfinite(p.F[order]).all(axis=1)
     order = order[sound & ~np.isin(order, found.rows)]
-    rate = fastest_rate(scene.setting.without_shape(), p, order, scene.controlled or True)
+    rate = fastest(scene, p, order, scene.controlled or True)
     assert sim.failure is not None
     return max(sim.comm.allgather(rate)) * sim.failure.dt
 

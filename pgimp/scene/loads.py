@@ -45,8 +45,8 @@ class SceneLoads:
         Parameters of the body force, or of the exact solution that needs one.
     walls : tuple of Sides or ()
         The walls whose clearances are needed, see `Loads`.
-    follows : bool
-        Whether the particles' size follows the deformation.
+    follows : (bodies,) bool
+        Whether the size of each body's particles follows the deformation.
     """
 
     def __init__(
@@ -55,7 +55,7 @@ class SceneLoads:
         materials: list[str],
         force: Any = (),
         walls: Any = (),
-        follows: bool = False,
+        follows: Any = (),
     ) -> None:
         self.case = case
         self.bodies = list(case.bodies)
@@ -77,7 +77,8 @@ class SceneLoads:
         grid, method = case.grid, case.method
         self.half = 0.5 * np.array(grid.cell) / np.array(method.particles_per_cell)
         size = np.array(method.parameters(tuple(grid.cell)).half) * np.array(grid.cell)
-        self._patch = (2.0 * self.half, size, method.chi, method.ends, follows)
+        self._patch = (2.0 * self.half, size, method.chi, method.ends)
+        self._follows = dict(zip(self.bodies, follows, strict=False))
         self._width = 2.0 * size if method.chi == "box" else size
         self._varies = bool(force) or any(entry.varies for entry in self.tractions)
         self._constraints_vary = any(entry.varies for entry in self.constraints)
@@ -107,7 +108,8 @@ class SceneLoads:
         from pgimp.physics.exact.base import BodyForce
 
         tractions = tuple(
-            entry.parameters(i, *self._patch, t) for i, entry in enumerate(self.tractions)
+            entry.parameters(i, *self._patch, bool(self._follows.get(entry.body, False)), t)
+            for i, entry in enumerate(self.tractions)
         )
         force = BodyForce(self.force, t) if self.force else ()
         return Loads(

@@ -47,16 +47,22 @@ def warnings(case: Any) -> list[str]:
         The case, its meshes and particle files read (`pgimp.scene.geometry.share`).
     """
     boxes = moving_boxes(case, times := instants(case))
-    if all(body.configuration == "initial" for body in case.bodies.values()):
-        return [*_passing(case, boxes, times), *_walls(case, boxes, at_once=True)]
-    return [*_pairs(case, boxes, times), *_walls(case, boxes, at_once=True), *_rigid(case)]
+    walls = _walls(case, boxes, at_once=True)
+    begun = [body.configuration == "initial" for body in case.bodies.values()]
+    if not any(begun):
+        return [*_pairs(case, boxes, times), *walls, *_rigid(case)]
+    alone = [box for box, initial in zip(boxes, begun, strict=True) if initial]
+    if not all(begun):
+        return [*_held(case, alone), *walls, *_rigid(case)]
+    return [*_passing(case, boxes, times), *_held(case, alone), *walls]
 
 
 def notes(case: Any) -> list[str]:
     """Return which bodies come near walls; as `warnings`."""
-    if all(body.configuration == "initial" for body in case.bodies.values()):
-        return []
-    return list(_walls(case, moving_boxes(case, instants(case)), at_once=False))
+    begun = [body.configuration == "initial" for body in case.bodies.values()]
+    boxes = moving_boxes(case, instants(case))
+    boxes = [box for box, initial in zip(boxes, begun, strict=True) if not initial]
+    return list(_walls(case, boxes, at_once=False))
 
 
 def meet(case: Any) -> bool:
@@ -93,6 +99,10 @@ def _passing(case: Any, boxes: list[Box], times: np.ndarray) -> Iterator[str]:
             f"bodies: {names} may meet, but in the initial configuration they do not feel each "
             "other, and pass through; with contact: [{bodies: all}] they meet, slide and part"
         )
+
+
+def _held(case: Any, boxes: list[Box]) -> Iterator[str]:
+    """Return which walls bodies in the initial configuration come to, and do not feel."""
     for text in _walls(case, boxes, at_once=False):
         face, _, who = text.partition(": ")
         yield (

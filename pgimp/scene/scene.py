@@ -11,7 +11,7 @@ from pgimp.errors import CaseError
 from pgimp.kernels.concepts import Setting
 from pgimp.kernels.mirror import Mirror
 from pgimp.kernels.order import cell_numbers
-from pgimp.kernels.particles import Carried, Frame, InitialFrame
+from pgimp.kernels.particles import Carried, Frame, InitialFrame, MixedFrame, Particles
 from pgimp.kernels.sums import SUMS
 from pgimp.kernels.walls import GRAVITY
 from pgimp.physics.contact import Pairs
@@ -49,9 +49,9 @@ class Scene:
     ----------
     dimension : int
         Directions D of the scene.
-    initial : bool
-        Whether the grid is one of the initial configuration: particles keep their layers, and the
-        weights of the start.
+    begun : (bodies,) bool
+        Which bodies are in the initial configuration, where particles keep their layers, and the
+        weights of the start; `initial` if all are, `mixed` if some.
     frame : Frame
         Where the grid lies.
     shape : NamedTuple
@@ -74,14 +74,20 @@ class Scene:
     exact : NamedTuple or ()
         Parameters of the exact solution, if the case names one; `moves` if it gives the velocities.
     setting : Setting
-        The scene for kernels.
+        The scene for kernels; for those of bodies in the initial configuration beside others,
+        `setting_begun`.
+    placing : Frame, InitialFrame or MixedFrame
+        The frame of kernels that put particles in order.
     """
 
     def __init__(self, case: Case) -> None:
         self.case = case
         self.dimension = case.dimensions
         shape = case.method
-        self.initial = all(body.configuration == "initial" for body in case.bodies.values())
+        self.begun = np.array([b.configuration == "initial" for b in case.bodies.values()], bool)
+        self.initial = bool(self.begun.all())
+        self.mixed = bool(self.begun.any()) and not self.initial
+        remote = self.initial or self.mixed  # contact where bodies are, not on their own grid
         parameters = shape.fixed if self.initial else shape.parameters
         self.shape = parameters(tuple(case.grid.cell))
         self.vertices: int = self.shape.vertices()
@@ -119,7 +125,7 @@ class Scene:
         self.faces = [Face(name, named[name]) for name in order if name in named]
         #: Whether bodies in the initial configuration meet walls that let go: at their present
         #: place, not on their own grid. These walls then come last.
-        self.lets_go = self.initial and any(face.condition.approaches for face in self.faces)
+        self.lets_go = remote and any(face.condition.approaches for face in self.faces)
         if self.lets_go:
             self.faces.sort(key=lambda face: face.condition.approaches)
         #: Faces through which particles may leave; see `grid_to_particles`.
@@ -136,12 +142,12 @@ class Scene:
                 Mirror(face.axis, face.side, number, face.condition.releases)
                 for number, face in enumerate(self.faces)
                 if shape.mirrors and face.condition.mirrors
-                and not (self.initial and face.condition.approaches)
+                and not (remote and face.condition.approaches)
             ),
             key=lambda mirror: mirror.releases,
         )
         # Points give no gap: it would jump by half a cell as they move.
-        near = [] if shape.chi == "point" or self.initial else self.faces
+        near = [] if shape.chi == "point" or remote else self.faces
         self.approached = walls_approached(near)
         self.exact: Any = case.exact.parameters(case) if case.exact else ()
         self.moves = bool(case.exact) and case.exact.moves
@@ -149,7 +155,7 @@ class Scene:
         if case.body_force:
             force = case.body_force.parameters()
         self.loads = SceneLoads(
-            case, used, force, sides_approached(near, self.frame), self.follows
+            case, used, force, sides_approached(near, self.frame), shape.follows & ~self.begun
         )
         self.tools = SceneTools(case, self.frame)
         self.pairs: Pairs | None = None
@@ -162,7 +168,8 @@ class Scene:
         self.fields = EVERY | self.states.fields | self.variations.fields
         self.carried = Carried(
             self.dimension, self.origins, **self.loads.carried, state=self.states.width,
-            surfaces=self.pairs is not None or self.lets_go, own=self.variations.width,
+            surfaces=self.pairs is not None or self.lets_go or self.mixed,
+            own=self.variations.width,
         )  # fmt: skip
         varies = any(face.condition.varies for face in self.faces)
         self._face_table = FaceTable(
@@ -170,14 +177,17 @@ class Scene:
         )
         self._walls = None if varies else walls(self.faces, self.frame, 0.0)
         #: Coordinates within which particles must stay, where the grid does not limit them.
-        self.bounds = position_bounds(self.faces, self.frame) if self.initial else None
+        self.bounds = position_bounds(self.faces, self.frame) if remote else None
         D = self.dimension
         self.identity = tuple(float(i == j) for i in range(D) for j in range(D))
-        frame = InitialFrame(*self.frame) if self.initial else self.frame
+        start = InitialFrame(*self.frame)
+        frame = start if self.initial else self.frame
         self.setting = Setting(
             self.shape, frame, self.identity, self.variations.materials, self.material_of,
             self.tracked, self.exits,
         )  # fmt: skip
+        self.setting_begun = self.setting._replace(shape=shape.fixed(self.frame.cell), frame=start)
+        self.placing: Any = MixedFrame(*self.frame, self.begun) if self.mixed else frame
 
     def _weigh(self, materials: list[str]) -> float:
         """Mass of a domain full of the densest material; refuse masses that no float64 can sum."""
@@ -207,7 +217,8 @@ class Scene:
     @property
     def origins(self) -> bool:
         """Whether particles keep their initial position."""
-        return self.initial or bool(self.exact) or "displacement" in self.case.output.fields
+        begun = self.initial or self.mixed
+        return begun or bool(self.exact) or "displacement" in self.case.output.fields
 
     @property
     def controlled(self) -> bool | float:
@@ -242,6 +253,15 @@ class Scene:
         found = walls(self.faces, self.frame, end) if self._walls is None else self._walls
         found[:, GRAVITY] = np.repeat(self.gravity(start), 2)
         return found
+
+    def weighed(self, particles: Particles, rows: np.ndarray) -> np.ndarray:
+        """Places at which the weights of particles are taken, (n, D): now, or at the start."""
+        if self.initial:
+            return particles.origin[rows]
+        if self.mixed:
+            begun = self.begun[particles.body[rows]]
+            return np.where(begun[:, None], particles.origin[rows], particles.x[rows])
+        return particles.x[rows]
 
     def varies(self, body: int) -> bool:
         """Whether the material of a body varies in space."""

@@ -51,6 +51,8 @@ class Approach:
         self.near = np.empty(0, np.int64)
         self.any = False
         self._pause = 0
+        #: The groups that meet there, () if all do, and the ends of the region, in cells.
+        self._regions: list[tuple[Any, np.ndarray, np.ndarray]] = []
 
     def forget(self) -> None:
         """Search all particles again in the next step: they have changed, or their bodies have."""
@@ -70,9 +72,12 @@ class Approach:
         t : Step
             The step.
         """
-        if self._pause == 0:
+        looked = self._pause == 0
+        if looked:
             self._look(population, groups, tools, t)
         self._pause -= 1
+        if looked or self.scene.mixed:  # others keep their places
+            self._select(population, groups)
 
     def _look(self, population: Population, groups: np.ndarray, tools: Any, t: Step) -> None:
         """Find the particles near something, and the steps for which this holds; collective."""
@@ -93,17 +98,29 @@ class Approach:
         travel = speed * t.dt
         self._pause = max(1, min(LONGEST, int(0.4 * MARGIN / travel))) if travel > 0.0 else LONGEST
         away = reach(scene) + MARGIN
-        near = np.zeros(len(order), bool)
+        self._regions = []
         for a, b in acting(self.pairs, groups, len(groups)):
             first = np.maximum(low[a], low[b]) - 2.0 * away
             last = np.minimum(high[a], high[b]) + 2.0 * away
             if (first <= last).all():
-                near |= ((group == a) | (group == b)) & ((x >= first) & (x <= last)).all(axis=1)
+                self._regions.append(((a, b), first, last))
         for row in tools.about if tools else ():
             first = row[LEAST : LEAST + scene.dimension] - frame.ghost - away
             last = row[MOST : MOST + scene.dimension] - frame.ghost + away
-            near |= ((x >= first) & (x <= last)).all(axis=1)
+            self._regions.append(((), first, last))
         for axis, side, end in self.walls.rows:
-            near |= (x[:, axis] - (end - frame.ghost)) * side >= -1.0 - away[axis]
+            ends = np.full((2, scene.dimension), [[-np.inf], [np.inf]])
+            ends[int(side < 0), axis] = end - frame.ghost - side * (1.0 + away[axis])
+            self._regions.append(((), *ends))
+
+    def _select(self, population: Population, groups: np.ndarray) -> None:
+        """Find the particles in the regions where something may be met; collective."""
+        frame, p = self.scene.frame, population.particles
+        order = population.order
+        x = (p.x[order] - np.array(frame.origin)) * np.array(frame.inverse)
+        group, near = groups[p.body[order]], np.zeros(len(order), bool)
+        for parties, first, last in self._regions:
+            inside = ((x >= first) & (x <= last)).all(axis=1)
+            near |= inside & np.isin(group, parties) if parties else inside
         self.near = np.flatnonzero(near)
         self.any = bool(sum(self.comm.allgather(len(self.near))))

@@ -1,4 +1,4 @@
-"""Bodies in the initial configuration: which are bonded, and how others act on each other."""
+"""Bodies that meet where they are: which are bonded, and how others act on each other."""
 
 from __future__ import annotations
 
@@ -42,12 +42,13 @@ def separating_walls(scene: Scene) -> SeparatingWalls:
 
 
 def bonded(
-    pairs: Pairs, low: np.ndarray, high: np.ndarray, reach: np.ndarray
+    pairs: Pairs, low: np.ndarray, high: np.ndarray, reach: np.ndarray, begun: np.ndarray
 ) -> tuple[tuple[int, ...], np.ndarray]:
     """Fields and groups of bodies by their boxes at the start, in cells.
 
     Those under the law `tied` that share vertices there are one group. Others that do have fields
-    of their own, as few as possible.
+    of their own, as few as possible. Bodies that are not in the initial configuration (`begun`)
+    move over the grid: those that are tied are one group, and each group has a field of its own.
     """
     n = len(low)
     apart = np.full((n, n), -np.inf)
@@ -58,8 +59,11 @@ def bonded(
     for a in range(n):
         for b in range(a + 1, n):
             entry = abs(int(pairs.entry[a, b]))
-            if touch[a, b] and entry and pairs.law[entry - 1] == TIED:
+            if not entry or pairs.law[entry - 1] != TIED or begun[a] != begun[b]:
+                continue
+            if touch[a, b] or not begun[a]:
                 group[group == group[b]] = group[a]
+    touch &= np.logical_and.outer(begun, begun)
     _, group = np.unique(group, return_inverse=True)
     fields = np.zeros(n, np.int64)
     done: list[int] = []
@@ -68,8 +72,11 @@ def bonded(
         taken = {
             int(fields[b]) for b in np.flatnonzero(touch[mine].any(axis=0)) if group[b] in done
         }
-        fields[mine] = next(f for f in range(n + 1) if f not in taken)
-        done.append(one)
+        if begun[mine].all():
+            fields[mine] = next(f for f in range(n + 1) if f not in taken)
+            done.append(one)
+    for one in np.unique(group[~begun]):
+        fields[group == one] = fields.max() + 1
     return tuple(fields.tolist()), group.astype(np.int64)
 
 

@@ -17,6 +17,7 @@ from pgimp.kernels.momentum import BEGINNING, update_momentum
 from pgimp.kernels.record import FORCE, MASS, MOMENTUM, RECORD
 from pgimp.kernels.response import find_response
 from pgimp.solver.clock import Step
+from pgimp.solver.parts import parts_of
 from pgimp.solver.rank import Rank
 from pgimp.solver.step import acting, fold_mirrors, on_vertices, sum_particles
 
@@ -76,7 +77,8 @@ def active_grid(rank: Rank, time: float, dt: float = 0.0) -> ActiveGrid:
     contacts = bool(rank.meetings) and dt > 0.0
     if contacts and rank.meetings:  # before the first step all bodies share a field
         rank.meetings.regroup(grid, rank.population)
-    sum_particles(rank, scene.loads.at(time), marked=contacts and bool(scene.loads.constraints))
+    parts, marked = parts_of(scene, rank.population), contacts and bool(scene.loads.constraints)
+    sum_particles(rank, parts, scene.loads.at(time), marked)
     rank.halo.finish(grid)
     own, D = grid.owned, scene.dimension
     extent = grid.window.extent
@@ -161,7 +163,7 @@ def _cells(rank: Rank) -> tuple[np.ndarray, np.ndarray]:
     p, order, frame = rank.particles, rank.population.order, rank.scene.frame
     marks = np.zeros((grid.planes, *window.extent[1:]), bool)
     for begin, end in blocks(len(order), _BLOCK):
-        x = (p.origin if rank.scene.initial else p.x)[order[begin:end]]
+        x = rank.scene.weighed(p, order[begin:end])
         place = [np.zeros(len(x), np.int64)] * 3
         for d in range(rank.scene.dimension):
             cell = np.floor((x[:, d] - frame.origin[d]) * frame.inverse[d])

@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 
 from pgimp.errors import CaseError
-from pgimp.kernels.sums import fastest_rate
 from pgimp.scene.facts import rest_rate
 from pgimp.scene.scene import Scene
 from pgimp.solver.diagnostics import column_names
+from pgimp.solver.parts import fastest
 from pgimp.solver.rank import Rank
 from pgimp.solver.stability import require_stable, stability_warning
 
@@ -70,11 +70,11 @@ def stage_rate(scene: Scene, rates: Mapping[str, float]) -> float:
 def rates_at_rest(rank: Rank, scene: Scene, comm: Any) -> dict[str, float]:
     """Return what `stage_rate` needs, from the particles at the start; collective."""
     still = rank.particles._replace(v=np.zeros_like(rank.particles.v))
-    order, setting, found = rank.population.order, scene.setting.without_shape(), {}
+    order, found = rank.population.order, {}
     for body, name in enumerate(scene.body_names):
         if scene.varies(body):
             rows = order[still.body[order] == body]
-            found[name] = max(comm.allgather(fastest_rate(setting, still, rows, True)))
+            found[name] = max(comm.allgather(fastest(scene, still, rows, True)))
     return found
 
 

@@ -156,7 +156,7 @@ class Meetings:
         volumes.active.fill(0)
         self.call(
             particles_to_grid, self.scene.setting.without_materials(), volumes.field,
-            population.particles, volume_sums(self.scene.shape), order, self._runs,
+            population.particles, volume_sums(self.scene.shape), order, self._runs, (),
         )  # fmt: skip
         lower = slab.lower is not None and bool(planes[0] < shared)
         upper = slab.upper is not None and bool(planes[-1] >= layers)

@@ -79,7 +79,7 @@ def _describe(rank: Rank, step: Step) -> tuple[str, str, str]:
     velocity = ", ".join(f"{v:.4g}" for v in p.v[row])
     body = rank.scene.body_names[p.body[row]]
     advice = _out_of_range(rank, row)[1] if error == OUT_OF_RANGE else _ADVICE[error]
-    if error == OUTSIDE and rank.scene.initial:
+    if error == OUTSIDE and rank.scene.begun[p.body[row]]:
         advice = _MET
     elif error == OUTSIDE and _face(rank, row) in rank.scene.case.boundaries:
         advice = _DRAWN_OUT
@@ -112,8 +112,8 @@ def _out_of_range(rank: Rank, row: int) -> tuple[str, str]:
 def _face(rank: Rank, row: int) -> str:
     """Name of the closed face that a particle has passed."""
     frame = rank.scene.frame
-    if rank.scene.initial:
-        for d, (low, high) in enumerate(rank.grid.bounds):
+    if rank.scene.begun[rank.particles.body[row]]:
+        for d, (low, high) in enumerate(rank.scene.bounds or ()):
             if not low <= rank.particles.x[row, d] <= high:
                 return f"{'xyz'[d]}-{'max' if rank.particles.x[row, d] > high else 'min'}"
     for d, x in enumerate(rank.particles.x[row]):

@@ -1,4 +1,7 @@
-"""Contact of bodies in the initial configuration: each other, rigid bodies, walls that let go."""
+"""Contact of bodies in the initial configuration: each other, rigid bodies, walls that let go.
+
+Where bodies of both configurations are in one case, all of them meet in this way.
+"""
 
 from __future__ import annotations
 
@@ -69,7 +72,8 @@ class PresentMeetings:
     def __init__(self, scene: Scene, comm: Any) -> None:
         self.scene, self.comm, self.call = scene, comm, Bound()
         self.bodies = len(scene.body_names)
-        self.fields: tuple[int, ...] = (0,) * self.bodies if scene.pairs else ()
+        parted = scene.pairs or scene.mixed
+        self.fields: tuple[int, ...] = (0,) * self.bodies if parted else ()
         self.groups = np.zeros(self.bodies, np.int64)
         self.sweeps = 0
         self._grouped = False
@@ -93,7 +97,7 @@ class PresentMeetings:
             return
         self._grouped = True
         scene = self.scene
-        if scene.pairs is None:
+        if not self.fields:
             return
         p, order = population.particles, population.order
         boxes = np.full((2, self.bodies, scene.dimension), np.inf)
@@ -101,7 +105,8 @@ class PresentMeetings:
         grow_boxes(scene.frame, p._replace(x=p.origin), order, boxes)
         every = np.array(self.comm.allgather(boxes))
         low, high = every[:, 0].min(axis=0), every[:, 1].max(axis=0)
-        self.fields, self.groups = bonded(self.pairs, low, high, 2.0 * reach(scene))
+        distance = 2.0 * reach(scene)
+        self.fields, self.groups = bonded(self.pairs, low, high, distance, scene.begun)
         if max(self.fields) > 0 and self.fields != grid.fields:
             grid.fields = self.fields
             grid.store(grid.base)
@@ -143,7 +148,10 @@ class PresentMeetings:
         rows = population.order[self._approach.near].astype(np.int64)
         table, supports = np.empty((len(rows), NEAR)), self._supports(len(rows))
         fields = np.array(self.fields or (0,) * self.bodies, np.int64)
-        call(take_near, scene.frame, population.particles, rows, self.groups, fields, table)
+        call(
+            take_near, scene.frame, population.particles, rows, self.groups, fields, scene.begun,
+            table,
+        )  # fmt: skip
         call(find_supports, scene.shape, scene.frame, scene.identity, table, START, supports)
         last, step = self._seen
         if len(last) != len(grid.G) // 8:
@@ -227,7 +235,7 @@ def calls(
     present = Present(np.zeros(3, np.int64), none, 1, none, np.empty((0, SUMMED)), none)
     rows = Responses(none, np.zeros(1, np.int64), none, np.empty(0), np.empty((0, 3)))
     values = vertices.values
-    yield 0.5, lambda: take_near(frame, particles, none, none, none, table)
+    yield 0.5, lambda: take_near(frame, particles, none, none, none, scene.begun, table)
     yield 1.0, lambda: find_supports(shape, frame, scene.identity, table, PLACE, supports)
     yield 3.0, lambda: take_vertices(holding, grid.field, table, supports, Seen(none, 0), vertices)
     yield 1.0, lambda: sum_present(frame, table, supports, room_for(0), present)

@@ -133,7 +133,7 @@ class Place:
         cell = floor((self.place[0] - frame.origin[0]) * frame.inverse[0]) + frame.ghost
         # A particle is up to two cells beyond the first vertex of its support, now or initially.
         near = range(cell - 3, cell + 3)
-        if sim.scene.initial:
+        if sim.scene.initial or sim.scene.mixed:
             near = range(population.first, population.first + population.layers)
         for number in near:
             layer = number - population.first

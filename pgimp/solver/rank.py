@@ -62,8 +62,8 @@ class Rank:
         Where bodies meet, in scenes with contact.
     present : PresentMeetings or None
         Where bodies in the initial configuration meet.
-    call : Bound
-        Calls the kernels of a step.
+    calls : tuple of Bound
+        Call the kernels of a step, for each part one; see `pgimp.solver.parts`.
     lightest : float
         Mass below which a vertex is not accelerated.
     vertex_bounds : (2, 2) int64
@@ -77,7 +77,7 @@ class Rank:
         and those in which a wall held a particle in.
     errors, failed : (n, 2) int64, int
         Rows and errors of particles at fault in the last step; their number, which may be greater.
-    error_buffer : (2, size, 2) int64
+    error_buffer : (calls, size, 2) int64
         Where the kernels write them.
     """
 
@@ -92,14 +92,14 @@ class Rank:
     ) -> None:
         self.scene, self.comm = scene, comm
         self.lightest = 0.0
-        self.call = Bound()
+        self.calls = tuple(Bound() for _ in range(1 + scene.mixed))
         self.population = Population(
-            particles, count, scene.shape, scene.setting.frame, slab, start
+            particles, count, scene.shape, scene.placing, slab, start
         )
         self.timings = dict.fromkeys((*PHASES, "sort", "balance"), 0.0)
         self.worked = dict.fromkeys(PHASES, 0.0) if shares_cores(comm) else self.timings
         self.particle_steps = self.clamped = self.held = 0
-        self.error_buffer = np.zeros((2, MOST_LISTED, 2), np.int64)
+        self.error_buffer = np.zeros((2 * (1 + scene.mixed), MOST_LISTED, 2), np.int64)
         self.errors, self.failed = self.error_buffer[0, :0], 0
         self.vertex_bounds = np.zeros((2, 2), np.int64)
         self._meet()
@@ -113,7 +113,7 @@ class Rank:
         scene = self.scene
         self.meetings: Meetings | None = None
         self.present: PresentMeetings | None = None
-        if scene.initial and (scene.pairs or scene.lets_go):
+        if scene.mixed or (scene.initial and (scene.pairs or scene.lets_go)):
             self.present = PresentMeetings(scene, self.comm)
         elif scene.pairs:
             self.meetings = Meetings(scene, self.comm)
@@ -125,7 +125,8 @@ class Rank:
         lag = LAG if comm.size > 1 and not scene.initial else 0
         meetings = self.meetings or self.present
         fields = meetings.fields if meetings else ()
-        self.grid = Grid(scene.frame, scene.vertices, slab, lag, fields, scene.bounds)
+        bounds = scene.bounds if scene.initial else None
+        self.grid = Grid(scene.frame, scene.vertices, slab, lag, fields, bounds)
         self.halo = Halo(comm, slab, scene.vertices - 1)
         self.migration = Migration(comm, slab, self.particles)
         outflow = (len(scene.body_names), scene.sums) if scene.escapes else (0, 0)
@@ -134,6 +135,11 @@ class Rank:
         self.ledger = Ledger.empty(
             self.grid.planes, len(scene.faces), constraints, outflow, contacts, len(scene.tools)
         )
+
+    @property
+    def call(self) -> Bound:
+        """Calls the kernels of a step that are for all parts."""
+        return self.calls[0]
 
     @property
     def particles(self) -> Particles:
@@ -193,7 +199,8 @@ class Rank:
         particles : Particles
             The same, with the columns of the scene.
         """
-        window, self.scene, self.call = self.grid.base, scene, Bound()
+        window, self.scene = self.grid.base, scene
+        self.calls = tuple(Bound() for _ in range(1 + scene.mixed))
         self.population.particles = particles
         self._meet()
         self.clearances = Clearances(scene)

@@ -183,7 +183,7 @@ def _inconsistent(
 ) -> str:
     """Return how particles cannot be of this scene, as a step requires; empty if they can."""
     frame = scene.frame
-    x = ((p.origin if scene.initial else p.x)[:n] - frame.origin) * frame.inverse
+    x = (scene.weighed(p, np.arange(n)) - frame.origin) * frame.inverse
     if ((x < 0.0) | (x > np.array(frame.cells, float))).any():
         return "the x of a particle is out of range"
     greatest = {
@@ -201,7 +201,7 @@ def _inconsistent(
         if column.above is not None and not (values > column.above).all():
             return f"the {name} of a particle is not above {column.above:g}"
     layer = p._replace(layer=np.empty_like(p.layer), cell=np.empty_like(p.cell))
-    locate(scene.shape, scene.setting.frame, layer, np.arange(n, dtype=np.int32), frame.vertices)
+    locate(scene.shape, scene.placing, layer, np.arange(n, dtype=np.int32), frame.vertices)
     place = slab.first + np.repeat(np.arange(len(start) - 1), np.diff(start))
     if (p.layer[:n] != place).any() or (layer.layer[:n] != place).any():
         return "a particle is not in its layer"

@@ -16,7 +16,6 @@ from pgimp.jit.cache import messages, problems
 from pgimp.jit.kernel import FOLDER
 from pgimp.kernels.order import layers_of
 from pgimp.kernels.particles import Particles
-from pgimp.kernels.sums import fastest_rate
 from pgimp.mpi.collective import all_or_none
 from pgimp.scene import nearness
 from pgimp.scene.facts import rest_rate
@@ -33,6 +32,7 @@ from pgimp.solver.clock import CourantClock, clock_of
 from pgimp.solver.energywatch import EnergyWatch
 from pgimp.solver.lookahead import rates_at_rest, require_stable_stages
 from pgimp.solver.memory import require
+from pgimp.solver.parts import fastest
 from pgimp.solver.rank import Rank
 from pgimp.solver.restore import outline, read_books, read_particles
 from pgimp.solver.stability import check_first_step, require_end
@@ -190,10 +190,8 @@ def put_in_order(
     open_window(rank, sim.reduction)
     if start is None:
         scene.loads.scale_patches(rank.population, comm)
-    setting = scene.setting.without_shape()
     order, controlled = rank.population.order, scene.controlled or True
-    fastest = fastest_rate(setting, rank.particles, order, controlled)
-    sim.rate = max(comm.allgather(fastest))
+    sim.rate = max(comm.allgather(fastest(scene, rank.particles, order, controlled)))
     if scene.variations:  # waves at rest are the particles', far from which typical ones may be
         if isinstance(sim.clock, CourantClock):
             sim.clock.rest_rate = sim.rate or np.inf

@@ -16,7 +16,7 @@ from pgimp.errors import CaseError, RunError
 from pgimp.kernels.concepts import Order
 from pgimp.kernels.ledger import Ledger
 from pgimp.kernels.particles import Particles
-from pgimp.kernels.sums import STRAIN, fastest_rate
+from pgimp.kernels.sums import STRAIN
 from pgimp.scene.facts import rest_rate
 from pgimp.scene.geometry import take_as_empty
 from pgimp.scene.scene import Scene
@@ -24,6 +24,7 @@ from pgimp.solver.clock import clock_of
 from pgimp.solver.decomposition import partition
 from pgimp.solver.diagnostics import sums_of_bodies
 from pgimp.solver.energywatch import EnergyWatch
+from pgimp.solver.parts import fastest
 from pgimp.solver.stability import check_first_step
 from pgimp.solver.warmup import warm_up
 
@@ -82,10 +83,8 @@ def enter(sim: Any) -> None:
         rank.free.states = [free[name] for name, _ in _free(rank)]
 
     sim.stage, sim.case, sim.scene, sim.balance = sim.stage + 1, case, new, balance
-    fastest = fastest_rate(
-        new.setting.without_shape(), particles, rank.population.order, new.controlled or True
-    )
-    sim.rate = max(sim.rate, *comm.allgather(fastest))
+    rate = fastest(new, particles, rank.population.order, new.controlled or True)
+    sim.rate = max(sim.rate, *comm.allgather(rate))
     rate = max(rest_rate(new, body) for body in range(len(new.body_names)))
     if new.variations:  # as in `Simulation`
         rate = sim.rate

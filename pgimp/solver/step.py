@@ -1,6 +1,6 @@
 """One explicit time step, update stress last: the file to read first."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from time import perf_counter, thread_time
 from typing import Any
@@ -14,9 +14,10 @@ from pgimp.kernels.ledger import Ledger
 from pgimp.kernels.loads import Loads
 from pgimp.kernels.mirror import fold, fold_volumes, reflect
 from pgimp.kernels.momentum import BEGINNING, REST, WHOLE, update_momentum
-from pgimp.kernels.p2g import particles_to_grid
+from pgimp.kernels.p2g import Others, particles_to_grid
 from pgimp.kernels.response import find_response
 from pgimp.solver.clock import Step
+from pgimp.solver.parts import Part, parts_of
 from pgimp.solver.rank import Rank
 
 
@@ -49,7 +50,7 @@ def step(
         On every rank, as from `begin`. The particles are as they were.
     """
     scene, grid, population, migration = rank.scene, rank.grid, rank.population, rank.migration
-    order, changed = population.ordered, population.changed
+    order, changed, parts = population.ordered, population.changed, parts_of(scene, population)
     loads, ledger, call = scene.loads.at(start), rank.ledger, rank.call
     lap = _stopwatch(rank.timings, rank.worked)
 
@@ -58,7 +59,7 @@ def step(
         lap("contact")
     elif rank.present:
         rank.present.group(rank.grid, population)
-    sum_particles(rank, loads, bool(scene.loads.constraints))
+    sum_particles(rank, parts, loads, bool(scene.loads.constraints))
     lap("P2G")
 
     rank.halo.finish(grid)
@@ -93,18 +94,24 @@ def step(
         rank.present.exchange(grid, population, ledger, t, vertex_forcing, faces)
         lap("contact")
 
-    rate, failed, outflow, found = 0.0, [], 0, 0
+    rate, outflow, found = 0.0, 0, 0
+    failed: list[int] = []
     particle_forcing = on_particles(forcing)
-    for half, layers in enumerate(rank.halo.halves(order.start)):  # first what neighbours wait for
-        report = Report(rank.vertex_bounds, changed[found:], rank.error_buffer[half])
-        wrong, left, moved, fastest, clamped, held = call(  # (26, 27, 29, 30)
-            grid_to_particles, scene.setting, field, population.particles, order, layers,
-            particle_forcing, report, ledger,
-        )  # fmt: skip
-        failed.append(wrong)
-        rate, outflow = max(rate, fastest), outflow + left
-        rank.clamped += clamped
-        rank.held += held
+    for layers in rank.halo.halves(order.start):  # first what neighbours wait for
+        moved = 0
+        for part, on_part in zip(parts, rank.calls, strict=True):
+            mine = changed[found + moved :]
+            report = Report(rank.vertex_bounds, mine, rank.error_buffer[len(failed)])
+            wrong, left, away, fastest, clamped, held = on_part(  # (26, 27, 29, 30)
+                grid_to_particles, part.setting, part.bounded(scene, field), population.particles,
+                part.order, layers, part.forced(particle_forcing), report, ledger,
+            )  # fmt: skip
+            if away and part.places is not None:
+                mine[:away] = part.places[mine[:away]]
+            failed.append(wrong)
+            rate, outflow, moved = max(rate, fastest), outflow + left, moved + away
+            rank.clamped += clamped
+            rank.held += held
         lap("G2P")
         if moved or rank.migrates:
             migration.proceed(population, changed[found : found + moved])
@@ -115,7 +122,7 @@ def step(
         rank.list_errors(failed)
 
     changed = changed[:found]
-    if len(failed) > 1:
+    if len(failed) > len(parts):
         changed.sort()
     if outflow:
         rank.remove_outflow(changed)
@@ -168,19 +175,23 @@ def on_particles(forcing: Forcing) -> Forcing:
     return forcing._replace(loads=forcing.loads._replace(walls=()), marked=(), clearances=())
 
 
-def sum_particles(rank: Rank, loads: Loads, marked: bool) -> None:
+def sum_particles(rank: Rank, parts: Sequence[Part], loads: Loads, marked: bool) -> None:
     """Sum a rank's particles into its planes; `Halo.finish` adds what neighbours have."""
-    scene, grid, particles = rank.scene, rank.grid, rank.particles
-    summed = loads.summed()
-    setting, order = scene.setting.without_materials(), rank.population.ordered
-    if rank.failed:  # others do not know of it yet; such particles may be anywhere
-        order = order._replace(start=np.zeros_like(order.start))
+    grid, particles, every = rank.grid, rank.particles, []
+    for part in parts:
+        order = part.order
+        if rank.failed:  # others do not know of it yet; such particles may be anywhere
+            order = order._replace(start=np.zeros_like(order.start))
+        every.append((part.setting.without_materials(), part.loaded(loads.summed()), order))
     if marked:
-        rank.call(mark_constrained_vertices, setting, grid.window, particles, order, grid.marks)
+        grid.marks.fill(0)
+        for call, (setting, _, order) in zip(rank.calls, every, strict=True):
+            call(mark_constrained_vertices, setting, grid.window, particles, order, grid.marks)
+    (setting, summed, order), others = every[0], Others(*every[1]) if len(every) > 1 else ()
     grid.active.fill(0)
-    for part in rank.halo.parts(order.start):  # first what neighbours wait for
+    for runs in rank.halo.parts(rank.population.start):  # first what neighbours wait for
         rank.call(  # (16, 17, 18, 21, 22)
-            particles_to_grid, setting, grid.field, particles, summed, order, part
+            particles_to_grid, setting, grid.field, particles, summed, order, runs, others
         )
         rank.halo.proceed(grid, marked)
 

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from pgimp.decomposition.grid import Grid
+from pgimp.decomposition.population import Population
 from pgimp.decomposition.slabs import Slab
 from pgimp.kernels.boxes import grow_boxes
 from pgimp.kernels.clearance import find_clearances
@@ -23,7 +24,7 @@ from pgimp.kernels.meet import find_meetings
 from pgimp.kernels.mirror import fold, fold_volumes, reflect
 from pgimp.kernels.momentum import WHOLE, update_momentum
 from pgimp.kernels.order import grow_vertex_bounds, layers_of, locate, merge
-from pgimp.kernels.p2g import complete, particles_to_grid
+from pgimp.kernels.p2g import Others, complete, particles_to_grid
 from pgimp.kernels.particles import Particles
 from pgimp.kernels.response import find_response
 from pgimp.kernels.selection import select_near
@@ -32,6 +33,7 @@ from pgimp.kernels.toolfill import find_touched
 from pgimp.mpi.node import Call, shared_out
 from pgimp.scene.scene import Scene
 from pgimp.solver import presentmeetings
+from pgimp.solver.parts import parts_of
 from pgimp.solver.step import on_particles, on_vertices
 
 
@@ -50,8 +52,11 @@ def _calls(scene: Scene) -> Iterator[Call]:
     start = np.zeros(2, np.int64)
     order = Order(rows, start)
     bounds = np.array([[2**62] * 2, [-(2**62)] * 2])
-    fields = (0,) * len(scene.body_names) if scene.pairs else ()
-    grid = Grid(frame, vertices, Slab(0, 1, None, None), fields=fields, bounds=scene.bounds)
+    fields = (0,) * len(scene.body_names) if scene.pairs or scene.mixed else ()
+    grid = Grid(
+        frame, vertices, Slab(0, 1, None, None), fields=fields,
+        bounds=scene.bounds if scene.initial else None,
+    )  # fmt: skip
     grid.cover(np.full((2, 2), vertices))
     wire = np.empty(0, np.int64)
     bodies, faces = len(scene.material_of), scene.face_parameters(0.0, 0.0)
@@ -67,7 +72,7 @@ def _calls(scene: Scene) -> Iterator[Call]:
     report = Report(bounds, rows.copy(), np.zeros((1, 2), np.int64))
     ledger = Ledger.empty(grid.planes, count, len(constraints))
     contact: Any = ()
-    if scene.initial and (scene.pairs or scene.lets_go):
+    if scene.mixed or (scene.initial and (scene.pairs or scene.lets_go)):
         yield 0.3, lambda: grow_boxes(frame, p, rows, np.zeros((2, bodies, len(frame.cell))))
         yield from presentmeetings.calls(scene, grid, p, vertex_forcing, faces, ledger)
     elif scene.pairs:
@@ -91,26 +96,30 @@ def _calls(scene: Scene) -> Iterator[Call]:
         )
         yield 0.3, lambda: grow_boxes(frame, p, rows, np.zeros((2, len(fields), len(frame.cell))))
         yield 6.0, lambda: particles_to_grid(
-            shaped, grid.field, p, volume_sums(shape), order, np.zeros((0, 3), np.int64)
+            shaped, grid.field, p, volume_sums(shape), order, np.zeros((0, 3), np.int64), ()
         )
-    yield 10.4, lambda: grid_to_particles(
-        setting, grid.field, p, order, np.zeros(0, np.int64), on_particles(forcing), report,
-        ledger,
-    )
-    yield 6.3, lambda: particles_to_grid(
-        shaped, grid.field, p, loads.summed(), order, np.zeros((0, 3), np.int64)
+    summed = []
+    for part in parts_of(scene, Population(p, 0, shape, scene.placing, grid.slab, start)):
+        yield 10.4, partial(
+            grid_to_particles, part.setting, part.bounded(scene, grid.field), p, order,
+            np.zeros(0, np.int64), part.forced(on_particles(forcing)), report, ledger,
+        )  # fmt: skip
+        yield 1.0, partial(fastest_rate, part.setting.without_shape(), p, rows, controlled)
+        summed.append((part.setting.without_materials(), part.loaded(loads.summed()), order))
+    yield 6.3 * len(summed), lambda: particles_to_grid(
+        shaped, grid.field, p, summed[0][1], order, np.zeros((0, 3), np.int64),
+        Others(*summed[1]) if len(summed) > 1 else (),
     )
     yield 2.8, lambda: update_momentum(
         frame, grid.field, faces, vertex_forcing, ledger, contact, WHOLE
     )
-    yield 1.4, lambda: locate(shape, setting.frame, p, rows, frame.vertices)
+    yield 1.4, lambda: locate(shape, scene.placing, p, rows, frame.vertices)
     yield 1.4, lambda: layer_sums(material, p, order, np.zeros((1, bodies, scene.sums)))
-    yield 1.0, lambda: fastest_rate(material, p, rows, controlled)
     yield 0.7, lambda: complete(grid.field, 0, 1, False, np.empty(0))
     yield 0.7, lambda: merge(p, rows, start, rows, 0, rows, rows.copy(), start.copy())
     yield 0.5, lambda: pack_rows(*p.columns(), rows, wire, 0, 0)
     yield 0.4, lambda: unpack_rows(*p.columns(), rows, wire, 0, 0)
-    yield 0.4, lambda: grow_vertex_bounds(shape, setting.frame, p, rows, bounds)
+    yield 0.4, lambda: grow_vertex_bounds(shape, scene.placing, p, rows, bounds)
     yield 0.4, lambda: exact_masses(p, rows, 1.0, np.zeros((bodies, 2), np.int64))
     yield 0.3, lambda: sort_rows(p.layer, p.cell, p.id, rows, rows.copy())
     yield 0.3, lambda: partition_migrants(p.layer, rows, rows, 0, 1, rows.copy(), rows.copy())
@@ -123,7 +132,8 @@ def _calls(scene: Scene) -> Iterator[Call]:
             yield 0.5, partial(fold_volumes, frame, grid.field, grid.G, mirror)
         yield 1.0, partial(reflect, frame, grid.field, mirror, vertex_forcing, ledger)
     if marked:
-        yield 1.0, lambda: mark_constrained_vertices(shaped, grid.window, p, order, grid.marks)
+        for each, _, _ in summed:
+            yield 1.0, partial(mark_constrained_vertices, each, grid.window, p, order, grid.marks)
         yield 1.0, lambda: apply_constraints(grid.field, vertex_forcing, ledger)
     if scene.exact:
         yield 2.0, lambda: layer_errors(

@@ -21,7 +21,7 @@ def vertices(sim):
     grid.active.fill(0)
     particles_to_grid(
         scene_.setting.without_materials(), grid.field, population.particles,
-        scene_.loads.at(0.0), population.ordered, *sim.rank.halo.parts(population.start),
+        scene_.loads.at(0.0), population.ordered, *sim.rank.halo.parts(population.start), (),
     )  # fmt: skip
     planes = grid.G.reshape(*grid.window.extent, 8).copy()
     planes[grid.active == 0] = 0.0

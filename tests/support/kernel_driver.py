@@ -195,7 +195,7 @@ class Rank:
         for part in self.halo.parts(population.start):
             particles_to_grid(
                 self.setting.without_materials(), grid.field, population.particles, loads,
-                population.ordered, part,
+                population.ordered, part, (),
             )  # fmt: skip
             assert not grid.scratch.any()
             self.halo.proceed(grid)

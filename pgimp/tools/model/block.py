@@ -46,7 +46,7 @@ class Block(Simulation):
         if p.origin.shape[1]:
             p.origin[:] = p.x
         rows = np.arange(count, dtype=np.int32)
-        locate(self.scene.shape, self.scene.setting.frame, p, rows, self.scene.frame.vertices)
+        locate(self.scene.shape, self.scene.placing, p, rows, self.scene.frame.vertices)
         here = slab.first <= p.layer[:count]
         here &= p.layer[:count] < slab.first + slab.layers
         arrays: list[np.ndarray] = list(p)

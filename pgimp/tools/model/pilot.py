@@ -16,8 +16,8 @@ from typing import NamedTuple
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError, RunError
 from pgimp.geometry.regions import Points
-from pgimp.kernels.sums import fastest_rate
 from pgimp.mpi.comm import Serial
+from pgimp.solver.parts import fastest
 from pgimp.solver.simulation import Simulation
 from pgimp.tools.model.costs import Costs
 
@@ -180,6 +180,5 @@ def _run(sim: Simulation, case: Case) -> Pilot:
 def _rate(sim: Simulation) -> float:
     """Largest (c_p + |v_p|)/L; of fixed steps, which do not keep it, now and then."""
     if not sim.clock.controlled and sim.step % _LOOK == 0:
-        setting = sim.scene.setting.without_shape()
-        sim.rate = fastest_rate(setting, sim.particles, sim.population.order, True)
+        sim.rate = fastest(sim.scene, sim.particles, sim.population.order, True)
     return sim.rate

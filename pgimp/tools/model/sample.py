@@ -67,10 +67,10 @@ class Scattered(Simulation):
         phase = (p.x[:count] / cell).sum(axis=1)[:, None] * _WAVE
         p.x[:count] += 0.49 * cell / lattice.per_cell * np.sin(phase + np.arange(D))
         p.F[:count] += _STRAIN * np.sin(phase + np.arange(D * D))
-        if scene.initial:
+        if scene.initial or scene.mixed:
             p.origin[:] = p.x
         rows = np.arange(count, dtype=np.int32)
-        locate(scene.shape, scene.setting.frame, p, rows, scene.frame.vertices)
+        locate(scene.shape, scene.placing, p, rows, scene.frame.vertices)
         here = (p.layer[:count] >= slab.first) | (slab.lower is None)
         here &= (p.layer[:count] < end) | (slab.upper is None)
         rows = rows[here]

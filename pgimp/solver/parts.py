@@ -1,0 +1,85 @@
+"""The parts of a rank's particles that kernels take by different settings.
+
+One in most scenes. Where bodies of both configurations are in one case, those in the initial one
+are a part of their own, with velocity fields of their own on the same vertices.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from pgimp.decomposition.population import Population
+from pgimp.kernels.concepts import Forcing, Order, Setting
+from pgimp.kernels.loads import Loads
+from pgimp.kernels.split import split_order
+from pgimp.kernels.sums import fastest_rate
+from pgimp.scene.scene import Scene
+
+
+class Part(NamedTuple):
+    """Particles of one setting.
+
+    Attributes
+    ----------
+    setting : Setting
+        The scene for kernels.
+    order : Order
+        The particles; all parts have the same layers.
+    places : (n,) int32 or None
+        Their places in the order of all; None if they are all.
+    begun : bool
+        Whether they are in the initial configuration, beside others.
+    """
+
+    setting: Setting
+    order: Order
+    places: np.ndarray | None = None
+    begun: bool = False
+
+    def bounded(self, scene: Scene, field: Any) -> Any:
+        """The field with the coordinates between which these particles have to be."""
+        return field._replace(bounds=scene.bounds) if self.begun else field
+
+    def loaded(self, loads: Loads) -> Loads:
+        """The loads that these particles feel."""
+        return loads._replace(mean=()) if self.begun else loads
+
+    def forced(self, forcing: Forcing) -> Forcing:
+        """The forcing that these particles feel."""
+        return forcing._replace(loads=self.loaded(forcing.loads)) if self.begun else forcing
+
+
+def parts_of(scene: Scene, population: Population) -> tuple[Part, ...]:
+    """Return the parts of a rank's particles, one or two; valid until their order changes."""
+    order = population.ordered
+    if not scene.mixed:
+        return (Part(scene.setting, order),)
+    places = np.empty((2, len(order.rows)), np.int32)
+    ends = np.empty((2, len(order.start)), np.int64)
+    split_order(scene.begun, population.particles.body, *order, places, ends)
+    found = [places[i, : ends[i, -1]] for i in range(2)]
+    orders = [Order(order.rows[found[i]], ends[i]) for i in range(2)]
+    return (
+        Part(scene.setting, orders[0], found[0]),
+        Part(scene.setting_begun, orders[1], found[1], True),
+    )
+
+
+def fastest(scene: Scene, particles: Any, rows: np.ndarray, controlled: bool | float) -> float:
+    """`fastest_rate` of the particles in `rows`, whatever their configuration."""
+    return max(
+        fastest_rate(setting, particles, those, controlled)
+        for setting, those in _by_setting(scene, particles, rows)
+    )
+
+
+def _by_setting(scene: Scene, particles: Any, rows: np.ndarray) -> Iterator[tuple[Any, np.ndarray]]:
+    if not scene.mixed:
+        yield scene.setting.without_shape(), rows
+        return
+    begun = scene.begun[particles.body[rows]]
+    yield scene.setting.without_shape(), rows[~begun]
+    yield scene.setting_begun.without_shape(), rows[begun]
