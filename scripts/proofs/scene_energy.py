@@ -41,13 +41,13 @@ class Seen:
         take, exchange = stepping.grid_to_particles, PresentMeetings.exchange
         self.held = None
 
-        def summed(rank, loads, marked):
+        def summed(rank, parts, loads, marked):
             v = rank.particles.v.copy()
             rank.particles.v[:] = 0.0
-            sum_particles(rank, loads, False)
+            sum_particles(rank, parts, loads, False)
             self.carried = rank.grid.G.reshape(-1, RECORD).copy()
             rank.particles.v[:] = v
-            sum_particles(rank, loads, marked)
+            sum_particles(rank, parts, loads, marked)
 
         def updated(frame, field, faces, forcing, ledger, contact, part):
             if part != REST:

@@ -190,6 +190,27 @@ def initial(rng, scene):
             case["boundaries"][face] = "slip"
 
 
+def both(rng, scene):
+    """Some bodies in the initial configuration beside others, with one law of contact or none."""
+    case = scene.case
+    solids = [name for name, body in case["bodies"].items() if "rigid" not in body]
+    begun = {name for name in solids if not runs(scene, name) and rng.random() < 0.6}
+    if not begun or any("configuration" in body for body in case["bodies"].values()):
+        return
+    laws = [entry for entry in case.pop("contact", []) if entry["bodies"] == "all"]
+    if len(solids) == len(begun):
+        begun.discard(solids[0])
+    case["bodies"] = {
+        name: body | {"configuration": "initial"} if name in begun else body
+        for name, body in case["bodies"].items()
+        if "density" not in body.get("rigid", {})
+    }
+    if begun:
+        case["method"].pop("volume", None)
+    if len(case["bodies"]) > 1 and (laws or rng.random() < 0.8):
+        case["contact"] = laws or [{"bodies": "all", "friction": number(rng, 0.0, 0.5)}]
+
+
 class Feature(NamedTuple):
     """A line of the table: see the head of this file."""
 
@@ -226,6 +247,7 @@ FEATURES = (
     Feature("free body", free, 0.12, compiled=True),
     Feature("contact", contact, 0.35, compiled=True),
     Feature("initial configuration", initial, 0.2, compiled=True),
+    Feature("both configurations", both, 0.12, compiled=True),
     Feature("variation", varied, 0.25, compiled=True),
     Feature("stages", stages, 0.25),
     Feature("frames", frames),
