@@ -61,13 +61,6 @@ def check_configuration(
             f"mean is for the current configuration, and '{first}' is in the initial one; take "
             "pointwise, or configuration: current",
         )
-    for name, tool in tools.items():
-        if tool.free:
-            text = (
-                "a rigid body that moves freely meets nothing in the initial configuration yet, as "
-                f"'{first}' is; let it move as prescribed, or take configuration: current"
-            )
-            yield Problem(("bodies", name, "rigid"), text)
     for face, entry in boundaries.items():
         if (entry.approaches or entry.releases) and not hasattr(entry, "friction"):
             yield Problem(

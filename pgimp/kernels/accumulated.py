@@ -14,7 +14,6 @@ with the true response sum_j B_ij^2/m_j, in which impulses accumulate and the la
 accumulated ones (projected Gauss-Seidel). All ranks do the same sweeps, with the same bits.
 """
 
-from math import inf
 from typing import NamedTuple
 
 import numpy as np
@@ -22,9 +21,10 @@ import numpy as np
 from pgimp.jit.kernel import allocating_kernel, inner_kernel, kernel, specialise
 from pgimp.kernels.contact import BILATERAL, MOBILITY, NORMAL, NOW, PUSH, SLIP, WEIGHT
 from pgimp.kernels.contactlaw import exchange
-from pgimp.kernels.encounters import BODIES, ENTRY, SUMS, copy
+from pgimp.kernels.encounters import BODIES, ENTRY, SUMS, VERTEX, copy
 from pgimp.kernels.particles import FloatArray, IntArray
 from pgimp.kernels.present import BEGUN, HEAVY, WEIGHS
+from pgimp.kernels.rigidends import load_rigid, push_rigid
 from pgimp.kernels.startgrid import LOST, MOVES, YIELDS
 from pgimp.kernels.support import weights_at
 
@@ -152,15 +152,9 @@ def find_responses(table, now, before, encounters, sums, values):
 
 
 @inner_kernel
-def _see(contact, a, s, rigid, responses, values):
-    """Load velocity, mass and mobility of an end of a pair as field `a`."""
+def _see(contact, a, s, responses, values):
+    """Load velocity, mass and mobility of an end of a pair that is not rigid as field `a`."""
     row = contact.fields[a]
-    if s < 0:
-        row[WEIGHT] = inf
-        for d in range(3):
-            row[NOW + d] = rigid[3 * a + d]
-            row[MOBILITY + d] = row[BILATERAL + d] = 0.0
-        return
     r, start, entry = responses.row_of[s], responses.start, responses.entry
     u, v, w, most = 0.0, 0.0, 0.0, 0.0
     for k in range(start[r], start[r + 1]):
@@ -175,16 +169,21 @@ def _see(contact, a, s, rigid, responses, values):
     row[WEIGHT] = 1.0 / most if most > 0.0 else 1e300
 
 
-def take_up(contact, encounters, k, responses, values):
+def take_up(contact, frame, encounters, k, responses, values):
     """Load pair `k` as the first pair at a vertex."""
 
 
 @specialise(take_up)
-def _take_up_pair(contact, encounters, k, responses, values):
-    def take_up(contact, encounters, k, responses, values):
-        end = encounters.ends[k]
+def _take_up_pair(contact, frame, encounters, k, responses, values):
+    def take_up(contact, frame, encounters, k, responses, values):
+        end, rigid = encounters.ends[k], encounters.rigid[k]
+        number = (end[VERTEX], end[VERTEX + 1], end[VERTEX + 2])
         for a in range(2):
-            _see(contact, a, end[SUMS + a], encounters.rigid[k], responses, values)
+            s = end[SUMS + a]
+            if s < 0:
+                load_rigid(contact, contact.tools, frame, a, s, number, rigid)
+            else:
+                _see(contact, a, s, responses, values)
             contact.bodies[a], contact.ends[0, a] = end[BODIES + a], a
         contact.ends[0, 2] = end[ENTRY]
         copy(contact.partners[0], encounters.partners[k])
@@ -194,9 +193,7 @@ def _take_up_pair(contact, encounters, k, responses, values):
 
 @inner_kernel
 def _give(s, J, sign, responses, values):
-    """Apply an impulse to the vertices of the start that make up an end of a pair."""
-    if s < 0:
-        return
+    """Apply an impulse to the vertices that make up an end of a pair that is not rigid."""
     r, start, entry = responses.row_of[s], responses.start, responses.entry
     for k in range(start[r], start[r + 1]):
         one = values[responses.column[k]]
@@ -204,6 +201,24 @@ def _give(s, J, sign, responses, values):
             one[MOVES + d] += sign * entry[k] * J[d] * one[YIELDS + d]
             if one[YIELDS + d] == 0.0:
                 one[LOST + d] += sign * entry[k] * J[d]
+
+
+def _give_both(contact, frame, end, J, responses, values):
+    """Apply an impulse to both ends of a pair, with opposite signs."""
+
+
+@specialise(_give_both)
+def _give_to_both(contact, frame, end, J, responses, values):
+    def give(contact, frame, end, J, responses, values):
+        number = (end[VERTEX], end[VERTEX + 1], end[VERTEX + 2])
+        for side in range(2):
+            s, sign = end[SUMS + side], 2.0 * side - 1.0
+            if s < 0:
+                push_rigid(contact.tools, frame, s, number, J, sign)
+            else:
+                _give(s, J, sign, responses, values)
+
+    return give
 
 
 @inner_kernel
@@ -244,7 +259,7 @@ def solve_impulses(contact, free, encounters, responses, values, sweeps, enough)
         for n in range(pairs):
             k = n if sweep % 2 == 0 else pairs - 1 - n
             end, row = encounters.ends[k], encounters.partners[k]
-            take_up(contact, encounters, k, responses, values)
+            take_up(contact, free.frame, encounters, k, responses, values)
             before = (impulse_of(row, 0), impulse_of(row, 1), impulse_of(row, 2))
             exchange(contact, free, number, False, 0, True)
             copy(row, contact.partners[0])
@@ -252,8 +267,7 @@ def solve_impulses(contact, free, encounters, responses, values, sweeps, enough)
                 impulse_of(row, 0) - before[0], impulse_of(row, 1) - before[1],
                 impulse_of(row, 2) - before[2],
             )  # fmt: skip
-            _give(end[SUMS], J, -1.0, responses, values)
-            _give(end[SUMS + 1], J, 1.0, responses, values)
+            _give_both(contact, free.frame, end, J, responses, values)
             for d in range(3):
                 change = max(change, abs(J[d]))
                 most = max(most, abs(impulse_of(row, d)))

@@ -80,6 +80,6 @@ def book_contacts(contact, free, encounters, deep, responses, values, walls, led
             for d in range(3):
                 ledger.impulse[0, walls.faces[wall], d] += sign * impulse_of(row, d)
             continue
-        take_up(contact, encounters, k, responses, values)
+        take_up(contact, free.frame, encounters, k, responses, values)
         number = (end[VERTEX], end[VERTEX + 1], end[VERTEX + 2])
         book(contact, free, number, 0, 1.0, True, ledger, 0)

@@ -24,7 +24,17 @@ from pgimp.kernels.contact import (
 from pgimp.kernels.contactlaw import softness
 from pgimp.kernels.holding import Holding
 from pgimp.kernels.meet import meet_at
-from pgimp.kernels.tools import CAUTIOUS, CENTRE, FREE, GIVEN, LEAST, MOST, RESPONSE, place_of
+from pgimp.kernels.tools import (
+    CAUTIOUS,
+    CENTRE,
+    FREE,
+    GIVEN,
+    LEAST,
+    MOST,
+    RESPONSE,
+    lever,
+    place_of,
+)
 from pgimp.physics.contact import TIED
 
 #: Least impulse across the normal; squares of smaller ones underflow.
@@ -110,26 +120,14 @@ def _add(contact, tools, frame, number, pair, count, plane):
     for d in range(3):
         J = sign * (s[d] + push * n[d])
         for u in range(6):
-            answer[GIVEN + u] += _turned(arm, d, u) * J
+            answer[GIVEN + u] += lever(arm, d, u) * J
         for e in range(3):
             K = ((along - across) * n[d] + drag * s[d]) * n[e] - turn * s[d] * s[e]
             if d == e:
                 K += 1.0 / mobility[d] if tied else across
             for u in range(6):
                 for v in range(6):
-                    answer[RESPONSE + 6 * u + v] += _turned(arm, d, u) * K * _turned(arm, e, v)
-
-
-@inner_kernel
-def _turned(arm, d, u):
-    """Velocity along `d` of a point at `arm` per unit velocity along, or from 3 on about, `u`."""
-    if u < 3:
-        return 1.0 if d == u else 0.0
-    if d == (u + 1) % 3:
-        return -arm[(u + 2) % 3]
-    if d == (u + 2) % 3:
-        return arm[(u + 1) % 3]
-    return 0.0
+                    answer[RESPONSE + 6 * u + v] += lever(arm, d, u) * K * lever(arm, e, v)
 
 
 @inner_kernel

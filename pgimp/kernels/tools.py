@@ -25,7 +25,7 @@ DISTANCE, NORMAL, MEAN, FILLED, SURFACE, BENT, AT = 0, 1, 4, 5, 6, 9, 10
 
 #: Columns of `Tools.answers`: impulse and moment on a free body in the step so far, those of the
 #: last pass, and minus their derivatives by the velocities along and about x, y, z, a matrix of 6 x
-#: 6.
+#: 6; in its place `pgimp.kernels.accumulated` has the body's own response to impulse and moment.
 TAKEN, GIVEN, RESPONSE, ANSWER = 0, 6, 12, 48
 
 
@@ -110,6 +110,18 @@ def look_up(tools, t, D, x, y, z):
     for d in range(3):
         n = row[TURN + 3 * d] * own0 + row[TURN + 3 * d + 1] * own1
         at[NORMAL + d] = (n + row[TURN + 3 * d + 2] * own2) * inverse
+
+
+@inner_kernel
+def lever(arm, d, u):
+    """Velocity along `d` of a point at `arm` per unit velocity along, or from 3 on about, `u`."""
+    if u < 3:
+        return 1.0 if d == u else 0.0
+    if d == (u + 1) % 3:
+        return -arm[(u + 2) % 3]
+    if d == (u + 2) % 3:
+        return arm[(u + 1) % 3]
+    return 0.0
 
 
 @inner_kernel

@@ -58,7 +58,9 @@ class Approach:
         """Search all particles again in the next step: they have changed, or their bodies have."""
         self._pause = 0
 
-    def follow(self, population: Population, groups: np.ndarray, tools: Any, t: Step) -> None:
+    def follow(
+        self, population: Population, groups: np.ndarray, tools: Any, t: Step, rate: float = 0.0
+    ) -> None:
         """Search all particles in a step, if some may have come near by then; collective.
 
         Parameters
@@ -71,15 +73,19 @@ class Approach:
             The rigid bodies, in place.
         t : Step
             The step.
+        rate : float
+            Cells that rigid bodies that move freely cross in a unit of time.
         """
         looked = self._pause == 0
         if looked:
-            self._look(population, groups, tools, t)
+            self._look(population, groups, tools, t, rate)
         self._pause -= 1
         if looked or self.scene.mixed:  # others keep their places
             self._select(population, groups)
 
-    def _look(self, population: Population, groups: np.ndarray, tools: Any, t: Step) -> None:
+    def _look(
+        self, population: Population, groups: np.ndarray, tools: Any, t: Step, rate: float
+    ) -> None:
         """Find the particles near something, and the steps for which this holds; collective."""
         scene, frame, p = self.scene, self.scene.frame, population.particles
         order = population.order
@@ -94,7 +100,7 @@ class Approach:
         every = self.comm.allgather((boxes, speed))
         low = np.min([each[0][0] for each in every], axis=0)
         high = np.max([each[0][1] for each in every], axis=0)
-        speed = max(max(each[1] for each in every), scene.tools.rate)
+        speed = max(max(each[1] for each in every), scene.tools.rate, rate)
         travel = speed * t.dt
         self._pause = max(1, min(LONGEST, int(0.4 * MARGIN / travel))) if travel > 0.0 else LONGEST
         away = reach(scene) + MARGIN

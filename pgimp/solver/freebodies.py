@@ -144,21 +144,7 @@ class FreeBodies:
         find_response : callable
             Sets `answers` for the velocities that are in `tools`.
         """
-        self._inertia, self._free_momenta = [], []
-        tried: list[list[float]] = []
-        for body, state in zip(self.bodies, self.states, strict=True):
-            inertia = body.halfway(state, t.dt)
-            weight = [t.dt * body.bulk.mass * g for g in gravity]
-            push = [p + w for p, w in zip(state.momentum, weight, strict=True)]
-            momenta = [
-                p if may else 0.0
-                for p, may in zip((*push, *state.spin), body.may, strict=True)
-            ]
-            number = self.numbers[len(tried)]
-            tools.motion[number, FORMER : FORMER + 6] = _booked_velocities(body, state, inertia)
-            self._inertia.append(inertia)
-            self._free_momenta.append(momenta)
-            tried.append(solve(body.mass_matrix(inertia), momenta))
+        tried = self._begin(tools, t, gravity)
         self._touched, part, before = False, 1.0, inf
         for number in range(TRIES):
             cautious = number // NEWTON % 2 == 1
@@ -186,6 +172,45 @@ class FreeBodies:
         if not left < ENOUGH:
             find_response()
             self._require_found(self._sum(tools, grid), tried, t)
+
+    def _begin(self, tools: Tools, t: Step, gravity: tuple[float, ...]) -> list[list[float]]:
+        """Return the velocities at the end of a step without impulses."""
+        self._inertia, self._free_momenta = [], []
+        found: list[list[float]] = []
+        for body, state in zip(self.bodies, self.states, strict=True):
+            inertia = body.halfway(state, t.dt)
+            weight = [t.dt * body.bulk.mass * g for g in gravity]
+            push = [p + w for p, w in zip(state.momentum, weight, strict=True)]
+            momenta = [
+                p if may else 0.0
+                for p, may in zip((*push, *state.spin), body.may, strict=True)
+            ]
+            number = self.numbers[len(found)]
+            tools.motion[number, FORMER : FORMER + 6] = _booked_velocities(body, state, inertia)
+            self._inertia.append(inertia)
+            self._free_momenta.append(momenta)
+            found.append(solve(body.mass_matrix(inertia), momenta))
+        return found
+
+    def begin(self, tools: Tools, t: Step, gravity: tuple[float, ...]) -> None:
+        """Set the velocities without impulses, and the responses to these.
+
+        For `pgimp.kernels.accumulated`, where impulses change the velocities one by one; `end` then
+        moves the bodies.
+        """
+        self._set(tools, self._begin(tools, t, gravity))
+        tools.answers[:] = 0.0
+        for number, body in enumerate(self.bodies):
+            M = body.mass_matrix(self._inertia[number])
+            for i in range(6):
+                if body.may[i]:
+                    unit = [float(j == i) for j in range(6)]
+                    row = slice(RESPONSE + 6 * i, RESPONSE + 6 * i + 6)
+                    tools.answers[0, number, row] = solve(M, unit)
+
+    def end(self, tools: Tools, dt: float) -> None:
+        """Move the bodies with the impulses since `begin`; the same on all ranks."""
+        self._move(tools.answers[0, :, GIVEN : GIVEN + 6], dt)
 
     def _set(
         self, tools: Tools, velocities: list[list[float]], cautious: bool = False
@@ -258,9 +283,12 @@ class FreeBodies:
         got = np.zeros((len(self.bodies), ANSWER))
         if self._touched:
             got = self._sum(tools, grid)
-        for number, body in enumerate(self.bodies):
-            taken = got[number, TAKEN : TAKEN + 6].tolist()
-            momenta = tuple(p + J for p, J in zip(self._free_momenta[number], taken, strict=True))
+        self._move(got[:, TAKEN : TAKEN + 6], dt)
+
+    def _move(self, taken: np.ndarray, dt: float) -> None:
+        """Move the bodies; `taken` are impulse and moment on each."""
+        for number, (body, given) in enumerate(zip(self.bodies, taken.tolist(), strict=True)):
+            momenta = tuple(p + J for p, J in zip(self._free_momenta[number], given, strict=True))
             self.states[number] = body.moved(
                 self.states[number], momenta, self._inertia[number], dt
             )

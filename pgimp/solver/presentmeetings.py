@@ -40,10 +40,14 @@ from pgimp.scene.scene import Scene
 from pgimp.solver.approach import Approach, reach
 from pgimp.solver.bonds import bonded, separating_walls, with_walls
 from pgimp.solver.clock import Step
+from pgimp.solver.freebodies import FreeBodies
 
 #: The most sweeps over all pairs in a step, and the relative change of impulses that ends them. A
 #: hundred sweeps to 1e-4 find the same motion, but disks that meet then lose more.
 SWEEPS, ENOUGH = 30, 1e-3
+
+#: The same where rigid bodies move freely: all impulses on one change the velocities of all others.
+TOGETHER = 200, 1e-6
 
 
 class PresentMeetings:
@@ -67,6 +71,8 @@ class PresentMeetings:
         fields of their own unless they are bonded.
     sweeps : int
         Those of the last step.
+    free : FreeBodies or None
+        The rigid bodies that move freely, if there are any.
     """
 
     def __init__(self, scene: Scene, comm: Any) -> None:
@@ -84,6 +90,8 @@ class PresentMeetings:
         self._contact = Contact.empty(
             self.pairs, np.empty(0), 1, self.bodies + 1, len(scene.faces), tools
         )
+        self.free = FreeBodies(scene, comm) if scene.tools.free else None
+        self._accuracy = TOGETHER if self.free else (SWEEPS, ENOUGH)
         self._every_face = scene.standing_faces()
         self._local = local_vertices(scene.vertices, scene.dimension)
 
@@ -120,13 +128,25 @@ class PresentMeetings:
         Velocities and accelerations of the vertices change. Bodies meet where they are now; faces
         and constraints hold the vertices of the start, as at the start.
         """
-        scene, contact, call = self.scene, self._contact, self.call
+        contact, free = self._contact, self.free
         ledger.contact[:, :, CONTACT_AREA] = 0.0
-        if scene.tools:
-            scene.tools.at(t.start, t.end)  # in place
-        self._approach.follow(population, self.groups, contact.tools, t)
-        if not self._approach.any:
-            return
+        if self.scene.tools:
+            self.scene.tools.at(t.start, t.end, free.states if free else None)  # in place
+        if free:
+            free.begin(contact.tools, t, forcing.gravity)
+        rate = free.rate if free else 0.0
+        self._approach.follow(population, self.groups, contact.tools, t, rate)
+        if self._approach.any:
+            self._meet(grid, population, ledger, t, forcing, faces)
+        if free:
+            free.end(contact.tools, t.dt)
+
+    def _meet(
+        self, grid: Grid, population: Population, ledger: Ledger, t: Step, forcing: Forcing,
+        faces: Any,
+    ) -> None:  # fmt: skip
+        """Exchange the impulses of what may be near something."""
+        scene, contact, call = self.scene, self._contact, self.call
         holding = Holding(faces, scene.frame, forcing, contact.unbooked)
         table, vertices = self._gather(grid, population, holding)
         before = vertices.values[:, MOVES:YIELDS].copy()
@@ -197,7 +217,7 @@ class PresentMeetings:
         call(find_vertices, frame, table, start, 1 + max(self.fields, default=0), hashes)
         responses = call(find_responses, table, now, start, encounters, present.sums, values)
         self.sweeps = call(
-            solve_impulses, contact, free, encounters, responses, values, SWEEPS, ENOUGH
+            solve_impulses, contact, free, encounters, responses, values, *self._accuracy
         )
         return encounters, deeper, responses
 

@@ -159,7 +159,8 @@ class Rank:
     @property
     def free(self) -> FreeBodies | None:
         """The rigid bodies that move freely, which all ranks know; None where there are none."""
-        return self.meetings.free if self.meetings else None
+        meetings = self.meetings or self.present
+        return meetings.free if meetings else None
 
     def live(self) -> np.ndarray:
         """Rows of the particles in canonical order, (n,) int64."""

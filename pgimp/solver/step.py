@@ -76,7 +76,7 @@ def step(
     update = partial(
         call, update_momentum, scene.frame, field, faces, vertex_forcing, ledger, contact
     )
-    free = rank.free
+    free = rank.meetings.free if rank.meetings else None
     if free is None:
         update(WHOLE)  # (14, 17)
     else:  # impulses and new velocities depend on each other: solve for both
