@@ -32,6 +32,6 @@ class Body(Model):
         "grid is one of the body as it was at the start, and moves and deforms with it (total "
         "Lagrangian): vibrations and spin last, nothing tears at any stretch, and steps are "
         "cheaper and do not become shorter as the body moves. Faces of the domain hold what lies "
-        "on them at the start; `separating` ones, rigid bodies that move as prescribed and other "
-        "bodies are met where they are. All bodies of a case have the same",
+        "on them at the start; `separating` ones, rigid bodies and other bodies, of either "
+        "configuration, are met where they are",
     )

@@ -19,14 +19,15 @@ from pgimp.kernels.numbered import slot
 from pgimp.kernels.particles import FloatArray, IntArray
 from pgimp.kernels.place import deformation
 from pgimp.kernels.support import slope_at, vertex_at, weights_at
+from pgimp.physics.shapes.base import size
 
 #: Columns of a particle near a meeting: present position and that of its weights, mass, volume,
 #: offset of the volume's centroid, the curvature's share of the gap, whether it is cut, body,
-#: group, field, and whether its weights are those of the start.
-PLACE, START, WEIGHS, VOLUME, OFFSET, BENT, CUT, BODY, GROUP, FIELD, BEGUN = (
-    0, 3, 6, 7, 8, 11, 12, 13, 14, 15, 16,
+#: group, field, whether its weights are those of the start, and its half-widths in cells.
+PLACE, START, WEIGHS, VOLUME, OFFSET, BENT, CUT, BODY, GROUP, FIELD, BEGUN, HALF = (
+    0, 3, 6, 7, 8, 11, 12, 13, 14, 15, 16, 17,
 )  # fmt: skip
-NEAR = 17
+NEAR = 20
 
 #: Columns of a group's sums at a vertex: mass, volume, surface, the offset's correction of the
 #: volume, the curvature's share of the gap and the number in its mean, body.
@@ -75,11 +76,12 @@ def number_of(present, vertex):
 
 
 @kernel
-def take_near(frame, particles, rows, groups, fields, begun, table):
+def take_near(setting, particles, rows, groups, fields, begun, table):
     """Copy the particles near a meeting, (n, NEAR) float64, in canonical order.
 
     `groups`, `fields` and `begun`, of the bodies, are as in `PresentMeetings`.
     """
+    frame = setting.frame
     for i in range(len(rows)):
         p, row = rows[i], table[i]
         row[:] = 0.0
@@ -87,8 +89,11 @@ def take_near(frame, particles, rows, groups, fields, begun, table):
         own, x = read(particles.offset, p, 0, frame.origin), read(particles.x, p, 0, frame.origin)
         X, D = read(particles.origin, p, 0, frame.origin), len(frame.origin)
         row[BEGUN] = begun[particles.body[p]]
+        kept = setting.identity if begun[particles.body[p]] else F
+        half = size(setting.shape, frame.cell, kept)[0]
         for d in range(D):
             row[PLACE + d], row[START + d] = x[d], X[d] if row[BEGUN] else x[d]
+            row[HALF + d] = half[d]
             for e in range(D):
                 row[OFFSET + d] += F[D * d + e] * own[e]
             if own[d] != 0.0:

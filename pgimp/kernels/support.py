@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.kernels.particles import FloatArray, IntArray
 from pgimp.kernels.place import first_vertex
-from pgimp.physics.shapes.base import size, weights
+from pgimp.physics.shapes.base import weights
 
 
 class Supports(NamedTuple):
@@ -113,16 +113,15 @@ def _support_along(shape, frame, half, x, supports, i, d, like):
 
 
 @kernel
-def find_supports(shape, frame, identity, table, column, supports):
-    """Set the supports, but not `at`, of undeformed particles.
+def find_supports(shape, frame, widths, table, column, supports):
+    """Set the supports, but not `at`, of particles.
 
-    Their places stand in `table` from `column` on.
+    Their half-widths and their places stand in `table` from the columns `widths` and `column` on.
     """
-    half = size(shape, frame.cell, identity)[0]
     for i in range(len(table)):
         supports.first[i, :] = 0
         supports.w[i, :, :] = 0.0
         supports.g[i, :, :] = 0.0
         supports.w[i, :, 0] = 1.0
-        x = table[i, column : column + 3]
+        x, half = table[i, column : column + 3], table[i, widths : widths + 3]
         _support(shape, frame, half, x, supports, i, 0, frame.origin)

@@ -21,7 +21,7 @@ def advice(case: Any, bodies: Sequence[BodyFacts]) -> list[str]:
     """
     if not all(_fits(case, body) for body in case.bodies.values()):
         return []
-    if case.escape or any(tool.free for tool in case.tools.values()) or nearness.meet(case):
+    if case.escape or nearness.meet(case):
         return []
     if case.method.volumetric == "mean" or "contact" in case.output.grid:
         return []

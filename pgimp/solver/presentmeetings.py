@@ -15,14 +15,14 @@ from pgimp.decomposition.population import Population
 from pgimp.jit.bound import Bound
 from pgimp.kernels.accumulated import Responses, find_responses, solve_impulses
 from pgimp.kernels.boxes import grow_boxes
-from pgimp.kernels.concepts import Forcing
+from pgimp.kernels.concepts import Forcing, Setting
 from pgimp.kernels.contact import Contact
 from pgimp.kernels.encounters import Encounters, find_encounters
 from pgimp.kernels.heldbooks import book_held
 from pgimp.kernels.holding import Holding
 from pgimp.kernels.ledger import CONTACT_AREA, Ledger
 from pgimp.kernels.numbered import number_keys, room_for
-from pgimp.kernels.present import NEAR, PLACE, START, SUMMED, Present, sum_present, take_near
+from pgimp.kernels.present import HALF, NEAR, PLACE, START, SUMMED, Present, sum_present, take_near
 from pgimp.kernels.presentbooks import book_contacts
 from pgimp.kernels.startgrid import (
     MOVES,
@@ -93,6 +93,7 @@ class PresentMeetings:
         self.free = FreeBodies(scene, comm) if scene.tools.free else None
         self._accuracy = TOGETHER if self.free else (SWEEPS, ENOUGH)
         self._every_face = scene.standing_faces()
+        self._plain = _plain(scene)
         self._local = local_vertices(scene.vertices, scene.dimension)
 
     def forget(self) -> None:
@@ -169,10 +170,10 @@ class PresentMeetings:
         table, supports = np.empty((len(rows), NEAR)), self._supports(len(rows))
         fields = np.array(self.fields or (0,) * self.bodies, np.int64)
         call(
-            take_near, scene.frame, population.particles, rows, self.groups, fields, scene.begun,
+            take_near, self._plain, population.particles, rows, self.groups, fields, scene.begun,
             table,
         )  # fmt: skip
-        call(find_supports, scene.shape, scene.frame, scene.identity, table, START, supports)
+        call(find_supports, scene.shape, scene.frame, HALF, table, START, supports)
         last, step = self._seen
         if len(last) != len(grid.G) // 8:
             last, step = np.full(len(grid.G) // 8, -1, np.int64), 0
@@ -194,7 +195,7 @@ class PresentMeetings:
         scene, contact, call = self.scene, self._contact, self.call
         shape, frame = scene.shape, scene.frame
         now, start = self._supports(len(table)), self._supports(len(table))
-        call(find_supports, shape, frame, scene.identity, table, PLACE, now)
+        call(find_supports, shape, frame, HALF, table, PLACE, now)
         present = self._sum(table, now)
         capacity = 4 * len(present.keys)
         while True:
@@ -211,7 +212,7 @@ class PresentMeetings:
             return None
         deeper = encounters.between(capacity - deep, capacity)
         encounters = encounters.between(0, pairs)
-        call(find_supports, shape, frame, scene.identity, table, START, start)
+        call(find_supports, shape, frame, HALF, table, START, start)
         hashes, values = room_for(len(vertices.keys)), vertices.values
         call(number_keys, vertices.keys, hashes)
         call(find_vertices, frame, table, start, 1 + max(self.fields, default=0), hashes)
@@ -246,6 +247,7 @@ def calls(
     pairs, count = with_walls(scene), len(scene.faces)
     contact = Contact.empty(pairs, np.empty(0), 1, 2, count, tools)
     frame, shape, none = scene.frame, scene.shape, np.empty(0, np.int64)
+    plain = _plain(scene)
     standing, walls = scene.standing_faces(), separating_walls(scene)
     holding = Holding(faces, frame, forcing, contact.unbooked)
     free = _nothing_held(holding)
@@ -255,8 +257,8 @@ def calls(
     present = Present(np.zeros(3, np.int64), none, 1, none, np.empty((0, SUMMED)), none)
     rows = Responses(none, np.zeros(1, np.int64), none, np.empty(0), np.empty((0, 3)))
     values = vertices.values
-    yield 0.5, lambda: take_near(frame, particles, none, none, none, scene.begun, table)
-    yield 1.0, lambda: find_supports(shape, frame, scene.identity, table, PLACE, supports)
+    yield 0.5, lambda: take_near(plain, particles, none, none, none, scene.begun, table)
+    yield 1.0, lambda: find_supports(shape, frame, HALF, table, PLACE, supports)
     yield 3.0, lambda: take_vertices(holding, grid.field, table, supports, Seen(none, 0), vertices)
     yield 1.0, lambda: sum_present(frame, table, supports, room_for(0), present)
     yield 4.0, lambda: find_encounters(contact, frame, standing, walls, present, 1.0, encounters)
@@ -269,6 +271,11 @@ def calls(
     yield 2.0, lambda: book_contacts(
         contact, free, encounters, encounters, rows, values, walls, ledger
     )
+
+
+def _plain(scene: Scene) -> Setting:
+    """The scene for kernels that take particles where they are, and need no materials."""
+    return scene.setting.without_materials()._replace(frame=scene.frame)
 
 
 def _nothing_held(holding: Holding) -> Holding:

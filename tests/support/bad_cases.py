@@ -183,8 +183,6 @@ MISTAKES = [
      "reaches 0.5 beyond the domain at x-min: to -0.5, where the domain ends at 0"),
     ("max: [8.0, 4.0]", "max: [8.0, 6.25]", "23: bodies.right.region",
      "reaches 0.25 beyond the domain at y-max: to 6.25, where the domain ends at 6"),
-    ("velocity: [1.0, 0.0]", "configuration: initial", "21: bodies.right",
-     "is current, and that of 'left' initial; all bodies of a case have the same"),
     ("velocity: [1.0, 0.0]", "velocity: [1.0]", "20: bodies.left.velocity", "expected 2 entries"),
     ("velocity: [1.0, 0.0]", "velocity: 1.0", "20: bodies.left.velocity", "{rotation: ...}, got 1"),
     ("velocity: [1.0, 0.0]", "velocity: [1.0, x]", "20: bodies.left.velocity.1", "the text 'x'"),

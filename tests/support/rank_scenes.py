@@ -573,6 +573,41 @@ def initial_contact():
     )
 
 
+def both_configurations():
+    """Water falls on a plate in the initial configuration, which a free ball hits and a ram pushes.
+
+    The plate is held, moves over the slabs and slides on a floor; the water leaves the domain.
+    """
+    water = {"model": "newtonian", "density": 1.0, "bulk": 200.0, "shear-viscosity": 0.3}
+    held = {"body": "plate", "region": {"box": {"min": [4.0, 1.0], "max": [5.0, 3.0]}}}
+    bodies = {
+        "plate": box([4.0, 1.0], [16.0, 3.0]) | {"configuration": "initial"},
+        "water": box([8.5, 3.6], [14.5, 6.4], [3.0, -2.0], "water"),
+        "block": box([16.5, 0.0], [19.5, 2.0], [-3.0, 0.0], "stiff"),
+        "ball": {"rigid": {"density": 3.0}, "velocity": [1.0, -4.0],
+                 "region": {"ball": {"centre": [6.2, 5.2], "radius": 1.6}}},
+        "ram": {"rigid": {"velocity": [-2.0, 0.0]},
+                "region": {"box": {"min": [21.0, -1.0], "max": [26.0, 4.0]}}},
+    }  # fmt: skip
+    return scene(
+        2,
+        bodies,
+        cells=[24, 8],
+        shape="finite-gimp",
+        end=1.0,
+        step={"courant": 0.3},
+        materials=PAIR | {"water": water},
+        gravity=[0.0, -1.0],
+        boundaries={"y-min": {"separating": {"friction": 0.2}}, "x-min": "slip"},
+        escape={"x-max": "remove", "y-max": "remove"},
+        contact=[{"bodies": "all", "friction": 0.3}],
+        constraints={"grip": held | {"velocity": [None, {"table": [[0.0, 0.0], [1.0, 1.0]]}]}},
+        output={"every": 0.25, "fields": EVERYTHING, "grid": GRID},
+        history={"every": {"steps": 10}},
+        probes={"tip": {"body": "plate", "at": [16.0, 3.0]}, "jet": {"place": [15.0, 4.0]}},
+    ) | {"method": {"shape": "finite-gimp", "particles_per_cell": [2, 2], "volumetric": "mean"}}
+
+
 def cut():
     """A tilted cylinder and a ball, which the lattice cuts, spinning."""
     motion = {
@@ -626,6 +661,7 @@ SCENES = (
             flowing,
             initial,
             initial_contact,
+            both_configurations,
             cut,
             metals,
             affine,
