@@ -25,8 +25,8 @@ from pgimp.kernels.encounters import BODIES, ENTRY, SUMS, VERTEX, copy
 from pgimp.kernels.particles import FloatArray, IntArray
 from pgimp.kernels.present import BEGUN, HEAVY, WEIGHS
 from pgimp.kernels.rigidends import load_rigid, push_rigid
-from pgimp.kernels.startgrid import LOST, MOVES, YIELDS
-from pgimp.kernels.support import weights_at
+from pgimp.kernels.startgrid import LOST, MOVES, YIELDS, reflection
+from pgimp.kernels.support import vertex_at, weights_at
 
 #: Least part of the squares of a row of B at free vertices. Below it the few free ones would have
 #: to compensate for the others, which are prescribed, at many times the speed.
@@ -44,8 +44,8 @@ class Responses(NamedTuple):
         Where each row begins.
     column : (k,) int64
         Numbers of vertices of the start.
-    entry : (k,) float64
-        The entries of B.
+    entry : (k, 3) float64
+        The entries of B, by component: a mirror turns that across it round.
     answer : (rows, 3) float64
         sum_j B_ij^2/m_j, by component, without vertices that are held, see `LEAST_FREE`.
     """
@@ -58,20 +58,20 @@ class Responses(NamedTuple):
 
 
 @inner_kernel
-def _answer(column, entry, first, last, values, part):
+def _answer(column, entry, first, last, values, part, free):
     """Sum of B_ij^2/m_j over a row's free vertices; 0 if nearly all of it is held."""
     found, gives, every = 0.0, 0.0, 0.0
     for k in range(first, last):
-        square = entry[k] ** 2
-        found += square * values[column[k], part]
+        square = entry[k, part] ** 2
+        found += square * values[column[k], free]
         every += square
-        if values[column[k], part] != 0.0:
+        if values[column[k], free] != 0.0:
             gives += square
     return found if gives >= LEAST_FREE * every else 0.0
 
 
 @allocating_kernel
-def find_responses(table, now, before, encounters, sums, values):
+def find_responses(table, now, before, mirrors, encounters, sums, values):
     """Find the rows of B for the encounters.
 
     Parameters
@@ -80,6 +80,8 @@ def find_responses(table, now, before, encounters, sums, values):
         The particles.
     now, before : Supports
         Theirs, at their present places and at those of the start.
+    mirrors
+        As of `take_vertices`.
     encounters : Encounters
         The pairs.
     sums : (m, SUMMED) float64
@@ -110,18 +112,18 @@ def find_responses(table, now, before, encounters, sums, values):
     for r in range(rows):
         many[r + 1] += many[r]
     who, weight = np.empty(many[rows], np.int64), np.empty(many[rows])
-    vertex = np.empty(many[rows], np.int64)
+    place_in = np.empty(many[rows], np.int64)
     filled = many[:rows].copy()
     for i in range(len(table)):
         for q in range(at.shape[1]):
             if at[i, q] >= 0 and row_of[at[i, q]] >= 0:
                 r = row_of[at[i, q]]
                 x, y, z = weights_at(now, i, q)
-                who[filled[r]], weight[filled[r]], vertex[filled[r]] = i, x * y * z, at0[i, q]
+                who[filled[r]], weight[filled[r]], place_in[filled[r]] = i, x * y * z, q
                 filled[r] += 1
     capacity = 64 * rows + at0.shape[1]
     start = np.zeros(rows + 1, np.int64)
-    column, entry = np.empty(capacity, np.int64), np.empty(capacity)
+    column, entry = np.empty(capacity, np.int64), np.empty((capacity, 3))
     answer = np.zeros((rows, 3))
     seen, place = np.full(len(values), -1, np.int64), np.empty(len(values), np.int64)
     used = 0
@@ -130,24 +132,27 @@ def find_responses(table, now, before, encounters, sums, values):
             i = who[k]
             if used + at0.shape[1] > capacity:
                 capacity *= 2
-                longer, more = np.empty(capacity, np.int64), np.empty(capacity)
+                longer, more = np.empty(capacity, np.int64), np.empty((capacity, 3))
                 longer[:used], more[:used] = column[:used], entry[:used]
                 column, entry = longer, more
             part = table[i, WEIGHS] * weight[k] / sums[slots[r], HEAVY]
             moves = table[i, BEGUN] == 0.0  # its own grid is the present one
             for q in range(at0.shape[1]):
                 j = at0[i, q]
-                if j < 0 or (moves and j != vertex[k]):
+                if j < 0 or (moves and q != place_in[k]):
                     continue
                 if seen[j] != r:
                     seen[j], place[j] = r, used
-                    column[used], entry[used] = j, 0.0
+                    column[used], entry[used, :] = j, 0.0
                     used += 1
                 x, y, z = weights_at(before, i, q)
-                entry[place[j]] += part if moves else part * x * y * z
+                share = part if moves else part * x * y * z
+                number = vertex_at(before, i, q)
+                for d in range(3):
+                    entry[place[j], d] += share * reflection(mirrors, number, d)
         start[r + 1] = used
         for d in range(3):
-            answer[r, d] = _answer(column, entry, start[r], used, values, YIELDS + d)
+            answer[r, d] = _answer(column, entry, start[r], used, values, d, YIELDS + d)
     return Responses(row_of, start, column[:used], entry[:used], answer)
 
 
@@ -159,9 +164,9 @@ def _see(contact, a, s, responses, values):
     u, v, w, most = 0.0, 0.0, 0.0, 0.0
     for k in range(start[r], start[r + 1]):
         one = values[responses.column[k]]
-        u += entry[k] * one[MOVES]
-        v += entry[k] * one[MOVES + 1]
-        w += entry[k] * one[MOVES + 2]
+        u += entry[k, 0] * one[MOVES]
+        v += entry[k, 1] * one[MOVES + 1]
+        w += entry[k, 2] * one[MOVES + 2]
     row[NOW], row[NOW + 1], row[NOW + 2] = u, v, w
     for d in range(3):
         row[MOBILITY + d] = row[BILATERAL + d] = responses.answer[r, d]
@@ -198,9 +203,9 @@ def _give(s, J, sign, responses, values):
     for k in range(start[r], start[r + 1]):
         one = values[responses.column[k]]
         for d in range(3):
-            one[MOVES + d] += sign * entry[k] * J[d] * one[YIELDS + d]
+            one[MOVES + d] += sign * entry[k, d] * J[d] * one[YIELDS + d]
             if one[YIELDS + d] == 0.0:
-                one[LOST + d] += sign * entry[k] * J[d]
+                one[LOST + d] += sign * entry[k, d] * J[d]
 
 
 def _give_both(contact, frame, end, J, responses, values):

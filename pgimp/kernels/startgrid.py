@@ -64,6 +64,29 @@ def _key(across, number, fields, field):
 
 
 @inner_kernel
+def image_of(mirrors, number):
+    """Numbers of the vertex that has the sums of one: its image, where it lies beyond a mirror."""
+    x, y, z = number
+    for n in range(len(mirrors)):
+        axis, side, wall = mirrors[n, 0], mirrors[n, 1], mirrors[n, 2]
+        if (number[axis] - wall) * side > 0:
+            back = 2 * wall - number[axis]
+            x, y, z = (
+                back if axis == 0 else x, back if axis == 1 else y, back if axis == 2 else z
+            )  # fmt: skip
+    return x, y, z
+
+
+@inner_kernel
+def reflection(mirrors, number, d):
+    """-1 where component `d` of a vertex is that of its image turned round, else 1."""
+    for n in range(len(mirrors)):
+        if mirrors[n, 0] == d and (number[d] - mirrors[n, 2]) * mirrors[n, 1] > 0:
+            return -1.0
+    return 1.0
+
+
+@inner_kernel
 def _has_weight(supports, i, q):
     """Whether vertex `q` belongs to support `i`."""
     x, y, z = weights_at(supports, i, q)
@@ -71,7 +94,7 @@ def _has_weight(supports, i, q):
 
 
 @kernel
-def take_vertices(holding, field, table, supports, seen, vertices):
+def take_vertices(holding, field, table, supports, mirrors, seen, vertices):
     """Copy the vertices that particles have weight on at the start.
 
     Parameters
@@ -82,6 +105,8 @@ def take_vertices(holding, field, table, supports, seen, vertices):
         After the update of momentum.
     table, supports
         The particles, and their supports at the start.
+    mirrors : (n, 3) int64
+        Axis, side and vertex number of the walls that reflect; what is beyond has its image's sums.
     seen : Seen
         Vertices that have been copied are marked.
     vertices : StartVertices
@@ -99,7 +124,7 @@ def take_vertices(holding, field, table, supports, seen, vertices):
         for q in range(len(supports.local)):
             if not _has_weight(supports, i, q):
                 continue
-            number = vertex_at(supports, i, q)
+            number = image_of(mirrors, vertex_at(supports, i, q))
             r = one * field_size(window) + (number[0] - window.lower[0]) * window.stride[0]
             r += (number[1] - window.lower[1]) * window.stride[1]
             r += (number[2] - window.lower[2]) * window.stride[2]
@@ -125,13 +150,15 @@ def take_vertices(holding, field, table, supports, seen, vertices):
 
 
 @kernel
-def find_vertices(frame, table, supports, fields, hashes):
+def find_vertices(frame, table, supports, mirrors, fields, hashes):
     """Set the numbers of the vertices of supports at the start.
 
     Parameters
     ----------
     table, supports
         The particles, of `fields` velocity fields, and their supports.
+    mirrors
+        As of `take_vertices`.
     hashes
         The numbers of the vertices' keys.
     """
@@ -141,7 +168,8 @@ def find_vertices(frame, table, supports, fields, hashes):
         for q in range(len(supports.local)):
             supports.at[i, q] = -1
             if _has_weight(supports, i, q):
-                key = _key(across, vertex_at(supports, i, q), fields, field)
+                number = image_of(mirrors, vertex_at(supports, i, q))
+                key = _key(across, number, fields, field)
                 supports.at[i, q] = hashes[slot(hashes, key), 1]
 
 

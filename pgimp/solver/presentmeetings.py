@@ -93,7 +93,7 @@ class PresentMeetings:
         self.free = FreeBodies(scene, comm) if scene.tools.free else None
         self._accuracy = TOGETHER if self.free else (SWEEPS, ENOUGH)
         self._every_face = scene.standing_faces()
-        self._plain = _plain(scene)
+        self._plain, self._mirrors = _plain(scene), _mirrors(scene)
         self._local = local_vertices(scene.vertices, scene.dimension)
 
     def forget(self) -> None:
@@ -180,7 +180,9 @@ class PresentMeetings:
         self._seen = Seen(last, step + 1)
         most = supports.at.size
         mine = StartVertices(np.empty(most, np.int64), np.empty((most, STARTED)))
-        found = call(take_vertices, holding, grid.field, table, supports, self._seen, mine)
+        found = call(
+            take_vertices, holding, grid.field, table, supports, self._mirrors, self._seen, mine
+        )
         parts = (table, mine.keys[:found].copy(), mine.values[:found].copy())
         every = self.comm.allgather(parts)
         table, keys, values = (np.concatenate(each) for each in zip(*every, strict=True))
@@ -215,8 +217,11 @@ class PresentMeetings:
         call(find_supports, shape, frame, HALF, table, START, start)
         hashes, values = room_for(len(vertices.keys)), vertices.values
         call(number_keys, vertices.keys, hashes)
-        call(find_vertices, frame, table, start, 1 + max(self.fields, default=0), hashes)
-        responses = call(find_responses, table, now, start, encounters, present.sums, values)
+        mirrors, fields = self._mirrors, 1 + max(self.fields, default=0)
+        call(find_vertices, frame, table, start, mirrors, fields, hashes)
+        responses = call(
+            find_responses, table, now, start, mirrors, encounters, present.sums, values
+        )
         self.sweeps = call(
             solve_impulses, contact, free, encounters, responses, values, *self._accuracy
         )
@@ -247,7 +252,7 @@ def calls(
     pairs, count = with_walls(scene), len(scene.faces)
     contact = Contact.empty(pairs, np.empty(0), 1, 2, count, tools)
     frame, shape, none = scene.frame, scene.shape, np.empty(0, np.int64)
-    plain = _plain(scene)
+    plain, mirrors = _plain(scene), _mirrors(scene)
     standing, walls = scene.standing_faces(), separating_walls(scene)
     holding = Holding(faces, frame, forcing, contact.unbooked)
     free = _nothing_held(holding)
@@ -255,16 +260,20 @@ def calls(
     table, supports = np.empty((0, NEAR)), Supports.empty(0, local)
     vertices, encounters = StartVertices(none, np.empty((0, STARTED))), Encounters.empty(0)
     present = Present(np.zeros(3, np.int64), none, 1, none, np.empty((0, SUMMED)), none)
-    rows = Responses(none, np.zeros(1, np.int64), none, np.empty(0), np.empty((0, 3)))
+    rows = Responses(none, np.zeros(1, np.int64), none, np.empty((0, 3)), np.empty((0, 3)))
     values = vertices.values
     yield 0.5, lambda: take_near(plain, particles, none, none, none, scene.begun, table)
     yield 1.0, lambda: find_supports(shape, frame, HALF, table, PLACE, supports)
-    yield 3.0, lambda: take_vertices(holding, grid.field, table, supports, Seen(none, 0), vertices)
+    yield 3.0, lambda: take_vertices(
+        holding, grid.field, table, supports, mirrors, Seen(none, 0), vertices
+    )
     yield 1.0, lambda: sum_present(frame, table, supports, room_for(0), present)
     yield 4.0, lambda: find_encounters(contact, frame, standing, walls, present, 1.0, encounters)
     yield 0.2, lambda: number_keys(none, room_for(0))
-    yield 0.3, lambda: find_vertices(frame, table, supports, 1, room_for(0))
-    yield 2.0, lambda: find_responses(table, supports, supports, encounters, present.sums, values)
+    yield 0.3, lambda: find_vertices(frame, table, supports, mirrors, 1, room_for(0))
+    yield 2.0, lambda: find_responses(
+        table, supports, supports, mirrors, encounters, present.sums, values
+    )
     yield 2.0, lambda: solve_impulses(contact, free, encounters, rows, values, 1, ENOUGH)
     yield 0.3, lambda: give_to_vertices(frame, grid.field, none, np.empty((0, 3)), 1.0)
     yield 1.0, lambda: book_held(holding, grid.field, vertices, ledger)
@@ -276,6 +285,16 @@ def calls(
 def _plain(scene: Scene) -> Setting:
     """The scene for kernels that take particles where they are, and need no materials."""
     return scene.setting.without_materials()._replace(frame=scene.frame)
+
+
+def _mirrors(scene: Scene) -> np.ndarray:
+    """Axis, side and vertex number of the walls that reflect, (n, 3) int64."""
+    frame = scene.frame
+    rows = [
+        (each.axis, each.side, frame.ghost + (each.side > 0) * frame.cells[each.axis])
+        for each in scene.mirrors
+    ]
+    return np.array(rows, np.int64).reshape(-1, 3)
 
 
 def _nothing_held(holding: Holding) -> Holding:

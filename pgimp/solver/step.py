@@ -87,12 +87,13 @@ def step(
         free.move(contact.tools, grid, t.dt)
     if forcing.marked:
         call(apply_constraints, field, vertex_forcing, ledger)
+    if rank.present:
+        lap("momentum")
+        rank.present.exchange(grid, population, ledger, t, vertex_forcing, faces)
+        lap("contact")
     for mirror in reversed(scene.mirrors):
         call(reflect, scene.frame, field, mirror, vertex_forcing, ledger)
     lap("momentum")
-    if rank.present:
-        rank.present.exchange(grid, population, ledger, t, vertex_forcing, faces)
-        lap("contact")
 
     rate, outflow, found = 0.0, 0, 0
     failed: list[int] = []
