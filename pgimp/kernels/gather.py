@@ -4,8 +4,10 @@ from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import load, vector
 from pgimp.jit.tuples import joined, plus_scaled
 from pgimp.kernels.batch import entry, extent, extents
+from pgimp.kernels.cornertransfer import gather_corners
 from pgimp.kernels.mean import factor, no_rates
 from pgimp.kernels.transfer import last_entries, last_step
+from pgimp.physics.shapes.base import by_corners
 
 
 def _rates(mean, f, u):
@@ -145,4 +147,8 @@ def _gather(shape, G, support, place, stride, like, mean):
         count = extent(shape, support.buffer, last, support.j)
         return _gather_some(most, count, G, support, place, counts, stride, mean)
 
+    if by_corners(shape):
+        return lambda shape, G, support, place, stride, like, mean: gather_corners(
+            shape, G, support, place, stride, like
+        )
     return gather

@@ -6,8 +6,10 @@ from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import load, store
 from pgimp.jit.tuples import scaled
 from pgimp.kernels.batch import entry, extent, extents
+from pgimp.kernels.cornertransfer import scatter_corners
 from pgimp.kernels.mean import factor, factored, plus_factored
 from pgimp.kernels.transfer import last_entries, last_step
+from pgimp.physics.shapes.base import by_corners
 
 
 class Share(NamedTuple):
@@ -175,4 +177,8 @@ def _scatter(shape, G, support, place, stride, share):
         count = extent(shape, support.buffer, last, support.j)
         _scatter_some(like, count, G, support, place, counts, stride, share)
 
+    if by_corners(shape):
+        return lambda shape, G, support, place, stride, share: scatter_corners(
+            shape, G, support, place, stride, share
+        )
     return scatter
