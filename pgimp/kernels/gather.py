@@ -139,6 +139,21 @@ def gather(shape, G, support, place, stride, like, mean):
 
 @specialise(gather)
 def _gather(shape, G, support, place, stride, like, mean):
+    if by_corners(shape):
+        return lambda shape, G, support, place, stride, like, mean: gather_corners(
+            shape, G, support, place, stride, like
+        )
+    return lambda shape, G, support, place, stride, like, mean: gather_products(
+        shape, G, support, place, stride, like, mean
+    )
+
+
+def gather_products(shape, G, support, place, stride, like, mean):
+    """As `gather`, for weights that are products of those along the directions, of any shape."""
+
+
+@specialise(gather_products)
+def _gather_products(shape, G, support, place, stride, like, mean):
     outer, last = (0,) * (len(like) - 1), len(like) - 1
     most = (0.0,) * shape.instance_class.vertices()
 
@@ -147,8 +162,4 @@ def _gather(shape, G, support, place, stride, like, mean):
         count = extent(shape, support.buffer, last, support.j)
         return _gather_some(most, count, G, support, place, counts, stride, mean)
 
-    if by_corners(shape):
-        return lambda shape, G, support, place, stride, like, mean: gather_corners(
-            shape, G, support, place, stride, like
-        )
     return gather

@@ -168,6 +168,21 @@ def scatter(shape, G, support, place, stride, share):
 
 @specialise(scatter)
 def _scatter(shape, G, support, place, stride, share):
+    if by_corners(shape):
+        return lambda shape, G, support, place, stride, share: scatter_corners(
+            shape, G, support, place, stride, share
+        )
+    return lambda shape, G, support, place, stride, share: scatter_products(
+        shape, G, support, place, stride, share
+    )
+
+
+def scatter_products(shape, G, support, place, stride, share):
+    """As `scatter`, for weights that are products of those along the directions, of any shape."""
+
+
+@specialise(scatter_products)
+def _scatter_products(shape, G, support, place, stride, share):
     last = len(share.types[2]) - 1
     outer = (0,) * last
     like = (0.0,) * shape.instance_class.vertices()
@@ -177,8 +192,4 @@ def _scatter(shape, G, support, place, stride, share):
         count = extent(shape, support.buffer, last, support.j)
         _scatter_some(like, count, G, support, place, counts, stride, share)
 
-    if by_corners(shape):
-        return lambda shape, G, support, place, stride, share: scatter_corners(
-            shape, G, support, place, stride, share
-        )
     return scatter
