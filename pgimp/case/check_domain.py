@@ -56,7 +56,7 @@ def check_method(dimensions: int, method: Any) -> Problems:
     """Check that there is one number of particles a direction, and options for boxes only."""
     counts = method.particles_per_cell
     yield from length(("method", "particles_per_cell"), counts, dimensions)
-    if method.volumetric == "mean" and method.chi != "box":
+    if method.volumetric == "mean" and not (method.chi == "box" and method.separable):
         yield Problem(
             ("method", "volumetric"),
             f"mean is for particles that are boxes, whose parts in cells are known; {method.shape} "

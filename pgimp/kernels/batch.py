@@ -7,15 +7,17 @@ one particle after the other.
 from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import bits, load, number, store, vector
 from pgimp.jit.tuples import scaled
+from pgimp.kernels.corners import keep_corners
 from pgimp.kernels.fields import move_to_fields
 from pgimp.kernels.fours import coordinates, deformations
 from pgimp.kernels.place import first_vertex
-from pgimp.physics.shapes.base import size, weights
+from pgimp.physics.shapes.base import by_corners, size, weights
 
 #: Numbers in the buffer for the supports of a batch: for each direction weights (19), gradients
 #: (20) and weights times arms, each of up to four vertices, then the place of the first vertex;
-#: each four times. From `MEANS` on there is space for `pgimp.kernels.mean`.
-SUPPORT_SIZE = 216
+#: each four times. From `MEANS` on there is space for `pgimp.kernels.mean`. Supports by corners
+#: have those of `pgimp.kernels.corners`, on either side of the place.
+SUPPORT_SIZE = 224
 _DIRECTION, _QUANTITY, _PLACE, MEANS = 48, 16, 144, 152
 
 
@@ -100,7 +102,13 @@ def _supports(shape, frame, window, particles, rows, layer, buffer, arms):
         store(buffer, _PLACE, _across(shape, frame, window, buffer, arms, 1, half[1:], x[1:]))
         move_to_fields(window, particles, rows, buffer, _PLACE)
 
-    return supports
+    def corners(shape, frame, window, particles, rows, layer, buffer, arms):
+        F, x = deformations(frame, particles, rows), coordinates(frame, particles, rows)
+        place = keep_corners(shape, frame, window, F, x, layer, buffer, arms)
+        store(buffer, _PLACE, place)
+        move_to_fields(window, particles, rows, buffer, _PLACE)
+
+    return corners if by_corners(shape) else supports
 
 
 def keep_support(buffer, d, w, g):

@@ -11,11 +11,13 @@ does not matter.
 from pgimp.jit.kernel import kernel, specialise
 from pgimp.jit.simd import bits, lane, pack, stack, where
 from pgimp.kernels.batch import SUPPORT_SIZE, entry, extent, first_place, supports
+from pgimp.kernels.cornertransfer import corner
 from pgimp.kernels.fours import LANES, four, take
 from pgimp.kernels.heldcodes import LEAST_WEIGHT, SEVERAL
 from pgimp.kernels.loads import given
 from pgimp.kernels.record import ACCELERATION, HELD, MASS, RECORD, VELOCITY
 from pgimp.kernels.transfer import Support
+from pgimp.physics.shapes.base import by_corners
 
 
 def any_held(particles, rows):
@@ -54,6 +56,43 @@ def _mark_along(shape, mask, bit, place, support, d, stride, like):
     return line
 
 
+def _mark_cell(mask, bit, place, w, t, stride):
+    """Set a bit at the vertices round the place t in a cell, as `spread` in `cornertransfer`."""
+
+
+@specialise(_mark_cell)
+def _mark_cell_along(mask, bit, place, w, t, stride):
+    def vertex(mask, bit, place, w, t, stride):
+        if w >= LEAST_WEIGHT:
+            mask[place // RECORD] |= bit
+
+    def both(mask, bit, place, w, t, stride):
+        _mark_cell(mask, bit, place, w * (1.0 - t[0]), t[1:], stride[1:])
+        _mark_cell(mask, bit, place + stride[0], w * t[0], t[1:], stride[1:])
+
+    return vertex if len(t) == 0 else both
+
+
+def _mark_support(shape, mask, bit, place, support, stride, like):
+    """Set a bit at the vertices in a particle's support, by whatever it has."""
+
+
+@specialise(_mark_support)
+def _mark_support_of(shape, mask, bit, place, support, stride, like):
+    corners, part = 2 ** len(like), 0.5 ** len(like)
+
+    def by_all(shape, mask, bit, place, support, stride, like):
+        for c in range(corners):
+            t, cell = corner(support.buffer, c, support.j, like)
+            _mark_cell(mask, bit, place + cell, part, t, stride)
+
+    if by_corners(shape):
+        return by_all
+    return lambda shape, mask, bit, place, support, stride, like: _mark(
+        shape, mask, bit, place, support, 0, stride, like
+    )
+
+
 @kernel
 def mark_constrained_vertices(setting, window, particles, order, mask):
     """Mark the vertices in the supports of constrained particles.
@@ -81,7 +120,7 @@ def mark_constrained_vertices(setting, window, particles, order, mask):
                     place = first_place(buffer, j) + layer * window.stride[0]
                     bit = 1 << (number - 1)
                     support = Support(buffer, j)
-                    _mark(shape, mask, bit, place, support, 0, window.stride, frame.origin)
+                    _mark_support(shape, mask, bit, place, support, window.stride, frame.origin)
 
 
 def constrained_velocity(marked, r, v):

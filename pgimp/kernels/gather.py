@@ -4,8 +4,10 @@ from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import load, vector
 from pgimp.jit.tuples import joined, plus_scaled
 from pgimp.kernels.batch import entry, extent, extents
+from pgimp.kernels.cornertransfer import gather_corners
 from pgimp.kernels.mean import factor, no_rates
 from pgimp.kernels.transfer import last_entries, last_step
+from pgimp.physics.shapes.base import by_corners
 
 
 def _rates(mean, f, u):
@@ -137,6 +139,21 @@ def gather(shape, G, support, place, stride, like, mean):
 
 @specialise(gather)
 def _gather(shape, G, support, place, stride, like, mean):
+    if by_corners(shape):
+        return lambda shape, G, support, place, stride, like, mean: gather_corners(
+            shape, G, support, place, stride, like
+        )
+    return lambda shape, G, support, place, stride, like, mean: gather_products(
+        shape, G, support, place, stride, like, mean
+    )
+
+
+def gather_products(shape, G, support, place, stride, like, mean):
+    """As `gather`, for weights that are products of those along the directions, of any shape."""
+
+
+@specialise(gather_products)
+def _gather_products(shape, G, support, place, stride, like, mean):
     outer, last = (0,) * (len(like) - 1), len(like) - 1
     most = (0.0,) * shape.instance_class.vertices()
 

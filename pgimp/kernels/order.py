@@ -7,7 +7,7 @@ import numpy as np
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.jit.memory import copy
 from pgimp.kernels.place import coordinate, first_vertex, half_widths
-from pgimp.physics.shapes.base import size, weights
+from pgimp.physics.shapes.base import by_corners, size, weights
 
 #: Cells a block has along a direction, as a power of two.
 BLOCK = 2
@@ -35,12 +35,26 @@ def vertices_of(cell: np.ndarray, vertices: tuple[int, ...]) -> np.ndarray:
     return first
 
 
-def _breadth(w):
-    """Vertices less two of a support, by its weights: those at its end may have none."""
+def _breadth(shape, half, f):
+    """Vertices less two of a support, by its weights: those at its end may have none.
+
+    Transfers by corners do not branch on them.
+    """
 
 
 @specialise(_breadth)
-def _breadth_of(w):
+def _breadth_of(shape, half, f):
+    if by_corners(shape):
+        return lambda shape, half, f: 0
+    return lambda shape, half, f: _weighted(weights(shape, half, f)[0])
+
+
+def _weighted(w):
+    """Vertices less two that have weight."""
+
+
+@specialise(_weighted)
+def _weighted_of(w):
     if len(w) == 2:
         return lambda w: 0
     if len(w) == 3:
@@ -65,7 +79,7 @@ def locate(shape, frame, particles, rows, vertices):
             x = coordinate(frame, particles, p, d)
             vertex = first_vertex(frame, d, half[d], x)
             f = (x - frame.origin[d]) * frame.inverse[d] - (vertex - frame.ghost)
-            breadth = 3 * breadth + _breadth(weights(shape, half[d], f)[0])
+            breadth = 3 * breadth + _breadth(shape, half[d], f)
             if d == 0:
                 particles.layer[p] = vertex
                 block = vertex

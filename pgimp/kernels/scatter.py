@@ -6,8 +6,10 @@ from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import load, store
 from pgimp.jit.tuples import scaled
 from pgimp.kernels.batch import entry, extent, extents
+from pgimp.kernels.cornertransfer import scatter_corners
 from pgimp.kernels.mean import factor, factored, plus_factored
 from pgimp.kernels.transfer import last_entries, last_step
+from pgimp.physics.shapes.base import by_corners
 
 
 class Share(NamedTuple):
@@ -166,6 +168,21 @@ def scatter(shape, G, support, place, stride, share):
 
 @specialise(scatter)
 def _scatter(shape, G, support, place, stride, share):
+    if by_corners(shape):
+        return lambda shape, G, support, place, stride, share: scatter_corners(
+            shape, G, support, place, stride, share
+        )
+    return lambda shape, G, support, place, stride, share: scatter_products(
+        shape, G, support, place, stride, share
+    )
+
+
+def scatter_products(shape, G, support, place, stride, share):
+    """As `scatter`, for weights that are products of those along the directions, of any shape."""
+
+
+@specialise(scatter_products)
+def _scatter_products(shape, G, support, place, stride, share):
     last = len(share.types[2]) - 1
     outer = (0,) * last
     like = (0.0,) * shape.instance_class.vertices()

@@ -21,9 +21,9 @@ from pgimp.jit.kernel import inner_kernel, specialise
 from pgimp.jit.simd import lane, pack, stack
 from pgimp.kernels.batch import SUPPORT_SIZE, keep_support
 from pgimp.kernels.fields import field_of
-from pgimp.kernels.gather import gather
+from pgimp.kernels.gather import gather_products
 from pgimp.kernels.place import coordinate, deformation, first_vertex, half_widths
-from pgimp.kernels.scatter import Share, scatter
+from pgimp.kernels.scatter import Share, scatter_products
 from pgimp.kernels.transfer import Support
 from pgimp.physics.shapes.stretch import LARGEST
 
@@ -213,7 +213,7 @@ def scatter_tractions(tractions, setting, field, particles, rows, span, layer):
             place += field_of(window, particles, p)
             force = pack(0.0, f[0], f[1], f[2])
             share = Share(zero, force, nothing, (), ())
-            scatter(shape, scratch, Support(buffer, 0), place, window.stride, share)
+            scatter_products(shape, scratch, Support(buffer, 0), place, window.stride, share)
 
 
 @inner_kernel
@@ -237,6 +237,6 @@ def traction_power(tractions, setting, field, particles, rows, span, layer):
             place = _support(tractions[t], (shape, frame), window, particles, p, layer, F, buffer)
             place += field_of(window, particles, p)
             support, at = Support(buffer, 0), start + place
-            U = gather(shape, G, support, at, window.stride, frame.origin, ())[0]
+            U = gather_products(shape, G, support, at, window.stride, frame.origin, ())[0]
             power += f[0] * lane(U, 1) + f[1] * lane(U, 2) + f[2] * lane(U, 3)
     return power

@@ -22,7 +22,7 @@ from scene_materials import flows, materials, memory, metals, runs, varied, visc
 from scene_output import checkpoints, frames, grid_frames, history, probes, small_files
 from scene_stages import stages
 
-SHAPES = ("gimp", "cpdi", "mpm", "finite-gimp", "fuzzy-constant", "fuzzy-nearest")
+SHAPES = ("gimp", "cpdi", "cpdi-corners", "mpm", "finite-gimp", "fuzzy-constant", "fuzzy-nearest")
 WALLS = ("fixed", "slip", "separating", "moving")
 
 

@@ -6,7 +6,7 @@ from scenes import box, energy, field, finish, scene, start
 
 from pgimp.kernels.p2g import particles_to_grid
 
-SHAPES = ["mpm", "gimp", "finite-gimp", "fuzzy-constant"]
+SHAPES = ["mpm", "gimp", "finite-gimp", "cpdi-corners", "fuzzy-constant"]
 
 
 def affine(dimension, body, shape="gimp", **parts):
@@ -50,11 +50,14 @@ def test_a_linear_field_arrives_as_it_is_up_to_the_surface(shape):
     assert np.abs(momentum / mass[:, None] - expected).max() > 0.1
 
 
-@pytest.mark.parametrize("dimension", [1, 2, 3])
-def test_momentum_is_that_of_the_particles(dimension):
+@pytest.mark.parametrize(
+    ("dimension", "shape"),
+    [(1, "gimp"), (2, "gimp"), (3, "gimp"), (2, "cpdi-corners"), (3, "cpdi-corners")],
+)
+def test_momentum_is_that_of_the_particles(dimension, shape):
     """Whatever the gradients are: the arms' weighted sum is zero (linear completeness)."""
     low, high = [2.1, 2.2, 2.3][:dimension], [4.0, 4.3, 4.1][:dimension]
-    sim = start(affine(dimension, box(low, high)))
+    sim = start(affine(dimension, box(low, high), shape))
     p, rows = sim.particles, sim.live()
     rng = np.random.default_rng(6)
     p.v[rows] = rng.normal(size=p.v[rows].shape)

@@ -70,6 +70,8 @@ MISTAKES = [
      "mean is for particles that are boxes", "mpm are none", "gimp, finite-gimp or cpdi"),
     ("shape: gimp,", "shape: fuzzy-constant, volumetric: mean,", "6: method.volumetric",
      "fuzzy-constant are none"),
+    ("shape: gimp,", "shape: cpdi-corners, volumetric: mean,", "6: method.volumetric",
+     "cpdi-corners are none"),
     ("shape: gimp,", "shape: gimp, volumetric: men,", "6: method.volumetric", "'mean'"),
     # Types
     ("1.0e6", '"1.0e6"', "13: materials.steel.young", "got the text '1.0e6'", "without quotes"),

@@ -51,7 +51,9 @@ def materials_of(shape: Any) -> tuple:
 VARIANTS = (*SHAPES, "fuzzy-nearest-fixed", "fuzzy-constant-fixed")
 
 #: One of each kind of kernel: the fuzzy shapes differ from each other in nothing but a number.
-KINDS = ("mpm", "gimp", "finite-gimp", "fuzzy-nearest", "fuzzy-constant-fixed")
+KINDS = (
+    "mpm", "gimp", "finite-gimp", "cpdi-corners", "fuzzy-nearest", "fuzzy-constant-fixed",
+)  # fmt: skip
 
 IDENTITIES = tuple(tuple(np.eye(D).ravel().tolist()) for D in (1, 2, 3))
 
@@ -79,7 +81,7 @@ def initial_half(name: str, per_cell: int) -> float:
 def follows(name: str) -> bool:
     """Whether the half-widths follow the deformation."""
     fuzzy = name.startswith("fuzzy") and not name.endswith("-fixed")
-    return fuzzy or name in ("finite-gimp", "cpdi")
+    return fuzzy or name in ("finite-gimp", "cpdi", "cpdi-corners")
 
 
 def make_frame(shape: Any, origin: Sequence[float], cell: Sequence[float], cells: Sequence[int]):

@@ -41,7 +41,7 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(4)
 
 def chi_of(name):
     """Characteristic function of a shape, also of one with a fixed size."""
-    if name == "cpdi":
+    if name in ("cpdi", "cpdi-corners"):
         return ENDS
     return CHI[SHAPES[name.removesuffix("-fixed")].chi]
 

@@ -245,6 +245,10 @@ def squeezed(dimension, shape, faces, **parts):
 SIZED = {
     "line_fuzzy": squeezed(1, "fuzzy-constant", {"x-min": "fixed", "x-max": "separating"}),
     "plane_finite": squeezed(2, "finite-gimp", {"x-min": "slip", "y-min": "separating"}),
+    "plane_corners": squeezed(
+        2, "cpdi-corners", {"x-min": "slip", "y-min": "separating"}, wall="mirror"
+    ),
+    "space_corners": squeezed(3, "cpdi-corners", {"x-min": "fixed", "z-min": "slip"}),
     "plane_fuzzy": squeezed(
         2, "fuzzy-nearest", {"x-min": "slip", "x-max": "separating", "y-min": "separating"}
     ),

@@ -59,13 +59,17 @@ class Reference:
         makes them F l^2 F^T/3. A tent's are l^2/6.
         """
         half = self.half
-        if follows(self.name):
+        if self.name == "cpdi-corners":  # of the box round the corners
+            half = np.abs(np.reshape(F, (self.D, self.D)) * half).sum(axis=1)
+        elif follows(self.name):
             F = np.reshape(F, (self.D, self.D))
             half = np.sqrt(np.diag(F @ np.diag(half**2) @ F.T))
         return np.minimum(half, self.frame.cell), bool((half > self.frame.cell).any())
 
     def of(self, x, F):
         """S_vp, (vertices), and grad S_vp, (vertices, D), of a particle at x: products (19, 20)."""
+        if self.name == "cpdi-corners":
+            return self.of_corners(x, F)
         half, _ = self.half_widths(F)
         pairs = [
             weights(self.name, x[d] - self.vertices[d], self.frame.cell[d], half[d])
@@ -79,6 +83,23 @@ class Reference:
             S = S * w.reshape(along)
             for i in range(self.D):
                 grad[..., i] *= (g if i == d else w).reshape(along)
+        return S, grad
+
+    def of_corners(self, x, F):
+        """Means over the corners, and the gradient of the affine field that fits them best."""
+        edges = np.reshape(F, (self.D, self.D)) * self.half
+        edges *= np.minimum(self.frame.cell / np.abs(edges).sum(axis=1), 1.0)[:, None]
+        S, grad = np.zeros(self.shape), np.zeros((*self.shape, self.D))
+        signs = np.array(list(np.ndindex(*[2] * self.D))) * 2.0 - 1.0
+        corners = signs @ edges.T
+        slopes = np.linalg.pinv(corners)  # (D, corners)
+        for c, corner in enumerate(corners):
+            N = np.ones(())
+            for d, along in enumerate(self.vertices):
+                r = np.abs(x[d] + corner[d] - along) / self.frame.cell[d]
+                N = np.multiply.outer(N, np.maximum(1.0 - r, 0.0))
+            S += N / len(corners)
+            grad += N[..., None] * slopes[:, c]
         return S, grad
 
     def dilatation_of(self, x, F):

@@ -8,11 +8,15 @@ kernels as static methods, in units of cells:
 - ``weights(shape, half, f)``: the weights S_vp (19) of the ``vertices`` vertices of the support
   along one direction and their gradients (20) times the cell size; `f` is the particle's
   coordinate less that of the first vertex, floor(xi - half), so it lies in [half, half + 1).
+
+Where weights are not products of those along the directions there is ``edges(shape, F)`` in place
+of ``weights``: see `pgimp.physics.shapes.cpdi_corners`.
 """
 
 from pgimp.physics.shapes.base import Shape
 from pgimp.physics.shapes.bspline import BsplineCubic, BsplineQuadratic
 from pgimp.physics.shapes.cpdi import Cpdi
+from pgimp.physics.shapes.cpdi_corners import CpdiCorners
 from pgimp.physics.shapes.finite_gimp import FiniteGimp
 from pgimp.physics.shapes.fuzzy import FuzzyConstant, FuzzyNearest
 from pgimp.physics.shapes.gimp import Gimp
@@ -24,6 +28,7 @@ SHAPES: dict[str, type[Shape]] = {
     "gimp": Gimp,
     "finite-gimp": FiniteGimp,
     "cpdi": Cpdi,
+    "cpdi-corners": CpdiCorners,
     "bspline-quadratic": BsplineQuadratic,
     "bspline-cubic": BsplineCubic,
     "fuzzy-nearest": FuzzyNearest,

@@ -92,6 +92,11 @@ class Shape(Model):
         """Whether the particles' size follows the deformation."""
         return False
 
+    @property
+    def separable(self) -> bool:
+        """Whether weights are products of those along the grid's directions."""
+        return True
+
     @abstractmethod
     def parameters(self, cell: tuple[float, ...]) -> Any:
         """Parameters of the kernels, in units of the sides of a cell."""
@@ -162,3 +167,17 @@ def weights(shape, half, f):
 @specialise(weights)
 def _weights(shape, half, f):
     return shape.instance_class.weights
+
+
+def edges(shape, F):
+    """Half edges of a particle's parallelogram, a tuple of D, each of D components in cells."""
+
+
+@exact(edges)
+def _edges(shape, F):
+    return shape.instance_class.edges
+
+
+def by_corners(shape):
+    """Whether a shape, given by its Numba type, has corners (`edges`) in place of `weights`."""
+    return hasattr(shape.instance_class, "edges")

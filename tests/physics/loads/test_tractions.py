@@ -94,7 +94,7 @@ def nanson(sim, n, traction, F):
 @pytest.mark.parametrize(
     ("dimension", "shape", "per_cell"),
     [(1, "gimp", 2), (1, "finite-gimp", 2), (2, "finite-gimp", 2), (2, "finite-gimp", 1),
-     (2, "cpdi", 1), (2, "cpdi", 2)],
+     (2, "cpdi", 1), (2, "cpdi", 2), (2, "cpdi-corners", 2)],
 )  # fmt: skip
 def test_a_free_body_gains_the_momentum_of_its_tractions(dimension, shape, per_cell):
     """Also where boxes are large and faces inclined: no part falls where there is no mass."""
@@ -126,7 +126,8 @@ def test_a_free_body_gains_the_momentum_of_its_tractions(dimension, shape, per_c
 
 @pytest.mark.parametrize(
     ("dimension", "shape"), [(1, "gimp"), (1, "finite-gimp"), (1, "fuzzy-nearest"),
-                             (1, "fuzzy-constant"), (2, "finite-gimp"), (1, "cpdi"), (2, "cpdi")],
+                             (1, "fuzzy-constant"), (2, "finite-gimp"), (1, "cpdi"), (2, "cpdi"),
+                             (2, "cpdi-corners")],
 )  # fmt: skip
 def test_uniform_stress_balances_matching_tractions_at_every_vertex(dimension, shape):
     """In the undeformed lattice, wherever the body has moved, with surfaces that cut particles."""

@@ -25,6 +25,7 @@ CASES = [
     pytest.param(name, per_cell, id=f"{name}-{'x'.join(map(str, per_cell))}")
     for name in VARIANTS
     for per_cell in ((1,), (2,), (4,), (3, 1), (2, 2), (1, 3, 4), (2, 2, 2))
+    if name != "cpdi-corners" or len(per_cell) == 1  # else no products: see tests/kernels
 ]
 
 EPS = np.finfo(float).eps
@@ -232,7 +233,7 @@ def test_point_on_a_vertex():
     assert (slope[0][:, ghost : ghost + 10] == 2 * (np.eye(9, 10, 1) - np.eye(9, 10))).all()
 
 
-@pytest.mark.parametrize(("name", "per_cell"), [c for c in CASES if c.values[0] != "cpdi"])
+@pytest.mark.parametrize(("name", "per_cell"), [c for c in CASES if "cpdi" not in c.values[0]])
 def test_gradient_is_the_derivative_of_the_weight(name, per_cell):
     """Central differences in each direction, the first vertex found anew at each position.
 

@@ -1,0 +1,158 @@
+"""Convected particle domains in full: weights are means of the grid's over a particle's corners.
+
+After Sadeghirad, Brannon and Burghardt, A convected particle domain interpolation technique,
+Int. J. Numer. Meth. Engng 86, 1435-1456 (2011): F makes a particle's box a parallelogram, in 3D a
+parallelepiped, with the corners x_c = x_p + sum_j s_cj F e_j l_j, s_cj = -1 or 1, l_j being the
+half-widths at the start, and
+
+    S_vp = 2^-D sum_c S_v(x_c),    grad S_vp = 2^-D sum_c S_v(x_c) A^-T s_c,    A = F diag(l),
+
+the gradient being the mean, over the parallelogram, of that of what is multilinear between its
+corners. Corners move with the grid: neighbours stay contiguous under any even deformation, also
+shear and rotation, under which the boxes of `cpdi`, along the grid's directions, do not. Where F
+is diagonal the two are the same, in 1D always.
+
+The weights are no products of those along the directions, but each corner's are: the transfers go
+from corner to corner, see `pgimp.kernels.corners`. A support reaches no more than four vertices a
+direction: along a direction of the grid in which the parallelogram extends over more than a cell
+to either side, it is shrunk to that, which the log counts.
+"""
+
+from typing import Any, ClassVar, Literal, NamedTuple
+
+from pydantic import Field
+
+from pgimp.jit.kernel import exact
+from pgimp.physics.shapes.base import WideShape
+from pgimp.physics.shapes.cpdi import CpdiParameters, FixedCpdiParameters
+from pgimp.physics.shapes.stretch import LARGEST
+
+
+def _extents(half, cell, F):
+    """Half-widths of the deformed box's own box along the grid, sum_j |F_ij| l_j, in cells."""
+
+
+@exact(_extents)
+def _extents_of(half, cell, F):
+    if len(half) == 2:
+
+        def extents2(half, cell, F):
+            a, b = half[0] * cell[0], half[1] * cell[1]
+            return (
+                (abs(F[0]) * a + abs(F[1]) * b) / cell[0],
+                (abs(F[2]) * a + abs(F[3]) * b) / cell[1],
+            )
+
+        return extents2
+
+    def extents3(half, cell, F):
+        a, b, c = half[0] * cell[0], half[1] * cell[1], half[2] * cell[2]
+        return (
+            (abs(F[0]) * a + abs(F[1]) * b + abs(F[2]) * c) / cell[0],
+            (abs(F[3]) * a + abs(F[4]) * b + abs(F[5]) * c) / cell[1],
+            (abs(F[6]) * a + abs(F[7]) * b + abs(F[8]) * c) / cell[2],
+        )
+
+    return extents3
+
+
+def _clamped(half, cell, F):
+    """The extents, at most `LARGEST`, and the largest before that."""
+
+
+@exact(_clamped)
+def _clamped_to(half, cell, F):
+    if len(half) == 2:
+
+        def clamped2(half, cell, F):
+            x, y = _extents(half, cell, F)
+            return (min(x, LARGEST), min(y, LARGEST)), max(x, y)
+
+        return clamped2
+
+    def clamped3(half, cell, F):
+        x, y, z = _extents(half, cell, F)
+        return (min(x, LARGEST), min(y, LARGEST), min(z, LARGEST)), max(max(x, y), z)
+
+    return clamped3
+
+
+def _half_edges(half, cell, F):
+    """Vectors F e_j l_j, in cells, after shrinking."""
+
+
+@exact(_half_edges)
+def _half_edges_of(half, cell, F):
+    if len(half) == 2:
+
+        def edges2(half, cell, F):
+            x, y = _extents(half, cell, F)
+            # The least factors that count: LARGEST over an extent of zero would be infinite.
+            x, y = min(LARGEST / x, 1.0) / cell[0], min(LARGEST / y, 1.0) / cell[1]
+            a, b = half[0] * cell[0], half[1] * cell[1]
+            return (F[0] * a * x, F[2] * a * y), (F[1] * b * x, F[3] * b * y)
+
+        return edges2
+
+    def edges3(half, cell, F):
+        x, y, z = _extents(half, cell, F)
+        x, y = min(LARGEST / x, 1.0) / cell[0], min(LARGEST / y, 1.0) / cell[1]
+        z = min(LARGEST / z, 1.0) / cell[2]
+        a, b, c = half[0] * cell[0], half[1] * cell[1], half[2] * cell[2]
+        return (
+            (F[0] * a * x, F[3] * a * y, F[6] * a * z),
+            (F[1] * b * x, F[4] * b * y, F[7] * b * z),
+            (F[2] * c * x, F[5] * c * y, F[8] * c * z),
+        )
+
+    return edges3
+
+
+class CpdiCornersParameters(NamedTuple):
+    """Initial half-widths of the particles' boxes by direction, in cells; sides of a cell."""
+
+    half: tuple[float, ...]
+    cell: tuple[float, ...]
+
+    @staticmethod
+    def vertices():
+        """Vertices a direction in a support."""
+        return 4
+
+    @staticmethod
+    def size(shape, cell, F):
+        """Half-widths of the box along the grid that holds all corners."""
+        return _clamped(shape.half, cell, F)
+
+    @staticmethod
+    def edges(shape, F):
+        """Half edges of the parallelogram, for each a tuple of its components in cells."""
+        return _half_edges(shape.half, shape.cell, F)
+
+
+class CpdiCorners(WideShape):
+    """Parallelograms whose corners move with the grid: large shear and rotation, with stretches."""
+
+    shape: Literal["cpdi-corners"] = Field(description="name of the shape")
+
+    vertices: ClassVar[int] = CpdiCornersParameters.vertices()
+    ends: ClassVar[bool] = True
+
+    @property
+    def follows(self) -> bool:
+        """See `Shape.follows`."""
+        return True
+
+    @property
+    def separable(self) -> bool:
+        """See `Shape.separable`."""
+        return len(self.particles_per_cell) == 1
+
+    def parameters(self, cell: tuple[float, ...]) -> Any:
+        """Parameters of the kernels; in 1D those of `cpdi`."""
+        half = tuple(0.5 / n for n in self.particles_per_cell)
+        return CpdiParameters(half) if self.separable else CpdiCornersParameters(half, tuple(cell))
+
+    def fixed(self, cell: tuple[float, ...]) -> FixedCpdiParameters:
+        """See `Shape.fixed`: the corners of undeformed boxes are those of `cpdi`."""
+        return FixedCpdiParameters(tuple(0.5 / n for n in self.particles_per_cell))
