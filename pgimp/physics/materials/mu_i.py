@@ -119,6 +119,11 @@ class MuI(Material):
             raise_problems("mu-i", [Problem(("grain-density",), text)])
         return self
 
+    @property
+    def needs_pressure(self) -> bool:
+        """See `Material.needs_pressure`."""
+        return True
+
     def out_of_range(self, J: float, state: tuple[float, ...]) -> tuple[str, str]:
         """See `Material.out_of_range`."""
         return (

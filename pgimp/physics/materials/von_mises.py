@@ -256,9 +256,11 @@ class VonMises(Material):
             return SaturatingParameters(*elastic, *voce, self.density)
         return VonMisesParameters(*elastic, self.density)
 
-    def exact_path(self, path: str, value: Any, rate: float) -> dict[str, Any] | None:
-        """See `Material.exact_path`; without saturation, in closed form."""
-        if self.saturation is not None:
+    def exact_path(
+        self, path: str, value: Any, rate: float, confine: float
+    ) -> dict[str, Any] | None:
+        """See `Material.exact_path`; without saturation and confinement, up to the first turn."""
+        if self.saturation is not None or confine or (np.diff(np.abs(value)) < 0.0).any():
             return None
         lam, G = lame(self.young, self.poisson)
         K = lam + 2.0 / 3.0 * G
