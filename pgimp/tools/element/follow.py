@@ -132,6 +132,7 @@ def _step(
                 lambda more: float(stresses(strains + more * freed).mean())
             )
             left = stresses(found)
+            scale = max(scale, np.abs(slopes(found, left)).max())
         if not np.abs(left).max() <= _ACCEPTED * scale:
             raise RunError(
                 f"no strain across gives a stress of {target:.6g} there: the material has no "
