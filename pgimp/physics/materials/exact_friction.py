@@ -10,17 +10,14 @@ stress, that is one linear equation, or one for theta.
 from __future__ import annotations
 
 from math import cos, inf, radians, sin, sqrt
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from pgimp.physics.materials.base import lame
+from pgimp.physics.materials.exact_rows import Array, first_leg, solved
 from pgimp.physics.materials.friction import Soil
 
-Array = np.ndarray
-
-#: Newton's steps, on functions that are nearly linear.
-_ROUNDS = 30
 #: Strains below which there is none but rounding.
 _NONE = 1e-15
 
@@ -61,22 +58,6 @@ def edge(soil: Soil, side: float) -> Line:
     return Line(
         1.0 + side * S / 3.0, 2.0 * S, strength, 4.0 * s / (3.0 + side * s), 1.0, False
     )  # fmt: skip
-
-
-def first_leg(value: Array) -> Array:
-    """Whether rows come before a path's first turn, (n,)."""
-    size = np.abs(value)
-    same = (np.diff(size, prepend=0.0) >= 0.0) & (value * value[1] >= 0.0)
-    return np.logical_and.accumulate(same)
-
-
-def solved(function: Any, start: Array) -> Array:
-    """Root of a function that returns its values and slopes, by Newton's method."""
-    x = start.copy()
-    for _ in range(_ROUNDS):
-        found, slope = function(x)
-        x = x - found / slope
-    return x
 
 
 def path_of_soil(
