@@ -108,7 +108,7 @@ def execute(args: argparse.Namespace) -> int:
     table = curve(material, args.path, values, args.steps, args.confine, args.rate)
     _print(table, path.component)
     for column, error in errors(table).items():
-        print(f"{column}: differs from the exact curve by at most {error:.2g} of its maximum")
+        print(f"{column}: differs from the exact curve by at most {error:.2g} of the maximum")
     if output is None:
         return 0
     if output.suffix.lower() == ".csv":
