@@ -78,11 +78,12 @@ def curve(
                 f"{state}-{part}": found[:, i]
                 for i, part in enumerate(TENSOR.split()[: found.shape[1]])
             }
-    exact = material.exact_path(name, table["value"], rate, pressure) or {}
+    with np.errstate(all="ignore"):  # What is beyond a curve's range is not finite, so not known.
+        exact = material.exact_path(name, table["value"], rate, pressure) or {}
     return table | {
-        f"{EXACT}{column}": found
+        f"{EXACT}{column}": np.where(np.isfinite(found), found, np.nan)
         for column, found in exact.items()
-        if column in table and not np.isnan(found).all()
+        if column in table and np.isfinite(found).any()
     }
 
 
