@@ -48,8 +48,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help=f"to each value (default: {_DEFAULT_STEPS})",
     )  # fmt: skip
     parser.add_argument(
-        "--confine", type=float, default=0.0, metavar="P", help="pressure from all sides before"
-    )
+        "--confine", type=float, default=0.0, metavar="P",
+        help="pressure from all sides before (default: that at which the material starts, 0 for "
+        "most)",
+    )  # fmt: skip
     parser.add_argument(
         "--rate", type=float, default=1.0, metavar="R",
         help="of the value, 1/time, for materials whose stress depends on it (default: 1)",
@@ -106,7 +108,7 @@ def execute(args: argparse.Namespace) -> int:
     table = curve(material, args.path, values, args.steps, args.confine, args.rate)
     _print(table, path.component)
     for column, error in errors(table).items():
-        print(f"{column}: differs from the exact curve by at most {error:.2g} of its maximum")
+        print(f"{column}: differs from the exact curve by at most {error:.2g} of the maximum")
     if output is None:
         return 0
     if output.suffix.lower() == ".csv":
@@ -181,4 +183,5 @@ def _print(table: dict[str, Any], component: str) -> None:
     last = len(table["value"]) - 1
     print("  ".join(f"{name:>14}" for name in columns))
     for k in sorted({*range(0, last, max(1, last // _SHOWN_ROWS)), last}):
-        print("  ".join(f"{table[name][k]:>{max(14, len(name))}.6g}" for name in columns))
+        texts = {name: f"{table[name][k]:.6g}".replace("nan", "-") for name in columns}
+        print("  ".join(f"{texts[name]:>{max(14, len(name))}}" for name in columns))

@@ -98,6 +98,11 @@ class Material(Varying):
         """Pressure of a particle at the start, unless a file of particles gives its stress."""
         return 0.0
 
+    @property
+    def needs_pressure(self) -> bool:
+        """Whether it bears nothing at all without pressure."""
+        return False
+
     def out_of_range(self, J: float, state: tuple[float, ...]) -> tuple[str, str]:
         """Say of a particle whose ``margin`` is used up what is wrong, and what to try.
 
@@ -110,7 +115,9 @@ class Material(Varying):
         """
         return "is out of the range of its material", "smaller steps (time.step), slower loading"
 
-    def exact_path(self, path: str, value: Any, rate: float) -> dict[str, Any] | None:
+    def exact_path(
+        self, path: str, value: Any, rate: float, confine: float
+    ) -> dict[str, Any] | None:
         """Return what is known exactly along a path of ``pgimp element``.
 
         Parameters
@@ -118,14 +125,17 @@ class Material(Varying):
         path : str
             Its name.
         value : (n,) ndarray
-            Its value, from 0 on and monotonic.
+            Its value, from 0 on; it may turn back.
         rate : float
             Of the value, 1/time.
+        confine : float
+            Pressure from all sides at the start [stress].
 
         Returns
         -------
         dict of str to (n,) ndarray, or None
-            Columns of ``pgimp element`` by name; None where nothing is known.
+            Columns of ``pgimp element`` by name, nan in rows of which nothing is known; None where
+            that is all of them.
         """
         return None
 

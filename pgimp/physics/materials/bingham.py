@@ -11,12 +11,13 @@ long for the viscosity. In steady flow tau = tau_y + mu rate whatever G.
 """
 
 from math import sqrt
-from typing import ClassVar, Literal, NamedTuple
+from typing import Any, ClassVar, Literal, NamedTuple
 
 from pydantic import Field, model_validator
 
 from pgimp.jit.algebra import isotropic
 from pgimp.physics.materials.base import Positive, State
+from pgimp.physics.materials.exact_flow import isotropic_columns, sheared, volumes
 from pgimp.physics.materials.hencky import distortion_energy, elastic_trial
 from pgimp.physics.materials.invariants import TINY, shear_stress
 from pgimp.physics.materials.tait import (
@@ -119,6 +120,23 @@ class Bingham(Liquid):
     def modulus(self) -> float:
         """Shear modulus."""
         return _STIFF * self.bulk if self.shear is None else self.shear
+
+    def exact_path(
+        self, path: str, value: Any, rate: float, confine: float
+    ) -> dict[str, Any] | None:
+        """See `Material.exact_path`."""
+        before = self.exact_volume(confine)
+        J = volumes(path, value, before)
+        if J is None or path not in ("isotropic", "simple-shear"):
+            return None
+        pressure = self.exact_pressure(J)
+        if path == "isotropic":
+            return isotropic_columns(pressure)
+        strength, mu = self.yield_stress, self.shear_viscosity
+        return sheared(
+            value, float(pressure[0]), self.modulus, before, strength,
+            lambda part: strength + mu * rate * part,
+        )  # fmt: skip
 
     def parameters(self) -> BinghamParameters:
         """Parameters of the kernels."""

@@ -21,7 +21,7 @@ t = 1 and q_tr/(M p_tr) where it swells. Newton's method, kept between these, fi
 """
 
 from math import sqrt
-from typing import ClassVar, Literal, NamedTuple
+from typing import Any, ClassVar, Literal, NamedTuple
 
 from pydantic import Field, model_validator
 
@@ -30,6 +30,7 @@ from pgimp.jit.choose import choose
 from pgimp.jit.functions import exp, log
 from pgimp.jit.kernel import specialise
 from pgimp.physics.materials.base import Material, State
+from pgimp.physics.materials.exact_clay import Clay, path_of_clay
 from pgimp.physics.materials.friction import PLASTIC_WORK
 from pgimp.physics.materials.hencky import distortion_energy, elastic_trial
 from pgimp.physics.materials.invariants import TINY, mean, shear_stress
@@ -191,6 +192,17 @@ class CamClay(Material):
             "a greater void-ratio, loads within the strength of the clay, smaller steps "
             "(time.step)",
         )
+
+    def exact_path(
+        self, path: str, value: Any, rate: float, confine: float
+    ) -> dict[str, Any] | None:
+        """See `Material.exact_path`."""
+        v = 1.0 + self.void_ratio
+        clay = Clay(
+            self.m, v / self.kappa, v / self.lambda_, self.shear, self.preconsolidation,
+            self.initial_pressure,
+        )  # fmt: skip
+        return path_of_clay(clay, path, value, confine)
 
     def parameters(self) -> CamClayParameters:
         """Parameters of the kernels."""

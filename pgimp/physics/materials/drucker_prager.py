@@ -14,7 +14,7 @@ Graph. 36, 2017).
 """
 
 from math import sqrt
-from typing import ClassVar, Literal, NamedTuple
+from typing import Any, ClassVar, Literal, NamedTuple
 
 from pydantic import Field
 
@@ -22,6 +22,7 @@ from pgimp.jit.algebra import determinant, isotropic, one_plus
 from pgimp.jit.choose import choose
 from pgimp.jit.functions import log
 from pgimp.physics.materials.base import State, lame
+from pgimp.physics.materials.exact_friction import cone, path_of_soil
 from pgimp.physics.materials.friction import PLASTIC_WORK, Match, Soil, slope, strength
 from pgimp.physics.materials.hencky import distortion_energy, elastic_trial
 from pgimp.physics.materials.invariants import TINY, mean, shear_stress
@@ -103,6 +104,16 @@ class DruckerPrager(Soil):
         description="stresses in which the cone has the strength of Mohr and Coulomb: "
         "plane-strain, where it flows along its normal; compression and extension, triaxial",
     )
+
+    def exact_path(
+        self, path: str, value: Any, rate: float, confine: float
+    ) -> dict[str, Any] | None:
+        """See `Material.exact_path`."""
+        line = cone(
+            slope(self.friction_angle, self.match), slope(self.dilation_angle, self.match),
+            strength(self.cohesion, self.friction_angle, self.match),
+        )  # fmt: skip
+        return path_of_soil(self, (line, line), path, value, confine)
 
     def parameters(self) -> DruckerPragerParameters:
         """Parameters of the kernels."""

@@ -71,6 +71,11 @@ class Soil(Material):
         """Tension that it bears."""
         return self.apex if self.tension is None else self.tension
 
+    @property
+    def needs_pressure(self) -> bool:
+        """See `Material.needs_pressure`; so it is without cohesion."""
+        return self.cohesion == 0.0
+
     @model_validator(mode="after")
     def _check(self) -> "Soil":
         if self.cohesion == 0.0 and self.friction_angle == 0.0:

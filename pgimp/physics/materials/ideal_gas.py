@@ -9,12 +9,13 @@ viscosity what they lose stays as noise in the velocities.
 """
 
 from math import sqrt
-from typing import ClassVar, Literal, NamedTuple
+from typing import Any, ClassVar, Literal, NamedTuple
 
 from pydantic import Field
 
 from pgimp.jit.algebra import determinant, isotropic, one_plus, symmetric
 from pgimp.physics.materials.base import Material, State
+from pgimp.physics.materials.exact_flow import isotropic_columns, volumes
 from pgimp.schema.base import Number, Positive
 
 
@@ -82,6 +83,19 @@ class IdealGas(Material):
             "(time.step), slower walls: a gas that is left behind by more than 2 c/(gamma - 1) is "
             "a vacuum",
         )
+
+    def exact_path(
+        self, path: str, value: Any, rate: float, confine: float
+    ) -> dict[str, Any] | None:
+        """See `Material.exact_path`."""
+        start = self.initial_pressure
+        J = volumes(path, value, (start / confine) ** (1.0 / self.gamma))
+        if J is None:
+            return None
+        columns = isotropic_columns(start * J**-self.gamma)
+        if confine != start:  # Its steps give the gas another energy than an isentrope's.
+            return columns
+        return columns | {"internal-energy": self.energy * J ** (1.0 - self.gamma)}
 
     def parameters(self) -> IdealGasParameters:
         """Parameters of the kernels."""

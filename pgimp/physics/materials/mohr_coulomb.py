@@ -14,7 +14,7 @@ volume by which it does is closed first (see `drucker_prager`).
 """
 
 from math import cos, radians, sin, sqrt
-from typing import ClassVar, Literal, NamedTuple
+from typing import Any, ClassVar, Literal, NamedTuple
 
 from pydantic import Field
 
@@ -25,6 +25,7 @@ from pgimp.jit.series import carry
 from pgimp.jit.spectral import eigen, spectral
 from pgimp.jit.tuples import scaled
 from pgimp.physics.materials.base import State, lame
+from pgimp.physics.materials.exact_friction import edge, path_of_soil
 from pgimp.physics.materials.friction import PLASTIC_WORK, Soil
 
 #: Tension of a soil without an apex.
@@ -192,6 +193,12 @@ class MohrCoulomb(Soil):
     )
 
     model: Literal["mohr-coulomb"] = Field(description="name of the model")
+
+    def exact_path(
+        self, path: str, value: Any, rate: float, confine: float
+    ) -> dict[str, Any] | None:
+        """See `Material.exact_path`."""
+        return path_of_soil(self, (edge(self, -1.0), edge(self, 1.0)), path, value, confine)
 
     def parameters(self) -> MohrCoulombParameters:
         """Parameters of the kernels."""

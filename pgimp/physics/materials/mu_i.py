@@ -17,14 +17,16 @@ no stress; p = K (1/J - 1) depends on the volume alone, so that a heap does not 
 """
 
 from math import sqrt
-from typing import ClassVar, Literal, NamedTuple
+from typing import Any, ClassVar, Literal, NamedTuple
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from pgimp.jit.algebra import isotropic
 from pgimp.jit.choose import choose
 from pgimp.jit.functions import log
 from pgimp.physics.materials.base import Material, Poisson, State, Young, lame
+from pgimp.physics.materials.exact_flow import isotropic_columns, sheared, volumes
 from pgimp.physics.materials.friction import PLASTIC_WORK
 from pgimp.physics.materials.hencky import distortion_energy, elastic_trial
 from pgimp.physics.materials.invariants import TINY, shear_stress
@@ -119,6 +121,11 @@ class MuI(Material):
             raise_problems("mu-i", [Problem(("grain-density",), text)])
         return self
 
+    @property
+    def needs_pressure(self) -> bool:
+        """See `Material.needs_pressure`."""
+        return True
+
     def out_of_range(self, J: float, state: tuple[float, ...]) -> tuple[str, str]:
         """See `Material.out_of_range`."""
         return (
@@ -126,6 +133,27 @@ class MuI(Material):
             f"a greater modulus than young: {self.young:g}, a hundred times the greatest pressure; "
             "smaller steps (time.step)",
         )
+
+    def exact_path(
+        self, path: str, value: Any, rate: float, confine: float
+    ) -> dict[str, Any] | None:
+        """See `Material.exact_path`."""
+        lam, G = lame(self.young, self.poisson)
+        K = lam + 2.0 / 3.0 * G
+        before = K / (K + confine)
+        J = volumes(path, value, before)
+        if J is None or path not in ("isotropic", "simple-shear"):
+            return None
+        if path == "isotropic":
+            return isotropic_columns(K * np.maximum(1.0 / J - 1.0, 0.0))
+        if confine == 0.0:
+            return isotropic_columns(0.0 * J)
+        number = rate * self.grain * sqrt(self.grain_density / confine)  # I, if all is flow
+        return sheared(
+            value, confine, G, before, self.mu_s * confine,
+            lambda part: confine
+            * (self.mu_s + (self.mu_2 - self.mu_s) * part * number / (self.i0 + part * number)),
+        )  # fmt: skip
 
     def parameters(self) -> MuIParameters:
         """Parameters of the kernels."""

@@ -5,12 +5,14 @@ which carries the viscous stress.
 """
 
 from math import sqrt
-from typing import ClassVar, Literal, NamedTuple
+from typing import Any, ClassVar, Literal, NamedTuple
 
+import numpy as np
 from pydantic import Field
 
 from pgimp.jit.algebra import contract, isotropic, symmetric
 from pgimp.physics.materials.base import State
+from pgimp.physics.materials.exact_flow import moves, viscous, volumes
 from pgimp.physics.materials.tait import (
     LEAST,
     VISCOUS_WORK,
@@ -109,6 +111,17 @@ class Newtonian(Liquid):
     def states(self) -> tuple[State, ...]:
         """Without viscosity it remembers nothing."""
         return self.STATE if self.shear_viscosity else ()
+
+    def exact_path(
+        self, path: str, value: Any, rate: float, confine: float
+    ) -> dict[str, Any] | None:
+        """See `Material.exact_path`."""
+        J = volumes(path, value, self.exact_volume(confine))
+        if J is None:
+            return None
+        part = 1.0 / np.maximum(J, 1.0)
+        rates = rate * moves(value)
+        return viscous(path, self.exact_pressure(J), part, self.shear_viscosity, rates)
 
     def parameters(self) -> NewtonianParameters | InviscidParameters:
         """Parameters of the kernels."""

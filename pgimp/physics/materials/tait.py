@@ -1,8 +1,9 @@
 """Tait's equation of state of weakly compressible fluids, p = K/g ((rho/rho0)^g - 1)."""
 
 from math import inf, log
-from typing import ClassVar
+from typing import Any, ClassVar
 
+import numpy as np
 from pydantic import Field
 
 from pgimp.jit.functions import power
@@ -110,6 +111,14 @@ class Liquid(Material):
     def least(self) -> float:
         """Least pressure."""
         return -inf if self.tension else 0.0
+
+    def exact_pressure(self, J: Any) -> Any:
+        """Pressure at volume ratios J."""
+        return np.maximum(self.stiffness * (J**-self.exponent - 1.0), self.least)
+
+    def exact_volume(self, pressure: float) -> float:
+        """J under a pressure."""
+        return float((1.0 + pressure / self.stiffness) ** (-1.0 / self.exponent))
 
     def out_of_range(self, J: float, state: tuple[float, ...]) -> tuple[str, str]:
         """See `Material.out_of_range`."""

@@ -21,6 +21,7 @@ from pgimp.jit.functions import exp, log
 from pgimp.jit.kernel import specialise
 from pgimp.jit.tuples import plus_scaled
 from pgimp.physics.materials.base import Material, Poisson, State, Young, lame
+from pgimp.physics.materials.exact_rows import first_leg
 from pgimp.physics.materials.hencky import (
     TINY,
     elastic_energy,
@@ -256,9 +257,11 @@ class VonMises(Material):
             return SaturatingParameters(*elastic, *voce, self.density)
         return VonMisesParameters(*elastic, self.density)
 
-    def exact_path(self, path: str, value: Any, rate: float) -> dict[str, Any] | None:
-        """See `Material.exact_path`; without saturation, in closed form."""
-        if self.saturation is not None:
+    def exact_path(
+        self, path: str, value: Any, rate: float, confine: float
+    ) -> dict[str, Any] | None:
+        """See `Material.exact_path`; without saturation, confinement or a turn, in closed form."""
+        if self.saturation is not None or confine or not first_leg(value).all():
             return None
         lam, G = lame(self.young, self.poisson)
         K = lam + 2.0 / 3.0 * G

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from pgimp.errors import RunError
@@ -12,6 +14,8 @@ from pgimp.tools.element.paths import Path, gradient
 _MOST_ROUNDS = 40
 _DIFFERENCE = 1e-7
 _TOLERANCE = 1e-13
+_ACCEPTED = 1e-10
+_HALVINGS = 60
 _LARGEST_STRAIN = 0.1
 
 
@@ -29,7 +33,8 @@ def follow(
     values : (n,) float64
         Of the path at the end of each step.
     confine : float
-        Pressure under which it is put first, from all sides; strains count from there.
+        Pressure under which it is put first, from all sides, unless it begins under that; strains
+        count from there.
     rate : float
         Of the value, 1/time.
 
@@ -48,7 +53,7 @@ def follow(
         If no strain gives the path's prescribed stress, or the material gives no finite stress.
     """
     strains = np.zeros(3)
-    if confine:
+    if confine != element.material.initial_pressure:
         _confine(element, strains, confine, rate)
     start = strains.copy()
     rows, gradients, times = [element.row.copy()], [element.F.copy()], [0.0]
@@ -72,9 +77,11 @@ def follow(
 
 
 def _confine(element: Element, strains: Array, pressure: float, rate: float) -> None:
-    """Bring a particle under pressure from all sides, in ten steps."""
+    """Bring a particle from its initial pressure under another from all sides, in ten steps."""
+    start = element.material.initial_pressure
     for k in range(1, 11):
-        strains[:] = _step(element, strains, 0.0, (0, 1, 2), -pressure * k / 10.0, 0.1 / rate)
+        target = -start - (pressure - start) * k / 10.0
+        strains[:] = _step(element, strains, 0.0, (0, 1, 2), target, 0.1 / rate)
 
 
 def _step(
@@ -82,37 +89,68 @@ def _step(
 ) -> Array:
     """Do one step to strains of which some are free, so that their stress is the target."""
     D, found = element.dimensions, strains.copy()
+    across = list(free)
+    freed = np.isin(np.arange(3), across).astype(float)
 
     def stresses(trial: Array) -> Array:
         row, _ = element.tried(gradient(trial, shear, D)[None], dt)
-        return row[0, list(free)] - target
+        return row[0, across] - target
+
+    def slopes(at: Array, left: Array) -> Array:
+        """Return the derivatives towards the target: sand that opens has none the other way."""
+        slope = np.zeros((len(free), len(free)))
+        for k, i in enumerate(free):
+            moved = at.copy()
+            moved[i] += (difference := -_DIFFERENCE if left[k] > 0.0 else _DIFFERENCE)
+            slope[:, k] = (stresses(moved) - left) / difference
+        return slope
+
+    def steps(slope: Array, left: Array) -> Array:
+        step = np.linalg.lstsq(slope, -left, rcond=None)[0]
+        return np.clip(step, -_LARGEST_STRAIN, _LARGEST_STRAIN)
 
     if free:
         left = stresses(found)
-        slope = np.zeros((len(free), len(free)))
-        for k, i in enumerate(free):
-            moved = found.copy()
-            moved[i] += _DIFFERENCE
-            slope[:, k] = (stresses(moved) - left) / _DIFFERENCE
+        slope = slopes(found, left)
         scale = np.abs(slope).max()
         for _ in range(_MOST_ROUNDS):
             if not np.isfinite(left).all() or scale == 0.0:
                 break
             if np.abs(left).max() <= _TOLERANCE * scale:
                 break
-            step = np.linalg.lstsq(slope, -left, rcond=None)[0]
-            step = np.clip(step, -_LARGEST_STRAIN, _LARGEST_STRAIN)
+            step = steps(slope, left)
             trial = found.copy()
-            trial[list(free)] += step
+            trial[across] += step
             now = stresses(trial)
             # Broyden's update of the slope: exact along the step that was taken.
             if (length := step @ step) > 0.0:
                 slope += np.outer(now - left - slope @ step, step) / length
             found, left = trial, now
-        if not np.abs(left).max() <= 1e3 * _TOLERANCE * scale:
+        if not np.abs(left).max() <= _ACCEPTED * scale:
+            # Across a kink, where flow begins or turns: by halving, all free strains as one.
+            found[across] = strains[across] + _halved(
+                lambda more: float(stresses(strains + more * freed).mean())
+            )
+            left = stresses(found)
+            scale = max(scale, np.abs(slopes(found, left)).max())
+        if not np.abs(left).max() <= _ACCEPTED * scale:
             raise RunError(
                 f"no strain across gives a stress of {target:.6g} there: the material has no "
                 "stiffness left, or the steps are too long; give more of them (--steps)"
             )
     element.advance(gradient(found, shear, D)[None], dt)
     return found
+
+
+def _halved(stress: Callable[[float], float]) -> float:
+    """Return the strain at which a stress that grows with it is zero, 0 if there is none."""
+    side = -1.0 if stress(0.0) > 0.0 else 1.0
+    near, far = 0.0, side * _DIFFERENCE
+    while side * stress(far) < 0.0:
+        near, far = far, 2.0 * far
+        if abs(far) > _LARGEST_STRAIN * _MOST_ROUNDS:
+            return 0.0
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (near + far)
+        near, far = (middle, far) if side * stress(middle) < 0.0 else (near, middle)
+    return far

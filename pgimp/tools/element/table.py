@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from pgimp.errors import UsageError
 from pgimp.physics.fields import TENSOR
 from pgimp.physics.materials import Material
 from pgimp.tools.element.follow import follow
@@ -37,18 +38,27 @@ def curve(
     steps : int
         To each of them.
     confine, rate : float
-        Pressure before, rate of the value.
+        Pressure before, 0 for that at which the material starts; rate of the value.
 
     Returns
     -------
     dict of str to (n,) float64
         By the names of columns: value, time, det-F, stresses, pressure, q (positive), states; where
-        the material knows the exact curve, its columns too, with ``exact-`` before their names.
+        the material knows the exact curve, its columns too, with ``exact-`` before their names,
+        nan in rows that it does not cover.
+
+    Raises
+    ------
+    UsageError
+        If the path cannot be: without a stress across where the material has to be pressed.
+    RunError
+        If no strain gives the stress that the path prescribes.
     """
     element = Element(material)
     path = path_of(name)
     along = legs(values, steps)
-    rows, F, times = follow(element, path, along, confine, rate)
+    pressure = _pressure(material, name, confine)
+    rows, F, times = follow(element, path, along, pressure, rate)
     sigma = element.stress(rows)
     xx, yy, zz, xy, yz, xz = sigma.T
     shear = 3.0 * (xy**2 + yz**2 + xz**2)
@@ -68,29 +78,55 @@ def curve(
                 f"{state}-{part}": found[:, i]
                 for i, part in enumerate(TENSOR.split()[: found.shape[1]])
             }
-    if len(values) == 1 and confine == 0.0:
-        exact = material.exact_path(name, table["value"], rate) or {}
-        table |= {f"{EXACT}{column}": exact[column] for column in exact if column in table}
-    return table
+    with np.errstate(all="ignore"):  # What is beyond a curve's range is not finite, so not known.
+        exact = material.exact_path(name, table["value"], rate, pressure) or {}
+    return table | {
+        f"{EXACT}{column}": np.where(np.isfinite(found), found, np.nan)
+        for column, found in exact.items()
+        if column in table and np.isfinite(found).any()
+    }
+
+
+def _pressure(material: Material, name: str, confine: float) -> float:
+    """Return the pressure from all sides at which a path begins, after checking that it can."""
+    pressure = confine or material.initial_pressure
+    if name == "uniaxial-stress" and pressure:
+        raise UsageError(
+            "--path uniaxial-stress: there is no stress across, but the material begins under a "
+            f"pressure of {pressure:g}; --path triaxial keeps that across"
+        )
+    if name in ("uniaxial-stress", "triaxial") and not pressure and material.needs_pressure:
+        raise UsageError(
+            f"--path {name}: without pressure the material has no stress to bear this with; begin "
+            "under one, --path triaxial --confine PRESSURE"
+        )
+    return pressure
 
 
 def errors(table: dict[str, Array]) -> dict[str, float]:
-    """Return the greatest difference from each exact column, over that column's greatest value."""
-    found = {}
-    for name, exact in table.items():
-        if name.startswith(EXACT):
-            size = float(np.abs(exact).max()) or 1.0
-            found[name.removeprefix(EXACT)] = (
-                float(np.abs(table[name.removeprefix(EXACT)] - exact).max()) / size
-            )
-    return found
+    """Return the greatest difference from each exact column, over its greatest value.
+
+    Of stresses, which may all but vanish beside others, that is the greatest of all stresses.
+    """
+    exact = {name.removeprefix(EXACT): table[name] for name in table if name.startswith(EXACT)}
+    sizes = {name: float(np.nanmax(np.abs(column))) for name, column in exact.items()}
+    stresses = [name for name in exact if name in ("pressure", "q") or name.startswith("stress-")]
+    greatest = max((sizes[name] for name in stresses), default=0.0)
+    sizes |= dict.fromkeys(stresses, greatest)
+    return {
+        name: float(np.nanmax(np.abs(table[name] - column))) / (sizes[name] or 1.0)
+        for name, column in exact.items()
+    }
 
 
 def text(table: dict[str, Array]) -> str:
-    """Return the table as CSV, with all digits."""
+    """Return the table as CSV, with all digits; nothing where an exact curve is not known."""
     lines = [",".join(table)]
     columns = (values.tolist() for values in table.values())
-    lines += [",".join(map(repr, row)) for row in zip(*columns, strict=True)]
+    lines += [
+        ",".join("" if number != number else repr(number) for number in row)
+        for row in zip(*columns, strict=True)
+    ]
     return "\n".join(lines) + "\n"
 
 
