@@ -39,13 +39,11 @@ def apart(D, shape, **parts):
     return case
 
 
-@pytest.mark.parametrize("affine", [False, True])
-@pytest.mark.parametrize(("D", "shape", "more"), [
-    (1, "gimp", {}), (2, "gimp", {}), (2, "cpdi", {}), (2, "finite-gimp", {"volumetric": "mean"}),
-    (2, "fuzzy-nearest", {}), (3, "finite-gimp", {}), (3, "gimp", {"volumetric": "mean"}),
-    (2, "bspline-cubic", {"relaxation": 0.3}), (1, "mpm", {}),
+@pytest.mark.parametrize(("D", "shape", "affine", "more"), [
+    (1, "gimp", True, {}), (2, "finite-gimp", False, {"volumetric": "mean"}),
+    (2, "fuzzy-nearest", True, {}), (3, "gimp", False, {}),
 ])  # fmt: skip
-def test_bodies_that_do_not_meet_have_the_bits_they_have_alone(D, shape, more, affine):
+def test_bodies_that_do_not_meet_have_the_bits_they_have_alone(D, shape, affine, more):
     """Each body as in a case without the other, also while both are at the same place."""
     case = apart(D, shape)
     case["method"] |= {"affine": affine, **more}
