@@ -66,6 +66,9 @@ class Material(Varying):
     CARRIES_STRESS: ClassVar[bool] = False
     """Whether the stress of a step starts from that before, which a file of particles may give."""
 
+    CARRIES_PRESSURE: ClassVar[bool] = True
+    """Whether the mean of a carried stress is carried, too, and does not follow from the volume."""
+
     ELASTIC: ClassVar[bool] = False
     """Whether it springs back whatever it goes through: it never flows, yields or breaks."""
 

@@ -88,6 +88,7 @@ class Bingham(Liquid):
     """Fluid with a yield stress: mud, fresh concrete, paste, lava."""
 
     CARRIES_STRESS: ClassVar[bool] = True
+    CARRIES_PRESSURE: ClassVar[bool] = False
     LOSSES: ClassVar[tuple[str, ...]] = ("viscous-work",)
     STATE: ClassVar[tuple[State, ...]] = (VISCOUS_WORK,)
     SPELLINGS: ClassVar[dict[str, str]] = {

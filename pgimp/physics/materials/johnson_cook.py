@@ -147,6 +147,7 @@ class JohnsonCook(Material):
     """Metal at high rates: hardening, rate, heating by flow, failure, shocks."""
 
     CARRIES_STRESS: ClassVar[bool] = True
+    CARRIES_PRESSURE: ClassVar[bool] = False
     LOSSES: ClassVar[tuple[str, ...]] = ("plastic-work", "heat")
     STATE: ClassVar[tuple[State, ...]] = (
         PLASTIC_STRAIN,

@@ -91,6 +91,7 @@ class MuI(Material):
 
     VOLUME_ONLY: ClassVar[bool] = True
     CARRIES_STRESS: ClassVar[bool] = True
+    CARRIES_PRESSURE: ClassVar[bool] = False
     LOSSES: ClassVar[tuple[str, ...]] = ("plastic-work",)
     SPELLINGS: ClassVar[dict[str, str]] = {
         "mu_s": "mu-s", "mu_2": "mu-2", "grain_density": "grain-density",

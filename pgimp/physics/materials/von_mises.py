@@ -221,6 +221,7 @@ class VonMises(Material):
     """Metal that flows where its equivalent stress reaches a yield stress, for large strains."""
 
     CARRIES_STRESS: ClassVar[bool] = True
+    CARRIES_PRESSURE: ClassVar[bool] = False
     LOSSES: ClassVar[tuple[str, ...]] = ("plastic-work",)
     STATE: ClassVar[tuple[State, ...]] = (PLASTIC_STRAIN, BACK_STRESS)
     SPELLINGS: ClassVar[dict[str, str]] = {"yield_stress": "yield-stress"}

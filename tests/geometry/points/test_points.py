@@ -53,6 +53,25 @@ def test_a_stress_is_for_materials_that_carry_it(tmp_path):
     np.testing.assert_array_equal(field(sim, "sigma"), data["stress"][:, :4])
 
 
+def test_a_mean_stress_that_the_volume_gives_is_refused(tmp_path):
+    """A metal's pressure follows from J: it keeps the deviator of a file, and no pressure."""
+    stress = np.tile([3.0, 1.0, 2.0, 0.5, 0.0, 0.0], (60, 1))
+    write_hdf5(tmp_path / "p.h5", cloud() | {"stress": stress})
+    model = case(points(tmp_path / "p.h5"), dimension=2)
+    steel = {"model": "von-mises", "young": 100.0, "poisson": 0.3, "density": 1.0}
+    model["materials"]["soft"] = steel | {"yield-stress": 50.0}
+    with pytest.raises(CaseError, match="a mean stress of 2, but the pressure of 'von-mises'"):
+        start(model)
+    write_hdf5(tmp_path / "p.h5", cloud() | {"stress": stress - [2.0, 2.0, 2.0, 0.0, 0.0, 0.0]})
+    sim = start(model)
+    sim.particles.v[:] = 0.0
+    kept = field(sim, "sigma")[:, [0, 3]]
+    for volumes in (sim.particles.V, sim.particles.V0):  # so small that forces move nothing
+        volumes *= 1e-9
+    sim.advance()
+    np.testing.assert_allclose(field(sim, "sigma")[:, [0, 3]], kept, rtol=1e-6)
+
+
 def two(first, second):
     """A case of two bodies."""
     found = case(first, dimension=2)
