@@ -111,24 +111,28 @@ def _spread(G, place, stride, w, t, A, B, C):
     return both
 
 
-def _scatter_each(G, buffer, j, c, place, stride, A, B, C, K, T, like):
-    """Add the shares of the corners c, c + 1, ...; A and B are those in their middle."""
+def _scatter_each(support, c, planes, middle, changes, like):
+    """Add the shares of the corners c, c + 1, ... of a particle.
+
+    `planes` are G, place and stride, `middle` A, B in the middle of these corners and C, `changes`
+    K and T.
+    """
 
 
 @specialise(_scatter_each)
-def _scatter_each_corner(G, buffer, j, c, place, stride, A, B, C, K, T, like):
-    def one(G, buffer, j, c, place, stride, A, B, C, K, T, like):
-        t, cell = corner(buffer, c, j, like)
+def _scatter_each_corner(support, c, planes, middle, changes, like):
+    def one(support, c, planes, middle, changes, like):
+        (G, place, stride), (A, B, C) = planes, middle
+        t, cell = corner(support[0], c, support[1], like)
         spread(G, place + cell, stride, 1.0, t, A, B, C)
 
-    def both(G, buffer, j, c, place, stride, A, B, C, K, T, like):
-        low, high = _along(A, -1.0, K), _along(A, 1.0, K)
-        _scatter_each(G, buffer, j, 2 * c, place, stride, low, B - T[0], C, K[1:], T[1:], like)
-        _scatter_each(
-            G, buffer, j, 2 * c + 1, place, stride, high, B + T[0], C, K[1:], T[1:], like
-        )  # fmt: skip
+    def both(support, c, planes, middle, changes, like):
+        (A, B, C), (K, T) = middle, changes
+        low, high = (_along(A, -1.0, K), B - T[0], C), (_along(A, 1.0, K), B + T[0], C)
+        _scatter_each(support, 2 * c, planes, low, (K[1:], T[1:]), like)
+        _scatter_each(support, 2 * c + 1, planes, high, (K[1:], T[1:]), like)
 
-    return one if len(T) == 0 else both
+    return one if len(changes.types[1]) == 0 else both
 
 
 def _part_of(part, B):
@@ -169,9 +173,8 @@ def _scatter_corners(shape, G, support, place, stride, share):
         T = _combinations(part, buffer, INVERSE + j, S, like)
         C = _over_cells(part, C, shape.cell)
         K = _combinations(1.0, buffer, EDGES + j, C, like)
-        _scatter_each(
-            G, buffer, j, 0, place, stride, part * A, _part_of(part, B), C, K, T, like
-        )  # fmt: skip
+        middle = (part * A, _part_of(part, B), C)
+        _scatter_each((buffer, j), 0, (G, place, stride), middle, (K, T), like)
 
     return scatter
 
