@@ -10,6 +10,7 @@ from pgimp.kernels.ledger import Ledger
 from pgimp.kernels.momentum import WHOLE, update_momentum
 from pgimp.kernels.record import MASS, MOMENTUM, RECORD, VELOCITY
 from pgimp.solver.clock import Step
+from pgimp.solver.parts import parts_of
 from pgimp.solver.step import acting, fold_mirrors, on_vertices, sum_particles
 
 #: Moment of inertia of a cylinder and of a sphere, over mass and radius squared.
@@ -96,7 +97,8 @@ def at_vertices(simulation, dt):
     scene, grid = rank.scene, rank.grid
     t = Step(1, simulation.time, dt, simulation.time + dt)
     rank.meetings.regroup(grid, rank.population)
-    sum_particles(rank, scene.loads.at(t.start), marked=False)
+    parts = parts_of(scene, rank.population)
+    sum_particles(rank, parts, scene.loads.at(t.start), marked=False)
     rank.halo.finish(grid)
     unbooked = Ledger(*map(np.zeros_like, rank.ledger))
     contact = rank.meetings.find(grid, rank.population, unbooked, t.start, t.end)
