@@ -22,7 +22,7 @@ from scene_materials import flows, materials, memory, metals, runs, varied, visc
 from scene_output import checkpoints, frames, grid_frames, history, probes, small_files
 from scene_stages import stages
 
-SHAPES = ("gimp", "cpdi", "cpdi-corners", "mpm", "finite-gimp", "fuzzy-constant", "fuzzy-nearest")
+SHAPES = ("gimp", "cpdi", "mpm", "finite-gimp", "fuzzy-constant", "fuzzy-nearest")
 WALLS = ("fixed", "slip", "separating", "moving")
 
 
@@ -92,9 +92,14 @@ def splines(rng, scene):
         scene.case["method"]["wall"] = "ghost"
 
 
+def corners(rng, scene):
+    """Parallelograms in place of another shape."""
+    scene.case["method"] = {"shape": "cpdi-corners", "particles_per_cell": scene.per_cell}
+
+
 def mirrors(rng, scene):
     """Walls reflect what boxes carry beyond them."""
-    if scene.case["method"]["shape"] in ("gimp", "finite-gimp", "cpdi"):
+    if scene.case["method"]["shape"] in ("gimp", "finite-gimp", "cpdi", "cpdi-corners"):
         scene.case["method"]["wall"] = "mirror"
 
 
@@ -224,6 +229,7 @@ FEATURES = (
     Feature("domain", domain),
     Feature("method", method),
     Feature("B-splines", splines, 0.15, compiled=True),
+    Feature("corners", corners, 0.06, compiled=True),
     Feature("mirrors", mirrors, 0.4, compiled=True),
     Feature("affine", affine, 0.35, compiled=True),
     Feature("mean dilatation", mean, 0.35, compiled=True),
