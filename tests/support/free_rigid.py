@@ -10,6 +10,14 @@ def free(low, high, density=1.0, velocity=None, **more):
     return body if velocity is None else body | {"velocity": velocity}
 
 
+def configured(case, configuration, *names):
+    """The case with some bodies of a material, or all, in a configuration."""
+    for name, body in case["bodies"].items():
+        if "rigid" not in body and (name in names or not names):
+            body["configuration"] = configuration
+    return case
+
+
 def momenta(line, name=None):
     """Momentum along x, y, z, and angular momentum about them, of a body or of all particles."""
     of = f"tool.{name}." if name else ""
