@@ -7,9 +7,13 @@ from typing import Any
 import numpy as np
 
 from pgimp.decomposition.population import Population
+from pgimp.jit.bound import Bound
+from pgimp.kernels.boxes import grow_boxes
 from pgimp.kernels.encounters import SeparatingWalls
+from pgimp.kernels.nearby import Regions, find_near, mark_blocks
 from pgimp.kernels.tools import LEAST, MOST
 from pgimp.physics.contact import Pairs
+from pgimp.physics.shapes.stretch import LARGEST
 from pgimp.scene.scene import Scene
 from pgimp.solver.bonds import acting
 from pgimp.solver.clock import Step
@@ -18,10 +22,30 @@ from pgimp.solver.clock import Step
 #: until then.
 MARGIN, LONGEST = 1.0, 16
 
+#: Most blocks of a region; those of a larger one have sides of several cells.
+BLOCKS = 1 << 20
 
-def reach(scene: Scene) -> np.ndarray:
-    """Cells, by direction, from a particle to the farthest vertex that it has weight on."""
-    return 1.0 + np.array(scene.shape.half)
+
+def reach(scene: Scene, largest: bool = False) -> np.ndarray:
+    """Cells, by direction, from a particle to the farthest vertex that it has weight on.
+
+    That is at the start, or if it is as `largest` as a particle can become.
+    """
+    half = np.array(scene.shape.half)
+    return 1.0 + (np.maximum(half, LARGEST) if largest else half)
+
+
+def no_regions(D: int) -> Regions:
+    """Return none at all."""
+    none, marks = np.empty(0, np.int64), np.empty(0, np.uint8)
+    return Regions(
+        np.empty((0, 2, D)),
+        np.empty((0, 2), np.int64),
+        np.empty((0, D), np.int64),
+        none,
+        none,
+        marks,
+    )
 
 
 class Approach:
@@ -50,9 +74,9 @@ class Approach:
         self.scene, self.comm, self.pairs, self.walls = scene, comm, pairs, walls
         self.near = np.empty(0, np.int64)
         self.any = False
+        self.call = Bound()
         self._pause = 0
-        #: The groups that meet there, () if all do, and the ends of the region, in cells.
-        self._regions: list[tuple[Any, np.ndarray, np.ndarray]] = []
+        self._regions = no_regions(scene.dimension)
 
     def forget(self) -> None:
         """Search all particles again in the next step: they have changed, or their bodies have."""
@@ -86,47 +110,85 @@ class Approach:
     def _look(
         self, population: Population, groups: np.ndarray, tools: Any, t: Step, rate: float
     ) -> None:
-        """Find the particles near something, and the steps for which this holds; collective."""
+        """Find where something may be met, and the steps for which this holds; collective."""
         scene, frame, p = self.scene, self.scene.frame, population.particles
-        order = population.order
-        x = (p.x[order] - np.array(frame.origin)) * np.array(frame.inverse)
-        group = groups[p.body[order]]
-        count = 1 + int(groups.max())
-        boxes = np.full((2, count, scene.dimension), np.inf)
+        order, D = population.order, self.scene.dimension
+        boxes = np.full((2, len(groups), D), np.inf)
         boxes[1] = -np.inf
-        np.minimum.at(boxes[0], group, x)
-        np.maximum.at(boxes[1], group, x)
+        self.call(grow_boxes, frame, p, order, boxes)
         speed = float(np.abs(p.v[order] * np.array(frame.inverse)).max(initial=0.0))
         every = self.comm.allgather((boxes, speed))
-        low = np.min([each[0][0] for each in every], axis=0)
-        high = np.max([each[0][1] for each in every], axis=0)
+        low, high = np.full((2, 1 + int(groups.max()), D), [[[np.inf]], [[-np.inf]]])
+        for boxes, _ in every:
+            np.minimum.at(low, groups, boxes[0])
+            np.maximum.at(high, groups, boxes[1])
         speed = max(max(each[1] for each in every), scene.tools.rate, rate)
         travel = speed * t.dt
         self._pause = max(1, min(LONGEST, int(0.4 * MARGIN / travel))) if travel > 0.0 else LONGEST
-        away = reach(scene) + MARGIN
-        self._regions = []
-        for a, b in acting(self.pairs, groups, len(groups)):
+        away = reach(scene, scene.follows) + MARGIN
+        ends: list[Any] = []
+        meeting: list[tuple[int, int]] = []
+        for a, b in sorted(acting(self.pairs, groups, len(groups))):
             first = np.maximum(low[a], low[b]) - 2.0 * away
             last = np.minimum(high[a], high[b]) + 2.0 * away
             if (first <= last).all():
-                self._regions.append(((a, b), first, last))
+                ends.append((first, last))
+                meeting.append((a, b))
         for row in tools.about if tools else ():
-            first = row[LEAST : LEAST + scene.dimension] - frame.ghost - away
-            last = row[MOST : MOST + scene.dimension] - frame.ghost + away
-            self._regions.append(((), first, last))
+            first, last = row[LEAST : LEAST + D] - away, row[MOST : MOST + D] + away
+            ends.append((first - frame.ghost, last - frame.ghost))
         for axis, side, end in self.walls.rows:
-            ends = np.full((2, scene.dimension), [[-np.inf], [np.inf]])
-            ends[int(side < 0), axis] = end - frame.ghost - side * (1.0 + away[axis])
-            self._regions.append(((), *ends))
+            about = np.full((2, D), [[-np.inf], [np.inf]])
+            about[int(side < 0), axis] = end - frame.ghost - side * (1.0 + away[axis])
+            ends.append(about)
+        self._regions = self._marked(population, groups, np.array(ends), meeting)
+
+    def _marked(
+        self, population: Population, groups: np.ndarray, ends: np.ndarray, meeting: Any
+    ) -> Regions:
+        """Regions with marks near either of the two groups that may meet there; collective."""
+        count, n = len(ends), len(meeting)
+        if count == 0:
+            return no_regions(self.scene.dimension)
+        blocks, size = np.ones((count, ends.shape[2]), np.int64), np.zeros(count, np.int64)
+        for r in range(n):
+            size[r] = 1
+            while True:
+                blocks[r] = np.ceil((ends[r, 1] - ends[r, 0]) / size[r])
+                if blocks[r].prod() <= BLOCKS:
+                    break
+                size[r] *= 2
+        first = np.concatenate([[0], np.cumsum(blocks[:n].prod(axis=1))])
+        pairs = np.full((count, 2), -1, np.int64)
+        pairs[:n] = np.array(meeting, np.int64).reshape(-1, 2)
+        marks = np.zeros(first[-1], np.uint8)
+        places = np.concatenate([first[:-1], np.zeros(count - n, np.int64)])
+        regions = Regions(ends, pairs, blocks, size, places, marks)
+        if n == 0:
+            return regions
+        order = population.order
+        self.call(mark_blocks, self.scene.frame, population.particles, order, groups, regions)
+        np.bitwise_or.reduce(self.comm.allgather(marks), axis=0, out=marks)
+        far = 2.0 * reach(self.scene, self.scene.follows) + MARGIN
+        for r in range(n):
+            region = marks[first[r] : first[r + 1]].reshape(blocks[r])
+            for axis, distance in enumerate(far):
+                _widen(np.moveaxis(region, axis, 0), int(np.ceil(distance / size[r])))
+        return regions
 
     def _select(self, population: Population, groups: np.ndarray) -> None:
         """Find the particles in the regions where something may be met; collective."""
-        frame, p = self.scene.frame, population.particles
-        order = population.order
-        x = (p.x[order] - np.array(frame.origin)) * np.array(frame.inverse)
-        group, near = groups[p.body[order]], np.zeros(len(order), bool)
-        for parties, first, last in self._regions:
-            inside = ((x >= first) & (x <= last)).all(axis=1)
-            near |= inside & np.isin(group, parties) if parties else inside
-        self.near = np.flatnonzero(near)
-        self.any = bool(sum(self.comm.allgather(len(self.near))))
+        order, near = population.order, np.empty(len(population.order), np.int64)
+        found = self.call(
+            find_near, self.scene.frame, population.particles, order, groups, self._regions, near
+        )
+        self.near = near[:found]
+        self.any = bool(sum(self.comm.allgather(found)))
+
+
+def _widen(marks: np.ndarray, count: int) -> None:
+    """Mark what lies up to `count` blocks before or behind what is marked, along the first axis."""
+    found = marks.copy()
+    for shift in range(1, min(count, len(marks) - 1) + 1):
+        marks[shift:] |= found[:-shift]
+        marks[:-shift] |= found[shift:]

@@ -21,6 +21,7 @@ from pgimp.kernels.encounters import Encounters, find_encounters
 from pgimp.kernels.heldbooks import book_held
 from pgimp.kernels.holding import Holding
 from pgimp.kernels.ledger import CONTACT_AREA, Ledger
+from pgimp.kernels.nearby import find_near, mark_blocks
 from pgimp.kernels.numbered import number_keys, room_for
 from pgimp.kernels.present import HALF, NEAR, PLACE, START, SUMMED, Present, sum_present, take_near
 from pgimp.kernels.presentbooks import book_contacts
@@ -37,6 +38,7 @@ from pgimp.kernels.startgrid import (
 from pgimp.kernels.support import Supports, find_supports, local_vertices
 from pgimp.mpi.node import Call
 from pgimp.scene.scene import Scene
+from pgimp.solver import approach
 from pgimp.solver.approach import Approach, reach
 from pgimp.solver.bonds import bonded, separating_walls, with_walls
 from pgimp.solver.clock import Step
@@ -262,6 +264,9 @@ def calls(
     present = Present(np.zeros(3, np.int64), none, 1, none, np.empty((0, SUMMED)), none)
     rows = Responses(none, np.zeros(1, np.int64), none, np.empty((0, 3)), np.empty((0, 3)))
     values = vertices.values
+    regions, order = approach.no_regions(scene.dimension), np.empty(0, np.int32)
+    yield 0.3, lambda: mark_blocks(frame, particles, order, none, regions)
+    yield 0.3, lambda: find_near(frame, particles, order, none, regions, none)
     yield 0.5, lambda: take_near(plain, particles, none, none, none, scene.begun, table)
     yield 1.0, lambda: find_supports(shape, frame, HALF, table, PLACE, supports)
     yield 3.0, lambda: take_vertices(

@@ -62,7 +62,7 @@ def _mode(x):
     return 0.5 * value, 0.5 * slope
 
 
-def ringing(configuration, affine, courant, cells=16, periods=(10, 50)):
+def ringing(configuration, affine, courant, cells=16, periods=(10, 50), shape="gimp"):
     """Modal energy that is left after some periods, over that of the first; the period.
 
     The beam begins in its first mode. Its energy is the square of the greatest projection of the
@@ -76,17 +76,17 @@ def ringing(configuration, affine, courant, cells=16, periods=(10, 50)):
     body = box([0.0, 3.0 * h], [LENGTH, 3.0 * h + HEIGHT])
     sim = simulation(
         [LENGTH + 4.0 * h, HEIGHT + 8.0 * h], h, body, {"end": dt * each * looks, "step": dt},
-        configuration, {"affine": affine}, boundaries={"x-min": "fixed"},
+        configuration, {"shape": shape, "affine": affine}, boundaries={"x-min": "fixed"},
     )  # fmt: skip
     p, rows = sim.particles, sim.live()
-    shape, slope = _mode(p.x[rows, 0])
+    mode, slope = _mode(p.x[rows, 0])
     speed = TIP * LENGTH * RATE
     p.v[rows, 0] = -speed * slope * (p.x[rows, 1] - y)
-    p.v[rows, 1] = speed * shape
+    p.v[rows, 1] = speed * mode
     if affine:
         p.L[rows, 1], p.L[rows, 2] = -speed * slope, speed * slope
     by_id = np.empty(len(rows))
-    by_id[p.id[rows]] = shape
+    by_id[p.id[rows]] = mode
     motion = []
     for _ in range(looks):
         for _ in range(each):
