@@ -6,8 +6,10 @@ from itertools import chain
 import numpy as np
 
 from pgimp.errors import CaseError
+from pgimp.geometry.regions import Points
 from pgimp.kernels.errors import initial_velocities
 from pgimp.kernels.particles import Particles
+from pgimp.physics.materials.base import has
 from pgimp.scene.cloudgradients import with_gradients
 from pgimp.scene.lattice import Lattice, ParticleBlock
 from pgimp.scene.pointscloud import Cloud
@@ -114,6 +116,18 @@ def _require_deviators(scene: Scene, block: ParticleBlock) -> None:
         f"but the pressure of '{entry.model}' follows from the volume, which is that of the start: "
         "it would be gone in the first step; give deviators, stresses less their mean"
     )
+
+
+def prestressed(scene: Scene) -> list[int]:
+    """Bodies whose particles remember the stress of their file by other states."""
+    return [
+        number
+        for number, body in enumerate(scene.case.bodies.values())
+        if isinstance(body.region, Points)
+        and body.region.summary.stress
+        and scene.case.materials[body.material].states
+        and has(type(scene.materials[scene.body_material[number]]), "initial_state")
+    ]
 
 
 def velocities(scene: Scene, body: int, positions: np.ndarray) -> np.ndarray:

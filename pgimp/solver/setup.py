@@ -16,10 +16,12 @@ from pgimp.jit.cache import messages, problems
 from pgimp.jit.kernel import FOLDER
 from pgimp.kernels.order import layers_of
 from pgimp.kernels.particles import Particles
+from pgimp.kernels.prestress import remember_stress
 from pgimp.mpi.collective import all_or_none
 from pgimp.scene import nearness
 from pgimp.scene.facts import rest_rate
 from pgimp.scene.geometry import release, share, take_as_empty
+from pgimp.scene.populate import prestressed
 from pgimp.scene.scene import Scene, count_particles
 from pgimp.scene.toolchecks import (
     motion_warnings,
@@ -77,6 +79,9 @@ def begin(sim: Any, scenes: Sequence[Scene]) -> None:
         require_apart(scene.tools, [(particles.x[:count], particles.body[:count])], comm)
         require_clear(scene.tools, scene.faces, scene.tools.first, 0, 0.0, comm)
     _compile(sim, 0)
+    if bodies := prestressed(scene):
+        rows = np.flatnonzero(np.isin(particles.body[:count], bodies))
+        remember_stress(scene.setting.without_shape(), particles, rows)
     put_in_order(sim, slab, particles, count)
     if len(scenes) > 1 and scene.variations:
         require_stable_stages(scenes, rates_at_rest(sim.rank, scene, comm))
