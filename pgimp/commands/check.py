@@ -21,6 +21,7 @@ from pgimp.scene import nearness
 from pgimp.scene.advice import advice
 from pgimp.scene.facts import BodyFacts, examine
 from pgimp.scene.geometry import share
+from pgimp.scene.laterconstraints import idle_warnings
 from pgimp.scene.lattice import Lattice
 from pgimp.scene.sanity import body_warnings, case_warnings, small_step_warning, strains
 from pgimp.scene.scene import MOST_CELLS, Scene, count_particles
@@ -79,7 +80,7 @@ def report(case: Case) -> None:
         raise
     if scene.tools:
         _look_at_rigid(scene, lattice, counts)
-    found = examine(scene, lattice, counts)
+    found = examine(scene, lattice, counts, whole.stages)
     bodies = found.bodies
     varied = {body.name: body.rest_rate for body in bodies if body.varies}
     of_stages = require_stable_stages(scenes, varied)
@@ -124,6 +125,7 @@ def report(case: Case) -> None:
         pilot_warnings(case, dt * rate, tried),
         *(body_warnings(case, body, whole.time.last) for body in bodies),
         case_warnings(case, found),
+        idle_warnings(found.later, found.held_later),
         motion_warnings(scenes),
         nearness.bonded(scene, lattice, counts),
         nearness.warnings(case),

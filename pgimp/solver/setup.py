@@ -21,6 +21,7 @@ from pgimp.mpi.collective import all_or_none
 from pgimp.scene import nearness
 from pgimp.scene.facts import rest_rate
 from pgimp.scene.geometry import release, share, take_as_empty
+from pgimp.scene.laterconstraints import held, idle_warnings, later_constraints
 from pgimp.scene.populate import prestressed
 from pgimp.scene.scene import Scene, count_particles
 from pgimp.scene.toolchecks import (
@@ -75,6 +76,9 @@ def begin(sim: Any, scenes: Sequence[Scene]) -> None:
         comm, lambda: sim.create(slab, lattice, counts, layer), CaseError
     )
     scene.loads.require_all_hold(particles, count, comm)
+    if later := later_constraints(sim.cases):
+        mine = held(later, particles.body[:count], particles.x[:count])
+        sim.warnings += idle_warnings(later, np.sum(comm.allgather(mine), axis=0))
     if scene.tools:
         require_apart(scene.tools, [(particles.x[:count], particles.body[:count])], comm)
         require_clear(scene.tools, scene.faces, scene.tools.first, 0, 0.0, comm)

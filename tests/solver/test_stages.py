@@ -244,6 +244,37 @@ def test_a_constraint_that_begins_and_holds_nothing_ends_the_run(tmp_path):
     assert run.info["state"] == "done"
 
 
+def test_a_constraint_that_begins_and_keeps_nothing_ends_the_run():
+    """The one after it takes all its particles, as at the start, where that is refused."""
+    wide = {"body": "bar", "region": {"box": {"min": [4.0], "max": [6.0]}}, "velocity": [0.0]}
+    narrow = wide | {"region": {"box": {"min": [4.5], "max": [5.5]}}}
+    entered(bar({"end": 1.5, "constraints": {"one": wide, "two": narrow}}))
+    with pytest.raises(RunError, match=r"constraints.one.region holds no particle"):
+        entered(bar({"end": 1.5, "constraints": {"one": narrow, "two": wide}}))
+
+
+def test_a_constraint_that_would_hold_nothing_is_noticed_at_the_start(capsys):
+    """By a run and by check, in the same words; what comes there in time is held."""
+    hold = {"body": "waits", "region": {"box": {"min": [13.2], "max": [15.0]}}, "velocity": [0.0]}
+    case = bar(
+        {"end": 1.5, "constraints": {"late": hold, "grip": {"velocity": [0.0]}}},
+        {"end": 2.0, "constraints": {"late": hold | {"body": "bar"}, "more": PULLED}},
+    )
+    sim = start(case)
+    found = [text for text in sim.warnings if "holds no particle" in text]
+    assert [text.partition(": ")[0] for text in found] == [
+        f"time.stages.{number}.constraints.late.region" for number in (0, 1)
+    ]
+    assert "no particle of 'waits'; if none comes there by t = 1, " in found[0]
+    check.report(pgimp.load(case))
+    shown = capsys.readouterr().out
+    assert all(f"warning: {text}\n" in shown for text in found)
+    while not sim.stage_done:
+        sim.advance()
+    sim.next_stage()  # `waits` has moved by half
+    assert not any("holds no particle" in text for text in start(bar(DIG, HOLD)).warnings)
+
+
 def test_a_step_that_is_too_long_for_a_stage_is_refused_before_the_first():
     with pytest.raises(CaseError, match=r"^stage 'stiff': time\.step: 0\.01 is a Courant"):
         start(bar({"name": "stiff", "end": 2.0, "materials": {"soft": {"young": 4e6}}}))
