@@ -82,7 +82,7 @@ def begin(sim: Any, scenes: Sequence[Scene]) -> None:
     if scene.tools:
         require_apart(scene.tools, [(particles.x[:count], particles.body[:count])], comm)
         require_clear(scene.tools, scene.faces, scene.tools.first, 0, 0.0, comm)
-    _compile(sim, 0)
+    _compile(sim, scenes[1:], 0)
     if bodies := prestressed(scene):
         rows = np.flatnonzero(np.isin(particles.body[:count], bodies))
         remember_stress(scene.setting.without_shape(), particles, rows)
@@ -102,13 +102,15 @@ def begin(sim: Any, scenes: Sequence[Scene]) -> None:
     sim.warnings += motion_warnings(scenes)
 
 
-def resume(sim: Any, source: Any, counted: int) -> None:
+def resume(sim: Any, scenes: Sequence[Scene], source: Any, counted: int) -> None:
     """Restore the state of a checkpoint; collective.
 
     Parameters
     ----------
     sim : Simulation
         Of the checkpoint's stage, without particles.
+    scenes : sequence of Scene
+        Those of all stages.
     source : CheckpointFile
         The checkpoint.
     counted : int
@@ -123,7 +125,7 @@ def resume(sim: Any, source: Any, counted: int) -> None:
     take_as_empty(sim.case, comm)
     require(scene, comm, source.count)
     scene.tools.measure(comm)
-    _compile(sim, counted)
+    _compile(sim, scenes[sim.stage + 1 :], counted)
     state, layers = outline(scene, source, comm)
     require_same(scene.tools, state.tools)
     sim.count = state.count
@@ -142,10 +144,14 @@ def resume(sim: Any, source: Any, counted: int) -> None:
         sim.shorten()
 
 
-def _compile(sim: Any, counted: int) -> None:
-    """Compile the kernels of a step, and make the function for the wave speeds; collective."""
+def _compile(sim: Any, later: Sequence[Scene], counted: int) -> None:
+    """Compile the kernels of this stage and of later ones, and start the clock; collective."""
     scene, comm = sim.scene, sim.comm
     warm_up(scene, comm)
+    for each in later:  # none waits for the compiler then, or meets what it refuses
+        take_as_empty(each.case, comm)
+        each.tools.borrow(scene.tools)
+        warm_up(each, comm)
     rate = max(rest_rate(scene, body) for body in range(len(scene.body_names)))
     sim.clock = clock_of(sim.case, rate, counted)
     sim.watch = EnergyWatch(rate * min(scene.frame.cell)) if sim.case.watched else None

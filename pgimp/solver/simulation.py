@@ -107,7 +107,7 @@ class Simulation:
         if state is None:
             setup.begin(self, scenes)
         else:
-            setup.resume(self, source, state.counted)
+            setup.resume(self, scenes, source, state.counted)
 
     def decompose(self, counts: np.ndarray) -> Slab:
         """Cut the layers into slabs, one a rank, with balanced numbers of particles."""
