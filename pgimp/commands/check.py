@@ -25,7 +25,8 @@ from pgimp.scene.laterconstraints import idle_warnings
 from pgimp.scene.lattice import Lattice
 from pgimp.scene.sanity import body_warnings, case_warnings, small_step_warning, strains
 from pgimp.scene.scene import MOST_CELLS, Scene, count_particles
-from pgimp.scene.toolchecks import motion_warnings, require_apart, require_clear, require_slow
+from pgimp.scene.toolchecks import require_apart, require_clear, require_slow
+from pgimp.scene.toolwarnings import motion_warnings
 from pgimp.solver.lookahead import look_ahead, require_stable_stages
 from pgimp.solver.memory import MemoryShortError, require, size_text
 from pgimp.solver.stability import require_end, require_stable, stability_warning

@@ -25,12 +25,12 @@ from pgimp.scene.laterconstraints import held, idle_warnings, later_constraints
 from pgimp.scene.populate import prestressed
 from pgimp.scene.scene import Scene, count_particles
 from pgimp.scene.toolchecks import (
-    motion_warnings,
     require_apart,
     require_clear,
     require_same,
     require_slow,
 )
+from pgimp.scene.toolwarnings import motion_warnings
 from pgimp.solver.clock import CourantClock, clock_of
 from pgimp.solver.energywatch import EnergyWatch
 from pgimp.solver.lookahead import rates_at_rest, require_stable_stages
