@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from functools import partial
+from math import hypot
+from operator import sub
 from typing import Any
 
 import numpy as np
@@ -111,6 +113,25 @@ def _depths(
         ends = [tools.case.tools[name].region.signed_distance(x), region.signed_distance(x)]
         depth, least = np.where(np.max(ends, axis=0) < 0.0, -np.sum(ends, axis=0), 0.0), 0.0
     return np.where(depth > max(least, _TOUCH * float(cell.min())), depth, 0.0)
+
+
+def may_collide(tools: SceneTools, faces: Sequence[Face], states: list[State]) -> bool:
+    """Whether a sphere round any free rigid body meets a wall, or a rigid body."""
+    if len(tools) > len(states):
+        return True
+    frame = tools.frame
+    for number, (state, arm) in enumerate(zip(states, tools.arms, strict=True)):
+        for face in faces:
+            wall = frame.origin[face.axis]
+            if face.side > 0:
+                wall += frame.cells[face.axis] * frame.cell[face.axis]
+            if (state.centre[face.axis] - wall) * face.side + arm > 0.0:
+                return True
+        for other in range(number):
+            gap = hypot(*map(sub, state.centre, states[other].centre))
+            if gap < arm + tools.arms[other]:
+                return True
+    return False
 
 
 def collisions(

@@ -141,7 +141,7 @@ def resume(sim: Any, scenes: Sequence[Scene], source: Any, counted: int) -> None
             sim.watch.begin(sim.rank)
         else:
             sim.watch.numbers = state.watch
-        sim.shorten()
+        sim.watch.shorten(sim.clock)
 
 
 def _compile(sim: Any, later: Sequence[Scene], counted: int) -> None:

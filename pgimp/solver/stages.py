@@ -221,4 +221,4 @@ def _watch(sim: Any, speed: float) -> None:
     if before:
         sim.watch.numbers = before.numbers
     sim.watch.begin(sim.rank)
-    sim.shorten()
+    sim.watch.shorten(sim.clock)

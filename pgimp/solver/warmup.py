@@ -12,7 +12,7 @@ from pgimp.decomposition.slabs import Slab
 from pgimp.kernels.boxes import grow_boxes
 from pgimp.kernels.clearance import find_clearances
 from pgimp.kernels.concepts import Forcing, Order, Report
-from pgimp.kernels.constraints import apply_constraints, mark_constrained_vertices
+from pgimp.kernels.constraints import apply_constraints
 from pgimp.kernels.contact import Contact
 from pgimp.kernels.contactforces import contact_forces
 from pgimp.kernels.cutboxes import volume_sums
@@ -20,6 +20,7 @@ from pgimp.kernels.errors import ERRORS, initial_velocities, layer_errors
 from pgimp.kernels.g2p import grid_to_particles
 from pgimp.kernels.layerchanges import pack_rows, partition_migrants, sort_rows, unpack_rows
 from pgimp.kernels.ledger import Ledger
+from pgimp.kernels.marking import mark_constrained_vertices
 from pgimp.kernels.meet import find_meetings
 from pgimp.kernels.mirror import fold, fold_volumes, reflect
 from pgimp.kernels.momentum import WHOLE, update_momentum
@@ -34,7 +35,7 @@ from pgimp.kernels.toolfill import find_touched
 from pgimp.mpi.node import Call, shared_out
 from pgimp.scene.populate import prestressed
 from pgimp.scene.scene import Scene
-from pgimp.solver import presentmeetings
+from pgimp.solver import presentcalls
 from pgimp.solver.parts import parts_of
 from pgimp.solver.step import on_particles, on_vertices
 
@@ -76,7 +77,7 @@ def _calls(scene: Scene) -> Iterator[Call]:
     contact: Any = ()
     if scene.mixed or (scene.initial and (scene.pairs or scene.lets_go)):
         yield 0.3, lambda: grow_boxes(frame, p, rows, np.zeros((2, bodies, len(frame.cell))))
-        yield from presentmeetings.calls(scene, grid, p, vertex_forcing, faces, ledger)
+        yield from presentcalls.calls(scene, grid, p, vertex_forcing, faces, ledger)
     elif scene.pairs:
         tools: Any = scene.tools.in_planes(grid.planes) if scene.tools else ()
         contact = Contact.empty(scene.pairs, grid.G, grid.planes, 1, count, tools)
