@@ -227,16 +227,27 @@ def check_tractions(
 
 def check_constraints(
     dimensions: int,
+    grid: Any,
     bodies: Mapping[str, Any],
     body_names: Iterable[str],
     constraints: Mapping[str, Any],
 ) -> Problems:
-    """Check that constraints hold parts of bodies."""
+    """Check that constraints hold parts of bodies, within the domain."""
+    sound = not list(check_grid(dimensions, grid))
     for name, entry in constraints.items():
         path: tuple[str | int, ...] = ("constraints", name)
         yield from _body_of(path, entry, bodies, body_names)
-        yield from _region((*path, "region"), entry.region, dimensions)
+        wrong = list(_region((*path, "region"), entry.region, dimensions))
+        yield from wrong
         yield from length((*path, "velocity"), entry.velocity, dimensions)
+        if wrong or not sound or any(region.FROM_FILE for region in entry.region.simple()):
+            continue
+        low, high = entry.region.bounds()
+        within = zip(low, high, grid.origin, grid.corner, strict=True)
+        if any(a > b for a, b in zip(low, high, strict=True)):
+            yield Problem((*path, "region"), "is empty: no point lies in it")
+        elif any(b < least or a > most for a, b, least, most in within):
+            yield Problem((*path, "region"), "lies beyond the domain, where no particle comes")
 
 
 def check_contact(

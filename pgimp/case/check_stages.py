@@ -1,20 +1,18 @@
-"""The stages of a case arranged: a case for each, and what may not change from one to the next."""
+"""Checks of a stage: by itself, and that particles have what it needs of them."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any
 
-from pydantic import ValidationError
-
 from pgimp.case.check_domain import check_planes_of_symmetry
-from pgimp.case.stages import BY_ENTRY, BY_KEY, Stage, Staged, merged
+from pgimp.case.stages import BY_ENTRY, BY_KEY, Stage
 from pgimp.schema.dispatch import plain
-from pgimp.schema.messages import explain, unknown
+from pgimp.schema.messages import unknown
 from pgimp.schema.problems import Problem
 from pgimp.schema.sizes import Problems
 
-#: Of `pgimp.case.schema`, which arranges its stages with this file.
+#: Of `pgimp.case.schema`, whose stages are checked here.
 Case = Any
 Path = tuple[str | int, ...]
 
@@ -24,73 +22,7 @@ _VARIES = (
 )
 
 
-def arrange(case: Case) -> tuple[tuple[Case, ...], list[Problem]]:
-    """Return the cases of the stages of a case, and their problems.
-
-    Each is checked as any case is; those after one that is wrong are left out.
-    """
-    if case.exact is not None:
-        text = "is the solution of a case without stages (time.stages); leave one of them out"
-        return (), [Problem(("exact",), text)]
-    data = case.model_dump(by_alias=True)
-    at, start = case.output.at, 0.0
-    data["time"] = {key: value for key, value in data["time"].items() if key != "stages"}
-    first = _of_stage(type(case), data, at, start, case.time.end, 0.0)
-    first.__dict__["staged_as"] = Staged(escapes=bool(_leaving(first)))
-    found, names = [first], {""}
-    for number, stage in enumerate(case.time.stages):
-        before, place = found[-1], ("time", "stages", number)
-        problems = list(_own(stage, before, names))
-        names.add(stage.name)
-        if problems:
-            return (), [item._replace(path=(*place, *item.path)) for item in problems]
-        spellings = {name: entry.SPELLINGS for name, entry in before.materials.items()}
-        data = merged(data, stage, spellings)
-        counted = _counted(before, stage)
-        try:
-            now = _of_stage(type(case), data, at, before.time.end, stage.end, counted)
-        except ValidationError as error:
-            problems = explain(type(case), error, data)
-        else:
-            problems = list(_changed(before, now, stage))
-        if problems:
-            return (), [_relocated(item, stage, place) for item in problems]
-        now.__dict__["staged_as"] = Staged(
-            number + 1, stage.name, float(before.time.end), counted,
-            (*before.staged.removed, *(name for name in stage.remove if name in now.bodies)),
-            before.staged.escapes or bool(_leaving(now)), _displacements(before, now),
-        )  # fmt: skip
-        found.append(now)
-    return tuple(found), []
-
-
-def _of_stage(
-    kind: type[Case],
-    data: dict[str, Any],
-    at: tuple[float, ...],
-    start: float,
-    end: float,
-    counted: float,
-) -> Case:
-    """Return a typed case; of the times of frames `at` those that are in the stage."""
-    mine = tuple(time for time in at if start < time <= end or time == start == 0.0)
-    data = {**data, "output": {**data["output"], "at": mine}}
-    return kind.model_validate(data, context={"counted": counted})
-
-
-def _leaving(case: Case) -> list[str]:
-    return [face for face, way in case.escape.items() if way == "remove"]
-
-
-def _counted(before: Case, stage: Stage) -> float:
-    """Time from which the fixed steps of a stage are counted; 0 for those that are not fixed."""
-    step = before.time.step if stage.step is None else stage.step
-    if not isinstance(step, float | int):
-        return 0.0
-    return before.staged.counted if step == before.time.step else float(before.time.end)
-
-
-def _own(stage: Stage, before: Case, names: set[str]) -> Problems:
+def check_by_itself(stage: Stage, before: Case, names: set[str]) -> Problems:
     """Check a stage by itself; paths start at the stage."""
     if stage.name in names:
         yield Problem(("name",), "another stage has this name already")
@@ -135,13 +67,21 @@ def _own(stage: Stage, before: Case, names: set[str]) -> Problems:
                     )
                 yield Problem((section, name), unknown(what, name, known) + advice)
     gone = (*before.staged.removed, *stage.remove)
-    for name, entry in stage.tractions.items():
-        if entry is not None and name in before.tractions:
-            body = before.tractions[name].body
+    for section in ("tractions", "constraints"):
+        for name, entry in getattr(stage, section).items():
+            known = getattr(before, section).get(name)
+            if known is None or entry is None:
+                continue
+            body = entry.get("body", known.body) if isinstance(entry, Mapping) else known.body
             if body in gone:
                 yield Problem(
-                    ("tractions", name), f"acts on '{body}', which has been removed: it has ended"
+                    (section, name), f"acts on '{body}', which has been removed: it has ended"
                 )
+    for i, entry in enumerate(stage.contact):
+        named = entry.get("bodies") if isinstance(entry, Mapping) else None
+        for k, name in enumerate(named if isinstance(named, list | tuple) else ()):
+            if name in gone:
+                yield Problem(("contact", i, "bodies", k), f"'{name}' has been removed")
     for name, entry in stage.materials.items():
         if entry is None and name in before.materials:
             yield Problem(
@@ -163,7 +103,7 @@ def _own(stage: Stage, before: Case, names: set[str]) -> Problems:
                 yield Problem((section, name), "there is none to end: nothing has this name before")
 
 
-def _changed(before: Case, now: Case, stage: Stage) -> Problems:
+def check_changes(before: Case, now: Case, stage: Stage) -> Problems:
     """Check that particles have the columns that a stage needs; paths start at the case."""
     for name, entry in now.materials.items():
         yield from _material(("materials", name), before.materials[name], entry, now.dimensions)
@@ -248,53 +188,3 @@ def _with_origins(case: Case) -> bool:
     """Whether particles keep their initial position; see `Scene.origins`."""
     initial = any(body.configuration == "initial" for body in case.bodies.values())
     return initial or "displacement" in case.output.fields
-
-
-def _displacements(before: Case, now: Case) -> dict[str, tuple[float, ...]]:
-    """Displacements to add to those of a stage's constraints, see `Staged`."""
-    start, found = float(before.time.end), {}
-    for name, entry in now.constraints.items():
-        old: tuple[float | None, ...] = (None,) * now.dimensions
-        shift = (0.0,) * now.dimensions
-        if not reselects(before, now, name):
-            old = before.constraints[name].displacement(start)
-            shift = before.staged.displacements.get(name, shift)
-        found[name] = tuple(
-            ((way or 0.0) + more) - (new or 0.0)
-            for way, more, new in zip(old, shift, entry.displacement(start), strict=True)
-        )
-    return found
-
-
-def _relocated(item: Problem, stage: Stage, place: Path) -> Problem:
-    """Return a problem of a stage's case with the place where the stage has caused it."""
-    section = item.path[0] if item.path else ""
-    if section == "time":
-        return item._replace(path=(*place, *item.path[1:]))
-    changes: Any = stage.changes.get(str(section))
-    if isinstance(changes, Mapping) and len(item.path) > 1 and item.path[1] not in changes:
-        changes = None
-    if changes is not None or section in ("materials", "tractions", "contact", "output"):
-        return item._replace(path=(*place, *item.path))
-    return item._replace(text=f"in the stage '{stage.name}': {item.text}")
-
-
-def steps_in(case: Case) -> int | None:
-    """Return the number of fixed steps of a stage; None where steps are not fixed."""
-    if not isinstance(case.time.step, float | int):
-        return None
-    return round((case.time.end - case.staged.start) / case.time.step)
-
-
-def changes_of(stage: Stage) -> Iterator[str]:
-    """Yield the changes of a stage, by the shortest key paths."""
-    for section, value in stage.changes.items():
-        if section == "remove":
-            if value:
-                yield f"remove {', '.join(value)}"
-        elif isinstance(value, Mapping):
-            for name, entry in value.items():
-                keys = entry if section == "materials" and isinstance(entry, Mapping) else [""]
-                yield from (f"{section}.{name}{'.' if key else ''}{key}" for key in keys)
-        else:
-            yield section

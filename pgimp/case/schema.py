@@ -20,8 +20,8 @@ from pydantic import (
     model_validator,
 )
 
+from pgimp.case.arrange_stages import arrange
 from pgimp.case.body import Body
-from pgimp.case.check_stages import arrange
 from pgimp.case.checks import check, sound_parts
 from pgimp.case.grid import Grid
 from pgimp.case.output import Checkpoint, History, Output, ProbeEntry

@@ -21,10 +21,12 @@ from pgimp.scene import nearness
 from pgimp.scene.advice import advice
 from pgimp.scene.facts import BodyFacts, examine
 from pgimp.scene.geometry import share
+from pgimp.scene.laterconstraints import idle_warnings
 from pgimp.scene.lattice import Lattice
 from pgimp.scene.sanity import body_warnings, case_warnings, small_step_warning, strains
 from pgimp.scene.scene import MOST_CELLS, Scene, count_particles
-from pgimp.scene.toolchecks import motion_warnings, require_apart, require_clear, require_slow
+from pgimp.scene.toolchecks import require_apart, require_clear, require_slow
+from pgimp.scene.toolwarnings import motion_warnings
 from pgimp.solver.lookahead import look_ahead, require_stable_stages
 from pgimp.solver.memory import MemoryShortError, require, size_text
 from pgimp.solver.stability import require_end, require_stable, stability_warning
@@ -79,7 +81,7 @@ def report(case: Case) -> None:
         raise
     if scene.tools:
         _look_at_rigid(scene, lattice, counts)
-    found = examine(scene, lattice, counts)
+    found = examine(scene, lattice, counts, whole.stages)
     bodies = found.bodies
     varied = {body.name: body.rest_rate for body in bodies if body.varies}
     of_stages = require_stable_stages(scenes, varied)
@@ -124,6 +126,7 @@ def report(case: Case) -> None:
         pilot_warnings(case, dt * rate, tried),
         *(body_warnings(case, body, whole.time.last) for body in bodies),
         case_warnings(case, found),
+        idle_warnings(found.later, found.held_later),
         motion_warnings(scenes),
         nearness.bonded(scene, lattice, counts),
         nearness.warnings(case),

@@ -252,10 +252,9 @@ class Balance:
         costs = work * density
         self.moves.append((imbalance_of(costs, self.cuts), imbalance_of(costs, new)))
         mean = costs.sum() / max(work.sum(), 1e-300)
-        edges = new[:-1]
-        below = np.maximum(np.add.reduceat(work, edges), 1e-300)
-        self._expected = np.add.reduceat(costs, edges) / below / mean
-        self._expected[np.add.reduceat(work, edges) == 0.0] = 1.0
+        has = np.add.reduceat(work, new[:-1])
+        expected = np.add.reduceat(costs, new[:-1]) / np.maximum(has, 1e-300) / mean
+        self._expected = np.where(has == 0.0, 1.0, expected)
         self._moved += self._moving(counts, new) + _FIXED_COST
         self._back_off = self._wait = self.pause = 0
         self._forget()

@@ -65,7 +65,7 @@ class Grid:
     partial : float64
         The part of `deferred` for planes that are shared with the lower neighbour.
     marks : (planes * plane / 8,) int64
-        See `pgimp.kernels.constraints`; made when first asked for.
+        See `pgimp.kernels.marking`; made when first asked for.
     base : (2, 2) int64
         First vertices (least, greatest; y, z) that a support in the window may have.
     inner_bounds : (2, 2) int64

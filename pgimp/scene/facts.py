@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from pgimp.case.output import PlaceProbe
+from pgimp.case.schema import Case
 from pgimp.geometry.regions import Points
 from pgimp.kernels.particles import Particles
 from pgimp.kernels.sums import fastest_rate
+from pgimp.scene.laterconstraints import LaterConstraint, held, later_constraints
 from pgimp.scene.lattice import Lattice, ParticleBlock
 from pgimp.scene.populate import velocities
 from pgimp.scene.scene import Scene
@@ -77,14 +80,22 @@ class Findings:
     away : dict of str to float
         For each probe, how far the closest particle is: of a material point from the particle's
         centre, of a place the largest component in cells.
+    later : list of LaterConstraint
+        Constraints of later stages.
+    held_later : (len(later),) int64
+        Particles that are where these will hold some.
     """
 
     bodies: list[BodyFacts]
     held: np.ndarray
     away: dict[str, float]
+    later: list[LaterConstraint]
+    held_later: np.ndarray
 
 
-def examine(scene: Scene, lattice: Lattice, counts: np.ndarray) -> Findings:
+def examine(
+    scene: Scene, lattice: Lattice, counts: np.ndarray, stages: Sequence[Case] = ()
+) -> Findings:
     """Create all particles, block by block, and collect the facts.
 
     Parameters
@@ -92,16 +103,21 @@ def examine(scene: Scene, lattice: Lattice, counts: np.ndarray) -> Findings:
     scene : Scene
     lattice, counts
         See `count_particles`.
+    stages : sequence of Case
+        Those of all stages.
 
     Raises
     ------
     CaseError
         As a run at its start, if a constraint holds no particle.
     """
+    later = later_constraints(stages)
     found = Findings(
         [],
         np.zeros(len(scene.loads.constraints) + 1, np.int64),
         dict.fromkeys(scene.case.probes, np.inf),
+        later,
+        np.zeros(len(later), np.int64),
     )
     for body in range(len(scene.body_names)):
         found.bodies.append(_examine(scene, lattice, counts, body, found))
@@ -127,6 +143,9 @@ def _examine(
         low, high = np.minimum(low, ends[0]), np.maximum(high, ends[1])
         own.add(block)
         _count_held(scene, block, ends, found)
+        if found.later:
+            bodies = np.full(len(block.ids), body, np.int32)
+            found.held_later += held(found.later, bodies, block.positions)
         _measure_probes(scene, block, ends, found)
     # Boxes round the particles, unless the region itself is smaller.
     half = 0.5 * np.array(scene.frame.cell) / lattice.per_cell

@@ -182,6 +182,14 @@ def _read_points(case: Case, comm: Any) -> None:
                     f"stress of '{material.model}' follows from the deformation alone; leave it "
                     "out, or use hooke"
                 )
+            if found.stress and not material.CARRIES_PRESSURE and (first := points.mean_stress()):
+                particle, mean = first
+                raise CaseError(
+                    f"bodies.{name}.region: {particle}, has a mean stress of {mean:.3g}, but the "
+                    f"pressure of '{material.model}' follows from the volume, which is that of the "
+                    "start: it would be gone in the first step; give deviators, stresses less "
+                    "their mean"
+                )
             least, most = found.least * material.density, found.volume * material.density
             if not (least > LEAST and most < MOST):
                 raise CaseError(

@@ -5,16 +5,14 @@ from itertools import chain
 
 import numpy as np
 
-from pgimp.errors import CaseError
+from pgimp.geometry.regions import Points
 from pgimp.kernels.errors import initial_velocities
 from pgimp.kernels.particles import Particles
+from pgimp.physics.materials.base import has
 from pgimp.scene.cloudgradients import with_gradients
 from pgimp.scene.lattice import Lattice, ParticleBlock
 from pgimp.scene.pointscloud import Cloud
 from pgimp.scene.scene import Scene
-
-#: Part of the greatest stress of a file below which a mean is rounding.
-SAME = 1e-9
 
 
 def populate(
@@ -68,7 +66,6 @@ def populate(
             p.v[rows] = block.velocities
         material = scene.body_material[block.body]
         if block.stresses is not None:
-            _require_deviators(scene, block)
             p.sigma[rows] = block.stresses[:, : p.sigma.shape[1]]
         elif pressure := scene.initial_pressures[material]:
             p.sigma[rows, :3] = -pressure
@@ -98,22 +95,16 @@ def populate(
     return p
 
 
-def _require_deviators(scene: Scene, block: ParticleBlock) -> None:
-    """Refuse mean stresses of a file that the material would forget in the first step."""
-    name = scene.body_names[block.body]
-    entry = scene.case.materials[scene.case.bodies[name].material]
-    assert block.stresses is not None
-    means = block.stresses[:, :3].mean(axis=1)
-    wrong = np.abs(means) > SAME * np.abs(block.stresses).max(initial=0.0)
-    if entry.CARRIES_PRESSURE or not wrong.any():
-        return
-    first = int(wrong.argmax())
-    place = ", ".join(f"{x:.6g}" for x in block.positions[first])
-    raise CaseError(
-        f"bodies.{name}.region: the particle at ({place}) has a mean stress of {means[first]:.3g}, "
-        f"but the pressure of '{entry.model}' follows from the volume, which is that of the start: "
-        "it would be gone in the first step; give deviators, stresses less their mean"
-    )
+def prestressed(scene: Scene) -> list[int]:
+    """Bodies whose particles remember the stress of their file by other states."""
+    return [
+        number
+        for number, body in enumerate(scene.case.bodies.values())
+        if isinstance(body.region, Points)
+        and body.region.summary.stress
+        and scene.case.materials[body.material].states
+        and has(type(scene.materials[scene.body_material[number]]), "initial_state")
+    ]
 
 
 def velocities(scene: Scene, body: int, positions: np.ndarray) -> np.ndarray:

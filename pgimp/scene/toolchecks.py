@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from functools import partial
-from math import inf
+from math import hypot
+from operator import sub
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,6 @@ from pgimp.kernels.tools import distances
 from pgimp.mpi.collective import on_root
 from pgimp.physics.boundaries.slip import Slip
 from pgimp.scene.faces import Face
-from pgimp.scene.facts import wave_speed
 from pgimp.scene.freebody import State
 from pgimp.scene.toolmeasure import is_symmetry
 from pgimp.scene.tools import SceneTools
@@ -25,50 +25,6 @@ from pgimp.scene.tools import SceneTools
 #: depth to which a free rigid body may overlap what it does not feel; distance for the closer
 #: check.
 _TOUCH, _ROUNDED, _PAST, _NEAR = 0.05, 0.2, 0.5, 0.3
-
-#: Part of the speed of waves above which a rigid body that moves as prescribed is fast: at half of
-#: it rubber gets some per cent too little momentum on cells of a twelfth of the block, at 2.7 times
-#: half of it.
-_FAST = 0.3
-
-
-def motion_warnings(scenes: Sequence[Any]) -> list[str]:
-    """Return which rigid bodies are too fast for the waves of bodies they may meet, or miss a load.
-
-    Parameters
-    ----------
-    scenes : sequence of Scene
-        Those of all stages, of which the first has its rigid bodies measured.
-    """
-    found: list[str] = []
-    scene = scenes[0]
-    if not scene.tools:
-        return found
-    if scene.tools.free and any(each.case.body_force for each in scenes):
-        names = ", ".join(f"'{body.name}'" for body in scene.tools.free.values())
-        found.append(
-            f"body_force: it acts on bodies of a material only, not on {names}, which moves freely "
-            "by gravity and contact alone"
-        )
-    first = len(scene.body_names)
-    waves = [wave_speed(scene, body) for body in range(first)]
-    for number, speed in scene.tools.speeds().items():
-        met = [
-            (waves[body], scene.body_names[body])
-            for body in range(first)
-            if scene.pairs is None or scene.pairs.entry[body, first + number] != 0
-        ]
-        slowest, name = min(met, default=(inf, ""))
-        if speed > _FAST * slowest > 0.0:
-            found.append(
-                f"bodies.{scene.tools.names[number]}.rigid: it moves at up to {speed:.3g}, "
-                f"{speed / slowest:.2g} times as fast as waves in '{name}' ({slowest:.3g}); above "
-                f"{_FAST:g} what it hits gets too little momentum, beyond 1 half of it or less: "
-                "smaller cells (grid.cell), or a body that moves freely (rigid: {density: ..}); "
-                "are the units of velocity, young and density one set?"
-            )
-    return found
-
 
 def require_slow(tools: SceneTools, dt: float) -> None:
     """Refuse a first step in which a body would move by more than a cell."""
@@ -157,6 +113,25 @@ def _depths(
         ends = [tools.case.tools[name].region.signed_distance(x), region.signed_distance(x)]
         depth, least = np.where(np.max(ends, axis=0) < 0.0, -np.sum(ends, axis=0), 0.0), 0.0
     return np.where(depth > max(least, _TOUCH * float(cell.min())), depth, 0.0)
+
+
+def may_collide(tools: SceneTools, faces: Sequence[Face], states: list[State]) -> bool:
+    """Whether a sphere round any free rigid body meets a wall, or a rigid body."""
+    if len(tools) > len(states):
+        return True
+    frame = tools.frame
+    for number, (state, arm) in enumerate(zip(states, tools.arms, strict=True)):
+        for face in faces:
+            wall = frame.origin[face.axis]
+            if face.side > 0:
+                wall += frame.cells[face.axis] * frame.cell[face.axis]
+            if (state.centre[face.axis] - wall) * face.side + arm > 0.0:
+                return True
+        for other in range(number):
+            gap = hypot(*map(sub, state.centre, states[other].centre))
+            if gap < arm + tools.arms[other]:
+                return True
+    return False
 
 
 def collisions(

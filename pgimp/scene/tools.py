@@ -130,6 +130,14 @@ class SceneTools:
         self.arms = on_root(comm, self._greatest_arms)
         self._kept = None
 
+    def borrow(self, other: SceneTools) -> None:
+        """Take the measures of the same bodies in another stage: as good to compile kernels for."""
+        numbers = [other.names.index(name) for name in self.names]
+        self.fields = [other.fields[number] for number in numbers]
+        self.free = {
+            own: other.free[number] for own, number in enumerate(numbers) if number in other.free
+        }
+
     @cached_property
     def surface(self) -> Surface:
         """The surfaces where the bodies are at the start."""

@@ -11,6 +11,8 @@ from pgimp.decomposition.slabs import Slab, cut, slab_of
 from pgimp.kernels.order import layers_of
 from pgimp.scene.scene import Scene
 from pgimp.solver.rank import Rank
+from pgimp.solver.reduction import StepReduction
+from pgimp.solver.window import shrink_window
 
 #: Steps between two re-sorts of the particles' rows, with a report of the load: a sort costs half a
 #: step, and a step becomes slower by up to a thousandth with every step that the rows grow stale.
@@ -78,3 +80,15 @@ def rebalance(rank: Rank, balance: Balance, step: int) -> None:
         balance.moved(thread_time() - agreed, step)
     balance.watch(rank.count)
     rank.timings["balance"] += perf_counter() - begin
+
+
+def resort(rank: Rank, balance: Balance, reduction: StepReduction, step: int) -> None:
+    """Sort the rows, report the load, and shrink a window that is far too wide; collective."""
+    begin = perf_counter()
+    if not rank.scene.initial or rank.moved:
+        rank.population.sort()
+        rank.moved = False
+    rank.timings["sort"] += perf_counter() - begin
+    if rank.comm.size > 1:
+        balance.report(rank.comm, rank.count, int(rank.grid.active.sum()), step)
+    shrink_window(rank, reduction)

@@ -12,6 +12,7 @@ import numpy as np
 
 from pgimp.errors import EndlessError
 from pgimp.kernels.sums import KINETIC, MASS, STRAIN, layer_sums
+from pgimp.solver.clock import CourantClock, FixedClock
 
 #: Steps from one check to the next.
 EVERY = 10
@@ -59,6 +60,11 @@ class EnergyWatch:
     @numbers.setter
     def numbers(self, numbers: list[float]) -> None:
         self.part, self._first, self._most, self._bound = numbers
+
+    def shorten(self, clock: FixedClock | CourantClock) -> None:
+        """Apply the reduction to the Courant number that pgimp has chosen."""
+        assert isinstance(clock, CourantClock)
+        clock.part = min(max(self.part, LEAST), 1.0)
 
     def begin(self, rank: Any) -> None:
         """Set the present energy as the reference; collective."""

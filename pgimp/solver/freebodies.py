@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import hypot, inf
-from operator import sub
 from typing import Any
 
 import numpy as np
@@ -30,7 +29,7 @@ from pgimp.kernels.tools import (
 )
 from pgimp.scene.freebody import FreeBody, Matrix, State, solve
 from pgimp.scene.scene import Scene
-from pgimp.scene.toolchecks import require_clear
+from pgimp.scene.toolchecks import may_collide, require_clear
 from pgimp.solver.clock import Step
 
 #: Iterations of Newton's method. Contact that only opens, closes, sticks or slides takes two or
@@ -92,27 +91,9 @@ class FreeBodies:
         """
         travel = max(self.rate, self.tools.rate) * dt
         pause = max(1, min(LOOKS, int(TRAVEL / travel))) if travel > 0.0 else LOOKS
-        if done.number and done.number % pause == 0 and self._may_meet():
-            number, time = done.number, done.end
-            require_clear(self.tools, self.scene.faces, self.states, number, time, self.comm)
-
-    def _may_meet(self) -> bool:
-        """Whether a sphere round any of the bodies meets a wall, or a rigid body."""
-        if len(self.tools) > len(self.bodies):
-            return True
-        frame = self.scene.frame
-        for number, (state, arm) in enumerate(zip(self.states, self.tools.arms, strict=True)):
-            for face in self.scene.faces:
-                wall = frame.origin[face.axis]
-                if face.side > 0:
-                    wall += frame.cells[face.axis] * frame.cell[face.axis]
-                if (state.centre[face.axis] - wall) * face.side + arm > 0.0:
-                    return True
-            for other in range(number):
-                gap = hypot(*map(sub, state.centre, self.states[other].centre))
-                if gap < arm + self.tools.arms[other]:
-                    return True
-        return False
+        faces, states = self.scene.faces, self.states
+        if done.number and done.number % pause == 0 and may_collide(self.tools, faces, states):
+            require_clear(self.tools, faces, states, done.number, done.end, self.comm)
 
     def require_slow(self, t: Step) -> None:
         """Refuse a step in which a body would move by more than a cell; on every rank."""

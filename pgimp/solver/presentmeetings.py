@@ -5,7 +5,6 @@ Where bodies of both configurations are in one case, all of them meet in this wa
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -13,7 +12,7 @@ import numpy as np
 from pgimp.decomposition.grid import Grid
 from pgimp.decomposition.population import Population
 from pgimp.jit.bound import Bound
-from pgimp.kernels.accumulated import Responses, find_responses, solve_impulses
+from pgimp.kernels.accumulated import find_responses, solve_impulses
 from pgimp.kernels.boxes import grow_boxes
 from pgimp.kernels.concepts import Forcing, Setting
 from pgimp.kernels.contact import Contact
@@ -21,7 +20,6 @@ from pgimp.kernels.encounters import Encounters, find_encounters
 from pgimp.kernels.heldbooks import book_held
 from pgimp.kernels.holding import Holding
 from pgimp.kernels.ledger import CONTACT_AREA, Ledger
-from pgimp.kernels.nearby import find_near, mark_blocks
 from pgimp.kernels.numbered import number_keys, room_for
 from pgimp.kernels.present import HALF, NEAR, PLACE, START, SUMMED, Present, sum_present, take_near
 from pgimp.kernels.presentbooks import book_contacts
@@ -36,9 +34,7 @@ from pgimp.kernels.startgrid import (
     take_vertices,
 )
 from pgimp.kernels.support import Supports, find_supports, local_vertices
-from pgimp.mpi.node import Call
 from pgimp.scene.scene import Scene
-from pgimp.solver import approach
 from pgimp.solver.approach import Approach, reach
 from pgimp.solver.bonds import bonded, separating_walls, with_walls
 from pgimp.solver.clock import Step
@@ -95,7 +91,7 @@ class PresentMeetings:
         self.free = FreeBodies(scene, comm) if scene.tools.free else None
         self._accuracy = TOGETHER if self.free else (SWEEPS, ENOUGH)
         self._every_face = scene.standing_faces()
-        self._plain, self._mirrors = _plain(scene), _mirrors(scene)
+        self._plain, self._mirrors = plain(scene), mirrors_of(scene)
         self._local = local_vertices(scene.vertices, scene.dimension)
 
     def forget(self) -> None:
@@ -153,7 +149,7 @@ class PresentMeetings:
         holding = Holding(faces, scene.frame, forcing, contact.unbooked)
         table, vertices = self._gather(grid, population, holding)
         before = vertices.values[:, MOVES:YIELDS].copy()
-        free = _nothing_held(holding)
+        free = nothing_held(holding)
         known = self._solve(table, vertices, free, t)
         if known is None:
             return
@@ -246,53 +242,12 @@ class PresentMeetings:
         return Supports.empty(count, self._local)
 
 
-def calls(
-    scene: Scene, grid: Grid, particles: Any, forcing: Forcing, faces: Any, ledger: Ledger
-) -> Iterator[Call]:
-    """Calls of the kernels on nothing, so that they are compiled; see `pgimp.solver.warmup`."""
-    tools: Any = scene.tools.in_planes(1) if scene.tools else ()
-    pairs, count = with_walls(scene), len(scene.faces)
-    contact = Contact.empty(pairs, np.empty(0), 1, 2, count, tools)
-    frame, shape, none = scene.frame, scene.shape, np.empty(0, np.int64)
-    plain, mirrors = _plain(scene), _mirrors(scene)
-    standing, walls = scene.standing_faces(), separating_walls(scene)
-    holding = Holding(faces, frame, forcing, contact.unbooked)
-    free = _nothing_held(holding)
-    local = local_vertices(scene.vertices, scene.dimension)
-    table, supports = np.empty((0, NEAR)), Supports.empty(0, local)
-    vertices, encounters = StartVertices(none, np.empty((0, STARTED))), Encounters.empty(0)
-    present = Present(np.zeros(3, np.int64), none, 1, none, np.empty((0, SUMMED)), none)
-    rows = Responses(none, np.zeros(1, np.int64), none, np.empty((0, 3)), np.empty((0, 3)))
-    values = vertices.values
-    regions, order = approach.no_regions(scene.dimension), np.empty(0, np.int32)
-    yield 0.3, lambda: mark_blocks(frame, particles, order, none, regions)
-    yield 0.3, lambda: find_near(frame, particles, order, none, regions, none)
-    yield 0.5, lambda: take_near(plain, particles, none, none, none, scene.begun, table)
-    yield 1.0, lambda: find_supports(shape, frame, HALF, table, PLACE, supports)
-    yield 3.0, lambda: take_vertices(
-        holding, grid.field, table, supports, mirrors, Seen(none, 0), vertices
-    )
-    yield 1.0, lambda: sum_present(frame, table, supports, room_for(0), present)
-    yield 4.0, lambda: find_encounters(contact, frame, standing, walls, present, 1.0, encounters)
-    yield 0.2, lambda: number_keys(none, room_for(0))
-    yield 0.3, lambda: find_vertices(frame, table, supports, mirrors, 1, room_for(0))
-    yield 2.0, lambda: find_responses(
-        table, supports, supports, mirrors, encounters, present.sums, values
-    )
-    yield 2.0, lambda: solve_impulses(contact, free, encounters, rows, values, 1, ENOUGH)
-    yield 0.3, lambda: give_to_vertices(frame, grid.field, none, np.empty((0, 3)), 1.0)
-    yield 1.0, lambda: book_held(holding, grid.field, vertices, ledger)
-    yield 2.0, lambda: book_contacts(
-        contact, free, encounters, encounters, rows, values, walls, ledger
-    )
-
-
-def _plain(scene: Scene) -> Setting:
+def plain(scene: Scene) -> Setting:
     """The scene for kernels that take particles where they are, and need no materials."""
     return scene.setting.without_materials()._replace(frame=scene.frame)
 
 
-def _mirrors(scene: Scene) -> np.ndarray:
+def mirrors_of(scene: Scene) -> np.ndarray:
     """Axis, side and vertex number of the walls that reflect, (n, 3) int64."""
     frame = scene.frame
     rows = [
@@ -302,7 +257,7 @@ def _mirrors(scene: Scene) -> np.ndarray:
     return np.array(rows, np.int64).reshape(-1, 3)
 
 
-def _nothing_held(holding: Holding) -> Holding:
+def nothing_held(holding: Holding) -> Holding:
     """The holding for the law of contact: none, as held vertices have no mobility."""
     forcing = holding.forcing._replace(marked=(), clearances=())
     return holding._replace(faces=(), forcing=forcing)

@@ -16,18 +16,21 @@ from pgimp.jit.cache import messages, problems
 from pgimp.jit.kernel import FOLDER
 from pgimp.kernels.order import layers_of
 from pgimp.kernels.particles import Particles
+from pgimp.kernels.prestress import remember_stress
 from pgimp.mpi.collective import all_or_none
 from pgimp.scene import nearness
 from pgimp.scene.facts import rest_rate
 from pgimp.scene.geometry import release, share, take_as_empty
+from pgimp.scene.laterconstraints import held, idle_warnings, later_constraints
+from pgimp.scene.populate import prestressed
 from pgimp.scene.scene import Scene, count_particles
 from pgimp.scene.toolchecks import (
-    motion_warnings,
     require_apart,
     require_clear,
     require_same,
     require_slow,
 )
+from pgimp.scene.toolwarnings import motion_warnings
 from pgimp.solver.clock import CourantClock, clock_of
 from pgimp.solver.energywatch import EnergyWatch
 from pgimp.solver.lookahead import rates_at_rest, require_stable_stages
@@ -73,10 +76,16 @@ def begin(sim: Any, scenes: Sequence[Scene]) -> None:
         comm, lambda: sim.create(slab, lattice, counts, layer), CaseError
     )
     scene.loads.require_all_hold(particles, count, comm)
+    if later := later_constraints(sim.cases):
+        mine = held(later, particles.body[:count], particles.x[:count])
+        sim.warnings += idle_warnings(later, np.sum(comm.allgather(mine), axis=0))
     if scene.tools:
         require_apart(scene.tools, [(particles.x[:count], particles.body[:count])], comm)
         require_clear(scene.tools, scene.faces, scene.tools.first, 0, 0.0, comm)
-    _compile(sim, 0)
+    _compile(sim, scenes[1:], 0)
+    if bodies := prestressed(scene):
+        rows = np.flatnonzero(np.isin(particles.body[:count], bodies))
+        remember_stress(scene.setting.without_shape(), particles, rows)
     put_in_order(sim, slab, particles, count)
     if len(scenes) > 1 and scene.variations:
         require_stable_stages(scenes, rates_at_rest(sim.rank, scene, comm))
@@ -93,13 +102,15 @@ def begin(sim: Any, scenes: Sequence[Scene]) -> None:
     sim.warnings += motion_warnings(scenes)
 
 
-def resume(sim: Any, source: Any, counted: int) -> None:
+def resume(sim: Any, scenes: Sequence[Scene], source: Any, counted: int) -> None:
     """Restore the state of a checkpoint; collective.
 
     Parameters
     ----------
     sim : Simulation
         Of the checkpoint's stage, without particles.
+    scenes : sequence of Scene
+        Those of all stages.
     source : CheckpointFile
         The checkpoint.
     counted : int
@@ -114,7 +125,7 @@ def resume(sim: Any, source: Any, counted: int) -> None:
     take_as_empty(sim.case, comm)
     require(scene, comm, source.count)
     scene.tools.measure(comm)
-    _compile(sim, counted)
+    _compile(sim, scenes[sim.stage + 1 :], counted)
     state, layers = outline(scene, source, comm)
     require_same(scene.tools, state.tools)
     sim.count = state.count
@@ -130,13 +141,17 @@ def resume(sim: Any, source: Any, counted: int) -> None:
             sim.watch.begin(sim.rank)
         else:
             sim.watch.numbers = state.watch
-        sim.shorten()
+        sim.watch.shorten(sim.clock)
 
 
-def _compile(sim: Any, counted: int) -> None:
-    """Compile the kernels of a step, and make the function for the wave speeds; collective."""
+def _compile(sim: Any, later: Sequence[Scene], counted: int) -> None:
+    """Compile the kernels of this stage and of later ones, and start the clock; collective."""
     scene, comm = sim.scene, sim.comm
     warm_up(scene, comm)
+    for each in later:  # none waits for the compiler then, or meets what it refuses
+        take_as_empty(each.case, comm)
+        each.tools.borrow(scene.tools)
+        warm_up(each, comm)
     rate = max(rest_rate(scene, body) for body in range(len(scene.body_names)))
     sim.clock = clock_of(sim.case, rate, counted)
     sim.watch = EnergyWatch(rate * min(scene.frame.cell)) if sim.case.watched else None

@@ -16,9 +16,9 @@ from pgimp.scene.populate import populate
 from pgimp.scene.scene import Scene
 from pgimp.solver import setup
 from pgimp.solver.clock import START, CourantClock, FixedClock, Step
-from pgimp.solver.decomposition import RESORT, partition, rebalance, slab_predicate
+from pgimp.solver.decomposition import RESORT, partition, rebalance, resort, slab_predicate
 from pgimp.solver.diagnostics import Diagnostics
-from pgimp.solver.energywatch import EVERY, LEAST, EnergyWatch
+from pgimp.solver.energywatch import EVERY, EnergyWatch
 from pgimp.solver.lookahead import absent, look_ahead
 from pgimp.solver.particle_errors import Failure, collect_errors
 from pgimp.solver.rank import Rank
@@ -26,7 +26,6 @@ from pgimp.solver.reduction import Request, StepReduction
 from pgimp.solver.stages import enter
 from pgimp.solver.state import State
 from pgimp.solver.step import step
-from pgimp.solver.window import shrink_window
 
 
 class Simulation:
@@ -107,7 +106,7 @@ class Simulation:
         if state is None:
             setup.begin(self, scenes)
         else:
-            setup.resume(self, source, state.counted)
+            setup.resume(self, scenes, source, state.counted)
 
     def decompose(self, counts: np.ndarray) -> Slab:
         """Cut the layers into slabs, one a rank, with balanced numbers of particles."""
@@ -236,7 +235,7 @@ class Simulation:
             rebalance(rank, balance, number)
             reduction.rebalance_requested = False
         if sort:
-            self._sort()
+            resort(rank, balance, reduction, number)
 
     @property
     def controlled(self) -> bool | float:
@@ -279,25 +278,8 @@ class Simulation:
         assert self.watch is not None
         begin = perf_counter()
         self.watch.look(self.rank, self.step, self.time)
-        self.shorten()
+        self.watch.shorten(self.clock)
         self.rank.timings["order"] += perf_counter() - begin
-
-    def shorten(self) -> None:
-        """Apply the energy watch's reduction to the Courant number that pgimp has chosen."""
-        if self.watch and isinstance(self.clock, CourantClock):
-            self.clock.part = min(max(self.watch.part, LEAST), 1.0)
-
-    def _sort(self) -> None:
-        """Sort the rows, report the load, and shrink a window that is far too wide."""
-        begin, rank = perf_counter(), self.rank
-        if not self.scene.initial or rank.moved:
-            rank.population.sort()
-            rank.moved = False
-        rank.timings["sort"] += perf_counter() - begin
-        if self.comm.size > 1:
-            planes = int(rank.grid.active.sum())
-            self.balance.report(self.comm, rank.count, planes, self.step)
-        shrink_window(rank, self.reduction)
 
     def diagnostics(self) -> dict[str, float] | None:
         """The columns of history.csv, in order, on rank 0; None elsewhere; collective."""

@@ -139,18 +139,19 @@ def _held(rank: Rank, before: Case, new: Scene) -> np.ndarray:
     had = p.constraint[rows, 0] if p.constraint.shape[1] else np.zeros(len(rows), np.int32)
     number = {name: i for i, name in enumerate(before.constraints, 1)}
     found = np.zeros(len(rows), np.int32)
-    begin = []
+    new_ones = []
     for i, (name, entry) in enumerate(new.case.constraints.items(), 1):
         if reselects(before, new.case, name):
             mine = np.flatnonzero(p.body[rows] == new.body_names.index(entry.body))
             mine = mine[entry.region.contains(p.x[rows[mine]])]
-            begin.append((name, entry.body, len(mine)))
+            new_ones.append((i, name, entry.body))
         else:
             mine = np.flatnonzero(had == number[name])
         found[mine] = i
-    for each in zip(*rank.comm.allgather(begin), strict=True):
-        name, body, _ = each[0]
-        if not sum(count for _, _, count in each):
+    counts = np.bincount(found, minlength=len(new.case.constraints) + 1)
+    counts = np.sum(rank.comm.allgather(counts), axis=0)
+    for i, name, body in new_ones:
+        if not counts[i]:
             raise RunError(
                 f"{new.case.staged.title}: constraints.{name}.region holds no particle of body "
                 f"'{body}' as the stage begins\n"
@@ -220,4 +221,4 @@ def _watch(sim: Any, speed: float) -> None:
     if before:
         sim.watch.numbers = before.numbers
     sim.watch.begin(sim.rank)
-    sim.shorten()
+    sim.watch.shorten(sim.clock)

@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 
 from pgimp.kernels.concepts import Forcing, Report
-from pgimp.kernels.constraints import apply_constraints, mark_constrained_vertices
+from pgimp.kernels.constraints import apply_constraints
 from pgimp.kernels.g2p import grid_to_particles
 from pgimp.kernels.ledger import Ledger
 from pgimp.kernels.loads import Loads
+from pgimp.kernels.marking import mark_constrained_vertices
 from pgimp.kernels.mirror import fold, fold_volumes, reflect
 from pgimp.kernels.momentum import BEGINNING, REST, WHOLE, update_momentum
 from pgimp.kernels.p2g import Others, particles_to_grid

@@ -12,7 +12,7 @@ from pgimp.decomposition.slabs import Slab
 from pgimp.kernels.boxes import grow_boxes
 from pgimp.kernels.clearance import find_clearances
 from pgimp.kernels.concepts import Forcing, Order, Report
-from pgimp.kernels.constraints import apply_constraints, mark_constrained_vertices
+from pgimp.kernels.constraints import apply_constraints
 from pgimp.kernels.contact import Contact
 from pgimp.kernels.contactforces import contact_forces
 from pgimp.kernels.cutboxes import volume_sums
@@ -20,19 +20,22 @@ from pgimp.kernels.errors import ERRORS, initial_velocities, layer_errors
 from pgimp.kernels.g2p import grid_to_particles
 from pgimp.kernels.layerchanges import pack_rows, partition_migrants, sort_rows, unpack_rows
 from pgimp.kernels.ledger import Ledger
+from pgimp.kernels.marking import mark_constrained_vertices
 from pgimp.kernels.meet import find_meetings
 from pgimp.kernels.mirror import fold, fold_volumes, reflect
 from pgimp.kernels.momentum import WHOLE, update_momentum
 from pgimp.kernels.order import grow_vertex_bounds, layers_of, locate, merge
 from pgimp.kernels.p2g import Others, complete, particles_to_grid
 from pgimp.kernels.particles import Particles
+from pgimp.kernels.prestress import remember_stress
 from pgimp.kernels.response import find_response
 from pgimp.kernels.selection import select_near
 from pgimp.kernels.sums import exact_masses, fastest_rate, layer_sums
 from pgimp.kernels.toolfill import find_touched
 from pgimp.mpi.node import Call, shared_out
+from pgimp.scene.populate import prestressed
 from pgimp.scene.scene import Scene
-from pgimp.solver import presentmeetings
+from pgimp.solver import presentcalls
 from pgimp.solver.parts import parts_of
 from pgimp.solver.step import on_particles, on_vertices
 
@@ -74,7 +77,7 @@ def _calls(scene: Scene) -> Iterator[Call]:
     contact: Any = ()
     if scene.mixed or (scene.initial and (scene.pairs or scene.lets_go)):
         yield 0.3, lambda: grow_boxes(frame, p, rows, np.zeros((2, bodies, len(frame.cell))))
-        yield from presentmeetings.calls(scene, grid, p, vertex_forcing, faces, ledger)
+        yield from presentcalls.calls(scene, grid, p, vertex_forcing, faces, ledger)
     elif scene.pairs:
         tools: Any = scene.tools.in_planes(grid.planes) if scene.tools else ()
         contact = Contact.empty(scene.pairs, grid.G, grid.planes, 1, count, tools)
@@ -140,5 +143,7 @@ def _calls(scene: Scene) -> Iterator[Call]:
             scene.exact, 0.0, scene.follows, setting, p, order, np.zeros((1, ERRORS)),
             np.zeros((1, ERRORS)),
         )  # fmt: skip
+    if prestressed(scene):
+        yield 1.0, lambda: remember_stress(material, p, np.empty(0, np.int64))
     if scene.moves:
         yield 1.0, lambda: initial_velocities(scene.exact, frame, p.x[:0], p.v[:0])

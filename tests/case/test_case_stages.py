@@ -4,7 +4,7 @@ import pytest
 from scenes import SOFT, box, scene
 
 import pgimp
-from pgimp.case.check_stages import changes_of, steps_in
+from pgimp.case.arrange_stages import changes_of, steps_in
 from pgimp.case.reader import dump_case, read_case
 from pgimp.errors import CaseError, UsageError
 
@@ -123,6 +123,8 @@ def test_changes_are_listed_for_people():
     ]  # fmt: skip
 
 
+AWAY = {"box": {"min": [9.0, 0.0], "max": [10.0, 3.0]}}
+NOTHING = {"intersection": [GRIP["region"], {"box": {"min": [2.0, 0.0], "max": [3.0, 3.0]}}]}
 EXACT = {"vibrating-bar": {"amplitude": 0.01}}
 
 
@@ -142,6 +144,14 @@ EXACT = {"vibrating-bar": {"amplitude": 0.01}}
         ({"materials": {"soil": None}}, "materials.soil", "not a material"),
         ({"remove": ["block"], "tractions": {"push": {"pressure": 2.0}}}, "tractions.push",
          "acts on 'block', which has been removed"),
+        ({"remove": ["rest"], "constraints": {"grip": {"velocity": [0, 0]}}}, "constraints.grip",
+         "acts on 'rest', which has been removed"),
+        ({"remove": ["block"], "contact": [{"bodies": ["tool", "block"]}]}, "contact.0.bodies.1",
+         "'block' has been removed"),
+        ({"constraints": {"hold": GRIP | {"velocity": [0, 0], "region": AWAY}}},
+         "constraints.hold.region", "beyond the domain"),
+        ({"constraints": {"hold": GRIP | {"velocity": [0, 0], "region": NOTHING}}},
+         "constraints.hold.region", "is empty"),
         ({"tractions": {"pull": None}}, "tractions.pull", "there is none to end"),
         ({"materials": {"soil": 3.0}}, "materials.soil", "expected a mapping of the keys"),
         ({"tractions": {"pull": {"pressure": 1.0}}}, "tractions.pull", "the pressure 0"),

@@ -16,8 +16,8 @@ from kernel_driver import (
     random_particles,
     random_positions,
     split,
-    sums_of,
 )
+from kernel_sums import sums_of
 from rank_threads import together
 
 from pgimp.kernels.mirror import Mirror

@@ -14,9 +14,8 @@ from kernel_driver import (
     place,
     random_particles,
     random_positions,
-    rate_of,
-    sums_of,
 )
+from kernel_sums import rate_of, sums_of
 
 from pgimp.jit.kernel import kernel
 from pgimp.kernels.order import cell_numbers, grow_vertex_bounds, locate, vertices_of

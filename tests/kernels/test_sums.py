@@ -13,9 +13,8 @@ from kernel_driver import (
     make_frame,
     random_particles,
     random_positions,
-    rate_of,
-    sums_of,
 )
+from kernel_sums import rate_of, sums_of
 from reference_materials import matrix, speed, tensor
 from scenes import box, scene, start
 

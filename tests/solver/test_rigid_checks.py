@@ -4,6 +4,8 @@ import pytest
 from rams import rigid, struck
 from scenes import box, scene, start
 
+import pgimp
+from pgimp.commands import check
 from pgimp.errors import CaseError, UsageError
 from pgimp.scene.toolchecks import require_same
 
@@ -101,3 +103,46 @@ def test_rigid_bodies_that_are_fast_for_waves_are_warned_of(rigid, speed):
     for text in said:
         assert float(text.split("up to ")[1].split(",")[0]) == pytest.approx(speed, rel=0.02)
         assert "waves in 'block' (11.6)" in text
+
+
+BAR = {"box": {"min": [-2.0, 6.0], "max": [4.0, 8.0]}}
+INSIDE = {"box": {"min": [2.0, 6.0], "max": [4.0, 8.0]}}
+BEHIND = {"box": {"min": [-4.0, 6.0], "max": [-1.0, 8.0]}}
+ROLLER = {"ball": {"centre": [0.0, 8.0], "radius": 2.0}}
+TOUCHING = {"ball": {"centre": [2.0, 8.0], "radius": 2.0}}
+TO_AND_FRO = {"velocity": {"table": [[0.0, [2.0, 0.0]], [1.0, [-2.0, 0.0]]]}}
+
+
+@pytest.mark.parametrize(("region", "motion", "said"), [
+    (BAR, {"velocity": [3.0, 0.0]}, "through the slip wall x-min by t = 0.6"),  # 1.95/3
+    (BAR, {"velocity": [-4.0, 0.0]}, "through the slip wall x-min by t = 0.7"),  # 3/4
+    (INSIDE, {"velocity": [-3.0, 0.0]}, "through the slip wall x-min by t = 0.6"),  # 2.05/3
+    (BEHIND, {"velocity": [4.0, 0.0]}, "through the slip wall x-min by t = 0.5"),  # 2/4
+    (ROLLER, {"rotation": {"about": [0.0, 8.0], "rate": 1.0}}, "turns on the slip wall x-min"),
+    # A piston, a punch that slides along the wall, a roller on it, a body that stands or lets go.
+    (BAR, TO_AND_FRO, ""),
+    (BAR, {"velocity": [0.0, -1.0]}, ""),
+    (TOUCHING, {"rotation": {"about": [2.0, 8.0], "rate": 1.0}}, ""),
+    (BAR, {}, ""),
+    ({"box": {"min": [0.0, 6.0], "max": [4.0, 8.0]}}, {"velocity": [3.0, 0.0]}, ""),
+])  # fmt: skip
+def test_motions_that_a_plane_of_symmetry_forbids_are_warned_of(region, motion, said, capsys):
+    """By a run and by check; also if the wall begins in a later stage."""
+    bodies = {"block": box([2.0, 1.0], [6.0, 4.0]), "punch": {"rigid": motion, "region": region}}
+    case = scene(
+        2, bodies, cells=[8, 12], step={"courant": 0.3}, contact=[{"bodies": "all"}],
+        boundaries={"x-min": "slip"}, end=1.0,
+    )  # fmt: skip
+    found = [text for text in start(case).warnings if "slip wall" in text]
+    assert len(found) == bool(said)
+    assert all(text.startswith("bodies.punch.rigid: it ") and said in text for text in found)
+    for condition in ("fixed", "separating"):
+        other = case | {"boundaries": {"x-min": condition}}
+        assert not any("slip wall" in text for text in start(other).warnings)
+    if region is INSIDE:
+        case["boundaries"] = {}
+        case["time"]["stages"] = [{"name": "b", "end": 2.0, "boundaries": {"x-min": "slip"}}]
+        case["time"]["end"] = 0.5
+        assert any("through the slip wall" in text for text in start(case).warnings)
+        check.report(pgimp.load(case))
+        assert "through the slip wall x-min by t = 0.6" in capsys.readouterr().out

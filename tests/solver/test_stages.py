@@ -9,65 +9,12 @@ import shutil
 import numpy as np
 import pytest
 from run_files import digests
-from scenes import box, energy, field, finish, scene, start, tracked
+from scenes import energy, field, finish, start, tracked
+from staged_bar import DIG, HOLD, LENGTH, PULLED, SPEED, STEP, E, bar, entered
 
 import pgimp
-from pgimp.commands import check
-from pgimp.errors import CaseError, RunError, UsageError
+from pgimp.errors import UsageError
 from pgimp.mpi.comm import Serial
-
-E, LENGTH, STEP = 100.0, 8.0, 0.01
-#: Crosses the bar in 0.8.
-SPEED = 10.0
-#: A stretched bar, so that the grip has pulled its last particle by a hundredth of its length.
-PULLED = {"body": "bar", "region": {"box": {"min": [7.5], "max": [8.0]}}, "velocity": [0.08]}
-
-
-def bar(*stages, waits=True, **parts):
-    bodies = {"bar": box([0.0], [LENGTH])}
-    if waits:
-        bodies["waits"] = box([11.0], [13.0], [0.5])
-    case = scene(
-        1,
-        bodies,
-        cells=[16],
-        **{
-            "step": STEP,
-            "boundaries": {"x-min": "fixed"},
-            "constraints": {"grip": PULLED},
-            "output": {"every": 0.25},
-            "history": {"every": {"steps": 10}},
-        }
-        | parts,
-    )
-    if stages:
-        case["time"]["stages"] = [
-            {"name": f"stage{i}", **each} if "name" not in each else each
-            for i, each in enumerate(stages)
-        ]
-    return case
-
-
-def entered(case):
-    """The simulation of a case at the beginning of its second stage, and the line before."""
-    sim = start(case)
-    sim.diagnostics()
-    while not sim.stage_done:
-        sim.advance()
-    line = sim.diagnostics()
-    sim.next_stage()
-    return sim, line
-
-
-DIG = {
-    "name": "dig", "end": 1.5, "remove": ["waits"], "materials": {"soft": {"young": 50.0}},
-    "gravity": [-1.0], "constraints": {"grip": {"velocity": [-0.05]}},
-}  # fmt: skip
-HOLD = {
-    "name": "hold", "end": 2.1, "step": {"courant": 0.2}, "boundaries": {"x-max": "slip"},
-    "constraints": {"base": {"body": "bar", "region": {"box": {"min": [0.0], "max": [2.0]}},
-                             "velocity": [0.0]}},
-}  # fmt: skip
 
 
 def test_a_stage_is_the_resume_of_the_run_before_with_its_changes(tmp_path):
@@ -231,32 +178,3 @@ def test_a_run_goes_on_in_a_stage_with_another_end_and_further_stages(killed):
     )
     assert run.history["time"][-1] == 2.4 and {2.2} <= {frame.time for frame in run}
     assert np.isnan(run.history["constraint.grip-x"][-1])
-
-
-def test_a_constraint_that_begins_and_holds_nothing_ends_the_run(tmp_path):
-    region = {"box": {"min": [14.0], "max": [16.0]}}
-    late = {"late": {"body": "bar", "region": region, "velocity": [0.0]}}
-    case = bar({"name": "late", "end": 1.5, "constraints": late})
-    with pytest.raises(RunError, match=r"stage 'late': constraints.late.region holds no particle"):
-        pgimp.run(case, Serial(), tmp_path / "run", quiet=True)
-    late["late"]["region"] = PULLED["region"] | {"box": {"min": [5.0], "max": [16.0]}}
-    run = pgimp.run(case, Serial(), tmp_path / "run", resume=True, quiet=True)
-    assert run.info["state"] == "done"
-
-
-def test_a_step_that_is_too_long_for_a_stage_is_refused_before_the_first():
-    with pytest.raises(CaseError, match=r"^stage 'stiff': time\.step: 0\.01 is a Courant"):
-        start(bar({"name": "stiff", "end": 2.0, "materials": {"soft": {"young": 4e6}}}))
-
-
-def test_the_fastest_particle_of_a_material_that_varies_counts_in_all_stages(capsys):
-    """Its typical particle would allow the step."""
-    coarse = bar({"name": "coarse", "end": 2.0, "step": 0.05})
-    coarse["materials"]["soft"]["young"] = {
-        "layers": [[0.0, 100.0], [7.0, 4000.0]], "over": "x",
-    }  # fmt: skip
-    for look in (start, lambda case: check.report(pgimp.load(case))):
-        with pytest.raises(CaseError, match=r"^stage 'coarse': time\.stages\.0\.step: 0\.05 is"):
-            look(coarse)
-    coarse["time"]["stages"][0]["step"] = 0.01
-    start(coarse)

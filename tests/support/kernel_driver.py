@@ -21,7 +21,6 @@ from pgimp.kernels.momentum import WHOLE, update_momentum
 from pgimp.kernels.p2g import particles_to_grid
 from pgimp.kernels.particles import Carried, Frame, Particles
 from pgimp.kernels.record import RECORD
-from pgimp.kernels.sums import SUMS, fastest_rate, layer_sums
 from pgimp.kernels.walls import WALL
 from pgimp.physics.materials.hooke import HookeParameters
 from pgimp.physics.materials.neo_hookean import NeoHookeanParameters
@@ -287,19 +286,3 @@ def split(shape: Any, frame: Frame, particles: Particles, cuts: list[int], bound
         own = Particles(*(array[mine] for array in whole.particles))
         ranks.append(Rank(shape, frame, own, slab, Comm(rank, boxes), bounds))
     return ranks
-
-
-def sums_of(rank, D, bodies, material_of):
-    """Result of `layer_sums`, (layers, bodies, columns)."""
-    sums = np.zeros((rank.slab.layers, bodies, SUMS))
-    population = rank.population
-    setting = Setting((), rank.frame, rank.setting.identity, MATERIALS, material_of)
-    layer_sums(setting, population.particles, population.ordered, sums)
-    return sums
-
-
-def rate_of(rank, D, material_of):
-    """Result of `fastest_rate`."""
-    population = rank.population
-    setting = Setting((), rank.frame, rank.setting.identity, MATERIALS, material_of)
-    return fastest_rate(setting, population.particles, population.order, True)

@@ -13,6 +13,7 @@ from pgimp.mpi.comm import world
 from pgimp.running.checkpoints import Checkpoints
 from pgimp.running.frames import Frames
 from pgimp.solver import setup
+from pgimp.solver.decomposition import resort
 from pgimp.solver.simulation import Simulation
 
 comm, case, folder = world(), load(sys.argv[1]), Path(sys.argv[2])
@@ -21,7 +22,7 @@ setup.require = lambda *args: estimates.append(require(*args))
 sim = Simulation(case, comm)
 for _ in range(3):
     sim.advance()
-sim._sort()
+resort(sim.rank, sim.balance, sim.reduction, sim.step)
 sim.diagnostics()
 if comm.rank == 0:
     for name in ("frames", "checkpoints"):

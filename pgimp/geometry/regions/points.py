@@ -22,6 +22,9 @@ from pgimp.geometry.regions.base import Points as Positions
 from pgimp.schema.base import Model
 from pgimp.schema.paths import FileName
 
+#: Part of the greatest stress of a file below which a mean is rounding.
+_ROUNDING = 1e-9
+
 
 class Summary(NamedTuple):
     """What is known of a file of particles without its rows.
@@ -161,6 +164,25 @@ class Points(Model, Region):
             if len(rows):
                 yield block.first + rows, block.take(rows)
 
+    def mean_stress(self) -> tuple[str, float] | None:
+        """Name the first particle whose stress has a mean, and the mean; the file is read again."""
+        most = 0.0
+        for block in self._blocks():
+            if block.stress is not None:
+                most = max(most, np.abs(block.stress).max())
+        for block in self._blocks():
+            if block.stress is not None:
+                means = block.stress[:, :3].mean(axis=1)
+                rows = np.flatnonzero(np.abs(means) > _ROUNDING * most)
+                if len(rows):
+                    return self._named(block, int(rows[0])), float(means[rows[0]])
+        return None
+
+    def _named(self, block: Block, row: int) -> str:
+        """Name a particle by its place, and by its row in the file."""
+        x = ", ".join(f"{value:.6g}" for value in block.position[row])
+        return f"the particle at ({x}), {block.place(row)} of {self.file}"
+
     def lines(self, rows: Sequence[int]) -> list[str]:
         """Return where in the file rows stand, given ascending; fewer if it has become shorter."""
         found: list[str] = []
@@ -176,8 +198,7 @@ class Points(Model, Region):
         for block in self._blocks():
             rows = np.flatnonzero(block.position[:, axis] == reach)
             if len(rows):
-                x = ", ".join(f"{value:.6g}" for value in block.position[rows[0]])
-                return f"the particle at ({x}), {block.place(int(rows[0]))} of {self.file}"
+                return self._named(block, int(rows[0]))
         return ""
 
     def bounds(self) -> Bounds:

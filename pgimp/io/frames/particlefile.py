@@ -17,15 +17,13 @@ from pgimp.files.datasets import Dataset, Layout, lay_out
 from pgimp.files.framefile import FrameFile
 from pgimp.files.rows import Rows
 from pgimp.files.unfinished import Unfinished, explained_errors, removed_on_error
+from pgimp.io.frames.particlevalues import CONNECTIVITY, Values
 from pgimp.mpi.collective import on_root
 from pgimp.physics.fields import Source
 
 Array = np.ndarray
 
 FORMAT_VERSION = 1
-CONNECTIVITY = Dataset(
-    "connectivity", "<i8", (), {"meaning": "the row itself, for the cells of XDMF readers"}
-)
 # Placeholders of time and step in the common header of all frames: with characters that no text of
 # a case has.
 _TIME, _STEP = b"\x01time\x02\x03\x04", b"\x01step\x02\x03\x04"
@@ -142,23 +140,15 @@ class ParticleFile:
         with removed_on_error(part, comm):
             # HDF5 cannot chunk an empty dataset.
             way = self._in_chunks if self._compressed and rows.count else self._in_place
-            values = _Values(
-                self,
-                Source(
-                    particles,
-                    rows.storage,
-                    scene.dimension,
-                    tuple(scene.body_material),
-                    comm.rank,
-                ),
-                instead,
-            )
+            materials = tuple(scene.body_material)
+            source = Source(particles, rows.storage, scene.dimension, materials, comm.rank)
+            values = Values(self.types, self.kinds, source, instead)
             file = way(part, rows, attributes, values, what)
             file.error = file.error or values.error
             return Unfinished(part, path, file, comm, what)
 
     def _in_place(
-        self, part: Path, rows: Rows, attributes: dict[str, Any], values: _Values, what: str
+        self, part: Path, rows: Rows, attributes: dict[str, Any], values: Values, what: str
     ) -> FrameFile:
         """Write each row to its place, in contiguous datasets."""
         says: dict[int, bytes] = {}
@@ -187,7 +177,7 @@ class ParticleFile:
         return file
 
     def _in_chunks(
-        self, part: Path, rows: Rows, attributes: dict[str, Any], values: _Values, what: str
+        self, part: Path, rows: Rows, attributes: dict[str, Any], values: Values, what: str
     ) -> FrameFile:
         """Compress each chunk of rows, and write it to the place that rank 0 assigns."""
         made: list[Chunks] = []
@@ -246,57 +236,3 @@ class ParticleFile:
             group.append(dataset)
             size += more
         yield group
-
-
-class _Values:
-    """Values for the rows of a file.
-
-    Attributes
-    ----------
-    error : str or None
-        What is wrong with the values of this rank's particles.
-    """
-
-    def __init__(self, file: ParticleFile, source: Source, instead: Mapping[str, Array]) -> None:
-        self._types, self._source, self._instead = file.types, source, instead
-        self._fields = file.kinds
-        self.error: str | None = None
-
-    def collect(
-        self, rows: Rows, group: list[Dataset], size: int | None = None
-    ) -> Iterator[tuple[int, list[Array]]]:
-        """Yield this rank's rows block by block: the first one, and the columns; collective."""
-        moved = [one for one in group if one is not CONNECTIVITY]
-        record = np.dtype([(one.name, one.dtype, one.tail) for one in moved])
-
-        def fill(begin: int, end: int) -> Array:
-            block = np.empty(end - begin, record)
-            for name in record.names or ():
-                block[name] = self._of(name, begin, end)
-            return block
-
-        for row, block in rows.collect(fill, record, size):
-            numbers = np.arange(row, row + len(block), dtype=CONNECTIVITY.dtype)
-            yield (
-                row,
-                [
-                    numbers if one is CONNECTIVITY else np.ascontiguousarray(block[one.name])
-                    for one in group
-                ],
-            )
-
-    def _of(self, name: str, begin: int, end: int) -> Array:
-        """Values of a field in some of the rows of the storage."""
-        if name in self._instead:
-            return self._instead[name][begin:end]
-        source = self._source._replace(rows=self._source.rows[begin:end])
-        values = self._fields[name].values(source)
-        try:
-            with np.errstate(over="raise", under="ignore"):
-                return np.asarray(values, self._types[name])
-        except FloatingPointError:
-            self.error = self.error or (
-                f"the {name} of a particle is beyond the range of float32; go on with --resume "
-                "--set output.precision=float64"
-            )
-            return np.zeros(values.shape, self._types[name])

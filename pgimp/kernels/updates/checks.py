@@ -65,15 +65,6 @@ def _all_finite_of(values):
     return lambda values: bits(and_finite(vector(0.0) == 0.0, values))
 
 
-def _all_positive(margin):
-    """Bit j is set where the margin is above zero for particle j."""
-
-
-@specialise(_all_positive)
-def _all_positive_of(margin):
-    return lambda margin: bits(and_positive(vector(0.0) == 0.0, margin))
-
-
 @inner_kernel
 def _broken(x, v, J, finite):
     """Return a particle's error, regardless of place and displacement; 0 for none."""
@@ -148,7 +139,7 @@ def _check(limits, field, particles, batch, found, report, ledger, counts):
         slower = (squared(u) + squared(v)) * limit <= 1.0
         usual = bits(sound & slower & (now == number) & (vector(most) <= LARGEST))
         if usual != 15:
-            good = (usual, _all_finite(state), _all_positive(margin))
+            good = (usual, _all_finite(state), bits(and_positive(vector(0.0) == 0.0, margin)))
             counts = examine(
                 (frame, *limits[3:]), particles, batch, good, (u, v, x, J, half, now, most),
                 report, ledger, counts,

@@ -11,7 +11,8 @@ are those at the end of the step, tensors are tuples as in `pgimp.jit.algebra`:
 A material with a memory declares what its particles remember as a class attribute of the entry,
 ``STATE: ClassVar = (State("damage", "1", "what it is"),)``. The functions then have one argument
 more, ``state``, a tuple of floats in the order of the declaration, and ``stress`` returns a pair:
-the stress, and the state at the end of the step.
+the stress, and the state at the end of the step. `OPTIONAL` of
+`base.py` names what else there may be.
 
 They are asked for four particles at once, where they can: without branches (`choose` stands for
 one), with + - * /, abs, max, min, math's sqrt and floor, and `pgimp.jit.functions`. With anything

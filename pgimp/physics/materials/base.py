@@ -64,7 +64,8 @@ class Material(Varying):
     """Base of the entries ``materials.NAME``."""
 
     CARRIES_STRESS: ClassVar[bool] = False
-    """Whether the stress of a step starts from that before, which a file of particles may give."""
+    """Whether the stress of a step starts from that before, which a file of particles may give:
+    from the stress itself, or from states that its parameters' ``initial_state`` finds from it."""
 
     CARRIES_PRESSURE: ClassVar[bool] = True
     """Whether the mean of a carried stress is carried, too, and does not follow from the volume."""
@@ -184,8 +185,11 @@ def state_width(parameters: type, dimensions: int) -> int:
 
 #: Quantities that a material need not have, and what they are without: the diffusivity of
 #: momentum, length^2/time, that limits the step; how far the material is from the end of its range,
-#: at which the run stops; the energies that it does not give back, see `LOSSES`.
-OPTIONAL: dict[str, Any] = {"diffusivity": 0.0, "margin": 1.0, "losses": (0.0, 0.0, 0.0)}
+#: at which the run stops; the energies that it does not give back, see `LOSSES`; the state of a
+#: particle that begins with a stress, without which it is what it was (None).
+OPTIONAL: dict[str, Any] = {
+    "diffusivity": 0.0, "margin": 1.0, "losses": (0.0, 0.0, 0.0), "initial_state": None,
+}  # fmt: skip
 
 
 def has(parameters: type, quantity: str) -> bool:

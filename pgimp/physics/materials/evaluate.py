@@ -49,8 +49,9 @@ def evaluate(quantity, materials, k, args, state):
     Returns
     -------
     float or tuple
-        Of "stress" the components, followed by the state after the step; of "losses" one number
-        for each of `LOSSES`, zeros where the material has no such function.
+        Of "stress" the components, followed by the state after the step; of "initial_state" the
+        state, as given where the material has no such function; of "losses" one number for each of
+        `LOSSES`, zeros where it has none.
     """
 
 
@@ -88,6 +89,8 @@ def _ask_material(quantity, material, args, state):
     name, kind = quantity.literal_value, material.instance_class
     if name in OPTIONAL and not has(kind, name):
         value = OPTIONAL[name]
+        if value is None:
+            return lambda quantity, material, args, state: state
         return lambda quantity, material, args, state: value
     function = compiled(kind, name)
     own = state_width(kind, isqrt(len(args[0])))
@@ -103,6 +106,10 @@ def _ask_material(quantity, material, args, state):
         return lambda quantity, material, args, state: (*function(material, *args), *state)
     if own == 0:
         return lambda quantity, material, args, state: function(material, *args)
+    if name == "initial_state":
+        return lambda quantity, material, args, state: (
+            *function(material, *args, state[:own]), *state[own:],
+        )  # fmt: skip
     if name != "stress":
         return lambda quantity, material, args, state: function(material, *args, state[:own])
 

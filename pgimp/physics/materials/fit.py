@@ -38,9 +38,10 @@ _ARGUMENTS = {
     "diffusivity": ("material", "F", "J"),
     "margin": ("material", "F", "J", "sigma"),
     "losses": ("material", "F", "J", "sigma"),
+    "initial_state": ("material", "F", "J", "sigma"),
 }
-#: Functions that are called for a line of the history only, and may branch.
-_FOR_HISTORY = ("energy", "losses")
+#: Functions that are called for one particle at a time: for a line of the history, at the start.
+_ONE_BY_ONE = ("energy", "losses", "initial_state")
 #: Components of a symmetric tensor, as `pgimp.jit.algebra` has them, and how many there are.
 _COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz")
 _COUNTS = (3, 4, 6)
@@ -106,11 +107,11 @@ def _result(parameters: Any, quantity: str, kinds: _Kinds) -> Any:
 
 
 def takes_four(parameters: Any, dimensions: int) -> bool:
-    """Return whether functions compile for four particles at once; for the history none need."""
+    """Return whether functions compile for four particles at once, where they are to."""
     kind = type(parameters)
     try:
         for quantity in quantities_of(kind):
-            if quantity not in _FOR_HISTORY:
+            if quantity not in _ONE_BY_ONE:
                 _result(parameters, quantity, _Kinds.of(kind, dimensions, vec4))
     except errors.NumbaError:
         return False
@@ -162,6 +163,8 @@ def _examine(who: str, parameters: Any, dimensions: int) -> None:
             _require_stress(where, result, dimensions)
         elif quantity == "losses":
             _require_losses(where, result)
+        elif quantity == "initial_state":
+            _require_states(where, result, state_width(type(parameters), dimensions))
         elif result != types.float64:
             raise UsageError(
                 f"{where} must return a float, but returns {_described(result)}"
@@ -176,7 +179,12 @@ def _require_state(where: str, result: Any, width: int) -> Any:
             f"{where} must return a pair, the stress and the state of {width}, as the material has "
             f"a STATE, but returns {_described(result)}"
         )
-    state = result[1]
+    _require_states(where, result[1], width)
+    return result[0]
+
+
+def _require_states(where: str, state: Any, width: int) -> None:
+    """Refuse what is no tuple of as many floats as a particle remembers."""
     parts = [*state] if _is_tuple(state) else []
     if len(parts) != width or any(part != types.float64 for part in parts):
         listed = ": " * bool(parts) + ", ".join(map(_described, parts))
@@ -184,7 +192,6 @@ def _require_state(where: str, result: Any, width: int) -> Any:
             f"{where} must return the state as a tuple of {width} floats, but returns "
             f"{_described(state)}{listed}"
         )
-    return result[0]
 
 
 def _require_losses(where: str, result: Any) -> None:

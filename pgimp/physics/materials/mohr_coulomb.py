@@ -82,6 +82,23 @@ def _choose_all(condition, a, b):
     )  # fmt: skip
 
 
+def stretched(material, m, a, b, c):
+    """Principal values of b_e - 1 under principal Kirchhoff stresses a, b, c with the mean m."""
+
+
+@specialise(stretched)
+def _stretched(material, m, a, b, c):
+    def values(material, m, a, b, c):
+        twice = 2.0 * material.mu
+        third = m / (3.0 * material.bulk) - m / twice
+        return (
+            exp(2.0 * (a / twice + third)) - 1.0, exp(2.0 * (b / twice + third)) - 1.0,
+            exp(2.0 * (c / twice + third)) - 1.0,
+        )  # fmt: skip
+
+    return values
+
+
 class MohrCoulombParameters(NamedTuple):
     """Moduli; sines and strength; what stresses change by (A, B, E) and edges (a, b, b); tensions.
 
@@ -141,14 +158,16 @@ class MohrCoulombParameters(NamedTuple):
             _placed(ab + ac, r1, r2, r3), _placed(1.0 - ab + bc, r1, r2, r3),
             _placed(2.0 - ac - bc, r1, r2, r3),
         )  # fmt: skip
-        third = m / (3.0 * material.bulk) - m / twice
-        strains = (
-            exp(2.0 * (a / twice + third)) - 1.0, exp(2.0 * (b / twice + third)) - 1.0,
-            exp(2.0 * (c / twice + third)) - 1.0,
-        )  # fmt: skip
-        elastic = choose_all(kept, trial, spectral(strains, Q))
+        elastic = choose_all(kept, trial, spectral(stretched(material, m, a, b, c), Q))
         stress = spectral((a / J, b / J, c / J), Q)
         return stress, (*elastic, open_now, sheared, work)
+
+    @staticmethod
+    def initial_state(material, F, J, sigma, state):
+        """b_e - 1 from the stress; the rest as it is."""
+        values, Q = eigen(sigma)
+        a, b, c = J * values[0], J * values[1], J * values[2]
+        return (*spectral(stretched(material, (a + b + c) / 3.0, a, b, c), Q), *state[-3:])
 
     @staticmethod
     def energy(material, F, J, sigma, state):
@@ -183,8 +202,8 @@ def _placed_by(rank, r1, r2, r3):
 class MohrCoulomb(Soil):
     """Soil or rock with the strength of Mohr and Coulomb, exact on edges and at the apex."""
 
+    CARRIES_STRESS: ClassVar[bool] = True
     LOSSES: ClassVar[tuple[str, ...]] = ("plastic-work",)
-
     STATE: ClassVar[tuple[State, ...]] = (
         State("elastic-stretch", "1", "elastic b - 1, b = F_e F_e^T", tensor=True),
         State("gap", "1", "volume by which the soil has opened, over its volume"),

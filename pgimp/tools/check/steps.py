@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from math import ceil
 
-from pgimp.case.check_stages import changes_of, steps_in
+from pgimp.case.arrange_stages import changes_of, steps_in
 from pgimp.case.schema import Case
 from pgimp.scene.scene import Scene
 from pgimp.solver.lookahead import stage_rate

@@ -72,6 +72,36 @@ def test_a_mean_stress_that_the_volume_gives_is_refused(tmp_path):
     np.testing.assert_allclose(field(sim, "sigma")[:, [0, 3]], kept, rtol=1e-6)
 
 
+@pytest.mark.parametrize("model", ["von-mises", "bingham", "mu-i"])
+def test_a_mean_stress_is_refused_by_check_as_by_a_run(tmp_path, capsys, model):
+    """With the line of the first particle that has one; rounding is none."""
+    laws = {
+        "von-mises": {"young": 100.0, "poisson": 0.3, "yield-stress": 50.0},
+        "bingham": {"bulk": 100.0, "shear": 50.0, "yield-stress": 1.0, "shear-viscosity": 1.0},
+        "mu-i": {
+            "young": 100.0, "poisson": 0.3, "mu-s": 0.4, "mu-2": 0.6, "i0": 0.3, "grain": 0.01,
+            "grain-density": 2.0,
+        },
+    }  # fmt: skip
+    data = cloud(20)
+    stress = np.tile([[2.0], [1.0], [-3.0], [0.5]], 20)
+    stress[0, 5] += 1e-10
+    stress[2, 7] += 3.0
+    columns = dict(zip(("xx", "yy", "zz", "xy"), stress, strict=True))
+    write_csv(tmp_path / "p.csv", data, **{f"stress-{k}": v for k, v in columns.items()})
+    made = case(points("p.csv"), dimension=2)
+    made["materials"]["soft"] = laws[model] | {"model": model, "density": 1.0}
+    write_case(tmp_path / "p.yaml", made)
+    said = []
+    for words in (["check"], ["-o", str(tmp_path / "out")]):
+        assert main([*words, str(tmp_path / "p.yaml")]) == 2
+        said.append(capsys.readouterr().err)
+    assert said[0] == said[1]
+    x, y = data["position"][7]
+    assert f"the particle at ({x:.6g}, {y:.6g}), line 11 of " in said[0]
+    assert f"p.csv, has a mean stress of 1, but the pressure of '{model}'" in said[0]
+
+
 def two(first, second):
     """A case of two bodies."""
     found = case(first, dimension=2)

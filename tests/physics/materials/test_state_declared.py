@@ -182,6 +182,20 @@ def test_a_stress_without_its_state_is_refused(returned, words, tmp_path):
         pgimp.Simulation(case)
 
 
+def test_an_initial_state_that_is_no_state_is_refused(tmp_path):
+    start = "    @staticmethod\n    def initial_state(material, F, J, sigma, state):\n"
+    text = TENSORIAL.replace("{sum}", SUMS[2]).replace("{name}", "Start")
+    text = text.replace("    @staticmethod\n    def energy", f"{start}        return sigma\n\n"
+                        "    @staticmethod\n    def energy")  # fmt: skip
+    (tmp_path / "start.py").write_text(text.replace("{model}", "start"))
+    import_file(str(tmp_path / "start.py"))
+    case = two_blocks()
+    case["materials"]["soft"] = {"model": "start", "stiffness": 1.0, "density": 1.0}
+    case["output"]["fields"] = []
+    with pytest.raises(UsageError, match=r"initial_state .* a tuple of 5 floats, .* tuple of 4"):
+        pgimp.Simulation(case)
+
+
 def test_a_field_that_no_material_has_is_unknown():
     case = two_blocks()
     case["output"]["fields"] = ["damge"]

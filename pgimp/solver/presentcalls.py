@@ -1,0 +1,76 @@
+"""Calls of the kernels of `pgimp.solver.presentmeetings`, so that they are compiled."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from pgimp.decomposition.grid import Grid
+from pgimp.kernels.accumulated import Responses, find_responses, solve_impulses
+from pgimp.kernels.concepts import Forcing
+from pgimp.kernels.contact import Contact
+from pgimp.kernels.encounters import Encounters, find_encounters
+from pgimp.kernels.heldbooks import book_held
+from pgimp.kernels.holding import Holding
+from pgimp.kernels.ledger import Ledger
+from pgimp.kernels.nearby import find_near, mark_blocks
+from pgimp.kernels.numbered import number_keys, room_for
+from pgimp.kernels.present import HALF, NEAR, PLACE, SUMMED, Present, sum_present, take_near
+from pgimp.kernels.presentbooks import book_contacts
+from pgimp.kernels.startgrid import (
+    STARTED,
+    Seen,
+    StartVertices,
+    find_vertices,
+    give_to_vertices,
+    take_vertices,
+)
+from pgimp.kernels.support import Supports, find_supports, local_vertices
+from pgimp.mpi.node import Call
+from pgimp.scene.scene import Scene
+from pgimp.solver.approach import no_regions
+from pgimp.solver.bonds import separating_walls, with_walls
+from pgimp.solver.presentmeetings import ENOUGH, mirrors_of, nothing_held, plain
+
+
+def calls(
+    scene: Scene, grid: Grid, particles: Any, forcing: Forcing, faces: Any, ledger: Ledger
+) -> Iterator[Call]:
+    """Calls of the kernels on nothing, so that they are compiled; see `pgimp.solver.warmup`."""
+    tools: Any = scene.tools.in_planes(1) if scene.tools else ()
+    pairs, count = with_walls(scene), len(scene.faces)
+    contact = Contact.empty(pairs, np.empty(0), 1, 2, count, tools)
+    frame, shape, none = scene.frame, scene.shape, np.empty(0, np.int64)
+    setting, mirrors = plain(scene), mirrors_of(scene)
+    standing, walls = scene.standing_faces(), separating_walls(scene)
+    holding = Holding(faces, frame, forcing, contact.unbooked)
+    free = nothing_held(holding)
+    local = local_vertices(scene.vertices, scene.dimension)
+    table, supports = np.empty((0, NEAR)), Supports.empty(0, local)
+    vertices, encounters = StartVertices(none, np.empty((0, STARTED))), Encounters.empty(0)
+    present = Present(np.zeros(3, np.int64), none, 1, none, np.empty((0, SUMMED)), none)
+    rows = Responses(none, np.zeros(1, np.int64), none, np.empty((0, 3)), np.empty((0, 3)))
+    values = vertices.values
+    regions, order = no_regions(scene.dimension), np.empty(0, np.int32)
+    yield 0.3, lambda: mark_blocks(frame, particles, order, none, regions)
+    yield 0.3, lambda: find_near(frame, particles, order, none, regions, none)
+    yield 0.5, lambda: take_near(setting, particles, none, none, none, scene.begun, table)
+    yield 1.0, lambda: find_supports(shape, frame, HALF, table, PLACE, supports)
+    yield 3.0, lambda: take_vertices(
+        holding, grid.field, table, supports, mirrors, Seen(none, 0), vertices
+    )
+    yield 1.0, lambda: sum_present(frame, table, supports, room_for(0), present)
+    yield 4.0, lambda: find_encounters(contact, frame, standing, walls, present, 1.0, encounters)
+    yield 0.2, lambda: number_keys(none, room_for(0))
+    yield 0.3, lambda: find_vertices(frame, table, supports, mirrors, 1, room_for(0))
+    yield 2.0, lambda: find_responses(
+        table, supports, supports, mirrors, encounters, present.sums, values
+    )
+    yield 2.0, lambda: solve_impulses(contact, free, encounters, rows, values, 1, ENOUGH)
+    yield 0.3, lambda: give_to_vertices(frame, grid.field, none, np.empty((0, 3)), 1.0)
+    yield 1.0, lambda: book_held(holding, grid.field, vertices, ledger)
+    yield 2.0, lambda: book_contacts(
+        contact, free, encounters, encounters, rows, values, walls, ledger
+    )

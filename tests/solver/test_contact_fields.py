@@ -1,0 +1,63 @@
+"""Velocity fields of bodies that may meet: those that cannot yet share one."""
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as some
+from scenes import box, finish, scene, start
+
+from pgimp.solver.groups import assign, where_near
+
+#: Boxes of up to eight bodies in a plane, in cells.
+BOXES = some.lists(
+    some.tuples(*[some.floats(0.0, 60.0)] * 2, *[some.floats(0.1, 12.0)] * 2),
+    min_size=1,
+    max_size=8,
+)
+
+
+@given(BOXES, some.floats(1.0, 4.0))
+@settings(deadline=None)
+def test_bodies_that_share_a_field_cannot_meet(bodies, reach):
+    """Not before the next look, if both move by a cell a step towards each other."""
+    table = np.array(bodies)
+    boxes = np.stack([table[:, :2], table[:, :2] + table[:, 2:]])
+    fields, steps = assign(boxes, reach)
+    assert steps >= 1
+    for a in range(len(bodies)):
+        for b in range(a):
+            apart = max(
+                max(boxes[0, a, d] - boxes[1, b, d], boxes[0, b, d] - boxes[1, a, d])
+                for d in (0, 1)
+            )
+            if fields[a] == fields[b]:
+                assert apart - 2.0 * steps >= reach
+    # No field is left out, and one is enough for bodies that are far apart.
+    assert set(fields) == set(range(max(fields) + 1))
+    # In which planes those of different fields may share vertices meanwhile.
+    ends, far = where_near(boxes, fields, reach, steps), steps + 0.5 * reach
+    for plane in np.arange(-80.0, 150.0, 1.7):
+        for a in range(len(bodies)):
+            for b in range(a):
+                apart = boxes[0, [a, b]] - boxes[1, [b, a]] - 2.0 * far
+                both = ((boxes[0, [a, b], 0] - far <= plane) & (plane <= boxes[1, [a, b], 0] + far))
+                if fields[a] != fields[b] and both.all() and (apart < 0.0).all():
+                    assert ((ends[:, 0] <= plane) & (plane <= ends[:, 1])).any()
+
+
+def test_bodies_apart_share_a_field():
+    bodies = {
+        "left": box([2.0, 2.0], [5.0, 5.0], [1.0, 0.0]),
+        "right": box([18.0, 2.0], [21.0, 5.0], [-1.0, 0.0]),
+    }
+    case = scene(2, bodies, cells=[26, 8], end=2.5, contact=[{"bodies": "all"}])
+    sim, counts = start(case), []
+    while not sim.finished:
+        sim.advance()
+        counts.append(1 + max(sim.rank.meetings.fields))
+    assert counts[0] == 1
+    case["bodies"]["right"]["velocity"] = [-5.0, 0.0]
+    sim = start(case | {"time": {"end": 2.5, "step": 0.01}})
+    while 1 + max(sim.rank.meetings.fields) == 1:
+        sim.advance()
+    assert sim.diagnostics()["contact.all.normal-impulse"] == 0.0
+    assert finish(sim).diagnostics()["contact.all.normal-impulse"] > 0.0

@@ -1,0 +1,23 @@
+"""Sums over the particles of a rank of `kernel_driver`."""
+
+import numpy as np
+from kernel_driver import MATERIALS
+
+from pgimp.kernels.concepts import Setting
+from pgimp.kernels.sums import SUMS, fastest_rate, layer_sums
+
+
+def sums_of(rank, D, bodies, material_of):
+    """Result of `layer_sums`, (layers, bodies, columns)."""
+    sums = np.zeros((rank.slab.layers, bodies, SUMS))
+    population = rank.population
+    setting = Setting((), rank.frame, rank.setting.identity, MATERIALS, material_of)
+    layer_sums(setting, population.particles, population.ordered, sums)
+    return sums
+
+
+def rate_of(rank, D, material_of):
+    """Result of `fastest_rate`."""
+    population = rank.population
+    setting = Setting((), rank.frame, rank.setting.identity, MATERIALS, material_of)
+    return fastest_rate(setting, population.particles, population.order, True)
