@@ -1,0 +1,127 @@
+"""What every problem of scripts/pareto has: its case, its start, and its error.
+
+Young's modulus, density and the length of a body are 1 unless a case of cases/ says otherwise, so
+that waves cross a body in a unit of time. Bodies lie 0.3 cells off the grid, as a body lies that
+nobody has fitted to it: on the grid errors of free surfaces would not show.
+"""
+
+from abc import ABC, abstractmethod
+
+import numpy as np
+
+import pgimp
+from pgimp.mpi.comm import Serial
+from pgimp.solver.simulation import Simulation
+
+OFF = 0.3  # of a cell
+
+
+class Problem(ABC):
+    """A problem with a reference that no method of this study has made.
+
+    Attributes
+    ----------
+    name, title : str
+        Its key, and what pictures call it.
+    D : int
+        Dimensions.
+    sizes : tuple of int
+        Cells across the length that it is resolved by, coarsest first.
+    quick : int
+        Cells of a run that only shows that it works.
+    peer : bool
+        Whether MLS-MPM on one grid can do it.
+    """
+
+    name: str
+    title: str
+    D: int
+    sizes: tuple[int, ...]
+    quick: int
+    peer: bool = True
+    #: Wall and its kind, in the words of the case.
+    walls: dict[str, str] = {}
+    poisson = 0.0
+
+    @abstractmethod
+    def case(self, method, n):
+        """The case of a method with n cells."""
+
+    def start(self, X, n):
+        """Velocity (k, D) and its gradient (k, D, D) at places; None: those of the case."""
+        return None
+
+    @abstractmethod
+    def error(self, n, X, x, v, m):
+        """Relative L2 error at the end, of particles that began at X."""
+
+    def begin(self, method, n):
+        """Simulation, and the particles' first places by id."""
+        sim = Simulation(pgimp.load(self.case(method, n)), Serial())
+        p, rows = sim.particles, sim.live()
+        X = np.empty((len(rows), self.D))
+        X[p.id[rows]] = p.x[rows]
+        start = self.start(X, n)
+        if start is not None:
+            v, L = start
+            p.v[rows] = v[p.id[rows]]
+            if method.affine:
+                p.L[rows] = L[p.id[rows]].reshape(len(rows), -1)
+        return sim, X
+
+    def step(self, sim):
+        """Called after every step, which is not timed."""
+
+    def found(self, sim, X, n):
+        """Error of a simulation that has ended."""
+        p, rows = sim.particles, sim.live()
+        ids = p.id[rows]
+        return self.error(n, X[ids], p.x[rows], p.v[rows], p.m[rows])
+
+
+def body_case(problem, method, size, h, region, end, **changes):
+    """A case of one elastic body.
+
+    Parameters
+    ----------
+    size : sequence of float
+        Extent of the domain, in cells.
+    h : float
+        Edge of a cell.
+    """
+    D = problem.D
+    case = {
+        "format": 1,
+        "dimensions": D,
+        "grid": {"size": [float(round(s)) * h for s in size[:D]], "cell": [h] * D},
+        "method": {
+            "shape": method.shape,
+            "affine": method.affine,
+            "particles_per_cell": [method.per_cell] * D,
+        },
+        "time": {"end": float(end), "step": {"courant": method.courant}},
+        "materials": {
+            "elastic": {"model": "neo-hookean", "young": 1.0, "poisson": problem.poisson,
+                        "density": 1.0}
+        },
+        "bodies": {
+            "body": {
+                "material": "elastic",
+                "configuration": "initial" if method.initial else "current",
+                "region": region,
+            }
+        },
+        "boundaries": problem.walls,
+    }  # fmt: skip
+    return case | changes
+
+
+def box(low, high):
+    """A region."""
+    return {"box": {"min": list(map(float, low)), "max": list(map(float, high))}}
+
+
+def rms(difference, exact, m):
+    """Relative L2 error: the root of the sums of squares, weighted with the masses."""
+    above, below = (m @ (field.reshape(len(m), -1) ** 2).sum(axis=1) for field in (difference, exact))
+    return float(np.sqrt(above / below))
