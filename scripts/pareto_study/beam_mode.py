@@ -89,5 +89,5 @@ class Mode:
 
 @cache
 def beam(length=4.0, height=1.0, elements=(32, 8)):
-    """The mode of the beam of `problems.Bending`."""
+    """The mode of the beam of `small_bodies.Bending`."""
     return Mode(length, height, elements)

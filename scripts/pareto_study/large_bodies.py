@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 from candidates import Method
-from problems import OFF, Problem, body_case, rms
+from problem_base import OFF, Problem, body_case, rms
 from ruamel.yaml import YAML
 
 from pgimp.kernels.contact import NORMAL, PUSH, SLIP
@@ -20,7 +20,7 @@ class Vortex(Problem):
     """The ring of cases/vortex.yaml at a quarter of its period, turned by up to 0.15 radians."""
 
     name, title, D = "vortex-2d", "generalised vortex, 2D", 2
-    sizes, quick = (8, 16, 32), 4
+    sizes, quick, across = (8, 16, 32), 4, "across the ring"
     amplitude, end = 0.15, 0.5
     poisson = 0.3
 
@@ -34,9 +34,8 @@ class Vortex(Problem):
             "exact": {"generalized-vortex": {"amplitude": self.amplitude, "period": 2.0}}
         }
 
-    def start(self, X, n):
-        """For the peer: the case gives it to pgimp."""
-        return None
+    def vortex(self, stiffness):
+        return [self.amplitude, pi, 1.0, 0.5, stiffness]
 
     def error(self, n, X, x, v, m):
         s = (np.hypot(*X.T) - 1.0) / 0.5
@@ -55,7 +54,7 @@ class Impact(Problem):
     """
 
     name, title, D = "impact-2d", "impact on a wall, 2D", 2
-    sizes, quick = (8, 16, 32, 64), 4
+    sizes, quick, across = (8, 16, 32, 64), 4, "across the disk"
     walls = {"y-min": "separating"}
     poisson = 0.3
     speed, gap, end = 0.05, 0.05, 8.0
@@ -105,7 +104,8 @@ class Hertz(Problem):
     """
 
     name, title, D = "hertz-2d", "Hertz's line contact, 2D", 2
-    sizes, quick, peer = (11, 22, 44), 11, False  # cells along x
+    sizes, quick, peer = (11, 22, 33), 11, False
+    across, target = "in the radius, nearly", 0.05
     half_width, top = 10.75e-3, 59.05e3
     held = 0.065  # from then on
 
@@ -149,7 +149,8 @@ class Hertz(Problem):
             impulse = pairs.partners[:, SLIP + 1] + (
                 pairs.partners[:, PUSH] * pairs.partners[:, NORMAL + 1]
             )
-            column, force = pairs.ends[:, VERTEX], np.abs(impulse) / sim.dt
+            column = pairs.ends[:, VERTEX] - sim.scene.frame.ghost
+            force = np.abs(impulse) / sim.dt
         elif sim.time < self.held + 1e-3 * len(self.forces):
             return
         else:

@@ -5,7 +5,7 @@ from time import process_time
 
 from pgimp.errors import RunError
 
-SHORT, ROUNDS = 0.7, 3
+SHORT, ROUNDS = 0.3, 3
 
 
 def once(problem, method, n, steps=None):
@@ -27,7 +27,7 @@ def once(problem, method, n, steps=None):
     return {"error": error, "seconds": spent, "steps": sim.step, "particles": sim.count}
 
 
-def ladder(problem, methods, sizes, said=print):
+def ladder(problem, methods, sizes):
     """A record of every method and size; short runs thrice by turns, the median of their times."""
     for method in methods:
         once(problem, method, problem.quick, 3)  # compiles, or loads the kernels
@@ -42,5 +42,4 @@ def ladder(problem, methods, sizes, said=print):
             record = {"problem": problem.name, "method": method.label, "n": n} | runs[0]
             record["seconds"] = median(run["seconds"] for run in runs)
             records.append(record)
-            said(record)
     return records

@@ -29,6 +29,10 @@ class Problem(ABC):
         Cells across the length that it is resolved by, coarsest first.
     quick : int
         Cells of a run that only shows that it works.
+    across : str
+        The length that has those cells.
+    target : float
+        Error whose price is asked for.
     peer : bool
         Whether MLS-MPM on one grid can do it.
     """
@@ -38,6 +42,8 @@ class Problem(ABC):
     D: int
     sizes: tuple[int, ...]
     quick: int
+    across: str
+    target: float = 0.01
     peer: bool = True
     #: Wall and its kind, in the words of the case.
     walls: dict[str, str] = {}
@@ -67,7 +73,13 @@ class Problem(ABC):
             p.v[rows] = v[p.id[rows]]
             if method.affine:
                 p.L[rows] = L[p.id[rows]].reshape(len(rows), -1)
+            if sim.watch:  # of steps that pgimp chooses
+                sim.watch.begin(sim.rank)
         return sim, X
+
+    def vortex(self, stiffness):
+        """For the peer, what the body force of a generalised vortex needs; None: there is none."""
+        return None
 
     def step(self, sim):
         """Called after every step, which is not timed."""
