@@ -1,8 +1,10 @@
 """Measures error against cost and writes docs/error-against-cost.md; see scripts/pareto."""
 
 import argparse
+import csv
 import json
 import os
+import subprocess
 import sys
 from datetime import date
 from importlib.metadata import version
@@ -10,8 +12,10 @@ from pathlib import Path
 from time import process_time
 
 from candidates import METHODS
-from large_bodies import Hertz, Impact, Vortex
+from fronts_drawn import draw
+from fronts_table import fronts, prices
 from ladders import ladder
+from large_bodies import Hertz, Impact, Vortex
 from peer_runs import peer_ladder, taichi_python
 from small_bodies import Bending, Spinning, Waves
 
@@ -19,6 +23,7 @@ from pgimp.io.rundir.runinfo import cpu
 
 ROOT = Path(__file__).resolve().parents[2]
 OUT = ROOT / "pareto.out"
+PAGES = ROOT / "scripts" / "pages"
 PROBLEMS = (
     Waves(2), Bending(2), Vortex(), Spinning(2), Hertz(), Impact(), Waves(3), Bending(3),
     Spinning(3),
@@ -44,14 +49,37 @@ def measure(problems, store):
 
     for problem in problems:
         began = process_time()
-        put(ladder(problem, METHODS, problem.sizes))
         kept["origins"][problem.name] = origin("")
+        put(ladder(problem, METHODS, problem.sizes))
         print(f"pareto: {problem.name}, {process_time() - began:.0f} s", flush=True)
     python = taichi_python()
     if python:
         found, taichi = peer_ladder(problems, python)
-        kept["origins"] |= dict.fromkeys(names, origin(taichi))
+        peers = {problem.name for problem in problems if problem.peer}
+        kept["origins"] |= dict.fromkeys(peers, origin(taichi))
         put(found)
+
+
+def report(kept, problems):
+    """Write pareto.csv, the tables, the pictures and the page."""
+    records = kept["records"]
+    keys = list(dict.fromkeys(key for record in records for key in record))
+    with (OUT / "pareto.csv").open("w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, keys)
+        writer.writeheader()
+        writer.writerows(records)
+    said = dict.fromkeys(kept["origins"][problem.name] for problem in problems)
+    flat, solid = ([p for p in problems if p.D == D] for D in (2, 3))
+    tables = {
+        "fronts": fronts(records, problems),
+        "prices": f"{prices(records, flat)}\n\n{prices(records, solid)}",
+        "origin": f"Measured on one core of {'; '.join(said)}.",
+    }
+    for name, text in tables.items():
+        (PAGES / "tables" / f"pareto-{name}.md").write_text(text + "\n", encoding="utf-8")
+    draw("error-against-cost", flat, records, 3)
+    draw("error-against-cost-3d", solid, records, 3)
+    subprocess.run([sys.executable, str(PAGES)], check=True)
 
 
 def main():
@@ -69,6 +97,8 @@ def main():
     store = OUT / "pareto.json"
     if not options.redraw:
         measure([known[name] for name in only or known], store)
+    kept = json.loads(store.read_text())
+    report(kept, [p for p in PROBLEMS if p.name in kept["origins"]])
 
 
 if __name__ == "__main__":

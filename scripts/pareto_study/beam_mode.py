@@ -70,9 +70,7 @@ class Mode:
     def at(self, places):
         """Displacement (n, 2) and its gradient (n, 2, 2) at places (n, 2); y from the low edge."""
         inside = np.clip((places / self.size).astype(int), 0, self.elements - 1)
-        (a, b), (da, db) = _functions(2.0 * (places / self.size - inside).T - 1.0)[0].swapaxes(
-            0, 1
-        ), _functions(2.0 * (places / self.size - inside).T - 1.0)[1].swapaxes(0, 1)
+        (a, da), (b, db) = map(_functions, (2.0 * (places / self.size - inside) - 1.0).T)
         first = 2 * inside[:, 0] * self.rows + 2 * inside[:, 1]
         nodes = first + (self.rows * np.arange(3)[:, None, None] + np.arange(3)[:, None])
         u = self.nodal[nodes]  # (3, 3, n, 2)

@@ -5,7 +5,7 @@ from math import exp, log
 
 
 def usable(record):
-    """Whether a run has an error that means something: half of what is looked at is wrong at 0.5."""
+    """Whether a run has an error that means something: at a half most of what was asked is lost."""
     return record["error"] is not None and 0.0 < record["error"] < 0.5
 
 
@@ -34,7 +34,5 @@ def price(ladder, target):
     for coarse, fine in pairwise(known):
         if fine["error"] <= target < coarse["error"]:
             part = log(coarse["error"] / target) / log(coarse["error"] / fine["error"])
-            return exp(
-                log(coarse["seconds"]) + part * log(fine["seconds"] / coarse["seconds"])
-            )
+            return exp(log(coarse["seconds"]) + part * log(fine["seconds"] / coarse["seconds"]))
     return None

@@ -54,26 +54,25 @@ def prices(records, problems):
     names.sort(key=lambda name: name.startswith("Taichi"))  # stable: they come last
     heads = [f"{p.title}, {100.0 * p.target:g} %" for p in problems]
     lines = ["| method | " + " | ".join(heads) + " |", "|---" * (len(heads) + 1) + "|"]
-    costs = {
-        (p.name, name): price(runs, p.target)
-        for p in problems
-        for name, runs in ladders[p.name].items()
-    }
-    least = {p.name: min((c for (q, _), c in costs.items() if q == p.name and c), default=None)
-             for p in problems}  # fmt: skip
+    least = {}
+    for p in problems:
+        costs = [price(runs, p.target) for runs in ladders[p.name].values()]
+        least[p.name] = min(filter(None, costs), default=None)
     for name in names:
-        cells = []
-        for p in problems:
-            cost, runs = costs.get((p.name, name)), ladders[p.name].get(name)
-            if runs is None:
-                cells.append("")
-            elif cost is None:
-                best = min((r["error"] for r in runs if usable(r)), default=None)
-                last = "" if usable(runs[-1]) else ", then stopped" if runs[-1]["error"] is None else ""
-                cells.append("stopped" if best is None and runs[-1]["error"] is None
-                             else "useless" if best is None else f"({percent(best)}{last})")  # fmt: skip
-            else:
-                text = seconds(cost)
-                cells.append(f"**{text}**" if cost <= GOOD * least[p.name] else text)
+        cells = [_price(p, ladders[p.name].get(name), least[p.name]) for p in problems]
         lines.append(f"| {name} | " + " | ".join(cells) + " |")
     return "\n".join(lines)
+
+
+def _price(problem, runs, least):
+    """Cell of a method: what the target costs, else in brackets the least error, or what failed."""
+    if runs is None:
+        return ""
+    cost = price(runs, problem.target)
+    if cost is not None:
+        return f"**{seconds(cost)}**" if cost <= GOOD * least else seconds(cost)
+    stopped = runs[-1]["error"] is None
+    errors = [r["error"] for r in runs if usable(r)]
+    if not errors:
+        return "stopped" if stopped else "useless"
+    return f"({percent(min(errors))}{', then stopped' * stopped})"

@@ -25,6 +25,7 @@ class Vortex(Problem):
     poisson = 0.3
 
     def case(self, method, n):
+        """The case."""
         h, k = 0.5 / n, round(3.0 * n) + 2
         balls = [{"ball": {"centre": [0.0, 0.0], "radius": r}} for r in (1.25, 0.75)]
         case = body_case(self, method, [2 * k, 2 * k], h, {"difference": balls}, self.end)
@@ -35,9 +36,11 @@ class Vortex(Problem):
         }
 
     def vortex(self, stiffness):
+        """Amplitude, angular frequency, radius, width, stiffness."""
         return [self.amplitude, pi, 1.0, 0.5, stiffness]
 
     def error(self, n, X, x, v, m):
+        """Relative L2 error at the end."""
         s = (np.hypot(*X.T) - 1.0) / 0.5
         h = np.where(np.abs(s) < 0.5, (1.0 - 4.0 * s * s) ** 2, 0.0)
         angle = self.amplitude * sin(pi * self.end) * h
@@ -55,13 +58,14 @@ class Impact(Problem):
 
     name, title, D = "impact-2d", "impact on a wall, 2D", 2
     sizes, quick, across = (8, 16, 32, 64), 4, "across the disk"
-    walls = {"y-min": "separating"}
+    walls = (("y-min", "separating"),)
     poisson = 0.3
     speed, gap, end = 0.05, 0.05, 8.0
     fine, finest = 128, Method("finite-gimp", True)
-    powers = [(i, j) for i in range(4) for j in range(4 - i)]
+    powers = tuple((i, j) for i in range(4) for j in range(4 - i))
 
     def case(self, method, n):
+        """The case."""
         region = {"ball": {"centre": self.centre(n), "radius": 0.5}}
         case = body_case(self, method, [n + 9, round(1.6 * n)], 1.0 / n, region, self.end)
         case["bodies"]["body"]["velocity"] = [0.0, -self.speed]
@@ -72,6 +76,7 @@ class Impact(Problem):
         return [0.5 + (4.0 + OFF) / n, 0.5 + self.gap]
 
     def error(self, n, X, x, v, m):
+        """Relative L2 error at the end."""
         places = np.linspace(-0.5, 0.5, 101)
         disk = np.stack(np.meshgrid(places, places), axis=-1).reshape(-1, 2)
         terms = self.terms(disk[(disk**2).sum(axis=1) < 0.25])
@@ -113,6 +118,7 @@ class Hertz(Problem):
         self.forces = {}
 
     def case(self, method, n):
+        """The case."""
         case = YAML(typ="safe").load(CASES / "hertz-line.yaml")
         h = 2.4e-3 * 44 / n
         case["grid"] = {"size": [(n + 2) * h, 0.2112], "cell": [h, h]}
@@ -128,6 +134,7 @@ class Hertz(Problem):
         return case
 
     def begin(self, method, n):
+        """As all; remembers what meets."""
         self.forces, self.cell = [], 2.4e-3 * 44 / n
         sim, X = super().begin(method, n)
         if method.initial:  # their grid stays where it was: impulses are at the vertices of another
@@ -142,6 +149,7 @@ class Hertz(Problem):
         return sim, X
 
     def step(self, sim):
+        """Take down the forces of contact while the flat face is held."""
         if sim.time < self.held:
             return
         if sim.scene.initial:
@@ -160,6 +168,7 @@ class Hertz(Problem):
         self.forces.append(np.bincount(column[column >= 0], force[column >= 0]))
 
     def found(self, sim, X, n):
+        """Relative L2 error of the mean forces; None if the run did not come there."""
         if not self.forces:
             return None
         width = max(map(len, self.forces))
@@ -168,12 +177,9 @@ class Hertz(Problem):
         return float(np.linalg.norm(mean - exact) / np.linalg.norm(exact))
 
     def exact(self, width):
-        """Integrals of the pressure times the tents of vertices at 0, h, ... (half of that at 0)."""
+        """Integrals of the pressure times the tents of vertices at 0, h, ..., at 0 of its half."""
         s = np.linspace(0.0, self.half_width, 20001)
         s = 0.5 * (s[1:] + s[:-1])
         each = self.top * np.sqrt(1.0 - (s / self.half_width) ** 2) * (s[1] - s[0])
         tents = np.maximum(0.0, 1.0 - np.abs(s / self.cell - np.arange(width)[:, None]))
         return tents @ each
-
-    def error(self, n, X, x, v, m):
-        raise NotImplementedError

@@ -45,8 +45,8 @@ class Problem(ABC):
     across: str
     target: float = 0.01
     peer: bool = True
-    #: Wall and its kind, in the words of the case.
-    walls: dict[str, str] = {}
+    #: Walls and their kinds, in the words of the case.
+    walls: tuple[tuple[str, str], ...] = ()
     poisson = 0.0
 
     @abstractmethod
@@ -57,9 +57,9 @@ class Problem(ABC):
         """Velocity (k, D) and its gradient (k, D, D) at places; None: those of the case."""
         return None
 
-    @abstractmethod
     def error(self, n, X, x, v, m):
         """Relative L2 error at the end, of particles that began at X."""
+        raise NotImplementedError  # where `found` is another
 
     def begin(self, method, n):
         """Simulation, and the particles' first places by id."""
@@ -123,7 +123,7 @@ def body_case(problem, method, size, h, region, end, **changes):
                 "region": region,
             }
         },
-        "boundaries": problem.walls,
+        "boundaries": dict(problem.walls),
     }  # fmt: skip
     return case | changes
 
@@ -135,5 +135,5 @@ def box(low, high):
 
 def rms(difference, exact, m):
     """Relative L2 error: the root of the sums of squares, weighted with the masses."""
-    above, below = (m @ (field.reshape(len(m), -1) ** 2).sum(axis=1) for field in (difference, exact))
+    above, below = (m @ (u.reshape(len(m), -1) ** 2).sum(axis=1) for u in (difference, exact))
     return float(np.sqrt(above / below))

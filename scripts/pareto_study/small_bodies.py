@@ -6,7 +6,8 @@ import numpy as np
 from beam_mode import beam
 from problem_base import OFF, Problem, body_case, box, rms
 
-WALLS = {"x-min": "fixed", "y-min": "separating"}  # for all, so that they share their kernels
+#: Of all, so that they share their kernels; only the beam touches one.
+WALLS = (("x-min", "fixed"), ("y-min", "separating"))
 
 
 def swing_error(rate, u, v, start, m):
@@ -32,12 +33,14 @@ class Waves(Problem):
         self.target = 0.01 if D == 2 else 0.05
 
     def case(self, method, n):
+        """The case."""
         h, low, half = 1.0 / n, (4.0 + OFF) / n, n // 2
         region = box([low] * self.D, [low + 1.0, *[low + 0.5] * (self.D - 1)])
         size = [n + 9, half + 9, half + 9]
         return body_case(self, method, size, h, region, self.periods)
 
     def start(self, X, n):
+        """Velocity and its gradient."""
         x = 2.0 * pi * (X[:, 0] - (4.0 + OFF) / n)
         v, L = np.zeros((len(X), self.D)), np.zeros((len(X), self.D, self.D))
         v[:, 0] = self.amplitude * np.cos(x)
@@ -45,6 +48,7 @@ class Waves(Problem):
         return v, L
 
     def error(self, n, X, x, v, m):
+        """Relative L2 error at the end."""
         return swing_error(2.0 * pi, x - X, v, self.start(X, n)[0], m)
 
 
@@ -63,12 +67,14 @@ class Bending(Problem):
         self.target = 0.01 if D == 2 else 0.1
 
     def case(self, method, n):
+        """The case."""
         h, low = 1.0 / n, (4.0 + OFF) / n
         region = box([0.0, *[low] * (self.D - 1)], [4.0, *[low + 1.0] * (self.D - 1)])
         end = 2.0 * pi / beam().rate
         return body_case(self, method, [4 * n + 4, n + 9, n + 9], h, region, end)
 
     def start(self, X, n):
+        """Velocity and its gradient."""
         shape, slope = beam().at(X[:, :2] - [0.0, (4.0 + OFF) / n])
         v, L = np.zeros((len(X), self.D)), np.zeros((len(X), self.D, self.D))
         v[:, :2] = self.amplitude * beam().rate * shape
@@ -76,6 +82,7 @@ class Bending(Problem):
         return v, L
 
     def error(self, n, X, x, v, m):
+        """Relative L2 error at the end."""
         return swing_error(beam().rate, x - X, v, self.start(X, n)[0], m)
 
 
@@ -98,6 +105,7 @@ class Spinning(Problem):
         self.axis /= hypot(*self.axis)
 
     def case(self, method, n):
+        """The case."""
         low = (n // 2 + 2 + OFF) / n
         region = box([low] * self.D, [low + 1.0] * self.D)
         rate = self.rate if self.D == 2 else (self.rate * self.axis).tolist()
@@ -108,6 +116,7 @@ class Spinning(Problem):
         return case
 
     def error(self, n, X, x, v, m):
+        """Relative L2 error at the end."""
         Z = X - (n // 2 + 2 + OFF) / n - 0.5
         Z, place = np.pad(Z, ((0, 0), (0, 3 - self.D))), x - (n // 2 + 2 + OFF) / n - 0.5
         angle = -2.0 * pi * 2.0 * self.speed**2 / 3.0  # past the whole turn
