@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 from candidates import Method
-from problem_base import OFF, Problem, body_case, rms
+from problem_base import Problem, body_case, rms
 from ruamel.yaml import YAML
 
 from pgimp.kernels.contact import NORMAL, PUSH, SLIP
@@ -19,10 +19,12 @@ CASES = Path(__file__).resolve().parents[2] / "cases"
 class Vortex(Problem):
     """The ring of cases/vortex.yaml at a quarter of its period, turned by up to 0.15 radians."""
 
-    name, title, D = "vortex-2d", "generalised vortex, 2D", 2
     sizes, quick, across = (8, 16, 32), 4, "across the ring"
     amplitude, end = 0.15, 0.5
     poisson = 0.3
+
+    def __init__(self):
+        super().__init__("vortex", 2)
 
     def case(self, method, n):
         """The case."""
@@ -56,13 +58,15 @@ class Impact(Problem):
     the cubic polynomials: the rebound, and the vibrations that have taken the rest of the energy.
     """
 
-    name, title, D = "impact-2d", "impact on a wall, 2D", 2
     sizes, quick, across = (8, 16, 32, 64), 4, "across the disk"
     walls = (("y-min", "separating"),)
     poisson = 0.3
     speed, gap, end = 0.05, 0.05, 8.0
     fine, finest = 128, Method("finite-gimp", True)
     powers = tuple((i, j) for i in range(4) for j in range(4 - i))
+
+    def __init__(self):
+        super().__init__("impact", 2)
 
     def case(self, method, n):
         """The case."""
@@ -73,7 +77,7 @@ class Impact(Problem):
 
     def centre(self, n):
         """Of the disk at the start."""
-        return [0.5 + (4.0 + OFF) / n, 0.5 + self.gap]
+        return [0.5 + (4.0 + self.off) / n, 0.5 + self.gap]
 
     def error(self, n, X, x, v, m):
         """Relative L2 error at the end."""
@@ -108,14 +112,14 @@ class Hertz(Problem):
     Hertz's pressure for the way that they are pressed gives the exact ones.
     """
 
-    name, title, D = "hertz-2d", "Hertz's line contact, 2D", 2
     sizes, quick, peer = (11, 22, 33), 11, False
     across, target = "in the radius, nearly", 0.05
     half_width, top = 10.75e-3, 59.05e3
     held = 0.065  # from then on
 
     def __init__(self):
-        self.forces = {}
+        super().__init__("Hertz's contact", 2)
+        self.name, self.forces = "hertz-2d", []
 
     def case(self, method, n):
         """The case."""

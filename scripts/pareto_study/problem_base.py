@@ -49,6 +49,10 @@ class Problem(ABC):
     walls: tuple[tuple[str, str], ...] = ()
     poisson = 0.0
 
+    def __init__(self, kind, D, off=OFF):
+        """Of a kind, in D dimensions, a part of a cell off the grid."""
+        self.name, self.title, self.D, self.off = f"{kind}-{D}d", f"{kind}, {D}D", D, off
+
     @abstractmethod
     def case(self, method, n):
         """The case of a method with n cells."""

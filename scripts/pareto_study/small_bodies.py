@@ -27,21 +27,21 @@ class Waves(Problem):
     walls, across = WALLS, "in a wavelength"
     amplitude, periods = 1e-4, 2.0
 
-    def __init__(self, D):
-        self.name, self.title, self.D = f"waves-{D}d", f"waves, {D}D", D
+    def __init__(self, D, off=OFF):
+        super().__init__("waves", D, off)
         self.sizes, self.quick = ((16, 32, 64, 128) if D == 2 else (8, 16, 24)), 8
         self.target = 0.01 if D == 2 else 0.05
 
     def case(self, method, n):
         """The case."""
-        h, low, half = 1.0 / n, (4.0 + OFF) / n, n // 2
+        h, low, half = 1.0 / n, (4.0 + self.off) / n, n // 2
         region = box([low] * self.D, [low + 1.0, *[low + 0.5] * (self.D - 1)])
         size = [n + 9, half + 9, half + 9]
         return body_case(self, method, size, h, region, self.periods)
 
     def start(self, X, n):
         """Velocity and its gradient."""
-        x = 2.0 * pi * (X[:, 0] - (4.0 + OFF) / n)
+        x = 2.0 * pi * (X[:, 0] - (4.0 + self.off) / n)
         v, L = np.zeros((len(X), self.D)), np.zeros((len(X), self.D, self.D))
         v[:, 0] = self.amplitude * np.cos(x)
         L[:, 0, 0] = -2.0 * pi * self.amplitude * np.sin(x)
@@ -61,21 +61,21 @@ class Bending(Problem):
     walls, across = WALLS, "over the height"
     amplitude = 0.05
 
-    def __init__(self, D):
-        self.name, self.title, self.D = f"bending-{D}d", f"bending, {D}D", D
+    def __init__(self, D, off=OFF):
+        super().__init__("bending", D, off)
         self.sizes, self.quick = ((6, 12, 20) if D == 2 else (4, 6)), 2
         self.target = 0.01 if D == 2 else 0.1
 
     def case(self, method, n):
         """The case."""
-        h, low = 1.0 / n, (4.0 + OFF) / n
+        h, low = 1.0 / n, (4.0 + self.off) / n
         region = box([0.0, *[low] * (self.D - 1)], [4.0, *[low + 1.0] * (self.D - 1)])
         end = 2.0 * pi / beam().rate
         return body_case(self, method, [4 * n + 4, n + 9, n + 9], h, region, end)
 
     def start(self, X, n):
         """Velocity and its gradient."""
-        shape, slope = beam().at(X[:, :2] - [0.0, (4.0 + OFF) / n])
+        shape, slope = beam().at(X[:, :2] - [0.0, (4.0 + self.off) / n])
         v, L = np.zeros((len(X), self.D)), np.zeros((len(X), self.D, self.D))
         v[:, :2] = self.amplitude * beam().rate * shape
         L[:, :2, :2] = self.amplitude * beam().rate * slope
@@ -96,8 +96,8 @@ class Spinning(Problem):
     walls, across = WALLS, "across the block"
     speed = 0.02
 
-    def __init__(self, D):
-        self.name, self.title, self.D = f"spinning-{D}d", f"spinning, {D}D", D
+    def __init__(self, D, off=OFF):
+        super().__init__("spinning", D, off)
         self.sizes, self.quick = ((6, 12, 20) if D == 2 else (4, 8)), 2
         self.target = 0.01 if D == 2 else 0.05
         self.rate = self.speed / 0.5
@@ -106,7 +106,7 @@ class Spinning(Problem):
 
     def case(self, method, n):
         """The case."""
-        low = (n // 2 + 2 + OFF) / n
+        low = (n // 2 + 2 + self.off) / n
         region = box([low] * self.D, [low + 1.0] * self.D)
         rate = self.rate if self.D == 2 else (self.rate * self.axis).tolist()
         motion = {"rotation": {"about": [low + 0.5] * self.D, "rate": rate}}
@@ -117,8 +117,8 @@ class Spinning(Problem):
 
     def error(self, n, X, x, v, m):
         """Relative L2 error at the end."""
-        Z = X - (n // 2 + 2 + OFF) / n - 0.5
-        Z, place = np.pad(Z, ((0, 0), (0, 3 - self.D))), x - (n // 2 + 2 + OFF) / n - 0.5
+        Z = X - (n // 2 + 2 + self.off) / n - 0.5
+        Z, place = np.pad(Z, ((0, 0), (0, 3 - self.D))), x - (n // 2 + 2 + self.off) / n - 0.5
         angle = -2.0 * pi * 2.0 * self.speed**2 / 3.0  # past the whole turn
         along = np.outer(Z @ self.axis, self.axis)
         across = np.cross(self.axis, Z)
