@@ -24,7 +24,7 @@ class Vortex(Problem):
     poisson = 0.3
 
     def __init__(self):
-        super().__init__("vortex", 2)
+        super().__init__("vortex", 2, (0.0,))
 
     def case(self, method, n):
         """The case."""
@@ -66,7 +66,7 @@ class Impact(Problem):
     powers = tuple((i, j) for i in range(4) for j in range(4 - i))
 
     def __init__(self):
-        super().__init__("impact", 2)
+        super().__init__("impact", 2, (0.3,))
 
     def case(self, method, n):
         """The case."""
@@ -118,7 +118,7 @@ class Hertz(Problem):
     held = 0.065  # from then on
 
     def __init__(self):
-        super().__init__("Hertz's contact", 2)
+        super().__init__("Hertz's contact", 2, (0.0,))
         self.name, self.forces = "hertz-2d", []
 
     def case(self, method, n):

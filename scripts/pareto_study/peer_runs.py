@@ -3,12 +3,14 @@
 import json
 import subprocess
 import sys
+from itertools import product
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
 from candidates import Method
 from fronts_drawn import PEER
+from ladders import joined
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.append(str(ROOT / "scripts" / "benchmarks"))
@@ -35,7 +37,7 @@ def _job(folder, problem, n):
         "X": X - origin, "v": p.v[rows], "L": p.L[rows].reshape(-1, D, D), "m": p.m[rows],
         "V": p.V0[rows], "centre": -origin,
     }  # fmt: skip
-    name = f"{problem.name}-{n}"
+    name = f"{problem.name}-{n}-{problem.off}"
     np.savez(folder / f"{name}.npz", **arrays)
     material = next(iter(case.materials.values()))
     mu = material.young / (2.0 * (1.0 + material.poisson))
@@ -55,23 +57,30 @@ def peer_ladder(problems, python):
     """Records of every problem that the peer can do, by precision, in 3D float64; its version."""
     records, version = [], ""
     with TemporaryDirectory() as made:
-        folder = Path(made)
-        every = [(p, n, _job(folder, p, n)) for p in problems if p.peer for n in p.sizes]
+        folder, every = Path(made), []
+        for problem in problems:
+            for n, problem.off in product(problem.sizes, problem.places if problem.peer else ()):
+                every.append((problem, n, problem.off, _job(folder, problem, n)))
         script = str(Path(__file__).with_name("mls_mpm.py"))
         for precision, words in PRECISIONS.items():
             jobs = [job for job in every if precision == "f64" or job[0].D == 2]
-            (folder / "jobs.json").write_text(json.dumps([job for *_, job in jobs]))
+            (folder / "jobs.json").write_text(json.dumps([words for *_, words in jobs]))
             subprocess.run([python, script, made, precision], check=True)
             answer = json.loads((folder / "answers.json").read_text())
-            version = answer["version"]
-            for problem, n, job in jobs:
-                with np.load(folder / f"{job['name']}.npz") as start:
-                    X, m, origin = start["X"] - start["centre"], start["m"], -start["centre"]
-                with np.load(folder / f"{job['name']}-out.npz") as end:
-                    x, v = end["x"] + origin, end["v"]
-                error = problem.error(n, X, x, v, m) if np.isfinite(x).all() else None
-                records.append(
-                    {"problem": problem.name, "method": PEER + words, "n": n, "peer": True,
-                     "error": error} | answer["runs"][job["name"]]
-                )  # fmt: skip
+            version, found = answer["version"], {}
+            for problem, n, problem.off, job in jobs:
+                run = answer["runs"][job["name"]] | {"error": _error(folder, problem, n, job)}
+                found.setdefault((problem.name, n), {})[problem.off] = [run]
+            key = {"method": PEER + words, "peer": True}
+            for (name, n), runs in found.items():
+                records.append({"problem": name, "n": n} | key | joined(runs))
     return records, version
+
+
+def _error(folder, problem, n, job):
+    """Error of a run of the peer; None if it has blown up."""
+    with np.load(folder / f"{job['name']}.npz") as start:
+        X, m, origin = start["X"] - start["centre"], start["m"], -start["centre"]
+    with np.load(folder / f"{job['name']}-out.npz") as end:
+        x, v = end["x"] + origin, end["v"]
+    return problem.error(n, X, x, v, m) if np.isfinite(x).all() else None

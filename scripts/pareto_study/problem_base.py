@@ -1,8 +1,9 @@
 """What every problem of scripts/pareto has: its case, its start, and its error.
 
 Young's modulus, density and the length of a body are 1 unless a case of cases/ says otherwise, so
-that waves cross a body in a unit of time. Bodies lie 0.3 cells off the grid, as a body lies that
-nobody has fitted to it: on the grid errors of free surfaces would not show.
+that waves cross a body in a unit of time. Boxes are run on the grid's lines, as a body that has
+been fitted to it, and 0.3 cells off them, as one that has not or that has moved: errors of free
+surfaces show in one of them only, and may be of either sign. The error is the root mean square.
 """
 
 from abc import ABC, abstractmethod
@@ -13,7 +14,8 @@ import pgimp
 from pgimp.mpi.comm import Serial
 from pgimp.solver.simulation import Simulation
 
-OFF = 0.3  # of a cell
+#: Places of a box on the grid, in cells.
+PLACES = (0.0, 0.3)
 
 
 class Problem(ABC):
@@ -49,9 +51,10 @@ class Problem(ABC):
     walls: tuple[tuple[str, str], ...] = ()
     poisson = 0.0
 
-    def __init__(self, kind, D, off=OFF):
-        """Of a kind, in D dimensions, a part of a cell off the grid."""
-        self.name, self.title, self.D, self.off = f"{kind}-{D}d", f"{kind}, {D}D", D, off
+    def __init__(self, kind, D, places=PLACES):
+        """Of a kind, in D dimensions; `off` is the present place on the grid."""
+        self.name, self.title, self.D = f"{kind}-{D}d", f"{kind}, {D}D", D
+        self.places, self.off = places, places[-1]
 
     @abstractmethod
     def case(self, method, n):

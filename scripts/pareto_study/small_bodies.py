@@ -4,7 +4,7 @@ from math import cos, hypot, pi, sin
 
 import numpy as np
 from beam_mode import beam
-from problem_base import OFF, Problem, body_case, box, rms
+from problem_base import Problem, body_case, box, rms
 
 #: Of all, so that they share their kernels; only the beam touches one.
 WALLS = (("x-min", "fixed"), ("y-min", "separating"))
@@ -27,9 +27,9 @@ class Waves(Problem):
     walls, across = WALLS, "in a wavelength"
     amplitude, periods = 1e-4, 2.0
 
-    def __init__(self, D, off=OFF):
-        super().__init__("waves", D, off)
-        self.sizes, self.quick = ((16, 32, 64, 128) if D == 2 else (8, 16, 24)), 8
+    def __init__(self, D):
+        super().__init__("waves", D)
+        self.sizes, self.quick = ((16, 32, 64) if D == 2 else (8, 16, 24)), 8
         self.target = 0.01 if D == 2 else 0.05
 
     def case(self, method, n):
@@ -61,8 +61,8 @@ class Bending(Problem):
     walls, across = WALLS, "over the height"
     amplitude = 0.05
 
-    def __init__(self, D, off=OFF):
-        super().__init__("bending", D, off)
+    def __init__(self, D):
+        super().__init__("bending", D)
         self.sizes, self.quick = ((6, 12, 20) if D == 2 else (4, 6)), 2
         self.target = 0.01 if D == 2 else 0.1
 
@@ -96,8 +96,8 @@ class Spinning(Problem):
     walls, across = WALLS, "across the block"
     speed = 0.02
 
-    def __init__(self, D, off=OFF):
-        super().__init__("spinning", D, off)
+    def __init__(self, D):
+        super().__init__("spinning", D)
         self.sizes, self.quick = ((6, 12, 20) if D == 2 else (4, 8)), 2
         self.target = 0.01 if D == 2 else 0.05
         self.rate = self.speed / 0.5
