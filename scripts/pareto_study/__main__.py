@@ -11,7 +11,7 @@ from importlib.metadata import version
 from pathlib import Path
 from time import process_time
 
-from candidates import METHODS
+from candidates import METHODS, SOLID
 from fronts_drawn import draw
 from fronts_table import fronts, prices
 from ladders import ladder
@@ -43,21 +43,15 @@ def measure(problems, store):
     names = {problem.name for problem in problems}
     kept["records"] = [r for r in kept["records"] if r["problem"] not in names]
 
-    def put(found):
-        kept["records"] += found
-        store.write_text(json.dumps(kept, indent=1))
-
+    python = taichi_python()
     for problem in problems:
         began = process_time()
-        kept["origins"][problem.name] = origin("")
-        put(ladder(problem, METHODS, problem.sizes))
+        kept["records"] += ladder(problem, METHODS if problem.D == 2 else SOLID, problem.sizes)
+        found, taichi = peer_ladder(problem, python) if problem.peer and python else ([], "")
+        kept["records"] += found
+        kept["origins"][problem.name] = origin(taichi)
+        store.write_text(json.dumps(kept, indent=1))
         print(f"pareto: {problem.name}, {process_time() - began:.0f} s", flush=True)
-    python = taichi_python()
-    if python:
-        found, taichi = peer_ladder(problems, python)
-        peers = {problem.name for problem in problems if problem.peer}
-        kept["origins"] |= dict.fromkeys(peers, origin(taichi))
-        put(found)
 
 
 def report(kept, problems):

@@ -3,7 +3,7 @@
 import sys
 from pathlib import Path
 
-from front import front, usable
+from front import front, price, usable
 from matplotlib.lines import Line2D
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -27,34 +27,47 @@ FAMILIES = {
 PEER = "Taichi, MLS-MPM"
 
 
-def draw(name, problems, records, columns):
+def draw(name, problems, records, columns=3):
     """Write cases/pictures/NAME.png."""
     rows = -(-len(problems) // columns)
-    figure, axes = plt.subplots(rows, columns, figsize=(3.5 * columns, 3.1 * rows + 0.9))
-    for axis, problem in zip(axes.flat, problems, strict=True):
-        mine = [r for r in records if r["problem"] == problem.name]
-        _panel(axis, problem, mine)
-    for axis in axes.reshape(rows, columns)[-1]:
+    figure, axes = plt.subplots(
+        rows, columns, figsize=(3.3 * columns, 3.0 * rows + 0.9), squeeze=False
+    )
+    for axis in axes.flat[len(problems) :]:
+        axis.remove()
+    for axis, problem in zip(axes.flat, problems, strict=False):
+        _panel(axis, problem, [r for r in records if r["problem"] == problem.name])
+    for axis in axes[-1]:
         axis.set_xlabel("CPU time of the steps [s]")
-    for axis in axes.reshape(rows, columns)[:, 0]:
+    for axis in axes[:, 0]:
         axis.set_ylabel("relative error")
-    figure.legend(handles=_key(), loc="outside upper center", ncol=4, fontsize=8)
+    figure.legend(handles=_key(), loc="outside upper center", ncol=3, fontsize=8)
     save(figure, name)
 
 
 def _panel(axis, problem, records):
     best = front([r for r in records if not r.get("peer")])
-    far = max((r["seconds"] for r in records), default=1.0) * 1.6
+    far = 1.6 * max(r["seconds"] for r in records)
     axis.step(
         [*(r["seconds"] for r in best), far], [*(r["error"] for r in best), best[-1]["error"]],
-        where="post", color="#d4d4d4", lw=7.0, zorder=0, solid_capstyle="butt",
+        where="post", color="#d8d8d8", lw=6.0, zorder=0, solid_capstyle="butt",
     )  # fmt: skip
-    for label in dict.fromkeys(r["method"] for r in records):
-        ladder = [r for r in records if r["method"] == label and usable(r)]
+    ladders = {}
+    for record in filter(usable, records):
+        ladders.setdefault(record["method"], []).append(record)
+    for label, ladder in ladders.items():
         points = [r["seconds"] for r in ladder], [r["error"] for r in ladder]
-        axis.loglog(*points, zorder=3 if ladder and ladder[0].get("peer") else 2, **_look(label))
-    axis.axhline(problem.target, color="#b0b0b0", lw=0.8, ls=":", zorder=1)
+        axis.loglog(*points, zorder=3 if label.startswith(PEER) else 2, **_look(label))
+    axis.axhline(problem.target, color="#909090", lw=0.8, ls=":", zorder=1)
+    costs = {label: price(ladder, problem.target) for label, ladder in ladders.items()}
+    least = min((label for label, cost in costs.items() if cost), key=costs.get, default=None)
     axis.set_title(problem.title, fontsize=10)
+    if least:
+        axis.text(
+            0.5, 0.985, f"cheapest at {100.0 * problem.target:g} %: {least}", fontsize=6.5,
+            transform=axis.transAxes, ha="center", va="top",
+        )  # fmt: skip
+    axis.set_ylim(top=1.0)
     for ticks in (axis.xaxis, axis.yaxis):
         style.log_ticks(ticks)
 
@@ -67,7 +80,7 @@ def _look(label):
     marker = "^" if "1 a cell" in label else "s" if "initial" in label else "o"
     filled = colour if "affine" in label else "none"
     return {
-        "color": colour, "marker": marker, "mfc": filled, "ms": 4.0, "lw": 0.4, "mew": 0.9,
+        "color": colour, "marker": marker, "mfc": filled, "ms": 3.6, "lw": 0.4, "mew": 0.8,
         "ls": "--" if "auto" in label else "-",
     }  # fmt: skip
 

@@ -7,7 +7,7 @@ from time import process_time
 from pgimp.errors import RunError
 
 #: Runs that take less are done so often.
-SHORT, ROUNDS = 0.3, 3
+SHORT, ROUNDS = 0.2, 3
 
 
 def once(problem, method, n, steps=None):

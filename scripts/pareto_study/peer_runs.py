@@ -53,27 +53,24 @@ def _job(folder, problem, n):
     }  # fmt: skip
 
 
-def peer_ladder(problems, python):
-    """Records of every problem that the peer can do, by precision, in 3D float64; its version."""
+def peer_ladder(problem, python):
+    """Records of a problem with the peer, by precision, in 3D float64 alone; its version."""
     records, version = [], ""
     with TemporaryDirectory() as made:
-        folder, every = Path(made), []
-        for problem in problems:
-            for n, problem.off in product(problem.sizes, problem.places if problem.peer else ()):
-                every.append((problem, n, problem.off, _job(folder, problem, n)))
+        folder, jobs = Path(made), []
+        for n, problem.off in product(problem.sizes, problem.places):
+            jobs.append((n, problem.off, _job(folder, problem, n)))
+        (folder / "jobs.json").write_text(json.dumps([words for *_, words in jobs]))
         script = str(Path(__file__).with_name("mls_mpm.py"))
-        for precision, words in PRECISIONS.items():
-            jobs = [job for job in every if precision == "f64" or job[0].D == 2]
-            (folder / "jobs.json").write_text(json.dumps([words for *_, words in jobs]))
+        for precision, words in list(PRECISIONS.items())[: 4 - problem.D]:
             subprocess.run([python, script, made, precision], check=True)
             answer = json.loads((folder / "answers.json").read_text())
             version, found = answer["version"], {}
-            for problem, n, problem.off, job in jobs:
+            for n, problem.off, job in jobs:
                 run = answer["runs"][job["name"]] | {"error": _error(folder, problem, n, job)}
-                found.setdefault((problem.name, n), {})[problem.off] = [run]
-            key = {"method": PEER + words, "peer": True}
-            for (name, n), runs in found.items():
-                records.append({"problem": name, "n": n} | key | joined(runs))
+                found.setdefault(n, {})[problem.off] = [run]
+            key = {"problem": problem.name, "method": PEER + words, "peer": True}
+            records += [key | {"n": n} | joined(runs) for n, runs in found.items()]
     return records, version
 
 

@@ -29,8 +29,8 @@ class Waves(Problem):
 
     def __init__(self, D):
         super().__init__("waves", D)
-        self.sizes, self.quick = ((16, 32, 64) if D == 2 else (8, 16, 24)), 8
-        self.target = 0.01 if D == 2 else 0.05
+        self.sizes, self.quick = ((16, 32, 64) if D == 2 else (8, 16)), 8
+        self.target = 0.01 if D == 2 else 0.1
 
     def case(self, method, n):
         """The case."""
@@ -63,7 +63,7 @@ class Bending(Problem):
 
     def __init__(self, D):
         super().__init__("bending", D)
-        self.sizes, self.quick = ((6, 12, 20) if D == 2 else (4, 6)), 2
+        self.sizes, self.quick = ((6, 12, 20) if D == 2 else (3, 5)), 2
         self.target = 0.01 if D == 2 else 0.1
 
     def case(self, method, n):
@@ -98,8 +98,8 @@ class Spinning(Problem):
 
     def __init__(self, D):
         super().__init__("spinning", D)
-        self.sizes, self.quick = ((6, 12, 20) if D == 2 else (4, 8)), 2
-        self.target = 0.01 if D == 2 else 0.05
+        self.sizes, self.quick = ((6, 12, 18) if D == 2 else (4, 6)), 2
+        self.target = 0.01 if D == 2 else 0.1
         self.rate = self.speed / 0.5
         self.axis = np.array([0.0, 0.0, 1.0] if D == 2 else [1.0, 2.0, 3.0])
         self.axis /= hypot(*self.axis)
