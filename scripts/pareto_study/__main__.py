@@ -11,7 +11,7 @@ from importlib.metadata import version
 from pathlib import Path
 from time import process_time
 
-from candidates import METHODS, SOLID
+from candidates import METHODS
 from fronts_drawn import draw
 from fronts_table import fronts, prices
 from ladders import ladder
@@ -46,7 +46,7 @@ def measure(problems, store):
     python = taichi_python()
     for problem in problems:
         began = process_time()
-        kept["records"] += ladder(problem, METHODS if problem.D == 2 else SOLID, problem.sizes)
+        kept["records"] += ladder(problem, METHODS, problem.sizes)
         found, taichi = peer_ladder(problem, python) if problem.peer and python else ([], "")
         kept["records"] += found
         kept["origins"][problem.name] = origin(taichi)

@@ -63,13 +63,3 @@ METHODS = (
     Method("gimp", False, True, courant="auto"),
     Method("gimp", True, True, courant="auto"),
 )
-
-#: In 3D, where runs are long: those that 2D does not rule out, and plain `gimp` beside them.
-SOLID = tuple(
-    method
-    for method in METHODS
-    if (method.affine or method.shape == "gimp" or (method.shape, method.initial) == ("mpm", True))
-    and (method.shape, method.initial) != ("mpm", False)
-    and not (method.shape in ("cpdi", "bspline-cubic") and method.initial)
-    and method.shape != "fuzzy-constant"
-)

@@ -5,6 +5,9 @@ from front import front, price, usable
 #: Prices up to so many times the least are those of good methods.
 GOOD = 1.5
 
+#: Runs of a front are told if their error is less than this part of the one before.
+LESS = 0.8
+
 
 def seconds(value):
     """CPU time, two digits."""
@@ -34,7 +37,11 @@ def fronts(records, problems):
     for problem in problems:
         mine = [r for r in records if r["problem"] == problem.name]
         best = front([r for r in mine if not r.get("peer")])
-        shown = "; ".join(_run(r, r["method"] + ", ") for r in best)
+        told = []
+        for run in best:
+            if not told or run["error"] < LESS * told[-1]["error"]:
+                told.append(run)
+        shown = "; ".join(_run(run, run["method"] + ", ") for run in told)
         peers = [r for r in mine if r.get("peer") and "float32" not in r["method"]]
         other = "; ".join(_run(r) for r in peers) or "cannot: bodies on one grid stick"
         lines.append(f"| {problem.title} | {shown} | {other} |")

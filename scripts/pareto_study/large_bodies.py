@@ -131,6 +131,8 @@ class Hertz(Problem):
             "particles_per_cell": [method.per_cell] * 2,
         }  # fmt: skip
         case["time"]["step"] = {"courant": method.courant}
+        deep = max(2.4e-3, h / method.per_cell)  # a layer of particles at least
+        case["constraints"]["press"]["region"]["box"]["min"][1] = 0.2 - deep
         for body in case["bodies"].values():
             body["configuration"] = "initial" if method.initial else "current"
         for key in ("output", "history"):

@@ -63,7 +63,7 @@ def peer_ladder(problem, python):
         (folder / "jobs.json").write_text(json.dumps([words for *_, words in jobs]))
         script = str(Path(__file__).with_name("mls_mpm.py"))
         for precision, words in list(PRECISIONS.items())[: 4 - problem.D]:
-            subprocess.run([python, script, made, precision], check=True)
+            subprocess.run([python, script, made, precision], check=True, stdout=subprocess.DEVNULL)
             answer = json.loads((folder / "answers.json").read_text())
             version, found = answer["version"], {}
             for n, problem.off, job in jobs:

@@ -29,7 +29,7 @@ class Waves(Problem):
 
     def __init__(self, D):
         super().__init__("waves", D)
-        self.sizes, self.quick = ((16, 32, 64) if D == 2 else (8, 16)), 8
+        self.sizes, self.quick = ((16, 32, 64) if D == 2 else (8, 16, 24)), 8
         self.target = 0.01 if D == 2 else 0.1
 
     def case(self, method, n):
