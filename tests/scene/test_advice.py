@@ -68,12 +68,33 @@ def test_bodies_that_turn(configuration):
 
 @pytest.mark.parametrize("shape", ["gimp", "bspline-quadratic"])
 def test_boxes_that_keep_their_size(shape):
-    """Told for strong compression, where the initial configuration is not told of."""
+    """Told for strong compression of elastic bodies, where the other is not told of."""
     heavy = "gravity: [0.0, -0.08]\nboundaries: {y-min: separating}"
     (line,) = told(shape, volumetric="mean", more=heavy)
     mentions(line, "method.shape", f"boxes of {shape}", "finite-gimp")
     assert told("finite-gimp", volumetric="mean", more=heavy) == []
     assert told(shape, volumetric="mean", more=heavy.replace("0.08", "0.01")) == []
     assert told(shape, law=SOIL, more=heavy) == []
-    (line,) = told(shape, more=heavy)
-    assert "configuration: initial" in line
+
+
+def test_the_initial_configuration():
+    """Told for what moves freely or is held; not for what meets walls or others."""
+    fast = "[0.0, -0.05]"
+    (line,) = told(velocity=fast, end=20.0)
+    mentions(line, "configuration: initial", "'block'", "it moves")
+    assert told(configuration="initial", velocity=fast, end=20.0) == []
+    assert told(velocity=fast, end=20.0, more="boundaries: {x-min: separating}") == [line]
+    assert told(velocity=fast, end=60.0, more="boundaries: {y-min: separating}") == []
+    assert told(velocity=fast, end=20.0, more="contact: [{bodies: all}]") == []
+
+
+@pytest.mark.parametrize("shape", ["fuzzy-constant", "bspline-cubic"])
+def test_wide_shapes(shape):
+    """Told for elastic bodies that move, unless volume is locked."""
+    fast = "[0.05, 0.0]"
+    (line,) = told(shape, velocity=fast, end=20.0,
+                   more="contact: [{bodies: all}]")  # fmt: skip
+    mentions(line, f"method.shape: {shape}", "'block'", "gimp")
+    stiff = (ELASTIC[0], ", young: 1.0, poisson: 0.49")
+    for law in (stiff, SOIL):
+        assert told(shape, law=law, velocity=fast, end=20.0, more="contact: [{bodies: all}]") == []
