@@ -102,8 +102,8 @@ def _spin(case: Any) -> Iterator[str]:
     ]
     if turning and not case.method.affine:
         yield (
-            f"method.affine: {_listed(turning)} will turn, and lose spin without it: after a turn a "
-            "block of 12 cells is off by 12 to 27 % of its size, with affine: true by 1.3 %"
+            f"method.affine: {_listed(turning)} will turn, and lose spin without it: after a turn "
+            "a block of 12 cells is off by 12 to 27 % of its radius, with affine: true by 1.3 %"
         )
 
 
