@@ -1,7 +1,7 @@
 """Writes the pages of docs/ that show measurements, each from its text and its tables.
 
 A line ``{{ NAME }}`` of ``texts/PAGE.md`` stands for ``tables/NAME.md``, which the script that
-measures it writes: scripts/benchmark, scripts/methods, scripts/pictures or scripts/hard. Whoever
+measures it writes: scripts/benchmark, scripts/methods, scripts/pareto and others. Whoever
 changes a page changes its text, and runs this again.
 
     python scripts/pages [--check]

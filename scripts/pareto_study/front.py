@@ -1,0 +1,38 @@
+"""Which runs are on the front, and what an error costs with a method."""
+
+from itertools import pairwise
+from math import exp, log
+
+
+def usable(record):
+    """Whether a run has an error that means something: at a half most of what was asked is lost."""
+    return record["error"] is not None and 0.0 < record["error"] < 0.5
+
+
+def front(records):
+    """The runs that no other beats in both error and time, from cheap to dear."""
+    best = []
+    for record in sorted(filter(usable, records), key=lambda r: (r["seconds"], r["error"])):
+        if not best or record["error"] < best[-1]["error"]:
+            best.append(record)
+    return best
+
+
+def price(ladder, target):
+    """Seconds for an error with one method, between two of its runs; None if it is not reached.
+
+    Between runs the logarithms are taken as linear; what the coarsest one beats costs its time.
+
+    Parameters
+    ----------
+    ladder : list of dict
+        Its runs, coarsest first.
+    """
+    known = [record for record in ladder if usable(record)]
+    if known and known[0]["error"] <= target:
+        return known[0]["seconds"]
+    for coarse, fine in pairwise(known):
+        if fine["error"] <= target < coarse["error"]:
+            part = log(coarse["error"] / target) / log(coarse["error"] / fine["error"])
+            return exp(log(coarse["seconds"]) + part * log(fine["seconds"] / coarse["seconds"]))
+    return None

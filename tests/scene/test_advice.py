@@ -1,0 +1,97 @@
+"""Advice of ``pgimp check`` on configuration and method: said where it helps, else nothing."""
+
+import pytest
+from checked import facts
+from mentioned import mentions
+
+from pgimp.case.reader import read_case
+from pgimp.scene.advice import advice
+
+BLOCK = """
+format: 1
+dimensions: 2
+grid: {{size: [12.0, 12.0], cell: [1.0, 1.0]}}
+method: {{shape: {shape}, affine: {affine}, volumetric: {volumetric}, particles_per_cell: [2, 2]}}
+time: {{end: {end}, step: {{courant: 0.1}}}}
+materials: {{jelly: {{model: {model}, density: 1.0{law}}}}}
+bodies:
+  block:
+    material: jelly
+    configuration: {configuration}
+    velocity: {velocity}
+    region: {{box: {{min: [4.0, 4.0], max: [8.0, 8.0]}}}}
+{more}
+"""
+SPIN = "{rotation: {about: [6.0, 6.0], rate: 0.025}}"
+ELASTIC = ("neo-hookean", ", young: 1.0, poisson: 0.3")
+SOIL = ("drucker-prager", ", young: 1.0, poisson: 0.3, cohesion: 1.0, friction_angle: 30.0")
+
+
+def told(
+    shape="gimp", affine=False, end=100.0, law=ELASTIC, configuration="current",
+    velocity="[0.0, 0.0]", volumetric="pointwise", more="",
+):  # fmt: skip
+    text = BLOCK.format(
+        shape=shape, affine=str(affine).lower(), end=end, model=law[0], law=law[1],
+        configuration=configuration, velocity=velocity, volumetric=volumetric, more=more,
+    )  # fmt: skip
+    case = read_case(text, "block.yaml")
+    return advice(case, facts(case))
+
+
+def test_what_rests_is_left_alone():
+    assert told() == told("mpm") == told("fuzzy-constant") == []
+
+
+def test_points_that_cross_cells():
+    """Told for what moves half a cell in the current configuration, whatever it is made of."""
+    fast, slow = "[0.05, 0.0]", "[0.004, 0.0]"
+    (line,) = told("mpm", law=SOIL, velocity=fast)
+    mentions(line, "method.shape: mpm", "'block'", "gimp", "affine: true")
+    assert told("mpm", law=SOIL, velocity=slow) == []
+    assert told("gimp", law=SOIL, velocity=fast) == []
+    assert told("mpm", configuration="initial", velocity=fast) == []
+    # With affine it is a warning.
+    assert told("mpm", True, law=SOIL, velocity=fast) == []
+
+
+@pytest.mark.parametrize("configuration", ["current", "initial"])
+def test_bodies_that_turn(configuration):
+    """Told for a radian or more, without `affine`, in either configuration."""
+    lines = told(configuration=configuration, velocity=SPIN)
+    mentions(lines[-1], "method.affine", "'block'", "spin")
+    assert len(lines) == 1 + (configuration == "current")  # the other is on the configuration
+    turned = told(affine=True, configuration=configuration, velocity=SPIN)
+    brief = told(end=30.0, configuration=configuration, velocity=SPIN)
+    assert not [line for line in (*turned, *brief) if "affine" in line]
+
+
+@pytest.mark.parametrize("shape", ["gimp", "bspline-quadratic"])
+def test_boxes_that_keep_their_size(shape):
+    """Told for strong compression of elastic bodies, where the other is not told of."""
+    heavy = "gravity: [0.0, -0.08]\nboundaries: {y-min: separating}"
+    (line,) = told(shape, volumetric="mean", more=heavy)
+    mentions(line, "method.shape", f"boxes of {shape}", "finite-gimp")
+    assert told("finite-gimp", volumetric="mean", more=heavy) == []
+    assert told(shape, volumetric="mean", more=heavy.replace("0.08", "0.01")) == []
+    assert told(shape, law=SOIL, more=heavy) == []
+
+
+def test_the_initial_configuration():
+    """Told for what moves freely or is held; not for what meets walls or others."""
+    fast = "[0.0, -0.05]"
+    (line,) = told(velocity=fast, end=20.0)
+    mentions(line, "configuration: initial", "'block'", "it moves")
+    assert told(configuration="initial", velocity=fast, end=20.0) == []
+    assert told(velocity=fast, end=20.0, more="boundaries: {x-min: separating}") == [line]
+    assert told(velocity=fast, end=60.0, more="boundaries: {y-min: separating}") == []
+
+
+@pytest.mark.parametrize("shape", ["fuzzy-constant", "bspline-cubic"])
+def test_wide_shapes(shape):
+    """Told for elastic bodies that move, unless volume is locked."""
+    falls = {"velocity": "[0.0, -0.05]", "more": "boundaries: {y-min: separating}"}
+    (line,) = told(shape, **falls)
+    mentions(line, f"method.shape: {shape}", "'block'", "gimp")
+    stiff = (ELASTIC[0], ", young: 1.0, poisson: 0.49")
+    assert told(shape, law=stiff, **falls) == told(shape, law=SOIL, **falls) == []
