@@ -47,21 +47,26 @@ def measure(problems, store):
     for problem in problems:
         began = process_time()
         kept["records"] += ladder(problem, METHODS, problem.sizes)
-        found, taichi = peer_ladder(problem, python) if problem.peer and python else ([], "")
-        kept["records"] += found
-        kept["origins"][problem.name] = origin(taichi)
+        if problem.peer and python:
+            found, kept["taichi"] = peer_ladder(problem, python)
+            kept["records"] += found
+        kept["origins"][problem.name] = origin(kept.get("taichi"))
         store.write_text(json.dumps(kept, indent=1))
         print(f"pareto: {problem.name}, {process_time() - began:.0f} s", flush=True)
 
 
 def report(kept, problems):
-    """Write pareto.csv, the tables, the pictures and the page."""
+    """Write pareto.csv; if all problems are there the tables, the pictures and the page, too."""
     records = kept["records"]
     keys = list(dict.fromkeys(key for record in records for key in record))
     with (OUT / "pareto.csv").open("w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, keys)
         writer.writeheader()
         writer.writerows(records)
+    if len(problems) < len(PROBLEMS):
+        print(f"{fronts(records, problems)}\n\n{prices(records, problems)}")
+        print("pareto: not all problems are there; the page stays as it is")
+        return
     said = dict.fromkeys(kept["origins"][problem.name] for problem in problems)
     flat, solid = ([p for p in problems if p.D == D] for D in (2, 3))
     tables = {
@@ -71,8 +76,8 @@ def report(kept, problems):
     }
     for name, text in tables.items():
         (PAGES / "tables" / f"pareto-{name}.md").write_text(text + "\n", encoding="utf-8")
-    draw("error-against-cost", flat, records, 3)
-    draw("error-against-cost-3d", solid, records, 3)
+    draw("error-against-cost", flat, records)
+    draw("error-against-cost-3d", solid, records)
     subprocess.run([sys.executable, str(PAGES)], check=True)
 
 

@@ -19,7 +19,7 @@ CASES = Path(__file__).resolve().parents[2] / "cases"
 class Vortex(Problem):
     """The ring of cases/vortex.yaml at a quarter of its period, turned by up to 0.15 radians."""
 
-    sizes, quick, across = (8, 16, 32), 4, "across the ring"
+    sizes, quick = (8, 16, 32), 4
     amplitude, end = 0.15, 0.5
     poisson = 0.3
 
@@ -58,7 +58,7 @@ class Impact(Problem):
     the cubic polynomials: the rebound, and the vibrations that have taken the rest of the energy.
     """
 
-    sizes, quick, across = (8, 16, 32, 64), 4, "across the disk"
+    sizes, quick = (8, 16, 32, 64), 4
     walls = (("y-min", "separating"),)
     poisson = 0.3
     speed, gap, end = 0.05, 0.05, 8.0
@@ -113,13 +113,12 @@ class Hertz(Problem):
     """
 
     sizes, quick, peer = (11, 22, 33), 11, False
-    across, target = "in the radius, nearly", 0.05
     half_width, top = 10.75e-3, 59.05e3
     held = 0.065  # from then on
 
     def __init__(self):
         super().__init__("Hertz's contact", 2, (0.0,))
-        self.name, self.forces = "hertz-2d", []
+        self.name, self.target, self.forces = "hertz-2d", 0.05, []
 
     def case(self, method, n):
         """The case."""

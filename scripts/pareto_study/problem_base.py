@@ -19,7 +19,7 @@ PLACES = (0.0, 0.3)
 
 
 class Problem(ABC):
-    """A problem with a reference that no method of this study has made.
+    """A problem with a reference.
 
     Attributes
     ----------
@@ -31,8 +31,6 @@ class Problem(ABC):
         Cells across the length that it is resolved by, coarsest first.
     quick : int
         Cells of a run that only shows that it works.
-    across : str
-        The length that has those cells.
     target : float
         Error whose price is asked for.
     peer : bool
@@ -44,8 +42,7 @@ class Problem(ABC):
     D: int
     sizes: tuple[int, ...]
     quick: int
-    across: str
-    target: float = 0.01
+    target: float
     peer: bool = True
     #: Walls and their kinds, in the words of the case.
     walls: tuple[tuple[str, str], ...] = ()
@@ -55,6 +52,7 @@ class Problem(ABC):
         """Of a kind, in D dimensions; `off` is the present place on the grid."""
         self.name, self.title, self.D = f"{kind}-{D}d", f"{kind}, {D}D", D
         self.places, self.off = places, places[-1]
+        self.target = 0.01 if D == 2 else 0.1
 
     @abstractmethod
     def case(self, method, n):

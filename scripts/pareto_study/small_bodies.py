@@ -24,13 +24,12 @@ class Waves(Problem):
     v_x = A cos(2 pi x) cos(2 pi t), exact for small amplitudes.
     """
 
-    walls, across = WALLS, "in a wavelength"
+    walls = WALLS
     amplitude, periods = 1e-4, 2.0
 
     def __init__(self, D):
         super().__init__("waves", D)
         self.sizes, self.quick = ((16, 32, 64) if D == 2 else (8, 16, 24)), 8
-        self.target = 0.01 if D == 2 else 0.1
 
     def case(self, method, n):
         """The case."""
@@ -58,13 +57,12 @@ class Bending(Problem):
     The mode is that of quadratic finite elements; its tip moves by a twentieth of the height.
     """
 
-    walls, across = WALLS, "over the height"
+    walls = WALLS
     amplitude = 0.05
 
     def __init__(self, D):
         super().__init__("bending", D)
         self.sizes, self.quick = ((6, 12, 20) if D == 2 else (3, 5)), 2
-        self.target = 0.01 if D == 2 else 0.1
 
     def case(self, method, n):
         """The case."""
@@ -93,13 +91,12 @@ class Spinning(Problem):
     mean for the half side R (Ritz), slows it by 2 a.
     """
 
-    walls, across = WALLS, "across the block"
+    walls = WALLS
     speed = 0.02
 
     def __init__(self, D):
         super().__init__("spinning", D)
         self.sizes, self.quick = ((6, 12, 18) if D == 2 else (4, 6)), 2
-        self.target = 0.01 if D == 2 else 0.1
         self.rate = self.speed / 0.5
         self.axis = np.array([0.0, 0.0, 1.0] if D == 2 else [1.0, 2.0, 3.0])
         self.axis /= hypot(*self.axis)
