@@ -1,6 +1,5 @@
 """Which runs are on the front, and what an error costs with a method."""
 
-from itertools import pairwise
 from math import exp, log
 
 
@@ -19,7 +18,7 @@ def front(records):
 
 
 def price(ladder, target):
-    """Seconds for an error with one method, between two of its runs; None if it is not reached.
+    """Seconds for an error with one method that finer cells do not exceed; None without.
 
     Between runs the logarithms are taken as linear; what the coarsest one beats costs its time.
 
@@ -28,11 +27,13 @@ def price(ladder, target):
     ladder : list of dict
         Its runs, coarsest first.
     """
-    known = [record for record in ladder if usable(record)]
-    if known and known[0]["error"] <= target:
-        return known[0]["seconds"]
-    for coarse, fine in pairwise(known):
-        if fine["error"] <= target < coarse["error"]:
-            part = log(coarse["error"] / target) / log(coarse["error"] / fine["error"])
-            return exp(log(coarse["seconds"]) + part * log(fine["seconds"] / coarse["seconds"]))
-    return None
+    good = len(ladder)
+    while good and usable(ladder[good - 1]) and ladder[good - 1]["error"] <= target:
+        good -= 1
+    if good == len(ladder):
+        return None
+    fine, coarse = ladder[good], ladder[good - 1] if good else None
+    if coarse is None or not usable(coarse):
+        return fine["seconds"]
+    part = log(coarse["error"] / target) / log(coarse["error"] / fine["error"])
+    return exp(log(coarse["seconds"]) + part * log(fine["seconds"] / coarse["seconds"]))

@@ -59,7 +59,10 @@ def _panel(axis, problem, records):
         points = [r["seconds"] for r in ladder], [r["error"] for r in ladder]
         axis.loglog(*points, zorder=3 if label.startswith(PEER) else 2, **_look(label))
     axis.axhline(problem.target, color="#909090", lw=0.8, ls=":", zorder=1)
-    costs = {label: price(ladder, problem.target) for label, ladder in ladders.items()}
+    costs = {
+        label: price([r for r in records if r["method"] == label], problem.target)
+        for label in ladders
+    }
     least = min((label for label, cost in costs.items() if cost), key=costs.get, default=None)
     axis.set_title(problem.title, fontsize=10)
     if least:

@@ -35,6 +35,8 @@ class Problem(ABC):
         Error whose price is asked for.
     peer : bool
         Whether MLS-MPM on one grid can do it.
+    initial : bool
+        Whether its error is known in the initial configuration.
     """
 
     name: str
@@ -44,6 +46,7 @@ class Problem(ABC):
     quick: int
     target: float
     peer: bool = True
+    initial: bool = True
     #: Walls and their kinds, in the words of the case.
     walls: tuple[tuple[str, str], ...] = ()
     poisson = 0.0

@@ -50,6 +50,9 @@ def test_front_and_price():
     assert price(steps, 0.2) == pytest.approx(4.0)
     assert price(steps, 0.5) == 1.0
     assert price(steps, 0.05) is None
+    by_chance = [{"seconds": 0.5, "error": 0.05}, *steps]
+    assert price(by_chance, 0.2) == pytest.approx(4.0)
+    assert price([*steps, {"seconds": 64.0, "error": None}], 0.2) is None
 
 
 def test_every_method_has_a_name_of_its_own():
