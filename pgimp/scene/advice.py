@@ -87,8 +87,9 @@ def _wide(case: Any, bodies: Sequence[BodyFacts]) -> Iterator[str]:
     ]
     if moving and case.method.shape in _WIDE:
         yield (
-            f"method.shape: {case.method.shape}: {_listed(moving)}: elastic, and moves: gimp has "
-            "the same error in waves, impact and shear for a tenth to a half of the time"
+            f"method.shape: {case.method.shape}: {_listed(moving)}: elastic, and moves: boxes "
+            "(finite-gimp) have the same error in waves, impact and shear in a tenth to half the "
+            "time"
         )
 
 
