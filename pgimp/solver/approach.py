@@ -72,7 +72,7 @@ class Approach:
 
     def __init__(self, scene: Scene, comm: Any, pairs: Pairs, walls: SeparatingWalls) -> None:
         self.scene, self.comm, self.pairs, self.walls = scene, comm, pairs, walls
-        self.near = np.empty(0, np.int64)
+        self.near = self._room = np.empty(0, np.int64)
         self.any = False
         self.call = Bound()
         self._pause = 0
@@ -178,11 +178,19 @@ class Approach:
 
     def _select(self, population: Population, groups: np.ndarray) -> None:
         """Find the particles in the regions where something may be met; collective."""
-        order, near = population.order, np.empty(len(population.order), np.int64)
+        order = population.order
+        if len(self._room) < len(order):
+            self._room = np.empty(len(order), np.int64)
         found = self.call(
-            find_near, self.scene.frame, population.particles, order, groups, self._regions, near
+            find_near,
+            self.scene.frame,
+            population.particles,
+            order,
+            groups,
+            self._regions,
+            self._room,
         )
-        self.near = near[:found]
+        self.near = self._room[:found]
         self.any = bool(sum(self.comm.allgather(found)))
 
 
