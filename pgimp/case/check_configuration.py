@@ -55,12 +55,6 @@ def check_configuration(
                 f"'{bodies[name].material}' flows, and keeps no deformation; the initial "
                 "configuration is for solids: take current",
             )
-    if method.volumetric == "mean" and len(method.particles_per_cell) > 1 and not current:
-        yield Problem(
-            ("method", "volumetric"),
-            f"mean is for the current configuration, and '{first}' is in the initial one; take "
-            "pointwise, or configuration: current",
-        )
     for face, entry in boundaries.items():
         if (entry.approaches or entry.releases) and not hasattr(entry, "friction"):
             yield Problem(

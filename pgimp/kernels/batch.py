@@ -32,18 +32,18 @@ def _arms_of(w, f, cell):
     return lambda w, f, cell: (-w[0] * f * cell, *_arms(w[1:], f - 1.0, cell))
 
 
-def _keep(buffer, at, V):
+def keep_vectors(buffer, at, V):
     """Store vectors in a buffer, one after the other."""
 
 
-@specialise(_keep)
+@specialise(keep_vectors)
 def _keep_all(buffer, at, V):
     if len(V) == 1:
         return lambda buffer, at, V: store(buffer, at, vector(V[0]))
 
     def keep(buffer, at, V):
         store(buffer, at, vector(V[0]))
-        _keep(buffer, at + 4, V[1:])
+        keep_vectors(buffer, at + 4, V[1:])
 
     return keep
 
@@ -60,10 +60,10 @@ def _along_direction(shape, frame, buffer, arms, d, half, x, vertex):
         f = (x - frame.origin[d]) * frame.inverse[d] - (vertex - frame.ghost)
         w, g = weights(shape, half, f)
         at = d * _DIRECTION
-        _keep(buffer, at, w)
-        _keep(buffer, at + _QUANTITY, scaled(frame.inverse[d], g))
+        keep_vectors(buffer, at, w)
+        keep_vectors(buffer, at + _QUANTITY, scaled(frame.inverse[d], g))
         if armed:
-            _keep(buffer, at + 2 * _QUANTITY, _arms(w, f, frame.cell[d]))
+            keep_vectors(buffer, at + 2 * _QUANTITY, _arms(w, f, frame.cell[d]))
 
     return along
 
@@ -118,8 +118,8 @@ def keep_support(buffer, d, w, g):
 @specialise(keep_support)
 def _keep_support(buffer, d, w, g):
     def keep(buffer, d, w, g):
-        _keep(buffer, d * _DIRECTION, w)
-        _keep(buffer, d * _DIRECTION + _QUANTITY, g)
+        keep_vectors(buffer, d * _DIRECTION, w)
+        keep_vectors(buffer, d * _DIRECTION + _QUANTITY, g)
 
     return keep
 

@@ -35,6 +35,7 @@ class VolumeSums(NamedTuple):
     affine: tuple[()] = ()
     walls: tuple[()] = ()
     mean: tuple[()] = ()
+    around: tuple[()] = ()
     gradient: Any = ()
 
 
@@ -125,7 +126,7 @@ def _contribution(loads, frame, particles, p, forces, j):
         def initial(loads, frame, particles, p, forces, j):
             m = particles.m[p]
             v = scaled(m, read(particles.v, p, 0, frame.origin))
-            return _mass_and_momentum(m, v), kept_force(forces, j, frame.origin)
+            return _mass_and_momentum(m, v), kept_force(forces, 0, j, frame.origin)
 
         return initial
     if D == 1:

@@ -4,6 +4,7 @@ from pgimp.jit.algebra import determinant
 from pgimp.jit.kernel import kernel
 from pgimp.jit.simd import lane, stack, vector
 from pgimp.kernels.affine import keep_gradients
+from pgimp.kernels.around import deform, keep_around, take_around
 from pgimp.kernels.batch import SUPPORT_SIZE, supports
 from pgimp.kernels.concepts import Batch
 from pgimp.kernels.fours import LANES, four, put, put_row, take
@@ -14,7 +15,6 @@ from pgimp.kernels.own import with_own
 from pgimp.kernels.speed import grid_speed
 from pgimp.kernels.together import take_from_grid
 from pgimp.kernels.updates.checks import check, limits_of
-from pgimp.kernels.updates.deformation import update_deformation, velocity_gradients
 from pgimp.kernels.updates.stress import keep_state, margins, update_stress
 from pgimp.kernels.updates.velocity import update_position, update_velocity
 from pgimp.kernels.viscosity import update_viscous_pressure
@@ -69,6 +69,7 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
     limits = limits_of(setting, forcing, inverse)
     fastest = vector(0.0)
     buffer = stack(SUPPORT_SIZE)
+    weights = stack(SUPPORT_SIZE)
     sums = stack(SUMS)
     for layer in layers:
         number = layer + window.lower[0]
@@ -80,6 +81,7 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
             batch = Batch(rows, count, k, layer, number)
             supports(shape, frame, window, particles, rows, number, buffer, ())
             keep_means(loads.mean, shape, frame, buffer)
+            keep_around(loads.around, shape, frame, buffer, weights)
             u, a, grad, codes = take_from_grid(  # (30)
                 (shape, frame), field, loads.mean, batch, buffer, sums
             )
@@ -90,9 +92,11 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
             grad = with_means(  # the cells' rates of dilatation
                 loads.mean, frame, particles, rows, buffer, sums, count, grad
             )
-            L = velocity_gradients(frame, particles, batch, grad)
+            cells = take_around(
+                loads.around, (shape, frame), field, batch, buffer, weights, sums
+            )  # fmt: skip
             m = materials_of(setting.material_of, particles.body, rows)
-            F = update_deformation(setting, forcing, particles, batch, m, grad)  # (29)
+            L, F = deform(cells, setting, forcing, particles, batch, m, grad)  # (29)
             J = determinant(F)
             own = with_own(setting, particles, rows)
             sigma, state = update_stress(own, forcing, particles, rows, m, F, J, L)

@@ -3,6 +3,7 @@
 from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import stack
 from pgimp.kernels.affine import affine_momentum
+from pgimp.kernels.around import keep_around, scatter_around
 from pgimp.kernels.batch import SUPPORT_SIZE, first_place
 from pgimp.kernels.contribution import contribution
 from pgimp.kernels.cutboxes import summed_supports
@@ -47,11 +48,13 @@ def _sum_layer(setting, field, particles, loads, rows, span, number):
         high = 0
         buffer = stack(SUPPORT_SIZE)
         forces = stack(PIOLA_SIZE)
+        weights = stack(SUPPORT_SIZE)
         for k in range(begin, end, LANES):
             batch = four(rows, k, end)
             summed_supports(loads, shape, frame, window, particles, batch, number, buffer)
             keep_means(loads.mean, shape, frame, buffer)
-            keep_forces(loads.viscosity, frame, particles, batch, forces)
+            keep_around(loads.around, shape, frame, buffer, weights)
+            keep_forces(loads, frame, particles, batch, forces)
             for j in range(min(LANES, end - k)):
                 p = rows[k + j]
                 place = first_place(buffer, j)
@@ -61,6 +64,10 @@ def _sum_layer(setting, field, particles, loads, rows, span, number):
                 M = mean_force(loads, frame, particles, p)
                 share = Share(A, B, S, C, M)
                 scatter(shape, scratch, Support(buffer, j), place, window.stride, share)
+                scatter_around(
+                    loads.around, (shape, frame), scratch, Support(weights, j), place,
+                    window.stride, forces,
+                )  # fmt: skip
                 low = min(low, place)
                 high = max(high, place)
         scatter_loads(loads, setting, field, particles, rows, span, number)

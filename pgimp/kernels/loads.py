@@ -34,6 +34,8 @@ class Loads(NamedTuple):
         For each direction the walls across it that need clearances; () if none does.
     mean : float or ()
         A number where cells have one dilatation each, see `pgimp.kernels.mean`.
+    around : float or ()
+        Likewise for bodies in the initial configuration, see `pgimp.kernels.around`.
     """
 
     viscosity: Any = ()
@@ -43,6 +45,7 @@ class Loads(NamedTuple):
     affine: Any = ()
     walls: Any = ()
     mean: Any = ()
+    around: Any = ()
 
     def summed(self) -> Self:
         """The loads that sums of particles need, to compile kernels once for all others."""

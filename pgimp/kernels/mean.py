@@ -34,7 +34,7 @@ on, in the forces as in the deformation.
 from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import load, number, pack, store, vector, where
 from pgimp.jit.simdrows import transpose
-from pgimp.kernels.batch import MEANS, entry, four_entries
+from pgimp.kernels.batch import MEANS, entry, four_entries, keep_vectors
 from pgimp.kernels.fours import put_row, take, take_row
 from pgimp.kernels.gathered import gathered_mass
 from pgimp.kernels.viscosity import trace, viscous_pressure
@@ -102,25 +102,35 @@ def _along_directions(shape, buffer, d, cell):
     if len(cell) == 0:
         return lambda shape, buffer, d, cell: None
 
-    def along3(shape, buffer, d, cell):
-        half = 0.5 * cell[0]
-        at = MEANS + 16 * d
-        store(buffer, at, -half * four_entries(buffer, d, 1, 0))
-        store(buffer, at + 4, vector(0.5))
-        store(buffer, at + 8, half * four_entries(buffer, d, 1, 2))
+    def along(shape, buffer, d, cell):
+        keep_vectors(buffer, MEANS + 16 * d, means_of_parts(shape, buffer, d, cell[0]))
         _along(shape, buffer, d + 1, cell[1:])
 
-    def along4(shape, buffer, d, cell):
-        half = 0.5 * cell[0]
-        at = MEANS + 16 * d
+    return along
+
+
+def means_of_parts(shape, buffer, d, cell):
+    """The weights a of four particles along direction `d`, a tuple of Vec4."""
+
+
+@specialise(means_of_parts)
+def _means_of_parts(shape, buffer, d, cell):
+    def three(shape, buffer, d, cell):
+        half = 0.5 * cell
+        return (
+            -half * four_entries(buffer, d, 1, 0), vector(0.5),
+            half * four_entries(buffer, d, 1, 2),
+        )  # fmt: skip
+
+    def four(shape, buffer, d, cell):
+        half = 0.5 * cell
         g0, g3 = four_entries(buffer, d, 1, 0), four_entries(buffer, d, 1, 3)
-        store(buffer, at, -half * g0)
-        store(buffer, at + 4, -half * (2.0 * g0 + four_entries(buffer, d, 1, 1)))
-        store(buffer, at + 8, half * (2.0 * g3 + four_entries(buffer, d, 1, 2)))
-        store(buffer, at + 12, half * g3)
-        _along(shape, buffer, d + 1, cell[1:])
+        return (
+            -half * g0, -half * (2.0 * g0 + four_entries(buffer, d, 1, 1)),
+            half * (2.0 * g3 + four_entries(buffer, d, 1, 2)), half * g3,
+        )  # fmt: skip
 
-    return {3: along3, 4: along4}[shape.instance_class.vertices()]
+    return {3: three, 4: four}[shape.instance_class.vertices()]
 
 
 def factor(mean, buffer, d, i, j):

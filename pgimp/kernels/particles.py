@@ -33,6 +33,8 @@ class Carried(NamedTuple):
         Whether they have the parts that surfaces cut off, for contact.
     mean : bool
         Whether they have how alone they are, for mean dilatation.
+    around : bool
+        Whether they have that of their cells, for the same in the initial configuration.
     own : int
         Number of parameters of its material that vary.
     """
@@ -46,6 +48,7 @@ class Carried(NamedTuple):
     state: int = 0
     surfaces: bool = False
     mean: bool = False
+    around: bool = False
     own: int = 0
 
 
@@ -165,6 +168,21 @@ class Particles(NamedTuple):
         Column(
             "part of its rate of dilatation that is not the cells', where it is alone in them", "1",
             lambda c: int(c.mean), least=0.0,
+        ),
+    ]  # fmt: skip
+    around: Annotated[
+        FloatArray,
+        Column(
+            "deformation gradient of the cells in which it lies, row by row, with mean dilatation "
+            "in the initial configuration", "1",
+            lambda c: c.dimensions**2 if c.around else 0, initial=1.0,
+        ),
+    ]  # fmt: skip
+    ratio: Annotated[
+        FloatArray,
+        Column(
+            "F over the deformation gradient at its place, likewise", "1",
+            lambda c: int(c.around), above=0.0, initial=1.0,
         ),
     ]  # fmt: skip
     own: Annotated[

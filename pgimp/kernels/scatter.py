@@ -17,7 +17,7 @@ class Share(NamedTuple):
 
     Attributes
     ----------
-    A : Vec4
+    A : Vec4 or ()
         Mass and momentum, of which a vertex gets the part S_vp; see `contribution`.
     B : Vec4 or ()
         Force of which it gets that part, see `weight`.
@@ -37,14 +37,28 @@ class Share(NamedTuple):
 
 
 def _sloped(w, A, e, C):
-    """The vector w A + e C_0, w A where C is ()."""
+    """The vector w A + e C_0, w A where C is (), () where A is."""
 
 
 @specialise(_sloped)
 def _sloped_by(w, A, e, C):
+    if hasattr(A, "count"):
+        return lambda w, A, e, C: ()
     if len(C) == 0:
         return lambda w, A, e, C: w * A
     return lambda w, A, e, C: w * A + e * C[0]
+
+
+def _add(G, place, w, A, e, C):
+    """Add w A + e C_0 to the vector at `place`; nothing where A is ()."""
+
+
+@specialise(_add)
+def _add_to(G, place, w, A, e, C):
+    def add(G, place, w, A, e, C):
+        store(G, place, load(G, place) + _sloped(w, A, e, C))
+
+    return (lambda G, place, w, A, e, C: None) if hasattr(A, "count") else add
 
 
 def _force(w, B, g, S):
@@ -66,7 +80,7 @@ def _scatter_line(G, place, step, w, g, e, f, share):
 def _scatter_vertices(G, place, step, w, g, e, f, share):
     def vertex(G, place, step, w, g, e, f, share):
         A, B, S, C, M = share
-        store(G, place, load(G, place) + _sloped(w[0], A, e[0], C))
+        _add(G, place, w[0], A, e[0], C)
         more = plus_factored(f[0], M, _force(w[0], B, g[0], S[0]))
         store(G, place + 4, load(G, place + 4) + more)
 
@@ -75,7 +89,7 @@ def _scatter_vertices(G, place, step, w, g, e, f, share):
 
     def vertices(G, place, step, w, g, e, f, share):
         A, B, S, C, M = share
-        store(G, place, load(G, place) + _sloped(w[0], A, e[0], C))
+        _add(G, place, w[0], A, e[0], C)
         more = plus_factored(f[0], M, _force(w[0], B, g[0], S[0]))
         store(G, place + 4, load(G, place + 4) + more)
         _scatter_line(G, place + step, step, w[1:], g[1:], e[1:], f[1:], share)

@@ -58,8 +58,10 @@ def _take_from_grid(places, field, mean, batch, buffer, sums):
             return _take_separately(places, field, mean, batch, buffer, sums)
         (shape, frame), window = places, field.window
         place = batch.layer * window.stride[0] + first_place(buffer, 0)
-        u, a, D, held = _gather_shared(shape, field.G, buffer, place, window.stride, frame.origin)
-        return u, a, _row_major(D), held
+        u, a, D, held = gather_shared(
+            shape, field.G, buffer, place, window.stride, frame.origin, frame.origin
+        )
+        return u, a, row_major(D), held
 
     if is_initial(places[1]):
         return where_shared
@@ -91,11 +93,11 @@ def _take_one_by_one(places, field, mean, batch, buffer, sums):
     return one_by_one
 
 
-def _row_major(D):
+def row_major(D):
     """Gradients, row-major, from the derivatives of a vector along each direction."""
 
 
-@specialise(_row_major)
+@specialise(row_major)
 def _row_major_of(D):
     one = lambda D: D[0]  # noqa: E731
     two = lambda D: (D[0][0], D[1][0], D[0][1], D[1][1])  # noqa: E731
@@ -252,16 +254,19 @@ def _all_reached_of(shape, buffer, d, like):
     )  # fmt: skip
 
 
-def _gather_shared(shape, G, buffer, place, stride, like):
-    """Sums of velocities, accelerations, derivatives along each direction, and codes."""
+def gather_shared(shape, G, buffer, place, stride, directions, like):
+    """Sums of velocities, accelerations, derivatives along each direction, and codes.
+
+    Of as many numbers of a record as `like` has, for a scene of as many `directions`.
+    """
 
 
-@specialise(_gather_shared)
-def _gather_shared_of(shape, G, buffer, place, stride, like):
+@specialise(gather_shared)
+def _gather_shared_of(shape, G, buffer, place, stride, directions, like):
     most = (0.0,) * shape.instance_class.vertices()
 
-    def gather_shared(shape, G, buffer, place, stride, like):
-        counts = _all_reached(shape, buffer, 0, like)
+    def gather_shared(shape, G, buffer, place, stride, directions, like):
+        counts = _all_reached(shape, buffer, 0, directions)
         return _lines(G, buffer, 0, place, counts, stride, like, most)
 
     return gather_shared

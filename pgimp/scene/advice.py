@@ -50,7 +50,7 @@ def _configuration(case: Any, bodies: Sequence[BodyFacts]) -> list[str]:
         return []
     if case.escape or nearness.meet(case) or _hit(case):
         return []
-    if case.method.volumetric == "mean" or "contact" in case.output.grid:
+    if "contact" in case.output.grid:
         return []
     moved = [
         body.name

@@ -71,6 +71,7 @@ class SceneLoads:
         self.affine: Any = 1.0 if case.method.affine else ()
         volumetric = case.method.volumetric if case.dimensions > 1 else "pointwise"  # in 1D alike
         self.mean: Any = 1.0 if volumetric == "mean" else ()
+        self.begun = [body.configuration == "initial" for body in case.bodies.values()]
         self.force, self.walls = force, walls
         self.tractions = list(case.tractions.values())
         self.constraints = list(case.constraints.values())
@@ -92,6 +93,7 @@ class SceneLoads:
             "affine": bool(self.affine),
             "viscous": bool(self.viscosity),
             "mean": bool(self.mean),
+            "around": bool(self.mean) and any(self.begun),
             "tractions": len(self.tractions),
             "constraints": bool(self.constraints),
         }
@@ -112,8 +114,9 @@ class SceneLoads:
             for i, entry in enumerate(self.tractions)
         )
         force = BodyForce(self.force, t) if self.force else ()
+        mean, around = ((), self.mean) if all(self.begun) else (self.mean, ())
         return Loads(
-            self.viscosity, tractions, force, self.relaxation, self.affine, self.walls, self.mean
+            self.viscosity, tractions, force, self.relaxation, self.affine, self.walls, mean, around
         )  # fmt: skip
 
     def _constraints_at(self, start: float, end: float) -> tuple:

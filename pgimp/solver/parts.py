@@ -45,7 +45,7 @@ class Part(NamedTuple):
 
     def loaded(self, loads: Loads) -> Loads:
         """The loads that these particles feel."""
-        return loads._replace(mean=()) if self.begun else loads
+        return loads._replace(mean=(), around=loads.mean) if self.begun else loads
 
     def forced(self, forcing: Forcing) -> Forcing:
         """The forcing that these particles feel."""

@@ -188,8 +188,7 @@ def initial(rng, scene):
     ] or default  # fmt: skip
     if laws and len(case["bodies"]) > 1:
         case["contact"] = laws
-    for part in ("volume", "volumetric"):
-        case["method"].pop(part, None)
+    case["method"].pop("volume", None)
     for face, kind in case["boundaries"].items():
         if not meets and (kind == "separating" or "separating" in kind):
             case["boundaries"][face] = "slip"

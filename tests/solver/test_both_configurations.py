@@ -53,7 +53,6 @@ def test_bodies_that_do_not_meet_have_the_bits_they_have_alone(D, shape, affine,
         del alone["contact"]
         if name == "flies":
             alone["constraints"], alone["tractions"] = {}, {}
-            alone["method"] = {k: v for k, v in case["method"].items() if k != "volumetric"}
         sim = finish(start(alone))
         mine = field(together, "body") == list(case["bodies"]).index(name)
         n[name] = int(mine.sum())

@@ -9,6 +9,10 @@ from reference_materials import STRESS, matrix, tensor, voigt
 from scenes import BAR, SOFT, box, field, finish, scene, start, wall
 
 from pgimp.errors import RunError
+from pgimp.kernels.around import LEAST
+from pgimp.kernels.record import FORCE, RECORD
+from pgimp.solver.parts import parts_of
+from pgimp.solver.step import sum_particles
 
 SEED = 41
 STIFF = {"model": "hooke", "young": 300.0, "poisson": 0.25, "density": 2.0}
@@ -22,11 +26,25 @@ class Lagrangian(Reference):
     """The method on the grid of the start: weights of the first places of undeformed particles.
 
     f = -sum V0 P grad0 S with P = J s F^-T, and F grows by dt sum v (x) grad0 S (de Vaucorbeil,
-    Nguyen and Hutchinson 2020).
+    Nguyen and Hutchinson 2020). With mean dilatation as in `pgimp.kernels.around`.
     """
 
     def weights_of(self, p, k):
         return self.of(p.origin[k], np.eye(self.D).ravel())
+
+    def dilatations_of(self, p, k):
+        return self.dilatation_of(p.origin[k], np.eye(self.D).ravel())
+
+    def company(self, p, k):
+        """Mean of the vertices' masses over a particle's cells, of a full one's."""
+        half = self.half
+        near = np.ones(())
+        for d, along in enumerate(self.vertices):
+            low = np.maximum(along[:-1], p.origin[k, d] - half[d])
+            high = np.minimum(along[1:], p.origin[k, d] + half[d])
+            part = np.maximum(high - low, 0.0) / (2.0 * half[d])
+            near = np.multiply.outer(near, 0.5 * (np.append(part, 0.0) + np.append(0.0, part)))
+        return (near * self.m).sum() * p.V0[k] / (p.m[k] * np.prod(self.frame.cell))
 
     def particles_to_grid(self, p, affine=False):
         D = self.D
@@ -36,8 +54,15 @@ class Lagrangian(Reference):
         for k in range(len(p.m)):
             S, grad = self.weights_of(p, k)
             F = matrix(p.F[k])
+            sigma = tensor(p.sigma[k])
+            if p.around.shape[1]:
+                mean = (1.0 - p.alone[k, 0]) * np.trace(sigma[:D, :D]) / D
+                G = matrix(p.around[k])
+                P = np.linalg.det(G) * mean * np.linalg.inv(G).T
+                self.f -= p.V0[k] * self.dilatations_of(p, k) @ P[:D, :D].T
+                sigma = p.ratio[k, 0] * (sigma - mean * np.eye(3))
             J = np.linalg.det(F) if D > 1 else F[0, 0]
-            P = J * tensor(p.sigma[k]) @ np.linalg.inv(F).T
+            P = J * sigma @ np.linalg.inv(F).T
             v = p.v[k] + ((x - p.origin[k]) @ p.L[k].reshape(D, D).T if affine else 0.0)
             self.m += p.m[k] * S
             self.p += p.m[k] * S[..., None] * v
@@ -53,8 +78,20 @@ class Lagrangian(Reference):
             p.x[k] += dt * np.tensordot(S, self.v, D)
             p.v[k] += dt * np.tensordot(S, self.a, D)
             F = matrix(p.F[k])
-            L = rate @ np.linalg.inv(F)
-            F = F + dt * rate
+            if p.around.shape[1]:
+                F[:D, :D] /= p.ratio[k]
+                p.alone[k] = self.company(p, k) < LEAST**D
+                cells = np.tensordot(np.moveaxis(self.v, -1, 0), self.dilatations_of(p, k), D)
+                p.around[k] += dt * cells.ravel()
+                G = np.linalg.det(matrix(p.around[k]))
+                new = F + dt * rate
+                p.ratio[k] = 1.0 if p.alone[k, 0] else (G / np.linalg.det(new)) ** (1 / D)
+                new[:D, :D] *= p.ratio[k]
+                L = (new @ np.linalg.inv(matrix(p.F[k])) - np.eye(3)) / dt
+                F = new
+            else:
+                L = rate @ np.linalg.inv(F)
+                F = F + dt * rate
             p.F[k] = F[:D, :D].ravel()
             J = np.linalg.det(F)
             p.V[k] = J * p.V0[k]
@@ -78,6 +115,10 @@ def disturbed(case):
     p.sigma[rows] = rng.normal(size=p.sigma[rows].shape)
     p.F[rows] += 0.25 * rng.uniform(-1.0, 1.0, p.F[rows].shape)
     p.x[rows] += rng.normal(size=p.x[rows].shape) + (100.0 if sim.scene.bounds[0][1] > 1e9 else 0.0)
+    if p.around.shape[1]:
+        p.around[rows] += 0.25 * rng.uniform(-1.0, 1.0, p.around[rows].shape)
+        p.ratio[rows] = rng.uniform(0.9, 1.1, p.ratio[rows].shape)
+        p.alone[rows] = rng.integers(0, 2, p.alone[rows].shape)
     if p.L.shape[1]:
         p.L[rows] = rng.normal(size=p.L[rows].shape)
     return sim
@@ -103,6 +144,10 @@ def space(**parts):
                  **parts)  # fmt: skip
 
 
+def mean(case):
+    return case | {"method": case["method"] | {"volumetric": "mean"}}
+
+
 def line(**parts):
     return scene(1, initial(box([1.3], [5.2])), cells=[7], step=0.004, end=0.4, **parts)
 
@@ -110,6 +155,8 @@ def line(**parts):
 CASES = {
     "gimp": plane(gravity=[0.4, -0.7]),
     "affine": plane() | {"method": {"shape": "gimp", "particles_per_cell": [2, 2], "affine": True}},
+    "mean": mean(plane(gravity=[0.4, -0.7])),
+    "mean in 3D": mean(space()),
     "finite-gimp": space(gravity=[0.1, 0.2, -0.3]),
     "cpdi": line(shape="cpdi", boundaries={"x-min": "slip"}),
     "fuzzy-nearest": line(shape="fuzzy-nearest", wall="ghost", per_cell=3),
@@ -137,13 +184,65 @@ def test_a_step_is_that_of_the_equations(name):
     sim.diagnostics()  # what reactions count from
     sim.advance()
     # Rounding of sums of up to a hundred terms of size 1, of stresses of size 1e3.
-    for column in ("x", "v", "F", "V", "sigma", "L"):
+    for column in ("x", "v", "F", "V", "sigma", "L", "around", "ratio", "alone"):
         mine, theirs = getattr(sim.particles, column)[rows], getattr(p, column)
         np.testing.assert_allclose(mine, theirs, rtol=1e-11, atol=1e-11, err_msg=column)
     reactions = sim.diagnostics()
     for face, impulse in zip(scene.faces, grid.impulse, strict=True):
         found = [reactions[f"reaction.{face.name}-{a}"] for a in "xyz"[: scene.dimension]]
         np.testing.assert_allclose(found, impulse / 0.004, rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.parametrize("D", [2, 3])
+def test_forces_with_mean_dilatation_have_a_potential(D):
+    """-f is the slope of the strain energy over the vertices' displacements, of any of them."""
+    bodies = {
+        "body": initial(box([1.2, 0.8, 1.0][:D], [3.1, 3.0, 2.4][:D])),
+        "crumb": initial(box([4.25] * D, [4.75] * D)),
+    }
+    shape = {2: "gimp", 3: "finite-gimp"}[D]  # as in tests before, which saves compiling
+    case = mean(scene(D, bodies, cells=[5] * D, shape=shape))
+    sim = start(case)
+    sim.advance()  # so that it is known who is alone
+    p, rows, frame = sim.particles, sim.live(), sim.scene.frame
+    assert 0 < p.alone[rows].sum() < len(rows)
+    grid = Lagrangian(shape, [2] * D, frame)
+    slopes = [(grid.weights_of(p, k)[1], grid.dilatations_of(p, k)) for k in rows]
+    (soft,) = sim.scene.materials
+    rng = np.random.default_rng(SEED)
+
+    def deformed(u):
+        """Energy of the displacements u of the vertices; the particles are deformed by them."""
+        total = 0.0
+        for k, each in zip(rows, slopes, strict=True):
+            F, G = (
+                np.eye(D) + np.tensordot(np.moveaxis(u, -1, 0), slope, D) for slope in each
+            )  # fmt: skip
+            ratio = (np.linalg.det(G) / np.linalg.det(F)) ** (1.0 / D)
+            p.around[k], p.ratio[k] = G.ravel(), 1.0 if p.alone[k, 0] else ratio
+            p.F[k] = (p.ratio[k, 0] * F).ravel()
+            full = matrix(p.F[k])
+            J = np.linalg.det(full)
+            stress = STRESS["NeoHookeanParameters"](soft, full, None, None)
+            p.sigma[k] = voigt(stress, p.sigma.shape[1])
+            change = 0.5 * soft.mu * (np.trace(full @ full.T) - 3.0) - soft.mu * np.log(J)
+            total += p.V0[k] * (change + 0.5 * soft.lam * np.log(J) ** 2)
+        return total
+
+    u = 0.15 * rng.uniform(-1.0, 1.0, (*grid.shape, D))
+    deformed(u)
+    parts = parts_of(sim.scene, sim.population)
+    sum_particles(sim.rank, parts, sim.scene.loads.at(0.0), False)
+    window, G = sim.rank.grid.window, sim.rank.grid.G.reshape(*sim.rank.grid.window.extent, RECORD)
+    G[sim.rank.grid.active == 0] = 0.0
+    cut = tuple(slice(a, a + n) for a, n in zip(window.lower, window.extent, strict=True))[:D]
+    f = G[..., FORCE : FORCE + D].reshape(*G.shape[:D], D)
+    for _ in range(5):
+        way = rng.normal(size=u.shape)
+        slope = (deformed(u + 1e-5 * way) - deformed(u - 1e-5 * way)) / 2e-5
+        along = way[cut]
+        found = -(f[tuple(map(slice, along.shape))] * along).sum()
+        assert found == pytest.approx(slope, rel=1e-7)  # of the step's square, and of rounding
 
 
 def test_translation_at_any_speed_is_free_and_exact():

@@ -505,7 +505,7 @@ def initial():
     """In the initial configuration: held, dragged, loaded and turning bodies fly out of the grid.
 
     Courant control; a rotor far across the slabs, two cut bodies that share vertices, and a frame
-    of the grid between steps.
+    of the grid between steps. Volumes are means over cells.
     """
     held = {"body": "bar", "region": {"box": {"min": [0.0, 1.0], "max": [1.0, 3.0]}}}
     disk = {"ball": {"centre": [8.3, 5.6], "radius": 1.4}}
@@ -534,7 +534,7 @@ def initial():
             "tip": {"body": "rotor", "at": [15.5, 5.5]},
             "gate": {"place": [15.0, 6.0], "every": {"steps": 3}},
         },
-    )
+    ) | {"method": {"shape": "finite-gimp", "particles_per_cell": [2, 2], "volumetric": "mean"}}
 
 
 def initial_contact():

@@ -66,7 +66,7 @@ def _update_deformation(setting, forcing, particles, batch, numbers, L):
 
     def isotropic(setting, forcing, particles, batch, numbers, L):
         F = deformations(setting.frame, particles, batch.rows)
-        return _diagonal(F[0] * _side(determinant(one_plus(forcing.dt, L)), L), L)
+        return _diagonal(F[0] * side(determinant(one_plus(forcing.dt, L)), L), L)
 
     def each_its_own(setting, forcing, particles, batch, numbers, L):
         F = deformations(setting.frame, particles, batch.rows)
@@ -74,7 +74,7 @@ def _update_deformation(setting, forcing, particles, batch, numbers, L):
         kinds = pack(
             flows[numbers[0]], flows[numbers[1]], flows[numbers[2]], flows[numbers[3]]
         )  # fmt: skip
-        volume = _diagonal(F[0] * _side(determinant(grown), L), L)
+        volume = _diagonal(F[0] * side(determinant(grown), L), L)
         return where_all(kinds > 0.0, volume, multiply(grown, F))
 
     if is_initial(setting.types[setting.fields.index("frame")]):
@@ -84,11 +84,11 @@ def _update_deformation(setting, forcing, particles, batch, numbers, L):
     return isotropic if all(flows) else each_its_own
 
 
-def _side(volume, L):
+def side(volume, L):
     """Side of a cube of a volume, in as many directions as `L` has."""
 
 
-@specialise(_side)
+@specialise(side)
 def _side_of(volume, L):
     if len(L) == 1:
         return lambda volume, L: volume

@@ -37,7 +37,7 @@ class Shape(Model):
         description="rate of volume change that particles see: pointwise, the divergence of the "
         "grid's velocity at their place; mean, that of the cells in which their boxes lie, each "
         "cell having one: nearly incompressible and plastic materials then do not lock. For boxes "
-        "(gimp, finite-gimp, cpdi); in 1D it makes no difference",
+        "(gimp, finite-gimp, cpdi), in either configuration; in 1D it makes no difference",
     )
 
     #: Vertices a direction in a support.
