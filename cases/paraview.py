@@ -75,6 +75,7 @@ LABELS = 65  # pixels, of the axes in 2D
 FILLED = 0.8  # of the width; the rest is for the bar of colours
 BELOW, LEFT_AND_BELOW = 2, 3  # of the bits of a grid's axes
 INK = [0.15, 0.15, 0.15]
+NOTHING = [0.8, 0.8, 0.8]
 
 
 class Wrong(Exception):
@@ -190,6 +191,7 @@ def show(
     words = label.replace("von-mises", "von Mises stress").replace("-", " ").replace(".", " ")
     title = _with_unit(words, units.get(KINDS.get(name)))
     _colour(display, view, title, name, component, low, high, palette)
+    _outline(os.path.join(directory, "rigid.xdmf"), view)
     _aim(view, camera, bounds, size, flat, units.get("L"))
     _time(reader, view, units.get("T", ""))
     scene = Scene(source, display, view, label, times)
@@ -337,6 +339,7 @@ def _colour(display, view, title, name, component, low, high, palette):
     table.VectorComponent = max(component, 0)
     table.RescaleTransferFunction(low, high)
     table.AutomaticRescaleRangeMode = "Never"
+    table.NanColor = NOTHING  # of particles whose material has no such field
     display.SetScalarBarVisibility(view, True)
     bar = simple.GetScalarBar(table, view)
     bar.Title = title
@@ -347,6 +350,17 @@ def _colour(display, view, title, name, component, low, high, palette):
     number = "%.6g" if "%" in bar.RangeLabelFormat else "{:.6g}"  # ParaView 6 has the latter
     bar.RangeLabelFormat = number
     bar.Orientation, bar.Position, bar.ScalarBarLength = "Vertical", [0.83, 0.2], 0.6
+
+
+def _outline(path, view):
+    """Show rigid bodies as outlines, in 3D as nets, where the run has any."""
+    if not os.path.exists(path):
+        return
+    display = simple.Show(simple.XDMFReader(FileNames=[path]), view)
+    display.SetRepresentationType("Wireframe")
+    simple.ColorBy(display, None)
+    display.AmbientColor = display.DiffuseColor = INK
+    display.LineWidth = 2.0
 
 
 def _aim(view, camera, bounds, size, flat, length):

@@ -9,7 +9,7 @@ from typing import Any
 from pgimp.physics.boundaries.slip import Slip
 from pgimp.physics.fields import OPTIONAL
 from pgimp.physics.loads import BODY_FORCES
-from pgimp.physics.materials.vary import field_of
+from pgimp.physics.materials.vary import PREFIX, field_of
 from pgimp.schema.messages import unknown
 from pgimp.schema.problems import Problem
 from pgimp.schema.registries import name_of
@@ -102,7 +102,10 @@ def check_fields(
     for i, name in enumerate(output.fields):
         if name not in OPTIONAL and name not in states:
             known = [*OPTIONAL, *sorted(states)]
-            yield Problem(("output", "fields", i), unknown("field", name, known))
+            text = f"no material of the case has it; there are: {', '.join(sorted(known))}"
+            if name.startswith(PREFIX):
+                text = unknown("field", name, known)
+            yield Problem(("output", "fields", i), text)
 
 
 def check_body_force(dimensions: int, body_force: Any) -> Problems:

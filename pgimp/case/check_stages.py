@@ -100,7 +100,8 @@ def check_by_itself(stage: Stage, before: Case, names: set[str]) -> Problems:
     for section in (*BY_KEY, *BY_ENTRY):
         for name, entry in getattr(stage, section).items():
             if entry is None and name not in getattr(before, section) and section != "escape":
-                yield Problem((section, name), "there is none to end: nothing has this name before")
+                text = unknown("name", name, getattr(before, section), "there are")
+                yield Problem((section, name), f"there is none to end: {text}")
 
 
 def check_changes(before: Case, now: Case, stage: Stage) -> Problems:

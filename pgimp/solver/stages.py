@@ -16,7 +16,7 @@ from pgimp.errors import CaseError, RunError
 from pgimp.kernels.concepts import Order
 from pgimp.kernels.ledger import Ledger
 from pgimp.kernels.particles import Particles
-from pgimp.kernels.sums import STRAIN
+from pgimp.kernels.sums import STRAIN, SUMS
 from pgimp.scene.facts import rest_rate
 from pgimp.scene.geometry import take_as_empty
 from pgimp.scene.scene import Scene
@@ -61,8 +61,13 @@ def enter(sim: Any) -> None:
         records.removed = records.removed_so_far(old) + taken
     if new.case.materials != old.case.materials:
         order = rank.population.ordered
-        strain = [sums_of_bodies(rank, scene, order)[:, STRAIN].sum() for scene in (old, new)]
-        records.changed += float(strain[1] - strain[0])
+        had, has = (sums_of_bodies(rank, scene, order).sum(axis=0) for scene in (old, new))
+        records.changed += float(has[STRAIN] - had[STRAIN])
+        # What a material tells of its past from its state, as von Mises' plastic work, must not
+        # follow the new parameters: the difference is kept with what is gone.
+        removed = records.removed_so_far(old).copy()
+        removed[SUMS:] += had[SUMS:] - has[SUMS:]
+        records.removed = removed
     particles = _carried(rank, old, new)
     if records.last:
         time, *parts = records.last

@@ -33,7 +33,8 @@ class Totals(NamedTuple):
     escaped : (columns,) float64
         Those of the particles that were removed since the start, when they were.
     removed : (columns,) float64
-        Those of bodies that stages have removed, at that time.
+        Those of bodies that stages have removed, at that time; its losses also have by how much
+        those of all particles fell as materials got new parameters.
     changed : float
         Strain energy added by new parameters of materials as stages began.
     first_energy : float

@@ -159,6 +159,7 @@ EXACT = {"vibrating-bar": {"amplitude": 0.01}}
         ({"constraints": {"old": None}}, "constraints.old", "there is none to end"),
         ({"constraints": {"hold": {"velocity": [0, 0]}}}, "constraints.hold.body", "missing"),
         ({"boundaries": {"x-mid": "slip"}}, "boundaries.x-mid", "unknown face 'x-mid'"),
+        ({"boundaries": {"x-mn": None}}, "boundaries.x-mn", "did you mean 'x-min'?"),
         ({"escape": {"x-min": "remove"}}, "escape.x-min", "has a condition"),
         ({"gravity": [1.0]}, "gravity", "expected 2 entries"),
         ({"method": {"affine": True}}, "method.affine", "only relaxation can"),

@@ -202,6 +202,12 @@ def test_python_example_runs(folder):
     assert len(errors) == 3 and errors == sorted(errors, reverse=True)  # finer is better
 
 
+def test_ground_at_rest_stays_at_rest(folder):
+    program = block_of("import numpy as np\n\nimport pgimp\n\nground")
+    done = run([sys.executable, "-c", program], cwd=folder, env=ENVIRONMENT)
+    assert done.returncode == 0, done.stderr
+
+
 def test_material_of_ones_own_is_printed_as_it_is():
     """But for its docstrings, `cases/fluid.py`."""
 

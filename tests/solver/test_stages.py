@@ -67,6 +67,20 @@ def test_other_parameters_bring_energy_that_the_history_tells():
     assert after["dissipated-energy"] == pytest.approx(before["dissipated-energy"], abs=1e-14)
 
 
+def test_work_done_before_a_stage_is_not_that_of_its_parameters():
+    """Of a bar that has yielded, whose yield stress falls to a quarter of what it was."""
+    metal = {"soft": {"model": "von-mises", "young": E, "poisson": 0.0, "density": 1.0}}
+    metal["soft"]["yield-stress"] = 0.4
+    weaker = {"end": 1.5, "materials": {"soft": {"yield-stress": 0.1}}}
+    sim, before = entered(bar(weaker, materials=metal))
+    after = sim.diagnostics()
+    assert before["plastic-work"] > 1e-3
+    assert after["plastic-work"] == pytest.approx(before["plastic-work"], rel=1e-12)
+    finish(sim)
+    end = sim.diagnostics()
+    assert before["plastic-work"] < end["plastic-work"] <= end["dissipated-energy"]
+
+
 def test_constraints_keep_their_way_and_new_ones_hold_what_is_there_now():
     grip = {"grip": PULLED | {"velocity": [1.0]}}
     catch = {"catch": {"body": "waits", "region": {"box": {"min": [11.9], "max": [14.0]}}}}

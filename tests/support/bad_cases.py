@@ -136,6 +136,7 @@ MISTAKES = [
     ("[0.55]", "[0.5, 2.0]", "29: output.at.1", "2 is after the end at 1"),
     ("[0.55]", "[-0.5]", "29: output.at.0", "must be at least 0, got -0.5"),
     ("[stress]", "[stres]", "29: output.fields.0", "unknown field 'stres'; did you mean 'stress'?"),
+    ("[stress]", "[damage]", "29: output.fields.0", "no material of the case has it; there are: "),
     ("[stress]", "[temperature]", "29: output.fields.0", "displacement, mass, pressure, rank"),
     ("[stress]", "[stress, stress]", "29: output.fields.1", "stress is in the list already"),
     ("[stress]}", "[stress], precision: float16}", "29: output.precision", "did you mean 'float"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from pgimp.tools.element.paths import legs, path_of
 
 #: Columns beside which exact ones stand have these before their names.
 EXACT = "exact-"
+_COMPONENT = re.compile("-[xyz][xyz]$")
 
 
 def curve(
@@ -131,7 +133,7 @@ def text(table: dict[str, Array]) -> str:
 
 
 def draw(table: dict[str, Array], name: str, title: str) -> Any:
-    """Return a figure of the path's stress and of the material's state."""
+    """Return a figure of the path's stress and of the material's state, first of all scalars."""
     from matplotlib.figure import Figure
 
     from pgimp.tools.plot.style import COLOURS, plain
@@ -140,7 +142,8 @@ def draw(table: dict[str, Array], name: str, title: str) -> Any:
     known = {"value", "time", "det-F", "pressure", "q"}
     states = [c for c in table if c not in known and not c.startswith((EXACT, "stress-"))]
     states = [c for c in states if np.ptp(table[c])]
-    shown = [path.component, *states[:3]]
+    states = [c for c in states if not _COMPONENT.search(c)] or states[:3]
+    shown = [path.component, *states[:5]]
     figure = Figure(figsize=(5.2 * min(len(shown), 2), 3.6 * ((len(shown) + 1) // 2)))
     for number, column in enumerate(shown):
         axes = figure.add_subplot((len(shown) + 1) // 2, min(len(shown), 2), number + 1)
@@ -150,6 +153,7 @@ def draw(table: dict[str, Array], name: str, title: str) -> Any:
                 table["value"], table[EXACT + column], "--", color=COLOURS[1], label="exact"
             )
             axes.legend()
+        axes.locator_params(axis="x", nbins=6)
         axes.set_xlabel(plain(path.meaning.partition(";")[0].partition(",")[0]))
         axes.set_ylabel(plain(column))
     figure.suptitle(plain(title))

@@ -20,7 +20,7 @@ from pgimp.tools.plot.units import kind_of_column
 Array = np.ndarray
 
 _ALWAYS = ("kinetic-energy", "strain-energy")
-_IF_ANY = r"external-work|error(\..*)?"
+_IF_ANY = r"(external|plastic|viscous)-work|error(\..*)?"
 _FORCE = re.compile(r"((?:reaction|constraint)\..*|tool\..*\.force)-[xyz]")
 _OF_A_PROBE = r"(displacement|velocity)-[xyz]|pressure|von-mises"
 _PATTERN = re.compile(r"[*?\[]")

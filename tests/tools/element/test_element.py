@@ -11,6 +11,7 @@ import pgimp
 from pgimp.commands import element
 from pgimp.errors import UsageError
 from pgimp.physics.materials.base import lame
+from pgimp.tools.element.table import curve, draw
 
 LAM, MU = lame(SOFT["young"], SOFT["poisson"])
 
@@ -69,6 +70,23 @@ def test_a_picture_is_drawn(case, tmp_path):
     picture = tmp_path / "path.png"
     assert call(case, "--path", "isotropic", "--to=-0.1", "-o", str(picture)) == 0
     assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    ("entry", "shown"),
+    [
+        ({"model": "mohr-coulomb", "cohesion": 1.0, "friction-angle": 0.0},
+         ["q", "plastic-shear", "plastic-work"]),
+        ({"model": "johnson-cook", "a": 1.0, "specific-heat": 1.0, "temperature": 0.0,
+          "melting": 9.0, "damage": {"d1": 5.0}},
+         ["q", "plastic-strain", "temperature", "plastic-work", "damage"]),
+    ],
+)  # fmt: skip
+def test_the_picture_has_every_scalar_that_changes(case, entry, shown):
+    soft = {"young": 100.0, "poisson": 0.3, "density": 1.0} | entry
+    material = pgimp.load(str(case), {"materials.soft": soft}).materials["soft"]
+    figure = draw(curve(material, "undrained", [-0.1], 20), "undrained", "soft")
+    assert [axes.get_ylabel().replace(" ", "-") for axes in figure.axes] == shown
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from plotted import history, numbers, table
+from scenes import SOFT, box, scene
 
+import pgimp
+from pgimp.mpi.comm import Serial
 from pgimp.tools.plot.runs import open_runs
 from pgimp.tools.plot.style import log_ticks
 
@@ -36,6 +39,18 @@ def test_history_columns_by_default_and_by_pattern(plot, tmp_path):
     assert plot("plates.out", "--columns", "body.*.centre-?", "--x", "step", "-o", "b.csv")[0] == 0
     centres = [f"body.{body}.centre-{axis}" for body in ("low", "high") for axis in "xy"]
     assert list(table(tmp_path / "b.csv")) == ["run", "step", *centres]
+
+
+def test_plastic_work_is_among_the_energies_by_default(plot, tmp_path):
+    metal = {"soft": SOFT | {"model": "von-mises", "yield-stress": 1.0}}
+    case = scene(
+        1, box([0.0], [5.0], [-1.0]), materials=metal, boundaries={"x-min": "fixed"},
+        history={"every": {"steps": 10}},
+    )  # fmt: skip
+    run = pgimp.run(case, Serial(), tmp_path / "flows.out", quiet=True)
+    assert run.history["plastic-work"][-1] > 0.0
+    assert plot("flows.out", "--csv", "a.csv")[0] == 0
+    assert "plastic-work" in table(tmp_path / "a.csv")
 
 
 def drawn_and_files(runs, plot, tmp_path, *words):
