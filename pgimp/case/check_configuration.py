@@ -61,6 +61,12 @@ def check_configuration(
             f"mean is for the current configuration, and '{first}' is in the initial one; take "
             "pointwise, or configuration: current",
         )
+    if current and not method.separable:
+        yield Problem(
+            ("method", "shape"),
+            f"{method.shape} is for bodies of one configuration, but '{first}' is initial and "
+            f"'{current[0]}' current: take cpdi",
+        )
     for face, entry in boundaries.items():
         if (entry.approaches or entry.releases) and not hasattr(entry, "friction"):
             yield Problem(
