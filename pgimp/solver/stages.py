@@ -16,7 +16,7 @@ from pgimp.errors import CaseError, RunError
 from pgimp.kernels.concepts import Order
 from pgimp.kernels.ledger import Ledger
 from pgimp.kernels.particles import Particles
-from pgimp.kernels.sums import STRAIN
+from pgimp.kernels.sums import STRAIN, SUMS
 from pgimp.scene.facts import rest_rate
 from pgimp.scene.geometry import take_as_empty
 from pgimp.scene.scene import Scene
@@ -61,8 +61,9 @@ def enter(sim: Any) -> None:
         records.removed = records.removed_so_far(old) + taken
     if new.case.materials != old.case.materials:
         order = rank.population.ordered
-        strain = [sums_of_bodies(rank, scene, order)[:, STRAIN].sum() for scene in (old, new)]
-        records.changed += float(strain[1] - strain[0])
+        before, after = (sums_of_bodies(rank, scene, order).sum(axis=0) for scene in (old, new))
+        records.changed += float(after[STRAIN] - before[STRAIN])
+        records.told[: new.sums - SUMS] += after[SUMS:] - before[SUMS:]
     particles = _carried(rank, old, new)
     if records.last:
         time, *parts = records.last
