@@ -89,7 +89,7 @@ class JohnsonCookDamageParameters(NamedTuple):
         stretched = max(ln, 0.0)
         stored = 0.25 / k.shear * contract(s, s) + 0.5 * k.bulk * stretched * stretched
         freed = choose(state[3] < 1.0, 1.0 - sound, 0.0) * stored
-        warm = state[1] + k.share * k.heating * work
+        warm = state[1] + k.share * k.heating * (work + freed)
         now = (state[0] + x, warm, state[2] + work + freed, damage)
         return isotropic(r * sound, s, held), now
 
