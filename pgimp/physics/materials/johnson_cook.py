@@ -178,7 +178,8 @@ class JohnsonCook(Material):
         alias="specific-heat", description="c [energy/(mass temperature)]"
     )
     temperature: Number = Field(
-        description="T0, at the start, and where T* is 0 [temperature]"
+        description="T0, at the start, and where T* is 0; absolute with `eos`, which heats what is "
+        "compressed in proportion to it [temperature]"
     )
     melting: Number = Field(description="Tm, where it has no strength left [temperature]")
     taylor_quinney: Number = Field(
@@ -195,6 +196,12 @@ class JohnsonCook(Material):
         if self.melting <= self.temperature:
             text = f"expected more than the temperature at the start, {self.temperature:.15g}"
             raise_problems("johnson-cook", [Problem(("melting",), text)])
+        if self.eos is not None and self.temperature < 0.0:
+            text = (
+                f"{self.temperature:.15g} is no absolute temperature: with an equation of state "
+                "compression heats in proportion to it; take kelvin, for melting too"
+            )
+            raise_problems("johnson-cook", [Problem(("temperature",), text)])
         return self
 
     @property

@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from one_material import text_of
+from one_material import case_of, text_of
 from reference_materials import tensor
 
 import pgimp
@@ -150,6 +150,13 @@ WRONG = {
     "eos: {mie-gruneisen: {c0: 3933.0, s: 1.5}}": "gamma: missing",
     "eos: {gruneisen: {c0: 3933.0}}": "unknown key",
 }
+
+
+def test_compression_that_heats_needs_an_absolute_temperature():
+    case = pgimp.load(case_of(COPPER | {"temperature": -20.0}))
+    assert case.materials["law"].temperature == -20.0
+    with pytest.raises(CaseError, match=r"temperature: -20 is no absolute temperature: with an eq"):
+        pgimp.load(case_of(COPPER | GRUNEISEN | {"temperature": -20.0}))
 
 
 @pytest.mark.parametrize("line", WRONG)
