@@ -153,7 +153,7 @@ class JohnsonCook(Material):
         PLASTIC_STRAIN,
         State("temperature", "temperature", "temperature", initial=0.0),
         State("plastic-work", "energy/volume", "plastic work per initial volume"),
-        State("damage", "1", "damage; at 1 it has failed and bears pressure only"),
+        State("damage", "1", "damage; at 1 it has failed and bears pressure only", least=0.0),
         State("internal-energy", "energy/mass", "internal energy e"),
     )
     SPELLINGS: ClassVar[dict[str, str]] = {
