@@ -140,7 +140,8 @@ class Diagnostics:
         total[MASS] = every
         if self.first_energy is None:
             self.first_energy = float(total[KINETIC] + total[STRAIN])
-            self.told[: len(total) - SUMS] = total[SUMS:]
+            if not done.number:
+                self.told[: len(total) - SUMS] = total[SUMS:]
         escaped, added, most = np.zeros(scene.sums), np.zeros(ERRORS), np.zeros(ERRORS)
         if scene.escapes:
             escaped = np.add.reduce(np.concatenate([part[4] for part in parts]), axis=(0, 1))
