@@ -55,6 +55,12 @@ def check_configuration(
                 f"'{bodies[name].material}' flows, and keeps no deformation; the initial "
                 "configuration is for solids: take current",
             )
+    if current and not method.separable:
+        yield Problem(
+            ("method", "shape"),
+            f"{method.shape} is for bodies of one configuration, but '{first}' is initial and "
+            f"'{current[0]}' current: take cpdi",
+        )
     for face, entry in boundaries.items():
         if (entry.approaches or entry.releases) and not hasattr(entry, "friction"):
             yield Problem(

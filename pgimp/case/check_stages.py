@@ -149,12 +149,17 @@ def _material(path: Path, before: Any, now: Any, dimensions: int) -> Problems:
         )
     if now.VOLUME_ONLY != before.VOLUME_ONLY or now.states != before.states:
         had, has = ({state.name for state in each.states} for each in (before, now))
-        news = ", ".join(sorted(has - had)) or "what they remember"
-        yield Problem(
-            path,
-            f"its particles would remember other quantities ({news}) than so far; let the case "
-            "itself have the part of the model that needs them, if small",
-        )
+        if news := ", ".join(sorted(has - had)):
+            text = (
+                f"its particles would remember other quantities ({news}) than so far; let the case "
+                "itself have the part of the model that needs them, if small"
+            )
+        else:
+            text = (
+                f"its particles would remember {', '.join(sorted(had - has))} no more; let the "
+                "part of the model that needs it stay, if small"
+            )
+        yield Problem(path, text)
         return
     given = [
         key

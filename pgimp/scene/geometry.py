@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -190,6 +191,15 @@ def _read_points(case: Case, comm: Any) -> None:
                     "start: it would be gone in the first step; give deviators, stresses less "
                     "their mean"
                 )
+            for state in material.states:
+                if state.least == -inf or state.name not in found.states:
+                    continue
+                if first := points.below(state.name, state.least):
+                    particle, value = first
+                    raise CaseError(
+                        f"bodies.{name}.region: {particle}, has a {state.name} of {value:.6g}, but "
+                        f"that of '{material.model}' is {state.least:g} or more: {state.meaning}"
+                    )
             least, most = found.least * material.density, found.volume * material.density
             if not (least > LEAST and most < MOST):
                 raise CaseError(

@@ -7,7 +7,8 @@ import numpy as np
 
 from pgimp.kernels.errors import ERRORS, layer_errors
 from pgimp.kernels.ledger import BOOKED, IMPULSE, TOOL_IMPULSE, TOOL_MOMENT, TOOLED
-from pgimp.kernels.sums import HIGH, KINETIC, LOW, MASS, STRAIN, exact_masses, layer_sums
+from pgimp.kernels.sums import HIGH, KINETIC, LOW, MASS, STRAIN, SUMS, exact_masses, layer_sums
+from pgimp.physics.materials.base import LOSSES
 from pgimp.solver.clock import START, Step
 from pgimp.solver.columns import line_of
 from pgimp.solver.rank import Rank
@@ -78,12 +79,12 @@ def column_names(scene: Any) -> list[str]:
     tools = np.zeros((len(scene.tools), TOOLED))
     force = np.zeros((faces + len(scene.loads.constraints) + len(contact) + 2 * len(tools), 3))
     bodies, none = np.zeros((len(scene.body_names), scene.sums)), np.zeros(scene.sums)
-    errors = np.zeros(ERRORS)
+    errors, told = np.zeros(ERRORS), np.zeros(len(LOSSES))
     return list(
         line_of(
             Totals(
-                scene, START, bodies, none, none, none, 0.0, 0.0, 0.0, force, np.zeros(faces),
-                contact, tools, {}, errors, errors,
+                scene, START, bodies, none, none, none, 0.0, told, 0.0, 0.0, force,
+                np.zeros(faces), contact, tools, {}, errors, errors,
             )
         )
     )
@@ -100,6 +101,7 @@ class Diagnostics:
         #: Of stages, see `Totals`; of use on rank 0.
         self.removed: np.ndarray | None = None
         self.changed = 0.0
+        self.told = np.zeros(len(LOSSES))
 
     def removed_so_far(self, scene: Any) -> np.ndarray:
         """Sums of the bodies that stages have removed."""
@@ -138,6 +140,8 @@ class Diagnostics:
         total[MASS] = every
         if self.first_energy is None:
             self.first_energy = float(total[KINETIC] + total[STRAIN])
+            if not done.number:
+                self.told[: len(total) - SUMS] = total[SUMS:]
         escaped, added, most = np.zeros(scene.sums), np.zeros(ERRORS), np.zeros(ERRORS)
         if scene.escapes:
             escaped = np.add.reduce(np.concatenate([part[4] for part in parts]), axis=(0, 1))
@@ -152,7 +156,7 @@ class Diagnostics:
         return line_of(
             Totals(
                 scene, done, bodies, total, escaped, self.removed_so_far(scene), self.changed,
-                self.first_energy, work, force, outside_mass, contact, tools,
+                self.told, self.first_energy, work, force, outside_mass, contact, tools,
                 rank.free.now if rank.free else {}, added, most,
             )
         )  # fmt: skip

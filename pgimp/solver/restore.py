@@ -140,6 +140,7 @@ def read_books(rank: Rank, source: Any, state: State, records: Diagnostics) -> N
     records.most_outside = (state.beyond, state.beyond_time, state.beyond_face)
     records.removed = None if state.removed is None else np.array(state.removed)
     records.changed = state.changed
+    records.told[:] = state.told
     if state.last_line is not None:
         none = np.zeros((0, 3))
         last = (found.get("last-impulse", none), found.get("last-force", none))

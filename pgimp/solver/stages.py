@@ -61,13 +61,9 @@ def enter(sim: Any) -> None:
         records.removed = records.removed_so_far(old) + taken
     if new.case.materials != old.case.materials:
         order = rank.population.ordered
-        had, has = (sums_of_bodies(rank, scene, order).sum(axis=0) for scene in (old, new))
-        records.changed += float(has[STRAIN] - had[STRAIN])
-        # What a material tells of its past from its state, as von Mises' plastic work, must not
-        # follow the new parameters: the difference is kept with what is gone.
-        removed = records.removed_so_far(old).copy()
-        removed[SUMS:] += had[SUMS:] - has[SUMS:]
-        records.removed = removed
+        before, after = (sums_of_bodies(rank, scene, order).sum(axis=0) for scene in (old, new))
+        records.changed += float(after[STRAIN] - before[STRAIN])
+        records.told[: new.sums - SUMS] += after[SUMS:] - before[SUMS:]
     particles = _carried(rank, old, new)
     if records.last:
         time, *parts = records.last

@@ -11,6 +11,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from pgimp.errors import DamagedError
+from pgimp.physics.materials.base import LOSSES
 from pgimp.solver.clock import Step
 from pgimp.solver.diagnostics import Diagnostics
 from pgimp.solver.rank import Rank
@@ -43,6 +44,9 @@ class State(BaseModel):
     counted: int = Field(ge=0, le=2**53, default=0)
     removed: list[float] | None = Field(default=None, max_length=100)
     changed: float = 0.0
+    told: list[float] = Field(
+        default=[0.0] * len(LOSSES), min_length=len(LOSSES), max_length=len(LOSSES)
+    )
 
     @classmethod
     def of(cls, source: Any) -> Self:
@@ -161,6 +165,7 @@ def capture(
         counted=counted,
         removed=None if records.removed is None else records.removed.tolist(),
         changed=records.changed,
+        told=records.told.tolist(),
     )
     whole = {"layers": np.concatenate([part[0] for part in parts]).astype(np.int64)}
     for i, name in enumerate(own.datasets()):

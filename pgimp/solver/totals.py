@@ -33,10 +33,12 @@ class Totals(NamedTuple):
     escaped : (columns,) float64
         Those of the particles that were removed since the start, when they were.
     removed : (columns,) float64
-        Those of bodies that stages have removed, at that time; its losses also have by how much
-        those of all particles fell as materials got new parameters.
+        Those of bodies that stages have removed, at that time.
     changed : float
         Strain energy added by new parameters of materials as stages began.
+    told : (LOSSES,) float64
+        Losses that particles tell and that are not of this run: with which they started, and that
+        new parameters make of what they remember.
     first_energy : float
         Kinetic and strain energy at the start.
     work : float
@@ -63,6 +65,7 @@ class Totals(NamedTuple):
     escaped: np.ndarray
     removed: np.ndarray
     changed: float
+    told: np.ndarray
     first_energy: float
     work: float
     force: np.ndarray
@@ -88,9 +91,11 @@ class Totals(NamedTuple):
         return tuple(moment[i] if i in axes else None for i in range(3))
 
     def lost(self, name: str) -> float:
-        """Return one of `LOSSES` of all particles, including those that are gone."""
-        column = SUMS + LOSSES.index(name)
-        return self.total[column] + self.escaped[column] + self.removed[column]
+        """Return one of `LOSSES` of all particles since the start, also of those that are gone."""
+        number = LOSSES.index(name)
+        column = SUMS + number
+        there = self.total[column] + self.escaped[column] + self.removed[column]
+        return there - self.told[number]
 
     def contact_force(self, k: int) -> np.ndarray | tuple[()]:
         """Return the force of an entry of contact, nothing where it is for more than two bodies."""

@@ -211,6 +211,7 @@ def test_what_particles_have_from_the_start_only_cannot_change():
     for model, change, text in (
         (clay, {"preconsolidation": 3.0}, "preconsolidation: cannot change in a stage"),
         (metal, {"kinematic": 1.0}, r"would remember other quantities \(back-stress\)"),
+        (metal | {"kinematic": 1.0}, {"kinematic": 0.0}, "would remember back-stress no more"),
     ):
         materials = {"soil": model, "soft": SOFT}
         pgimp.load(staged(stage(), materials=materials))

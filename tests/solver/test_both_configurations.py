@@ -163,3 +163,11 @@ def test_what_cannot_be_in_one_case_is_said():
         start(case)
     case["contact"] = [{"bodies": "all"}]
     start(case)
+
+
+def test_parallelograms_of_both_configurations_are_refused():
+    case = disks("initial", "current")
+    case["method"]["shape"] = "cpdi-corners"
+    with pytest.raises(ValidationError, match="is for bodies of one configuration, but"):
+        start(case)
+    start(disks("current", "current") | {"method": case["method"]})

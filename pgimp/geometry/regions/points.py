@@ -178,6 +178,15 @@ class Points(Model, Region):
                     return self._named(block, int(rows[0])), float(means[rows[0]])
         return None
 
+    def below(self, state: str, least: float) -> tuple[str, float] | None:
+        """Name the first particle with less of a state, and what it has; the file is read again."""
+        for block in self._blocks():
+            values = block.states[state][:, 0]
+            rows = np.flatnonzero(values < least)
+            if len(rows):
+                return self._named(block, int(rows[0])), float(values[rows[0]])
+        return None
+
     def _named(self, block: Block, row: int) -> str:
         """Name a particle by its place, and by its row in the file."""
         x = ", ".join(f"{value:.6g}" for value in block.position[row])

@@ -2,6 +2,7 @@
 
 import re
 from inspect import getattr_static
+from math import inf
 from typing import Annotated, Any, ClassVar, NamedTuple
 
 from pydantic import Field
@@ -47,6 +48,8 @@ class State(NamedTuple):
         Its value at the start, or the name of a number among the material's parameters.
     tensor : bool
         Whether it is a symmetric tensor, with the components of a stress, or one number.
+    least : float
+        The least that a file of particles may give, of one number.
     """
 
     name: str
@@ -54,6 +57,7 @@ class State(NamedTuple):
     meaning: str
     initial: float | str = 0.0
     tensor: bool = False
+    least: float = -inf
 
     def width(self, dimensions: int) -> int:
         """Numbers that it takes."""

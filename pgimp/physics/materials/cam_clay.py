@@ -146,7 +146,8 @@ class CamClay(Material):
     SPELLINGS: ClassVar[dict[str, str]] = {"void_ratio": "void-ratio"}
     STATE: ClassVar[tuple[State, ...]] = (
         State(
-            "preconsolidation", "stress", "preconsolidation pressure p_c", initial="consolidated"
+            "preconsolidation", "stress", "preconsolidation pressure p_c", initial="consolidated",
+            least=0.0,
         ),
         State("plastic-compaction", "1", "plastic volume strain, compaction positive"),
         PLASTIC_WORK,

@@ -59,7 +59,10 @@ class IdealGas(Material):
     VOLUME_ONLY = True
     TAKES_VISCOUS_PRESSURE = True
     STATE: ClassVar[tuple[State, ...]] = (
-        State("internal-energy", "energy/mass", "internal energy e", initial="energy_at_start"),
+        State(
+            "internal-energy", "energy/mass", "internal energy e", initial="energy_at_start",
+            least=0.0,
+        ),
     )
 
     model: Literal["ideal-gas"] = Field(description="name of the model")

@@ -89,7 +89,7 @@ class JohnsonCookDamageParameters(NamedTuple):
         stretched = max(ln, 0.0)
         stored = 0.25 / k.shear * contract(s, s) + 0.5 * k.bulk * stretched * stretched
         freed = choose(state[3] < 1.0, 1.0 - sound, 0.0) * stored
-        warm = state[1] + k.share * k.heating * work
+        warm = state[1] + k.share * k.heating * (work + freed)
         now = (state[0] + x, warm, state[2] + work + freed, damage)
         return isotropic(r * sound, s, held), now
 
@@ -153,7 +153,7 @@ class JohnsonCook(Material):
         PLASTIC_STRAIN,
         State("temperature", "temperature", "temperature", initial=0.0),
         State("plastic-work", "energy/volume", "plastic work per initial volume"),
-        State("damage", "1", "damage; at 1 it has failed and bears pressure only"),
+        State("damage", "1", "damage; at 1 it has failed and bears pressure only", least=0.0),
         State("internal-energy", "energy/mass", "internal energy e"),
     )
     SPELLINGS: ClassVar[dict[str, str]] = {
@@ -178,7 +178,8 @@ class JohnsonCook(Material):
         alias="specific-heat", description="c [energy/(mass temperature)]"
     )
     temperature: Number = Field(
-        description="T0, at the start, and where T* is 0 [temperature]"
+        description="T0, at the start, and where T* is 0; absolute with `eos`, which heats what is "
+        "compressed in proportion to it [temperature]"
     )
     melting: Number = Field(description="Tm, where it has no strength left [temperature]")
     taylor_quinney: Number = Field(
@@ -195,6 +196,12 @@ class JohnsonCook(Material):
         if self.melting <= self.temperature:
             text = f"expected more than the temperature at the start, {self.temperature:.15g}"
             raise_problems("johnson-cook", [Problem(("melting",), text)])
+        if self.eos is not None and self.temperature < 0.0:
+            text = (
+                f"{self.temperature:.15g} is no absolute temperature: with an equation of state "
+                "compression heats in proportion to it; take kelvin, for melting too"
+            )
+            raise_problems("johnson-cook", [Problem(("temperature",), text)])
         return self
 
     @property

@@ -92,17 +92,22 @@ class JohnsonCookShockDamageParameters(NamedTuple):
 
     @staticmethod
     def stress(material, F, J, sigma, L, dt, q, state):
-        """Radial return, pressure, then failure, after which no tension is borne."""
+        """Radial return, pressure, then failure, after which no tension is borne nor does work.
+
+        What failure sets free becomes heat as plastic work does.
+        """
         k = material.strength
         s, left, x, work, hot = plastic_step(k, J, sigma, L, dt, state)
         p, e, warm = shocked(material, J, sigma, L, dt, q, (state[1], state[4]), k.share * work)
         r = 1.0 / J
         damage = damaged(material.damage, k, x, hot, -p, left * r, dt, state[3])
         sound = choose(damage < 1.0, 1.0, 0.0)
-        p = choose(damage < 1.0, p, max(p, 0.0))
+        held = choose(damage < 1.0, p, max(p, 0.0))
         freed = choose(state[3] < 1.0, 1.0 - sound, 0.0) * (0.25 / k.shear) * contract(s, s)
-        now = (state[0] + x, warm, state[2] + work + freed, damage, e)
-        return isotropic(r * sound, s, -p), now
+        heat = k.share * freed
+        e = e + (heat + 0.5 * (p - held) * (J - J / determinant(one_plus(dt, L)))) / k.density
+        now = (state[0] + x, warm + k.heating * heat, state[2] + work + freed, damage, e)
+        return isotropic(r * sound, s, -held), now
 
     @staticmethod
     def energy(material, F, J, sigma, state):

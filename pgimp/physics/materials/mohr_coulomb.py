@@ -171,12 +171,16 @@ class MohrCoulombParameters(NamedTuple):
 
     @staticmethod
     def energy(material, F, J, sigma, state):
-        """Elastic energy of the Kirchhoff stress per initial volume."""
-        values = eigen(sigma)[0]
-        a, b, c = J * values[0], J * values[1], J * values[2]
-        m = (a + b + c) / 3.0
-        shear = (a - m) * (a - m) + (b - m) * (b - m) + (c - m) * (c - m)
-        return shear / (4.0 * material.mu) + 0.5 * m * m / material.bulk
+        """Elastic energy of the stretch that it remembers, per initial volume.
+
+        As the stress of a step it follows other moduli of a later stage at once.
+        """
+        values = eigen(state[:-3])[0]
+        x, y, z = (
+            0.5 * log(1.0 + values[0]), 0.5 * log(1.0 + values[1]), 0.5 * log(1.0 + values[2]),
+        )  # fmt: skip
+        volume = x + y + z
+        return 0.5 * material.lam * volume * volume + material.mu * (x * x + y * y + z * z)
 
     @staticmethod
     def losses(material, F, J, sigma, state):
@@ -206,7 +210,7 @@ class MohrCoulomb(Soil):
     LOSSES: ClassVar[tuple[str, ...]] = ("plastic-work",)
     STATE: ClassVar[tuple[State, ...]] = (
         State("elastic-stretch", "1", "elastic b - 1, b = F_e F_e^T", tensor=True),
-        State("gap", "1", "volume by which the soil has opened, over its volume"),
+        State("gap", "1", "volume by which the soil has opened, over its volume", least=0.0),
         State("plastic-shear", "1", "sum of the plastic parts of the greatest shear strain"),
         PLASTIC_WORK,
     )

@@ -102,6 +102,29 @@ def test_a_mean_stress_is_refused_by_check_as_by_a_run(tmp_path, capsys, model):
     assert f"p.csv, has a mean stress of 1, but the pressure of '{model}'" in said[0]
 
 
+@pytest.mark.parametrize(
+    ("law", "state"),
+    [
+        ({"model": "von-mises", "yield-stress": 50.0, "young": 9e2, "poisson": 0.3},
+         "plastic-strain"),
+        ({"model": "ideal-gas", "gamma": 1.4, "energy": 9.0}, "internal-energy"),
+        ({"model": "cam-clay", "m": 1.2, "lambda": 0.2, "kappa": 0.05, "void-ratio": 1.0,
+          "shear": 30.0, "preconsolidation": 2.0}, "preconsolidation"),
+    ],
+)  # fmt: skip
+def test_a_state_that_no_particle_can_have_is_refused_with_its_line(tmp_path, law, state):
+    data = cloud(20)
+    values = np.linspace(3.0, -0.5, 20)
+    model = case(points(tmp_path / "p.csv"), dimension=2)
+    model["materials"]["soft"] = law | {"density": 1.0}
+    write_csv(tmp_path / "p.csv", data, **{state: values})
+    line = 4 + int(np.argmax(values < 0.0))  # after a remark, the names and an empty line
+    with pytest.raises(CaseError, match=rf"line {line} of .*, has a {state} of -0\.13"):
+        start(model)
+    write_csv(tmp_path / "p.csv", data, **{state: np.abs(values)})
+    start(model)
+
+
 def two(first, second):
     """A case of two bodies."""
     found = case(first, dimension=2)

@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from one_material import text_of
+from one_material import case_of, text_of
 from reference_materials import tensor
 
 import pgimp
@@ -101,14 +101,32 @@ def test_failure_depends_on_triaxiality_and_heat():
     np.testing.assert_allclose(found["damage"], np.cumsum(flow / strain), rtol=1e-9)
 
 
-def test_energy_of_shocked_metal_is_the_work():
-    """Internal energy and that of shape and flow are the work of the stress, to second order."""
-    metal = COPPER | GRUNEISEN | {"taylor-quinney": 0.6}
+def squashed(t):
+    return [-0.15 * t, 0.03 * np.sin(3 * t), 0.02 * t]
+
+
+def blown_up(t):
+    """Sheared until it fails, then opened by half of its volume, and closed beyond that."""
+    volume = np.interp(t, [0.3, 0.7, 1.0], [0.0, 0.4, -0.05]) / 3.0
+    e = min(0.1 * t, 0.03)
+    return [volume + e, volume - e, volume]
+
+
+@pytest.mark.parametrize(
+    ("path", "fails"), [(squashed, {}), (blown_up, {"damage": {"d1": 0.02}})], ids=["", "failed"]
+)
+def test_energy_of_shocked_metal_is_the_work(path, fails):
+    """Internal energy and that of shape and flow are the work of the stress, to second order.
+
+    Failure sets energy free within a step: that is to first order.
+    """
+    metal = COPPER | GRUNEISEN | {"taylor-quinney": 0.6} | fails
     errors = []
     for steps in (400, 800):
         t = np.arange(1, steps + 1) / steps
-        F = np.array([np.diag(np.exp([-0.15 * x, 0.03 * np.sin(3 * x), 0.02 * x])) for x in t])
+        F = np.array([np.diag(np.exp(path(x))) for x in t])
         found = pgimp.element(metal, F, 1e-8)
+        assert not fails or found["damage"][-1] == 1.0
         P = [
             np.linalg.det(f) * tensor(s) @ np.linalg.inv(f).T
             for f, s in zip(F, found["stress"], strict=True)
@@ -132,6 +150,13 @@ WRONG = {
     "eos: {mie-gruneisen: {c0: 3933.0, s: 1.5}}": "gamma: missing",
     "eos: {gruneisen: {c0: 3933.0}}": "unknown key",
 }
+
+
+def test_compression_that_heats_needs_an_absolute_temperature():
+    case = pgimp.load(case_of(COPPER | {"temperature": -20.0}))
+    assert case.materials["law"].temperature == -20.0
+    with pytest.raises(CaseError, match=r"temperature: -20 is no absolute temperature: with an eq"):
+        pgimp.load(case_of(COPPER | GRUNEISEN | {"temperature": -20.0}))
 
 
 @pytest.mark.parametrize("line", WRONG)

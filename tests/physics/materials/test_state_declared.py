@@ -203,7 +203,7 @@ def test_a_field_that_no_material_has_is_unknown():
         pgimp.load(case)
     case["materials"] = {"hard": RUBBER, "soft": RUBBER}
     case["output"]["fields"] = ["damage"]
-    with pytest.raises(CaseError, match="unknown field 'damage'"):
+    with pytest.raises(CaseError, match="no material of the case has it"):
         pgimp.load(case)
 
 
