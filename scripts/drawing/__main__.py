@@ -5,7 +5,7 @@ import argparse
 from column import compaction
 from cost import error_and_cost
 from exact import shock, spinning_block, vortex
-from flowing import blast, channel, dam_break, excavation, footing, sand_column, slope, sod
+from flowing import blast, channel, dam_break, excavation, footing, gate, sand_column, slope, sod
 from looking import block3d, block3d_initial, paraview
 from meeting import corner, drum, hertz_impact, hertz_line
 from metal import plate_impact, taylor_bar, thick_tube
@@ -42,6 +42,7 @@ PICTURES = {
     "excavation": excavation,
     "footing": footing,
     "dam-break": dam_break,
+    "gate": gate,
     "blast": blast,
     "error-and-cost": error_and_cost,
 }

@@ -1,4 +1,4 @@
-"""Cases of soils, fluids and gases: Sod's tube, channel, sand, banks, a footing, dam break."""
+"""Cases of soils, fluids, gases: Sod's tube, channel, sand, banks, footing, dam break, gate."""
 
 import numpy as np
 from common import BLUE, GREY, ORANGE, RED, boxes, frame_at, plt, run, save
@@ -192,6 +192,32 @@ def dam_break(redraw):
     axis.set(xlabel="time [s]", ylabel="force [N/m]")
     axis.legend()
     save(figure, "dam-break")
+
+
+def gate(redraw):
+    """Four instants coloured by speed; and the way of the gate's end."""
+    results = run("gate", redraw)
+    figure = plt.figure(figsize=(9, 6.6))
+    grid = figure.add_gridspec(3, 2, height_ratios=(1.0, 1.0, 0.9))
+    axes = []
+    for k, time in enumerate((0.03, 0.06, 0.09, 0.14)):
+        axis = figure.add_subplot(grid[k // 2, k % 2], aspect="equal")
+        frame = frame_at(results, time)
+        held = frame["body"] == 1
+        solid = frame["position"][held], frame["radius"][held], np.full(held.sum(), 0.6)
+        boxes(axis, *solid, (0.0, 1.0), "Greys")
+        water = frame["position"][~held], frame["radius"][~held], _speed(frame)[~held]
+        shown = boxes(axis, *water, (0.0, 1.6))
+        axis.set(xlim=(0.0, 0.3), ylim=(0.0, 0.16))
+        axis.set_title(f"t = {frame.time:.2f} s", fontsize=10, loc="left")
+        axes.append(axis)
+    figure.colorbar(shown, ax=axes, label="speed [m/s]", shrink=0.85, extend="max")
+    axis, tip = figure.add_subplot(grid[2, :]), results.probes["tip"]
+    for way, colour, label in (("x", BLUE, "outwards"), ("y", ORANGE, "upwards")):
+        axis.plot(tip["time"], 1e3 * tip[f"displacement-{way}"], color=colour, label=label)
+    axis.set(xlabel="time [s]", ylabel="the gate's end [mm]")
+    axis.legend()
+    save(figure, "gate")
 
 
 def blast(redraw):

@@ -61,5 +61,6 @@ COARSER = {
         "output.every=0.4",
     ],
     "graded": ["grid.cell=[1.0]", "output.every=11.0", "history.every=1.0"],
+    "gate": ["grid.cell=[0.005,0.01]", "time.end=0.02", "output.every=0.01"],
     "dam-break": ["grid.cell=[0.07,0.06]", "time.end=1.0", "output.every=0.5"],
 }
