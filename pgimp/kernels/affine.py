@@ -14,11 +14,13 @@ a held vertex does not carry the gradients of the components that are held there
 
 from math import isqrt
 
+from pgimp.jit.algebra import inverse, multiply, one_plus
 from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import pack, where
 from pgimp.jit.tuples import scaled
 from pgimp.kernels.fours import put_row
 from pgimp.kernels.heldcodes import held_codes
+from pgimp.kernels.place import is_initial
 
 
 def affine_momentum(affine, frame, particles, p):
@@ -54,6 +56,22 @@ def _affine_momentum(affine, frame, particles, p):
         )
 
     return (affine_momentum1, affine_momentum2, affine_momentum3)[D - 1]
+
+
+def when_moved(affine, frame, dt, L):
+    """The gradients L of four particles at the end of the step, L (1 + dt L)^-1.
+
+    The field moves with its own velocity: by the places where its material is at the end, dx' =
+    (1 + dt L) dx, which are those of the next step's vertices. In the initial configuration these
+    do not move.
+    """
+
+
+@specialise(when_moved)
+def _when_moved(affine, frame, dt, L):
+    if hasattr(affine, "count") or is_initial(frame):
+        return lambda affine, frame, dt, L: L
+    return lambda affine, frame, dt, L: multiply(L, inverse(one_plus(dt, L)))
 
 
 def keep_gradients(affine, particles, rows, L, held):
