@@ -1,7 +1,7 @@
 """Affine transfer: the velocity gradient that particles carry.
 
-A particle keeps the velocity gradient L_p that it has seen (30), and gives the vertices
-m_p (v_p + L_p (x_v - x_p)) S_vp instead of m_p v_p S_vp (22).
+A particle keeps the velocity gradient L_p that it has seen (30), moved with its material, and gives
+the vertices m_p (v_p + L_p (x_v - x_p)) S_vp instead of m_p v_p S_vp (22).
 
 Where a face or a constraint holds a vertex, the gradient includes the jump from the material's
 velocity to the prescribed one. The particle's own velocity does not include that jump, since (27)
@@ -12,13 +12,15 @@ a held vertex does not carry the gradients of the components that are held there
 (29) has them all.
 """
 
-from math import isqrt
+from math import isqrt, sqrt
 
+from pgimp.jit.algebra import inverse, multiply, one_plus
 from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import pack, where
-from pgimp.jit.tuples import scaled
+from pgimp.jit.tuples import scaled, squared
 from pgimp.kernels.fours import put_row
 from pgimp.kernels.heldcodes import held_codes
+from pgimp.kernels.place import is_initial
 
 
 def affine_momentum(affine, frame, particles, p):
@@ -54,6 +56,32 @@ def _affine_momentum(affine, frame, particles, p):
         )
 
     return (affine_momentum1, affine_momentum2, affine_momentum3)[D - 1]
+
+
+def when_moved(affine, frame, dt, L):
+    """The gradients L of four particles at the end of the step, L (1 + dt L)^-1, but no greater.
+
+    The field moves with its own velocity: by the places where its material is at the end, dx' =
+    (1 + dt L) dx, which are those of the next step's vertices. In the initial configuration these
+    do not move.
+
+    Compression alone makes the gradient greater, as if nothing resisted it. That is not followed,
+    for what does resist is at work only in the next step: a particle that vibrates alone would be
+    turned inside out. So the result is scaled to the Frobenius norm of L where it exceeds that.
+    """
+
+
+@specialise(when_moved)
+def _when_moved(affine, frame, dt, L):
+    if hasattr(affine, "count") or is_initial(frame):
+        return lambda affine, frame, dt, L: L
+
+    def moved(affine, frame, dt, L):
+        after = multiply(L, inverse(one_plus(dt, L)))
+        most, found = squared(L), squared(after)
+        return scaled(where(found > most, sqrt(most / found), 1.0), after)
+
+    return moved
 
 
 def keep_gradients(affine, particles, rows, L, held):

@@ -3,7 +3,7 @@
 from pgimp.jit.algebra import determinant
 from pgimp.jit.kernel import kernel
 from pgimp.jit.simd import lane, stack, vector
-from pgimp.kernels.affine import keep_gradients
+from pgimp.kernels.affine import keep_gradients, when_moved
 from pgimp.kernels.around import deform, keep_around, take_around
 from pgimp.kernels.batch import SUPPORT_SIZE, supports
 from pgimp.kernels.concepts import Batch
@@ -88,7 +88,8 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
             power = add_force_power(loads.force, frame, particles, batch, u, power)
             u, v = update_velocity(forcing, particles, batch, u, a, ledger)  # (27)
             x = update_position(forcing, particles, batch, u)  # (26)
-            keep_gradients(loads.affine, particles, rows, grad, codes)
+            moved = when_moved(loads.affine, frame, dt, grad)
+            keep_gradients(loads.affine, particles, rows, moved, codes)
             grad = with_means(  # the cells' rates of dilatation
                 loads.mean, frame, particles, rows, buffer, sums, count, grad
             )

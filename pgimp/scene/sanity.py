@@ -162,12 +162,6 @@ def case_warnings(case: Any, found: Findings) -> Iterator[str]:
             "the smaller the step; take it with boxes (shape: gimp)"
         )
     for name, entry in case.materials.items():
-        if case.method.affine and entry.model == "johnson-cook" and entry.damage:
-            yield (
-                f"materials.{name}.damage: with method.affine a particle that has failed and flies "
-                "alone stretches on and on, until it is turned inside out and stops the run; "
-                "affine: false lets it be"
-            )
         for path, variation in entry.variations.items():
             yield from _coarse(f"materials.{name}.{'.'.join(path)}", variation, case)
     pressed = _pressed(case)

@@ -3,9 +3,7 @@
 import pytest
 from checked import PLATE, facts, findings, plate, said
 from mentioned import mentions
-from scenes import box, scene
 
-import pgimp
 from pgimp.case.reader import read_case
 from pgimp.errors import CaseError
 from pgimp.mpi.comm import Serial
@@ -97,19 +95,6 @@ def test_affine_on_few_cells_is_doubted():
         said = [text for text in concerns(read_case(case, "x")) if "method.affine" in text]
         assert len(said) == number
         assert all("'beam' is only 2.8 cells long" in text for text in said)
-
-
-@pytest.mark.parametrize(
-    ("affine", "damage", "number"), [(True, True, 1), (True, False, 0), (False, True, 0)]
-)
-def test_affine_of_metal_that_fails_is_doubted(affine, damage, number):
-    case = scene(2, box([1.0, 1.0], [6.0, 6.0]))
-    case["method"]["affine"] = affine
-    metal = {"model": "johnson-cook", "a": 1.0, "specific-heat": 1.0, "temperature": 0.0}
-    metal |= {"melting": 9.0} | ({"damage": {"d1": 1.0}} if damage else {})
-    case["materials"]["soft"] |= metal
-    said = [text for text in concerns(pgimp.load(case)) if text.startswith("materials.soft.damage")]
-    assert len(said) == number
 
 
 # rho g = 1000 x 2, E = 1e6; a beam of 8 by 1.
