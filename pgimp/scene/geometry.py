@@ -191,6 +191,14 @@ def _read_points(case: Case, comm: Any) -> None:
                     "start: it would be gone in the first step; give deviators, stresses less "
                     "their mean"
                 )
+            tension = found.stress and not material.BEARS_TENSION
+            if tension and (first := points.mean_stress(tension=True)):
+                particle, mean = first
+                raise CaseError(
+                    f"bodies.{name}.region: {particle}, has a mean stress of {mean:.3g}, tension, "
+                    f"of which '{material.model}' bears none: it would be gone in the first step; "
+                    "compression is negative"
+                )
             for state in material.states:
                 if state.least == -inf or state.name not in found.states:
                     continue

@@ -164,8 +164,11 @@ class Points(Model, Region):
             if len(rows):
                 yield block.first + rows, block.take(rows)
 
-    def mean_stress(self) -> tuple[str, float] | None:
-        """Name the first particle whose stress has a mean, and the mean; the file is read again."""
+    def mean_stress(self, tension: bool = False) -> tuple[str, float] | None:
+        """Name the first particle whose stress has a mean, and the mean; the file is read again.
+
+        With `tension` only one above 0 counts.
+        """
         most = 0.0
         for block in self._blocks():
             if block.stress is not None:
@@ -173,7 +176,7 @@ class Points(Model, Region):
         for block in self._blocks():
             if block.stress is not None:
                 means = block.stress[:, :3].mean(axis=1)
-                rows = np.flatnonzero(np.abs(means) > _ROUNDING * most)
+                rows = np.flatnonzero((means if tension else np.abs(means)) > _ROUNDING * most)
                 if len(rows):
                     return self._named(block, int(rows[0])), float(means[rows[0]])
         return None

@@ -74,6 +74,9 @@ class Material(Varying):
     CARRIES_PRESSURE: ClassVar[bool] = True
     """Whether the mean of a carried stress is carried, too, and does not follow from the volume."""
 
+    BEARS_TENSION: ClassVar[bool] = True
+    """Whether a carried stress may have a mean above 0 at the start."""
+
     ELASTIC: ClassVar[bool] = False
     """Whether it springs back whatever it goes through: it never flows, yields or breaks."""
 

@@ -142,6 +142,7 @@ class CamClay(Material):
     """Clay, modified Cam-clay; it begins under a pressure, `pressure` or that of `points`."""
 
     CARRIES_STRESS: ClassVar[bool] = True
+    BEARS_TENSION: ClassVar[bool] = False
     LOSSES: ClassVar[tuple[str, ...]] = ("plastic-work",)
     SPELLINGS: ClassVar[dict[str, str]] = {"void_ratio": "void-ratio"}
     STATE: ClassVar[tuple[State, ...]] = (

@@ -269,3 +269,20 @@ def test_same_bits_on_ranks(tmp_path, mpirun, python):
     two = mpirun(2, ["-m", "pgimp", "p.yaml", "-o", "three", "--resume"], cwd=tmp_path)
     assert two.returncode == 0 and "resuming from" in two.stdout, two.stderr
     assert main(["compare", str(tmp_path / "one"), str(tmp_path / "three")]) == 0
+
+
+def test_clay_begins_under_pressure(tmp_path):
+    data, pressure = cloud(20), np.linspace(3.0, -0.5, 20)
+    clay = {"model": "cam-clay", "m": 1.2, "lambda": 0.2, "kappa": 0.05, "void-ratio": 1.0,
+            "shear": 30.0, "preconsolidation": 4.0, "density": 1.0}  # fmt: skip
+    model = case(points(tmp_path / "p.csv"), dimension=2)
+    model["materials"]["soft"] = clay
+    for values in (pressure, np.maximum(pressure, 0.01)):
+        stress = {f"stress-{k}": -values for k in ("xx", "yy", "zz")}
+        write_csv(tmp_path / "p.csv", data, **stress, **{"stress-xy": 0.0 * values})
+        if values.min() < 0.0:
+            line = 4 + int(np.argmax(values < 0.0))
+            with pytest.raises(CaseError, match=rf"line {line} of .* 0\.132, tension, of which"):
+                start(model)
+        else:
+            start(model)
