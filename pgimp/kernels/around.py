@@ -12,11 +12,12 @@ pressure, the force is the adjoint,
     -V0_p (r_p (s - p 1) cof(r_p F_p) grad0 S_vp + p cof(G_p) dD_p/dv_v).
 
 So its power is that of the stress, and the energy of r_p F_p is its potential. A particle whose
-cells hold less than `LEAST`^d of what they can has r_p = 1: it shares them with no other, and their
-vertices have hardly any mass. What they hold is the mean over them, sum_v a_v m_v over the
+cells hold less than `LEAST`^d of what they can keeps r_p = 1: it shares them with no other, and
+their vertices have hardly any mass. What they hold is the mean over them, sum_v a_v m_v over the
 particle's density and the cell's volume: 1 inside bodies, at least 0.5^d at surfaces along the grid
 and in their corners, 0.25^d for one of two particles a cell and direction that is alone. Weights
-and masses are those of the start, and so is this.
+are those of the start, and masses too until a stage removes a bonded body: whom that leaves alone
+keeps the r_p that it has, and who is alone stays so, for a jump of r_p would strain the material.
 
 The particles' F is r_p F_p. G_p and r_p have columns of their own.
 """
@@ -211,10 +212,11 @@ def _deform(cells, setting, forcing, particles, batch, numbers, D):
         held = mass * take(particles.V0, rows)
         for d in range(directions):
             held = held * frame.inverse[d]
-        alone = where(held < least * take(particles.m, rows), 1.0, 0.0)
+        was = take_row(particles.alone, rows, 0, (0.0,))[0]
+        alone = where(held < least * take(particles.m, rows), 1.0, was)
         put_row(particles.alone, rows, 0, (alone,))
         swelling = max(determinant(G) / determinant(after), 0.0)  # an inverted one has none
-        now = where(alone > 0.0, 1.0, side(swelling, D))
+        now = where(alone > 0.0, ratio, side(swelling, D))
         put_row(particles.ratio, rows, 0, (now,))
         L = multiply(D, inverse(before))
         return _and_multiple(L, dt, (now / ratio - 1.0) / dt), scaled(now, after)

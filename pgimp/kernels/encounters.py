@@ -23,7 +23,18 @@ from pgimp.kernels.contact import (
 from pgimp.kernels.faces import face_count, on_walls, side_of, wall_of, wall_sides
 from pgimp.kernels.meet import find_tools
 from pgimp.kernels.particles import FloatArray, IntArray
-from pgimp.kernels.present import CURVED, FACES, FILLS, HEAVY, MORE, OF_CUT, WHOSE, number_of
+from pgimp.kernels.present import (
+    CURVED,
+    FACES,
+    FILLS,
+    HEAVY,
+    MORE,
+    OF_CUT,
+    WHOSE,
+    entry_of,
+    key_of,
+    number_of,
+)
 from pgimp.physics.contact import FRICTION
 
 #: Columns of `Encounters.ends`: for either end the number of its entry in `Present`, or -1 - n for
@@ -36,7 +47,8 @@ RIGID = 6
 #: Least part of a vertex's neighbourhood that either body must fill, or a rigid one. A vertex
 #: averages over the particles around it: a deeper one would hold the body below its surface, and
 #: make it stiff there. Near any surface a vertex remains: with the distances s and 1 - s in cells
-#: of two, (1 - s)^2/2 is filled.
+#: of two, (1 - s)^2/2 is filled. Of a body that fills so little at all vertices around, a drop or a
+#: skin, none would remain: there its vertices count as they are.
 LEAST_BEFORE, LEAST_RIGID = 0.1, 0.3
 
 
@@ -88,13 +100,39 @@ class SeparatingWalls(NamedTuple):
 
 
 @inner_kernel
-def _is_close(first, second):
+def _fills_more(present, walls, number, entry):
+    """Whether a group fills `LEAST_BEFORE` of a neighbour of a vertex, at which it has an `entry`.
+
+    `walls` are all those at rest, the frame, and the volume of a cell.
+    """
+    (faces, frame, whole), group = walls, present.keys[entry] % present.groups
+    for n in range(27):
+        there = (number[0] + n // 9 - 1, number[1] + n // 3 % 3 - 1, number[2] + n % 3 - 1)
+        inside = True
+        for d in range(3):
+            inside = inside and 0 <= there[d] - present.low[d] < present.extent[d]
+        found = entry_of(present, key_of(present, there, group)) if inside else -1
+        if found >= 0:
+            row = present.sums[found]
+            cell = whole * 0.5 ** on_walls(faces, frame, there)
+            if row[FILLS] + row[MORE] >= LEAST_BEFORE * cell:
+                return True
+    return False
+
+
+@inner_kernel
+def _is_close(contact, present, walls, number, places, ends):
     """Whether a vertex is close enough to the surfaces of two bodies to represent their motion."""
-    if second[WEIGHT] == inf:
-        return second[PART] >= LEAST_RIGID
-    if first[WEIGHT] == inf:
-        return first[PART] >= LEAST_RIGID
-    return min(first[PART], second[PART]) >= LEAST_BEFORE
+    for side in range(1, -1, -1):
+        end = contact.fields[ends[side]]
+        if end[WEIGHT] == inf:
+            return end[PART] >= LEAST_RIGID
+    for side in range(2):
+        a = ends[side]
+        if contact.fields[a, PART] < LEAST_BEFORE:
+            if _fills_more(present, walls, number, places[a]):
+                return False
+    return True
 
 
 @inner_kernel
@@ -118,16 +156,16 @@ def _load(contact, a, row, cell):
 
 
 @inner_kernel
-def _keep_pairs(contact, number, places, pairs, found, deep, encounters):
+def _keep_pairs(contact, present, walls, number, places, pairs, found, deep, encounters):
     """Keep the pairs that `find_pairs` has found at a vertex, as far as there is room.
 
-    `places` are the entries of the groups there; fields behind them are rigid. Returns how many
-    are kept, and how many lie too deep.
+    `places` are the entries of the groups there; fields behind them are rigid. `walls` are as of
+    `_fills_more`. Returns how many are kept, and how many lie too deep.
     """
     for k in range(pairs):
         one, other = contact.ends[k, 0], contact.ends[k, 1]
         if contact.pairs.law[contact.ends[k, 2] - 1] == FRICTION:
-            if not _is_close(contact.fields[one], contact.fields[other]):
+            if not _is_close(contact, present, walls, number, places, contact.ends[k]):
                 deep += 1
                 if found + deep <= len(encounters.ends):
                     end = encounters.ends[-deep]
@@ -223,6 +261,7 @@ def find_encounters(contact, frame, faces, walls, present, dt, encounters):
     whole = 1.0
     for d in range(len(frame.cell)):
         whole *= frame.cell[d]
+    still = (faces, frame, whole)
     while i < len(order):
         begin, vertex = i, keys[order[i]] // present.groups
         while i < len(order) and keys[order[i]] // present.groups == vertex:
@@ -235,7 +274,9 @@ def find_encounters(contact, frame, faces, walls, present, dt, encounters):
         tools = find_tools(contact, contact.tools, frame, number, sides, count, True)
         if count + tools > 1:
             pairs = find_pairs(contact, frame, sides, count + tools, tools, dt)
-            found, deep = _keep_pairs(contact, number, places, pairs, found, deep, encounters)
+            found, deep = _keep_pairs(
+                contact, present, still, number, places, pairs, found, deep, encounters
+            )
         for w in range(len(walls.rows)):
             for a in range(count):
                 on = (number[walls.rows[w, 0]] - walls.rows[w, 2]) == 0
@@ -245,6 +286,7 @@ def find_encounters(contact, frame, faces, walls, present, dt, encounters):
                 if pairs > 0:
                     contact.partners[0, GAP_RATE] /= dt
                     found, deep = _keep_pairs(
-                        contact, number, places[a : a + 1], pairs, found, deep, encounters
-                    )
+                        contact, present, still, number, places[a : a + 1], pairs, found, deep,
+                        encounters,
+                    )  # fmt: skip
     return found, deep

@@ -60,11 +60,26 @@ class Present(NamedTuple):
 
 
 @inner_kernel
-def _key(present, number, group):
+def key_of(present, number, group):
     """Key of a group at a vertex, given by its numbers."""
     low, extent = present.low, present.extent
     key = (number[0] - low[0]) * extent[1] + number[1] - low[1]
     return (key * extent[2] + number[2] - low[2]) * present.groups + group
+
+
+@inner_kernel
+def entry_of(present, key):
+    """Number of the entry with a key, -1 if there is none."""
+    low, high = 0, len(present.order)
+    while low < high:
+        middle = (low + high) // 2
+        if present.keys[present.order[middle]] < key:
+            low = middle + 1
+        else:
+            high = middle
+    if low < len(present.order) and present.keys[present.order[low]] == key:
+        return present.order[low]
+    return -1
 
 
 @inner_kernel
@@ -131,7 +146,7 @@ def sum_present(frame, table, supports, hashes, present):
             supports.at[i, q] = -1
             if S == 0.0:
                 continue
-            key = _key(present, vertex_at(supports, i, q), int(row[GROUP]))
+            key = key_of(present, vertex_at(supports, i, q), int(row[GROUP]))
             s = slot(hashes, key)
             if hashes[s, 0] < 0:
                 hashes[s, 0], hashes[s, 1] = key, found

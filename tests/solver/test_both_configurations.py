@@ -171,3 +171,28 @@ def test_parallelograms_of_both_configurations_are_refused():
     with pytest.raises(ValidationError, match="is for bodies of one configuration, but"):
         start(case)
     start(disks("current", "current") | {"method": case["method"]})
+
+
+@pytest.mark.parametrize("drops", ["initial", "current"])
+@pytest.mark.parametrize("size", [(0.5, 0.25), (1.0, 0.1)])
+def test_a_drop_does_not_fall_through_a_slab(drops, size):
+    """Less than one particle, or a skin: at no vertex it fills a tenth of the neighbourhood."""
+    bodies = {
+        "slab": initial(box([0.0, 2.0], [8.0, 4.0])),
+        "drop": box([4.0, 4.5], [4.0 + size[0], 4.5 + size[1]], [0.0, -1.0])
+        | {"configuration": drops},
+    }
+    held = {"body": "slab", "velocity": [0.0, 0.0]}
+    ends = {
+        side: held | {"region": {"box": {"min": [x, 2.0], "max": [x + 1.0, 4.0]}}}
+        for side, x in (("left", 0.0), ("right", 7.0))
+    }
+    case = scene(2, bodies, end=3.0, step={"courant": 0.3}, materials={"soft": HARD},
+                 boundaries={"x-min": "slip", "x-max": "slip"}, constraints=ends,
+                 contact=[{"bodies": "all"}])  # fmt: skip
+    sim = finish(start(case))
+    drop = field(sim, "body") == 1
+    assert field(sim, "x")[drop, 1].min() > 3.5
+    # It comes to rest at least, and leaves again at most as fast as it came.
+    push = sim.diagnostics()["contact.all.normal-impulse"] / field(sim, "m")[drop].sum()
+    assert 0.9 < push < 2.0

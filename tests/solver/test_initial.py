@@ -80,12 +80,13 @@ class Lagrangian(Reference):
             F = matrix(p.F[k])
             if p.around.shape[1]:
                 F[:D, :D] /= p.ratio[k]
-                p.alone[k] = self.company(p, k) < LEAST**D
+                p.alone[k] = p.alone[k] or self.company(p, k) < LEAST**D
                 cells = np.tensordot(np.moveaxis(self.v, -1, 0), self.dilatations_of(p, k), D)
                 p.around[k] += dt * cells.ravel()
                 G = np.linalg.det(matrix(p.around[k]))
                 new = F + dt * rate
-                p.ratio[k] = 1.0 if p.alone[k, 0] else (G / np.linalg.det(new)) ** (1 / D)
+                if not p.alone[k, 0]:
+                    p.ratio[k] = (G / np.linalg.det(new)) ** (1 / D)
                 new[:D, :D] *= p.ratio[k]
                 L = (new @ np.linalg.inv(matrix(p.F[k])) - np.eye(3)) / dt
                 F = new
