@@ -100,12 +100,13 @@ class SeparatingWalls(NamedTuple):
 
 
 @inner_kernel
-def _fills_more(present, walls, number, entry):
+def _fills_more(near, number, entry):
     """Whether a group fills `LEAST_BEFORE` of a neighbour of a vertex, at which it has an `entry`.
 
-    `walls` are all those at rest, the frame, and the volume of a cell.
+    `near` is what is there, see `Present`, the walls at rest, the frame, and a cell's volume.
     """
-    (faces, frame, whole), group = walls, present.keys[entry] % present.groups
+    present, faces, frame, whole = near
+    group = present.keys[entry] % present.groups
     for n in range(27):
         there = (number[0] + n // 9 - 1, number[1] + n // 3 % 3 - 1, number[2] + n % 3 - 1)
         inside = True
@@ -121,7 +122,7 @@ def _fills_more(present, walls, number, entry):
 
 
 @inner_kernel
-def _is_close(contact, present, walls, number, places, ends):
+def _is_close(contact, near, number, places, ends):
     """Whether a vertex is close enough to the surfaces of two bodies to represent their motion."""
     for side in range(1, -1, -1):
         end = contact.fields[ends[side]]
@@ -130,7 +131,7 @@ def _is_close(contact, present, walls, number, places, ends):
     for side in range(2):
         a = ends[side]
         if contact.fields[a, PART] < LEAST_BEFORE:
-            if _fills_more(present, walls, number, places[a]):
+            if _fills_more(near, number, places[a]):
                 return False
     return True
 
@@ -156,16 +157,16 @@ def _load(contact, a, row, cell):
 
 
 @inner_kernel
-def _keep_pairs(contact, present, walls, number, places, pairs, found, deep, encounters):
+def _keep_pairs(contact, near, number, places, pairs, found, deep, encounters):
     """Keep the pairs that `find_pairs` has found at a vertex, as far as there is room.
 
-    `places` are the entries of the groups there; fields behind them are rigid. `walls` are as of
+    `places` are the entries of the groups there; fields behind them are rigid; `near` is as of
     `_fills_more`. Returns how many are kept, and how many lie too deep.
     """
     for k in range(pairs):
         one, other = contact.ends[k, 0], contact.ends[k, 1]
         if contact.pairs.law[contact.ends[k, 2] - 1] == FRICTION:
-            if not _is_close(contact, present, walls, number, places, contact.ends[k]):
+            if not _is_close(contact, near, number, places, contact.ends[k]):
                 deep += 1
                 if found + deep <= len(encounters.ends):
                     end = encounters.ends[-deep]
@@ -261,7 +262,7 @@ def find_encounters(contact, frame, faces, walls, present, dt, encounters):
     whole = 1.0
     for d in range(len(frame.cell)):
         whole *= frame.cell[d]
-    still = (faces, frame, whole)
+    near = (present, faces, frame, whole)
     while i < len(order):
         begin, vertex = i, keys[order[i]] // present.groups
         while i < len(order) and keys[order[i]] // present.groups == vertex:
@@ -275,7 +276,7 @@ def find_encounters(contact, frame, faces, walls, present, dt, encounters):
         if count + tools > 1:
             pairs = find_pairs(contact, frame, sides, count + tools, tools, dt)
             found, deep = _keep_pairs(
-                contact, present, still, number, places, pairs, found, deep, encounters
+                contact, near, number, places, pairs, found, deep, encounters
             )
         for w in range(len(walls.rows)):
             for a in range(count):
@@ -286,7 +287,6 @@ def find_encounters(contact, frame, faces, walls, present, dt, encounters):
                 if pairs > 0:
                     contact.partners[0, GAP_RATE] /= dt
                     found, deep = _keep_pairs(
-                        contact, present, still, number, places[a : a + 1], pairs, found, deep,
-                        encounters,
-                    )  # fmt: skip
+                        contact, near, number, places[a : a + 1], pairs, found, deep, encounters
+                    )
     return found, deep
