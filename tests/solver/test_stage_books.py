@@ -8,6 +8,7 @@ import pytest
 from point_files import write_csv
 from run_files import digests
 from scenes import box, field, finish, scene, start
+from staged_bar import entered
 
 import pgimp
 from pgimp.mpi.comm import Serial
@@ -41,17 +42,6 @@ def block(material, *stages):
     return case
 
 
-def squashed(material, **changes):
-    """A simulation at the end of its first stage, and then, and the line before."""
-    sim = start(block(material, changes))
-    sim.diagnostics()
-    while not sim.stage_done:
-        sim.advance()
-    line = sim.diagnostics()
-    sim.next_stage()
-    return sim, line
-
-
 @pytest.mark.parametrize(
     ("material", "changes"),
     [
@@ -62,7 +52,7 @@ def squashed(material, **changes):
 )
 def test_work_that_was_done_stays_what_it_was(material, changes):
     """Of another yield stress or heat capacity the strain and temperature so far know nothing."""
-    sim, before = squashed(material, **changes)
+    sim, before = entered(block(material, changes))
     now = sim.diagnostics()
     assert before["plastic-work"] > 0.1
     for name in {"plastic-work", "heat", "dissipated-energy"} & {*before}:
@@ -84,7 +74,7 @@ def test_that_is_kept_when_runs_go_on_from_stage_to_stage(tmp_path):
 
 def test_a_soil_of_half_the_stiffness_has_half_the_energy():
     """Its stress follows from a stretch that it remembers, to which half the moduli give half."""
-    sim, before = squashed(SOIL, young=50.0)
+    sim, before = entered(block(SOIL, {"young": 50.0}))
     now = sim.diagnostics()
     assert before["strain-energy"] > 1.0
     assert now["strain-energy"] == pytest.approx(0.5 * before["strain-energy"], rel=1e-12)
