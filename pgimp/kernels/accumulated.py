@@ -23,10 +23,10 @@ from pgimp.kernels.contact import BILATERAL, MOBILITY, NORMAL, NOW, PUSH, SLIP, 
 from pgimp.kernels.contactlaw import exchange
 from pgimp.kernels.encounters import BODIES, ENTRY, SUMS, VERTEX, copy
 from pgimp.kernels.particles import FloatArray, IntArray
-from pgimp.kernels.present import BEGUN, HEAVY, WEIGHS
+from pgimp.kernels.present import BACK, BEGUN, HEAVY, PLACE, WEIGHS
 from pgimp.kernels.rigidends import load_rigid, push_rigid
 from pgimp.kernels.startgrid import LOST, MOVES, YIELDS, reflection
-from pgimp.kernels.support import vertex_at, weights_at
+from pgimp.kernels.support import slope_at, vertex_at, weights_at
 
 #: Least part of the squares of a row of B at free vertices. Below it the few free ones would have
 #: to compensate for the others, which are prescribed, at many times the speed.
@@ -70,8 +70,20 @@ def _answer(column, entry, first, last, values, part, free):
     return found if gives >= LEAST_FREE * every else 0.0
 
 
+@inner_kernel
+def _way(frame, row, number):
+    """Way from a particle to a vertex, as it was at the start."""
+    u, v, w = 0.0, 0.0, 0.0
+    for d in range(len(frame.cell)):
+        x = frame.origin[d] + (number[d] - frame.ghost) * frame.cell[d] - row[PLACE + d]
+        u += row[BACK + d] * x
+        v += row[BACK + 3 + d] * x
+        w += row[BACK + 6 + d] * x
+    return u, v, w
+
+
 @allocating_kernel
-def find_responses(table, now, before, mirrors, encounters, sums, values):
+def find_responses(frame, table, now, before, mirrors, encounters, sums, values):
     """Find the rows of B for the encounters.
 
     Parameters
@@ -137,6 +149,7 @@ def find_responses(table, now, before, mirrors, encounters, sums, values):
                 column, entry = longer, more
             part = table[i, WEIGHS] * weight[k] / sums[slots[r], HEAVY]
             moves = table[i, BEGUN] == 0.0  # its own grid is the present one
+            away = _way(frame, table[i], vertex_at(now, i, place_in[k]))
             for q in range(at0.shape[1]):
                 j = at0[i, q]
                 if j < 0 or (moves and q != place_in[k]):
@@ -146,7 +159,10 @@ def find_responses(table, now, before, mirrors, encounters, sums, values):
                     column[used], entry[used, :] = j, 0.0
                     used += 1
                 x, y, z = weights_at(before, i, q)
-                share = part if moves else part * x * y * z
+                weight0 = x * y * z
+                for d in range(len(frame.cell)):
+                    weight0 += slope_at(before, i, q, d) * frame.inverse[d] * away[d]
+                share = part if moves else part * weight0
                 number = vertex_at(before, i, q)
                 for d in range(3):
                     entry[place[j], d] += share * reflection(mirrors, number, d)

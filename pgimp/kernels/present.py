@@ -12,7 +12,7 @@ are found by a hash table, so that memory does not grow with their distances.
 
 from typing import NamedTuple
 
-from pgimp.jit.algebra import determinant
+from pgimp.jit.algebra import determinant, inverse
 from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.jit.tuples import read
 from pgimp.kernels.numbered import slot
@@ -24,10 +24,10 @@ from pgimp.physics.shapes.base import size
 #: Columns of a particle near a meeting: present position and that of its weights, mass, volume,
 #: offset of the volume's centroid, the curvature's share of the gap, whether it is cut, body,
 #: group, field, whether its weights are those of the start, and its half-widths in cells.
-PLACE, START, WEIGHS, VOLUME, OFFSET, BENT, CUT, BODY, GROUP, FIELD, BEGUN, HALF = (
-    0, 3, 6, 7, 8, 11, 12, 13, 14, 15, 16, 17,
+PLACE, START, WEIGHS, VOLUME, OFFSET, BENT, CUT, BODY, GROUP, FIELD, BEGUN, HALF, BACK = (
+    0, 3, 6, 7, 8, 11, 12, 13, 14, 15, 16, 17, 20,
 )  # fmt: skip
-NEAR = 20
+NEAR = 29
 
 #: Columns of a group's sums at a vertex: mass, volume, surface, the offset's correction of the
 #: volume, the curvature's share of the gap and the number in its mean, body.
@@ -113,6 +113,10 @@ def take_near(setting, particles, rows, groups, fields, begun, table):
                 row[OFFSET + d] += F[D * d + e] * own[e]
             if own[d] != 0.0:
                 row[CUT] = 1.0
+        back = inverse(F)
+        for d in range(D):
+            for e in range(D):
+                row[BACK + 3 * d + e] = back[D * d + e]
         body = particles.body[p]
         row[WEIGHS], row[VOLUME] = particles.m[p], particles.V0[p] * determinant(F)
         row[BENT], row[BODY] = particles.excess[p, 0], body

@@ -66,7 +66,7 @@ def calls(
     yield 0.2, lambda: number_keys(none, room_for(0))
     yield 0.3, lambda: find_vertices(frame, table, supports, mirrors, 1, room_for(0))
     yield 2.0, lambda: find_responses(
-        table, supports, supports, mirrors, encounters, present.sums, values
+        frame, table, supports, supports, mirrors, encounters, present.sums, values
     )
     yield 2.0, lambda: solve_impulses(contact, free, encounters, rows, values, 1, ENOUGH)
     yield 0.3, lambda: give_to_vertices(frame, grid.field, none, np.empty((0, 3)), 1.0)

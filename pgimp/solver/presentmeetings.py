@@ -218,7 +218,7 @@ class PresentMeetings:
         mirrors, fields = self._mirrors, 1 + max(self.fields, default=0)
         call(find_vertices, frame, table, start, mirrors, fields, hashes)
         responses = call(
-            find_responses, table, now, start, mirrors, encounters, present.sums, values
+            find_responses, frame, table, now, start, mirrors, encounters, present.sums, values
         )
         self.sweeps = call(
             solve_impulses, contact, free, encounters, responses, values, *self._accuracy
