@@ -72,5 +72,5 @@ def calls(
     yield 0.3, lambda: give_to_vertices(frame, grid.field, none, np.empty((0, 3)), 1.0)
     yield 1.0, lambda: book_held(holding, grid.field, vertices, ledger)
     yield 2.0, lambda: book_contacts(
-        contact, free, encounters, encounters, rows, values, walls, ledger
+        contact, free, encounters, rows, values, walls, ledger
     )

@@ -189,8 +189,7 @@ class PresentMeetings:
     def _solve(self, table: np.ndarray, vertices: StartVertices, free: Holding, t: Step) -> Any:
         """Find the impulses; `vertices` gets the velocities after them.
 
-        Returns the pairs, those that lie too deep to act, and the responses of the first; None
-        where nothing meets.
+        Returns the pairs and their responses; None where nothing meets.
         """
         scene, contact, call = self.scene, self._contact, self.call
         shape, frame = scene.shape, scene.frame
@@ -200,18 +199,17 @@ class PresentMeetings:
         capacity = 4 * len(present.keys)
         while True:
             encounters = Encounters.empty(capacity)
-            pairs, deep = call(
+            pairs = call(
                 find_encounters, contact, frame, self._every_face, self._walls, present, t.dt,
                 encounters,
             )  # fmt: skip
-            if pairs + deep <= capacity:
+            if pairs <= capacity:
                 break
-            capacity = pairs + deep
+            capacity = pairs
         if pairs == 0:
             self.sweeps = 0
             return None
-        deeper = encounters.between(capacity - deep, capacity)
-        encounters = encounters.between(0, pairs)
+        encounters = Encounters(*(each[:pairs] for each in encounters))
         call(find_supports, shape, frame, HALF, table, START, start)
         hashes, values = room_for(len(vertices.keys)), vertices.values
         call(number_keys, vertices.keys, hashes)
@@ -223,7 +221,7 @@ class PresentMeetings:
         self.sweeps = call(
             solve_impulses, contact, free, encounters, responses, values, *self._accuracy
         )
-        return encounters, deeper, responses
+        return encounters, responses
 
     def _sum(self, table: np.ndarray, now: Supports) -> Present:
         """The groups' sums at the vertices; `now` are the particles' supports there."""
