@@ -4,7 +4,7 @@ For bodies in the initial configuration, whose sums at the vertices are in `pgim
 """
 
 from math import inf
-from typing import NamedTuple, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -34,8 +34,8 @@ from pgimp.kernels.present import (
     number_of,
 )
 
-#: Columns of `Encounters.ends`: for either end the number of its entry in `Present`, or -1 - n for
-#: a rigid one, and its body; the entry of the law; the vertex.
+#: Columns of `Encounters.ends`: for either end the number of its entry in `Present`, later of its
+#: row in `Responses`, or -1 - n for a rigid one, and its body; the entry of the law; the vertex.
 SUMS, BODIES, ENTRY, VERTEX, ENDS = 0, 2, 4, 5, 8
 
 #: Columns of `Encounters.rigid`: velocities of the first and the second end.
@@ -65,6 +65,10 @@ class Encounters(NamedTuple):
         return cls(
             np.empty((count, ENDS), np.int64), np.empty((count, PARTNERS)), np.empty((count, RIGID))
         )
+
+    def chosen(self, which: Any) -> Self:
+        """Return some of them, by places or a slice."""
+        return type(self)(self.ends[which], self.partners[which], self.rigid[which])
 
 
 class SeparatingWalls(NamedTuple):
