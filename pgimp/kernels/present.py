@@ -111,13 +111,17 @@ def take_near(setting, particles, rows, groups, fields, begun, table):
 
 
 @kernel
-def sum_present(frame, table, supports, patch, numbers, present):
+def sum_present(frame, table, supports, left, linear, patch, numbers, present):
     """Sum particles into the vertices at their present places, by group.
 
     Parameters
     ----------
     table, supports
         The particles, and their supports, of which `at` is set.
+    left : Supports
+        Of what is left of cut particles, for the sums of volumes.
+    linear : float
+        1 where these are the whole ones, and their change over the offset counts, else 0.
     patch, numbers
         See `pgimp.kernels.shared.Patches`.
     present : Present
@@ -136,10 +140,11 @@ def sum_present(frame, table, supports, patch, numbers, present):
             if sums[n, HEAVY] == 0.0:
                 sums[n, WHOSE] = row[BODY]
             sums[n, HEAVY] += row[WEIGHS] * S
-            sums[n, FILLS] += row[VOLUME] * S
             sums[n, CURVED] += row[BENT] * S
             sums[n, OF_CUT] += row[CUT] * S
+            x, y, z = weights_at(left, i, q)
+            sums[n, FILLS] += row[VOLUME] * (x * y * z)
             for d in range(D):
-                slope = slope_at(supports, i, q, d) * (frame.inverse[d] * row[VOLUME])
+                slope = slope_at(left, i, q, d) * (frame.inverse[d] * row[VOLUME])
                 sums[n, FACES + d] += slope
-                sums[n, MORE] += slope * row[OFFSET + d]
+                sums[n, MORE] += linear * (slope * row[OFFSET + d])

@@ -9,10 +9,12 @@ import numpy as np
 from pgimp.decomposition.grid import Grid
 from pgimp.jit.bound import Bound
 from pgimp.kernels.concepts import Setting
+from pgimp.kernels.cutboxes import BOXES
+from pgimp.kernels.cutsupport import narrow_supports
 from pgimp.kernels.encounters import SeparatingWalls
 from pgimp.kernels.holding import Holding
 from pgimp.kernels.particles import Particles
-from pgimp.kernels.present import FIRST, HALF, NEAR, START, SUMMED, Present, take_near
+from pgimp.kernels.present import CUT, FIRST, HALF, NEAR, START, SUMMED, Present, take_near
 from pgimp.kernels.shared import Patches, find_shared
 from pgimp.kernels.startgrid import STARTED, Seen, StartVertices, take_vertices
 from pgimp.kernels.support import Supports, find_supports, local_vertices
@@ -164,16 +166,31 @@ class NearParticles:
 
         They hold until the next ones for this column.
         """
-        count, kept = len(table), self._kept.get(column)
+        supports, scene = self._room(len(table), column), self.scene
+        self.call(find_supports, scene.shape, scene.frame, HALF, table, column, supports)
+        return supports
+
+    def left(self, table: np.ndarray, now: Supports) -> tuple[Supports, float]:
+        """Supports for the sums of volumes, and whether their change counts, see `sum_present`.
+
+        `now` are those at the particles' present places.
+        """
+        if not isinstance(self.scene.shape, BOXES):
+            return now, 1.0
+        if not table[:, CUT].any():
+            return now, 0.0
+        left, scene = self._room(len(table), CUT), self.scene
+        self.call(narrow_supports, scene.shape, scene.frame, table, now, left)
+        return left, 0.0
+
+    def _room(self, count: int, column: int) -> Supports:
+        """Storage for the supports at the places from `column` on."""
+        kept = self._kept.get(column)
         if kept is None or len(kept.at) < count:
             kept = self._kept[column] = Supports.empty(count + count // 8, self.local)
-        supports = kept._replace(
+        return kept._replace(
             first=kept.first[:count], w=kept.w[:count], g=kept.g[:count], at=kept.at[:count]
         )
-        self.call(
-            find_supports, self.scene.shape, self.scene.frame, HALF, table, column, supports
-        )
-        return supports
 
 
 def in_order(vertices: StartVertices) -> StartVertices:

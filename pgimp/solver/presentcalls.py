@@ -12,6 +12,8 @@ from pgimp.kernels.accumulated import solve_impulses
 from pgimp.kernels.answers import Responses, find_responses
 from pgimp.kernels.concepts import Forcing
 from pgimp.kernels.contact import Contact
+from pgimp.kernels.cutboxes import BOXES
+from pgimp.kernels.cutsupport import narrow_supports
 from pgimp.kernels.encounters import Encounters, find_encounters
 from pgimp.kernels.heldbooks import book_held
 from pgimp.kernels.holding import Holding
@@ -66,7 +68,11 @@ def calls(
     )
     numbers, boxes = np.empty((0, len(local)), np.int64), np.empty((0, 2, 3), np.int64)
     yield 1.0, lambda: find_shared(table, local, np.zeros(3, np.int64), boxes, present)
-    yield 1.0, lambda: sum_present(frame, table, supports, none, numbers, present)
+    yield 1.0, lambda: sum_present(
+        frame, table, supports, supports, 0.0, none, numbers, present
+    )
+    if isinstance(shape, BOXES):
+        yield 0.5, lambda: narrow_supports(shape, frame, table, supports, supports)
     yield 4.0, lambda: find_encounters(contact, frame, standing, walls, present, 1.0, encounters)
     yield 0.2, lambda: number_keys(none, room_for(0))
     yield 0.3, lambda: find_vertices(frame, table, supports, mirrors, 1, room_for(0))

@@ -173,7 +173,8 @@ class PresentMeetings:
         contact, call, frame = self._contact, self.call, self.scene.frame
         table, patches, present, start, vertices = near
         now, mirrors = self._particles.supports(table, PLACE), self._particles.mirrors
-        call(sum_present, frame, table, now, patches.patch, patches.numbers, present)
+        left = self._particles.left(table, now)
+        call(sum_present, frame, table, now, *left, patches.patch, patches.numbers, present)
         order = np.argsort(present.keys)
         present = present._replace(order=order[present.sums[order, HEAVY] > 0.0])
         capacity = 4 * len(present.keys)
