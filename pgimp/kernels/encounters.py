@@ -13,6 +13,7 @@ from pgimp.kernels.contact import (
     BEFORE,
     EXCESS,
     GAP_RATE,
+    NORMAL,
     NOW,
     OUTWARD,
     PART,
@@ -30,13 +31,19 @@ from pgimp.kernels.present import (
     HEAVY,
     MORE,
     OF_CUT,
+    WAY,
     WHOSE,
     number_of,
 )
+from pgimp.physics.contact import FRICTION
 
 #: Columns of `Encounters.ends`: for either end the number of its entry in `Present`, later of its
 #: row in `Responses`, or -1 - n for a rigid one, and its body; the entry of the law; the vertex.
 SUMS, BODIES, ENTRY, VERTEX, ENDS = 0, 2, 4, 5, 8
+
+#: Cells from a body's particles, along the normal, at which a vertex still tells how the body's
+#: surface moves. Beyond it would hold not that, but how the body strains.
+FARTHEST = 0.9
 
 #: Columns of `Encounters.rigid`: velocities of the first and the second end.
 RIGID = 6
@@ -110,13 +117,33 @@ def _load(contact, a, row, cell):
 
 
 @inner_kernel
-def _keep_pairs(contact, number, places, pairs, found, encounters):
+def _is_far(frame, row, normal):
+    """Whether a vertex is too far from the particles of a group to tell how their surface moves.
+
+    `row` are the group's sums there, `normal` has that of the pair.
+    """
+    way, cell = 0.0, 0.0
+    for d in range(len(frame.cell)):
+        way += normal[NORMAL + d] * row[WAY + d]
+        cell += (normal[NORMAL + d] * frame.cell[d]) ** 2
+    return way * way > FARTHEST**2 * cell * row[HEAVY] ** 2
+
+
+@inner_kernel
+def _keep_pairs(contact, frame, sums, number, places, pairs, found, encounters):
     """Keep the pairs that `find_pairs` has found at a vertex, as far as there is room.
 
-    `places` are the entries of the groups there; fields behind them are rigid. Returns how many
-    pairs there are by now, `found` before.
+    `places` are the entries of the groups there in `sums`; fields behind them are rigid. Returns
+    how many pairs there are by now, `found` before.
     """
     for k in range(pairs):
+        far = False
+        for side in range(2):
+            a = contact.ends[k, side]
+            if a < len(places) and contact.pairs.law[contact.ends[k, 2] - 1] == FRICTION:
+                far = far or _is_far(frame, sums[places[a]], contact.partners[k])
+        if far:
+            continue
         found += 1
         if found > len(encounters.ends):
             continue
@@ -214,7 +241,9 @@ def find_encounters(contact, frame, faces, walls, present, dt, encounters):
         tools = find_tools(contact, contact.tools, frame, number, sides, count, True)
         if count + tools > 1:
             pairs = find_pairs(contact, frame, sides, count + tools, tools, dt)
-            found = _keep_pairs(contact, number, places, pairs, found, encounters)
+            found = _keep_pairs(
+                contact, frame, sums, number, places, pairs, found, encounters
+            )
         for w in range(len(walls.rows)):
             for a in range(count):
                 on = (number[walls.rows[w, 0]] - walls.rows[w, 2]) == 0
@@ -224,6 +253,6 @@ def find_encounters(contact, frame, faces, walls, present, dt, encounters):
                 if pairs > 0:
                     contact.partners[0, GAP_RATE] /= dt
                     found = _keep_pairs(
-                        contact, number, places[a : a + 1], pairs, found, encounters
+                        contact, frame, sums, number, places[a : a + 1], pairs, found, encounters
                     )
     return found

@@ -18,7 +18,7 @@ from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.jit.tuples import read
 from pgimp.kernels.particles import FloatArray, IntArray
 from pgimp.kernels.place import deformation, first_vertex
-from pgimp.kernels.support import slope_at, weights_at
+from pgimp.kernels.support import slope_at, vertex_at, weights_at
 from pgimp.physics.shapes.base import size
 
 #: Columns of a particle near a meeting: present position and that of its weights, mass, volume,
@@ -31,8 +31,9 @@ PLACE, START, WEIGHS, VOLUME, OFFSET, BENT, CUT, BODY, GROUP, FIELD, BEGUN, HALF
 NEAR = 32
 
 #: Columns of a group's sums at a vertex: mass, volume, surface, the offset's correction of the
-#: volume, the curvature's share of the gap and the number in its mean, body.
-HEAVY, FILLS, FACES, MORE, CURVED, OF_CUT, WHOSE, SUMMED = 0, 1, 2, 5, 6, 7, 8, 9
+#: volume, the curvature's share of the gap and the number in its mean, body; way to the centre of
+#: mass, times the mass.
+HEAVY, FILLS, FACES, MORE, CURVED, OF_CUT, WHOSE, WAY, SUMMED = 0, 1, 2, 5, 6, 7, 8, 9, 12
 
 
 class Present(NamedTuple):
@@ -142,6 +143,10 @@ def sum_present(frame, table, supports, left, linear, patch, numbers, present):
             sums[n, HEAVY] += row[WEIGHS] * S
             sums[n, CURVED] += row[BENT] * S
             sums[n, OF_CUT] += row[CUT] * S
+            number = vertex_at(supports, i, q)
+            for d in range(D):
+                at = frame.origin[d] + (number[d] - frame.ghost) * frame.cell[d]
+                sums[n, WAY + d] += row[WEIGHS] * S * (row[PLACE + d] - at)
             x, y, z = weights_at(left, i, q)
             sums[n, FILLS] += row[VOLUME] * (x * y * z)
             for d in range(D):
