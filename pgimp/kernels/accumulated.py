@@ -3,164 +3,31 @@
 A vertex i of the domain's grid sees the velocity that the vertices j of a body's own grid, that of
 the start, give to the particles around it:
 
-    w_i = sum_j B_ij v_j,    B_ij = sum_p m_p S_ip S0_jp / sum_p m_p S_ip,
+    w_i = sum_j B_ij v_j,
 
-S being weights at present, S0 those of the start. A body in the current configuration has vertex i
-itself, B_ij = 1 for j = i. An impulse J_i changes v_j by B_ij J_i/m_j: it
-changes the body's power by J_i . w_i, so that momentum is conserved exactly, and angular momentum
-up to the difference between the two grids. An impulse also moves its neighbours, the more so as
-the two weights smooth it. So impulses are found together: sweeps over all pairs that may meet, each
-with the true response sum_j B_ij^2/m_j, in which impulses accumulate and the law holds for the
-accumulated ones (projected Gauss-Seidel). All ranks do the same sweeps, with the same bits.
+with B from weights at present and those of the start (`pgimp.kernels.answers`). A body in the
+current configuration has vertex i itself, B_ij = 1 for j = i. An impulse J_i changes v_j by
+B_ij J_i/m_j: it changes the body's power by J_i . w_i, so that momentum is conserved exactly, and
+angular momentum up to the difference between the two grids. An impulse also moves its neighbours,
+the more so as the two weights smooth it. So impulses are found together: sweeps over all pairs that
+may meet, each with the true response sum_j B_ij^2/m_j, in which impulses accumulate and the law
+holds for the accumulated ones (projected Gauss-Seidel). All ranks do the same sweeps, with the same
+bits.
 """
 
-from typing import NamedTuple
-
-import numpy as np
-
-from pgimp.jit.kernel import allocating_kernel, inner_kernel, kernel, specialise
+from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.kernels.contact import BILATERAL, MOBILITY, NORMAL, NOW, PUSH, SLIP, WEIGHT
 from pgimp.kernels.contactlaw import exchange
 from pgimp.kernels.encounters import BODIES, ENTRY, SUMS, VERTEX, copy
-from pgimp.kernels.particles import FloatArray, IntArray
-from pgimp.kernels.present import BEGUN, HEAVY, WEIGHS
 from pgimp.kernels.rigidends import load_rigid, push_rigid
-from pgimp.kernels.startgrid import LOST, MOVES, YIELDS, reflection
-from pgimp.kernels.support import vertex_at, weights_at
-
-#: Least part of the squares of a row of B at free vertices. Below it the few free ones would have
-#: to compensate for the others, which are prescribed, at many times the speed.
-LEAST_FREE = 0.25
-
-
-class Responses(NamedTuple):
-    """Responses of the vertices of the start to impulses: the rows of B for the encounters.
-
-    Attributes
-    ----------
-    row_of : (m,) int64
-        The row of each entry of `Present`; -1 without.
-    start : (rows + 1,) int64
-        Where each row begins.
-    column : (k,) int64
-        Numbers of vertices of the start.
-    entry : (k, 3) float64
-        The entries of B, by component: a mirror turns that across it round.
-    answer : (rows, 3) float64
-        sum_j B_ij^2/m_j, by component, without vertices that are held, see `LEAST_FREE`.
-    """
-
-    row_of: IntArray
-    start: IntArray
-    column: IntArray
-    entry: FloatArray
-    answer: FloatArray
+from pgimp.kernels.startgrid import LOST, MOVES, YIELDS
 
 
 @inner_kernel
-def _answer(column, entry, first, last, values, part, free):
-    """Sum of B_ij^2/m_j over a row's free vertices; 0 if nearly all of it is held."""
-    found, gives, every = 0.0, 0.0, 0.0
-    for k in range(first, last):
-        square = entry[k, part] ** 2
-        found += square * values[column[k], free]
-        every += square
-        if values[column[k], free] != 0.0:
-            gives += square
-    return found if gives >= LEAST_FREE * every else 0.0
-
-
-@allocating_kernel
-def find_responses(table, now, before, mirrors, encounters, sums, values):
-    """Find the rows of B for the encounters.
-
-    Parameters
-    ----------
-    table : (n, NEAR) float64
-        The particles.
-    now, before : Supports
-        Theirs, at their present places and at those of the start.
-    mirrors
-        As of `take_vertices`.
-    encounters : Encounters
-        The pairs.
-    sums : (m, SUMMED) float64
-        See `Present`.
-    values : (k, STARTED) float64
-        See `StartVertices`.
-
-    Returns
-    -------
-    Responses
-    """
-    ends, at, at0 = encounters.ends, now.at, before.at
-    row_of = np.full(len(sums), -1, np.int64)
-    slots = np.empty(2 * len(ends), np.int64)
-    rows = 0
-    for k in range(len(ends)):
-        for side in range(2):
-            s = ends[k, SUMS + side]
-            if s >= 0 and row_of[s] < 0:
-                row_of[s], slots[rows] = rows, s
-                rows += 1
-    # The particles of each row, in canonical order.
-    many = np.zeros(rows + 1, np.int64)
-    for i in range(len(table)):
-        for q in range(at.shape[1]):
-            if at[i, q] >= 0 and row_of[at[i, q]] >= 0:
-                many[row_of[at[i, q]] + 1] += 1
-    for r in range(rows):
-        many[r + 1] += many[r]
-    who, weight = np.empty(many[rows], np.int64), np.empty(many[rows])
-    place_in = np.empty(many[rows], np.int64)
-    filled = many[:rows].copy()
-    for i in range(len(table)):
-        for q in range(at.shape[1]):
-            if at[i, q] >= 0 and row_of[at[i, q]] >= 0:
-                r = row_of[at[i, q]]
-                x, y, z = weights_at(now, i, q)
-                who[filled[r]], weight[filled[r]], place_in[filled[r]] = i, x * y * z, q
-                filled[r] += 1
-    capacity = 64 * rows + at0.shape[1]
-    start = np.zeros(rows + 1, np.int64)
-    column, entry = np.empty(capacity, np.int64), np.empty((capacity, 3))
-    answer = np.zeros((rows, 3))
-    seen, place = np.full(len(values), -1, np.int64), np.empty(len(values), np.int64)
-    used = 0
-    for r in range(rows):
-        for k in range(many[r], many[r + 1]):
-            i = who[k]
-            if used + at0.shape[1] > capacity:
-                capacity *= 2
-                longer, more = np.empty(capacity, np.int64), np.empty((capacity, 3))
-                longer[:used], more[:used] = column[:used], entry[:used]
-                column, entry = longer, more
-            part = table[i, WEIGHS] * weight[k] / sums[slots[r], HEAVY]
-            moves = table[i, BEGUN] == 0.0  # its own grid is the present one
-            for q in range(at0.shape[1]):
-                j = at0[i, q]
-                if j < 0 or (moves and q != place_in[k]):
-                    continue
-                if seen[j] != r:
-                    seen[j], place[j] = r, used
-                    column[used], entry[used, :] = j, 0.0
-                    used += 1
-                x, y, z = weights_at(before, i, q)
-                share = part if moves else part * x * y * z
-                number = vertex_at(before, i, q)
-                for d in range(3):
-                    entry[place[j], d] += share * reflection(mirrors, number, d)
-        start[r + 1] = used
-        for d in range(3):
-            answer[r, d] = _answer(column, entry, start[r], used, values, d, YIELDS + d)
-    return Responses(row_of, start, column[:used], entry[:used], answer)
-
-
-@inner_kernel
-def _see(contact, a, s, responses, values):
-    """Load velocity, mass and mobility of an end of a pair that is not rigid as field `a`."""
+def _see(contact, a, r, responses, values):
+    """Load velocity, mass and mobility of an end of a pair, with row `r`, as field `a`."""
     row = contact.fields[a]
-    r, start, entry = responses.row_of[s], responses.start, responses.entry
+    start, entry = responses.start, responses.entry
     u, v, w, most = 0.0, 0.0, 0.0, 0.0
     for k in range(start[r], start[r + 1]):
         one = values[responses.column[k]]
@@ -197,9 +64,9 @@ def _take_up_pair(contact, frame, encounters, k, responses, values):
 
 
 @inner_kernel
-def _give(s, J, sign, responses, values):
-    """Apply an impulse to the vertices that make up an end of a pair that is not rigid."""
-    r, start, entry = responses.row_of[s], responses.start, responses.entry
+def _give(r, J, sign, responses, values):
+    """Apply an impulse to the vertices that make up an end of a pair, with row `r`."""
+    start, entry = responses.start, responses.entry
     for k in range(start[r], start[r + 1]):
         one = values[responses.column[k]]
         for d in range(3):

@@ -21,14 +21,16 @@ from pgimp.physics.shapes.base import size
 from pgimp.physics.shapes.finite_gimp import FiniteGimpParameters
 from pgimp.physics.shapes.gimp import GimpParameters
 
+#: Shapes that are boxes.
+BOXES = GimpParameters | FiniteGimpParameters
+
 #: Least half-width of a cut box, in cells.
 LEAST = 1e-4
 
 
 def volume_sums(shape: Any) -> VolumeSums:
     """Sums of volumes for particles of a shape, given by its parameters."""
-    boxes = isinstance(shape, GimpParameters | FiniteGimpParameters)
-    return VolumeSums() if boxes else VolumeSums(gradient=1.0)
+    return VolumeSums() if isinstance(shape, BOXES) else VolumeSums(gradient=1.0)
 
 
 def summed_supports(loads, shape, frame, window, particles, rows, layer, buffer):
@@ -65,7 +67,7 @@ def _narrow_along(shape, frame, buffer, d, half, x, offset, vertex):
     def last(shape, frame, buffer, d, half, x, offset, vertex):
         inverse = frame.inverse[d]
         f = (x[0] + offset[0] - frame.origin[d]) * inverse - (vertex - frame.ghost)
-        w, g = _weights(shape, max(half[0] - abs(offset[0]) * inverse, LEAST), f)
+        w, g = cut_weights(shape, max(half[0] - abs(offset[0]) * inverse, LEAST), f)
         keep_support(buffer, d, w, scaled(inverse, g))
 
     def more(shape, frame, buffer, d, half, x, offset, vertex):
@@ -76,14 +78,14 @@ def _narrow_along(shape, frame, buffer, d, half, x, offset, vertex):
     return last if len(x) == 1 else more
 
 
-def _weights(shape, half, f):
+def cut_weights(shape, half, f):
     """Weights and gradients of boxes, also of those without weight on the first vertex.
 
     As those of `finite-gimp`.
     """
 
 
-@specialise(_weights)
+@specialise(cut_weights)
 def _weights_of(shape, half, f):
     def three(shape, half, f):
         t, u = max(1.0 + half - f, 0.0), max(1.0 - half - f, 0.0)

@@ -4,7 +4,7 @@ For bodies in the initial configuration, whose sums at the vertices are in `pgim
 """
 
 from math import inf
-from typing import NamedTuple, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from pgimp.kernels.contact import (
     BEFORE,
     EXCESS,
     GAP_RATE,
+    NORMAL,
     NOW,
     OUTWARD,
     PART,
@@ -30,26 +31,22 @@ from pgimp.kernels.present import (
     HEAVY,
     MORE,
     OF_CUT,
+    WAY,
     WHOSE,
-    entry_of,
-    key_of,
     number_of,
 )
 from pgimp.physics.contact import FRICTION
 
-#: Columns of `Encounters.ends`: for either end the number of its entry in `Present`, or -1 - n for
-#: a rigid one, and its body; the entry of the law; the vertex.
+#: Columns of `Encounters.ends`: for either end the number of its entry in `Present`, later of its
+#: row in `Responses`, or -1 - n for a rigid one, and its body; the entry of the law; the vertex.
 SUMS, BODIES, ENTRY, VERTEX, ENDS = 0, 2, 4, 5, 8
+
+#: Cells from a body's particles, along the normal, at which a vertex still tells how the body's
+#: surface moves. Beyond it would hold not that, but how the body strains.
+FARTHEST = 0.9
 
 #: Columns of `Encounters.rigid`: velocities of the first and the second end.
 RIGID = 6
-
-#: Least part of a vertex's neighbourhood that either body must fill, or a rigid one. A vertex
-#: averages over the particles around it: a deeper one would hold the body below its surface, and
-#: make it stiff there. Near any surface a vertex remains: with the distances s and 1 - s in cells
-#: of two, (1 - s)^2/2 is filled. Of a body that fills so little at all vertices around, a drop or a
-#: skin, none would remain: there its vertices count as they are.
-LEAST_BEFORE, LEAST_RIGID = 0.1, 0.3
 
 
 class Encounters(NamedTuple):
@@ -76,9 +73,9 @@ class Encounters(NamedTuple):
             np.empty((count, ENDS), np.int64), np.empty((count, PARTNERS)), np.empty((count, RIGID))
         )
 
-    def between(self, begin: int, end: int) -> Self:
-        """Return those from `begin` on, before `end`."""
-        return type(self)(self.ends[begin:end], self.partners[begin:end], self.rigid[begin:end])
+    def chosen(self, which: Any) -> Self:
+        """Return some of them, by places or a slice."""
+        return type(self)(self.ends[which], self.partners[which], self.rigid[which])
 
 
 class SeparatingWalls(NamedTuple):
@@ -97,43 +94,6 @@ class SeparatingWalls(NamedTuple):
     first: int
     rows: IntArray
     faces: IntArray
-
-
-@inner_kernel
-def _fills_more(near, number, entry):
-    """Whether a group fills `LEAST_BEFORE` of a neighbour of a vertex, at which it has an `entry`.
-
-    `near` is what is there, see `Present`, the walls at rest, the frame, and a cell's volume.
-    """
-    present, faces, frame, whole = near
-    group = present.keys[entry] % present.groups
-    for n in range(27):
-        there = (number[0] + n // 9 - 1, number[1] + n // 3 % 3 - 1, number[2] + n % 3 - 1)
-        inside = True
-        for d in range(3):
-            inside = inside and 0 <= there[d] - present.low[d] < present.extent[d]
-        found = entry_of(present, key_of(present, there, group)) if inside else -1
-        if found >= 0:
-            row = present.sums[found]
-            cell = whole * 0.5 ** on_walls(faces, frame, there)
-            if row[FILLS] + row[MORE] >= LEAST_BEFORE * cell:
-                return True
-    return False
-
-
-@inner_kernel
-def _is_close(contact, near, number, places, ends):
-    """Whether a vertex is close enough to the surfaces of two bodies to represent their motion."""
-    for side in range(1, -1, -1):
-        end = contact.fields[ends[side]]
-        if end[WEIGHT] == inf:
-            return end[PART] >= LEAST_RIGID
-    for side in range(2):
-        a = ends[side]
-        if contact.fields[a, PART] < LEAST_BEFORE:
-            if _fills_more(near, number, places[a]):
-                return False
-    return True
 
 
 @inner_kernel
@@ -157,27 +117,35 @@ def _load(contact, a, row, cell):
 
 
 @inner_kernel
-def _keep_pairs(contact, near, number, places, pairs, found, deep, encounters):
+def _is_far(frame, row, normal):
+    """Whether a vertex is too far from the particles of a group to tell how their surface moves.
+
+    `row` are the group's sums there, `normal` has that of the pair.
+    """
+    way, cell = 0.0, 0.0
+    for d in range(len(frame.cell)):
+        way += normal[NORMAL + d] * row[WAY + d]
+        cell += (normal[NORMAL + d] * frame.cell[d]) ** 2
+    return way * way > FARTHEST**2 * cell * row[HEAVY] ** 2
+
+
+@inner_kernel
+def _keep_pairs(contact, frame, sums, number, places, pairs, found, encounters):
     """Keep the pairs that `find_pairs` has found at a vertex, as far as there is room.
 
-    `places` are the entries of the groups there; fields behind them are rigid; `near` is as of
-    `_fills_more`. Returns how many are kept, and how many lie too deep.
+    `places` are the entries of the groups there in `sums`; fields behind them are rigid. Returns
+    how many pairs there are by now, `found` before.
     """
     for k in range(pairs):
-        one, other = contact.ends[k, 0], contact.ends[k, 1]
-        if contact.pairs.law[contact.ends[k, 2] - 1] == FRICTION:
-            if not _is_close(contact, near, number, places, contact.ends[k]):
-                deep += 1
-                if found + deep <= len(encounters.ends):
-                    end = encounters.ends[-deep]
-                    copy(encounters.partners[-deep], contact.partners[k])
-                    end[ENTRY] = contact.ends[k, 2]
-                    for d in range(3):
-                        end[VERTEX + d] = number[d]
-                    end[BODIES], end[BODIES + 1] = contact.bodies[one], contact.bodies[other]
-                continue
+        far = False
+        for side in range(2):
+            a = contact.ends[k, side]
+            if a < len(places) and contact.pairs.law[contact.ends[k, 2] - 1] == FRICTION:
+                far = far or _is_far(frame, sums[places[a]], contact.partners[k])
+        if far:
+            continue
         found += 1
-        if found + deep > len(encounters.ends):
+        if found > len(encounters.ends):
             continue
         end, rigid = encounters.ends[found - 1], encounters.rigid[found - 1]
         copy(encounters.partners[found - 1], contact.partners[k])
@@ -192,7 +160,7 @@ def _keep_pairs(contact, near, number, places, pairs, found, deep, encounters):
             if a >= len(places):
                 for d in range(3):
                     rigid[3 * side + d] = contact.fields[a, NOW + d]
-    return found, deep
+    return found
 
 
 def _past_another(faces, axis, frame, number):
@@ -249,20 +217,18 @@ def find_encounters(contact, frame, faces, walls, present, dt, encounters):
     present : Present
         The groups' sums at the vertices.
     encounters : Encounters
-        Filled with the pairs. At its end are those that lie too deep to act, the last one first:
-        only their bodies, law, vertex, area and normal.
+        Filled with the pairs.
 
     Returns
     -------
-    int, int
-        Number of pairs, and of those too deep; those beyond the capacity are not kept.
+    int
+        Number of pairs; those beyond the capacity are not kept.
     """
     keys, order, sums = present.keys, present.order, present.sums
-    found, deep, i = 0, 0, 0
+    found, i = 0, 0
     whole = 1.0
     for d in range(len(frame.cell)):
         whole *= frame.cell[d]
-    near = (present, faces, frame, whole)
     while i < len(order):
         begin, vertex = i, keys[order[i]] // present.groups
         while i < len(order) and keys[order[i]] // present.groups == vertex:
@@ -275,8 +241,8 @@ def find_encounters(contact, frame, faces, walls, present, dt, encounters):
         tools = find_tools(contact, contact.tools, frame, number, sides, count, True)
         if count + tools > 1:
             pairs = find_pairs(contact, frame, sides, count + tools, tools, dt)
-            found, deep = _keep_pairs(
-                contact, near, number, places, pairs, found, deep, encounters
+            found = _keep_pairs(
+                contact, frame, sums, number, places, pairs, found, encounters
             )
         for w in range(len(walls.rows)):
             for a in range(count):
@@ -286,7 +252,7 @@ def find_encounters(contact, frame, faces, walls, present, dt, encounters):
                 pairs = _wall_pair(contact, frame, faces, walls, w, number, sides, half)
                 if pairs > 0:
                     contact.partners[0, GAP_RATE] /= dt
-                    found, deep = _keep_pairs(
-                        contact, near, number, places[a : a + 1], pairs, found, deep, encounters
+                    found = _keep_pairs(
+                        contact, frame, sums, number, places[a : a + 1], pairs, found, encounters
                     )
-    return found, deep
+    return found

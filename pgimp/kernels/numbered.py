@@ -5,9 +5,18 @@ import numpy as np
 from pgimp.jit.kernel import inner_kernel, kernel
 
 
+@kernel
+def room_size(count):
+    """Places in a table for `count` keys."""
+    size = 16
+    while size <= 2 * count:
+        size *= 2
+    return size
+
+
 def room_for(count: int) -> np.ndarray:
     """Make an empty table for `count` keys: (a power of two, 2) int64, key and number."""
-    return np.full((1 << max(4, int(2 * count).bit_length()), 2), -1, np.int64)
+    return np.full((room_size(count), 2), -1, np.int64)
 
 
 @inner_kernel
@@ -27,3 +36,12 @@ def number_keys(keys, hashes):
         at = slot(hashes, keys[i])
         if hashes[at, 0] < 0:
             hashes[at, 0], hashes[at, 1] = keys[i], i
+
+
+@inner_kernel
+def number_of_key(hashes, key, found):
+    """Number of a key, which is entered as number `found` if it is new."""
+    at = slot(hashes, key)
+    if hashes[at, 0] < 0:
+        hashes[at, 0], hashes[at, 1] = key, found
+    return hashes[at, 1]

@@ -6,32 +6,34 @@ the vertices of the domain's grid: part filled, surface, and gap follow as they 
 the current configuration (`pgimp.kernels.contact`). Pairs at such a vertex are in
 `pgimp.kernels.encounters`, responses to impulses there in `pgimp.kernels.accumulated`.
 
-A vertex has a number for each *group* of bodies that are bonded; those of all vertices with mass
-are found by a hash table, so that memory does not grow with their distances.
+A vertex has a number for each *group* of bodies that are bonded; those of the vertices that are
+shared are found by hash tables (`pgimp.kernels.shared`), so that memory does not grow with their
+distances.
 """
 
 from typing import NamedTuple
 
-from pgimp.jit.algebra import determinant
+from pgimp.jit.algebra import determinant, inverse
 from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.jit.tuples import read
-from pgimp.kernels.numbered import slot
 from pgimp.kernels.particles import FloatArray, IntArray
-from pgimp.kernels.place import deformation
+from pgimp.kernels.place import deformation, first_vertex
 from pgimp.kernels.support import slope_at, vertex_at, weights_at
 from pgimp.physics.shapes.base import size
 
 #: Columns of a particle near a meeting: present position and that of its weights, mass, volume,
 #: offset of the volume's centroid, the curvature's share of the gap, whether it is cut, body,
-#: group, field, whether its weights are those of the start, and its half-widths in cells.
-PLACE, START, WEIGHS, VOLUME, OFFSET, BENT, CUT, BODY, GROUP, FIELD, BEGUN, HALF = (
-    0, 3, 6, 7, 8, 11, 12, 13, 14, 15, 16, 17,
+#: group, field, whether its weights are those of the start, its half-widths in cells, the inverse
+#: of its deformation gradient, and the first vertex of its present support.
+PLACE, START, WEIGHS, VOLUME, OFFSET, BENT, CUT, BODY, GROUP, FIELD, BEGUN, HALF, BACK, FIRST = (
+    0, 3, 6, 7, 8, 11, 12, 13, 14, 15, 16, 17, 20, 29,
 )  # fmt: skip
-NEAR = 20
+NEAR = 32
 
 #: Columns of a group's sums at a vertex: mass, volume, surface, the offset's correction of the
-#: volume, the curvature's share of the gap and the number in its mean, body.
-HEAVY, FILLS, FACES, MORE, CURVED, OF_CUT, WHOSE, SUMMED = 0, 1, 2, 5, 6, 7, 8, 9
+#: volume, the curvature's share of the gap and the number in its mean, body; way to the centre of
+#: mass, times the mass.
+HEAVY, FILLS, FACES, MORE, CURVED, OF_CUT, WHOSE, WAY, SUMMED = 0, 1, 2, 5, 6, 7, 8, 9, 12
 
 
 class Present(NamedTuple):
@@ -47,8 +49,8 @@ class Present(NamedTuple):
         Keys of the entries; in the order of x, y, z, group if sorted.
     sums : (m, SUMMED) float64
         The sums.
-    order : (m,) int64
-        The numbers of the entries, so that keys ascend.
+    order : (n,) int64
+        The numbers of the entries with mass, so that keys ascend.
     """
 
     low: IntArray
@@ -65,21 +67,6 @@ def key_of(present, number, group):
     low, extent = present.low, present.extent
     key = (number[0] - low[0]) * extent[1] + number[1] - low[1]
     return (key * extent[2] + number[2] - low[2]) * present.groups + group
-
-
-@inner_kernel
-def entry_of(present, key):
-    """Number of the entry with a key, -1 if there is none."""
-    low, high = 0, len(present.order)
-    while low < high:
-        middle = (low + high) // 2
-        if present.keys[present.order[middle]] < key:
-            low = middle + 1
-        else:
-            high = middle
-    if low < len(present.order) and present.keys[present.order[low]] == key:
-        return present.order[low]
-    return -1
 
 
 @inner_kernel
@@ -109,10 +96,15 @@ def take_near(setting, particles, rows, groups, fields, begun, table):
         for d in range(D):
             row[PLACE + d], row[START + d] = x[d], X[d] if row[BEGUN] else x[d]
             row[HALF + d] = half[d]
+            row[FIRST + d] = first_vertex(frame, d, half[d], x[d])
             for e in range(D):
                 row[OFFSET + d] += F[D * d + e] * own[e]
             if own[d] != 0.0:
                 row[CUT] = 1.0
+        back = inverse(F)
+        for d in range(D):
+            for e in range(D):
+                row[BACK + 3 * d + e] = back[D * d + e]
         body = particles.body[p]
         row[WEIGHS], row[VOLUME] = particles.m[p], particles.V0[p] * determinant(F)
         row[BENT], row[BODY] = particles.excess[p, 0], body
@@ -120,49 +112,44 @@ def take_near(setting, particles, rows, groups, fields, begun, table):
 
 
 @kernel
-def sum_present(frame, table, supports, hashes, present):
+def sum_present(frame, table, supports, left, linear, patch, numbers, present):
     """Sum particles into the vertices at their present places, by group.
 
     Parameters
     ----------
     table, supports
         The particles, and their supports, of which `at` is set.
-    hashes
-        Scratch for the numbers of the keys.
+    left : Supports
+        Of what is left of cut particles, for the sums of volumes.
+    linear : float
+        1 where these are the whole ones, and their change over the offset counts, else 0.
+    patch, numbers
+        See `pgimp.kernels.shared.Patches`.
     present : Present
-        Keys and sums are set; it must be large enough.
-
-    Returns
-    -------
-    int
-        How many entries there are.
+        With keys; the sums are set.
     """
-    found, D = 0, len(frame.origin)
+    D, sums = len(frame.origin), present.sums
+    sums[:, :] = 0.0
     for i in range(len(table)):
         row = table[i]
         for q in range(len(supports.local)):
             x, y, z = weights_at(supports, i, q)
-            S = x * y * z
-            supports.at[i, q] = -1
-            if S == 0.0:
+            S, n = x * y * z, numbers[patch[i], q]
+            supports.at[i, q] = n if S != 0.0 else -1
+            if n < 0 or S == 0.0:
                 continue
-            key = key_of(present, vertex_at(supports, i, q), int(row[GROUP]))
-            s = slot(hashes, key)
-            if hashes[s, 0] < 0:
-                hashes[s, 0], hashes[s, 1] = key, found
-                present.keys[found] = key
-                present.sums[found, :] = 0.0
-                present.sums[found, WHOSE] = row[BODY]
-                found += 1
-            n = hashes[s, 1]
-            supports.at[i, q] = n
-            one = present.sums[n]
-            one[HEAVY] += row[WEIGHS] * S
-            one[FILLS] += row[VOLUME] * S
-            one[CURVED] += row[BENT] * S
-            one[OF_CUT] += row[CUT] * S
+            if sums[n, HEAVY] == 0.0:
+                sums[n, WHOSE] = row[BODY]
+            sums[n, HEAVY] += row[WEIGHS] * S
+            sums[n, CURVED] += row[BENT] * S
+            sums[n, OF_CUT] += row[CUT] * S
+            number = vertex_at(supports, i, q)
             for d in range(D):
-                slope = slope_at(supports, i, q, d) * (frame.inverse[d] * row[VOLUME])
-                one[FACES + d] += slope
-                one[MORE] += slope * row[OFFSET + d]
-    return found
+                at = frame.origin[d] + (number[d] - frame.ghost) * frame.cell[d]
+                sums[n, WAY + d] += row[WEIGHS] * S * (row[PLACE + d] - at)
+            x, y, z = weights_at(left, i, q)
+            sums[n, FILLS] += row[VOLUME] * (x * y * z)
+            for d in range(D):
+                slope = slope_at(left, i, q, d) * (frame.inverse[d] * row[VOLUME])
+                sums[n, FACES + d] += slope
+                sums[n, MORE] += linear * (slope * row[OFFSET + d])

@@ -37,14 +37,14 @@ def _wall_of(end, walls):
 
 
 @inner_kernel
-def _book_areas(encounters, others, walls, ledger):
-    """Book the areas at vertices of `others` that do not press, where one beside them does.
+def _book_areas(encounters, walls, ledger):
+    """Book the areas at vertices that do not press, where one beside them does.
 
     A vertex weights its neighbourhood, so that an area is divided between the two planes of
     vertices next to it, of which one may transmit all of the pressure.
     """
-    for k in range(len(others.ends)):
-        end, row, axis = others.ends[k], others.partners[k], 0
+    for k in range(len(encounters.ends)):
+        end, row, axis = encounters.ends[k], encounters.partners[k], 0
         if row[PUSH] != 0.0 or _wall_of(end, walls) >= 0:
             continue
         for d in range(1, 3):
@@ -60,18 +60,15 @@ def _book_areas(encounters, others, walls, ledger):
 
 
 @kernel
-def book_contacts(contact, free, encounters, deep, responses, values, walls, ledger):
+def book_contacts(contact, free, encounters, responses, values, walls, ledger):
     """Book the exchanged impulses, in the first plane of the grid, whose owner calls this.
 
     Parameters
     ----------
-    deep : Encounters
-        The pairs that lie too deep to act, see `find_encounters`.
     walls : SeparatingWalls
         Their impulses are booked as the faces'.
     """
-    _book_areas(encounters, deep, walls, ledger)
-    _book_areas(encounters, encounters, walls, ledger)
+    _book_areas(encounters, walls, ledger)
     for k in range(len(encounters.ends)):
         end, row = encounters.ends[k], encounters.partners[k]
         wall = _wall_of(end, walls)

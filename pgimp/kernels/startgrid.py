@@ -6,10 +6,12 @@ same on all ranks.
 
 from typing import NamedTuple
 
-from pgimp.jit.kernel import inner_kernel, kernel
+import numpy as np
+
+from pgimp.jit.kernel import allocating_kernel, inner_kernel, kernel
 from pgimp.kernels.fields import field_count, field_size
 from pgimp.kernels.holding import held_velocity
-from pgimp.kernels.numbered import slot
+from pgimp.kernels.numbered import number_of_key, room_size, slot
 from pgimp.kernels.particles import FloatArray, IntArray
 from pgimp.kernels.present import FIELD
 from pgimp.kernels.record import ACCELERATION, MASS, RECORD, VELOCITY
@@ -149,9 +151,11 @@ def take_vertices(holding, field, table, supports, mirrors, seen, vertices):
     return found
 
 
-@kernel
+@allocating_kernel
 def find_vertices(frame, table, supports, mirrors, fields, hashes):
     """Set the numbers of the vertices of supports at the start.
+
+    Particles with the same first vertex have the same vertices: their numbers are found once.
 
     Parameters
     ----------
@@ -162,15 +166,24 @@ def find_vertices(frame, table, supports, mirrors, fields, hashes):
     hashes
         The numbers of the vertices' keys.
     """
-    across = _across(frame)
+    across, patch_of, patches = _across(frame), np.empty(len(table), np.int64), 0
+    known = np.full((room_size(len(table)), 2), -1, np.int64)
     for i in range(len(table)):
-        field = int(table[i, FIELD])
+        first = supports.first[i]
+        key = _key(across, (first[0], first[1], first[2]), fields, int(table[i, FIELD]))
+        patch_of[i] = number_of_key(known, key, patches)
+        patches = max(patches, patch_of[i] + 1)
+    numbers = np.full((patches, len(supports.local)), -1, np.int64)
+    for i in range(len(table)):
+        patch = patch_of[i]
         for q in range(len(supports.local)):
             supports.at[i, q] = -1
             if _has_weight(supports, i, q):
-                number = image_of(mirrors, vertex_at(supports, i, q))
-                key = _key(across, number, fields, field)
-                supports.at[i, q] = hashes[slot(hashes, key), 1]
+                if numbers[patch, q] < 0:
+                    number = image_of(mirrors, vertex_at(supports, i, q))
+                    key = _key(across, number, fields, int(table[i, FIELD]))
+                    numbers[patch, q] = hashes[slot(hashes, key), 1]
+                supports.at[i, q] = numbers[patch, q]
 
 
 @inner_kernel

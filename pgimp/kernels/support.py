@@ -75,18 +75,18 @@ def slope_at(supports, i, q, d):
     return slope
 
 
-def _keep(out, i, values):
+def keep_values(out, i, values):
     """Set `out[i]`, `out[i + 1]`, ... to a tuple of numbers."""
 
 
-@specialise(_keep)
+@specialise(keep_values)
 def _keep_all(out, i, values):
     if len(values) == 0:
         return lambda out, i, values: None
 
     def keep(out, i, values):
         out[i] = values[0]
-        _keep(out, i + 1, values[1:])
+        keep_values(out, i + 1, values[1:])
 
     return keep
 
@@ -105,8 +105,8 @@ def _support_along(shape, frame, half, x, supports, i, d, like):
         f = (x[d] - frame.origin[d]) * frame.inverse[d] - (first - frame.ghost)
         values, slopes = weights(shape, half[d], f)
         supports.first[i, d] = first
-        _keep(supports.w[i, d], 0, values)
-        _keep(supports.g[i, d], 0, slopes)
+        keep_values(supports.w[i, d], 0, values)
+        keep_values(supports.g[i, d], 0, slopes)
         _support(shape, frame, half, x, supports, i, d + 1, like[1:])
 
     return along

@@ -84,7 +84,7 @@ class Approach:
 
     def follow(
         self, population: Population, groups: np.ndarray, tools: Any, t: Step, rate: float = 0.0
-    ) -> None:
+    ) -> bool:
         """Search all particles in a step, if some may have come near by then; collective.
 
         Parameters
@@ -99,6 +99,11 @@ class Approach:
             The step.
         rate : float
             Cells that rigid bodies that move freely cross in a unit of time.
+
+        Returns
+        -------
+        bool
+            Whether they were searched.
         """
         looked = self._pause == 0
         if looked:
@@ -106,6 +111,7 @@ class Approach:
         self._pause -= 1
         if looked or self.scene.mixed:  # others keep their places
             self._select(population, groups)
+        return looked
 
     def _look(
         self, population: Population, groups: np.ndarray, tools: Any, t: Step, rate: float

@@ -8,9 +8,12 @@ from typing import Any
 import numpy as np
 
 from pgimp.decomposition.grid import Grid
-from pgimp.kernels.accumulated import Responses, find_responses, solve_impulses
+from pgimp.kernels.accumulated import solve_impulses
+from pgimp.kernels.answers import Responses, find_responses
 from pgimp.kernels.concepts import Forcing
 from pgimp.kernels.contact import Contact
+from pgimp.kernels.cutboxes import BOXES
+from pgimp.kernels.cutsupport import narrow_supports
 from pgimp.kernels.encounters import Encounters, find_encounters
 from pgimp.kernels.heldbooks import book_held
 from pgimp.kernels.holding import Holding
@@ -19,6 +22,7 @@ from pgimp.kernels.nearby import find_near, mark_blocks
 from pgimp.kernels.numbered import number_keys, room_for
 from pgimp.kernels.present import HALF, NEAR, PLACE, SUMMED, Present, sum_present, take_near
 from pgimp.kernels.presentbooks import book_contacts
+from pgimp.kernels.shared import find_shared
 from pgimp.kernels.startgrid import (
     STARTED,
     Seen,
@@ -32,7 +36,8 @@ from pgimp.mpi.node import Call
 from pgimp.scene.scene import Scene
 from pgimp.solver.approach import no_regions
 from pgimp.solver.bonds import separating_walls, with_walls
-from pgimp.solver.presentmeetings import ENOUGH, mirrors_of, nothing_held, plain
+from pgimp.solver.nearparticles import mirrors_of, plain
+from pgimp.solver.presentmeetings import ENOUGH, nothing_held
 
 
 def calls(
@@ -51,7 +56,7 @@ def calls(
     table, supports = np.empty((0, NEAR)), Supports.empty(0, local)
     vertices, encounters = StartVertices(none, np.empty((0, STARTED))), Encounters.empty(0)
     present = Present(np.zeros(3, np.int64), none, 1, none, np.empty((0, SUMMED)), none)
-    rows = Responses(none, np.zeros(1, np.int64), none, np.empty((0, 3)), np.empty((0, 3)))
+    rows = Responses(np.zeros(1, np.int64), none, np.empty((0, 3)), np.empty((0, 3)))
     values = vertices.values
     regions, order = no_regions(scene.dimension), np.empty(0, np.int32)
     yield 0.3, lambda: mark_blocks(frame, particles, order, none, regions)
@@ -61,16 +66,22 @@ def calls(
     yield 3.0, lambda: take_vertices(
         holding, grid.field, table, supports, mirrors, Seen(none, 0), vertices
     )
-    yield 1.0, lambda: sum_present(frame, table, supports, room_for(0), present)
+    numbers, boxes = np.empty((0, len(local)), np.int64), np.empty((0, 2, 3), np.int64)
+    yield 1.0, lambda: find_shared(table, local, np.zeros(3, np.int64), boxes, present)
+    yield 1.0, lambda: sum_present(
+        frame, table, supports, supports, 0.0, none, numbers, present
+    )
+    if isinstance(shape, BOXES):
+        yield 0.5, lambda: narrow_supports(shape, frame, table, supports, supports)
     yield 4.0, lambda: find_encounters(contact, frame, standing, walls, present, 1.0, encounters)
     yield 0.2, lambda: number_keys(none, room_for(0))
     yield 0.3, lambda: find_vertices(frame, table, supports, mirrors, 1, room_for(0))
     yield 2.0, lambda: find_responses(
-        table, supports, supports, mirrors, encounters, present.sums, values
+        frame, table, supports, supports, mirrors, encounters, present.sums, values
     )
     yield 2.0, lambda: solve_impulses(contact, free, encounters, rows, values, 1, ENOUGH)
     yield 0.3, lambda: give_to_vertices(frame, grid.field, none, np.empty((0, 3)), 1.0)
     yield 1.0, lambda: book_held(holding, grid.field, vertices, ledger)
     yield 2.0, lambda: book_contacts(
-        contact, free, encounters, encounters, rows, values, walls, ledger
+        contact, free, encounters, rows, values, walls, ledger
     )

@@ -12,33 +12,31 @@ import numpy as np
 from pgimp.decomposition.grid import Grid
 from pgimp.decomposition.population import Population
 from pgimp.jit.bound import Bound
-from pgimp.kernels.accumulated import find_responses, solve_impulses
+from pgimp.kernels.accumulated import solve_impulses
+from pgimp.kernels.answers import Responses, find_responses
 from pgimp.kernels.boxes import grow_boxes
-from pgimp.kernels.concepts import Forcing, Setting
+from pgimp.kernels.concepts import Forcing
 from pgimp.kernels.contact import Contact
-from pgimp.kernels.encounters import Encounters, find_encounters
+from pgimp.kernels.encounters import SUMS, VERTEX, Encounters, find_encounters
 from pgimp.kernels.heldbooks import book_held
 from pgimp.kernels.holding import Holding
 from pgimp.kernels.ledger import CONTACT_AREA, Ledger
 from pgimp.kernels.numbered import number_keys, room_for
-from pgimp.kernels.present import HALF, NEAR, PLACE, START, SUMMED, Present, sum_present, take_near
+from pgimp.kernels.present import HEAVY, PLACE, sum_present
 from pgimp.kernels.presentbooks import book_contacts
 from pgimp.kernels.startgrid import (
     MOVES,
-    STARTED,
     YIELDS,
-    Seen,
     StartVertices,
     find_vertices,
     give_to_vertices,
-    take_vertices,
 )
-from pgimp.kernels.support import Supports, find_supports, local_vertices
 from pgimp.scene.scene import Scene
 from pgimp.solver.approach import Approach, reach
 from pgimp.solver.bonds import bonded, separating_walls, with_walls
 from pgimp.solver.clock import Step
 from pgimp.solver.freebodies import FreeBodies
+from pgimp.solver.nearparticles import Near, NearParticles, in_order
 
 #: The most sweeps over all pairs in a step, and the relative change of impulses that ends them. A
 #: hundred sweeps to 1e-4 find the same motion, but disks that meet then lose more.
@@ -51,9 +49,10 @@ TOGETHER = 200, 1e-6
 class PresentMeetings:
     """Contact of bodies in the initial configuration, on one rank.
 
-    Particles that are near something are gathered on all ranks, in canonical order, with the
-    vertices of their own grid. All ranks then find the same impulses and apply them to their own
-    vertices: nothing depends on the ranks, and no step needs more than one exchange.
+    Particles that are near something are copied to the ranks that have a share of the vertices
+    where these are now, in canonical order, with the vertices of their own grid. There pairs are
+    found, and their responses. These go to all ranks, which then find the same impulses and apply
+    them to their own vertices: nothing depends on the ranks.
 
     Parameters
     ----------
@@ -81,7 +80,6 @@ class PresentMeetings:
         self.groups = np.zeros(self.bodies, np.int64)
         self.sweeps = 0
         self._grouped = False
-        self._seen = Seen(np.empty(0, np.int64), 0)
         self.pairs, self._walls = with_walls(scene), separating_walls(scene)
         self._approach = Approach(scene, comm, self.pairs, self._walls)
         tools: Any = scene.tools.in_planes(1) if scene.tools else ()
@@ -91,8 +89,7 @@ class PresentMeetings:
         self.free = FreeBodies(scene, comm) if scene.tools.free else None
         self._accuracy = TOGETHER if self.free else (SWEEPS, ENOUGH)
         self._every_face = scene.standing_faces()
-        self._plain, self._mirrors = plain(scene), mirrors_of(scene)
-        self._local = local_vertices(scene.vertices, scene.dimension)
+        self._particles = NearParticles(scene, comm, tools, self._walls)
 
     def forget(self) -> None:
         """Search all particles again in the next step: they have changed, or their bodies have."""
@@ -114,6 +111,8 @@ class PresentMeetings:
         low, high = every[:, 0].min(axis=0), every[:, 1].max(axis=0)
         distance = 2.0 * reach(scene)
         self.fields, self.groups = bonded(self.pairs, low, high, distance, scene.begun)
+        self._particles.groups = self.groups
+        self._particles.fields = np.array(self.fields, np.int64)
         if max(self.fields) > 0 and self.fields != grid.fields:
             grid.fields = self.fields
             grid.store(grid.base)
@@ -134,127 +133,108 @@ class PresentMeetings:
         if free:
             free.begin(contact.tools, t, forcing.gravity)
         rate = free.rate if free else 0.0
-        self._approach.follow(population, self.groups, contact.tools, t, rate)
+        looked = self._approach.follow(population, self.groups, contact.tools, t, rate)
         if self._approach.any:
-            self._meet(grid, population, ledger, t, forcing, faces)
+            self._meet(grid, population, ledger, t, forcing, faces, looked)
         if free:
             free.end(contact.tools, t.dt)
 
     def _meet(
         self, grid: Grid, population: Population, ledger: Ledger, t: Step, forcing: Forcing,
-        faces: Any,
+        faces: Any, anew: bool,
     ) -> None:  # fmt: skip
-        """Exchange the impulses of what may be near something."""
+        """Exchange the impulses of what may be near something, of which shares are made `anew`."""
         scene, contact, call = self.scene, self._contact, self.call
         holding = Holding(faces, scene.frame, forcing, contact.unbooked)
-        table, vertices = self._gather(grid, population, holding)
-        before = vertices.values[:, MOVES:YIELDS].copy()
-        free = nothing_held(holding)
-        known = self._solve(table, vertices, free, t)
-        if known is None:
-            return
-        changes = vertices.values[:, MOVES:YIELDS] - before
-        call(give_to_vertices, scene.frame, grid.field, vertices.keys, changes, t.dt)
-        call(book_held, holding, grid.field, vertices, ledger)
-        if grid.slab.layers and grid.slab.lower is None:
-            call(book_contacts, contact, free, *known, vertices.values, self._walls, ledger)
-
-    def _gather(
-        self, grid: Grid, population: Population, holding: Holding
-    ) -> tuple[np.ndarray, StartVertices]:
-        """All ranks' particles near something, and the vertices of the start that these have."""
-        scene, call = self.scene, self.call
         rows = population.order[self._approach.near].astype(np.int64)
-        table, supports = np.empty((len(rows), NEAR)), self._supports(len(rows))
-        fields = np.array(self.fields or (0,) * self.bodies, np.int64)
-        call(
-            take_near, self._plain, population.particles, rows, self.groups, fields, scene.begun,
-            table,
-        )  # fmt: skip
-        call(find_supports, scene.shape, scene.frame, HALF, table, START, supports)
-        last, step = self._seen
-        if len(last) != len(grid.G) // 8:
-            last, step = np.full(len(grid.G) // 8, -1, np.int64), 0
-        self._seen = Seen(last, step + 1)
-        most = supports.at.size
-        mine = StartVertices(np.empty(most, np.int64), np.empty((most, STARTED)))
-        found = call(
-            take_vertices, holding, grid.field, table, supports, self._mirrors, self._seen, mine
-        )
-        parts = (table, mine.keys[:found].copy(), mine.values[:found].copy())
-        every = self.comm.allgather(parts)
-        table, keys, values = (np.concatenate(each) for each in zip(*every, strict=True))
-        return table, StartVertices(keys, values)
-
-    def _solve(self, table: np.ndarray, vertices: StartVertices, free: Holding, t: Step) -> Any:
-        """Find the impulses; `vertices` gets the velocities after them.
-
-        Returns the pairs, those that lie too deep to act, and the responses of the first; None
-        where nothing meets.
-        """
-        scene, contact, call = self.scene, self._contact, self.call
-        shape, frame = scene.shape, scene.frame
-        now, start = self._supports(len(table)), self._supports(len(table))
-        call(find_supports, shape, frame, HALF, table, PLACE, now)
-        present = self._sum(table, now)
-        capacity = 4 * len(present.keys)
-        while True:
-            encounters = Encounters.empty(capacity)
-            pairs, deep = call(
-                find_encounters, contact, frame, self._every_face, self._walls, present, t.dt,
-                encounters,
-            )  # fmt: skip
-            if pairs + deep <= capacity:
-                break
-            capacity = pairs + deep
-        if pairs == 0:
-            self.sweeps = 0
-            return None
-        deeper = encounters.between(capacity - deep, capacity)
-        encounters = encounters.between(0, pairs)
-        call(find_supports, shape, frame, HALF, table, START, start)
-        hashes, values = room_for(len(vertices.keys)), vertices.values
-        call(number_keys, vertices.keys, hashes)
-        mirrors, fields = self._mirrors, 1 + max(self.fields, default=0)
-        call(find_vertices, frame, table, start, mirrors, fields, hashes)
-        responses = call(
-            find_responses, table, now, start, mirrors, encounters, present.sums, values
-        )
+        near = self._particles.gather(grid, population.particles, rows, holding, anew)
+        encounters, responses = self._find(near, t)
+        vertices = near.vertices
+        if self.comm.size > 1:
+            encounters, responses, vertices = unite(self.comm, encounters, responses, vertices)
+        self.sweeps = 0
+        if len(encounters.ends) == 0:
+            return
+        values, free = vertices.values, nothing_held(holding)
+        before = values[:, MOVES:YIELDS].copy()
         self.sweeps = call(
             solve_impulses, contact, free, encounters, responses, values, *self._accuracy
         )
-        return encounters, deeper, responses
+        changes = values[:, MOVES:YIELDS] - before
+        call(give_to_vertices, scene.frame, grid.field, vertices.keys, changes, t.dt)
+        call(book_held, holding, grid.field, vertices, ledger)
+        if grid.slab.layers and grid.slab.lower is None:
+            call(
+                book_contacts, contact, free, encounters, responses, values, self._walls, ledger
+            )  # fmt: skip
 
-    def _sum(self, table: np.ndarray, now: Supports) -> Present:
-        """The groups' sums at the vertices; `now` are the particles' supports there."""
-        most, low = now.at.size, now.first.min(axis=0)
-        extent = now.first.max(axis=0) - low + self.scene.vertices
-        present = Present(
-            low, extent, 1 + int(self.groups.max()), np.empty(most, np.int64),
-            np.empty((most, SUMMED)), np.empty(0, np.int64),
+    def _find(self, near: Near, t: Step) -> tuple[Encounters, Responses]:
+        """Find the pairs of this rank's share, and their responses."""
+        contact, call, frame = self._contact, self.call, self.scene.frame
+        table, patches, present, start, vertices = near
+        now, mirrors = self._particles.supports(table, PLACE), self._particles.mirrors
+        left = self._particles.left(table, now)
+        call(sum_present, frame, table, now, *left, patches.patch, patches.numbers, present)
+        order = np.argsort(present.keys)
+        present = present._replace(order=order[present.sums[order, HEAVY] > 0.0])
+        capacity = 4 * len(present.keys)
+        while True:
+            encounters = Encounters.empty(capacity)
+            pairs = call(
+                find_encounters, contact, frame, self._every_face, self._walls, present, t.dt,
+                encounters,
+            )  # fmt: skip
+            if pairs <= capacity:
+                break
+            capacity = pairs
+        encounters = encounters.chosen(slice(pairs))
+        if pairs:
+            hashes = room_for(len(vertices.keys))
+            call(number_keys, vertices.keys, hashes)
+            fields = 1 + max(self.fields, default=0)
+            call(find_vertices, frame, table, start, mirrors, fields, hashes)
+        responses = call(
+            find_responses, frame, table, now, start, mirrors, encounters, present.sums,
+            vertices.values,
         )  # fmt: skip
-        found = self.call(sum_present, self.scene.frame, table, now, room_for(most), present)
-        keys, sums = present.keys[:found], present.sums[:found]
-        return present._replace(keys=keys, sums=sums, order=np.argsort(keys, kind="stable"))
-
-    def _supports(self, count: int) -> Supports:
-        """Storage for the supports of `count` particles."""
-        return Supports.empty(count, self._local)
+        return encounters, responses
 
 
-def plain(scene: Scene) -> Setting:
-    """The scene for kernels that take particles where they are, and need no materials."""
-    return scene.setting.without_materials()._replace(frame=scene.frame)
+def unite(
+    comm: Any, encounters: Encounters, responses: Responses, vertices: StartVertices
+) -> tuple[Encounters, Responses, StartVertices]:
+    """Pairs and responses of all ranks, in the order of vertices, and what they need; collective.
 
-
-def mirrors_of(scene: Scene) -> np.ndarray:
-    """Axis, side and vertex number of the walls that reflect, (n, 3) int64."""
-    frame = scene.frame
-    rows = [
-        (each.axis, each.side, frame.ghost + (each.side > 0) * frame.cells[each.axis])
-        for each in scene.mirrors
-    ]
-    return np.array(rows, np.int64).reshape(-1, 3)
+    Columns of the responses are then numbers of the vertices that are returned, and rows of the
+    pairs those of all responses.
+    """
+    used, new = np.unique(responses.column, return_inverse=True)
+    mine = StartVertices(vertices.keys[used], vertices.values[used])
+    every = comm.allgather((encounters, responses._replace(column=new), mine))
+    pairs, answers, known = zip(*every, strict=True)
+    keys = np.concatenate([each.keys for each in known])
+    union = in_order(StartVertices(keys, np.concatenate([each.values for each in known])))
+    rows = entries = 0
+    starts = [np.zeros(1, np.int64)]
+    columns = []
+    for (ends, _, _), answer, own in zip(pairs, answers, known, strict=True):
+        sides = ends[:, SUMS : SUMS + 2]
+        sides[sides >= 0] += rows
+        starts.append(answer.start[1:] + entries)
+        columns.append(np.searchsorted(union.keys, own.keys)[answer.column])
+        rows, entries = rows + len(answer.answer), entries + len(answer.column)
+    joined = Encounters(
+        np.concatenate([each.ends for each in pairs]),
+        np.concatenate([each.partners for each in pairs]),
+        np.concatenate([each.rigid for each in pairs]),
+    )
+    order = np.lexsort(joined.ends[:, VERTEX : VERTEX + 3].T[::-1])
+    responses = Responses(
+        np.concatenate(starts), np.concatenate(columns),
+        np.concatenate([each.entry for each in answers]),
+        np.concatenate([each.answer for each in answers]),
+    )  # fmt: skip
+    return joined.chosen(order), responses, union
 
 
 def nothing_held(holding: Holding) -> Holding:

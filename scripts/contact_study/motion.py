@@ -34,9 +34,9 @@ def box(low, high):
     return {"box": {"min": low, "max": high}}
 
 
-def run(case):
+def run(case, overrides=()):
     """First and last line of the history."""
-    simulation = pgimp.Simulation(case)
+    simulation = pgimp.Simulation(case, overrides=overrides)
     first = simulation.diagnostics()
     simulation.advance()
     return first, simulation.diagnostics()
@@ -64,9 +64,7 @@ def bars(cell):
 
 def disks(cell):
     """Sulsky's disks: energy lost when they have parted."""
-    with open(ROOT / "cases" / "disks.yaml", encoding="utf-8") as file:
-        case = pgimp.load(file.name, {"grid.cell": [cell, cell]})
-    first, last = run(case)
+    first, last = run(ROOT / "cases" / "disks.yaml", {"grid.cell": [cell, cell]})
     return 1.0 - energy(last) / energy(first)
 
 

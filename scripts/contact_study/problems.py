@@ -160,7 +160,7 @@ def ball(cell):
     """
     force, span = 72.276, 0.041312
     path = motion.ROOT / "cases" / "hertz.yaml"
-    simulation = pgimp.Simulation(pgimp.load(path, {"grid.cell": [cell] * 3}))
+    simulation = pgimp.Simulation(path, overrides={"grid.cell": [cell] * 3})
     first = simulation.diagnostics()
     lines = []
     while not simulation.finished:

@@ -19,9 +19,18 @@ PROBLEMS = {
         (("bars of 20 and 40 cells meet: rebound", "1", 0),),
         motion.bars, ((0.5,), (0.25,)),
     ),
+    "sulsky": (
+        (("Sulsky's disks, R = 5 and 10 cells: energy lost when they have parted", "0", 0),),
+        motion.disks, ((0.04,), (0.02,)),
+    ),
     "nairn": (
         (("NairnMPM's disks, R = 10 and 20 cells: energy lost", "0", 0),),
         problems.disks, ((1.0,), (0.5,)),
+    ),
+    "ball": (
+        (("cases/hertz.yaml, R = 10 and 20 cells: time on the wall over Hertz's", "1", 0),
+         ("the same: greatest force", "1", 1), ("the same: energy lost", "0", 2)),
+        problems.ball, ((0.01,), (0.005,)),
     ),
     "rods": (
         (("VM265's rods of 40 and 80 cells: instant at which they touch, over the time in touch",
@@ -60,6 +69,16 @@ PROBLEMS = {
          ("the same: of its rotation", "1", 1)),
         rolls.slope, ((2, 0.2, 30.0, 0.15, "slab"), (2, 0.1, 30.0, 0.15, "slab")),
     ),
+    "sphere rolls": (
+        (("sphere on a rigid body that rolls, R = 5 and 10 cells: acceleration", "1", 0),
+         ("the same: of its rotation", "1", 1)),
+        rolls.slope, ((3, 0.2, 10.0, 0.5, "rigid"), (3, 0.1, 10.0, 0.5, "rigid")),
+    ),
+    "sphere slips": (
+        (("sphere on a rigid body that slips and rolls: acceleration", "1", 0),
+         ("the same: of its rotation", "1", 1)),
+        rolls.slope, ((3, 0.2, 30.0, 0.15, "rigid"), (3, 0.1, 30.0, 0.15, "rigid")),
+    ),
     "pressed": (
         (("block of 32 x 20 and 64 x 40 cells, pressed by 30 % between rigid bodies: force", "1",
           None),),
@@ -73,11 +92,15 @@ def _configured(configuration):
     """Let all bodies of a material be in a configuration."""
     plain = pgimp.Simulation
 
-    def begin(case, *rest):
+    def begin(case, overrides=()):
+        if isinstance(case, Path):
+            of = pgimp.load(case).bodies
+            changes = {f"bodies.{name}.configuration": configuration for name in of}
+            return plain(case, overrides=dict(overrides) | changes)
         for body in case["bodies"].values():
             if "material" in body:
                 body["configuration"] = configuration
-        return plain(case, *rest)
+        return plain(case, overrides=overrides)
 
     pgimp.Simulation = begin
     try:

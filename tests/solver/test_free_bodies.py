@@ -181,15 +181,17 @@ def test_a_rigid_cylinder_rolls_down(configuration):
     case["materials"]["soft"] = {**case["materials"]["soft"], "young": 1000.0}
     case["method"]["affine"] = True
     sim = start(configured(case, configuration))
-    lines = []
-    for time in (4.0, 14.0):
-        while sim.time < time and not sim.finished:
-            sim.advance()
-        lines.append(sim.diagnostics())
-    gained = (lines[1]["tool.roll.velocity-x"] - lines[0]["tool.roll.velocity-x"]) / 10.0
-    spun = (lines[1]["tool.roll.angular-velocity-z"] - lines[0]["tool.roll.angular-velocity-z"])
+    rows = []
+    while not sim.finished:
+        sim.advance()
+        line = sim.diagnostics()
+        if line["time"] > 4.0:
+            names = "time", "tool.roll.velocity-x", "tool.roll.angular-velocity-z"
+            rows.append([line[name] for name in names])
+    time, velocity, spin = np.transpose(rows)  # it bounces, too: by a fit
+    gained, spun = (np.polyfit(time, each, 1)[0] for each in (velocity, spin))
     assert gained == pytest.approx(2.0 / 3.0 * g * sin(slope), rel=0.02)
-    assert -R * spun / 10.0 == pytest.approx(gained, rel=0.03)
+    assert -R * spun == pytest.approx(gained, rel=0.03)
 
 
 def test_states_are_numbers():

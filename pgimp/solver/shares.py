@@ -1,0 +1,75 @@
+"""Shares of the ranks in contact where bodies are now, wherever their particles are at home."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+#: Greater than all numbers of vertices.
+FAR = 1 << 40
+
+
+class Shares(NamedTuple):
+    """Which rank finds the pairs of which vertices: a run along one axis for each.
+
+    No bit of the results depends on it.
+
+    Attributes
+    ----------
+    axis : int
+        The axis.
+    ends : (ranks + 1,) int64
+        The first vertex of each rank, and the end of the last one's: all vertices have a rank.
+    """
+
+    axis: int
+    ends: np.ndarray
+
+    def within(self, rank: int) -> np.ndarray:
+        """Axis, least and greatest vertex of a rank, (3,) int64."""
+        return np.array([self.axis, self.ends[rank], self.ends[rank + 1] - 1])
+
+    def reached(self, first: np.ndarray, vertices: int, rank: int) -> np.ndarray:
+        """Whether particles have vertices of a rank, (n,) bool.
+
+        Parameters
+        ----------
+        first : (n, 3) float64
+            The first vertex of each, of `vertices` a direction.
+        """
+        begin = first[:, self.axis]
+        return (begin < self.ends[rank + 1]) & (begin + vertices > self.ends[rank])
+
+
+def one_share() -> Shares:
+    """Return the share of a rank that is alone."""
+    return Shares(0, np.array([-FAR, FAR]))
+
+
+def divide(comm: Any, first: np.ndarray, vertices: int, most: np.ndarray) -> Shares:
+    """Divide the particles of all ranks evenly, along the axis where they need least copies.
+
+    Collective; the same on all ranks.
+
+    Parameters
+    ----------
+    first : (n, 3) float64
+        The first vertex of each particle of this rank, of `vertices` a direction.
+    most : (D,) int64
+        Number of vertices along each axis; what is beyond counts as at the end.
+    """
+    counts = [
+        np.bincount(np.clip(first[:, d], 0, many - 1).astype(np.int64), minlength=many)
+        for d, many in enumerate(most)
+    ]
+    every = np.split(comm.allreduce(np.concatenate(counts)), np.cumsum(most)[:-1])
+    best, shares = np.inf, one_share()
+    for axis, count in enumerate(every):
+        total = np.concatenate([[0], np.cumsum(count)])
+        cuts = np.searchsorted(total, total[-1] * np.arange(1, comm.size) / comm.size)
+        least = np.maximum(np.concatenate([[0], cuts]) - vertices + 1, 0)
+        cost = (total[np.append(cuts, len(count))] - total[least]).max()
+        if cost < best:
+            best, shares = cost, Shares(axis, np.concatenate([[-FAR], cuts, [FAR]]))
+    return shares
