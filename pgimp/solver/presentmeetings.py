@@ -76,8 +76,7 @@ class PresentMeetings:
     def __init__(self, scene: Scene, comm: Any) -> None:
         self.scene, self.comm, self.call = scene, comm, Bound()
         self.bodies = len(scene.body_names)
-        parted = scene.pairs or scene.mixed
-        self.fields: tuple[int, ...] = (0,) * self.bodies if parted else ()
+        self.fields: tuple[int, ...] = (0,) * self.bodies if scene.pairs else ()
         self.groups = np.zeros(self.bodies, np.int64)
         self.sweeps = 0
         self._grouped = False
