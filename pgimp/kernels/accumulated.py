@@ -25,7 +25,7 @@ from pgimp.kernels.encounters import BODIES, ENTRY, SUMS, VERTEX, copy
 from pgimp.kernels.particles import FloatArray, IntArray
 from pgimp.kernels.present import BEGUN, HEAVY, WEIGHS
 from pgimp.kernels.rigidends import load_rigid, push_rigid
-from pgimp.kernels.startgrid import LOST, MOVES, YIELDS, reflection
+from pgimp.kernels.startgrid import LOST, MOVES, YIELDS, is_turned, reflection
 from pgimp.kernels.support import vertex_at, weights_at
 
 #: Least part of the squares of a row of B at free vertices. Below it the few free ones would have
@@ -48,6 +48,8 @@ class Responses(NamedTuple):
         The entries of B, by component: a mirror turns that across it round.
     answer : (rows, 3) float64
         sum_j B_ij^2/m_j, by component, without vertices that are held, see `LEAST_FREE`.
+    beyond : (rows, mirrors) float64
+        Shares of the vertices beyond each mirror: what it turns round of an impulse.
     """
 
     row_of: IntArray
@@ -55,6 +57,7 @@ class Responses(NamedTuple):
     column: IntArray
     entry: FloatArray
     answer: FloatArray
+    beyond: FloatArray
 
 
 @inner_kernel
@@ -124,7 +127,7 @@ def find_responses(table, now, before, mirrors, encounters, sums, values):
     capacity = 64 * rows + at0.shape[1]
     start = np.zeros(rows + 1, np.int64)
     column, entry = np.empty(capacity, np.int64), np.empty((capacity, 3))
-    answer = np.zeros((rows, 3))
+    answer, beyond = np.zeros((rows, 3)), np.zeros((rows, len(mirrors)))
     seen, place = np.full(len(values), -1, np.int64), np.empty(len(values), np.int64)
     used = 0
     for r in range(rows):
@@ -150,10 +153,13 @@ def find_responses(table, now, before, mirrors, encounters, sums, values):
                 number = vertex_at(before, i, q)
                 for d in range(3):
                     entry[place[j], d] += share * reflection(mirrors, number, d)
+                for n in range(len(mirrors)):
+                    if is_turned(mirrors, n, number):
+                        beyond[r, n] += share
         start[r + 1] = used
         for d in range(3):
             answer[r, d] = _answer(column, entry, start[r], used, values, d, YIELDS + d)
-    return Responses(row_of, start, column[:used], entry[:used], answer)
+    return Responses(row_of, start, column[:used], entry[:used], answer, beyond)
 
 
 @inner_kernel

@@ -22,7 +22,7 @@ from pgimp.kernels.holding import Holding
 from pgimp.kernels.ledger import CONTACT_AREA, Ledger
 from pgimp.kernels.numbered import number_keys, room_for
 from pgimp.kernels.present import HALF, NEAR, PLACE, START, SUMMED, Present, sum_present, take_near
-from pgimp.kernels.presentbooks import book_contacts
+from pgimp.kernels.presentbooks import book_contacts, book_mirrored
 from pgimp.kernels.startgrid import (
     MOVES,
     STARTED,
@@ -156,6 +156,9 @@ class PresentMeetings:
         call(give_to_vertices, scene.frame, grid.field, vertices.keys, changes, t.dt)
         call(book_held, holding, grid.field, vertices, ledger)
         if grid.slab.layers and grid.slab.lower is None:
+            encounters, _, responses = known
+            if len(self._mirrors):
+                call(book_mirrored, encounters, responses, self._mirrors, ledger)
             call(book_contacts, contact, free, *known, vertices.values, self._walls, ledger)
 
     def _gather(
@@ -247,13 +250,13 @@ def plain(scene: Scene) -> Setting:
 
 
 def mirrors_of(scene: Scene) -> np.ndarray:
-    """Axis, side and vertex number of the walls that reflect, (n, 3) int64."""
+    """Axis, side, vertex number and face of the walls that reflect, (n, 4) int64."""
     frame = scene.frame
     rows = [
-        (each.axis, each.side, frame.ghost + (each.side > 0) * frame.cells[each.axis])
+        (each.axis, each.side, frame.ghost + (each.side > 0) * frame.cells[each.axis], each.number)
         for each in scene.mirrors
     ]
-    return np.array(rows, np.int64).reshape(-1, 3)
+    return np.array(rows, np.int64).reshape(-1, 4)
 
 
 def nothing_held(holding: Holding) -> Holding:
