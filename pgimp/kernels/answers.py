@@ -17,7 +17,7 @@ from pgimp.jit.kernel import allocating_kernel, inner_kernel
 from pgimp.kernels.encounters import SUMS
 from pgimp.kernels.particles import FloatArray, IntArray
 from pgimp.kernels.present import BACK, BEGUN, HEAVY, PLACE, WEIGHS
-from pgimp.kernels.startgrid import YIELDS, reflection
+from pgimp.kernels.startgrid import YIELDS, is_turned, reflection
 from pgimp.kernels.support import vertex_at, weights_at
 
 #: Least part of the squares of a row of B at free vertices. Below it the few free ones would have
@@ -38,12 +38,15 @@ class Responses(NamedTuple):
         The entries of B, by component: a mirror turns that across it round.
     answer : (rows, 3) float64
         sum_j B_ij^2/m_j, by component, without vertices that are held, see `LEAST_FREE`.
+    beyond : (rows, mirrors) float64
+        Shares of the vertices beyond each mirror: what it turns round of an impulse.
     """
 
     start: IntArray
     column: IntArray
     entry: FloatArray
     answer: FloatArray
+    beyond: FloatArray
 
 
 @inner_kernel
@@ -136,7 +139,7 @@ def find_responses(frame, table, now, before, mirrors, encounters, sums, values)
     capacity, plain = 64 * rows + at0.shape[1], len(mirrors) == 0
     start = np.zeros(rows + 1, np.int64)
     column, entry = np.empty(capacity, np.int64), np.empty((capacity, 3))
-    answer = np.zeros((rows, 3))
+    answer, beyond = np.zeros((rows, 3)), np.zeros((rows, len(mirrors)))
     seen, place = np.full(len(values), -1, np.int64), np.empty(len(values), np.int64)
     used = 0
     for r in range(rows):
@@ -166,10 +169,13 @@ def find_responses(frame, table, now, before, mirrors, encounters, sums, values)
                     number = vertex_at(before, i, q)
                     for d in range(3):
                         entry[place[j], d] += share * reflection(mirrors, number, d)
+                    for n in range(len(mirrors)):
+                        if is_turned(mirrors, n, number):
+                            beyond[r, n] += share
         if plain:
             for k in range(start[r], used):
                 entry[k, 1] = entry[k, 2] = entry[k, 0]
         start[r + 1] = used
         for d in range(3):
             answer[r, d] = _answer(column, entry, start[r], used, values, d, YIELDS + d)
-    return Responses(start, column[:used], entry[:used], answer)
+    return Responses(start, column[:used], entry[:used], answer, beyond)

@@ -4,7 +4,7 @@ from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.kernels.accumulated import impulse_of, take_up
 from pgimp.kernels.contact import AREA, NORMAL, PUSH
 from pgimp.kernels.contactbooks import book
-from pgimp.kernels.encounters import BODIES, ENTRY, VERTEX
+from pgimp.kernels.encounters import BODIES, ENTRY, SUMS, VERTEX
 from pgimp.kernels.ledger import CONTACT_AREA
 
 
@@ -57,6 +57,24 @@ def _book_areas(encounters, walls, ledger):
             if _press_at(encounters, x, y, z, end):
                 ledger.contact[0, end[ENTRY] - 1, CONTACT_AREA] += row[AREA]
                 break
+
+
+@kernel
+def book_mirrored(encounters, responses, mirrors, ledger):
+    """Book what mirrors add to the exchanged impulses, in the first plane, as `book_contacts`.
+
+    What acts on vertices beyond a mirror acts on their images with the component across it turned
+    round: the face gives twice that.
+    """
+    for k in range(len(encounters.ends)):
+        for side in range(2):
+            r, sign = encounters.ends[k, SUMS + side], 2.0 * side - 1.0
+            if r < 0:
+                continue
+            for n in range(len(mirrors)):
+                axis, face = mirrors[n, 0], mirrors[n, 3]
+                turned = responses.beyond[r, n] * impulse_of(encounters.partners[k], axis)
+                ledger.impulse[0, face, axis] -= 2.0 * sign * turned
 
 
 @kernel

@@ -66,13 +66,19 @@ def _key(across, number, fields, field):
 
 
 @inner_kernel
+def is_turned(mirrors, n, number):
+    """Whether a vertex, given by its numbers, lies beyond a mirror."""
+    return (number[mirrors[n, 0]] - mirrors[n, 2]) * mirrors[n, 1] > 0
+
+
+@inner_kernel
 def image_of(mirrors, number):
     """Numbers of the vertex that has the sums of one: its image, where it lies beyond a mirror."""
     x, y, z = number
     for n in range(len(mirrors)):
-        axis, side, wall = mirrors[n, 0], mirrors[n, 1], mirrors[n, 2]
-        if (number[axis] - wall) * side > 0:
-            back = 2 * wall - number[axis]
+        if is_turned(mirrors, n, number):
+            axis = mirrors[n, 0]
+            back = 2 * mirrors[n, 2] - number[axis]
             x, y, z = (
                 back if axis == 0 else x, back if axis == 1 else y, back if axis == 2 else z
             )  # fmt: skip
@@ -83,7 +89,7 @@ def image_of(mirrors, number):
 def reflection(mirrors, number, d):
     """-1 where component `d` of a vertex is that of its image turned round, else 1."""
     for n in range(len(mirrors)):
-        if mirrors[n, 0] == d and (number[d] - mirrors[n, 2]) * mirrors[n, 1] > 0:
+        if mirrors[n, 0] == d and is_turned(mirrors, n, number):
             return -1.0
     return 1.0
 
@@ -107,8 +113,9 @@ def take_vertices(holding, field, table, supports, mirrors, seen, vertices):
         After the update of momentum.
     table, supports
         The particles, and their supports at the start.
-    mirrors : (n, 3) int64
-        Axis, side and vertex number of the walls that reflect; what is beyond has its image's sums.
+    mirrors : (n, 4) int64
+        Axis, side, vertex number and face of the walls that reflect; what is beyond has its image's
+        sums.
     seen : Seen
         Vertices that have been copied are marked.
     vertices : StartVertices

@@ -159,7 +159,7 @@ class Scene:
         )
         self.tools = SceneTools(case, self.frame)
         self.pairs: Pairs | None = None
-        if case.contact or self.tools:
+        if case.contact or self.tools or self.mixed:
             self.pairs = Pairs.of(case.contact, [*self.body_names, *self.tools.names])
         self.states = States(used, self.materials, self.dimension)
         self.variations = Variations(case, used, self.materials, self.states.width)
@@ -168,7 +168,7 @@ class Scene:
         self.fields = EVERY | self.states.fields | self.variations.fields
         self.carried = Carried(
             self.dimension, self.origins, **self.loads.carried, state=self.states.width,
-            surfaces=self.pairs is not None or self.lets_go or self.mixed,
+            surfaces=self.pairs is not None or self.lets_go,
             own=self.variations.width,
         )  # fmt: skip
         varies = any(face.condition.varies for face in self.faces)

@@ -10,7 +10,6 @@ import numpy as np
 
 from pgimp.case.load import Source, load
 from pgimp.case.schema import Case
-from pgimp.errors import RunError
 from pgimp.io.results.tables import Fields
 from pgimp.mpi.comm import world
 from pgimp.physics import fields
@@ -92,6 +91,8 @@ class Simulation:
     def step(self, count: int = 1) -> None:
         """Do a step, or several; collective.
 
+        The step after the last one of a stage is the first of the next.
+
         Parameters
         ----------
         count : int
@@ -103,11 +104,6 @@ class Simulation:
             On every rank: if particles of any are at fault, or past the end of the case.
         """
         for _ in range(count):
-            if self.finished:
-                raise RunError(
-                    f"the case ends at t = {self.time:.6g}, after {self.steps} steps; a longer one "
-                    "has another time.end"
-                )
             self.core.advance()
 
     def advance(self, to: float = inf) -> None:

@@ -21,7 +21,7 @@ from pgimp.kernels.ledger import Ledger
 from pgimp.kernels.nearby import find_near, mark_blocks
 from pgimp.kernels.numbered import number_keys, room_for
 from pgimp.kernels.present import HALF, NEAR, PLACE, SUMMED, Present, sum_present, take_near
-from pgimp.kernels.presentbooks import book_contacts
+from pgimp.kernels.presentbooks import book_contacts, book_mirrored
 from pgimp.kernels.shared import find_shared
 from pgimp.kernels.startgrid import (
     STARTED,
@@ -56,7 +56,10 @@ def calls(
     table, supports = np.empty((0, NEAR)), Supports.empty(0, local)
     vertices, encounters = StartVertices(none, np.empty((0, STARTED))), Encounters.empty(0)
     present = Present(np.zeros(3, np.int64), none, 1, none, np.empty((0, SUMMED)), none)
-    rows = Responses(np.zeros(1, np.int64), none, np.empty((0, 3)), np.empty((0, 3)))
+    rows = Responses(
+        np.zeros(1, np.int64), none, np.empty((0, 3)), np.empty((0, 3)),
+        np.empty((0, len(mirrors))),
+    )  # fmt: skip
     values = vertices.values
     regions, order = no_regions(scene.dimension), np.empty(0, np.int32)
     yield 0.3, lambda: mark_blocks(frame, particles, order, none, regions)
@@ -82,6 +85,8 @@ def calls(
     yield 2.0, lambda: solve_impulses(contact, free, encounters, rows, values, 1, ENOUGH)
     yield 0.3, lambda: give_to_vertices(frame, grid.field, none, np.empty((0, 3)), 1.0)
     yield 1.0, lambda: book_held(holding, grid.field, vertices, ledger)
+    if len(mirrors):
+        yield 0.3, lambda: book_mirrored(encounters, rows, mirrors, ledger)
     yield 2.0, lambda: book_contacts(
         contact, free, encounters, rows, values, walls, ledger
     )

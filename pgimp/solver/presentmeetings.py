@@ -23,7 +23,7 @@ from pgimp.kernels.holding import Holding
 from pgimp.kernels.ledger import CONTACT_AREA, Ledger
 from pgimp.kernels.numbered import number_keys, room_for
 from pgimp.kernels.present import HEAVY, PLACE, sum_present
-from pgimp.kernels.presentbooks import book_contacts
+from pgimp.kernels.presentbooks import book_contacts, book_mirrored
 from pgimp.kernels.startgrid import (
     MOVES,
     YIELDS,
@@ -75,8 +75,7 @@ class PresentMeetings:
     def __init__(self, scene: Scene, comm: Any) -> None:
         self.scene, self.comm, self.call = scene, comm, Bound()
         self.bodies = len(scene.body_names)
-        parted = scene.pairs or scene.mixed
-        self.fields: tuple[int, ...] = (0,) * self.bodies if parted else ()
+        self.fields: tuple[int, ...] = (0,) * self.bodies if scene.pairs else ()
         self.groups = np.zeros(self.bodies, np.int64)
         self.sweeps = 0
         self._grouped = False
@@ -164,6 +163,8 @@ class PresentMeetings:
         call(give_to_vertices, scene.frame, grid.field, vertices.keys, changes, t.dt)
         call(book_held, holding, grid.field, vertices, ledger)
         if grid.slab.layers and grid.slab.lower is None:
+            if len(self._particles.mirrors):
+                call(book_mirrored, encounters, responses, self._particles.mirrors, ledger)
             call(
                 book_contacts, contact, free, encounters, responses, values, self._walls, ledger
             )  # fmt: skip
@@ -233,6 +234,7 @@ def unite(
         np.concatenate(starts), np.concatenate(columns),
         np.concatenate([each.entry for each in answers]),
         np.concatenate([each.answer for each in answers]),
+        np.concatenate([each.beyond for each in answers]),
     )  # fmt: skip
     return joined.chosen(order), responses, union
 

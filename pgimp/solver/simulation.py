@@ -190,9 +190,20 @@ class Simulation:
         Raises
         ------
         RunError
-            On every rank, if the last step of the one before has failed, or the next cannot begin.
+            On every rank, if the last step of the one before has failed, or the next cannot begin:
+            also where the present one is not done, or is the last.
         """
         self.complete_reduction()
+        if self.finished:
+            raise RunError(
+                f"the case ends at t = {self.time:.6g}, after {self.step} steps; a longer one has "
+                "another time.end, or one more of time.stages"
+            )
+        if not self.stage_done:
+            raise RunError(
+                f"t = {self.time:.6g} is not the end of {self.case.staged.title}, "
+                f"which is at t = {self.case.time.end:.6g}; advance until stage_done"
+            )
         enter(self)
 
     def advance(self, complete: bool = True) -> None:
@@ -208,11 +219,11 @@ class Simulation:
         ------
         RunError
             On every rank, if particles of any are at fault; that step then does not count, and
-            there will be no other.
+            there will be no other. Also past the end of the case.
         """
         if self.failure:
             raise RunError(self.failure.text)
-        if self.stage_done and not self.finished:
+        if self.stage_done:
             self.next_stage()
         self.agreed_request = Request.PENDING
         rank, reduction, balance = self.rank, self.reduction, self.balance

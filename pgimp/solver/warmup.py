@@ -55,7 +55,7 @@ def _calls(scene: Scene) -> Iterator[Call]:
     start = np.zeros(2, np.int64)
     order = Order(rows, start)
     bounds = np.array([[2**62] * 2, [-(2**62)] * 2])
-    fields = (0,) * len(scene.body_names) if scene.pairs or scene.mixed else ()
+    fields = (0,) * len(scene.body_names) if scene.pairs else ()
     grid = Grid(
         frame, vertices, Slab(0, 1, None, None), fields=fields,
         bounds=scene.bounds if scene.initial else None,

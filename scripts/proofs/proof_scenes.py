@@ -5,12 +5,14 @@ import contextlib
 import itertools
 import json
 import multiprocessing
+import os
 import random
 import re
 import shutil
 import time
 from collections import Counter
 
+import bounds
 import scene_books
 import scene_runs
 import scene_shrink
@@ -42,7 +44,10 @@ def main(words):
     parser.add_argument("--each", type=int, default=GROUP, help="scenes of a kind, with --having")
     parser.add_argument("--jobs", type=int, default=1, help="groups at a time")
     parser.add_argument("--shrink", type=float, default=300.0, help="seconds for a failing scene")
+    parser.add_argument("--bounds", action="store_true", help="check indices in kernels")
     options = parser.parse_args(words)
+    if options.bounds:  # for the processes that run the scenes
+        os.environ[bounds.VARIABLE] = "1"
     numbers = range(options.first, options.first + options.runs)
     if options.scene is not None:
         numbers = [options.scene]
@@ -129,7 +134,8 @@ def work(folder, numbers, options):
             with contextlib.suppress(FileExistsError):
                 (folder / f"seen {re.sub('[^a-z]+', ' ', what.lower())}").touch(exist_ok=False)
                 smallest[what] = smaller(case, files, where, number, what, options)
-        if number % MPIRUN == 7 and outcome.kind == "done" and not (failures or options.short):
+        plain = not (failures or options.short or options.bounds)
+        if number % MPIRUN == 7 and outcome.kind == "done" and plain:
             failures += by_mpirun(where, number)
         if not failures:
             shutil.rmtree(where)

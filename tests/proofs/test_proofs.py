@@ -138,6 +138,23 @@ def test_one_bit_of_one_particle_that_changes_rank_is_noticed(tmp_path, how):
     assert "kind='done'" in job.stdout
 
 
+PAST = """
+import sys
+sys.path.insert(0, sys.argv[1])
+import bounds
+import numpy as np
+from pgimp.kernels.numbered import number_keys, room_for
+
+number_keys(np.arange(1, 3), room_for(4)[:, :1])
+"""
+
+
+def test_an_index_past_the_end_is_noticed_with_bounds(tmp_path):
+    env = {"FAULTS_BOUNDS": "1", "XDG_CACHE_HOME": str(tmp_path)}
+    job = run([sys.executable, "-c", PAST, str(PROOFS)], env=env)
+    assert "IndexError" in job.stderr and list(tmp_path.glob("pgimp-bounds/kernels-*/*"))
+
+
 @pytest.fixture
 def softening():
     with registered(SOFTENING) as (module,):

@@ -130,6 +130,11 @@ def test_chosen_steps_follow_the_table():
     assert limit(2, 8) == 0.5 * LIMITS["gimp"][2][4]
     assert limit(2, 2, affine=True) > limit(2, 2) >= limit(3, 2)
     assert limit(2, 2, "mpm") == 0.1
+    _, cells = table._cells(text)
+    least = float(cells["gimp, mean, 0.499"]["2D, 1 a cell"])
+    for affine in (False, True):
+        assert limit(2, 1, affine=affine, volumetric="mean") < least < limit(2, 1, affine=affine)
+        assert limit(1, 1, affine=affine, volumetric="mean") == limit(1, 1, affine=affine)
 
 
 def test_tables_keep_what_other_shapes_have():

@@ -5,6 +5,8 @@ import pytest
 from pydantic import ValidationError
 from scenes import SOFT, box, energy, field, finish, scene, start
 
+from pgimp.kernels.ledger import IMPULSE
+
 HARD = SOFT | {"young": 1000.0}
 
 
@@ -152,6 +154,20 @@ def test_water_rests_on_a_plate_in_the_initial_configuration():
     mine = field(sim, "body") == 1
     plate = field(sim, "x")[~mine]
     assert field(sim, "x")[mine][:, 1].min() > plate[:, 1].max() - 0.75  # it sags in the middle
+
+
+def test_bodies_that_meet_without_an_entry_stick_and_are_booked():
+    """In the row of pairs that no entry is for: once it was past the end of the books."""
+    bodies = {
+        "one": initial(box([1.0, 1.0], [4.0, 4.0], [2.0, 0.3])),
+        "other": box([4.2, 1.0], [7.0, 4.0]),
+    }
+    sim = start(scene(2, bodies, cells=[12, 6], end=0.6))
+    finish(sim)
+    gained = float((field(sim, "m") * field(sim, "v")[:, 0])[field(sim, "body") == 1].sum())
+    booked = sim.rank.ledger.contact
+    assert booked.shape[1] == 1
+    assert -booked[:, 0, IMPULSE].sum() == pytest.approx(gained, rel=1e-9) and gained > 1.0
 
 
 def test_what_cannot_be_in_one_case_is_said():

@@ -5,6 +5,8 @@ import pytest
 from rank_scenes import SCENES
 from scenes import SOFT, box, field, finish, scene, start
 
+from pgimp.kernels.ledger import NORMAL_IMPULSE
+
 HARD = SOFT | {"young": 1000.0}
 
 
@@ -206,3 +208,24 @@ def test_walls_have_no_area_in_the_books():
     sim = finish(start(SCENES["initial_contact"]))
     booked = sim.rank.ledger.contact
     assert booked[0].any() and not booked[1:].any()
+
+
+@pytest.mark.parametrize("begun", [("a", "b"), ("a",)])
+def test_a_mirror_bears_what_it_turns_round_of_an_impact(begun):
+    """Of the friction of blocks that meet there, on vertices beyond it, which tents reach."""
+    bodies = {
+        "a": box([1.0, 0.0], [3.0, 3.0], [1.0, 0.6]),
+        "b": box([3.2, 0.0], [6.0, 2.0], [-1.0, 0.0]),
+    }
+    bodies = {name: initial(body) if name in begun else body for name, body in bodies.items()}
+    sim = start(scene(2, bodies, cells=[8, 5], shape="fuzzy-constant", wall="mirror", end=0.5,
+                      contact=[{"bodies": "all", "friction": 0.3}],
+                      boundaries={"y-min": "slip"}))  # fmt: skip
+    m, v = field(sim, "m"), field(sim, "v").copy()
+    finish(sim)
+    gained = m @ (field(sim, "v") - v)
+    met = sim.rank.ledger.contact[:, 0, NORMAL_IMPULSE].sum()
+    given = sim.rank.ledger.impulse[:, 0].sum(axis=0)
+    assert met > 1.0
+    # What the mirror turns round is 2e-4 to 2e-3 of that.
+    np.testing.assert_allclose(given[:2], gained, atol=1e-10 * met)

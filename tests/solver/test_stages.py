@@ -13,7 +13,7 @@ from scenes import energy, field, finish, start, tracked
 from staged_bar import DIG, HOLD, LENGTH, PULLED, SPEED, STEP, E, bar, entered
 
 import pgimp
-from pgimp.errors import UsageError
+from pgimp.errors import RunError, UsageError
 from pgimp.mpi.comm import Serial
 
 
@@ -43,6 +43,23 @@ def test_a_stage_that_changes_nothing_leaves_the_bits_of_a_longer_run():
     line, again = one.diagnostics(), other.diagnostics()
     assert again.pop("stages.strain-energy") == 0.0
     assert line.keys() == again.keys() and line["external-work"] == again["external-work"]
+
+
+@pytest.mark.parametrize("step", [STEP, {"courant": 0.2}])
+def test_nobody_goes_on_from_where_a_stage_is_not_done_or_is_the_last(step):
+    """Else it would go on with the wrong case, or with none."""
+    sim = start(bar({"end": 1.2}, end=1.0, step=step))
+    sim.advance()
+    with pytest.raises(RunError, match="is not the end of the first stage, which is at t = 1;"):
+        sim.next_stage()
+    while not sim.finished:
+        sim.advance()
+    steps, v = sim.step, field(sim, "v")
+    for go_on in (sim.advance, sim.next_stage):
+        with pytest.raises(RunError, match=rf"the case ends at t = 1\.2, after {steps} steps"):
+            go_on()
+    assert (sim.stage, sim.step, sim.time) == (1, steps, 1.2)
+    assert np.array_equal(field(sim, "v"), v)
 
 
 def test_what_is_removed_is_in_the_books():

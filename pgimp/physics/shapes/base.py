@@ -62,13 +62,14 @@ class Shape(Model):
     def largest_courant(self, dimensions: int) -> float:
         """Largest Courant number that has been found stable with these particles and transfer.
 
-        That is `stable` where nobody has measured (``scripts/hard courant``): see `LIMITS`.
+        That is `stable` where nobody has measured (``scripts/hard courant``), see `LIMITS`, and
+        with mean dilatation, of which the table is not.
         """
         # The name is a field of each shape.
         name = f"{getattr(self, 'shape', '')}{', affine' if self.affine else ''}"
         known = LIMITS.get(name, {})
         found = known.get(dimensions) or known.get(dimensions - 1)  # nearly the same in 2D and 3D
-        if found is None or self.stable < self.stable_pointwise:
+        if found is None or (self.volumetric == "mean" and dimensions > 1):
             return self.stable
         most = max(self.particles_per_cell)
         for per_cell, limit in found.items():
