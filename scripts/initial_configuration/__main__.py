@@ -53,8 +53,8 @@ def jobs():
         for even in (True, False):
             every["stretch", shape, even] = (stretch, (shape, even))
     for one in BOTH:
-        for name in meetings.PROBLEMS:
-            for fine in (0, 1):
+        for name, (_, _, arguments) in meetings.PROBLEMS.items():
+            for fine in range(len(arguments)):
                 every["contact", one, name, fine] = (meetings.meeting, (one, name, fine))
     for D in (2, 3):
         for kind in KINDS:

@@ -84,6 +84,21 @@ PROBLEMS = {
           None),),
         problems.pressed, ((1.0,), (0.5,)),
     ),
+    "cost 2": (
+        (("two blocks of 120 x 120 cells in touch, time of a step over that without contact", "",
+          None),),
+        motion.cost, ((False, 2, 9),),
+    ),
+    "cost 3": (
+        (("two blocks of 20 x 20 x 20 cells in touch, time of a step over that without contact",
+          "", None),),
+        motion.cost, ((False, 3, 9),),
+    ),
+    "rigid cost": (
+        (("block of 20 x 20 x 20 cells on a rigid body, time of a step over that on a `slip` wall",
+          "", None),),
+        walls.rigid_cost, ((3, 9),),
+    ),
 }  # fmt: skip
 
 
