@@ -61,7 +61,7 @@ def used():
 def memory(case):
     """Most that a step takes while it lasts, and what is there after few steps and after many."""
     comm = world()
-    sim = Simulation(read_case(case.read_bytes(), str(case), []), comm)
+    sim = Simulation(read_case(case.read_bytes(), str(case), {"time.end": 1000.0}), comm)
     most, after = 0, []
     tracemalloc.start()
     for step in range(LAST):
