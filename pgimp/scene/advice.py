@@ -43,12 +43,11 @@ def advice(case: Any, bodies: Sequence[BodyFacts]) -> list[str]:
 def _configuration(case: Any, bodies: Sequence[BodyFacts]) -> list[str]:
     """Whether bodies that move, turn or stretch would do better in the initial one.
 
-    That is for elastic bodies that are held, if at all, from the start: what meets others or walls
-    loses more there, and needs finer cells.
+    That is for elastic bodies; what has no law of contact with what it meets would stick to it.
     """
     if not all(_fits(case, body) for body in case.bodies.values()):
         return []
-    if case.escape or nearness.meet(case) or _hit(case):
+    if case.escape or nearness.meet(case):
         return []
     if "contact" in case.output.grid:
         return []
@@ -60,9 +59,10 @@ def _configuration(case: Any, bodies: Sequence[BodyFacts]) -> list[str]:
     if not moved:
         return []
     them = "it moves or deforms" if len(moved) == 1 else "they move or deform"
+    dear = "; a step takes longer while they are in touch" if _hit(case) else ""
     return [
         f"bodies: {_listed(moved)}: elastic, and {them}: with configuration: initial vibrations "
-        "and spin last, nothing can tear, and steps need not be shorter as bodies move"
+        f"and spin last, nothing can tear, and steps need not be shorter as bodies move{dear}"
     ]
 
 
