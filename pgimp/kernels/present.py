@@ -32,7 +32,7 @@ NEAR = 32
 
 #: Columns of a group's sums at a vertex: mass, volume, surface, the offset's correction of the
 #: volume, the curvature's share of the gap and the number in its mean, body; way to the centre of
-#: mass, times the mass.
+#: mass, times the mass, of bodies in the initial configuration: others have the vertex itself.
 HEAVY, FILLS, FACES, MORE, CURVED, OF_CUT, WHOSE, WAY, SUMMED = 0, 1, 2, 5, 6, 7, 8, 9, 12
 
 
@@ -146,7 +146,7 @@ def sum_present(frame, table, supports, left, linear, patch, numbers, present):
             number = vertex_at(supports, i, q)
             for d in range(D):
                 at = frame.origin[d] + (number[d] - frame.ghost) * frame.cell[d]
-                sums[n, WAY + d] += row[WEIGHS] * S * (row[PLACE + d] - at)
+                sums[n, WAY + d] += row[BEGUN] * row[WEIGHS] * S * (row[PLACE + d] - at)
             x, y, z = weights_at(left, i, q)
             sums[n, FILLS] += row[VOLUME] * (x * y * z)
             for d in range(D):
