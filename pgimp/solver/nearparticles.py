@@ -20,7 +20,7 @@ from pgimp.kernels.startgrid import STARTED, Seen, StartVertices, take_vertices
 from pgimp.kernels.support import Supports, find_supports, local_vertices
 from pgimp.kernels.tools import LEAST, MOST
 from pgimp.scene.scene import Scene
-from pgimp.solver.shares import FAR, divide, one_share
+from pgimp.solver.shares import FAR, divide, undivided
 
 
 class Near(NamedTuple):
@@ -74,7 +74,7 @@ class NearParticles:
         self.mirrors = mirrors_of(scene)
         self.local = local_vertices(scene.vertices, scene.dimension)
         self._seen = Seen(np.empty(0, np.int64), 0)
-        self._shares = one_share()
+        self._plain, self._shares = plain(scene), undivided(comm.size)
         self._table, self._kept = np.empty((0, NEAR)), dict[int, Supports]()
 
     def gather(
@@ -98,7 +98,7 @@ class NearParticles:
             self._table = np.empty((len(rows) + len(rows) // 8, NEAR))
         table = self._table[: len(rows)]
         call(
-            take_near, plain(scene), particles, rows, self.groups, self.fields, scene.begun, table
+            take_near, self._plain, particles, rows, self.groups, self.fields, scene.begun, table
         )
         if comm.size == 1:
             table, patches, present = self._shared(table)

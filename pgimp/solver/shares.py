@@ -42,9 +42,9 @@ class Shares(NamedTuple):
         return (begin < self.ends[rank + 1]) & (begin + vertices > self.ends[rank])
 
 
-def one_share() -> Shares:
-    """Return the share of a rank that is alone."""
-    return Shares(0, np.array([-FAR, FAR]))
+def undivided(ranks: int) -> Shares:
+    """Return shares of which the first of some ranks has all."""
+    return Shares(0, np.array([-FAR, *[FAR] * ranks]))
 
 
 def divide(comm: Any, first: np.ndarray, vertices: int, most: np.ndarray) -> Shares:
@@ -64,7 +64,7 @@ def divide(comm: Any, first: np.ndarray, vertices: int, most: np.ndarray) -> Sha
         for d, many in enumerate(most)
     ]
     every = np.split(comm.allreduce(np.concatenate(counts)), np.cumsum(most)[:-1])
-    best, shares = np.inf, one_share()
+    best, shares = np.inf, undivided(comm.size)
     for axis, count in enumerate(every):
         total = np.concatenate([[0], np.cumsum(count)])
         cuts = np.searchsorted(total, total[-1] * np.arange(1, comm.size) / comm.size)

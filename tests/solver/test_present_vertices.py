@@ -6,7 +6,7 @@ from scenes import SOFT, scene, start
 
 from pgimp.kernels.encounters import SUMS, VERTEX
 from pgimp.solver.presentmeetings import PresentMeetings
-from pgimp.solver.shares import divide
+from pgimp.solver.shares import divide, undivided
 
 
 def first_contact(monkeypatch, **method):
@@ -87,3 +87,14 @@ def test_shares_take_every_vertex_once_and_are_even(size, seed):
                        for _, low, high in map(shares.within, range(size))])  # fmt: skip
     np.testing.assert_array_equal(begins.sum(axis=0), 1)
     assert begins.sum(axis=1).max() < 4000 / size + 2 * 4000 / 50
+
+
+def test_before_anything_is_divided_the_first_rank_has_all():
+    """So where particles come near between two searches, when none was near at the first."""
+    shares, first = undivided(3), np.random.default_rng(0).integers(-9, 99, (50, 3)).astype(float)
+    reached = [shares.reached(first, 3, rank) for rank in range(3)]
+    assert reached[0].all()
+    assert not np.any(reached[1:])
+    for rank in (1, 2):
+        _, least, greatest = shares.within(rank)
+        assert least > greatest
