@@ -9,6 +9,7 @@ from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import pack
 from pgimp.jit.tuples import read, scaled
 from pgimp.kernels.clearance import moment, wall
+from pgimp.kernels.filling import FillingSums, filling_share
 from pgimp.kernels.mean import set_apart
 from pgimp.kernels.piola import kept_force
 from pgimp.kernels.place import deformation, is_initial
@@ -109,6 +110,10 @@ def _summed_offset_of(gradient, d):
 @specialise(contribution)
 def _contribution(loads, frame, particles, p, forces, j):
     D = len(frame.types[0])
+    if loads.instance_class is FillingSums:
+        return lambda loads, frame, particles, p, forces, j: filling_share(
+            loads, frame, particles, p
+        )
     if loads.instance_class is VolumeSums:
 
         def volumes(loads, frame, particles, p, forces, j):

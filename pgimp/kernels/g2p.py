@@ -12,6 +12,7 @@ from pgimp.kernels.gathered import SUMS
 from pgimp.kernels.loads import add_force_power, layer_power
 from pgimp.kernels.mean import keep_means, with_means
 from pgimp.kernels.own import with_own
+from pgimp.kernels.refill import refill
 from pgimp.kernels.speed import grid_speed
 from pgimp.kernels.together import take_from_grid
 from pgimp.kernels.updates.checks import check, limits_of
@@ -98,6 +99,7 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
             )  # fmt: skip
             m = materials_of(setting.material_of, particles.body, rows)
             L, F = deform(cells, setting, forcing, particles, batch, m, grad)  # (29)
+            x, F = refill(forcing, setting, field, particles, batch, (buffer, sums), (x, F), work)
             J = determinant(F)
             own = with_own(setting, particles, rows)
             sigma, state = update_stress(own, forcing, particles, rows, m, F, J, L)

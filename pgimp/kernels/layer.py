@@ -7,6 +7,7 @@ from pgimp.kernels.around import keep_around, scatter_around
 from pgimp.kernels.batch import SUPPORT_SIZE, first_place
 from pgimp.kernels.contribution import contribution
 from pgimp.kernels.cutboxes import summed_supports
+from pgimp.kernels.filling import FillingSums, ratio_arms
 from pgimp.kernels.fours import LANES, four
 from pgimp.kernels.loads import scatter_loads, weight
 from pgimp.kernels.mean import keep_means, mean_force
@@ -14,6 +15,17 @@ from pgimp.kernels.piola import PIOLA_SIZE, keep_forces
 from pgimp.kernels.record import RECORD
 from pgimp.kernels.scatter import Share, scatter
 from pgimp.kernels.transfer import Support
+
+
+def arms(loads, frame, particles, p):
+    """Gradients of what particle `p` carries, times its mass: of velocity, or of J in liquids."""
+
+
+@specialise(arms)
+def _arms(loads, frame, particles, p):
+    if loads.instance_class is FillingSums:
+        return lambda loads, frame, particles, p: ratio_arms(loads, frame, particles, p)
+    return lambda loads, frame, particles, p: affine_momentum(loads.affine, frame, particles, p)
 
 
 def sum_layer(setting, field, particles, loads, rows, span, number):
@@ -60,7 +72,7 @@ def _sum_layer(setting, field, particles, loads, rows, span, number):
                 place = first_place(buffer, j)
                 A, S = contribution(loads, frame, particles, p, forces, j)
                 B = weight(loads.force, loads.walls, frame, particles, p)
-                C = affine_momentum(loads.affine, frame, particles, p)
+                C = arms(loads, frame, particles, p)
                 M = mean_force(loads, frame, particles, p)
                 share = Share(A, B, S, C, M)
                 scatter(shape, scratch, Support(buffer, j), place, window.stride, share)

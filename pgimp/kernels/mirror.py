@@ -58,9 +58,9 @@ def fold(frame, field, mirror, forcing, ledger):
     dt, gravity, impulse = forcing.dt, forcing.gravity, ledger.impulse
     relaxation = forcing.loads.relaxation
     axis = mirror.axis
-    i0, i1 = _beyond(frame, window, mirror, 0)
-    j0, j1 = _beyond(frame, window, mirror, 1)
-    k0, k1 = _beyond(frame, window, mirror, 2)
+    i0, i1 = vertices_beyond(frame, window, mirror, 0)
+    j0, j1 = vertices_beyond(frame, window, mirror, 1)
+    k0, k1 = vertices_beyond(frame, window, mirror, 2)
     for f in range(field_count(window)):
         begin = f * field_size(window)
         for i in range(i0, i1):
@@ -68,7 +68,7 @@ def fold(frame, field, mirror, forcing, ledger):
                 continue
             for j in range(j0, j1):
                 for k in range(k0, k1):
-                    g, r, wall = _places(frame, window, active, mirror, begin, i, j, k)
+                    g, r, wall = mirror_places(frame, window, active, mirror, begin, i, j, k)
                     if r < 0 or not G[g + MASS] > 0.0 or G[r + MASS] < 0.0:
                         continue
                     if mirror.releases:
@@ -112,9 +112,9 @@ def fold_volumes(frame, field, volumes, mirror):
         The sums.
     """
     window, G, active = field.window, field.G, field.active
-    i0, i1 = _beyond(frame, window, mirror, 0)
-    j0, j1 = _beyond(frame, window, mirror, 1)
-    k0, k1 = _beyond(frame, window, mirror, 2)
+    i0, i1 = vertices_beyond(frame, window, mirror, 0)
+    j0, j1 = vertices_beyond(frame, window, mirror, 1)
+    k0, k1 = vertices_beyond(frame, window, mirror, 2)
     for f in range(field_count(window)):
         begin = f * field_size(window)
         for i in range(i0, i1):
@@ -122,7 +122,7 @@ def fold_volumes(frame, field, volumes, mirror):
                 continue
             for j in range(j0, j1):
                 for k in range(k0, k1):
-                    g, r, _ = _places(frame, window, active, mirror, begin, i, j, k)
+                    g, r, _ = mirror_places(frame, window, active, mirror, begin, i, j, k)
                     if r < 0 or G[g + MASS] != -1.0 - mirror.number:
                         continue
                     for d in range(RECORD):
@@ -148,9 +148,9 @@ def reflect(frame, field, mirror, forcing, ledger):
     dt, gravity, impulse, work = forcing.dt, forcing.gravity, ledger.impulse, ledger.work
     relaxation = forcing.loads.relaxation
     axis = mirror.axis
-    i0, i1 = _beyond(frame, window, mirror, 0)
-    j0, j1 = _beyond(frame, window, mirror, 1)
-    k0, k1 = _beyond(frame, window, mirror, 2)
+    i0, i1 = vertices_beyond(frame, window, mirror, 0)
+    j0, j1 = vertices_beyond(frame, window, mirror, 1)
+    k0, k1 = vertices_beyond(frame, window, mirror, 2)
     for f in range(field_count(window)):
         begin = f * field_size(window)
         for i in range(i0, i1):
@@ -158,7 +158,7 @@ def reflect(frame, field, mirror, forcing, ledger):
                 continue
             for j in range(j0, j1):
                 for k in range(k0, k1):
-                    g, r, _ = _places(frame, window, active, mirror, begin, i, j, k)
+                    g, r, _ = mirror_places(frame, window, active, mirror, begin, i, j, k)
                     if r < 0 or G[g + MASS] != -1.0 - mirror.number:
                         continue
                     if i < owned:
@@ -177,7 +177,7 @@ def reflect(frame, field, mirror, forcing, ledger):
 
 
 @inner_kernel
-def _beyond(frame, window, mirror, d):
+def vertices_beyond(frame, window, mirror, d):
     """Range of the window's vertices along direction `d` that may lie beyond the face."""
     if d != mirror.axis:
         return 0, window.extent[d]
@@ -188,7 +188,7 @@ def _beyond(frame, window, mirror, d):
 
 
 @inner_kernel
-def _places(frame, window, active, mirror, begin, i, j, k):
+def mirror_places(frame, window, active, mirror, begin, i, j, k):
     """Places of a vertex beyond the face, of its mirror image, and of the one between on the face.
 
     They are in the velocity field that starts at `begin` in each plane. All are -1 for other

@@ -37,6 +37,8 @@ class Carried(NamedTuple):
         Whether they have that of their cells, for the same in the initial configuration.
     own : int
         Number of parameters of its material that vary.
+    liquid : bool
+        Whether they have the gradient of J.
     """
 
     dimensions: int
@@ -50,6 +52,7 @@ class Carried(NamedTuple):
     mean: bool = False
     around: bool = False
     own: int = 0
+    liquid: bool = False
 
 
 class Column(NamedTuple):
@@ -188,6 +191,13 @@ class Particles(NamedTuple):
     own: Annotated[
         FloatArray, Column("parameters of the material that vary in space", "", lambda c: c.own)
     ]
+    slope: Annotated[
+        FloatArray,
+        Column(
+            "gradient of the volume ratio J, of liquids", "1/length",
+            lambda c: c.dimensions if c.liquid else 0,
+        ),
+    ]  # fmt: skip
 
     @classmethod
     def empty(cls, capacity: int, carried: Carried) -> "Particles":

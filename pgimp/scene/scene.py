@@ -30,6 +30,7 @@ from pgimp.scene.faces import (
     walls_approached,
 )
 from pgimp.scene.lattice import Lattice
+from pgimp.scene.liquids import liquids_of
 from pgimp.scene.loads import SceneLoads
 from pgimp.scene.tools import SceneTools
 from pgimp.scene.variations import Variations
@@ -69,6 +70,8 @@ class Scene:
         Mass that the domain can hold at most.
     pairs : Pairs or None
         The laws of contact; None where all bodies share one velocity field.
+    liquids : SceneLiquids or None
+        The liquids, if there are any.
     tools : SceneTools
         The rigid bodies; false where there are none.
     exact : NamedTuple or ()
@@ -149,6 +152,8 @@ class Scene:
         # Points give no gap: it would jump by half a cell as they move.
         near = [] if shape.chi == "point" or remote else self.faces
         self.approached = walls_approached(near)
+        entries = [case.materials[name] for name in used]
+        self.liquids = liquids_of(entries, self.material_of, self.faces, self.frame.cell)
         self.exact: Any = case.exact.parameters(case) if case.exact else ()
         self.moves = bool(case.exact) and case.exact.moves
         force = self.exact if case.exact and case.exact.forced else ()
@@ -169,7 +174,7 @@ class Scene:
         self.carried = Carried(
             self.dimension, self.origins, **self.loads.carried, state=self.states.width,
             surfaces=self.pairs is not None or self.lets_go,
-            own=self.variations.width,
+            own=self.variations.width, liquid=self.liquids is not None,
         )  # fmt: skip
         varies = any(face.condition.varies for face in self.faces)
         self._face_table = FaceTable(
@@ -209,7 +214,7 @@ class Scene:
     @property
     def ends(self) -> int:
         """Least number of layers of the first and of the last rank."""
-        if self.mirrors:  # a vertex beyond a face and its mirror image are on the same rank
+        if self.mirrors or self.liquids:  # a vertex beyond a face and its mirror image are on the same rank
             return 2 * self.vertices
         # A vertex beyond a wall that lets go, and that on the wall, whose clearance it has.
         return self.vertices if self.approached else 0

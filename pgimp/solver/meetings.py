@@ -62,6 +62,11 @@ class Meetings:
         self._known: Any = None
         self._halos: dict[tuple[bool, bool], Halo] = {}
 
+    @property
+    def tools(self) -> Any:
+        """The rigid bodies for kernels, as they are in this step; () where there are none."""
+        return self._contact.tools
+
     def regroup(self, grid: Grid, population: Population) -> None:
         """Assign velocity fields to bodies, when it is due; collective."""
         if self._steps > 0:

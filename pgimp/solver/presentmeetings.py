@@ -90,6 +90,11 @@ class PresentMeetings:
         self._every_face = scene.standing_faces()
         self._particles = NearParticles(scene, comm, tools, self._walls)
 
+    @property
+    def tools(self) -> Any:
+        """The rigid bodies for kernels, as they are in this step; () where there are none."""
+        return self._contact.tools
+
     def forget(self) -> None:
         """Search all particles again in the next step: they have changed, or their bodies have."""
         self._approach.forget()

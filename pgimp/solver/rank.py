@@ -22,6 +22,7 @@ from pgimp.mpi.node import shares_cores
 from pgimp.scene.scene import Scene
 from pgimp.solver.clearances import Clearances
 from pgimp.solver.freebodies import FreeBodies
+from pgimp.solver.liquids import Liquids
 from pgimp.solver.meetings import Meetings
 from pgimp.solver.presentmeetings import PresentMeetings
 
@@ -62,6 +63,8 @@ class Rank:
         Where bodies meet, in scenes with contact.
     present : PresentMeetings or None
         Where bodies in the initial configuration meet.
+    liquids : Liquids or None
+        The filling of the vertices, in scenes with liquids.
     calls : tuple of Bound
         Call the kernels of a step, for each part one; see `pgimp.solver.parts`.
     lightest : float
@@ -104,6 +107,7 @@ class Rank:
         self.vertex_bounds = np.zeros((2, 2), np.int64)
         self._meet()
         self.clearances = Clearances(scene)
+        self.liquids = Liquids(scene, comm) if scene.liquids else None
         #: Whether the layers have changed since rows were last sorted.
         self.moved = False
         self._allocate(slab)
@@ -162,6 +166,12 @@ class Rank:
         meetings = self.meetings or self.present
         return meetings.free if meetings else None
 
+    @property
+    def tools(self) -> Any:
+        """The rigid bodies for kernels, as they are in this step; () where there are none."""
+        meetings = self.meetings or self.present
+        return meetings.tools if meetings else ()
+
     def live(self) -> np.ndarray:
         """Rows of the particles in canonical order, (n,) int64."""
         return self.population.order.astype(np.int64)
@@ -205,6 +215,7 @@ class Rank:
         self.population.particles = particles
         self._meet()
         self.clearances = Clearances(scene)
+        self.liquids = Liquids(scene, self.comm) if scene.liquids else None
         self._allocate(self.slab)
         self.grid.store(window)
 

@@ -99,6 +99,10 @@ def step(
     rate, outflow, found = 0.0, 0, 0
     failed: list[int] = []
     particle_forcing = on_particles(forcing)
+    if rank.liquids:
+        filling = rank.liquids.find(grid, rank.particles, parts[0].order, rank.tools, t)
+        particle_forcing = particle_forcing._replace(filling=filling)
+        lap("P2G")
     for layers in rank.halo.halves(order.start):  # first what neighbours wait for
         moved = 0
         for part, on_part in zip(parts, rank.calls, strict=True):

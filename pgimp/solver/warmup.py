@@ -17,6 +17,7 @@ from pgimp.kernels.contact import Contact
 from pgimp.kernels.contactforces import contact_forces
 from pgimp.kernels.cutboxes import volume_sums
 from pgimp.kernels.errors import ERRORS, initial_velocities, layer_errors
+from pgimp.kernels.filling import FillingSums, find_filling, fold_filling, reflect_filling
 from pgimp.kernels.g2p import grid_to_particles
 from pgimp.kernels.layerchanges import pack_rows, partition_migrants, sort_rows, unpack_rows
 from pgimp.kernels.ledger import Ledger
@@ -36,8 +37,29 @@ from pgimp.mpi.node import Call, shared_out
 from pgimp.scene.populate import prestressed
 from pgimp.scene.scene import Scene
 from pgimp.solver import presentcalls
+from pgimp.solver.liquids import idle
 from pgimp.solver.parts import parts_of
 from pgimp.solver.step import on_particles, on_vertices
+
+
+def _of_liquids(scene: Scene, grid: Grid, p: Particles, order: Order) -> Iterator[Call]:
+    """The calls for the filling of the vertices."""
+    assert scene.liquids is not None
+    own = Grid(scene.frame, scene.vertices, grid.slab, fields=scene.liquids.fields)
+    own.store(grid.base)
+    sums, tools = FillingSums(most=scene.liquids.most), _tools(scene, grid)
+    yield 6.0, lambda: particles_to_grid(
+        scene.setting.without_materials(), own.field, p, sums, order, np.zeros((0, 3), np.int64), ()
+    )
+    yield 2.0, lambda: find_filling(scene.frame, own.field, scene.liquids.sides, tools)
+    for wall in scene.liquids.walls[:1]:
+        yield 0.5, partial(fold_filling, scene.frame, own.field, wall)
+        yield 0.5, partial(reflect_filling, scene.frame, own.field, wall)
+
+
+def _tools(scene: Scene, grid: Grid) -> Any:
+    """The rigid bodies for kernels; () where there are none."""
+    return scene.tools.in_planes(grid.planes) if scene.tools else ()
 
 
 def warm_up(scene: Scene, comm: Any) -> None:
@@ -79,7 +101,7 @@ def _calls(scene: Scene) -> Iterator[Call]:
         yield 0.3, lambda: grow_boxes(frame, p, rows, np.zeros((2, bodies, len(frame.cell))))
         yield from presentcalls.calls(scene, grid, p, vertex_forcing, faces, ledger)
     elif scene.pairs:
-        tools: Any = scene.tools.in_planes(grid.planes) if scene.tools else ()
+        tools = _tools(scene, grid)
         contact = Contact.empty(scene.pairs, grid.G, grid.planes, 1, count, tools)
         if scene.tools.free:
             yield 2.0, lambda: find_response(contact, faces, frame, grid.field, vertex_forcing)
@@ -102,10 +124,14 @@ def _calls(scene: Scene) -> Iterator[Call]:
             shaped, grid.field, p, volume_sums(shape), order, np.zeros((0, 3), np.int64), ()
         )
     summed = []
+    particle_forcing = on_particles(forcing)
+    if scene.liquids:
+        yield from _of_liquids(scene, grid, p, order)
+        particle_forcing = particle_forcing._replace(filling=idle(scene.liquids))
     for part in parts_of(scene, Population(p, 0, shape, scene.placing, grid.slab, start)):
         yield 10.4, partial(
             grid_to_particles, part.setting, part.bounded(scene, grid.field), p, order,
-            np.zeros(0, np.int64), part.forced(on_particles(forcing)), report, ledger,
+            np.zeros(0, np.int64), part.forced(particle_forcing), report, ledger,
         )  # fmt: skip
         yield 1.0, partial(fastest_rate, part.setting.without_shape(), p, rows, controlled)
         summed.append((part.setting.without_materials(), part.loaded(loads.summed()), order))

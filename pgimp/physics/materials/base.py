@@ -105,6 +105,17 @@ class Material(Varying):
         return self.STATE
 
     @property
+    def liquid_speed(self) -> float:
+        """Speed of sound at rest of a liquid, whose particles are kept to the space they fill; 0
+        for all other materials."""
+        return 0.0
+
+    @property
+    def most_filled(self) -> float:
+        """The greatest J of a liquid without voids."""
+        return inf
+
+    @property
     def initial_pressure(self) -> float:
         """Pressure of a particle at the start, unless a file of particles gives its stress."""
         return 0.0

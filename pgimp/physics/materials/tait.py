@@ -1,6 +1,6 @@
 """Tait's equation of state of weakly compressible fluids, p = K/g ((rho/rho0)^g - 1)."""
 
-from math import inf, log
+from math import inf, log, sqrt
 from typing import Any, ClassVar
 
 import numpy as np
@@ -101,6 +101,16 @@ class Liquid(Material):
         default=False,
         description="whether it can pull, p < 0: a free surface that can draws strings and tears",
     )
+
+    @property
+    def liquid_speed(self) -> float:
+        """See `Material.liquid_speed`."""
+        return float(sqrt(self.bulk / self.density))
+
+    @property
+    def most_filled(self) -> float:
+        """1, beyond which it is fluid and void, unless it can pull."""
+        return inf if self.tension else 1.0
 
     @property
     def stiffness(self) -> float:

@@ -1,0 +1,149 @@
+"""Shift of a liquid's particles to where there is room, and the noise of J; see `filling`."""
+
+from pgimp.jit.functions import power
+from pgimp.jit.kernel import specialise
+from pgimp.jit.simd import lane, load, pack, store
+from pgimp.jit.simdrows import transpose
+from pgimp.jit.tuples import scaled
+from pgimp.kernels.batch import first_place
+from pgimp.kernels.fields import field_of
+from pgimp.kernels.filling import EXCESS, FIELD, SURPLUS
+from pgimp.kernels.fours import LANES
+from pgimp.kernels.gather import gather
+from pgimp.kernels.place import is_initial
+from pgimp.kernels.transfer import Support
+
+#: phi up to which a neighbourhood counts as one at a free surface, where voids remain.
+FREE = 0.9
+
+#: The most of a cell that a particle is shifted at once, by direction.
+FARTHEST = 0.1
+
+
+def refill(forcing, setting, field, particles, batch, buffers, moved, work):
+    """Shift four particles, and relax J.
+
+    Parameters
+    ----------
+    forcing, setting, field, particles, batch
+        See `Forcing`, `Setting`, `Field`, `Particles`, `Batch`; the filling is that of the step's
+        beginning.
+    buffers : tuple
+        The batch's supports, and scratch.
+    moved : tuple
+        Positions and deformation gradients, tuples of D and D*D Vec4.
+    work : (layers,) float64
+        Grows by the work of gravity.
+
+    Returns
+    -------
+    x, F
+        The same after the shift.
+    """
+
+
+@specialise(refill)
+def _refill(forcing, setting, field, particles, batch, buffers, moved, work):
+    frame = setting.types[setting.fields.index("frame")]
+    filling = forcing.types[forcing.fields.index("filling")]
+    if not hasattr(filling, "instance_class") or is_initial(frame):  # ()
+        return lambda forcing, setting, field, particles, batch, buffers, moved, work: moved
+    D = len(frame.types[0])
+    part = 1.0 / D
+
+    def shifted(forcing, setting, field, particles, batch, buffers, moved, work):
+        (x, F), filling, gravity = moved, forcing.filling, forcing.gravity
+        if not filling.due:
+            return x, F
+        buffer, scratch = buffers
+        shape, frame, stride = setting.shape, setting.frame, filling.window.stride
+        for j in range(LANES):
+            p = batch.rows[j]
+            body = particles.body[p]
+            if not filling.shift[body] > 0.0:
+                store(scratch, 4 * j, pack(0.0, 0.0, 0.0, 1.0))
+                continue
+            place = batch.layer * stride[0] + first_place(buffer, j)
+            place += field_of(filling.window, particles, p) - field_of(field.window, particles, p)
+            U, _, slopes, _ = gather(
+                shape, filling.G, Support(buffer, j), place, stride, frame.origin, ()
+            )
+            step = _steps(slopes, frame.cell, filling.shift[body])
+            _keep_slope(particles, p, 0, slopes)
+            J = particles.F[p, 0]
+            for _ in range(D - 1):
+                J *= particles.F[p, 0]
+            lost = filling.relaxed[body] * (J - lane(U, FIELD))
+            if J > filling.most[body]:
+                full = (lane(U, SURPLUS) + 1.0 - FREE) / (1.0 - FREE)
+                target = min(lane(U, FIELD), filling.most[body])
+                lost = filling.relaxed[body] * min(max(full, 0.0), 1.0) * (J - target)
+            store(scratch, 4 * j, pack(step[0], step[1], step[2], power((J - lost) / J, part)))
+            if j < batch.size:
+                along = gravity[0] * step[0] + gravity[1] * step[1] + gravity[2] * step[2]
+                work[batch.layer] += particles.m[p] * along
+        S = transpose(load(scratch, 0), load(scratch, 4), load(scratch, 8), load(scratch, 12))
+        return _plus(x, S), scaled(S[3], F)
+
+    return shifted
+
+
+def _steps(slopes, cell, shift):
+    """The shift of a particle along x, y, z, zero where the scene has no such direction."""
+
+
+@specialise(_steps)
+def _steps_of(slopes, cell, shift):
+    def one(slopes, cell, shift):
+        return (_limited(slopes[0], cell[0], shift), 0.0, 0.0)
+
+    def two(slopes, cell, shift):
+        return (
+            _limited(slopes[0], cell[0], shift), _limited(slopes[1], cell[1], shift), 0.0,
+        )  # fmt: skip
+
+    def three(slopes, cell, shift):
+        return (
+            _limited(slopes[0], cell[0], shift), _limited(slopes[1], cell[1], shift),
+            _limited(slopes[2], cell[2], shift),
+        )  # fmt: skip
+
+    return (one, two, three)[len(cell) - 1]
+
+
+def _limited(slope, side, shift):
+    """Minus `shift` times the gradient of EXCESS by cells, at most FARTHEST of a `side`."""
+
+
+@specialise(_limited)
+def _limited_by(slope, side, shift):
+    return lambda slope, side, shift: side * min(
+        max(-shift * side * lane(slope, EXCESS), -FARTHEST), FARTHEST
+    )
+
+
+def _keep_slope(particles, p, d, slopes):
+    """Store the gradient of J that particle `p` carries, from direction `d` on."""
+
+
+@specialise(_keep_slope)
+def _keep_slope_from(particles, p, d, slopes):
+    def last(particles, p, d, slopes):
+        particles.slope[p, d] = lane(slopes[0], FIELD)
+
+    def more(particles, p, d, slopes):
+        particles.slope[p, d] = lane(slopes[0], FIELD)
+        _keep_slope(particles, p, d + 1, slopes[1:])
+
+    return last if len(slopes) == 1 else more
+
+
+def _plus(x, S):
+    """The sum of x and as many of S."""
+
+
+@specialise(_plus)
+def _plus_of(x, S):
+    if len(x) == 1:
+        return lambda x, S: (x[0] + S[0],)
+    return lambda x, S: (x[0] + S[0], *_plus(x[1:], S[1:]))

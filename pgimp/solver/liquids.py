@@ -1,0 +1,105 @@
+"""The filling of the vertices by liquids: when it is summed, and with whom; see `kernels.filling`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from pgimp.decomposition.grid import Grid
+from pgimp.decomposition.halo import Halo
+from pgimp.jit.bound import Bound
+from pgimp.kernels.concepts import Order
+from pgimp.kernels.filling import (
+    Filling,
+    FillingSums,
+    find_filling,
+    fold_filling,
+    reflect_filling,
+)
+from pgimp.kernels.p2g import particles_to_grid
+from pgimp.kernels.particles import Particles, Window
+from pgimp.scene.liquids import SceneLiquids
+from pgimp.scene.scene import Scene
+from pgimp.solver.clock import Step
+
+#: Steps from one shift to the next: each costs a sum of particles, so that all cost 5 % of a step.
+EVERY = 8
+
+#: eps and delta of `pgimp.kernels.filling`.
+SHIFT, RELAX = 0.02, 0.05
+
+
+class Liquids:
+    """The filling of a rank's vertices.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene, which has liquids.
+    comm : communicator
+        Of all ranks.
+    """
+
+    def __init__(self, scene: Scene, comm: Any) -> None:
+        assert scene.liquids is not None
+        self.scene, self.comm, self.call = scene, comm, Bound()
+        self.liquids: SceneLiquids = scene.liquids
+        self._known: Any = None
+        self._halo: Halo | None = None
+        self.sums = FillingSums(most=self.liquids.most)
+        self._idle = idle(self.liquids)
+
+    def find(
+        self, grid: Grid, particles: Particles, order: Order, tools: Any, t: Step
+    ) -> Filling:
+        """Find the filling at the step's beginning, when it is due; collective.
+
+        Parameters
+        ----------
+        grid : Grid
+            Of the step, whose window the sums have.
+        particles, order
+            The particles, and those in the current configuration in order.
+        tools : Tools or ()
+            The rigid bodies as they are in this step.
+        """
+        if t.number % EVERY:
+            return self._idle
+        if self._known is not grid.field:
+            self._connect(grid)
+        own, frame, liquids = self._sums, self.scene.frame, self.liquids
+        own.active.fill(0)
+        runs = np.array([[0, grid.slab.layers, 0]])
+        self.call(
+            particles_to_grid, self.scene.setting.without_materials(), own.field, particles,
+            self.sums, order, runs, (),
+        )  # fmt: skip
+        if self._halo:
+            self._halo.proceed(own)
+            self._halo.finish(own)
+        for wall in liquids.walls:
+            self.call(fold_filling, frame, own.field, wall)
+        self.call(find_filling, frame, own.field, liquids.sides, tools)
+        for wall in reversed(liquids.walls):
+            self.call(reflect_filling, frame, own.field, wall)
+        rate = EVERY * t.dt * liquids.rates
+        return Filling(
+            True, own.window, own.G, SHIFT * rate, 1.0 - np.exp(-RELAX * rate), liquids.most
+        )
+
+    def _connect(self, grid: Grid) -> None:
+        """Allocate the sums for the planes of `grid`."""
+        if self._halo:
+            self._halo.close()
+        self._known, scene, slab = grid.field, self.scene, grid.slab
+        self._sums = Grid(scene.frame, scene.vertices, slab, grid.lag, self.liquids.fields)
+        self._sums.store(grid.base)
+        self._halo = Halo(self.comm, slab, grid.vertices - 1) if slab.neighbours else None
+
+
+def idle(liquids: SceneLiquids) -> Filling:
+    """The filling of a step that does not use it."""
+    window = Window.over((0, 0, 0), (1, 1, 1), liquids.fields)
+    zero = np.zeros(len(liquids.rates))
+    return Filling(False, window, np.zeros(8), zero, zero, liquids.most)
