@@ -12,6 +12,7 @@ from itertools import chain
 import numpy as np
 
 from pgimp.case.load import load
+from pgimp.case.places import located
 from pgimp.case.schema import Case
 from pgimp.case.steps import AUTO
 from pgimp.jit.cache import announced
@@ -50,7 +51,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def execute(args: argparse.Namespace) -> int:
     """Run the command."""
     with announced(say):
-        report(load(args.case, args.set))
+        case = load(args.case, args.set)
+        with located(case):
+            report(case)
     return 0
 
 
@@ -90,7 +93,7 @@ def report(case: Case) -> None:
     crossing_rate = 0.0 if scene.initial else inverse
     rate = _rate(case, bodies, crossing_rate)
     require_end(scene, max(rate, scene.tools.first_rate))
-    dt = _step(case, rate, scene.tools.first_rate)
+    dt = _step(scene, rate)
     require_slow(scene.tools, dt)
     count = int(counts.sum())
     print(f"{case.title or 'case'}: valid")
@@ -172,12 +175,13 @@ def _look_at_rigid(scene: Scene, lattice: Lattice, counts: np.ndarray) -> None:
     require_clear(scene.tools, scene.faces, scene.tools.first, 0, 0.0, Serial())
 
 
-def _step(case: Case, rate: float, rigid: float) -> float:
-    """Length of a step, the first one if it is controlled; `rigid` is the rate of rigid bodies."""
+def _step(scene: Scene, rate: float) -> float:
+    """Length of a step, the first one if it is controlled."""
+    case = scene.case
     if not isinstance(case.time.step, float | int):
         assert case.courant is not None
-        return min(case.courant / max(rate, rigid), case.time.end)
-    require_stable(float(case.time.step), rate, case.method.stable)
+        return min(case.courant / max(rate, scene.tools.first_rate), case.time.end)
+    require_stable(scene, float(case.time.step), rate)
     return float(case.time.step)
 
 

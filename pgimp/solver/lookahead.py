@@ -103,7 +103,7 @@ def require_stable_stages(scenes: Sequence[Scene], rates: Mapping[str, float]) -
         own = step != scenes[number - 1].case.time.step
         key = f"{case.staged.title}: time.{f'stages.{number - 1}.' if own else ''}step"
         try:
-            require_stable(float(step), rate, stable)
+            require_stable(scene, float(step), rate)
         except CaseError as error:
             raise CaseError(str(error).replace("time.step", key, 1)) from None
         warnings.append(stability_warning(float(step), rate, stable).replace("time.step", key, 1))
