@@ -60,7 +60,8 @@ def _of_rigid(scene: Any) -> list[Limit]:
         return []
     inverse = max(scene.frame.inverse)
     speeds = {tools.names[number]: speed * inverse for number, speed in tools.speeds().items()}
-    free = zip((tools.names[number] for number in tools.free), tools.rates(tools.first), strict=True)
+    names = (tools.names[number] for number in tools.free)
+    free = zip(names, tools.rates(tools.first), strict=True)
     return [
         Limit(rate, f"bodies.{name}.rigid", f"the rigid body '{name}'")
         for name, rate in {**speeds, **dict(free)}.items()
