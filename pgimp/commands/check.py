@@ -22,7 +22,7 @@ from pgimp.scene.sanity import body_warnings, case_warnings, small_step_warning
 from pgimp.scene.toolwarnings import motion_warnings
 from pgimp.solver.memory import MemoryShortError, size_text
 from pgimp.solver.stability import stability_warning, stable_courant
-from pgimp.tools.check.bodies import MOST_BODIES, report_body, report_rigid
+from pgimp.tools.check.bodies import MOST_BODIES, report_body, report_materials, report_rigid
 from pgimp.tools.check.cost import measure, report_cost, report_memory
 from pgimp.tools.check.prepare import prepare
 from pgimp.tools.check.savings import ordered_advice
@@ -85,6 +85,7 @@ def report(case: Case, verbose: bool = False) -> None:
         report_body(body, case, duration, verbose)
     if len(bodies) > len(shown):
         print(f"{'':<16} and {len(bodies) - len(shown)} more bodies (-v has them)")
+    report_materials(case)
     report_rigid(scene, verbose)
     chosen = ", chosen by pgimp" if case.watched else ""
     longest = f"; Courant 1 is {1.0 / rate:.4g}" if verbose else ""

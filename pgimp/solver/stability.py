@@ -2,6 +2,8 @@
 
 from typing import Any
 
+import numpy as np
+
 from pgimp.errors import CaseError
 from pgimp.physics.materials.base import has
 from pgimp.solver.limiting import limiting
@@ -36,11 +38,11 @@ def stable_courant(case: Any) -> float:
     used = (case.materials[body.material] for body in case.bodies.values())
     ratios = [getattr(material, "poisson", 0.5) for material in used]
     most = max(float(nu) if isinstance(nu, float | int) else 0.5 for nu in ratios)
-    per_cell = max(method.particles_per_cell)
-    for poisson, limit in _MEAN[case.dimensions].items():
-        if most <= poisson:
-            return max(least, min(float(method.stable_pointwise), limit / per_cell))
-    return least
+    ratios_measured, limits = zip(*_MEAN[case.dimensions].items(), strict=True)
+    if most > ratios_measured[-1]:
+        return least
+    limit = float(np.interp(most, ratios_measured, limits)) / max(method.particles_per_cell)
+    return max(least, min(float(method.stable_pointwise), limit))
 
 
 def check_first_step(scene: Any, dt: float, rate: float) -> list[str]:

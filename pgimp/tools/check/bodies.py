@@ -4,6 +4,7 @@ from pgimp.case.schema import Case
 from pgimp.scene.facts import BodyFacts
 from pgimp.scene.sanity import strains
 from pgimp.scene.scene import Scene
+from pgimp.scene.units import in_si
 
 #: Bodies that a short report has lines for.
 MOST_BODIES = 3
@@ -30,6 +31,14 @@ def report_body(body: BodyFacts, case: Case, duration: float, verbose: bool) -> 
     texts = [f"{what} {s:.2g}" for what, s in found.items() if verbose or s > _NOTABLE]
     if texts:
         print(f"{'':<16} strain {', '.join(texts)}")
+
+
+def report_materials(case: Case) -> None:
+    """Numbers of each material in SI units, on a line each, where the case's units are known."""
+    for name in list(dict.fromkeys(body.material for body in case.bodies.values()))[:MOST_BODIES]:
+        if found := in_si(case, name):
+            texts = (f"{key} {value:.4g} {unit}" for key, (value, unit) in found.items())
+            print(f"material {name:<7} {', '.join(texts)}")
 
 
 def report_rigid(scene: Scene, verbose: bool) -> None:
