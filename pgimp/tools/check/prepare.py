@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -94,7 +95,7 @@ def _rate(case: Case, bodies: list[BodyFacts], inverse: float) -> float:
     return max(body.rest_rate + body.top_speed * inverse for body in bodies)
 
 
-def pace_of(courant: float, bodies: list[BodyFacts], inverse: float) -> float:
+def pace_of(courant: float, bodies: Sequence[BodyFacts], inverse: float) -> float:
     """Rate that a Courant number chosen by pgimp refers to, see `Scene.controlled`."""
     part = courant / MOST_CELLS * inverse
     return max(max(body.rest_rate, part * body.top_speed) for body in bodies)

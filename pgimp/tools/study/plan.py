@@ -86,7 +86,9 @@ def read_plan(name: str | Path, examine: Callable[[Case], object] | None = None)
     made.check_measures(found, [case for _, case in complete])
     runs = made.arrange(found, complete)
     made.raise_problems()
-    for one, (file, case) in zip(found, complete, strict=True) if examine else ():
+    for one, (file, case) in zip(found, complete, strict=True):
+        if examine is None:
+            break
         try:
             examine(case)
         except CaseError as error:
