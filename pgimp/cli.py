@@ -121,7 +121,9 @@ def _slip(words: list[str]) -> str:
     """Return the probable meaning of words that are no run of a case; empty if they may be."""
     name, rest = words[0], shlex.join(words[1:])
     if name == "run" and not os.path.exists(name):
-        return f"there is no command run: a case is run with `pgimp {rest or 'CASE.yaml'}`"
+        if not rest:
+            return "there is no command run: a case is run with `pgimp CASE.yaml`. Which case?"
+        return f"there is no command run: a case is run with `pgimp {rest}`"
     if name.isidentifier() and len(words) > 1 and not os.path.exists(name):
         near = difflib.get_close_matches(name, COMMANDS, n=1)
         if near:

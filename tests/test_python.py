@@ -292,3 +292,55 @@ def test_results_are_read_without_mpi_numba_or_pandas(folder):
     first, second = (set(line.split()) for line in done.stdout.splitlines())
     assert not first & {"numpy", "numba", "h5py", "mpi4py", "matplotlib", "pandas", "pydantic"}
     assert "h5py" in second and not second & {"numba", "pandas", "matplotlib"}
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: pgimp.run(BLOCK, output=""), "output: expected the name of a directory"),
+        (lambda: pgimp.run(BLOCK, output="x", wall_time=-1), "wall_time: .* got -1"),
+        (lambda: pgimp.run(BLOCK, output="x", wall_time=float("nan")), "wall_time: .* got nan"),
+        (lambda: pgimp.Simulation(BLOCK).advance(float("nan")), "advance: .* got nan"),
+        (lambda: pgimp.Simulation(BLOCK).step(-3), "step: .* got -3"),
+        (lambda: pgimp.Simulation(BLOCK).step(1.5), "step: .* got 1.5"),
+    ],
+)
+def test_arguments_that_mean_nothing(call, words, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(ValueError, match=words):
+        call()
+    assert not [*tmp_path.iterdir()]
+
+
+TOGETHER = """
+import sys
+import pgimp
+from pgimp.mpi.comm import Serial
+
+comm, case = pgimp.world(), pgimp.load("block.yaml")
+"""
+
+
+@pytest.mark.parametrize(
+    ("program", "status", "words"),
+    [
+        ("sim = pgimp.Simulation(case)\nif comm.rank == 1:\n    raise ValueError('here')\n"
+         "sim.advance()", 1, "ValueError: here"),
+        ("if comm.rank == 1:\n    pgimp.Simulation(case)", 1,
+         "rank 1: rank 0 has not come to pgimp.Simulation within 1 seconds"),
+        ("if comm.rank == 0:\n    pgimp.run(case, output='one')\nelse:\n    comm.Barrier()", 1,
+         "rank 0: rank 1 has not come to pgimp.run within 1 seconds"),
+        ("pgimp.Simulation(case, overrides={'time.end': 0.1 * (1 + comm.rank)}).advance()", 2,
+         "rank 1 would do it with another case or other arguments than rank 0"),
+        ("pgimp.run(case, output='two', overrides={'time.end': 0.1 * (1 + comm.rank)})", 2,
+         "rank 1 would do it with another case or other arguments than rank 0"),
+        ("if comm.rank == 1:\n    pgimp.Simulation(case, Serial()).step(2)", 0, ""),
+    ],
+)  # fmt: skip
+def test_ranks_that_do_not_come_together_end_with_the_reason(
+    folder, mpirun, program, status, words
+):
+    (folder / "apart.py").write_text(TOGETHER + program)
+    done = mpirun(2, ["apart.py"], 60.0, cwd=folder, env=os.environ | {"PGIMP_PATIENCE": "1"})
+    assert done.returncode == status, done.stderr
+    assert words in done.stderr and not (folder / "two").exists()

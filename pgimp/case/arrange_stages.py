@@ -109,6 +109,12 @@ def _relocated(item: Problem, stage: Stage, place: Path) -> Problem:
         changes = None
     if changes is not None or section in ("materials", "tractions", "contact", "output"):
         return item._replace(path=(*place, *item.path))
+    if section in ("boundaries", "escape") and len(item.path) > 1:
+        # The two conflict on a face: what the stage changes is the other one.
+        other = "escape" if section == "boundaries" else "boundaries"
+        if item.path[1] in stage.changes.get(other, {}):
+            path = (*place, other, item.path[1])
+            return item._replace(path=path, text=f"{'.'.join(map(str, item.path))}: {item.text}")
     return item._replace(text=f"in the stage '{stage.name}': {item.text}")
 
 

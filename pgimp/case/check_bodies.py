@@ -11,7 +11,7 @@ from pydantic import RootModel
 from pgimp.case.check_domain import check_grid
 from pgimp.geometry.regions import REGIONS
 from pgimp.physics.loads.motion import RigidMotion, check_rotation
-from pgimp.physics.rigid import FREEDOMS
+from pgimp.physics.rigid import FREEDOMS, RigidBody
 from pgimp.schema.messages import unknown
 from pgimp.schema.problems import Problem
 from pgimp.schema.registries import name_of
@@ -186,16 +186,21 @@ def _beyond(
     )
 
 
-def _body_of(
-    path: tuple[str | int, ...], entry: Any, bodies: Mapping[str, Any], named: Iterable[str]
-) -> Problems:
-    """Check that an entry's body is known, and has particles."""
-    if entry.body not in bodies and entry.body not in named:
+def check_body_of(
+    path: tuple[str | int, ...], entry: Any, every_body: Mapping[str, Any],
+    named: Iterable[str], why: str,
+) -> Problems:  # fmt: skip
+    """Check that an entry's body is known, and has particles; `why` that is needed."""
+    body = every_body.get(entry.body)
+    if isinstance(body, RigidBody):
+        yield Problem((*path, "body"), f"'{entry.body}' is rigid, and has no particles: {why}")
+    elif body is None and entry.body not in named:
         yield Problem((*path, "body"), unknown("body", entry.body, named))
 
 
 def check_tractions(
     dimensions: int,
+    every_body: Mapping[str, Any],
     bodies: Mapping[str, Any],
     body_names: Iterable[str],
     materials: Mapping[str, Any],
@@ -204,7 +209,8 @@ def check_tractions(
     """Check that tractions act on faces of boxes, which are those of solids."""
     for name, entry in tractions.items():
         path: tuple[str | int, ...] = ("tractions", name)
-        yield from _body_of(path, entry, bodies, body_names)
+        why = "a traction pulls at a body of a material; a rigid one moves as its key `rigid` says"
+        yield from check_body_of(path, entry, every_body, body_names, why)
         if entry.face not in faces(dimensions):
             yield Problem((*path, "face"), unknown("face", entry.face, faces(dimensions)))
         if entry.body in bodies and name_of(bodies[entry.body].region, REGIONS) != "box":
@@ -228,7 +234,7 @@ def check_tractions(
 def check_constraints(
     dimensions: int,
     grid: Any,
-    bodies: Mapping[str, Any],
+    every_body: Mapping[str, Any],
     body_names: Iterable[str],
     constraints: Mapping[str, Any],
 ) -> Problems:
@@ -236,7 +242,9 @@ def check_constraints(
     sound = not list(check_grid(dimensions, grid))
     for name, entry in constraints.items():
         path: tuple[str | int, ...] = ("constraints", name)
-        yield from _body_of(path, entry, bodies, body_names)
+        why = "a constraint holds parts of a body of a material; give a rigid one its motion by"
+        why += " its key `rigid`"
+        yield from check_body_of(path, entry, every_body, body_names, why)
         wrong = list(_region((*path, "region"), entry.region, dimensions))
         yield from wrong
         yield from length((*path, "velocity"), entry.velocity, dimensions)

@@ -92,20 +92,35 @@ def check_output(time: Any, output: Any) -> Problems:
 
 
 def check_fields(
-    materials: Mapping[str, Any], declared: tuple[str, ...], output: Any
+    materials: Mapping[str, Any],
+    declared: tuple[str, ...],
+    bodies: Mapping[str, Any],
+    body_names: tuple[str, ...],
+    output: Any,
 ) -> Problems:
-    """Check that fields which not every case has are those of its materials."""
-    if len(materials) < len(declared):
+    """Check that fields which not every case has are those of materials that bodies are of."""
+    has = {name: _own_fields(entry) for name, entry in materials.items()}
+    in_use = {body.material for body in bodies.values()}
+    if len(materials) < len(declared) or len(bodies) < len(body_names) or in_use - has.keys():
         return  # the fields of the others are unknown
-    states = {state.name for entry in materials.values() for state in entry.states}
-    states |= {field_of(keys) for entry in materials.values() for keys in entry.variations}
+    known = {*OPTIONAL, *(field for name in in_use for field in has[name])}
+    there = f"there are: {', '.join(sorted(known))}"
     for i, name in enumerate(output.fields):
-        if name not in OPTIONAL and name not in states:
-            known = [*OPTIONAL, *sorted(states)]
-            text = f"no material of the case has it; there are: {', '.join(sorted(known))}"
-            if name.startswith(PREFIX):
-                text = unknown("field", name, known)
-            yield Problem(("output", "fields", i), text)
+        idle = [repr(material) for material, fields in has.items() if name in fields]
+        if name in known:
+            continue
+        if idle:
+            text = f"no body is of a material that has it ({', '.join(idle)}); {there}"
+        elif name.startswith(PREFIX):
+            text = unknown("field", name, known)
+        else:
+            text = f"no material of the case has it; {there}"
+        yield Problem(("output", "fields", i), text)
+
+
+def _own_fields(material: Any) -> set[str]:
+    """Fields that not every material has: its states, and parameters that vary in space."""
+    return {s.name for s in material.states} | {field_of(keys) for keys in material.variations}
 
 
 def check_body_force(dimensions: int, body_force: Any) -> Problems:

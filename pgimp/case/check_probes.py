@@ -7,10 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from pgimp.case.check_bodies import check_regions
+from pgimp.case.check_bodies import check_body_of, check_regions
 from pgimp.case.check_domain import check_grid
 from pgimp.case.output import PlaceProbe
-from pgimp.schema.messages import unknown
 from pgimp.schema.problems import Problem
 from pgimp.schema.sizes import AXES, WHOLE, Problems, length
 
@@ -18,6 +17,7 @@ from pgimp.schema.sizes import AXES, WHOLE, Problems, length
 def check_probes(
     dimensions: int,
     grid: Any,
+    every_body: Mapping[str, Any],
     bodies: Mapping[str, Any],
     body_names: Iterable[str],
     probes: Mapping[str, Any],
@@ -32,8 +32,8 @@ def check_probes(
             if sound and not wrong:
                 yield from _in_domain((*path, "place"), entry.place, grid)
             continue
-        if entry.body not in bodies and entry.body not in body_names:
-            yield Problem((*path, "body"), unknown("body", entry.body, body_names))
+        why = f"none can be followed; history.csv has its motion, tool.{entry.body}"
+        yield from check_body_of(path, entry, every_body, body_names, why)
         wrong = list(length((*path, "at"), entry.at, dimensions))
         yield from wrong
         if sound and not wrong and entry.body in bodies:

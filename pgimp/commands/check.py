@@ -9,28 +9,23 @@ what is said of them, and `pgimp.tools.model`.
 import argparse
 from itertools import chain
 
-import numpy as np
-
 from pgimp.case.load import load
+from pgimp.case.places import located
 from pgimp.case.schema import Case
-from pgimp.case.steps import AUTO
 from pgimp.jit.cache import announced
-from pgimp.mpi.comm import Serial, say
+from pgimp.mpi.comm import say
 from pgimp.running import forecast
 from pgimp.scene import nearness
-from pgimp.scene.advice import advice
-from pgimp.scene.facts import BodyFacts, examine
-from pgimp.scene.geometry import share
+from pgimp.scene.facts import BodyFacts
 from pgimp.scene.laterconstraints import idle_warnings
-from pgimp.scene.lattice import Lattice
-from pgimp.scene.sanity import body_warnings, case_warnings, small_step_warning, strains
-from pgimp.scene.scene import MOST_CELLS, Scene, count_particles
-from pgimp.scene.toolchecks import require_apart, require_clear, require_slow
+from pgimp.scene.sanity import body_warnings, case_warnings, small_step_warning
 from pgimp.scene.toolwarnings import motion_warnings
-from pgimp.solver.lookahead import look_ahead, require_stable_stages
-from pgimp.solver.memory import MemoryShortError, require, size_text
-from pgimp.solver.stability import require_end, require_stable, stability_warning
+from pgimp.solver.memory import MemoryShortError, size_text
+from pgimp.solver.stability import stability_warning, stable_courant
+from pgimp.tools.check.bodies import MOST_BODIES, report_body, report_materials, report_rigid
 from pgimp.tools.check.cost import measure, report_cost, report_memory
+from pgimp.tools.check.prepare import prepare
+from pgimp.tools.check.savings import ordered_advice
 from pgimp.tools.check.steps import pilot_warnings, report_stages, report_steps
 from pgimp.tools.model.pilot import pilot
 
@@ -45,17 +40,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=[],
         help="change a value of the case; repeatable",
     )
+    parser.add_argument(
+        "-v", "--verbose", action="store_true", help="all that is known: strains, ranks, memory"
+    )
 
 
 def execute(args: argparse.Namespace) -> int:
     """Run the command."""
     with announced(say):
-        report(load(args.case, args.set))
+        case = load(args.case, args.set)
+        with located(case):
+            report(case, args.verbose)
     return 0
 
 
-def report(case: Case) -> None:
-    """Print the report.
+def report(case: Case, verbose: bool = False) -> None:
+    """Print the report: a line for each quantity, all that is known with `verbose`.
 
     Raises
     ------
@@ -63,139 +63,65 @@ def report(case: Case) -> None:
         For what would stop a run before its first step.
     """
     whole, case = case, case.stages[0]
-    scenes = [Scene(each) for each in whole.stages]
-    if whole.time.stages:
-        look_ahead(scenes)
-    scene = scenes[0]
-    share(case, Serial())
-    cells = " x ".join(str(n) for n in scene.frame.cells)
+    cells = " x ".join(str(n) for n in case.grid.cells)
     try:
-        require(scene, Serial())
-        lattice, counts, notes = count_particles(scene, Serial())
-        memory = require(scene, Serial(), int(counts.sum()))
+        known = prepare(whole)
     except MemoryShortError as error:
         print(f"{case.title or 'case'}: valid, but not for the memory that is here")
         print(f"particles        about {error.estimate.particles:.3g}")
         print(f"cells            {cells}, shape {case.method.shape}")
-        report_memory(error.estimate)
+        report_memory(error.estimate, True)
         raise
-    if scene.tools:
-        _look_at_rigid(scene, lattice, counts)
-    found = examine(scene, lattice, counts, whole.stages)
-    bodies = found.bodies
-    varied = {body.name: body.rest_rate for body in bodies if body.varies}
-    of_stages = require_stable_stages(scenes, varied)
-    inverse = max(scene.frame.inverse)
-    # A grid of the initial configuration moves with its bodies.
-    crossing_rate = 0.0 if scene.initial else inverse
-    rate = _rate(case, bodies, crossing_rate)
-    require_end(scene, max(rate, scene.tools.first_rate))
-    dt = _step(case, rate, scene.tools.first_rate)
-    require_slow(scene.tools, dt)
-    count = int(counts.sum())
+    scene, bodies, rate, dt = known.scenes[0], known.found.bodies, known.rate, known.dt
+    count = int(known.counts.sum())
     print(f"{case.title or 'case'}: valid")
-    print(f"particles        {count:,} in {len(bodies)} bod{'y' if len(bodies) == 1 else 'ies'}")
-    print(f"cells            {cells}, shape {case.method.shape}")
-    for body in bodies:
-        _report_body(body, case)
-    for name, field in zip(scene.tools.names, scene.tools.fields, strict=True):
-        entry = case.tools[name]
-        moves = "moves freely" if entry.free else "moves" if entry.moves else "stands"
-        print(f"rigid {name:<10} {moves}; {len(field.values):,} distances on its lattice")
-    stable = 1.0 / rate
+    print(
+        f"particles        {count:,} in {len(bodies)} bod{'y' if len(bodies) == 1 else 'ies'}; "
+        f"{cells} cells, shape {case.method.shape}"
+    )
+    duration = whole.time.last
+    shown = bodies if verbose else bodies[:MOST_BODIES]
+    for body in shown:
+        report_body(body, case, duration, verbose)
+    if len(bodies) > len(shown):
+        print(f"{'':<16} and {len(bodies) - len(shown)} more bodies (-v has them)")
+    report_materials(case)
+    report_rigid(scene, verbose)
     chosen = ", chosen by pgimp" if case.watched else ""
-    print(f"step             {dt:.4g}, Courant {dt * rate:.3g}{chosen}; Courant 1 is {stable:.4g}")
-    _report_chosen(case, bodies, crossing_rate, dt)
+    longest = f"; Courant 1 is {1.0 / rate:.4g}" if verbose else ""
+    print(f"step             {dt:.4g}, Courant {dt * rate:.3g}{chosen}{longest}")
     steps = float(case.time.steps or case.time.end / dt)
     costs, crossing = measure(scene, count, steps)
-    tried = pilot(case, count, steps, costs, _thinnest(case, bodies))
+    tried = pilot(case, count, steps, costs, _thinnest(case, bodies)) if costs else None
     steps = report_steps(case, steps, tried)
     if whole.time.stages:
-        steps += report_stages(whole, scenes, steps * dt / case.time.end, varied)
-    report_memory(memory)
-    report_cost(scene, lattice, counts, costs, crossing, steps)
+        steps += report_stages(whole, known.scenes, steps * dt / case.time.end, known.varied)
+    report_memory(known.memory, verbose)
+    if costs:
+        report_cost(scene, known.lattice, known.counts, costs, crossing, steps, verbose)
+    else:
+        print("time             unknown: no step of a sample of the case could be timed")
     number = forecast.frames(whole, steps)
     size = size_text(number * forecast.frame_size(case, scene.fields, count))
     print(f"output           {number:,} frames of particles, about {size}")
-    for note in (*notes, *nearness.notes(case), *advice(case, bodies)):
+    for note in (
+        *known.notes, *nearness.notes(case), *ordered_advice(case, bodies, known.crossing, dt)
+    ):  # fmt: skip
         print(f"note: {note}")
     for text in chain(
-        filter(None, [] if case.watched else [stability_warning(dt, rate, case.method.stable)]),
+        filter(None, [] if case.watched else [stability_warning(dt, rate, stable_courant(case))]),
         filter(None, [small_step_warning(dt, rate)]),
-        of_stages,
+        known.of_stages,
         pilot_warnings(case, dt * rate, tried),
-        *(body_warnings(case, body, whole.time.last) for body in bodies),
-        case_warnings(case, found),
-        idle_warnings(found.later, found.held_later),
-        motion_warnings(scenes),
-        nearness.bonded(scene, lattice, counts),
+        *(body_warnings(case, body, duration) for body in bodies),
+        case_warnings(case, known.found),
+        idle_warnings(known.found.later, known.found.held_later),
+        motion_warnings(known.scenes),
+        nearness.bonded(scene, known.lattice, known.counts),
         nearness.warnings(case),
         forecast.warnings(whole, steps),
     ):
         print(f"warning: {text}")
-
-
-def _rate(case: Case, bodies: list[BodyFacts], inverse: float) -> float:
-    """Cells in a unit of time that a Courant number of the case refers to."""
-    if case.watched:
-        assert case.courant is not None
-        return pace_of(case.courant, bodies, inverse)
-    return max(body.rest_rate + body.top_speed * inverse for body in bodies)
-
-
-def pace_of(courant: float, bodies: list[BodyFacts], inverse: float) -> float:
-    """Rate that a Courant number chosen by pgimp refers to, see `Scene.controlled`."""
-    part = courant / MOST_CELLS * inverse
-    return max(max(body.rest_rate, part * body.top_speed) for body in bodies)
-
-
-def _report_chosen(case: Case, bodies: list[BodyFacts], inverse: float, dt: float) -> None:
-    """Say how many fewer steps there would be if pgimp chose their length."""
-    courant = AUTO * case.method.largest_courant(case.dimensions)
-    longest = courant / pace_of(courant, bodies, inverse)
-    if not case.watched and longest > 1.05 * dt:
-        print(
-            f"{'':<16} step: {{courant: auto}} would begin with {longest:.4g} (Courant number of "
-            f"waves {courant:.2g}): {100.0 * (1.0 - dt / longest):.0f} % fewer steps"
-        )
-
-
-def _look_at_rigid(scene: Scene, lattice: Lattice, counts: np.ndarray) -> None:
-    """Refuse rigid bodies that are too thin or overlap others, as a run does."""
-    scene.tools.measure(Serial())
-    blocks = (
-        (block.positions, np.full(len(block.ids), body, np.int32))
-        for body in range(len(lattice.bodies))
-        for block in lattice.make((0, lattice.planes), counts, body)
-    )
-    require_apart(scene.tools, blocks, Serial())
-    require_clear(scene.tools, scene.faces, scene.tools.first, 0, 0.0, Serial())
-
-
-def _step(case: Case, rate: float, rigid: float) -> float:
-    """Length of a step, the first one if it is controlled; `rigid` is the rate of rigid bodies."""
-    if not isinstance(case.time.step, float | int):
-        assert case.courant is not None
-        return min(case.courant / max(rate, rigid), case.time.end)
-    require_stable(float(case.time.step), rate, case.method.stable)
-    return float(case.time.step)
-
-
-def _report_body(body: BodyFacts, case: Case) -> None:
-    """Wave speed, transit time, and loads against stiffness: strains that show unit mistakes."""
-    c = body.wave_speed
-    transit = body.extent / c
-    transits = case.time.end / transit
-    print(
-        f"body {body.name:<11} {body.particles:,} particles; wave speed {c:.4g}, transit time "
-        f"{transit:.4g} over {body.extent:.4g}; the run lasts {transits:.3g} transits"
-    )
-    for fact in case.bodies[body.name].region.facts():
-        print(f"{'':<16} {fact}")
-    for key, (least, mean, most) in body.varies.items():
-        print(f"{'':<16} {key} varies from {least:.6g} to {most:.6g}, mean {mean:.6g}")
-    texts = (f"{what} {strain:.2g}" for what, strain in strains(case, body).items())
-    print(f"{'':<16} strain {', '.join(texts)}")
 
 
 def _thinnest(case: Case, bodies: list[BodyFacts]) -> float:

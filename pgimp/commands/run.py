@@ -12,6 +12,7 @@ from pgimp.io.rundir.rundir import RunDirectory
 from pgimp.io.rundir.runinfo import describe_start, installed
 from pgimp.mpi.collective import on_root
 from pgimp.mpi.comm import abort_on_error, world
+from pgimp.mpi.together import end_all_on_exceptions, require_same
 from pgimp.running.log import Log
 from pgimp.running.progress import duration
 from pgimp.running.stop import Stop, wall_time
@@ -139,6 +140,8 @@ def run(
     ------
     CaseError, UsageError
         If the case is wrong or the directory cannot be used.
+    ValueError
+        If `output` is empty, or `wall_time` not above zero.
     RunError
         If the run fails. On more than one rank this ends the whole job with status 1.
     KeyboardInterrupt, SystemExit
@@ -146,9 +149,17 @@ def run(
         the files are closed; ``resume=True`` goes on from there.
     """
     from pgimp.case.load import load
+    from pgimp.case.writer import dump_case
     from pgimp.io.results import reader
 
     comm = world() if comm is None else comm
+    end_all_on_exceptions(comm)
+    if output is not None and not str(output):
+        raise ValueError("output: expected the name of a directory, got an empty one")
+    if wall_time is not None and not wall_time > 0.0:
+        raise ValueError(f"wall_time: expected seconds above 0, got {wall_time!r}")
+    # Before anything collective that a rank alone would wait in.
+    require_same(comm, "pgimp.run", repr((str(output), overwrite, resume)))
     with abort_on_error(comm):
         text = None
         if isinstance(case, str | Path):
@@ -157,6 +168,7 @@ def run(
             case = _parse(text, str(case), overrides)
         else:
             case = load(case, overrides)
+        require_same(comm, "pgimp.run", dump_case(case))
         if output is None:
             raise UsageError("a case that comes from no file needs output=, its run directory")
         if overwrite and resume:

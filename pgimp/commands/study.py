@@ -21,6 +21,7 @@ from pgimp.running.log import Log
 from pgimp.running.progress import duration, terminal_columns
 from pgimp.running.stop import Held
 from pgimp.terminal import unescaped
+from pgimp.tools.check.prepare import prepare
 from pgimp.tools.study.measures import number
 from pgimp.tools.study.plan import Plan, read_plan
 from pgimp.tools.study.runs import DONE, Outcome, command, perform
@@ -78,7 +79,7 @@ def execute(args: argparse.Namespace) -> int:
             f"{started.name} started this process, but a study starts its runs itself: call it "
             "without a launcher, and name launcher and ranks in the study"
         )
-    plan = read_plan(args.study)
+    plan = read_plan(args.study, prepare if args.list else None)
     folder = _folder(args, plan)
     if args.list:
         for run in plan.runs:

@@ -7,7 +7,7 @@ import sys
 import time
 import traceback
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from typing import Any, NamedTuple, TypeVar
 
@@ -255,14 +255,29 @@ def abort_on_error(comm: Any) -> Iterator[None]:
 
 def _abort(private: Any, error: BaseException) -> None:
     """End all ranks; of those that get here together only the lowest prints."""
-    for above in range(private.rank + 1, private.size):
-        private.Isend(bytearray(), dest=above, tag=_FAILURE_TAG)
+    abort_together(private, error, lambda: say(f"rank {private.rank}: {describe(error)}"))
+
+
+def abort_together(comm: Any, error: BaseException, speak: Callable[[], None]) -> None:
+    """End all ranks; of those that get here together only the lowest speaks.
+
+    Parameters
+    ----------
+    comm : communicator
+        Of all ranks.
+    error : BaseException
+        Why; it has the exit status.
+    speak : callable
+        Says so.
+    """
+    for above in range(comm.rank + 1, comm.size):
+        comm.Isend(bytearray(), dest=above, tag=_FAILURE_TAG)
     first = time.monotonic() + _SAME_FAILURE_SECONDS
     while time.monotonic() < first:
-        if private.Iprobe(tag=_FAILURE_TAG):
+        if comm.Iprobe(tag=_FAILURE_TAG):
             time.sleep(10 * _SAME_FAILURE_SECONDS)  # the lower rank ends the job meanwhile
             break
         time.sleep(0.005)
     else:
-        say(f"rank {private.rank}: {describe(error)}")
-    private.Abort(130 if isinstance(error, KeyboardInterrupt) else getattr(error, "exit_status", 1))
+        speak()
+    comm.Abort(130 if isinstance(error, KeyboardInterrupt) else getattr(error, "exit_status", 1))

@@ -16,7 +16,7 @@ from pgimp.files.plain import read_plain
 from pgimp.io.rundir.probefiles import probe_file
 from pgimp.io.rundir.rundir import STARTING, RunDirectory
 from pgimp.mpi.collective import on_root
-from pgimp.running.checkpoints import About, intact, made_by, present
+from pgimp.running.checkpoints import About, intact, made_by, number_of, present
 from pgimp.running.log import Log
 from pgimp.running.probes import require_known
 from pgimp.schema.document import LARGEST_FILE
@@ -72,6 +72,8 @@ def resume(case: Case, comm: Any, directory: RunDirectory, log: Log) -> Resumed 
             if isinstance(file, DamagedError):
                 raise file
             about, state = About.of(file), State.of(file)
+            if state.step != number_of(path):
+                raise DamagedError(f"it is of step {state.step}, which is not that of its name")
             began_as = _compare(about.case, case, f"{path}", log, state.stage)
             require_known(case, about.probes)
             on_root(comm, partial(_require_lines, directory.path, case, about))

@@ -20,6 +20,8 @@ from pgimp.solver.simulation import Simulation
 
 #: Part of the mass past a wall from which a note is due.
 _NEGLIGIBLE = 1e-6
+#: Part of the mass, or of all particle-steps, from which a result may be wrong by a visible amount.
+_MATTERS = 1e-3
 
 
 def advance(
@@ -160,6 +162,14 @@ def amount(size: float) -> str:
     return f"{size:.3g} TB"
 
 
+def _tell(log: Log, matters: bool, what: str, wrong: str) -> None:
+    """Show what makes a result wrong, and what; keep in the log what does not."""
+    if matters:
+        log.say(f"note: {what}: {wrong}")
+    else:
+        log.note(f"note: {what}: too little to matter")
+
+
 def _say_done(
     sim: Simulation, first: int, recorder: Recorder, directory: RunDirectory, log: Log, total: float
 ) -> None:
@@ -193,23 +203,30 @@ def _say_done(
         )
     clamped = sim.comm.allreduce(sim.rank.clamped)
     if clamped:
-        share = 100.0 * clamped / (sim.count * sim.step)
-        log.say(
-            f"note: in {clamped} particle-steps ({share:.2g} %) a particle was stretched to a "
-            "half-width of more than one cell; its reach is held at one cell, so that neighbours "
-            "may lose contact: use fewer or larger cells along the stretch"
-        )
+        share = clamped / (sim.count * sim.step)
+        _tell(
+            log, share > _MATTERS,
+            f"in {clamped} particle-steps ({100.0 * share:.2g} %) a particle was stretched to a "
+            "half-width of more than one cell, and reached no farther than one",
+            "neighbours along the stretch may lose contact, and the body tear where it would not: "
+            "use fewer or larger cells along the stretch",
+        )  # fmt: skip
     held = sim.comm.allreduce(sim.rank.held)
     if held:
-        share = 100.0 * held / (sim.count * sim.step)
-        log.say(
-            f"note: in {held} particle-steps ({share:.2g} %) a wall held in a particle whose "
-            "centre had passed it; its velocity into the wall is lost, as a force of the wall"
-        )
+        share = held / (sim.count * sim.step)
+        _tell(
+            log, share > _MATTERS,
+            f"in {held} particle-steps ({100.0 * share:.2g} %) a wall held in a particle whose "
+            "centre had passed it; its velocity into the wall is lost, as a force of the wall",
+            "kinetic energy is lost at the wall, and what lies there is denser than it should be: "
+            "smaller cells or steps, or finite-gimp, press fewer particles through",
+        )  # fmt: skip
     part, when, face = sim.diagnostic_sums.most_outside
     if part > _NEGLIGIBLE:
-        log.say(
-            f"note: particles carried up to {100.0 * part:.2g} % of the mass past {face} (t = "
-            f"{when:.6g}); what lies there the wall bears, so the rest is light by as much: a size "
-            "that follows the deformation (finite-gimp), or wall: mirror, avoids that"
-        )
+        _tell(
+            log, part > _MATTERS,
+            f"up to {100.0 * part:.2g} % of the mass lay past {face} (t = {when:.6g}), borne by "
+            "the wall",
+            f"weights and pressures of the rest are too small by that part, and forces on {face}: "
+            "a size that follows the deformation (finite-gimp), or wall: mirror, avoids that",
+        )  # fmt: skip

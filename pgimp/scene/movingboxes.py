@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from pgimp.geometry.regions import Points
 from pgimp.scene.supports import held_at
 from pgimp.schema.tables import Table, VectorTable
 
@@ -48,6 +49,9 @@ def moving_boxes(case: Any, times: np.ndarray) -> list[Box]:
     boxes = []
     for name, body in case.bodies.items():
         low, high = (np.array(end, float) for end in body.region.bounds())
+        if isinstance(body.region, Points):  # bounds of centres; half a particle lies beyond
+            half = 0.5 * np.array(case.grid.cell) / case.method.particles_per_cell
+            low, high = low - half, high + half
         velocity, turns = _velocity(body.velocity, 0.5 * (low + high))
         moved = [entry for entry in case.constraints.values() if entry.body == name]
         if moved:

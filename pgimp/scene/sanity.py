@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from typing import Any
 
@@ -12,6 +11,7 @@ from pgimp.physics.variation import Variation
 from pgimp.physics.variation.randomfield import RandomVariation
 from pgimp.scene.facts import BodyFacts, Findings
 from pgimp.scene.supports import held_at, own_weight
+from pgimp.scene.units import unlikely
 from pgimp.schema.tables import Table, VectorTable
 
 #: No elastic solid is strained more than this by loads.
@@ -29,15 +29,7 @@ _FEW = 3.0 - 1e-9
 _NEARLY_HALF = 0.45
 #: Spacings of particles within which a probe's particle lies, with a margin for a file's.
 _FAR = 1.0
-#: Waves [m/s], from jelly to diamond, and densities [kg/m^3], from aerogel to osmium; widened.
-_WAVES, _DENSITIES = (0.05, 3.0e4), (0.5, 3.0e4)
-
 AXES = "xyz"
-
-_LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "km": 1e3, "um": 1e-6, "µm": 1e-6, "in": 0.0254}
-_TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6}
-_MASSES = {"kg": 1.0, "g": 1e-3, "mg": 1e-6, "t": 1e3, "tonne": 1e3, "Mg": 1e3}
-
 
 def strains(case: Any, body: BodyFacts) -> dict[str, float]:
     """Return the strains of a body by its loads, were it linear.
@@ -99,7 +91,7 @@ def body_warnings(case: Any, body: BodyFacts, duration: float) -> Iterator[str]:
             "tonnes)?"
         )
     yield from _locking(case, body)
-    yield from _unlikely(case.units, body)
+    yield from unlikely(case, body)
     transits = duration * body.wave_speed / body.extent
     if transits < _FEWEST_TRANSITS:
         yield (
@@ -233,43 +225,6 @@ def _ineffective_tractions(case: Any) -> Iterator[str]:
                 f"tractions.{name}: the face {entry.face} of '{entry.body}' lies at the domain's, "
                 "whose condition holds it: the traction moves nothing"
             )
-
-
-def _unlikely(units: str, body: BodyFacts) -> Iterator[str]:
-    """Yield values that no solid has, in units with a known label, such as "mm, t, s"."""
-    words = re.split(r"[\s,;]+", units.strip())
-    if units.strip() == "SI":
-        words = ["m", "kg", "s"]
-    length, time, mass = (
-        next((table[word] for word in words if word in table), None)
-        for table in (_LENGTHS, _TIMES, _MASSES)
-    )
-    if length and mass:
-        yield from _outside(
-            f"materials of {body.name}: density {body.density:g}",
-            body.density * mass / length**3,
-            _DENSITIES,
-            units,
-            "kg/m^3",
-        )
-    if length and time:
-        yield from _outside(
-            f"materials of {body.name}: wave speed {body.wave_speed:.4g}",
-            body.wave_speed * length / time,
-            _WAVES,
-            units,
-            "m/s",
-        )
-
-
-def _outside(
-    what: str, value: float, limits: tuple[float, float], units: str, unit: str
-) -> Iterator[str]:
-    if not limits[0] <= value <= limits[1]:
-        yield (
-            f"{what} would be {value:.3g} {unit} in the units '{units}', which no solid has; are "
-            "young and density given in them?"
-        )
 
 
 def small_step_warning(dt: float, rate: float) -> str:

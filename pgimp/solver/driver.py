@@ -10,8 +10,10 @@ import numpy as np
 
 from pgimp.case.load import Source, load
 from pgimp.case.schema import Case
+from pgimp.case.writer import dump_case
 from pgimp.io.results.tables import Fields
 from pgimp.mpi.comm import world
+from pgimp.mpi.together import end_all_on_exceptions, require_same
 from pgimp.physics import fields
 from pgimp.schema.overrides import Overrides
 from pgimp.solver import simulation
@@ -54,7 +56,9 @@ class Simulation:
 
     def __init__(self, case: Source, comm: Any = None, overrides: Overrides = ()) -> None:
         comm = world() if comm is None else comm
+        end_all_on_exceptions(comm)
         self.case: Case = load(case, overrides)
+        require_same(comm, "pgimp.Simulation", dump_case(self.case))
         self.core = simulation.Simulation(self.case, comm)
         self.core.diagnostics()  # what later ones refer to: energy at the start
         self.particles = Particles(self.core)
@@ -100,9 +104,13 @@ class Simulation:
 
         Raises
         ------
+        ValueError
+            If that is no whole number from 0 on.
         RunError
             On every rank: if particles of any are at fault, or past the end of the case.
         """
+        if isinstance(count, bool) or not isinstance(count, int | np.integer) or count < 0:
+            raise ValueError(f"step: expected a number of steps from 0 on, got {count!r}")
         for _ in range(count):
             self.core.advance()
 
@@ -118,9 +126,13 @@ class Simulation:
 
         Raises
         ------
+        ValueError
+            If that is no time.
         RunError
             On every rank, if particles of any are at fault.
         """
+        if isinstance(to, bool) or not isinstance(to, float | int | np.number) or not to >= 0.0:
+            raise ValueError(f"advance: expected a simulated time from 0 on, got {to!r}")
         while not self.finished and self.time < to and not isclose(self.time, to, rel_tol=_SAME):
             self.core.advance(complete=False)
         self.core.complete_reduction()

@@ -11,7 +11,7 @@ from pgimp.scene.scene import Scene
 from pgimp.solver.diagnostics import column_names
 from pgimp.solver.parts import fastest
 from pgimp.solver.rank import Rank
-from pgimp.solver.stability import require_stable, stability_warning
+from pgimp.solver.stability import require_stable, stability_warning, stable_courant
 
 #: Columns of the history that are zero where a stage does not have them; others are nan.
 _SUMS = ("removed.", "escaped.", "stages.")
@@ -99,11 +99,11 @@ def require_stable_stages(scenes: Sequence[Scene], rates: Mapping[str, float]) -
         step, number = case.time.step, case.staged.number
         if not number or case.watched or not isinstance(step, float | int):
             continue
-        rate, stable = stage_rate(scene, rates), case.method.stable
+        rate, stable = stage_rate(scene, rates), stable_courant(case)
         own = step != scenes[number - 1].case.time.step
         key = f"{case.staged.title}: time.{f'stages.{number - 1}.' if own else ''}step"
         try:
-            require_stable(float(step), rate, stable)
+            require_stable(scene, float(step), rate)
         except CaseError as error:
             raise CaseError(str(error).replace("time.step", key, 1)) from None
         warnings.append(stability_warning(float(step), rate, stable).replace("time.step", key, 1))

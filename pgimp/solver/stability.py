@@ -1,10 +1,12 @@
 """The stability limit of a step: Courant = dt max_p((c_p + |v_p|)/L)."""
 
-from collections.abc import Sequence
 from typing import Any
+
+import numpy as np
 
 from pgimp.errors import CaseError
 from pgimp.physics.materials.base import has
+from pgimp.solver.limiting import limiting
 
 #: More controlled steps than this before the next stop mean that a run would never end.
 MOST_STEPS = 1e12
@@ -17,6 +19,30 @@ _MOST_ENERGY = 1e280
 
 #: Courant number above which a step is refused. Warned about are steps above `Shape.stable`.
 REFUSED = 1.0
+
+
+#: Courant number times particles a cell up to which mean dilatation is stable, by dimensions and
+#: Poisson's ratio up to 0.45 (docs/hard-cases.md). Of more, `Shape.stable` is the limit.
+_MEAN = {2: {0.3: 0.9, 0.4: 0.84, 0.45: 0.8}, 3: {0.3: 0.65, 0.4: 0.59, 0.45: 0.53}}
+
+
+def stable_courant(case: Any) -> float:
+    """Courant number up to which free surfaces stay stable; above, there is a warning.
+
+    That of the shape, with mean dilatation more where no body is nearly incompressible.
+    """
+    method = case.method
+    least = float(method.stable)
+    if method.volumetric == "pointwise" or case.dimensions == 1:
+        return least
+    used = (case.materials[body.material] for body in case.bodies.values())
+    ratios = [getattr(material, "poisson", 0.5) for material in used]
+    most = max(float(nu) if isinstance(nu, float | int) else 0.5 for nu in ratios)
+    ratios_measured, limits = zip(*_MEAN[case.dimensions].items(), strict=True)
+    if most > ratios_measured[-1]:
+        return least
+    limit = float(np.interp(most, ratios_measured, limits)) / max(method.particles_per_cell)
+    return max(least, min(float(method.stable_pointwise), limit))
 
 
 def check_first_step(scene: Any, dt: float, rate: float) -> list[str]:
@@ -41,13 +67,8 @@ def check_first_step(scene: Any, dt: float, rate: float) -> list[str]:
     CaseError
         As from `require_stable`.
     """
-    stable = scene.case.method.stable
-    diffusive = [
-        name
-        for name, material in zip(scene.material_names, scene.materials, strict=True)
-        if has(type(material), "diffusivity")
-    ]
-    require_stable(dt, rate, stable, diffusive)
+    stable = stable_courant(scene.case)
+    require_stable(scene, dt, rate)
     if scene.case.watched:
         return []
     warning = stability_warning(dt, rate, stable)
@@ -72,37 +93,39 @@ def require_end(scene: Any, rate: float) -> None:
     time = scene.case.time
     speed = rate * max(scene.frame.cell)
     if not (0.0 < rate and scene.most_mass * speed * speed < _MOST_ENERGY):
+        limit = limiting(scene, rate)
         raise CaseError(
-            f"the fastest wave or particle would cross {rate:g} cells in a unit of time; are "
+            f"{limit.key}: {limit.what} would cross {rate:g} cells in a unit of time; are "
             "young, density, velocity and grid.cell one consistent set of numbers?"
         )
     courant = scene.case.courant
     if courant is not None and not time.end * rate < courant * MOST_STEPS:
+        limit = limiting(scene, rate)
         raise CaseError(
-            f"time.end: {time.end:g} is {time.end * rate / courant:.3g} steps away (at most "
-            f"{MOST_STEPS:.0e}): the fastest wave crosses {rate:.3g} cells in a unit of time"
+            f"{limit.key}: {limit.what} crosses {rate:.3g} cells in a unit of time, so that the "
+            f"end at {time.end:g} is {time.end * rate / courant:.3g} steps away (at most "
+            f"{MOST_STEPS:.0e})"
         )
 
 
-def require_stable(dt: float, rate: float, stable: float, diffusive: Sequence[str] = ()) -> None:
+def require_stable(scene: Any, dt: float, rate: float) -> None:
     """Refuse a step beyond the limit.
 
     Parameters
     ----------
+    scene : Scene
+        The scene.
     dt : float
         The step.
     rate : float
         Largest (c_p + |v_p|)/L, 1/time.
-    stable : float
-        Courant number up to which the shape is stable at free surfaces.
-    diffusive : sequence of str
-        Names of the materials whose viscosity may be what limits the step.
 
     Raises
     ------
     CaseError
         If the Courant number is above `REFUSED`.
     """
+    stable = stable_courant(scene.case)
     courant = dt * rate
     # A controlled step of Courant 1 must not be refused for rounding.
     if not courant <= REFUSED * (1.0 + 1e-9):
@@ -111,6 +134,14 @@ def require_stable(dt: float, rate: float, stable: float, diffusive: Sequence[st
             f"time.step: {dt:g} is a Courant number of {courant:.3g}, beyond the stability limit; "
             f"use at most {stable / rate:.3g} (Courant {stable:g}), or step: {{courant: {safe:g}}}"
         )
+        limit = limiting(scene, rate)
+        if limit.key.startswith("bodies."):
+            text += f". {limit.what} is what is fast ({limit.key})"
+        diffusive = [
+            name
+            for name, material in zip(scene.material_names, scene.materials, strict=True)
+            if has(type(material), "diffusivity")
+        ]
         if diffusive:
             text += (
                 f". The viscosity of {', '.join(diffusive)} counts as well: with cells of h no "

@@ -240,3 +240,32 @@ def test_mistakes_of_geometry_have_file_and_line(tmp_path, name):
             count_particles(Scene(case), Serial())
         assert str(error.value).startswith(f"{place}: bodies.b.region: "), str(error.value)
         assert text in str(error.value)
+
+
+IDLE = """\
+materials:
+  clay: {model: von-mises, young: {table: [[0, 1.0e6], [6, 2.0e6]], over: y}, poisson: 0.3,
+    density: 1.0, yield-stress: 1.0e3}
+"""
+
+
+@pytest.mark.parametrize("field", ["plastic-strain", "parameter-young"])
+def test_fields_of_materials_that_no_body_has(field):
+    text = GOOD.replace("materials:\n", IDLE).replace("[stress]", f"[{field}]")
+    (line,) = lines_of(text)
+    assert line.startswith("case.yaml:31: output.fields.0: ")
+    mentions(line, "no body is of a material that has it ('clay')", "there are: ", "stress")
+
+
+def test_a_rigid_body_is_no_unknown_one():
+    rigid = "  punch: {rigid: {}, region: {box: {min: [0, 5], max: [1, 6]}}}\ngravity:"
+    entries = """
+tractions: {t: {body: punch, face: x-min, pressure: 1.0}}
+constraints: {c: {body: punch, region: {box: {min: [0, 5], max: [1, 6]}}, velocity: [0, 0]}}
+probes: {p: {body: punch, at: [0.5, 5.5]}}
+"""
+    lines = lines_of(GOOD.replace("gravity:", rigid) + entries)
+    keys = [line.split(": ")[1] for line in lines]
+    assert keys == ["tractions.t.body", "constraints.c.body", "probes.p.body"]
+    for line, words in zip(lines, ("traction", "constraint", "history.csv"), strict=True):
+        mentions(line, "'punch' is rigid, and has no particles", words)

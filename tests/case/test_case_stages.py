@@ -1,5 +1,7 @@
 """Stages as a case has them: each is a case of its own, checked before the first step."""
 
+import re
+
 import pytest
 from scenes import SOFT, box, scene
 
@@ -261,3 +263,13 @@ def test_a_study_of_accuracy_wants_one_stage(tmp_path):
     path.write_text(dump_case(pgimp.load(staged(stage()))))
     with pytest.raises(UsageError, match="has stages"):
         study_of(path, tmp_path / "study.yaml")
+
+
+def test_a_face_that_a_stage_closes_and_the_case_leaves_by_is_blamed_on_the_stage():
+    text = dump_case(pgimp.load(staged(stage(boundaries={"x-max": "slip"}))))
+    bad = re.sub(r"\nescape: .*", "", text) + "escape: {x-max: remove}\n"
+    with pytest.raises(CaseError) as caught:
+        read_case(bad, "dig.yaml")
+    (line,) = str(caught.value).splitlines()
+    assert ": time.stages.0.boundaries.x-max: escape.x-max: x-max has a condition" in line
+    assert "{x-max: slip}" in bad.splitlines()[int(line.split(":")[1]) - 1]

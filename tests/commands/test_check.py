@@ -11,6 +11,7 @@ from pgimp.running import forecast
 from pgimp.running.schedule import Schedule
 from pgimp.scene.sanity import small_step_warning, strains
 from pgimp.scene.scene import Scene
+from pgimp.scene.units import in_si
 from pgimp.tools.check.steps import report_stages
 
 # A steel block of 0.1 m on a floor, in each of two consistent sets of units, and mixed up.
@@ -51,13 +52,16 @@ def test_consistent_units_are_not_doubted(units):
     ("change", "expected"),
     [
         # MPa with kg/m^3: soft as a cloud, and as heavy as nothing that there is.
-        (MM | {"density": 7850.0}, ["loads of the order", "density 7850 would be 7.85e+15"]),
+        (MM | {"density": 7850.0}, ["loads of the order", "steel.density: 7850 would be 7.85e+15"]),
         # Pa with tonnes and mm: waves a thousand times too fast.
-        (MM | {"young": 2.1e11}, ["wave speed 5.172e+09 would be 5.17e+06 m/s"]),
+        (
+            MM | {"young": 2.1e11},
+            ["young: 2.1e+11 would be 2.1e+17 Pa", "5.172e+09 would be 5.17e+06 m/s"],
+        ),
         # GPa in metres.
         (SI | {"young": 210.0}, ["loads of the order"]),
         # g/cm^3 in metres.
-        (SI | {"density": 7.85e-3}, ["density 0.00785 would be 0.00785 kg/m^3"]),
+        (SI | {"density": 7.85e-3}, ["steel.density: 0.00785 would be 0.00785 kg/m^3"]),
         (SI | {"units": "SI"}, []),
         # Nothing is known of other units.
         (SI | {"density": 7.85e-3, "units": "none"}, []),
@@ -150,7 +154,7 @@ def test_the_report_has_the_warnings(capsys, unmeasured):
     case = case.model_copy(update={"time": case.time.model_copy(update={"step": 1.0e-4})})
     check.report(case)
     warnings = [line for line in capsys.readouterr().out.splitlines() if "warning: " in line]
-    about = ["time.step", "bodies.block", "materials of block: density", "materials", "time.end"]
+    about = ["time.step", "bodies.block", "materials.steel.density", "materials.steel", "time.end"]
     assert all(f"warning: {words}" in line for words, line in zip(about, warnings, strict=True))
     mentions(warnings[0], "0.0001", "Courant number", "5.17e-05")
 
@@ -223,3 +227,20 @@ def test_stages_are_listed_with_their_steps_and_changes(capsys):
     assert "young" not in second and "boundaries" not in third
     # At the start, at the end of each stage, and four times in the last one.
     assert forecast.frames(staged, 15_000.0) == 5 + 4
+
+
+def test_numbers_in_si():
+    numbers = in_si(block(**MM), "steel")
+    assert numbers["young"] == (pytest.approx(2.1e11), "Pa")
+    assert numbers["density"] == (pytest.approx(7850.0), "kg/m^3")
+    assert in_si(block(**MM | {"units": "none"}), "steel") == {}
+
+
+def test_a_healthy_case_has_ten_lines(capsys, unmeasured):
+    """That what is measured takes another one, or two, or three: memory, time, ranks."""
+    case = block(**SI)
+    check.report(case)
+    short = capsys.readouterr().out.splitlines()
+    assert len([line for line in short if not line.startswith("note: ")]) <= 9, short
+    check.report(case, verbose=True)
+    assert len(capsys.readouterr().out.splitlines()) > len(short)

@@ -161,3 +161,14 @@ def test_without_a_checkpoint_another_case_is_refused_too(run):
     forget(run)
     with pytest.raises(UsageError, match=r"materials\.soft\.young is 200\.0, was 100\.0"):
         run("materials.soft.young=200.0", back=-1)
+
+
+def test_a_checkpoint_under_another_name_is_not_used(run, whole, capsys):
+    folder = run.output / "checkpoints"
+    content = (folder / "step-000000120.h5").read_bytes()
+    (folder / "step-000000160.h5").write_bytes(content)
+    resumed = run(quiet=False)
+    said = capsys.readouterr().out
+    assert "step-000000160.h5 cannot be used: it is of step 120, which is not that of its" in said
+    assert resumed.info["resumed_from"] == 120
+    check_same(whole, resumed)

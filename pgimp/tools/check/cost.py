@@ -31,15 +31,17 @@ _SECONDS = 1.0
 _YEAR = 365.25 * 86400.0
 
 
-def measure(scene: Scene, count: int, steps: float) -> tuple[Costs, float]:
+def measure(scene: Scene, count: int, steps: float) -> tuple[Costs | None, float]:
     """Costs of a step on this machine, and the part of particles that change layer in one.
 
-    `steps` are those of the case, about.
+    `steps` are those of the case, about. None where no step of a sample can be done.
     """
     comm = Serial()
     sizes = [min(_SMALLEST, count), _SMALL, *([min(_LARGE, count)] if count > 2 * _SMALL else [])]
     samples = samples_of(scene.case, count, comm, sizes, steps)
     run_in_turn(samples, comm, _SECONDS)
+    if not all(sample.timed for sample in samples):
+        return None, 0.0
     return costs_of(samples), layout_now(samples[-1].sim).crossing
 
 
@@ -50,6 +52,7 @@ def report_cost(
     costs: Costs,
     crossing: float,
     steps: float,
+    verbose: bool,
 ) -> None:
     """Time on this machine, the number of ranks that pays off, and the reason for its limit."""
     bodies, count, network = extents(scene.case), int(counts.sum()), Network()
@@ -68,10 +71,14 @@ def report_cost(
     )
     if steps * one >= _YEAR:
         print("warning: nobody will see the end; is time.end or time.step what it should be?")
-    print(f"ranks            {verdict(scaled)}")
-    print(
-        f"{'':<16} there {_time_text(steps * best['seconds'])}, {size_text(best['memory'])} a rank"
+    there = (
+        f"there {_time_text(steps * best['seconds'])}, {size_text(best['memory'])} a rank"
     )
+    if not verbose:
+        print(f"ranks            {verdict(scaled)}{f'; {there}' if ranks > 1 else ''}")
+        return
+    print(f"ranks            {verdict(scaled)}")
+    print(f"{'':<16} {there}")
     shown = [
         step
         for step in scaled["steps"]
@@ -88,11 +95,11 @@ def _time_text(seconds: float) -> str:
     return duration(seconds) if seconds < _YEAR else f"{seconds / _YEAR:.3g} years"
 
 
-def report_memory(found: Estimate) -> None:
-    """Memory on one rank, needed and available."""
+def report_memory(found: Estimate, verbose: bool) -> None:
+    """Memory on one rank, needed and available; its parts with `verbose`."""
     free = min((limit.free for limit in limits()), default=None)
     here = "" if free is None else f"; {size_text(free)} are free here"
     print(f"memory           about {size_text(found.size)} on one rank{here}")
-    for part in found.parts:
+    for part in found.parts if verbose else ():
         if part.size > 0.01 * found.size:
             print(f"{'':<16} {size_text(part.size)} for {part.what}")

@@ -7,6 +7,7 @@ from pgimp.case.arrange_stages import changes_of, steps_in
 from pgimp.case.schema import Case
 from pgimp.scene.scene import Scene
 from pgimp.solver.lookahead import stage_rate
+from pgimp.solver.stability import stable_courant
 from pgimp.tools.model.pilot import Pilot
 
 #: Error of a number of steps that is "about" right.
@@ -89,7 +90,7 @@ def pilot_warnings(case: Case, courant: float, tried: Pilot | None) -> Iterator[
             f"a pilot run of {_size(tried)} failed at t = {tried.done * case.time.end:.3g}: "
             f"{tried.failure}"
         )
-    stable = case.method.stable
+    stable = stable_courant(case)
     if courant <= stable * (1.0 + 1e-9) < tried.courant and not tried.failure:
         yield (
             f"time.step: its Courant number grows from {courant:.3g} to {tried.courant:.3g} in a "

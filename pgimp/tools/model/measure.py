@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from pgimp.decomposition.migrate import pack, unpack
+from pgimp.errors import RunError
 from pgimp.solver.simulation import Simulation
 from pgimp.tools.model.costs import Costs, Messages, Network
 from pgimp.tools.model.layout import layout_now
@@ -45,7 +46,16 @@ def run_in_turn(
 
 
 def costs_of(samples: Sequence[Sample]) -> Costs:
-    """Costs from samples of different sizes, two at least, ascending, on one rank."""
+    """Costs from samples of different sizes, two at least, ascending, on one rank.
+
+    Raises
+    ------
+    RunError
+        If no step of one of them could be timed.
+    """
+    for sample in samples:
+        if not sample.timed:
+            raise RunError(f"no step of a sample could be timed: {sample.failure}")
     counts = [float(sample.sim.rank.count) for sample in samples]
     planes = [float(sample.sim.rank.grid.active.sum()) for sample in samples]
     vertices = [

@@ -97,12 +97,14 @@ class Sample:
         As it is.
     done : bool
         Whether it has reached its end once, or need not.
+    failure : str
+        Why the last steps that were to be timed were not; empty if they were.
     """
 
     def __init__(self, make: Callable[[], Simulation], comm: Any, whole: bool = False) -> None:
         self._make, self._comm, self._whole = make, comm, whole
         self._blocks: list[dict[str, float]] = []
-        self.done = not whole
+        self.done, self.failure = not whole, ""
         self._begin()
         seconds: list[float] = []
         for _ in range(3):  # as often on every rank
@@ -130,14 +132,17 @@ class Sample:
             while sim.step < first + steps and not sim.finished:
                 sim.advance(complete=False)
             sim.complete_reduction()
-        except RunError:
+        except RunError as error:
             if self._whole:
                 raise
+            self.failure = str(error).splitlines()[0]
             self._begin()
             return 0
         if not self._whole and sim.present() < _KEPT * self._made:
+            self.failure = "its particles leave the domain"
             self._begin()
             return 0
+        self.failure = ""
         return sim.step - first
 
     def run(self) -> None:
@@ -162,6 +167,11 @@ class Sample:
         sim.population.sort()
         block["sort"] = (perf_counter() - begin) / RESORT
         self._blocks.append(block)
+
+    @property
+    def timed(self) -> bool:
+        """Whether there is a block to tell times from."""
+        return bool(self._blocks)
 
     def seconds(self, name: str = "step") -> float:
         """Seconds of a phase in a step, of the slowest rank; collective.
@@ -192,6 +202,9 @@ def resized(case: Case, factor: float, longer: float = _ENDLESS) -> Case:
     data = case.model_dump(by_alias=True, exclude={"history", "checkpoint"})
     data["output"] = {"fields": case.output.fields}
     data["escape"] = _open(case, case.boundaries)
+    data["boundaries"] = {
+        name: _standing(entry, "xyz".index(name[0])) for name, entry in data["boundaries"].items()
+    }
     data["grid"]["cell"] = [size / n for size, n in zip(grid.size, cells, strict=True)]
     if isinstance(time.step, float | int):
         step = float(time.step) * min(n / m for n, m in zip(grid.cells, cells, strict=True))
@@ -207,6 +220,15 @@ def _open(case: Case, boundaries: Collection[str]) -> dict[str, str]:
         return {}
     faces = (f"{axis}-{end}" for axis in "xyz"[: case.dimensions] for end in ("min", "max"))
     return {face: "remove" for face in faces if face not in boundaries}
+
+
+def _standing(entry: Any, axis: int) -> Any:
+    """A face's condition that holds all in: one that the material leaves by has the same cost."""
+    if not isinstance(entry, dict) or "velocity" not in entry:
+        return entry
+    velocity = list(entry["velocity"])
+    velocity[axis] = 0.0
+    return {**entry, "velocity": velocity}
 
 
 def plain(case: Case, count: int, longer: float = _ENDLESS) -> Case:
@@ -252,8 +274,11 @@ def samples_of(
     """
     longer = min(max(1.0, _MANY / steps), _ENDLESS)
 
-    def made(small: Case) -> Sample:
-        return Sample(lambda: Scattered(small, comm), comm)
+    def made(small: Case, any_will_do: bool = False) -> Sample:
+        sample = Sample(lambda: Scattered(small, comm), comm)
+        if sample.failure and not any_will_do:
+            raise RunError(sample.failure)
+        return sample
 
     samples = []
     # Particles of a file do not become fewer with coarser cells; a mesh would be read every time.
@@ -271,5 +296,5 @@ def samples_of(
             except (ValueError, CaseError, RunError):
                 continue
         if len(samples) < number:
-            samples.append(made(plain(case, size, longer)))
+            samples.append(made(plain(case, size, longer), any_will_do=True))
     return samples

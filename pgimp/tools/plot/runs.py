@@ -121,6 +121,12 @@ class PlotFrame:
         return self.shown.instant(self.frame.time)
 
 
+def _ended(shown: PlotRun) -> str:
+    """How a run ended that is not done, for messages."""
+    state = shown.run.state
+    return "" if state == "done" else f"; the run is {state}, at t = {shown.run.info['time']:g}"
+
+
 def snapshots(
     runs: Sequence[PlotRun], frames: Sequence[int], times: Sequence[float]
 ) -> list[PlotFrame]:
@@ -165,7 +171,7 @@ def snapshots(
             if not first - slack <= time <= last + slack:
                 raise UsageError(
                     f"{shown.path} has no frame at time {time:g}: its frames go from "
-                    f"{first:g} to {last:g}"
+                    f"{first:g} to {last:g}{_ended(shown)}"
                 )
             found.append(PlotFrame(shown, min(every, key=lambda frame: abs(frame.time - time))))
     if len(found) > _MOST_PANELS:

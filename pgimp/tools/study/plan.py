@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections import defaultdict
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from copy import deepcopy
 from dataclasses import dataclass
 from pathlib import Path
@@ -55,13 +55,15 @@ class Plan:
     runs: tuple[Planned, ...]
 
 
-def read_plan(name: str | Path) -> Plan:
+def read_plan(name: str | Path, examine: Callable[[Case], object] | None = None) -> Plan:
     """Read a study and check the cases of all its runs.
 
     Parameters
     ----------
     name : str or Path
         The study file.
+    examine : callable, optional
+        Raises a `CaseError` for a case that is refused once its particles are made.
 
     Raises
     ------
@@ -83,6 +85,15 @@ def read_plan(name: str | Path) -> Plan:
     complete = [(file, case) for file, case in cases if case is not None]
     made.check_measures(found, [case for _, case in complete])
     runs = made.arrange(found, complete)
+    made.raise_problems()
+    for one, (file, case) in zip(found, complete, strict=True):
+        if examine is None:
+            break
+        try:
+            examine(case)
+        except CaseError as error:
+            for line in str(error).splitlines():
+                made.wrong[f"{file}: {line}"].append(one.name)
     made.raise_problems()
     return Plan(study, text, Path(name).stem, tuple(runs))
 

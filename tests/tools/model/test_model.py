@@ -245,7 +245,7 @@ def test_bench_refuses_what_it_cannot_model(words, capsys):
 
 def test_check_recommends_a_number_of_ranks(tmp_path, capsys):
     write_case(tmp_path / "case.yaml", flying())
-    assert main(["check", str(tmp_path / "case.yaml")]) == 0
+    assert main(["check", "-v", str(tmp_path / "case.yaml")]) == 0
     text = capsys.readouterr().out
     found = re.search(r"ranks +(?:up to )?(\d+)[; ].*pay off \(efficiency above 70%\)", text)
     assert found, text

@@ -9,7 +9,7 @@ from pgimp.case.schema import Case
 from pgimp.errors import RunError
 from pgimp.mpi.comm import Serial
 from pgimp.solver.simulation import Simulation
-from pgimp.tools.model.measure import run_in_turn
+from pgimp.tools.model.measure import costs_of, run_in_turn
 from pgimp.tools.model.sample import Sample, resized, samples_of
 
 
@@ -125,3 +125,21 @@ def test_a_short_run_is_timed_again_and_again():
     run_in_turn([sample], Serial(), 0.0, 30)
     assert sample.done and sample.seconds() > 0.0
     assert len(sample._blocks) >= 10  # or it was five steps once, and then nothing
+
+
+def test_samples_of_a_case_whose_walls_let_the_material_out_are_timed():
+    """A box full of water that falls out at a face which holds it along the face only."""
+    water = {"model": "newtonian", "bulk": 1e3, "shear_viscosity": 0.1, "density": 1.0}
+    free = {"velocity": [None, 0.0]}
+    case = Case.model_validate(
+        scene(2, {"a": box([0.0, 0.0], [12.0, 6.0])}, cells=[12, 6], end=0.2, step=0.001)
+        | {"materials": {"soft": water}, "gravity": [0.1, 0.0]}
+        | {"boundaries": {"x-min": free, "x-max": free, "y-min": "fixed", "y-max": "fixed"}}
+    )
+    samples = samples_of(case, 288, Serial(), [200, 1000])
+    run_in_turn(samples, Serial(), 0.05)
+    assert all(sample.timed for sample in samples)
+    assert [*samples[0].sim.case.bodies] == ["a"] and costs_of(samples).fixed > 0.0
+    samples[0]._blocks, samples[0].failure = [], "nothing goes"
+    with pytest.raises(RunError, match="no step of a sample could be timed: nothing goes"):
+        costs_of(samples)

@@ -150,11 +150,20 @@ def test_ranks_and_again(first, python, tmp_path):
 
 
 def test_list_runs_nothing(first, alone, tmp_path, capsys):
-    assert main(["study", str(put(tmp_path)), "--list"]) == 0
+    text = STUDY.replace(", 0.02]", "]").replace(", 1.0e+6]", "]")
+    assert main(["study", str(put(tmp_path, text)), "--list"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert len(lines) == 3
+    assert len(lines) == 2
     assert "--set time.step=0.05 --set materials.bar.young=1.0 -o " in lines[1]
     assert not (tmp_path / "results").exists()
+
+
+def test_list_refuses_what_check_refuses(alone, tmp_path, capsys):
+    """The last of three steps is beyond the limit: it shows with the particles only."""
+    assert main(["study", str(put(tmp_path)), "--list"]) == 2
+    said = capsys.readouterr()
+    assert not said.out and "time.step: 0.02 is a Courant number of" in said.err
+    assert "stability limit" in said.err and len(said.err.splitlines()) == 1
 
 
 def test_list_finds_an_error_that_no_run_has(alone, tmp_path, capsys):

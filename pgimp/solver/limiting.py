@@ -1,0 +1,68 @@
+"""What limits the first step: waves, or the motion of a body; for messages."""
+
+from __future__ import annotations
+
+from itertools import product
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from pgimp.geometry.regions import Points
+from pgimp.scene.facts import rest_rate
+from pgimp.scene.populate import velocities
+
+#: Part of a rate that what is found must have to be its cause: velocities in files are not seen.
+_MOST = 0.1
+
+
+class Limit(NamedTuple):
+    """Cells that something crosses in a unit of time: the key of it in the case, and words."""
+
+    rate: float
+    key: str
+    what: str
+
+
+def limiting(scene: Any, rate: float) -> Limit:
+    """Return what crosses most cells in a unit of time at the start.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    rate : float
+        Largest (c_p + |v_p|)/L at the start, 1/time.
+    """
+    found = [*_of_bodies(scene), *_of_rigid(scene)]
+    most = max(found, key=lambda limit: limit.rate)
+    return most if most.rate > _MOST * rate else Limit(rate, "bodies", "the fastest particle")
+
+
+def _of_bodies(scene: Any) -> list[Limit]:
+    """Waves in each body, and its motion."""
+    found, inverse = [], max(scene.frame.inverse)
+    for number, (name, body) in enumerate(scene.case.bodies.items()):
+        waves = rest_rate(scene, number)
+        found.append(Limit(waves, f"materials.{body.material}", f"a wave in '{name}'"))
+        if not isinstance(body.region, Points) and not scene.begun[number]:
+            corners = np.array(list(product(*zip(*body.region.bounds(), strict=True))), float)
+            with np.errstate(over="ignore"):
+                v = velocities(scene, number, corners)
+                speed = float(np.sqrt(np.square(v).sum(axis=1)).max())
+            found.append(Limit(speed * inverse, f"bodies.{name}.velocity", f"'{name}'"))
+    return found
+
+
+def _of_rigid(scene: Any) -> list[Limit]:
+    """The greatest motion of each rigid body, of those that move freely the initial one."""
+    tools = scene.tools
+    if not tools:
+        return []
+    inverse = max(scene.frame.inverse)
+    speeds = {tools.names[number]: speed * inverse for number, speed in tools.speeds().items()}
+    names = (tools.names[number] for number in tools.free)
+    free = zip(names, tools.rates(tools.first), strict=True)
+    return [
+        Limit(rate, f"bodies.{name}.rigid", f"the rigid body '{name}'")
+        for name, rate in {**speeds, **dict(free)}.items()
+    ]
