@@ -155,6 +155,8 @@ class Forcing(NamedTuple):
         Whether the next step depends on the particles' speeds.
     clearances : (faces, vertices) float64 or ()
         Distances of bodies from walls that let go, see `find_clearances`.
+    keepers : Keepers or ()
+        The rigid bodies that hold particles out, see `pgimp.kernels.toolhold`.
     """
 
     dt: float
@@ -166,6 +168,7 @@ class Forcing(NamedTuple):
     walls: FloatArray
     controlled: bool | float
     clearances: Any = ()
+    keepers: Any = ()
 
 
 class Report(NamedTuple):

@@ -14,6 +14,7 @@ from pgimp.kernels.mean import keep_means, with_means
 from pgimp.kernels.own import with_own
 from pgimp.kernels.speed import grid_speed
 from pgimp.kernels.together import take_from_grid
+from pgimp.kernels.toolhold import hold_outside
 from pgimp.kernels.updates.checks import check, limits_of
 from pgimp.kernels.updates.stress import keep_state, margins, update_stress
 from pgimp.kernels.updates.velocity import update_position, update_velocity
@@ -103,6 +104,7 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
             sigma, state = update_stress(own, forcing, particles, rows, m, F, J, L)
             put_row(particles.x, rows, 0, x)
             put_row(particles.v, rows, 0, v)
+            x, v = hold_outside(forcing.keepers, forcing, particles, batch, x, v, ledger)
             put_row(particles.F, rows, 0, F)
             put_row(particles.sigma, rows, 0, sigma)
             keep_state(particles, rows, state)

@@ -218,6 +218,24 @@ class SceneTools:
             self._bound(row, about, field)
         return tools
 
+    @cached_property
+    def move(self) -> bool:
+        """Whether any of them may move."""
+        return any(entry.moves for entry in self.entries)
+
+    def after(self, end: float, states: list[State] | None) -> Tools:
+        """Return them where they are at a time, with the velocities that they have then."""
+        tools, states = self._arrays(), self.first if states is None else states
+        motion = tools.motion.copy()
+        for number, pose in enumerate(self.poses(end, states)):
+            row, rigid = motion[number], self.entries[number].rigid
+            row[CENTRE : CENTRE + 3], row[TURN : TURN + 9] = pose
+            if isinstance(rigid, Motion):
+                row[LATTER : LATTER + 6] = np.concatenate(rigid.velocities(end))
+        for (number, body), state in zip(self.free.items(), states, strict=True):
+            motion[number, LATTER : LATTER + 6] = body.velocities(state)
+        return tools._replace(motion=motion, answers=())
+
     def speeds(self) -> dict[int, float]:
         """Return the greatest speed over time of a point of each body that moves as prescribed."""
         found = {}

@@ -98,7 +98,7 @@ def step(
 
     rate, outflow, found = 0.0, 0, 0
     failed: list[int] = []
-    particle_forcing = on_particles(forcing)
+    particle_forcing = on_particles(forcing)._replace(keepers=rank.keeping.at(t))
     for layers in rank.halo.halves(order.start):  # first what neighbours wait for
         moved = 0
         for part, on_part in zip(parts, rank.calls, strict=True):
