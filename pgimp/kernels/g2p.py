@@ -104,8 +104,8 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
             sigma, state = update_stress(own, forcing, particles, rows, m, F, J, L)
             put_row(particles.x, rows, 0, x)
             put_row(particles.v, rows, 0, v)
-            x, v = hold_outside(forcing.keepers, forcing, particles, batch, x, v, ledger)
             put_row(particles.F, rows, 0, F)
+            x, v = hold_outside(forcing.keepers, forcing, particles, batch, x, v, ledger)
             put_row(particles.sigma, rows, 0, sigma)
             keep_state(particles, rows, state)
             if setting.tracked:

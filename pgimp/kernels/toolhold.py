@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pgimp.jit.kernel import inner_kernel, specialise
+from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.kernels.fours import take_row
 from pgimp.kernels.ledger import (
     HEAT,
@@ -27,6 +27,7 @@ from pgimp.kernels.tools import (
     CENTRE,
     DISTANCE,
     FIRST,
+    FREE,
     LATTER,
     LOW,
     NORMAL,
@@ -36,7 +37,11 @@ from pgimp.kernels.tools import (
     TURN,
     look_up,
 )
-from pgimp.physics.contact import FRICTION, TIED, Pairs
+from pgimp.kernels.walls import prescribed_by
+from pgimp.physics.contact import FRICTION, Pairs
+
+#: Least part of a normal's square that no constraint prescribes: less holds nothing.
+LEAST_FREE = 0.1
 
 
 class Keepers(NamedTuple):
@@ -48,13 +53,20 @@ class Keepers(NamedTuple):
         The rigid bodies where they are at the step's end.
     pairs : Pairs
         The laws of contact.
-    impulses : (layers, free bodies, 6) float64
-        Grows by impulse and moment on each body that moves freely.
+    yields : (tools, 6, 6) float64
+        Velocities along and about x, y, z that impulse and moment give to a body that moves freely,
+        times the greatest mass of the particles that it may hold; 0 of others.
+    impulses : (layers, tools, 6) float64
+        Grows by impulse and moment on each body.
+    most : float
+        Depth up to which a cut particle may lie in a body that its material does not reach.
     """
 
     tools: Any
     pairs: Pairs
+    yields: np.ndarray
     impulses: np.ndarray
+    most: float
 
 
 def hold_outside(keepers, forcing, particles, batch, x, v, ledger):
@@ -90,8 +102,8 @@ def _hold_outside(keepers, forcing, particles, batch, x, v, ledger):
 
 
 @inner_kernel
-def _may_be_inside(tools, t, D, x):
-    """Whether a point may be inside body `t`, by the distance of the nearest of its lattice."""
+def _is_within(tools, t, D, x, reach):
+    """Whether a point may be within `reach` of body `t`, by the nearest point of its lattice."""
     row, about = tools.motion[t], tools.about[t]
     place = 0
     for d in range(D):
@@ -102,67 +114,169 @@ def _may_be_inside(tools, t, D, x):
         if not (s > -0.5 and s < about[SHAPE + d] - 0.5):
             return False
         place = place * about[SHAPE + d] + int(s + 0.5)
-    return tools.values[about[FIRST] + place, 0] < row[SPACING]
+    return tools.values[about[FIRST] + place, 0] < row[SPACING] + reach
+
+
+@inner_kernel
+def place_of_particle(particles, p):
+    """Place of a particle, three coordinates."""
+    D = particles.x.shape[1]
+    return (
+        particles.x[p, 0], particles.x[p, 1] if D > 1 else 0.0,
+        particles.x[p, D - 1] if D > 2 else 0.0,
+    )  # fmt: skip
+
+
+@kernel
+def count_near(tools, particles, rows, reach, counts, most):
+    """Count the particles within `reach` of each body that moves freely; find the greatest mass.
+
+    Parameters
+    ----------
+    rows : (n,) int32
+        The particles.
+    counts, most : (tools,) int64, (tools,) float64
+        Set here.
+    """
+    counts[:], most[:] = 0, 0.0
+    for t in range(len(tools.motion)):
+        if tools.about[t, FREE] < 0:
+            continue
+        for p in rows:
+            if _is_within(tools, t, particles.x.shape[1], place_of_particle(particles, p), reach):
+                counts[t] += 1
+                most[t] = max(most[t], particles.m[p])
+
+
+@kernel
+def count_inside(tools, particles, rows, depth, counts):
+    """Count the particles whose centres are deeper than `depth` in each rigid body.
+
+    Parameters
+    ----------
+    rows : (n,) int32
+        The particles.
+    counts : (tools,) int64
+        Set here.
+    """
+    counts[:] = 0
+    for t in range(len(tools.motion)):
+        for p in rows:
+            D, x = particles.x.shape[1], place_of_particle(particles, p)
+            if _is_within(tools, t, D, x, 0.0):
+                look_up(tools, t, D, x[0], x[1], x[2])
+                counts[t] += tools.at[DISTANCE] < -depth
+
+
+@inner_kernel
+def _material(particles, p, n, most):
+    """Distance along `n` from a cut particle's place to its centroid: from 0 up to `most`."""
+    D, along = particles.x.shape[1], 0.0
+    for d in range(D):
+        for e in range(D):
+            along += n[d] * particles.F[p, d * D + e] * particles.offset[p, e]
+    return min(max(along, 0.0), most)
+
+
+@inner_kernel
+def _answer(yields, arm):
+    """Trace of the velocities that impulses at `arm` along x, y, z give to that point."""
+    found = 0.0
+    for d in range(3):
+        e, f = (d + 1) % 3, (d + 2) % 3
+        found += yields[d, d]  # an impulse along d has the moment -arm[e] about f, arm[f] about e
+        found += yields[3 + f, 3 + f] * arm[e] ** 2 + yields[3 + e, 3 + e] * arm[f] ** 2
+        found -= (yields[3 + e, 3 + f] + yields[3 + f, 3 + e]) * arm[e] * arm[f]
+    return found
+
+
+@inner_kernel
+def _free_part(constraints, particles, p, n):
+    """The components of `n` that no constraint prescribes for a particle."""
+    number = particles.constraint[p, 0] if particles.constraint.shape[1] > 0 else 0
+    return (
+        0.0 if prescribed_by(constraints, number, 0) else n[0],
+        0.0 if prescribed_by(constraints, number, 1) else n[1],
+        0.0 if prescribed_by(constraints, number, 2) else n[2],
+    )
 
 
 @inner_kernel
 def _hold(keepers, forcing, particles, p, t, layer, ledger):
     """Hold particle `p` out of body `t`; returns 1 if it was changed, else 0."""
-    tools, pairs, D = keepers.tools, keepers.pairs, particles.x.shape[1]
-    at, motion, second = tools.at, tools.motion[t], tools.bodies + t
-    place = (
-        particles.x[p, 0], particles.x[p, 1] if D > 1 else 0.0, particles.x[p, D - 1] if D > 2 else 0.0
-    )
-    if not _may_be_inside(tools, t, D, place):
+    tools, D = keepers.tools, particles.x.shape[1]
+    at, motion = tools.at, tools.motion[t]
+    x = place_of_particle(particles, p)
+    if not _is_within(tools, t, D, x, 0.0):
         return 0
-    look_up(tools, t, D, place[0], place[1], place[2])
+    look_up(tools, t, D, x[0], x[1], x[2])
     if not at[DISTANCE] < 0.0:
         return 0
-    entry = abs(pairs.entry[min(particles.body[p], second), max(particles.body[p], second)])
-    if entry == 0:
+    n = (at[NORMAL], at[NORMAL + 1], at[NORMAL + 2])
+    depth = -at[DISTANCE] - _material(particles, p, n, keepers.most)
+    one, other = particles.body[p], tools.bodies + t
+    entry = keepers.pairs.entry[min(one, other), max(one, other)]
+    g = _free_part(forcing.constraints, particles, p, n)
+    square = g[0] ** 2 + g[1] ** 2 + g[2] ** 2
+    if not depth > 0.0 or entry == 0 or square < LEAST_FREE:
         return 0
-    m, depth, normal = particles.m[p], -at[DISTANCE], 0.0
-    w, n = (0.0, 0.0, 0.0), (at[NORMAL], at[NORMAL + 1], at[NORMAL + 2])
-    arm = (place[0] + depth * n[0] - motion[CENTRE], place[1] + depth * n[1] - motion[CENTRE + 1],
-           place[2] + depth * n[2] - motion[CENTRE + 2])
     for d in range(D):
-        e, f = (d + 1) % 3, (d + 2) % 3
-        particles.x[p, d] += depth * n[d]
-        ledger.work[layer] += m * forcing.gravity[d] * depth * n[d]
-        own = motion[LATTER + d] + motion[LATTER + 3 + e] * arm[f] - motion[LATTER + 3 + f] * arm[e]
-        u = particles.v[p, d] - own
-        w = (u if d == 0 else w[0], u if d == 1 else w[1], u if d == 2 else w[2])
-        normal += u * n[d]
+        way = depth / square * g[d]
+        particles.x[p, d] += way
+        ledger.work[layer] += particles.m[p] * forcing.gravity[d] * way
+    arm = (
+        x[0] + depth * n[0] - motion[CENTRE], x[1] + depth * n[1] - motion[CENTRE + 1],
+        x[2] + depth * n[2] - motion[CENTRE + 2],
+    )  # fmt: skip
+    own = (
+        motion[LATTER] + motion[LATTER + 4] * arm[2] - motion[LATTER + 5] * arm[1],
+        motion[LATTER + 1] + motion[LATTER + 5] * arm[0] - motion[LATTER + 3] * arm[2],
+        motion[LATTER + 2] + motion[LATTER + 3] * arm[1] - motion[LATTER + 4] * arm[0],
+    )
+    _stop(keepers, particles, p, t, (entry, layer), (n, g, square), (arm, own), ledger)
+    return 1
+
+
+@inner_kernel
+def _stop(keepers, particles, p, t, booking, normals, point, ledger):
+    """Take from particle `p` its velocity into body `t`, and what friction takes across it."""
+    (entry, layer), (n, g, square), (arm, own) = booking, normals, point
+    pairs, m, D = keepers.pairs, particles.m[p], particles.x.shape[1]
+    normal, across = 0.0, 0.0
+    for d in range(D):
+        normal += (particles.v[p, d] - own[d]) * n[d]
     if not normal < 0.0:
-        return 1
-    square = 0.0
+        return
     for d in range(D):
-        square += (w[d] - normal * n[d]) ** 2
-    length, part = sqrt(square), 1.0
-    if pairs.law[entry - 1] == FRICTION:
-        static, kinetic = pairs.coefficient[entry - 1, 0], pairs.coefficient[entry - 1, 1]
-        if length > static * -normal:
-            part = kinetic * -normal / length
-    booked, mine, done = ledger.contact[layer, entry - 1], ledger.tools[layer, t], 0.0
-    sign = 1.0 if pairs.entry[min(particles.body[p], second), max(particles.body[p], second)] > 0 else -1.0
-    J = (0.0, 0.0, 0.0)
+        across += (particles.v[p, d] - own[d] - normal * n[d]) ** 2
+    across = sqrt(across)
+    mass = m / (1.0 + _answer(keepers.yields[t], arm))  # never too much for all of them together
+    part, law = 1.0, abs(entry) - 1
+    if pairs.law[law] == FRICTION:
+        static, kinetic = pairs.coefficient[law, 0], pairs.coefficient[law, 1]
+        if across > static * -normal:
+            part = kinetic * -normal / across
+    booked, mine = ledger.contact[layer, law], ledger.tools[layer, t]
+    J, done, heat = (0.0, 0.0, 0.0), 0.0, 0.0
     for d in range(D):
-        e, f = (d + 1) % 3, (d + 2) % 3
-        across = w[d] - normal * n[d]
-        change = -normal * n[d] - part * across
-        own = particles.v[p, d] - w[d]
-        particles.v[p, d] += change
-        j = m * change
+        slip = particles.v[p, d] - own[d] - normal * n[d]
+        stick = -mass * part * slip if g[d] == n[d] else 0.0
+        j = stick - mass * normal / square * g[d]
         J = (j if d == 0 else J[0], j if d == 1 else J[1], j if d == 2 else J[2])
-        done += j * own
-        booked[IMPULSE + d] += sign * j
-        booked[HEAT] += m * part * across * (1.0 - part) * across
-    booked[NORMAL_IMPULSE] -= m * normal
-    booked[TANGENTIAL_IMPULSE] += m * part * length
+        particles.v[p, d] += j / m
+        done += j * own[d]
+        heat -= stick * (slip + stick / m)
+        booked[IMPULSE + d] += j if entry > 0 else -j
+    booked[NORMAL_IMPULSE] -= mass * normal
+    booked[TANGENTIAL_IMPULSE] += mass * part * across
+    booked[HEAT] += heat
     for d in range(3):
         e, f = (d + 1) % 3, (d + 2) % 3
+        moment = arm[e] * J[f] - arm[f] * J[e]
         mine[TOOL_IMPULSE + d] -= J[d]
-        mine[TOOL_MOMENT + d] -= arm[e] * J[f] - arm[f] * J[e]
-    mine[TOOL_WORK] += done
-    ledger.work[layer] += done
-    return 1
+        mine[TOOL_MOMENT + d] -= moment
+        keepers.impulses[layer, t, d] -= J[d]
+        keepers.impulses[layer, t, 3 + d] -= moment
+    if keepers.tools.about[t, FREE] < 0:  # else known when all impulses are
+        mine[TOOL_WORK] += done
+        ledger.work[layer] += done

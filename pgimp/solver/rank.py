@@ -130,7 +130,7 @@ class Rank:
         self.grid = Grid(scene.frame, scene.vertices, slab, lag, fields, bounds)
         self.halo = Halo(comm, slab, scene.vertices - 1)
         self.migration = Migration(comm, slab, self.particles)
-        self.keeping = Keeping(scene, self.free, slab.layers)
+        self.keeping = Keeping(scene, comm, self.free, slab.layers)
         outflow = (len(scene.body_names), scene.sums) if scene.escapes else (0, 0)
         constraints = len(scene.loads.constraints)
         contacts = len(scene.pairs.law) if scene.pairs else 0

@@ -98,7 +98,9 @@ def step(
 
     rate, outflow, found = 0.0, 0, 0
     failed: list[int] = []
-    particle_forcing = on_particles(forcing)._replace(keepers=rank.keeping.at(t))
+    particle_forcing = on_particles(forcing)
+    keepers = rank.keeping.at(t, population.particles, order.rows)
+    particle_forcing = particle_forcing._replace(keepers=keepers)
     for layers in rank.halo.halves(order.start):  # first what neighbours wait for
         moved = 0
         for part, on_part in zip(parts, rank.calls, strict=True):
@@ -119,6 +121,7 @@ def step(
             migration.proceed(population, changed[found : found + moved])
             found += moved
             lap("migrate")
+    rank.keeping.finish(ledger, int(grid.window.lower[0]))
     rank.particle_steps += len(order.rows)
     if sum(failed):
         rank.list_errors(failed)
