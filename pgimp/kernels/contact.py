@@ -31,8 +31,7 @@ LEAST_HELD = 1e-6
 #: The same where the rigid surface is inclined to the grid by more than the sine `INCLINED`, in
 #: proportion below. Cut boxes have corners there that the surface does not have, and these are all
 #: that a vertex in the rigid body sees of a body a fifth of a cell away.
-import os
-LEAST_INCLINED, INCLINED = float(os.environ.get('LI','0.08')), 0.05
+LEAST_INCLINED, INCLINED = 0.08, 0.05
 
 #: Least part of the mass of two fields that either must have.
 LEAST_MASS = 1e-5

@@ -15,8 +15,9 @@ from pgimp.scene.scene import Scene
 from pgimp.solver.clock import Step
 from pgimp.solver.freebodies import FreeBodies
 
-#: Depth in a rigid body, in cells, up to which a particle may lie.
-QUARTER = 0.25
+#: Depth in a rigid body, in cells, from which a particle counts as inside; up to which the place of
+#: a cut particle may lie in a body that its material does not reach.
+QUARTER, CUT = 0.25, 0.2
 
 
 class Keeping:
@@ -58,7 +59,7 @@ class Keeping:
             tools = scene.tools.after(t.end, free.states if free else None)
             if free:
                 free.set_yields(self._yields, self._near(tools, particles, rows))
-            most = QUARTER * min(scene.frame.cell)
+            most = CUT * min(scene.frame.cell)
             self._kept = Keepers(tools, scene.pairs, self._yields, self._impulses, most)
         return self._kept
 
