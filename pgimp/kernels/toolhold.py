@@ -4,7 +4,7 @@ Vertices near a surface have the velocity of all that is around them, and what f
 neighbourhood has no gap to be found. So thin tongues of what flows, and single particles, would go
 on into a rigid body. A particle whose centre has passed the surface is moved back onto it, and its
 velocity into the body becomes the body's, with friction, as in an inelastic impact: an impulse of
-the pair like those at the vertices, and booked like them.
+the pair like those at the vertices, and booked like them. Of a cut particle the centroid counts.
 """
 
 from math import sqrt
@@ -58,15 +58,12 @@ class Keepers(NamedTuple):
         times the greatest mass of the particles that it may hold; 0 of others.
     impulses : (layers, tools, 6) float64
         Grows by impulse and moment on each body.
-    most : float
-        Depth up to which a cut particle may lie in a body that its material does not reach.
     """
 
     tools: Any
     pairs: Pairs
     yields: np.ndarray
     impulses: np.ndarray
-    most: float
 
 
 def hold_outside(keepers, forcing, particles, batch, x, v, ledger):
@@ -149,8 +146,10 @@ def count_near(tools, particles, rows, reach, counts, most):
 
 
 @kernel
-def count_inside(tools, particles, rows, depth, counts):
-    """Count the particles whose centres are deeper than `depth` in each rigid body.
+def count_inside(tools, pairs, particles, rows, depth, counts):
+    """Count the particles whose centroids are deeper than `depth` in each rigid body.
+
+    Those that pass through it, by `law: ignore`, do not count.
 
     Parameters
     ----------
@@ -163,19 +162,23 @@ def count_inside(tools, particles, rows, depth, counts):
     for t in range(len(tools.motion)):
         for p in rows:
             D, x = particles.x.shape[1], place_of_particle(particles, p)
+            if pairs.entry[particles.body[p], tools.bodies + t] == 0:  # bodies of a material first
+                continue
             if _is_within(tools, t, D, x, 0.0):
                 look_up(tools, t, D, x[0], x[1], x[2])
-                counts[t] += tools.at[DISTANCE] < -depth
+                n = (tools.at[NORMAL], tools.at[NORMAL + 1], tools.at[NORMAL + 2])
+                counts[t] += tools.at[DISTANCE] + _material(particles, p, n) < -depth
 
 
 @inner_kernel
-def _material(particles, p, n, most):
-    """Distance along `n` from a cut particle's place to its centroid: from 0 up to `most`."""
-    D, along = particles.x.shape[1], 0.0
+def _material(particles, p, n):
+    """Distance along `n` from a cut particle's place to its centroid, at most as at the start."""
+    D, along, square = particles.x.shape[1], 0.0, 0.0
     for d in range(D):
+        square += particles.offset[p, d] ** 2
         for e in range(D):
             along += n[d] * particles.F[p, d * D + e] * particles.offset[p, e]
-    return min(max(along, 0.0), most)
+    return min(max(along, 0.0), sqrt(square))
 
 
 @inner_kernel
@@ -213,7 +216,7 @@ def _hold(keepers, forcing, particles, p, t, layer, ledger):
     if not at[DISTANCE] < 0.0:
         return 0
     n = (at[NORMAL], at[NORMAL + 1], at[NORMAL + 2])
-    depth = -at[DISTANCE] - _material(particles, p, n, keepers.most)
+    depth = -at[DISTANCE] - _material(particles, p, n)
     one, other = particles.body[p], tools.bodies + t
     entry = keepers.pairs.entry[min(one, other), max(one, other)]
     g = _free_part(forcing.constraints, particles, p, n)

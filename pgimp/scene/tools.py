@@ -203,7 +203,7 @@ class SceneTools:
         `states` are those, at its start, of the bodies that move freely; their velocity at its end
         is set to the same.
         """
-        tools, states = self._arrays(), self.first if states is None else states
+        tools, states = self.arrays(), self.first if states is None else states
         free = dict(zip(self.free, states, strict=True))
         for number, (pose, entry, field) in enumerate(
             zip(self.poses(start, states), self.entries, self.fields, strict=True)
@@ -217,24 +217,6 @@ class SceneTools:
                     row[column : column + 6] = self.free[number].velocities(free[number])
             self._bound(row, about, field)
         return tools
-
-    @cached_property
-    def move(self) -> bool:
-        """Whether any of them may move."""
-        return any(entry.moves for entry in self.entries)
-
-    def after(self, end: float, states: list[State] | None) -> Tools:
-        """Return them where they are at a time, with the velocities that they have then."""
-        tools, states = self._arrays(), self.first if states is None else states
-        motion = tools.motion.copy()
-        for number, pose in enumerate(self.poses(end, states)):
-            row, rigid = motion[number], self.entries[number].rigid
-            row[CENTRE : CENTRE + 3], row[TURN : TURN + 9] = pose
-            if isinstance(rigid, Motion):
-                row[LATTER : LATTER + 6] = np.concatenate(rigid.velocities(end))
-        for (number, body), state in zip(self.free.items(), states, strict=True):
-            motion[number, LATTER : LATTER + 6] = body.velocities(state)
-        return tools._replace(motion=motion, answers=())
 
     def speeds(self) -> dict[int, float]:
         """Return the greatest speed over time of a point of each body that moves as prescribed."""
@@ -267,7 +249,7 @@ class SceneTools:
             return ""
         return sha256(b"".join(field.values.tobytes() for field in self.fields)).hexdigest()
 
-    def _arrays(self) -> Tools:
+    def arrays(self) -> Tools:
         """Return the constant data, and storage for the rest."""
         if self._kept is None:
             count = len(self.entries)

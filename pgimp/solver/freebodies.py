@@ -266,28 +266,6 @@ class FreeBodies:
             got = self._sum(tools, grid)
         self._move(got[:, TAKEN : TAKEN + 6], dt)
 
-    def set_yields(self, yields: np.ndarray, mass: np.ndarray) -> None:
-        """Set the velocities that impulse and moment give to each body, times a mass.
-
-        `yields` is (rigid bodies, 6, 6), `mass` (rigid bodies,); rows of others stay as they are.
-        """
-        for number, (body, state) in self.now.items():
-            M = body.mass_matrix(body.inertia(state.turn))
-            for i in range(6):
-                if body.may[i]:
-                    unit = [float(mass[number]) * (j == i) for j in range(6)]
-                    yields[number, i] = solve(M, unit)
-
-    def push(self, given: np.ndarray) -> list[float]:
-        """Apply impulse and moment, (bodies, 6), at once; return the energy that each gives up."""
-        lost = []
-        for number, (body, J) in enumerate(zip(self.bodies, given.tolist(), strict=True)):
-            state, before = self.states[number], body.energy(self.states[number])
-            if any(J):
-                self.states[number] = state = body.pushed(state, J)
-            lost.append(before - body.energy(state))
-        return lost
-
     def _move(self, taken: np.ndarray, dt: float) -> None:
         """Move the bodies; `taken` are impulse and moment on each."""
         for number, (body, given) in enumerate(zip(self.bodies, taken.tolist(), strict=True)):
