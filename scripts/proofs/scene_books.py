@@ -19,8 +19,8 @@
   says how much that is; tests/kernels/test_affine.py that walls and constraints add nothing). With
   `mpm` nothing is claimed: a particle that has just entered a cell gives its far vertices a force
   and hardly any mass, and what they then do to it can make some per cent of the energy at once.
-- No particle is deeper in a rigid body than a quarter of a cell, in the current configuration, where
-  no wall, constraint or second rigid body holds it from the other side.
+- No particle is deeper in a rigid body than a quarter of a cell, in the current configuration,
+  where no wall, constraint or second rigid body holds it from the other side.
 - Angular momentum of scenes without any load or condition is constant, but for what moving
   particles between their positions and the grid's loses.
 """
@@ -176,7 +176,7 @@ class Books:
         )
 
     def _check_inside(self, every):
-        """What a rigid body holds is at most a quarter of a cell inside, unless other things push."""
+        """What a rigid body holds is at most a quarter of a cell inside, if nothing else holds."""
         cases = self.sim.cases
         if any(len(case.tools) > 1 or case.constraints or case.boundaries for case in cases):
             return
