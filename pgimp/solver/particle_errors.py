@@ -83,9 +83,9 @@ def _describe(rank: Rank, step: Step) -> tuple[str, str, str]:
         advice = _MET
     elif error == OUTSIDE and _face(rank, row) in rank.scene.case.boundaries:
         advice = _DRAWN_OUT
-    origin = _origin(rank, row, step.end) if error == OUTSIDE else ""
+    came = origin(rank, row, step.end) if error == OUTSIDE else ""
     return (
-        f"particle {p.id[row]} of body '{body}' {explanation(rank, row, error)}{origin}",
+        f"particle {p.id[row]} of body '{body}' {explanation(rank, row, error)}{came}",
         f"in step {step.number} to time {step.end:.6g} (dt {step.dt:.4g}), at ({place}), velocity "
         f"({velocity}), on rank {rank.comm.rank}",
         advice,
@@ -99,7 +99,7 @@ def explanation(rank: Rank, row: int, error: int) -> str:
     return _WHAT[error] + (f" through {_face(rank, row)}" if error == OUTSIDE else "")
 
 
-def _origin(rank: Rank, row: int, time: float) -> str:
+def origin(rank: Rank, row: int, time: float) -> str:
     """Say in which rigid body a particle was that has left the domain; nothing for none."""
     inside = rank.keeping.inside(rank.particles, np.array([row], np.int32), time, 0.0)
     names = [name for name, n in zip(rank.scene.tools.names, inside, strict=True) if n]

@@ -7,6 +7,7 @@ import pytest
 from scenes import box, energy, finish, scene, start
 
 from pgimp.solver.keeping import QUARTER
+from pgimp.solver.particle_errors import origin
 
 SAND = {"model": "drucker-prager", "young": 1.0e5, "poisson": 0.3, "density": 1600.0,
         "friction-angle": 25.0, "cohesion": 0.0}  # fmt: skip
@@ -102,3 +103,19 @@ def test_momentum_and_energy_with_a_free_body_that_holds_particles(density):
         sim.advance()
     assert np.abs(np.array(sums) / sums[0] - 1.0).max() < 1e-11
     assert line["tool.wedge.work"] < -1e-3 * sums[0]
+
+
+def test_what_is_inside_is_counted_and_warned_of_once():
+    """The column counts what is deeper than a quarter of a cell; errors say where it was."""
+    bodies = {"block": box([2.0, 4.0], [4.0, 6.0]),
+              "floor": half(2, [4.0, 3.0], 20.0, {})[0]}  # fmt: skip
+    case = scene(2, bodies, contact=[{"bodies": ["block", "floor"]}])
+    sim = start(case)
+    assert sim.diagnostics()["tool.floor.inside"] == 0
+    rows = sim.live()[:3]
+    sim.particles.x[rows] = [[4.0, 2.5], [4.0, 2.9], [4.0, 1.0]]
+    assert sim.diagnostics()["tool.floor.inside"] == sim.diagnostics()["tool.floor.inside"] == 2
+    said = sim.diagnostic_sums.said
+    assert len(said) == 1 and "2 in 'floor' at time 0" in said[0]
+    assert origin(sim.rank, rows[0], 0.0) == ", from inside the rigid body 'floor'"
+    assert origin(sim.rank, sim.live()[-1], 0.0) == ""
