@@ -157,6 +157,8 @@ class Forcing(NamedTuple):
         Distances of bodies from walls that let go, see `find_clearances`.
     filling : Filling or ()
         How full the vertices are, for liquids; see `pgimp.kernels.filling`.
+    keepers : Keepers or ()
+        The rigid bodies that hold particles out, see `pgimp.kernels.toolhold`.
     """
 
     dt: float
@@ -169,6 +171,7 @@ class Forcing(NamedTuple):
     controlled: bool | float
     clearances: Any = ()
     filling: Any = ()
+    keepers: Any = ()
 
 
 class Report(NamedTuple):

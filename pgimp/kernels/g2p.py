@@ -15,6 +15,7 @@ from pgimp.kernels.own import with_own
 from pgimp.kernels.refill import refill
 from pgimp.kernels.speed import grid_speed
 from pgimp.kernels.together import take_from_grid
+from pgimp.kernels.toolhold import hold_outside
 from pgimp.kernels.updates.checks import check, limits_of
 from pgimp.kernels.updates.stress import keep_state, margins, update_stress
 from pgimp.kernels.updates.velocity import update_position, update_velocity
@@ -106,6 +107,7 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
             put_row(particles.x, rows, 0, x)
             put_row(particles.v, rows, 0, v)
             put_row(particles.F, rows, 0, F)
+            x, v = hold_outside(forcing.keepers, forcing, particles, batch, x, v, ledger)
             put_row(particles.sigma, rows, 0, sigma)
             keep_state(particles, rows, state)
             if setting.tracked:

@@ -75,6 +75,7 @@ def advance(
             progress.step()
             if sim.watch and sim.watch.said:
                 log.say(f"warning: {sim.watch.said.pop(0)}")
+            _warn(sim, log)
             stopped = sim.agreed_request == Request.STOP
         sim.complete_reduction()
         if not sim.finished:
@@ -83,6 +84,7 @@ def advance(
             ended = False
         else:
             recorder.end()
+            _warn(sim, log)
             ended = True
     except BaseException as error:
         if sim.failure or isinstance(error, EndlessError):
@@ -121,6 +123,13 @@ def advance(
         None if ended else f"stopped {stop}",
     )
     return ended
+
+
+def _warn(sim: Simulation, log: Log) -> None:
+    """Show what lines of the history warn of."""
+    said = sim.diagnostic_sums.said
+    while said:
+        log.say(f"warning: {said.pop(0)}")
 
 
 def _next_stage(sim: Simulation, recorder: Recorder, log: Log) -> None:

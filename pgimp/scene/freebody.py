@@ -171,6 +171,14 @@ class FreeBody:
             add(state.angle, turn),
         )  # fmt: skip
 
+    def pushed(self, state: State, given: list[float]) -> State:
+        """Return the state after an impulse and a moment, where it may follow them."""
+        p = tuple(
+            own + (J if may else 0.0)
+            for own, J, may in zip((*state.momentum, *state.spin), given, self.may, strict=True)
+        )
+        return state._replace(momentum=_triple(p), spin=_triple(p[3:]))
+
     def pose(self, state: State) -> Pose:
         """Return where it is."""
         return Pose(state.centre, matrix(state.turn))

@@ -203,7 +203,7 @@ class SceneTools:
         `states` are those, at its start, of the bodies that move freely; their velocity at its end
         is set to the same.
         """
-        tools, states = self._arrays(), self.first if states is None else states
+        tools, states = self.arrays(), self.first if states is None else states
         free = dict(zip(self.free, states, strict=True))
         for number, (pose, entry, field) in enumerate(
             zip(self.poses(start, states), self.entries, self.fields, strict=True)
@@ -249,7 +249,7 @@ class SceneTools:
             return ""
         return sha256(b"".join(field.values.tobytes() for field in self.fields)).hexdigest()
 
-    def _arrays(self) -> Tools:
+    def arrays(self) -> Tools:
         """Return the constant data, and storage for the rest."""
         if self._kept is None:
             count = len(self.entries)

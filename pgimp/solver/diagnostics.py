@@ -11,6 +11,7 @@ from pgimp.kernels.sums import HIGH, KINETIC, LOW, MASS, STRAIN, SUMS, exact_mas
 from pgimp.physics.materials.base import LOSSES
 from pgimp.solver.clock import START, Step
 from pgimp.solver.columns import line_of
+from pgimp.solver.keeping import QUARTER
 from pgimp.solver.rank import Rank
 from pgimp.solver.totals import Totals
 
@@ -84,7 +85,7 @@ def column_names(scene: Any) -> list[str]:
         line_of(
             Totals(
                 scene, START, bodies, none, none, none, 0.0, told, 0.0, 0.0, force,
-                np.zeros(faces), contact, tools, {}, errors, errors,
+                np.zeros(faces), contact, tools, np.zeros(len(tools), np.int64), {}, errors, errors,
             )
         )
     )
@@ -97,6 +98,9 @@ class Diagnostics:
         #: Greatest part of the mass beyond a face in any line, when, and which; on rank 0.
         self.most_outside = (0.0, 0.0, "")
         self.first_energy: float | None = None
+        #: Warnings that have not been shown yet, on rank 0; whether that of rigid bodies was made.
+        self.said: list[str] = []
+        self.warned = False
         self.last: tuple[float, np.ndarray, np.ndarray] | None = None
         #: Of stages, see `Totals`; of use on rank 0.
         self.removed: np.ndarray | None = None
@@ -127,8 +131,10 @@ class Diagnostics:
             axis=1,
         )  # fmt: skip
         errors = self._own_errors(rank, done.end)
+        rows = rank.population.ordered.rows
+        inside = rank.keeping.inside(rank.particles, rows, done.end, QUARTER)
         booked = (impulse, own.outside_mass, own.contact, own.tools)
-        parts = rank.comm.gather((sums, own.work, booked, errors, own.escaped, masses))
+        parts = rank.comm.gather((sums, own.work, booked, errors, own.escaped, masses, inside))
         if parts is None:
             return None
         bodies, every = _reduced([part[0] for part in parts], [part[5] for part in parts], unit)
@@ -136,6 +142,8 @@ class Diagnostics:
         impulse, outside_mass, contact, tools = (
             np.add.reduce(np.concatenate([part[2][i] for part in parts]), axis=0) for i in range(4)
         )
+        inside = np.sum([part[6] for part in parts], axis=0)
+        self._tell(scene, done.end, inside)
         total = np.add.reduce(bodies, axis=0)
         total[MASS] = every
         if self.first_energy is None:
@@ -156,10 +164,22 @@ class Diagnostics:
         return line_of(
             Totals(
                 scene, done, bodies, total, escaped, self.removed_so_far(scene), self.changed,
-                self.told, self.first_energy, work, force, outside_mass, contact, tools,
+                self.told, self.first_energy, work, force, outside_mass, contact, tools, inside,
                 rank.free.now if rank.free else {}, added, most,
             )
         )  # fmt: skip
+
+    def _tell(self, scene: Any, time: float, inside: np.ndarray) -> None:
+        """Warn, once, of particles inside rigid bodies."""
+        if self.warned or not inside.any():
+            return
+        self.warned = True
+        each = [f"{n} in '{name}'" for name, n in zip(scene.tools.names, inside, strict=True) if n]
+        self.said.append(
+            f"particles are deeper in rigid bodies than a quarter of a cell: {', '.join(each)} "
+            f"at time {time:.6g}; what is there takes no part in contact as it should. The columns "
+            "tool.NAME.inside of history.csv go on counting"
+        )
 
     @staticmethod
     def _own_errors(rank: Rank, time: float) -> tuple[np.ndarray, ...]:

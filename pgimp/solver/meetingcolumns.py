@@ -79,6 +79,12 @@ MEETING = (
                 lambda s, k: s.tools[k, TOOL_WORK],
             ),
             Column(
+                "tool.NAME.inside", "1",
+                "number of particles whose centres, of cut ones the centroids, are deeper in it "
+                "than a quarter of a cell's smallest side; not those that pass by `law: ignore`",
+                lambda s, k: int(s.inside[k]),
+            ),
+            Column(
                 "tool.NAME.displacement-AXIS", "length",
                 "way of the rigid body since the start: of its axis where it turns, of its centre "
                 "of mass where it moves freely",

@@ -83,8 +83,9 @@ def _describe(rank: Rank, step: Step) -> tuple[str, str, str]:
         advice = _MET
     elif error == OUTSIDE and _face(rank, row) in rank.scene.case.boundaries:
         advice = _DRAWN_OUT
+    came = origin(rank, row, step.end) if error == OUTSIDE else ""
     return (
-        f"particle {p.id[row]} of body '{body}' {explanation(rank, row, error)}",
+        f"particle {p.id[row]} of body '{body}' {explanation(rank, row, error)}{came}",
         f"in step {step.number} to time {step.end:.6g} (dt {step.dt:.4g}), at ({place}), velocity "
         f"({velocity}), on rank {rank.comm.rank}",
         advice,
@@ -96,6 +97,13 @@ def explanation(rank: Rank, row: int, error: int) -> str:
     if error == OUT_OF_RANGE:
         return _out_of_range(rank, row)[0]
     return _WHAT[error] + (f" through {_face(rank, row)}" if error == OUTSIDE else "")
+
+
+def origin(rank: Rank, row: int, time: float) -> str:
+    """Say in which rigid body a particle was that has left the domain; nothing for none."""
+    inside = rank.keeping.inside(rank.particles, np.array([row], np.int32), time, 0.0)
+    names = [name for name, n in zip(rank.scene.tools.names, inside, strict=True) if n]
+    return f", from inside the rigid body '{names[0]}'" if names else ""
 
 
 def _out_of_range(rank: Rank, row: int) -> tuple[str, str]:

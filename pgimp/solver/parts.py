@@ -49,7 +49,9 @@ class Part(NamedTuple):
 
     def forced(self, forcing: Forcing) -> Forcing:
         """The forcing that these particles feel."""
-        return forcing._replace(loads=self.loaded(forcing.loads)) if self.begun else forcing
+        if not self.begun:
+            return forcing
+        return forcing._replace(loads=self.loaded(forcing.loads), keepers=())
 
 
 def parts_of(scene: Scene, population: Population) -> tuple[Part, ...]:

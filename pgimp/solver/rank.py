@@ -22,6 +22,7 @@ from pgimp.mpi.node import shares_cores
 from pgimp.scene.scene import Scene
 from pgimp.solver.clearances import Clearances
 from pgimp.solver.freebodies import FreeBodies
+from pgimp.solver.keeping import Keeping
 from pgimp.solver.liquids import Liquids
 from pgimp.solver.meetings import Meetings
 from pgimp.solver.presentmeetings import PresentMeetings
@@ -133,6 +134,7 @@ class Rank:
         self.grid = Grid(scene.frame, scene.vertices, slab, lag, fields, bounds)
         self.halo = Halo(comm, slab, scene.vertices - 1)
         self.migration = Migration(comm, slab, self.particles)
+        self.keeping = Keeping(scene, comm, self.free, slab.layers)
         outflow = (len(scene.body_names), scene.sums) if scene.escapes else (0, 0)
         constraints = len(scene.loads.constraints)
         contacts = len(scene.pairs.law) if scene.pairs else 0

@@ -103,6 +103,8 @@ def step(
         filling = rank.liquids.find(grid, rank.particles, parts[0].order, rank.tools, t)
         particle_forcing = particle_forcing._replace(filling=filling)
         lap("P2G")
+    keepers = rank.keeping.at(t, population.particles, order.rows)
+    particle_forcing = particle_forcing._replace(keepers=keepers)
     for layers in rank.halo.halves(order.start):  # first what neighbours wait for
         moved = 0
         for part, on_part in zip(parts, rank.calls, strict=True):
@@ -123,6 +125,7 @@ def step(
             migration.proceed(population, changed[found : found + moved])
             found += moved
             lap("migrate")
+    rank.keeping.finish(ledger, int(grid.window.lower[0]))
     rank.particle_steps += len(order.rows)
     if sum(failed):
         rank.list_errors(failed)

@@ -52,6 +52,8 @@ class Totals(NamedTuple):
         The ledger of contact.
     tools : (rigid bodies, TOOLED) float64
         The ledger of rigid bodies.
+    inside : (rigid bodies,) int64
+        Particles that are deeper in each than a quarter of a cell.
     free : dict of int to (FreeBody, State)
         The rigid bodies that move freely, by number, and their states.
     errors, greatest : (ERRORS,) float64
@@ -72,6 +74,7 @@ class Totals(NamedTuple):
     outside_mass: np.ndarray
     contact: np.ndarray
     tools: np.ndarray
+    inside: np.ndarray
     free: dict[int, tuple[FreeBody, State]]
     errors: np.ndarray
     greatest: np.ndarray

@@ -19,6 +19,8 @@
   says how much that is; tests/kernels/test_affine.py that walls and constraints add nothing). With
   `mpm` nothing is claimed: a particle that has just entered a cell gives its far vertices a force
   and hardly any mass, and what they then do to it can make some per cent of the energy at once.
+- No particle is deeper in a rigid body than a quarter of a cell, in the current configuration,
+  where no wall, constraint or second rigid body holds it from the other side.
 - Angular momentum of scenes without any load or condition is constant, but for what moving
   particles between their positions and the grid's loses.
 """
@@ -173,6 +175,19 @@ class Books:
             (abs(more), sim.step, f"step {sim.step}: {done!r}, by the particles {work!r}")
         )
 
+    def _check_inside(self, every):
+        """What a rigid body holds is at most a quarter of a cell inside, if nothing else holds."""
+        cases = self.sim.cases
+        if any(len(case.tools) > 1 or case.constraints or case.boundaries for case in cases):
+            return
+        if any(body.configuration == "initial" for body in self.case.bodies.values()):
+            return
+        for name in self.case.tools:
+            most = int(every[f"tool.{name}.inside"].max())
+            if most:
+                text = f"{most} in '{name}' by more than a quarter of a cell"
+                self.wrong.append(("books: particles inside rigid bodies", text))
+
     def _close(self):
         every = {name: np.array([line[name] for line in self._lines]) for name in self._lines[0]}
 
@@ -180,6 +195,7 @@ class Books:
             gone = (every.get(f"{how}.{name}", 0.0) for how in ("escaped", "removed"))
             return every[name] + sum(gone)
 
+        self._check_inside(every)
         off = np.abs(total("mass") - self.mass).max() / self.mass
         if off > 1e-13:
             self.wrong.append(("books: mass", f"it changes by {off:.3g} of itself"))
