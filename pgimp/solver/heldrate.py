@@ -1,8 +1,8 @@
 """The rate that controlled steps are taken by: it rises at once and falls rarely.
 
 Steps that become longer and shorter with the strain of a vibration feed it: what explicit steps of
-one length keep bounded then grows by about a percent a period, with any transfer
-(``scripts/hard steps``). So a rate is held until a whole window of steps would have done with a
+one length keep bounded then grows by about a percent a period, with any transfer.
+So a rate is held until a whole window of steps would have done with a
 lower one. A rate that rises again soon after shows that the window was shorter than what made it
 rise and fall; the window is then doubled.
 """
@@ -54,7 +54,8 @@ class HeldRate:
         self._most = max(self._most, rate)
         self._count += 1
         # A step that is far too short is no vibration's: it need not be kept as long.
-        if self._count * max(1.0, EAGER * (self.rate / self._most - 1.0)) >= self.window:
+        gain = EAGER * (self.rate - self._most)
+        if self._count * max(self._most, gain) >= self.window * self._most:
             if self.rate >= (1.0 + WORTH) * self._most:
                 self.rate = self._low = self._most
                 self.lengthened += 1
