@@ -2,7 +2,7 @@
 
 Steps that become longer and shorter with the strain of a vibration feed it: what explicit steps of
 one length keep bounded then grows by about a percent a period, with any transfer.
-So a rate is held until a whole window of steps would have done with a
+So a rate is held until a whole window of steps in a row would have done with a
 lower one. A rate that rises again soon after shows that the window was shorter than what made it
 rise and fall; the window is then doubled.
 """
@@ -51,13 +51,15 @@ class HeldRate:
             self.rate = rate
         if self._low and rate > (1.0 + WORTH) * self._low:  # it was lowered too early
             self.window, self._low = min(2 * self.window, LONGEST), 0.0
+        if rate * (1.0 + WORTH) > self.rate:  # the window begins again
+            self._count, self._most = 0, 0.0
+            return self.rate
         self._most = max(self._most, rate)
         self._count += 1
         # A step that is far too short is no vibration's: it need not be kept as long.
         gain = EAGER * (self.rate - self._most)
         if self._count * max(self._most, gain) >= self.window * self._most:
-            if self.rate >= (1.0 + WORTH) * self._most:
-                self.rate = self._low = self._most
-                self.lengthened += 1
+            self.rate = self._low = self._most
+            self.lengthened += 1
             self._count, self._most = 0, 0.0
         return self.rate
