@@ -199,8 +199,6 @@ def find_filling(frame, field, walls, tools):
                 for f in range(field_count(window)):
                     if is_used(field, i, f):
                         filled += G[first + f * size + VOLUME]
-                if not filled > 0.0:
-                    continue
                 number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
                 sides = _sides(frame, walls, number)
                 inside = volume
