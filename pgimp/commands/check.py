@@ -23,6 +23,7 @@ from pgimp.scene.facts import BodyFacts, examine
 from pgimp.scene.geometry import share
 from pgimp.scene.laterconstraints import idle_warnings
 from pgimp.scene.lattice import Lattice
+from pgimp.scene.locking import locking
 from pgimp.scene.sanity import body_warnings, case_warnings, small_step_warning, strains
 from pgimp.scene.scene import MOST_CELLS, Scene, count_particles
 from pgimp.scene.toolchecks import require_apart, require_clear, require_slow
@@ -125,6 +126,7 @@ def report(case: Case) -> None:
         of_stages,
         pilot_warnings(case, dt * rate, tried),
         *(body_warnings(case, body, whole.time.last) for body in bodies),
+        locking(case, {b.name: b.varies["poisson"][2] for b in bodies if "poisson" in b.varies}),
         case_warnings(case, found),
         idle_warnings(found.later, found.held_later),
         motion_warnings(scenes),

@@ -74,26 +74,6 @@ def test_the_cone_has_the_strength_of_mohr_and_coulomb_where_it_is_matched():
     assert s[0] - s[1] == pytest.approx(4.0, rel=1e-10)
 
 
-@pytest.mark.parametrize("dilation", [0.0, 10.0, 30.0])
-@pytest.mark.parametrize("cohesion", [0.0, 2.0])
-def test_flow_in_plane_strain_has_the_strength_of_mohr_and_coulomb(dilation, cohesion):
-    """In the plane r = c cos(phi) + p sin(phi), whatever the dilation, by ``plane-strain-flow``."""
-    # Volume grows as flow makes it: steady stress, with no elastic strain across the plane.
-    e, grown, steps = 0.5, 0.5 * sin(radians(dilation)), 4000
-    path = [
-        np.diag(np.exp([-0.02 + (grown + e) * x, -0.02 + (grown - e) * x, 0.0]))
-        for x in np.linspace(0.0, 1.0, steps)
-    ]
-    law = soil("drucker-prager", 30.0, dilation, cohesion, match="plane-strain-flow")
-    xx, yy, zz, xy = along(law, np.array(path))["stress"][-1][:4]
-    mean, half = -0.5 * (xx + yy), np.hypot(0.5 * (xx - yy), xy)
-    assert mean > 1.0
-    assert half == pytest.approx(0.5 * mean + cohesion * cos(radians(30.0)), rel=2e-3)
-    if dilation == 30.0:  # along the normal: the associated match
-        other = along(law | {"match": "plane-strain"}, np.array(path))["stress"][-1][:4]
-        np.testing.assert_allclose(other, (xx, yy, zz, xy), rtol=1e-9)
-
-
 @pytest.mark.parametrize("model", ["drucker-prager", "mohr-coulomb"])
 def test_loose_soil_that_is_pulled_apart_comes_back_to_where_it_was(model):
     """Opened by a fifth, twice, and compressed: the stress of the compression alone."""
