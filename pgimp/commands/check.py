@@ -17,7 +17,7 @@ from pgimp.case.steps import AUTO
 from pgimp.jit.cache import announced
 from pgimp.mpi.comm import Serial, say
 from pgimp.running import forecast
-from pgimp.scene import nearness
+from pgimp.scene import nearness, overstress
 from pgimp.scene.advice import advice
 from pgimp.scene.facts import BodyFacts, examine
 from pgimp.scene.geometry import share
@@ -127,6 +127,7 @@ def report(case: Case) -> None:
         pilot_warnings(case, dt * rate, tried),
         *(body_warnings(case, body, whole.time.last) for body in bodies),
         locking(case, {b.name: b.varies["poisson"][2] for b in bodies if "poisson" in b.varies}),
+        overstress.foresee(scene, lattice, counts),
         case_warnings(case, found),
         idle_warnings(found.later, found.held_later),
         motion_warnings(scenes),
