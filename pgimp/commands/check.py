@@ -23,7 +23,7 @@ from pgimp.scene.facts import BodyFacts, examine
 from pgimp.scene.geometry import share
 from pgimp.scene.laterconstraints import idle_warnings
 from pgimp.scene.lattice import Lattice
-from pgimp.scene.locking import locking
+from pgimp.scene.locking import locking, stripes
 from pgimp.scene.sanity import body_warnings, case_warnings, small_step_warning, strains
 from pgimp.scene.scene import MOST_CELLS, Scene, count_particles
 from pgimp.scene.toolchecks import require_apart, require_clear, require_slow
@@ -118,7 +118,9 @@ def report(case: Case) -> None:
     number = forecast.frames(whole, steps)
     size = size_text(number * forecast.frame_size(case, scene.fields, count))
     print(f"output           {number:,} frames of particles, about {size}")
-    for note in (*notes, *nearness.notes(case), *advice(case, bodies)):
+    poisson = {one.name: one.varies["poisson"][2] for one in bodies if "poisson" in one.varies}
+    advised = (*advice(case, bodies), *stripes(case, poisson))
+    for note in (*notes, *nearness.notes(case), *advised):
         print(f"note: {note}")
     for text in chain(
         filter(None, [] if case.watched else [stability_warning(dt, rate, case.method.stable)]),
@@ -126,7 +128,7 @@ def report(case: Case) -> None:
         of_stages,
         pilot_warnings(case, dt * rate, tried),
         *(body_warnings(case, body, whole.time.last) for body in bodies),
-        locking(case, {b.name: b.varies["poisson"][2] for b in bodies if "poisson" in b.varies}),
+        locking(case, poisson),
         overstress.foresee(scene, lattice, counts),
         case_warnings(case, found),
         idle_warnings(found.later, found.held_later),

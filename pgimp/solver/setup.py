@@ -22,7 +22,7 @@ from pgimp.scene import nearness, overstress
 from pgimp.scene.facts import rest_rate
 from pgimp.scene.geometry import release, share, take_as_empty
 from pgimp.scene.laterconstraints import held, idle_warnings, later_constraints
-from pgimp.scene.locking import locking
+from pgimp.scene.locking import locking, stripes
 from pgimp.scene.populate import prestressed
 from pgimp.scene.scene import Scene, count_particles
 from pgimp.scene.toolchecks import (
@@ -92,6 +92,7 @@ def begin(sim: Any, scenes: Sequence[Scene]) -> None:
     if len(scenes) > 1 and scene.variations:
         require_stable_stages(scenes, rates_at_rest(sim.rank, scene, comm))
     sim.warnings += locking(sim.case)
+    sim.notes += stripes(sim.case)
     sim.warnings += nearness.warnings(sim.case)
     release(sim.case)
     if sim.watch:
