@@ -40,7 +40,7 @@ def measure(scene: Scene, particles: Particles, count: int, comm: Any) -> list[s
     count : int
     comm : Comm
     """
-    found = []
+    found: list[str] = []
     for body in stressed(scene):
         rows = np.flatnonzero(particles.body[:count] == body)
         found += _warnings(scene, body, comm.allgather(_cut(scene, particles, rows)))
