@@ -1,8 +1,8 @@
-"""What particles remember of the stress that they begin with."""
+"""What particles remember of the stress that they begin with, and what of it they bear."""
 
 from pgimp.jit.algebra import determinant, symmetric
 from pgimp.jit.kernel import kernel
-from pgimp.jit.tuples import read, write
+from pgimp.jit.tuples import read, scaled, write
 from pgimp.kernels.own import with_own
 from pgimp.kernels.updates.stress import state_of
 from pgimp.physics.materials.evaluate import evaluate
@@ -26,3 +26,29 @@ def remember_stress(setting, particles, rows):
         args = (F, determinant(F), read(particles.sigma, p, 0, tensor))
         state = state_of(materials, particles, p, F)
         write(particles.state, p, 0, evaluate("initial_state", materials, number, args, state))
+
+
+@kernel
+def bearable_stress(setting, particles, rows, stresses):
+    """Stress of some particles, undeformed ones, after a unit of time in which nothing moves.
+
+    Parameters
+    ----------
+    setting, particles
+        See `Setting`, `Particles`.
+    rows : (n,) int64
+        Their rows.
+    stresses : (n, 3, 4 or 6) float64
+        Gets the stresses.
+    """
+    F, tensor = setting.identity, symmetric(setting.identity)
+    still = scaled(0.0, F)
+    for i in range(len(rows)):
+        p = rows[i]
+        materials = with_own(setting, particles, p).materials
+        number = setting.material_of[particles.body[p]]
+        args = (F, determinant(F), read(particles.sigma, p, 0, tensor), still, 1.0)
+        state = state_of(materials, particles, p, F)
+        found = evaluate("stress", materials, number, args, state)
+        for k in range(stresses.shape[1]):
+            stresses[i, k] = found[k]

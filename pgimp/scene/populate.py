@@ -65,10 +65,6 @@ def populate(
         else:
             p.v[rows] = block.velocities
         material = scene.body_material[block.body]
-        if block.stresses is not None:
-            p.sigma[rows] = block.stresses[:, : p.sigma.shape[1]]
-        elif pressure := scene.initial_pressures[material]:
-            p.sigma[rows, :3] = -pressure
         if p.L.shape[1]:
             p.L[rows] = (
                 _velocity_gradients(scene, block.body, places)
@@ -82,17 +78,27 @@ def populate(
             p.offset[rows] = block.centroids - block.positions
             p.excess[rows, 0] = lattice.excess(block)
         p.m[rows] = p.V0[rows] * scene.materials[material].density  # (4)
-        p.state[rows] = scene.states.initial[material]
-        _vary(scene, p, rows, block)
-        for name, values in block.states.items():
-            first = scene.states.first(name, material)
-            if first >= 0:  # else a parameter that varies
-                p.state[rows, first : first + values.shape[1]] = values
+        set_stress(scene, p, rows, block)
         row += len(block.ids)
     if p.origin.shape[1]:
         p.origin[:] = p.x
     scene.loads.initialise(p, row)
     return p
+
+
+def set_stress(scene: Scene, p: Particles, rows: slice, block: ParticleBlock) -> None:
+    """Set stress and state of a block's particles, and parameters that vary with their mass."""
+    material = scene.body_material[block.body]
+    if block.stresses is not None:
+        p.sigma[rows] = block.stresses[:, : p.sigma.shape[1]]
+    elif pressure := scene.initial_pressures[material]:
+        p.sigma[rows, :3] = -pressure
+    p.state[rows] = scene.states.initial[material]
+    _vary(scene, p, rows, block)
+    for name, values in block.states.items():
+        first = scene.states.first(name, material)
+        if first >= 0:  # else a parameter that varies
+            p.state[rows, first : first + values.shape[1]] = values
 
 
 def prestressed(scene: Scene) -> list[int]:

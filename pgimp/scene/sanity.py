@@ -25,8 +25,6 @@ _THIN, _AT_WALL = 1.0 - 1e-9, 0.5
 #: Cells along a body's longest side below which `affine` makes a quarter of its energy and more
 #: (tests/kernels/test_affine.py).
 _FEW = 3.0 - 1e-9
-#: Poisson's ratio above which bodies lock.
-_NEARLY_HALF = 0.45
 #: Spacings of particles within which a probe's particle lies, with a margin for a file's.
 _FAR = 1.0
 AXES = "xyz"
@@ -90,8 +88,12 @@ def body_warnings(case: Any, body: BodyFacts, duration: float) -> Iterator[str]:
             "density, gravity, velocity, tractions and grid one consistent set (mm with MPa wants "
             "tonnes)?"
         )
+<<<<<<< HEAD
     yield from _locking(case, body)
     yield from unlikely(case, body)
+=======
+    yield from _unlikely(case.units, body)
+>>>>>>> sand
     transits = duration * body.wave_speed / body.extent
     if transits < _FEWEST_TRANSITS:
         yield (
@@ -103,23 +105,6 @@ def body_warnings(case: Any, body: BodyFacts, duration: float) -> Iterator[str]:
             f"time.end: waves cross {body.name} {transits:.3g} times until then, too often for a "
             "method that follows each; is it in the unit of time that belongs to young, density "
             "and grid? What is slow can be shortened, as long as it stays slow for the waves"
-        )
-
-
-def _locking(case: Any, body: BodyFacts) -> Iterator[str]:
-    """Yield advice where particles of a nearly incompressible material may lock."""
-    name, method = case.bodies[body.name].material, case.method
-    poisson = getattr(case.materials[name], "poisson", 0.0)
-    if "poisson" in body.varies:
-        poisson = body.varies["poisson"][2]
-    if case.dimensions == 1 or not poisson > _NEARLY_HALF:
-        return
-    if method.volumetric == "pointwise" and method.shape != "fuzzy-constant":
-        boxes = "" if method.chi == "box" else ", with boxes (shape: gimp)"
-        yield (
-            f"materials.{name}.poisson: {poisson:g} is nearly incompressible, and '{body.name}' "
-            "will be too stiff, the more so the closer to 0.5 it is (locking); "
-            f"method.volumetric: mean keeps it from that{boxes}"
         )
 
 

@@ -18,10 +18,11 @@ from pgimp.kernels.order import layers_of
 from pgimp.kernels.particles import Particles
 from pgimp.kernels.prestress import remember_stress
 from pgimp.mpi.collective import all_or_none
-from pgimp.scene import nearness
+from pgimp.scene import nearness, overstress
 from pgimp.scene.facts import rest_rate
 from pgimp.scene.geometry import release, share, take_as_empty
 from pgimp.scene.laterconstraints import held, idle_warnings, later_constraints
+from pgimp.scene.locking import locking, stripes
 from pgimp.scene.populate import prestressed
 from pgimp.scene.scene import Scene, count_particles
 from pgimp.scene.toolchecks import (
@@ -86,9 +87,12 @@ def begin(sim: Any, scenes: Sequence[Scene]) -> None:
     if bodies := prestressed(scene):
         rows = np.flatnonzero(np.isin(particles.body[:count], bodies))
         remember_stress(scene.setting.without_shape(), particles, rows)
+    sim.warnings += overstress.measure(scene, particles, count, comm)
     put_in_order(sim, slab, particles, count)
     if len(scenes) > 1 and scene.variations:
         require_stable_stages(scenes, rates_at_rest(sim.rank, scene, comm))
+    sim.warnings += locking(sim.case)
+    sim.notes += stripes(sim.case)
     sim.warnings += nearness.warnings(sim.case)
     release(sim.case)
     if sim.watch:

@@ -28,12 +28,13 @@ from pgimp.kernels.momentum import WHOLE, update_momentum
 from pgimp.kernels.order import grow_vertex_bounds, layers_of, locate, merge
 from pgimp.kernels.p2g import Others, complete, particles_to_grid
 from pgimp.kernels.particles import Particles
-from pgimp.kernels.prestress import remember_stress
+from pgimp.kernels.prestress import bearable_stress, remember_stress
 from pgimp.kernels.response import find_response
 from pgimp.kernels.selection import select_near
 from pgimp.kernels.sums import exact_masses, fastest_rate, layer_sums
 from pgimp.kernels.toolfill import find_touched
 from pgimp.mpi.node import Call, shared_out
+from pgimp.scene.overstress import stressed
 from pgimp.scene.populate import prestressed
 from pgimp.scene.scene import Scene
 from pgimp.solver import presentcalls
@@ -171,5 +172,7 @@ def _calls(scene: Scene) -> Iterator[Call]:
         )  # fmt: skip
     if prestressed(scene):
         yield 1.0, lambda: remember_stress(material, p, np.empty(0, np.int64))
+    if stressed(scene):
+        yield 2.0, lambda: bearable_stress(material, p, np.empty(0, np.int64), p.sigma[:0])
     if scene.moves:
         yield 1.0, lambda: initial_velocities(scene.exact, frame, p.x[:0], p.v[:0])

@@ -7,6 +7,7 @@ from mentioned import mentions
 from pgimp.case.reader import read_case
 from pgimp.errors import CaseError
 from pgimp.mpi.comm import Serial
+from pgimp.scene.locking import locking, stripes
 from pgimp.scene.sanity import case_warnings, strains
 
 
@@ -164,3 +165,34 @@ bodies: {{block: {{material: rubber, region: {{box: {{min: [1.0, 1.0], max: [3.0
     texts = [text for text in said(case) if "poisson" in text]
     assert len(texts) == bool(expected)
     assert all(expected in text and "volumetric: mean" in text for text in texts)
+
+
+SOIL = "young: 1.0, poisson: 0.3, cohesion: 1.0, friction-angle: 30.0"
+FLOWING = {
+    "drucker-prager": SOIL, "mohr-coulomb": SOIL,
+    "von-mises": "young: 1.0, poisson: 0.3, yield-stress: 1.0",
+    "mu-i": "young: 1.0, poisson: 0.3, mu-s: 0.4, mu-2: 0.6, i0: 0.3, grain: 0.1, "
+    "grain-density: 2.0",
+    "newtonian": "bulk: 1.0, shear-viscosity: 0.1", "neo-hookean": "young: 1.0, poisson: 0.3",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("method", ["shape: gimp", "shape: gimp, volumetric: mean", "shape: mpm"])
+@pytest.mark.parametrize("model", FLOWING)
+def test_stripes_of_plastic_solids_are_foreseen(model, method):
+    """Told of solids that flow plastically, without the means of cells; of no liquid or grains."""
+    text = f"""
+format: 1
+dimensions: 2
+grid: {{size: [4.0, 4.0], cell: [1.0, 1.0]}}
+method: {{{method}, particles_per_cell: [2, 2]}}
+time: {{end: 1.0, step: {{courant: 0.3}}}}
+materials: {{ground: {{model: {model}, density: 1.0, {FLOWING[model]}}}}}
+bodies: {{hill: {{material: ground, region: {{box: {{min: [1.0, 1.0], max: [3.0, 3.0]}}}}}}}}
+"""
+    case = read_case(text)
+    found = list(stripes(case))
+    assert not list(locking(case))
+    plastic = model in ("drucker-prager", "mohr-coulomb", "von-mises")
+    assert len(found) == (plastic and "mean" not in method)
+    assert all("stripes" in one and "'hill'" in one and "materials.ground" in one for one in found)

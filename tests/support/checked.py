@@ -3,6 +3,7 @@
 from pgimp.case.reader import read_case
 from pgimp.mpi.comm import Serial
 from pgimp.scene.facts import examine
+from pgimp.scene.locking import locking
 from pgimp.scene.sanity import body_warnings
 from pgimp.scene.scene import Scene, count_particles
 
@@ -18,7 +19,8 @@ def facts(case):
 
 
 def said(case):
-    return [text for body in facts(case) for text in body_warnings(case, body, case.time.end)]
+    of_bodies = [text for body in facts(case) for text in body_warnings(case, body, case.time.end)]
+    return [*of_bodies, *locking(case)]
 
 
 PLATE = """

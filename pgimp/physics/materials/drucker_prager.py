@@ -23,7 +23,7 @@ from pgimp.jit.choose import choose
 from pgimp.jit.functions import log
 from pgimp.physics.materials.base import State, lame
 from pgimp.physics.materials.exact_friction import cone, path_of_soil
-from pgimp.physics.materials.friction import PLASTIC_WORK, Match, Soil, slope, strength
+from pgimp.physics.materials.friction import PLASTIC_WORK, Match, Soil, cone_of
 from pgimp.physics.materials.hencky import distortion_energy, elastic_trial
 from pgimp.physics.materials.invariants import TINY, mean, shear_stress
 
@@ -102,26 +102,22 @@ class DruckerPrager(Soil):
     match: Match = Field(
         default="plane-strain",
         description="stresses in which the cone has the strength of Mohr and Coulomb: "
-        "plane-strain, where it flows along its normal; compression and extension, triaxial",
+        "plane-strain, where it flows along its normal; plane-strain-flow, where it flows by "
+        "dilation-angle, right for sand that shears; compression and extension, triaxial",
     )
 
     def exact_path(
         self, path: str, value: Any, rate: float, confine: float
     ) -> dict[str, Any] | None:
         """See `Material.exact_path`."""
-        line = cone(
-            slope(self.friction_angle, self.match), slope(self.dilation_angle, self.match),
-            strength(self.cohesion, self.friction_angle, self.match),
-        )  # fmt: skip
+        line = cone(*cone_of(self, self.match))
         return path_of_soil(self, (line, line), path, value, confine)
 
     def parameters(self) -> DruckerPragerParameters:
         """Parameters of the kernels."""
         lam, mu = lame(self.young, self.poisson)
-        alpha = slope(self.friction_angle, self.match)
-        k = strength(self.cohesion, self.friction_angle, self.match)
+        alpha, flow, k = cone_of(self, self.match)
         tension = min(self.greatest_tension, k / alpha if alpha > 0.0 else _BOUNDLESS)
         return DruckerPragerParameters(
-            lam + 2.0 / 3.0 * mu, mu, alpha, slope(self.dilation_angle, self.match), k, tension,
-            self.density,
-        )  # fmt: skip
+            lam + 2.0 / 3.0 * mu, mu, alpha, flow, k, tension, self.density
+        )

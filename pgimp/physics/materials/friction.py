@@ -14,25 +14,42 @@ from pgimp.schema.problems import Problem, raise_problems
 
 PLASTIC_WORK = State("plastic-work", "energy/volume", "plastic work, by initial volume")
 
-Match = Literal["plane-strain", "compression", "extension"]
+Match = Literal["plane-strain", "plane-strain-flow", "compression", "extension"]
 
 
 def slope(angle: float, match: Match) -> float:
-    """Slope alpha of the cone for an angle of friction or dilation in degrees."""
+    """Slope of the cone for an angle in degrees of friction, or of dilation.
+
+    That of friction where flow is along the normal, in plane strain; see `cone_of` for other flow.
+    """
     a = radians(angle)
-    if match == "plane-strain":
+    if match in ("plane-strain", "plane-strain-flow"):
         return 3.0 * tan(a) / sqrt(9.0 + 12.0 * tan(a) ** 2)
     side = 3.0 - sin(a) if match == "compression" else 3.0 + sin(a)
     return 6.0 * sin(a) / (sqrt(3.0) * side)
 
 
-def strength(cohesion: float, angle: float, match: Match) -> float:
-    """Strength k of the cone without pressure."""
-    a = radians(angle)
+def cone_of(soil: "Soil", match: Match) -> tuple[float, float, float]:
+    """Slope alpha of the cone, slope of its flow, strength k without pressure.
+
+    With the slope d of flow, plane strain flow has s_zz = -2 d tau/3, so that half the difference
+    of the principal stresses in the plane is tau sqrt(1 - d d/3), and their mean pressure is
+    p - d tau/3. With ``plane-strain-flow`` these are on Mohr and Coulomb's line,
+
+        alpha = sin(phi)/D, k = c cos(phi)/D, D = sqrt(1 - d d/3) + d sin(phi)/3;
+
+    for a flow along the normal that is ``plane-strain``.
+    """
+    a = radians(soil.friction_angle)
+    flow = slope(soil.dilation_angle, match)
+    if match == "plane-strain-flow":
+        part = sqrt(1.0 - flow * flow / 3.0) + flow * sin(a) / 3.0
+        return sin(a) / part, flow, soil.cohesion * cos(a) / part
+    alpha = slope(soil.friction_angle, match)
     if match == "plane-strain":
-        return 3.0 * cohesion / sqrt(9.0 + 12.0 * tan(a) ** 2)
+        return alpha, flow, 3.0 * soil.cohesion / sqrt(9.0 + 12.0 * tan(a) ** 2)
     side = 3.0 - sin(a) if match == "compression" else 3.0 + sin(a)
-    return 6.0 * cohesion * cos(a) / (sqrt(3.0) * side)
+    return alpha, flow, 6.0 * soil.cohesion * cos(a) / (sqrt(3.0) * side)
 
 
 class Soil(Material):

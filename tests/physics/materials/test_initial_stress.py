@@ -13,6 +13,8 @@ from reference_materials import tensor
 from run_files import digests, go_back
 from scenes import field, start, write_case
 
+from pgimp.case.schema import Case
+from pgimp.commands.check import report
 from pgimp.jit.kernel import kernel
 from pgimp.physics.materials import MATERIALS
 from pgimp.physics.materials.evaluate import evaluate
@@ -116,6 +118,31 @@ def test_a_stress_beyond_the_strength_is_returned_as_that_of_the_cone(tmp_path):
     limit = 10.0 * np.cos(np.radians(30.0)) - 0.5 * (high + low)
     np.testing.assert_allclose(high - low, limit, 1e-9)
     assert (found[1][:, 1] > -39.0).all()
+
+
+@pytest.mark.parametrize("name", ["mohr-coulomb", "drucker-prager"])
+def test_a_stress_beyond_the_strength_is_said(tmp_path, capsys, name):
+    """How many particles and by how much, at the start of a run and by ``check`` alike."""
+    data = filled()
+    data["stress"][:100, :3] = (-2.0, -40.0, -10.0)
+    for share in (100, 0):
+        data["stress"][share:, :3] = STRESS
+        write_hdf5(tmp_path / "p.h5", data)
+        model = resting(tmp_path / "p.h5")
+        model["materials"] = {"soft": SOIL | {"model": name}}
+        sim = start(model)
+        found = [text for text in sim.warnings if "beyond the strength" in text]
+        assert len(found) == bool(share)
+        report(Case.model_validate(model))
+        shown = capsys.readouterr().out
+        assert ("beyond the strength" in shown) == bool(share)
+        if share:
+            sim.advance()
+            lost = np.abs(field(sim, "sigma")[:, :3] - (-2.0, -40.0, -10.0)).max(axis=1).min()
+            assert "100 of 256 particles" in found[0] and "'soft'" in found[0]
+            by = float(found[0].split("up to ")[1].split(",")[0])
+            assert by == pytest.approx(lost, rel=0.2)
+            assert f"warning: {found[0]}" in shown
 
 
 def test_parameters_that_vary_and_bodies_without(tmp_path):
