@@ -15,23 +15,11 @@ from pgimp.case.schema import Case
 from pgimp.jit.cache import announced
 from pgimp.mpi.comm import say
 from pgimp.running import forecast
-<<<<<<< HEAD
-from pgimp.scene import nearness
+from pgimp.scene import nearness, overstress
 from pgimp.scene.facts import BodyFacts
 from pgimp.scene.laterconstraints import idle_warnings
-from pgimp.scene.sanity import body_warnings, case_warnings, small_step_warning
-=======
-from pgimp.scene import nearness, overstress
-from pgimp.scene.advice import advice
-from pgimp.scene.facts import BodyFacts, examine
-from pgimp.scene.geometry import share
-from pgimp.scene.laterconstraints import idle_warnings
-from pgimp.scene.lattice import Lattice
 from pgimp.scene.locking import locking, stripes
-from pgimp.scene.sanity import body_warnings, case_warnings, small_step_warning, strains
-from pgimp.scene.scene import MOST_CELLS, Scene, count_particles
-from pgimp.scene.toolchecks import require_apart, require_clear, require_slow
->>>>>>> sand
+from pgimp.scene.sanity import body_warnings, case_warnings, small_step_warning
 from pgimp.scene.toolwarnings import motion_warnings
 from pgimp.solver.memory import MemoryShortError, size_text
 from pgimp.solver.stability import stability_warning, stable_courant
@@ -117,36 +105,24 @@ def report(case: Case, verbose: bool = False) -> None:
     number = forecast.frames(whole, steps)
     size = size_text(number * forecast.frame_size(case, scene.fields, count))
     print(f"output           {number:,} frames of particles, about {size}")
-<<<<<<< HEAD
-    for note in (
-        *known.notes, *nearness.notes(case), *ordered_advice(case, bodies, known.crossing, dt)
-    ):  # fmt: skip
-=======
     poisson = {one.name: one.varies["poisson"][2] for one in bodies if "poisson" in one.varies}
-    advised = (*advice(case, bodies), *stripes(case, poisson))
-    for note in (*notes, *nearness.notes(case), *advised):
->>>>>>> sand
+    for note in (
+        *known.notes, *nearness.notes(case), *stripes(case, poisson),
+        *ordered_advice(case, bodies, known.crossing, dt),
+    ):  # fmt: skip
         print(f"note: {note}")
     for text in chain(
         filter(None, [] if case.watched else [stability_warning(dt, rate, stable_courant(case))]),
         filter(None, [small_step_warning(dt, rate)]),
         known.of_stages,
         pilot_warnings(case, dt * rate, tried),
-<<<<<<< HEAD
         *(body_warnings(case, body, duration) for body in bodies),
+        locking(case, poisson),
+        overstress.foresee(scene, known.lattice, known.counts),
         case_warnings(case, known.found),
         idle_warnings(known.found.later, known.found.held_later),
         motion_warnings(known.scenes),
         nearness.bonded(scene, known.lattice, known.counts),
-=======
-        *(body_warnings(case, body, whole.time.last) for body in bodies),
-        locking(case, poisson),
-        overstress.foresee(scene, lattice, counts),
-        case_warnings(case, found),
-        idle_warnings(found.later, found.held_later),
-        motion_warnings(scenes),
-        nearness.bonded(scene, lattice, counts),
->>>>>>> sand
         nearness.warnings(case),
         forecast.warnings(whole, steps),
     ):

@@ -32,7 +32,6 @@ from pgimp.kernels.fields import field_count, field_size, is_used
 from pgimp.kernels.mirror import mirror_places, vertices_beyond
 from pgimp.kernels.particles import FloatArray, Window
 from pgimp.kernels.place import deformation
-from pgimp.kernels.record import RECORD
 from pgimp.kernels.toolfill import fill
 from pgimp.kernels.tools import FILLED
 

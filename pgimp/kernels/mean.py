@@ -29,7 +29,12 @@ sum_v S_vp m_v over its density and the cell's volume, is 1 inside bodies, at le
 surface, 0.6^d in a corner, and 0.4^d or less for one of two particles a cell and direction that is
 alone. From `DENSE`^d down to `SPARSE`^d its rate becomes that at its own place, from the next step
 on, in the forces as in the deformation.
+
+Liquids are always taken as alone: under gravity the means of cells leave the vertices modes in which
+a liquid without strength compacts, and it sinks.
 """
+
+from numba.core import types
 
 from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import load, number, pack, store, vector, where
@@ -82,7 +87,7 @@ def _set_apart(loads, frame, particles, p):
 def keep_means(mean, shape, frame, buffer):
     """Store the weights a of four particles in the buffer with their supports.
 
-    Nothing unless there is a `mean`, which is () or a number, as everywhere here.
+    Nothing unless there is a `mean`, see `Loads`; () is none, as everywhere here.
     """
 
 
@@ -257,10 +262,25 @@ def _with_means(mean, frame, particles, rows, buffer, sums, count, L):
             around = around * frame.inverse[d]
         fill = around / take(particles.m, rows)
         now = min(max((dense - fill) * (1.0 / (dense - sparse)), 0.0), 1.0)
+        now = max(now, _always_alone(mean, particles, rows))
         put_row(particles.alone, rows, 0, (now,))
         return _with_trace(L, e)
 
     return with_rates
+
+
+def _always_alone(mean, particles, rows):
+    """1 for those of four particles whose rate is always that at their place, else 0."""
+
+
+@specialise(_always_alone)
+def _always_alone_of(mean, particles, rows):
+    if isinstance(mean, types.Array):
+        return lambda mean, particles, rows: pack(
+            mean[particles.body[rows[0]]], mean[particles.body[rows[1]]],
+            mean[particles.body[rows[2]]], mean[particles.body[rows[3]]],
+        )  # fmt: skip
+    return lambda mean, particles, rows: vector(0.0)
 
 
 def _with_trace(L, e):

@@ -47,9 +47,8 @@ class SceneLiquids:
         most = np.array([entry.most_filled for entry in materials])
         self.rates = speeds[material_of] / min(cell)
         self.most = np.where(self.rates > 0.0, most[material_of], 0.0)
-        number = np.cumsum(speeds > 0.0) * (speeds > 0.0)
-        if (speeds > 0.0).all():
-            number -= 1
+        number = np.where(speeds > 0.0, np.cumsum(speeds > 0.0), 0)
+        number = number - int((speeds > 0.0).all())
         self.fields = tuple(int(i) for i in number[material_of])
         self.walls = [
             Mirror(face.axis, face.side, n, False)

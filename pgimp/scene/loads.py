@@ -71,6 +71,10 @@ class SceneLoads:
         self.affine: Any = 1.0 if case.method.affine else ()
         volumetric = case.method.volumetric if case.dimensions > 1 else "pointwise"  # in 1D alike
         self.mean: Any = 1.0 if volumetric == "mean" else ()
+        law = [case.materials[body.material] for body in case.bodies.values()]
+        liquid = np.array([float(entry.liquid_speed > 0.0) for entry in law])
+        if self.averages and liquid.any():
+            self.mean = liquid
         self.begun = [body.configuration == "initial" for body in case.bodies.values()]
         self.force, self.walls = force, walls
         self.tractions = list(case.tractions.values())
@@ -87,13 +91,18 @@ class SceneLoads:
         self._constraints = self._constraints_at(0.0, 0.0)
 
     @property
+    def averages(self) -> bool:
+        """Whether cells have one dilatation each."""
+        return not isinstance(self.mean, tuple)
+
+    @property
     def carried(self) -> dict[str, Any]:
         """Columns of particles for the loads, see `Carried`."""
         return {
             "affine": bool(self.affine),
             "viscous": bool(self.viscosity),
-            "mean": bool(self.mean),
-            "around": bool(self.mean) and any(self.begun),
+            "mean": self.averages,
+            "around": self.averages and any(self.begun),
             "tractions": len(self.tractions),
             "constraints": bool(self.constraints),
         }
@@ -134,6 +143,8 @@ class SceneLoads:
     def initialise(self, p: Particles, n: int) -> None:
         """Set patches and constraints of the first `n` particles, in their initial state."""
         rows = slice(0, n)
+        if isinstance(self.mean, np.ndarray):
+            p.alone[rows, 0] = self.mean[p.body[rows]]
         for i, entry in enumerate(self.tractions):
             mine = np.flatnonzero(p.body[rows] == self.bodies.index(entry.body))
             body = self.case.bodies[entry.body]

@@ -88,12 +88,7 @@ def body_warnings(case: Any, body: BodyFacts, duration: float) -> Iterator[str]:
             "density, gravity, velocity, tractions and grid one consistent set (mm with MPa wants "
             "tonnes)?"
         )
-<<<<<<< HEAD
-    yield from _locking(case, body)
     yield from unlikely(case, body)
-=======
-    yield from _unlikely(case.units, body)
->>>>>>> sand
     transits = duration * body.wave_speed / body.extent
     if transits < _FEWEST_TRANSITS:
         yield (

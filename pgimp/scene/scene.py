@@ -214,7 +214,8 @@ class Scene:
     @property
     def ends(self) -> int:
         """Least number of layers of the first and of the last rank."""
-        if self.mirrors or self.liquids:  # a vertex beyond a face and its mirror image are on the same rank
+        # A vertex beyond a face and its mirror image are on the same rank.
+        if self.mirrors or self.liquids:
             return 2 * self.vertices
         # A vertex beyond a wall that lets go, and that on the wall, whose clearance it has.
         return self.vertices if self.approached else 0

@@ -45,7 +45,9 @@ class Part(NamedTuple):
 
     def loaded(self, loads: Loads) -> Loads:
         """The loads that these particles feel."""
-        return loads._replace(mean=(), around=loads.mean) if self.begun else loads
+        if not self.begun:
+            return loads
+        return loads._replace(mean=(), around=() if isinstance(loads.mean, tuple) else 1.0)
 
     def forced(self, forcing: Forcing) -> Forcing:
         """The forcing that these particles feel."""

@@ -45,15 +45,16 @@ from pgimp.solver.step import on_particles, on_vertices
 
 def _of_liquids(scene: Scene, grid: Grid, p: Particles, order: Order) -> Iterator[Call]:
     """The calls for the filling of the vertices."""
-    assert scene.liquids is not None
-    own = Grid(scene.frame, scene.vertices, grid.slab, fields=scene.liquids.fields)
+    liquids = scene.liquids
+    assert liquids is not None
+    own = Grid(scene.frame, scene.vertices, grid.slab, fields=liquids.fields)
     own.store(grid.base)
-    sums, tools = FillingSums(most=scene.liquids.most), _tools(scene, grid)
+    sums, tools = FillingSums(most=liquids.most), _tools(scene, grid)
     yield 6.0, lambda: particles_to_grid(
         scene.setting.without_materials(), own.field, p, sums, order, np.zeros((0, 3), np.int64), ()
     )
-    yield 2.0, lambda: find_filling(scene.frame, own.field, scene.liquids.sides, tools)
-    for wall in scene.liquids.walls[:1]:
+    yield 2.0, lambda: find_filling(scene.frame, own.field, liquids.sides, tools)
+    for wall in liquids.walls[:1]:
         yield 0.5, partial(fold_filling, scene.frame, own.field, wall)
         yield 0.5, partial(reflect_filling, scene.frame, own.field, wall)
 

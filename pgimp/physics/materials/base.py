@@ -106,8 +106,11 @@ class Material(Varying):
 
     @property
     def liquid_speed(self) -> float:
-        """Speed of sound at rest of a liquid, whose particles are kept to the space they fill; 0
-        for all other materials."""
+        """Speed of sound at rest of a liquid; 0 for all other materials.
+
+        A liquid's particles are kept to the space that they fill, and the rate of dilatation that
+        they see is that at their place.
+        """
         return 0.0
 
     @property
