@@ -30,8 +30,8 @@ surface, 0.6^d in a corner, and 0.4^d or less for one of two particles a cell an
 alone. From `DENSE`^d down to `SPARSE`^d its rate becomes that at its own place, from the next step
 on, in the forces as in the deformation.
 
-Liquids are always taken as alone: under gravity the means of cells leave the vertices modes in which
-a liquid without strength compacts, and it sinks.
+Liquids are always taken as alone: with the means of cells they would compact under gravity, in
+motions of the vertices that change no mean, and sink.
 """
 
 from numba.core import types
