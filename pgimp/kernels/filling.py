@@ -18,8 +18,8 @@ never removed. It is relaxed, at the rate delta c/h, to the field of the vertice
     J_v = sum_p m_p S_vp (J_p + g_p . (x_v - x_p))/sum_p m_p S_vp,    g_p = sum_v grad S_vp J_v.
 
 That is exact for linear fields, so that hydrostatic pressure is left as it is. A particle that is
-fluid and void, J > 1, in a full neighbourhood loses the void in the same way. Only the fluid counts
-for V_p and J_v, without voids.
+fluid and void, J > 1.01, in a full neighbourhood loses the void in the same way, and counts without
+it.
 """
 
 from typing import Any, NamedTuple

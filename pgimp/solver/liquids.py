@@ -26,9 +26,9 @@ from pgimp.solver.clock import Step
 #: Steps from one shift to the next: each costs a sum of particles, so that all cost 5 % of a step.
 EVERY = 8
 
-#: eps and delta of `pgimp.kernels.filling`. From delta = 0.02 on calm water of 16 cells begins to
-#: move after 60 sqrt(D/g), as the gradients of J are those of the last shift.
-SHIFT, RELAX = 0.02, 0.005
+#: eps and delta of `pgimp.kernels.filling`. With delta = 0.02 calm water 16 cells deep begins to
+#: move after 75 sqrt(D/g), with 0.005 after 150.
+SHIFT, RELAX = 0.01, 0.0025
 
 
 class Liquids:

@@ -109,8 +109,11 @@ class Liquid(Material):
 
     @property
     def most_filled(self) -> float:
-        """1, beyond which it is fluid and void, unless it can pull."""
-        return inf if self.tension else 1.0
+        """See `Material.most_filled`; without limit if it can pull.
+
+        A little above 1: cut off there, each oscillation would compress the rest.
+        """
+        return inf if self.tension else 1.01
 
     @property
     def stiffness(self) -> float:
