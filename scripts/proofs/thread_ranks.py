@@ -94,6 +94,19 @@ class _Request:
         self._box = None
 
 
+class _Message:
+    """A value that is received."""
+
+    def __init__(self, world, box):
+        self._world, self._box = world, box
+
+    def test(self):
+        """Whether it has come, and the value."""
+        if self._box.empty() and self._world.failed is None:
+            return False, None
+        return True, pickle.loads(self._world.take(self._box))
+
+
 class _Reduction:
     """The greatest of all ranks' numbers, once all have said theirs."""
 
@@ -162,10 +175,18 @@ class Comm:
         """Wait for all."""
         self.allgather(None)
 
-    def isend(self, value, to, tag=0):
+    def send(self, value, dest, tag=0):
         """Send a value."""
-        self._box(self.rank, to, tag).put(pickle.dumps(value))
+        self._box(self.rank, dest, tag).put(pickle.dumps(value))
+
+    def isend(self, value, dest, tag=0):
+        """Send a value, too: none waits for its receiver."""
+        self.send(value, dest, tag)
         return SimpleNamespace(wait=lambda: None)
+
+    def irecv(self, source, tag=0):
+        """Begin to receive a value."""
+        return _Message(self.world, self._box(source, self.rank, tag))
 
     def recv(self, source, tag=0):
         """Receive a value."""
