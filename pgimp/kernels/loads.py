@@ -34,7 +34,7 @@ class Loads(NamedTuple):
         For each direction the walls across it that need clearances; () if none does.
     mean : float, (bodies,) float64 or ()
         A number where cells have one dilatation each, see `pgimp.kernels.mean`; in scenes with
-        liquids an array, 1 for these and 0 for other bodies.
+        liquids under gravity an array, 1 for these and 0 for other bodies.
     around : float or ()
         Likewise for bodies in the initial configuration, see `pgimp.kernels.around`.
     """

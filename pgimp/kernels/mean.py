@@ -30,7 +30,7 @@ surface, 0.6^d in a corner, and 0.4^d or less for one of two particles a cell an
 alone. From `DENSE`^d down to `SPARSE`^d its rate becomes that at its own place, from the next step
 on, in the forces as in the deformation.
 
-Liquids are always taken as alone: with the means of cells they would compact under gravity, in
+Under gravity liquids are always taken as alone: with the means of cells they would compact, in
 motions of the vertices that change no mean, and sink.
 """
 

@@ -73,7 +73,7 @@ class SceneLoads:
         self.mean: Any = 1.0 if volumetric == "mean" else ()
         law = [case.materials[body.material] for body in case.bodies.values()]
         liquid = np.array([float(entry.liquid_speed > 0.0) for entry in law])
-        if self.averages and liquid.any():
+        if self.averages and case.gravity is not None and liquid.any():
             self.mean = liquid
         self.begun = [body.configuration == "initial" for body in case.bodies.values()]
         self.force, self.walls = force, walls

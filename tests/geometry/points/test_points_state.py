@@ -178,7 +178,7 @@ def test_datasets_that_are_wrong_are_named(tmp_path, data, message):
 def test_check_says_which_states_a_file_gives(tmp_path, capsys):
     write_csv(tmp_path / "p.csv", cloud(2), damage=np.zeros(40))
     write_case(tmp_path / "p.yaml", cloud_case(tmp_path / "p.csv", 2, SOFT))
-    assert main(["check", str(tmp_path / "p.yaml")]) == 0
+    assert main(["check", "-v", str(tmp_path / "p.yaml")]) == 0
     assert "; with damage" in capsys.readouterr().out
 
 
