@@ -33,11 +33,14 @@ from pgimp.kernels.response import find_response
 from pgimp.kernels.selection import select_near
 from pgimp.kernels.sums import exact_masses, fastest_rate, layer_sums
 from pgimp.kernels.toolfill import find_touched
+from pgimp.kernels.toolhold import count_inside, count_near
 from pgimp.mpi.node import Call, shared_out
 from pgimp.scene.overstress import stressed
 from pgimp.scene.populate import prestressed
 from pgimp.scene.scene import Scene
 from pgimp.solver import presentcalls
+from pgimp.solver.clock import START
+from pgimp.solver.keeping import Keeping
 from pgimp.solver.liquids import idle
 from pgimp.solver.parts import parts_of
 from pgimp.solver.step import on_particles, on_vertices
@@ -130,6 +133,13 @@ def _calls(scene: Scene) -> Iterator[Call]:
     if scene.liquids:
         yield from _of_liquids(scene, grid, p, order)
         particle_forcing = particle_forcing._replace(filling=idle(scene.liquids))
+    if keepers := Keeping(scene, None, None, 1).at(START, p, rows):
+        particle_forcing = particle_forcing._replace(keepers=keepers)
+        numbers = np.zeros(len(scene.tools), np.int64)
+        yield 1.0, lambda: count_inside(keepers.tools, scene.pairs, p, rows, 0.0, numbers)
+        if scene.tools.free:
+            most = np.zeros(len(scene.tools))
+            yield 0.5, lambda: count_near(keepers.tools, p, rows, 0.0, numbers, most)
     for part in parts_of(scene, Population(p, 0, shape, scene.placing, grid.slab, start)):
         yield 10.4, partial(
             grid_to_particles, part.setting, part.bounded(scene, grid.field), p, order,
