@@ -23,7 +23,7 @@ from pgimp.scene.liquids import SceneLiquids
 from pgimp.scene.scene import Scene
 from pgimp.solver.clock import Step
 
-#: Steps from one shift to the next: each costs a sum of particles, so that all cost 5 % of a step.
+#: Steps from one shift to the next, as each costs a sum over all particles.
 EVERY = 8
 
 #: eps and delta of `pgimp.kernels.filling`. With delta = 0.02 calm water 16 cells deep begins to
