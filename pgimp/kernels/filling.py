@@ -39,8 +39,8 @@ from pgimp.kernels.tools import FILLED
 #: times J.
 VOLUME, MASS, RATIO = 0, 1, 2
 
-#: Entries after that: max(phi - 1, 0), J_v, phi - 1.
-EXCESS, FIELD, SURPLUS = 0, 1, 2
+#: Entries after that: max(phi - 1, 0), J_v, phi - 1, and max(phi - 1, 0)/phi.
+EXCESS, FIELD, SURPLUS, OVERLAP = 0, 1, 2, 3
 
 
 class FillingSums(NamedTuple):
@@ -210,6 +210,7 @@ def find_filling(frame, field, walls, tools):
                         m = G[r + MASS]
                         G[r + FIELD] = G[r + RATIO] / m if m > 0.0 else 1.0
                         G[r + EXCESS], G[r + SURPLUS] = max(surplus, 0.0), surplus
+                        G[r + OVERLAP] = max(surplus, 0.0) / max(1.0 + surplus, 1.0)
 
 
 @inner_kernel
@@ -267,4 +268,5 @@ def reflect_filling(frame, field, mirror):
                 for k in range(k0, k1):
                     g, r, _ = mirror_places(frame, window, active, mirror, begin, i, j, k)
                     if r >= 0 and is_used(field, r // window.stride[0], f):
-                        G[g + EXCESS], G[g + SURPLUS] = G[r + EXCESS], G[r + SURPLUS]
+                        for e in (EXCESS, SURPLUS, OVERLAP):
+                            G[g + e] = G[r + e]

@@ -7,9 +7,10 @@ from pgimp.jit.simdrows import transpose
 from pgimp.jit.tuples import scaled
 from pgimp.kernels.batch import first_place
 from pgimp.kernels.fields import field_of
-from pgimp.kernels.filling import EXCESS, FIELD, SURPLUS
+from pgimp.kernels.filling import EXCESS, FIELD, OVERLAP, SURPLUS
 from pgimp.kernels.fours import LANES
 from pgimp.kernels.gather import gather
+from pgimp.kernels.ledger import CARRIED, ROOM
 from pgimp.kernels.place import is_initial
 from pgimp.kernels.transfer import Support
 
@@ -20,7 +21,7 @@ FREE = 0.9
 FARTHEST = 0.1
 
 
-def refill(forcing, setting, field, particles, batch, buffers, moved, work):
+def refill(forcing, setting, field, particles, batch, buffers, moved, ledger):
     """Shift four particles, and relax J.
 
     Parameters
@@ -32,8 +33,8 @@ def refill(forcing, setting, field, particles, batch, buffers, moved, work):
         The batch's supports, and scratch.
     moved : tuple
         Positions and deformation gradients, tuples of D and D*D Vec4.
-    work : (layers,) float64
-        Grows by the work of gravity.
+    ledger : Ledger
+        Its work grows by gravity's; its volumes grow by the particles'.
 
     Returns
     -------
@@ -43,15 +44,15 @@ def refill(forcing, setting, field, particles, batch, buffers, moved, work):
 
 
 @specialise(refill)
-def _refill(forcing, setting, field, particles, batch, buffers, moved, work):
+def _refill(forcing, setting, field, particles, batch, buffers, moved, ledger):
     frame = setting.types[setting.fields.index("frame")]
     filling = forcing.types[forcing.fields.index("filling")]
     if not hasattr(filling, "instance_class") or is_initial(frame):  # ()
-        return lambda forcing, setting, field, particles, batch, buffers, moved, work: moved
+        return lambda forcing, setting, field, particles, batch, buffers, moved, ledger: moved
     D = len(frame.types[0])
     part = 1.0 / D
 
-    def shifted(forcing, setting, field, particles, batch, buffers, moved, work):
+    def shifted(forcing, setting, field, particles, batch, buffers, moved, ledger):
         (x, F), filling, gravity = moved, forcing.filling, forcing.gravity
         if not filling.due:
             return x, F
@@ -81,7 +82,10 @@ def _refill(forcing, setting, field, particles, batch, buffers, moved, work):
             store(scratch, 4 * j, pack(step[0], step[1], step[2], power((J - lost) / J, part)))
             if j < batch.size:
                 along = gravity[0] * step[0] + gravity[1] * step[1] + gravity[2] * step[2]
-                work[batch.layer] += particles.m[p] * along
+                ledger.work[batch.layer] += particles.m[p] * along
+                V, filled = J * particles.V0[p], ledger.filled[batch.layer, body]
+                filled[CARRIED] += V
+                filled[ROOM] += V * (1.0 - lane(U, OVERLAP))
         S = transpose(load(scratch, 0), load(scratch, 4), load(scratch, 8), load(scratch, 12))
         return _plus(x, S), scaled(S[3], F)
 

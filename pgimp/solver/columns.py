@@ -9,6 +9,7 @@ import numpy as np
 
 from pgimp.kernels.errors import DISPLACEMENT, STRESS, STRESS_VOLUME, VELOCITY
 from pgimp.kernels.sums import KINETIC, MASS, MOMENT, MOMENTUM, STRAIN
+from pgimp.solver.liquidcolumns import LIQUIDS
 from pgimp.solver.meetingcolumns import MEETING
 from pgimp.solver.totals import Column, Group, Totals
 
@@ -160,6 +161,7 @@ HISTORY = (
             ),
         ),
     ),
+    *LIQUIDS,
     Group(
         _faces,
         (

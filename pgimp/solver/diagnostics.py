@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from pgimp.kernels.errors import ERRORS, layer_errors
-from pgimp.kernels.ledger import BOOKED, IMPULSE, TOOL_IMPULSE, TOOL_MOMENT, TOOLED
+from pgimp.kernels.ledger import BOOKED, IMPULSE, TOOL_IMPULSE, TOOL_MOMENT, TOOLED, VOLUMES
 from pgimp.kernels.sums import HIGH, KINETIC, LOW, MASS, STRAIN, SUMS, exact_masses, layer_sums
 from pgimp.physics.materials.base import LOSSES
 from pgimp.solver.clock import START, Step
@@ -14,6 +14,9 @@ from pgimp.solver.columns import line_of
 from pgimp.solver.keeping import QUARTER
 from pgimp.solver.rank import Rank
 from pgimp.solver.totals import Totals
+
+#: Part of a liquid's volume without room on the grid that is worth a warning.
+LOST = 0.02
 
 
 def _mass(sums: np.ndarray, unit: float) -> float:
@@ -85,7 +88,8 @@ def column_names(scene: Any) -> list[str]:
         line_of(
             Totals(
                 scene, START, bodies, none, none, none, 0.0, told, 0.0, 0.0, force,
-                np.zeros(faces), contact, tools, np.zeros(len(tools), np.int64), {}, errors, errors,
+                np.zeros(faces), contact, tools, np.zeros(len(tools), np.int64),
+                np.zeros((len(bodies), VOLUMES)), {}, errors, errors,
             )
         )
     )
@@ -98,9 +102,10 @@ class Diagnostics:
         #: Greatest part of the mass beyond a face in any line, when, and which; on rank 0.
         self.most_outside = (0.0, 0.0, "")
         self.first_energy: float | None = None
-        #: Warnings that have not been shown yet, on rank 0; whether that of rigid bodies was made.
+        #: Warnings that have not been shown yet, on rank 0; whether those of rigid bodies and of
+        #: volumes were made.
         self.said: list[str] = []
-        self.warned = False
+        self.warned = self.lost = False
         self.last: tuple[float, np.ndarray, np.ndarray] | None = None
         #: Of stages, see `Totals`; of use on rank 0.
         self.removed: np.ndarray | None = None
@@ -133,17 +138,18 @@ class Diagnostics:
         errors = self._own_errors(rank, done.end)
         rows = rank.population.ordered.rows
         inside = rank.keeping.inside(rank.particles, rows, done.end, QUARTER)
-        booked = (impulse, own.outside_mass, own.contact, own.tools)
+        booked = (impulse, own.outside_mass, own.contact, own.tools, own.filled)
         parts = rank.comm.gather((sums, own.work, booked, errors, own.escaped, masses, inside))
         if parts is None:
             return None
         bodies, every = _reduced([part[0] for part in parts], [part[5] for part in parts], unit)
         work = float(np.concatenate([part[1] for part in parts]).sum())
-        impulse, outside_mass, contact, tools = (
-            np.add.reduce(np.concatenate([part[2][i] for part in parts]), axis=0) for i in range(4)
+        impulse, outside_mass, contact, tools, filled = (
+            np.add.reduce(np.concatenate([part[2][i] for part in parts]), axis=0) for i in range(5)
         )
         inside = np.sum([part[6] for part in parts], axis=0)
-        self._tell(scene, done.end, inside)
+        self._tell_inside(scene, done.end, inside)
+        self._tell_volumes(scene, done.end, filled)
         total = np.add.reduce(bodies, axis=0)
         total[MASS] = every
         if self.first_energy is None:
@@ -165,11 +171,11 @@ class Diagnostics:
             Totals(
                 scene, done, bodies, total, escaped, self.removed_so_far(scene), self.changed,
                 self.told, self.first_energy, work, force, outside_mass, contact, tools, inside,
-                rank.free.now if rank.free else {}, added, most,
+                filled, rank.free.now if rank.free else {}, added, most,
             )
         )  # fmt: skip
 
-    def _tell(self, scene: Any, time: float, inside: np.ndarray) -> None:
+    def _tell_inside(self, scene: Any, time: float, inside: np.ndarray) -> None:
         """Warn, once, of particles inside rigid bodies."""
         if self.warned or not inside.any():
             return
@@ -180,6 +186,19 @@ class Diagnostics:
             f"at time {time:.6g}; what is there takes no part in contact as it should. The columns "
             "tool.NAME.inside of history.csv go on counting"
         )
+
+    def _tell_volumes(self, scene: Any, time: float, filled: np.ndarray) -> None:
+        """Warn, once, of liquids that have lost volume."""
+        if self.lost:
+            return
+        for name, (carried, room) in zip(scene.body_names, filled, strict=False):
+            if room < (1.0 - LOST) * carried:
+                self.lost = True
+                self.said.append(
+                    f"the liquid of body '{name}' fills {1.0 - room / carried:.1%} less of the "
+                    f"grid than its volume at time {time:.6g}: its particles crowd, and its level "
+                    f"is too low. The column volume.{name} of history.csv goes on counting"
+                )
 
     @staticmethod
     def _own_errors(rank: Rank, time: float) -> tuple[np.ndarray, ...]:

@@ -18,7 +18,7 @@ from pgimp.kernels.filling import (
     reflect_filling,
 )
 from pgimp.kernels.p2g import particles_to_grid
-from pgimp.kernels.particles import Particles, Window
+from pgimp.kernels.particles import Window
 from pgimp.scene.liquids import SceneLiquids
 from pgimp.scene.scene import Scene
 from pgimp.solver.clock import Step
@@ -51,22 +51,22 @@ class Liquids:
         self.sums = FillingSums(most=self.liquids.most)
         self._idle = idle(self.liquids)
 
-    def find(
-        self, grid: Grid, particles: Particles, order: Order, tools: Any, t: Step
-    ) -> Filling:
+    def find(self, rank: Any, order: Order, t: Step) -> Filling:
         """Find the filling at the step's beginning, when it is due; collective.
 
         Parameters
         ----------
-        grid : Grid
-            Of the step, whose window the sums have.
-        particles, order
-            The particles, and those in the current configuration in order.
-        tools : Tools or ()
-            The rigid bodies as they are in this step.
+        rank : Rank
+            The rank, whose ledger then starts to sum volumes anew.
+        order : Order
+            Its particles in the current configuration.
+        t : Step
+            The step.
         """
         if t.number % EVERY:
             return self._idle
+        grid, particles = rank.grid, rank.particles
+        rank.ledger.filled.fill(0.0)
         if self._known is not grid.field:
             self._connect(grid)
         own, frame, liquids = self._sums, self.scene.frame, self.liquids
@@ -81,7 +81,7 @@ class Liquids:
             self._halo.finish(own)
         for wall in liquids.walls:
             self.call(fold_filling, frame, own.field, wall)
-        self.call(find_filling, frame, own.field, liquids.sides, tools)
+        self.call(find_filling, frame, own.field, liquids.sides, rank.tools)
         for wall in reversed(liquids.walls):
             self.call(reflect_filling, frame, own.field, wall)
         rate = EVERY * t.dt * liquids.rates

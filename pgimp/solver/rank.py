@@ -139,8 +139,9 @@ class Rank:
         constraints = len(scene.loads.constraints)
         contacts = len(scene.pairs.law) if scene.pairs else 0
         self.ledger = Ledger.empty(
-            self.grid.planes, len(scene.faces), constraints, outflow, contacts, len(scene.tools)
-        )
+            self.grid.planes, len(scene.faces), constraints, outflow, contacts, len(scene.tools),
+            len(scene.body_names) if scene.liquids else 0,
+        )  # fmt: skip
 
     @property
     def call(self) -> Bound:

@@ -100,7 +100,7 @@ def step(
     failed: list[int] = []
     particle_forcing = on_particles(forcing)
     if rank.liquids:
-        filling = rank.liquids.find(grid, rank.particles, parts[0].order, rank.tools, t)
+        filling = rank.liquids.find(rank, parts[0].order, t)
         particle_forcing = particle_forcing._replace(filling=filling)
         lap("P2G")
     keepers = rank.keeping.at(t, population.particles, order.rows)

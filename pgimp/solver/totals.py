@@ -54,6 +54,8 @@ class Totals(NamedTuple):
         The ledger of rigid bodies.
     inside : (rigid bodies,) int64
         Particles that are deeper in each than a quarter of a cell.
+    filled : (bodies, VOLUMES) float64
+        The ledger of liquids' volumes.
     free : dict of int to (FreeBody, State)
         The rigid bodies that move freely, by number, and their states.
     errors, greatest : (ERRORS,) float64
@@ -75,6 +77,7 @@ class Totals(NamedTuple):
     contact: np.ndarray
     tools: np.ndarray
     inside: np.ndarray
+    filled: np.ndarray
     free: dict[int, tuple[FreeBody, State]]
     errors: np.ndarray
     greatest: np.ndarray

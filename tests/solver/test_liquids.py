@@ -41,7 +41,7 @@ def filling(sim):
     """EXCESS and FIELD of the vertices of the domain's grid, in the order of y, x."""
     rank = sim.rank
     order = parts_of(rank.scene, rank.population)[0].order
-    found = rank.liquids.find(rank.grid, rank.particles, order, (), Step(EVERY, 0.0, 0.01, 0.01))
+    found = rank.liquids.find(rank, order, Step(EVERY, 0.0, 0.01, 0.01))
     (i, j, _), extent = rank.grid.window.lower, rank.grid.window.extent
     G = found.G.reshape(rank.grid.planes, extent[1], RECORD)
     ghost = rank.scene.frame.ghost
