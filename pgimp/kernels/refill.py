@@ -83,7 +83,8 @@ def _refill(forcing, setting, field, particles, batch, buffers, moved, ledger):
             if j < batch.size:
                 along = gravity[0] * step[0] + gravity[1] * step[1] + gravity[2] * step[2]
                 ledger.work[batch.layer] += particles.m[p] * along
-                V, filled = J * particles.V0[p], ledger.filled[batch.layer, body]
+                V = min(J, filling.most[body]) * particles.V0[p]
+                filled = ledger.filled[batch.layer, body]
                 filled[CARRIED] += V
                 filled[ROOM] += V * (1.0 - lane(U, OVERLAP))
         S = transpose(load(scratch, 0), load(scratch, 4), load(scratch, 8), load(scratch, 12))

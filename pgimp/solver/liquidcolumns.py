@@ -37,8 +37,8 @@ LIQUIDS = (
             ),
             Column(
                 "volume.NAME.carried", "length^dimensions",
-                "sum of J times initial volume of its particles, then: with `volume.NAME` it tells "
-                "how much its level is too low",
+                "sum of J times initial volume of its particles then, voids (J > 1.01) left out: "
+                "with `volume.NAME` it tells by how much its level is too low",
                 lambda s, k: _volume(s, k, CARRIED),
             ),
         ),
