@@ -140,3 +140,24 @@ def test_water_that_sloshes_keeps_its_volume():
     while sim.time < 60.0 * UNIT:
         sim.advance()
     assert sim.rank.particles.x[sim.rank.live(), 1].mean() / 4.0 == pytest.approx(1.0, abs=0.02)
+
+
+def test_the_volume_on_the_grid_is_what_vertices_have_room_for():
+    """Of crowded particles: the sum over the vertices, by tents; the warning names the liquid."""
+    sim = tank(gravity=[0.0, 0.0])
+    p, rows, rng = sim.rank.particles, sim.rank.live(), np.random.default_rng(5)
+    p.x[rows, 1] = 4.0 + 0.9 * (p.x[rows, 1] - 4.0)
+    p.x[rows] += rng.uniform(-0.2, 0.2, p.x[rows].shape) * (np.abs(p.x[rows] - 4.0) < 3.0)
+    x, room = p.x[rows].copy(), 0.0
+    for i in range(9):
+        for j in range(9):
+            part = (0.5 if i in (0, 8) else 1.0) * (0.5 if j == 0 else 1.0)
+            volume = 0.25 * (tents(x[:, 0], i) * tents(x[:, 1], j)).sum()
+            room += min(volume, part)
+    assert np.isnan(sim.diagnostics()["volume.water"])
+    for _ in range(EVERY):  # at rest without stress, until they are shifted
+        sim.advance()
+    line = sim.diagnostics()
+    assert line["volume.water.carried"] == pytest.approx(64.0, rel=1e-13)
+    assert line["volume.water"] == pytest.approx(room, rel=1e-12)
+    assert any("'water' fills" in said for said in sim.diagnostic_sums.said)
