@@ -156,7 +156,7 @@ class Forcing(NamedTuple):
     clearances : (faces, vertices) float64 or ()
         Distances of bodies from walls that let go, see `find_clearances`.
     filling : Filling or ()
-        How full the vertices are, for liquids; see `pgimp.kernels.filling`.
+        How full the vertices are, where bodies flow; see `pgimp.kernels.filling`.
     keepers : Keepers or ()
         The rigid bodies that hold particles out, see `pgimp.kernels.toolhold`.
     """

@@ -1,25 +1,30 @@
-"""How much of a vertex's neighbourhood is filled, for liquids; particles have `refill`.
+"""How much of a vertex's neighbourhood is filled, where bodies flow; particles have `refill`.
 
-A liquid's J is integrated from rates, and nothing compares it with the space that its particles
-have. In motion both drift apart: particles crowd, and the liquid sinks. So every few steps volumes
-are summed at the vertices, V_v = sum_p S_vp V_p, relative to the part V_c of the neighbourhood that
-lies within the walls: phi_v = V_v/V_c. Where that is overfull, particles are shifted down the
-gradient of what is too much:
+The J of liquids, of grains and of loose soil is integrated from rates, and nothing compares it with
+the space that particles have. In motion both drift apart: particles crowd, and what flows sinks. So
+every few steps volumes are summed at the vertices, V_v = sum_p S_vp V_p, relative to the part V_c
+of the neighbourhood that lies within the walls: phi_v = V_v/V_c. Where that is overfull, particles
+are shifted down the gradient of what is too much:
 
     x_p -= eps c h t sum_v grad S_vp max(phi_v - 1, 0),
 
-with the speed of sound c and the time t since the last shift. Calm liquid fills its space, and
-stays as it is; free surfaces, phi < 1, are not pushed. Velocities stay as they are. Lind et al. (J.
-Comput. Phys. 231, 2012) shift the particles of SPH likewise, down the gradient of concentration.
+with the speed of waves c and the time t since the last shift. Calm bodies fill their space, and
+stay as they are; free surfaces, phi < 1, are not pushed. Velocities stay as they are. Lind et al.
+(J. Comput. Phys. 231, 2012) shift the particles of SPH likewise, down the gradient of
+concentration.
 
 J also gathers noise that is finer than a cell, which exerts no force on any vertex and is therefore
-never removed. It is relaxed, at the rate delta c/h, to the field of the vertices,
+never removed. In liquids and grains it is relaxed, at the rate delta c/h, to the field of the
+vertices,
 
     J_v = sum_p m_p S_vp (J_p + g_p . (x_v - x_p))/sum_p m_p S_vp,    g_p = sum_v grad S_vp J_v.
 
-That is exact for linear fields, so that hydrostatic pressure is left as it is. A particle that is
-fluid and void, J > 1.01, in a full neighbourhood loses the void in the same way, and counts without
-it.
+That is exact for linear fields, so that hydrostatic pressure is left as it is.
+
+Voids close in full neighbourhoods, at the rate eps c/h: what a particle of a liquid or of grains
+has beyond J = 1.01, and the gap by which a particle of loose soil has opened. Both are without
+stress, so that nothing else changes. Else soil that was torn apart on its way would lie there with
+more volume than it takes.
 """
 
 from typing import Any, NamedTuple
@@ -30,13 +35,13 @@ from pgimp.jit.simd import pack
 from pgimp.jit.tuples import read, scaled
 from pgimp.kernels.fields import field_count, field_size, is_used
 from pgimp.kernels.mirror import mirror_places, vertices_beyond
-from pgimp.kernels.particles import FloatArray, Window
+from pgimp.kernels.particles import FloatArray, IntArray, Window
 from pgimp.kernels.place import deformation
 from pgimp.kernels.toolfill import fill
 from pgimp.kernels.tools import FILLED
 
-#: Entries of a vertex's record while it is summed: volume of all bodies; mass of liquids, and that
-#: times J.
+#: Entries of a vertex's record while it is summed: volume of all bodies; mass of those whose J is
+#: relaxed, and that times J.
 VOLUME, MASS, RATIO = 0, 1, 2
 
 #: Entries after that: max(phi - 1, 0), J_v, phi - 1, and max(phi - 1, 0)/phi.
@@ -49,7 +54,7 @@ class FillingSums(NamedTuple):
     The fields are those of `Loads`, with arms for the gradient of J, and
 
     most : (bodies,) float64
-        For liquids the greatest J that counts; 0 for other bodies, which only fill.
+        The greatest J without voids where J is relaxed; 0 for other bodies, which only fill.
     """
 
     viscosity: tuple[()] = ()
@@ -64,7 +69,7 @@ class FillingSums(NamedTuple):
 
 
 class Filling(NamedTuple):
-    """The filling as a step's particles see it; () in scenes without liquids.
+    """The filling as a step's particles see it; () in scenes without flows.
 
     Attributes
     ----------
@@ -75,11 +80,15 @@ class Filling(NamedTuple):
     G : (planes * plane,) float64
         EXCESS, FIELD, SURPLUS of the vertices, by field.
     shift : (bodies,) float64
-        eps c t/h, 0 for bodies that are no liquids.
+        eps c t/h, 0 for bodies that are no flows.
     relaxed : (bodies,) float64
         Part of its difference from the vertices' field that J loses.
+    closed : (bodies,) float64
+        Part of gaps and of voids that closes in full neighbourhoods.
     most : (bodies,) float64
         See `FillingSums`.
+    gap : (bodies,) int64
+        Column of the state that has the gap of loose soil; -1 for other bodies.
     """
 
     due: bool
@@ -87,7 +96,9 @@ class Filling(NamedTuple):
     G: FloatArray
     shift: FloatArray
     relaxed: FloatArray
+    closed: FloatArray
     most: FloatArray
+    gap: IntArray
 
 
 def filling_share(loads, frame, particles, p):

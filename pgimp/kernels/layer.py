@@ -18,7 +18,7 @@ from pgimp.kernels.transfer import Support
 
 
 def arms(loads, frame, particles, p):
-    """Gradients of what particle `p` carries, times its mass: of velocity, or of J in liquids."""
+    """Gradients of what particle `p` carries, times its mass: of velocity, or of J in flows."""
 
 
 @specialise(arms)

@@ -14,8 +14,8 @@ IMPULSE, NORMAL_IMPULSE, TANGENTIAL_IMPULSE, HEAT, LOSS, CONTACT_AREA, BOOKED = 
 #: its reference point that it received, and work that it has done.
 TOOL_IMPULSE, TOOL_MOMENT, TOOL_WORK, TOOLED = 0, 3, 6, 7
 
-#: Columns of `Ledger.filled`, for each body: volume that a liquid's particles carry, and the part
-#: for which vertices have room.
+#: Columns of `Ledger.filled`, for each body: volume that particles of what flows carry, and the
+#: part for which vertices have room.
 CARRIED, ROOM, VOLUMES = 0, 1, 2
 
 
@@ -39,7 +39,7 @@ class Ledger(NamedTuple):
     escaped : (planes, bodies, SUMS) float64
         Sums of the particles that left, as in `layer_sums`; (planes, 0, 0) where none may leave.
     filled : (planes, bodies, VOLUMES) float64
-        Volumes of liquids when their filling was last found; (planes, 0, VOLUMES) without liquids.
+        Volumes of what flows when the filling was last found; else (planes, 0, VOLUMES).
     """
 
     work: np.ndarray
@@ -60,7 +60,7 @@ class Ledger(NamedTuple):
         escaped: tuple[int, int] = (0, 0),
         contacts: int = 0,
         tools: int = 0,
-        liquids: int = 0,
+        flows: int = 0,
     ) -> Ledger:
         """Return that of `planes` planes before the first step.
 
@@ -74,12 +74,12 @@ class Ledger(NamedTuple):
             Entries of contact.
         tools : int
             Rigid bodies.
-        liquids : int
-            Bodies, in scenes with liquids.
+        flows : int
+            Bodies, in scenes where any flows.
         """
         shapes = (
             (), (faces, 3), (faces,), (constraints, 3), (contacts, BOOKED), (tools, TOOLED),
-            escaped, (liquids, VOLUMES),
+            escaped, (flows, VOLUMES),
         )  # fmt: skip
         return cls(*(np.zeros((planes, *shape)) for shape in shapes))
 

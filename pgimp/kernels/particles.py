@@ -194,7 +194,7 @@ class Particles(NamedTuple):
     slope: Annotated[
         FloatArray,
         Column(
-            "gradient of the volume ratio J, of liquids", "1/length",
+            "gradient of the volume ratio J, of what flows", "1/length",
             lambda c: c.dimensions if c.liquid else 0,
         ),
     ]  # fmt: skip

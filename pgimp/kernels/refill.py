@@ -1,6 +1,7 @@
-"""Shift of a liquid's particles to where there is room, and the noise of J; see `filling`."""
+"""Shift of particles to where there is room, gaps that close, and noise of J; see `filling`."""
 
-from pgimp.jit.functions import power
+from pgimp.jit.algebra import determinant
+from pgimp.jit.functions import exp, power
 from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import lane, load, pack, store
 from pgimp.jit.simdrows import transpose
@@ -11,7 +12,7 @@ from pgimp.kernels.filling import EXCESS, FIELD, OVERLAP, SURPLUS
 from pgimp.kernels.fours import LANES
 from pgimp.kernels.gather import gather
 from pgimp.kernels.ledger import CARRIED, ROOM
-from pgimp.kernels.place import is_initial
+from pgimp.kernels.place import deformation, is_initial
 from pgimp.kernels.transfer import Support
 
 #: phi up to which a neighbourhood counts as one at a free surface, where voids remain.
@@ -22,7 +23,7 @@ FARTHEST = 0.1
 
 
 def refill(forcing, setting, field, particles, batch, buffers, moved, ledger):
-    """Shift four particles, and relax J.
+    """Shift four particles, close their gaps, and relax J.
 
     Parameters
     ----------
@@ -59,6 +60,9 @@ def _refill(forcing, setting, field, particles, batch, buffers, moved, ledger):
         buffer, scratch = buffers
         shape, frame, stride = setting.shape, setting.frame, filling.window.stride
         for j in range(LANES):
+            if j >= batch.size:  # the last one once more
+                store(scratch, 4 * j, load(scratch, 4 * j - 4))
+                continue
             p = batch.rows[j]
             body = particles.body[p]
             if not filling.shift[body] > 0.0:
@@ -70,23 +74,26 @@ def _refill(forcing, setting, field, particles, batch, buffers, moved, ledger):
                 shape, filling.G, Support(buffer, j), place, stride, frame.origin, ()
             )
             step = _steps(slopes, frame.cell, filling.shift[body])
-            _keep_slope(particles, p, 0, slopes)
-            J = particles.F[p, 0]
-            for _ in range(D - 1):
-                J *= particles.F[p, 0]
-            lost = filling.relaxed[body] * (J - lane(U, FIELD))
-            if J > filling.most[body]:
-                full = (lane(U, SURPLUS) + 1.0 - FREE) / (1.0 - FREE)
-                target = min(lane(U, FIELD), filling.most[body])
-                lost = filling.relaxed[body] * min(max(full, 0.0), 1.0) * (J - target)
+            J = determinant(deformation(frame, particles, p))
+            full = min(max((lane(U, SURPLUS) + 1.0 - FREE) / (1.0 - FREE), 0.0), 1.0)
+            gap, most = filling.gap[body], J
+            if gap >= 0:
+                closed = filling.closed[body] * full * particles.state[p, gap]
+                particles.state[p, gap] -= closed
+                lost = J * (1.0 - exp(-closed))
+            else:
+                _keep_slope(particles, p, 0, slopes)
+                most = filling.most[body]
+                lost = filling.relaxed[body] * (J - lane(U, FIELD))
+                if J > most:
+                    lost = filling.closed[body] * full * (J - min(lane(U, FIELD), most))
             store(scratch, 4 * j, pack(step[0], step[1], step[2], power((J - lost) / J, part)))
-            if j < batch.size:
-                along = gravity[0] * step[0] + gravity[1] * step[1] + gravity[2] * step[2]
-                ledger.work[batch.layer] += particles.m[p] * along
-                V = min(J, filling.most[body]) * particles.V0[p]
-                filled = ledger.filled[batch.layer, body]
-                filled[CARRIED] += V
-                filled[ROOM] += V * (1.0 - lane(U, OVERLAP))
+            along = gravity[0] * step[0] + gravity[1] * step[1] + gravity[2] * step[2]
+            ledger.work[batch.layer] += particles.m[p] * along
+            V = min(J, most) * particles.V0[p]
+            filled = ledger.filled[batch.layer, body]
+            filled[CARRIED] += V
+            filled[ROOM] += V * (1.0 - lane(U, OVERLAP))
         S = transpose(load(scratch, 0), load(scratch, 4), load(scratch, 8), load(scratch, 12))
         return _plus(x, S), scaled(S[3], F)
 

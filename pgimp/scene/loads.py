@@ -72,7 +72,7 @@ class SceneLoads:
         volumetric = case.method.volumetric if case.dimensions > 1 else "pointwise"  # in 1D alike
         self.mean: Any = 1.0 if volumetric == "mean" else ()
         law = [case.materials[body.material] for body in case.bodies.values()]
-        liquid = np.array([float(entry.liquid_speed > 0.0) for entry in law])
+        liquid = np.array([float(entry.LIQUID) for entry in law])
         if self.averages and case.gravity is not None and liquid.any():
             self.mean = liquid
         self.begun = [body.configuration == "initial" for body in case.bodies.values()]

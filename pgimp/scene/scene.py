@@ -29,8 +29,8 @@ from pgimp.scene.faces import (
     walls,
     walls_approached,
 )
+from pgimp.scene.flows import flows_of
 from pgimp.scene.lattice import Lattice
-from pgimp.scene.liquids import liquids_of
 from pgimp.scene.loads import SceneLoads
 from pgimp.scene.tools import SceneTools
 from pgimp.scene.variations import Variations
@@ -70,8 +70,8 @@ class Scene:
         Mass that the domain can hold at most.
     pairs : Pairs or None
         The laws of contact; None where all bodies share one velocity field.
-    liquids : SceneLiquids or None
-        The liquids, if there are any.
+    flows : SceneFlows or None
+        The bodies that flow, if there are any.
     tools : SceneTools
         The rigid bodies; false where there are none.
     exact : NamedTuple or ()
@@ -153,7 +153,9 @@ class Scene:
         near = [] if shape.chi == "point" or remote else self.faces
         self.approached = walls_approached(near)
         entries = [case.materials[name] for name in used]
-        self.liquids = liquids_of(entries, self.material_of, self.faces, self.frame.cell)
+        self.flows = flows_of(
+            entries, self.material_of, ~self.begun, self.faces, self.frame.cell
+        )
         self.exact: Any = case.exact.parameters(case) if case.exact else ()
         self.moves = bool(case.exact) and case.exact.moves
         force = self.exact if case.exact and case.exact.forced else ()
@@ -174,7 +176,7 @@ class Scene:
         self.carried = Carried(
             self.dimension, self.origins, **self.loads.carried, state=self.states.width,
             surfaces=self.pairs is not None or self.lets_go,
-            own=self.variations.width, liquid=self.liquids is not None,
+            own=self.variations.width, liquid=bool(self.flows and self.flows.relaxes),
         )  # fmt: skip
         varies = any(face.condition.varies for face in self.faces)
         self._face_table = FaceTable(
@@ -215,7 +217,7 @@ class Scene:
     def ends(self) -> int:
         """Least number of layers of the first and of the last rank."""
         # A vertex beyond a face and its mirror image are on the same rank.
-        if self.mirrors or self.liquids:
+        if self.mirrors or self.flows:
             return 2 * self.vertices
         # A vertex beyond a wall that lets go, and that on the wall, whose clearance it has.
         return self.vertices if self.approached else 0

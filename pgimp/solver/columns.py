@@ -9,7 +9,7 @@ import numpy as np
 
 from pgimp.kernels.errors import DISPLACEMENT, STRESS, STRESS_VOLUME, VELOCITY
 from pgimp.kernels.sums import KINETIC, MASS, MOMENT, MOMENTUM, STRAIN
-from pgimp.solver.liquidcolumns import LIQUIDS
+from pgimp.solver.flowcolumns import FLOWS
 from pgimp.solver.meetingcolumns import MEETING
 from pgimp.solver.totals import Column, Group, Totals
 
@@ -161,7 +161,7 @@ HISTORY = (
             ),
         ),
     ),
-    *LIQUIDS,
+    *FLOWS,
     Group(
         _faces,
         (

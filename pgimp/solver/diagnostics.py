@@ -15,7 +15,7 @@ from pgimp.solver.keeping import QUARTER
 from pgimp.solver.rank import Rank
 from pgimp.solver.totals import Totals
 
-#: Part of a liquid's volume without room on the grid that is worth a warning.
+#: Part of the volume of what flows without room on the grid that is worth a warning.
 LOST = 0.02
 
 
@@ -188,14 +188,14 @@ class Diagnostics:
         )
 
     def _tell_volumes(self, scene: Any, time: float, filled: np.ndarray) -> None:
-        """Warn, once, of liquids that have lost volume."""
+        """Warn, once, of bodies that flow and have lost volume."""
         if self.lost:
             return
         for name, (carried, room) in zip(scene.body_names, filled, strict=False):
             if room < (1.0 - LOST) * carried:
                 self.lost = True
                 self.said.append(
-                    f"the liquid of body '{name}' fills {1.0 - room / carried:.1%} less of the "
+                    f"body '{name}', which flows, fills {1.0 - room / carried:.1%} less of the "
                     f"grid than its volume at time {time:.6g}: its particles crowd, and its level "
                     f"is too low. The column volume.{name} of history.csv goes on counting"
                 )

@@ -21,9 +21,9 @@ from pgimp.kernels.updates.checks import OUTFLOW
 from pgimp.mpi.node import shares_cores
 from pgimp.scene.scene import Scene
 from pgimp.solver.clearances import Clearances
+from pgimp.solver.flows import Flows
 from pgimp.solver.freebodies import FreeBodies
 from pgimp.solver.keeping import Keeping
-from pgimp.solver.liquids import Liquids
 from pgimp.solver.meetings import Meetings
 from pgimp.solver.presentmeetings import PresentMeetings
 
@@ -64,8 +64,8 @@ class Rank:
         Where bodies meet, in scenes with contact.
     present : PresentMeetings or None
         Where bodies in the initial configuration meet.
-    liquids : Liquids or None
-        The filling of the vertices, in scenes with liquids.
+    flows : Flows or None
+        The filling of the vertices, in scenes with bodies that flow.
     calls : tuple of Bound
         Call the kernels of a step, for each part one; see `pgimp.solver.parts`.
     lightest : float
@@ -108,7 +108,7 @@ class Rank:
         self.vertex_bounds = np.zeros((2, 2), np.int64)
         self._meet()
         self.clearances = Clearances(scene)
-        self.liquids = Liquids(scene, comm) if scene.liquids else None
+        self.flows = Flows(scene, comm) if scene.flows else None
         #: Whether the layers have changed since rows were last sorted.
         self.moved = False
         self._allocate(slab)
@@ -140,7 +140,7 @@ class Rank:
         contacts = len(scene.pairs.law) if scene.pairs else 0
         self.ledger = Ledger.empty(
             self.grid.planes, len(scene.faces), constraints, outflow, contacts, len(scene.tools),
-            len(scene.body_names) if scene.liquids else 0,
+            len(scene.body_names) if scene.flows else 0,
         )  # fmt: skip
 
     @property
@@ -218,7 +218,7 @@ class Rank:
         self.population.particles = particles
         self._meet()
         self.clearances = Clearances(scene)
-        self.liquids = Liquids(scene, self.comm) if scene.liquids else None
+        self.flows = Flows(scene, self.comm) if scene.flows else None
         self._allocate(self.slab)
         self.grid.store(window)
 

@@ -99,8 +99,8 @@ def step(
     rate, outflow, found = 0.0, 0, 0
     failed: list[int] = []
     particle_forcing = on_particles(forcing)
-    if rank.liquids:
-        filling = rank.liquids.find(rank, parts[0].order, t)
+    if rank.flows:
+        filling = rank.flows.find(rank, parts[0].order, t)
         particle_forcing = particle_forcing._replace(filling=filling)
         lap("P2G")
     keepers = rank.keeping.at(t, population.particles, order.rows)

@@ -55,7 +55,7 @@ class Totals(NamedTuple):
     inside : (rigid bodies,) int64
         Particles that are deeper in each than a quarter of a cell.
     filled : (bodies, VOLUMES) float64
-        The ledger of liquids' volumes.
+        The ledger of volumes of what flows.
     free : dict of int to (FreeBody, State)
         The rigid bodies that move freely, by number, and their states.
     errors, greatest : (ERRORS,) float64

@@ -40,24 +40,24 @@ from pgimp.scene.populate import prestressed
 from pgimp.scene.scene import Scene
 from pgimp.solver import presentcalls
 from pgimp.solver.clock import START
+from pgimp.solver.flows import idle
 from pgimp.solver.keeping import Keeping
-from pgimp.solver.liquids import idle
 from pgimp.solver.parts import parts_of
 from pgimp.solver.step import on_particles, on_vertices
 
 
-def _of_liquids(scene: Scene, grid: Grid, p: Particles, order: Order) -> Iterator[Call]:
+def _of_flows(scene: Scene, grid: Grid, p: Particles, order: Order) -> Iterator[Call]:
     """The calls for the filling of the vertices."""
-    liquids = scene.liquids
-    assert liquids is not None
-    own = Grid(scene.frame, scene.vertices, grid.slab, fields=liquids.fields)
+    flows = scene.flows
+    assert flows is not None
+    own = Grid(scene.frame, scene.vertices, grid.slab, fields=flows.fields)
     own.store(grid.base)
-    sums, tools = FillingSums(most=liquids.most), _tools(scene, grid)
+    sums, tools = FillingSums(most=flows.most), _tools(scene, grid)
     yield 6.0, lambda: particles_to_grid(
         scene.setting.without_materials(), own.field, p, sums, order, np.zeros((0, 3), np.int64), ()
     )
-    yield 2.0, lambda: find_filling(scene.frame, own.field, liquids.sides, tools)
-    for wall in liquids.walls[:1]:
+    yield 2.0, lambda: find_filling(scene.frame, own.field, flows.sides, tools)
+    for wall in flows.walls[:1]:
         yield 0.5, partial(fold_filling, scene.frame, own.field, wall)
         yield 0.5, partial(reflect_filling, scene.frame, own.field, wall)
 
@@ -130,9 +130,9 @@ def _calls(scene: Scene) -> Iterator[Call]:
         )
     summed = []
     particle_forcing = on_particles(forcing)
-    if scene.liquids:
-        yield from _of_liquids(scene, grid, p, order)
-        particle_forcing = particle_forcing._replace(filling=idle(scene.liquids))
+    if scene.flows:
+        yield from _of_flows(scene, grid, p, order)
+        particle_forcing = particle_forcing._replace(filling=idle(scene.flows))
     if keepers := Keeping(scene, None, None, 1).at(START, p, rows):
         particle_forcing = particle_forcing._replace(keepers=keepers)
         numbers = np.zeros(len(scene.tools), np.int64)

@@ -104,18 +104,21 @@ class Material(Varying):
         """What particles of this very entry remember: `STATE`, or less."""
         return self.STATE
 
-    @property
-    def liquid_speed(self) -> float:
-        """Speed of sound at rest of a liquid; 0 for all other materials.
+    LIQUID: ClassVar[bool] = False
+    """Whether it has no strength: under gravity it sees the dilatation at its place."""
 
-        A liquid's particles are kept to the space that they fill, and the rate of dilatation that
-        they see is that at their place.
+    @property
+    def flow_speed(self) -> float:
+        """Speed of waves at rest of a liquid, or of loose soil; 0 for all other materials.
+
+        Particles of what flows are kept to the space that they fill. If it remembers a `gap` by
+        which it has opened, that closes where space is full; else J loses what exerts no force.
         """
         return 0.0
 
     @property
     def most_filled(self) -> float:
-        """The greatest J of a liquid without voids."""
+        """The greatest J without voids of what flows."""
         return inf
 
     @property

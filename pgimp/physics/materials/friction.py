@@ -8,7 +8,7 @@ from typing import ClassVar, Literal
 
 from pydantic import Field, model_validator
 
-from pgimp.physics.materials.base import Material, Poisson, State, Young
+from pgimp.physics.materials.base import Material, Poisson, State, Young, lame
 from pgimp.schema.base import NonNegative
 from pgimp.schema.problems import Problem, raise_problems
 
@@ -87,6 +87,14 @@ class Soil(Material):
     def greatest_tension(self) -> float:
         """Tension that it bears."""
         return self.apex if self.tension is None else self.tension
+
+    @property
+    def flow_speed(self) -> float:
+        """See `Material.flow_speed`; soil that bears tension anywhere is not loose."""
+        if self.greatest_tension > 0.0 or any(path[0] == "cohesion" for path in self._variations):
+            return 0.0
+        lam, mu = lame(self.young, self.poisson)
+        return sqrt((lam + 2.0 * mu) / self.density)
 
     @property
     def needs_pressure(self) -> bool:

@@ -156,6 +156,17 @@ class MuI(Material):
             * (self.mu_s + (self.mu_2 - self.mu_s) * part * number / (self.i0 + part * number)),
         )  # fmt: skip
 
+    @property
+    def flow_speed(self) -> float:
+        """See `Material.flow_speed`."""
+        lam, mu = lame(self.young, self.poisson)
+        return float(sqrt((lam + 2.0 * mu) / self.density))
+
+    @property
+    def most_filled(self) -> float:
+        """See `Material.most_filled`."""
+        return 1.01
+
     def parameters(self) -> MuIParameters:
         """Parameters of the kernels."""
         lam, mu = lame(self.young, self.poisson)

@@ -84,6 +84,7 @@ class Liquid(Material):
     """What fluids with Tait's equation of state have in common."""
 
     VOLUME_ONLY: ClassVar[bool] = True
+    LIQUID: ClassVar[bool] = True
     SPELLINGS: ClassVar[dict[str, str]] = {"shear_viscosity": "shear-viscosity"}
 
     bulk: Positive = Field(
@@ -103,8 +104,8 @@ class Liquid(Material):
     )
 
     @property
-    def liquid_speed(self) -> float:
-        """See `Material.liquid_speed`."""
+    def flow_speed(self) -> float:
+        """See `Material.flow_speed`."""
         return float(sqrt(self.bulk / self.density))
 
     @property

@@ -1,4 +1,4 @@
-"""The columns of history.csv for liquids; `pgimp.solver.columns` has the others."""
+"""The columns of history.csv for what flows; `pgimp.solver.columns` has the others."""
 
 from __future__ import annotations
 
@@ -10,38 +10,38 @@ from pgimp.kernels.ledger import CARRIED, ROOM
 from pgimp.solver.totals import Column, Group, Totals
 
 
-def _liquids(scene: Any) -> list[tuple[int, str]]:
-    """Numbers and names of the bodies that are liquids."""
-    if not scene.liquids:
+def _flows(scene: Any) -> list[tuple[int, str]]:
+    """Numbers and names of the bodies that are flows."""
+    if not scene.flows:
         return []
     names = enumerate(scene.body_names)
-    return [(body, name) for body, name in names if scene.liquids.rates[body] > 0.0]
+    return [(body, name) for body, name in names if scene.flows.rates[body] > 0.0]
 
 
 def _volume(totals: Totals, k: int, column: int) -> float:
-    """A volume of the k-th liquid; nan until it is known."""
-    body = _liquids(totals.scene)[k][0]
+    """A volume of the k-th body that flows; nan until it is known."""
+    body = _flows(totals.scene)[k][0]
     return float(totals.filled[body, column]) or np.nan
 
 
-LIQUIDS = (
+FLOWS = (
     Group(
-        lambda scene: [name for _, name in _liquids(scene)],
+        lambda scene: [name for _, name in _flows(scene)],
         (
             Column(
                 "volume.NAME", "length^dimensions",
-                "for each body of a liquid: its volume, less what of it crowds where "
+                "for each body that flows: its volume, less what of it crowds where "
                 "neighbourhoods of vertices are more than full; as of the last time that its "
                 "particles were shifted (docs/soils-and-fluids.md), every few steps; nan before",
                 lambda s, k: _volume(s, k, ROOM),
             ),
             Column(
                 "volume.NAME.carried", "length^dimensions",
-                "sum of J times initial volume of its particles then, voids (J > 1.01) left out: "
+                "sum of J times initial volume of its particles then, of fluids up to J = 1.01: "
                 "with `volume.NAME` it tells by how much its level is too low",
                 lambda s, k: _volume(s, k, CARRIED),
             ),
         ),
     ),
 )  # fmt: skip
-"""Columns of each liquid."""
+"""Columns of each body that flows."""

@@ -1,4 +1,4 @@
-"""When the filling of vertices by liquids is summed, and with whom; see `kernels.filling`."""
+"""When the filling of vertices is summed where bodies flow; see `pgimp.kernels.filling`."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from pgimp.kernels.filling import (
 )
 from pgimp.kernels.p2g import particles_to_grid
 from pgimp.kernels.particles import Window
-from pgimp.scene.liquids import SceneLiquids
+from pgimp.scene.flows import SceneFlows
 from pgimp.scene.scene import Scene
 from pgimp.solver.clock import Step
 
@@ -27,30 +27,30 @@ from pgimp.solver.clock import Step
 EVERY = 8
 
 #: eps and delta of `pgimp.kernels.filling`. With delta = 0.02 water 16 cells deep that swings under
-#: a sudden gravity begins to slosh after 100 sqrt(D/g), without end; with 0.0025 it is quiet
-#: until 260, and without relaxation it trembles.
+#: a sudden gravity begins to slosh after 100 sqrt(D/g), without end; with 0.0025 it is quiet until
+#: 260, and without relaxation it trembles.
 SHIFT, RELAX = 0.02, 0.0025
 
 
-class Liquids:
+class Flows:
     """The filling of a rank's vertices.
 
     Parameters
     ----------
     scene : Scene
-        The scene, which has liquids.
+        The scene, in which bodies flow.
     comm : communicator
         Of all ranks.
     """
 
     def __init__(self, scene: Scene, comm: Any) -> None:
-        assert scene.liquids is not None
+        assert scene.flows is not None
         self.scene, self.comm, self.call = scene, comm, Bound()
-        self.liquids: SceneLiquids = scene.liquids
+        self.flows: SceneFlows = scene.flows
         self._known: Any = None
         self._halo: Halo | None = None
-        self.sums = FillingSums(most=self.liquids.most)
-        self._idle = idle(self.liquids)
+        self.sums = FillingSums(most=self.flows.most)
+        self._idle = idle(self.flows)
 
     def find(self, rank: Any, order: Order, t: Step) -> Filling:
         """Find the filling at the step's beginning, when it is due; collective.
@@ -70,7 +70,7 @@ class Liquids:
         rank.ledger.filled.fill(0.0)
         if self._known is not grid.field:
             self._connect(grid)
-        own, frame, liquids = self._sums, self.scene.frame, self.liquids
+        own, frame, flows = self._sums, self.scene.frame, self.flows
         own.active.fill(0)
         runs = np.array([[0, grid.slab.layers, 0]])
         self.call(
@@ -80,28 +80,29 @@ class Liquids:
         if self._halo:
             self._halo.proceed(own)
             self._halo.finish(own)
-        for wall in liquids.walls:
+        for wall in flows.walls:
             self.call(fold_filling, frame, own.field, wall)
-        self.call(find_filling, frame, own.field, liquids.sides, rank.tools)
-        for wall in reversed(liquids.walls):
+        self.call(find_filling, frame, own.field, flows.sides, rank.tools)
+        for wall in reversed(flows.walls):
             self.call(reflect_filling, frame, own.field, wall)
-        rate = EVERY * t.dt * liquids.rates
+        rate = EVERY * t.dt * flows.rates
         return Filling(
-            True, own.window, own.G, SHIFT * rate, 1.0 - np.exp(-RELAX * rate), liquids.most
-        )
+            True, own.window, own.G, SHIFT * rate, 1.0 - np.exp(-RELAX * rate),
+            1.0 - np.exp(-SHIFT * rate), flows.most, flows.gap,
+        )  # fmt: skip
 
     def _connect(self, grid: Grid) -> None:
         """Allocate the sums for the planes of `grid`."""
         if self._halo:
             self._halo.close()
         self._known, scene, slab = grid.field, self.scene, grid.slab
-        self._sums = Grid(scene.frame, scene.vertices, slab, grid.lag, self.liquids.fields)
+        self._sums = Grid(scene.frame, scene.vertices, slab, grid.lag, self.flows.fields)
         self._sums.store(grid.base)
         self._halo = Halo(self.comm, slab, grid.vertices - 1) if slab.neighbours else None
 
 
-def idle(liquids: SceneLiquids) -> Filling:
+def idle(flows: SceneFlows) -> Filling:
     """The filling of a step that does not use it."""
-    window = Window.over((0, 0, 0), (1, 1, 1), liquids.fields)
-    zero = np.zeros(len(liquids.rates))
-    return Filling(False, window, np.zeros(8), zero, zero, liquids.most)
+    window = Window.over((0, 0, 0), (1, 1, 1), flows.fields)
+    zero = np.zeros(len(flows.rates))
+    return Filling(False, window, np.zeros(8), zero, zero, zero, flows.most, flows.gap)

@@ -1,0 +1,87 @@
+"""The bodies of a scene that flow, whose particles are kept to the space that they fill."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from pgimp.kernels.mirror import Mirror
+from pgimp.scene.faces import Face
+
+
+class SceneFlows:
+    """The liquids, grains and loose soils of a scene.
+
+    Parameters
+    ----------
+    materials : sequence of Material
+        Those in use.
+    material_of : (bodies,) int64
+        Material of each body.
+    current : (bodies,) bool
+        Whether it is in the current configuration: others do not flow.
+    faces : sequence of Face
+        Faces with a condition.
+    cell : tuple of float
+        Sides of a cell.
+
+    Attributes
+    ----------
+    rates : (bodies,) float64
+        Speed of waves over the least side of a cell, 0 for bodies that do not flow.
+    gap : (bodies,) int64
+        Column of the state that has the gap by which a body has opened; -1 for others.
+    most : (bodies,) float64
+        The greatest J without voids, of bodies that flow and have no gap; 0 for others.
+    fields : tuple of int
+        Number of each body's field of J: such bodies of a material share one.
+    relaxes : bool
+        Whether there are such bodies.
+    walls : list of Mirror
+        Faces that nothing can pass.
+    sides : (6,) bool
+        The same: the low and the high end of x, y, z.
+    """
+
+    def __init__(
+        self, materials: Sequence[Any], material_of: np.ndarray, current: np.ndarray,
+        faces: Sequence[Face], cell: tuple[float, ...],
+    ) -> None:  # fmt: skip
+        speeds = np.array([entry.flow_speed for entry in materials])
+        gaps = np.array([_gap_of(entry, len(cell)) for entry in materials])
+        own = (speeds > 0.0) & (gaps < 0)
+        most = np.where(own, [entry.most_filled for entry in materials], 0.0)
+        number = np.where(own, np.cumsum(own), 0) - int(own.all())
+        self.rates = current * speeds[material_of] / min(cell)
+        self.gap, self.most = gaps[material_of], most[material_of]
+        self.fields = tuple(int(i) for i in number[material_of])
+        self.relaxes = bool(own.any())
+        self.walls = [
+            Mirror(face.axis, face.side, n, False)
+            for n, face in enumerate(faces)
+            if face.condition.speed(face.axis, 0.0) is not None
+        ]
+        self.sides = np.zeros(6, bool)
+        for wall in self.walls:
+            self.sides[2 * wall.axis + (wall.side > 0)] = True
+
+
+def _gap_of(entry: Any, dimensions: int) -> int:
+    """Column of a material's state that has the gap by which it has opened; -1 for others."""
+    before = 0
+    for state in entry.states if entry.flow_speed > 0.0 else ():
+        if state.name == "gap":
+            return before
+        before += state.width(dimensions)
+    return -1
+
+
+def flows_of(
+    materials: Sequence[Any], material_of: np.ndarray, current: np.ndarray,
+    faces: Sequence[Face], cell: tuple[float, ...],
+) -> SceneFlows | None:  # fmt: skip
+    """The bodies of a scene that flow; None if it has none."""
+    flows = SceneFlows(materials, material_of, current, faces, cell)
+    return flows if flows.rates.any() else None
