@@ -1,5 +1,7 @@
 """``pgimp check`` points at mistakes of units, of the step and of the duration."""
 
+from itertools import product
+
 import pytest
 from checked import facts, plate, said
 from mentioned import mentions
@@ -13,6 +15,7 @@ from pgimp.scene.sanity import small_step_warning, strains
 from pgimp.scene.scene import Scene
 from pgimp.scene.units import in_si
 from pgimp.tools.check.steps import report_stages
+from pgimp.tools.model.costs import Costs
 
 # A steel block of 0.1 m on a floor, in each of two consistent sets of units, and mixed up.
 SI = {"units": "m, kg, s", "young": 2.1e11, "density": 7850.0, "side": 0.1, "gravity": 9.81}
@@ -236,11 +239,26 @@ def test_numbers_in_si():
     assert in_si(block(**MM | {"units": "none"}), "steel") == {}
 
 
-def test_a_healthy_case_has_ten_lines(capsys, unmeasured):
-    """That what is measured takes another one, or two, or three: memory, time, ranks."""
-    case = block(**SI)
+@pytest.mark.parametrize(
+    ("name", "pays_off"),
+    [
+        *((name, False) for name in ("bar-vibration", "compaction", "incline")),
+        *product(("block3d", "dam-break", "disks", "gate", "hertz"), (False, True)),
+    ],
+)
+def test_a_small_healthy_case_has_ten_lines(name, pays_off, capsys, monkeypatch):
+    """With all that is measured, whether one rank is enough or many pay off."""
+    costs = Costs(1e-7 if pays_off else 1.0, ((200.0, 1e-6), (1e6, 1e-6)), 1e-9)
+    monkeypatch.setattr(check, "measure", lambda *scene: (costs, 0.0))
+    monkeypatch.setattr(check, "pilot", lambda *case: None)
+    case = read_case(packaged()[name], name)
     check.report(case)
     short = capsys.readouterr().out.splitlines()
-    assert len([line for line in short if not line.startswith("note: ")]) <= 9, short
+    assert len(short) <= 10, "\n".join(short)
+    text = "\n".join(short)
+    assert ("pay off" in text) and ("\nranks " in text) == pays_off
+    for words in ("valid", " particles in ", "transits", "Courant", "memory ", "output ", "time "):
+        assert words in text
     check.report(case, verbose=True)
-    assert len(capsys.readouterr().out.splitlines()) > len(short)
+    long = capsys.readouterr().out
+    assert len(long.splitlines()) > len(short) + 3 and "strain by" in long
