@@ -6,6 +6,7 @@ import pytest
 from checked import facts, plate, said
 from mentioned import mentions
 
+from pgimp.case.load import load
 from pgimp.case.reader import read_case
 from pgimp.commands import check
 from pgimp.commands.init import packaged
@@ -205,6 +206,14 @@ def test_number_of_frames(output, number):
     schedule = Schedule(case.output.every, case.output.at)
     steps = [n for n in range(1, 21) if schedule.due(n / 20, n, 0.05)]
     assert len({0, 20, *steps}) == number == forecast.frames(case, 20.0)
+
+
+def test_transits_are_those_of_all_stages(capsys, unmeasured):
+    """5172 m/s over 0.1 m: 51.7 in the first millisecond, and twice that in the second stage."""
+    data = block(**SI).model_dump(by_alias=True)
+    data["time"]["stages"] = [{"name": "on", "end": 3.0e-3}]
+    check.report(load(data))
+    assert "; the run lasts 155 transits" in capsys.readouterr().out
 
 
 def test_stages_are_listed_with_their_steps_and_changes(capsys):
