@@ -110,7 +110,8 @@ def report(case: Case, verbose: bool = False) -> None:
         *ordered_advice(case, bodies, known.crossing, dt),
     ):  # fmt: skip
         print(f"note: {note}")
-    for text in chain(
+    # Bodies of one material have the same doubts about it.
+    for text in dict.fromkeys(chain(
         filter(None, [] if case.watched else [stability_warning(dt, rate, stable_courant(case))]),
         filter(None, [small_step_warning(dt, rate)]),
         known.of_stages,
@@ -124,7 +125,7 @@ def report(case: Case, verbose: bool = False) -> None:
         nearness.bonded(scene, known.lattice, known.counts),
         nearness.warnings(case),
         forecast.warnings(whole, steps),
-    ):
+    )):  # fmt: skip
         print(f"warning: {text}")
 
 

@@ -163,6 +163,18 @@ def test_the_report_has_the_warnings(capsys, unmeasured):
     mentions(warnings[0], "0.0001", "Courant number", "5.17e-05")
 
 
+def test_bodies_of_one_material_are_warned_of_once(capsys, unmeasured):
+    """And a stage whose step is far too short, which the first one's is not."""
+    data = block(**(SI | {"density": 7.85e-3})).model_dump(by_alias=True)
+    region = {"box": {"min": [0.15], "max": [0.2]}}
+    data["bodies"]["other"] = {"material": "steel", "region": region}
+    data["time"]["stages"] = [{"name": "slow", "end": 2.0e-3, "step": 1.0e-12}]
+    check.report(load(data))
+    said = capsys.readouterr().out
+    assert said.count("materials.steel.density: 0.00785 would be") == 1
+    mentions(said, "time.stages.0.step: 1e-12 is a Courant number of", "times fewer steps")
+
+
 def test_packaged_cases_are_not_doubted():
     for name, text in packaged().items():
         if "/" not in name:
