@@ -61,7 +61,7 @@ def case(tmp_path):
         (["-o"], "expected one argument"),
         (["chekc", "x"], "there is no command chekc. Did you mean `pgimp check x`?"),
         (["run", "case.yaml"], "a case is run with `pgimp case.yaml`"),
-        (["run"], "a case is run with `pgimp CASE.yaml`"),
+        (["run"], "there is no command run: a case is run with `pgimp CASE.yaml`. Which case?"),
         (["-n", "4", "case.yaml"], "for the launcher: `mpirun -n 4 pgimp case.yaml`"),
         (["case.yaml", "-np", "4", "--quiet"], "`mpirun -n 4 pgimp case.yaml --quiet`"),
         (["-n4", "case.yaml"], "`mpirun -n 4 pgimp case.yaml`"),

@@ -1,7 +1,6 @@
 """pgimp from Python: cases changed, run in loops and step by step, results read and handed on."""
 
 import csv
-import json
 import os
 import signal
 import sys
@@ -13,20 +12,13 @@ import h5py
 import numpy as np
 import pytest
 from processes import run as start
-from scenes import box, scene, write_case
+from scenes import write_case
+from small_block import BLOCK
 
 import pgimp
 from pgimp.errors import CaseError, RunError, UsageError
 
 CASES = Path(__file__).resolve().parents[1] / "cases"
-
-BLOCK = scene(2, box([2, 1], [5, 4], [0.3, -0.2]), gravity=[0.0, -5.0], end=0.2) | {
-    "boundaries": {"y-min": "slip"},
-    "output": {"every": 0.1, "fields": ["stress", "velocity", "displacement"]},
-    "history": {"every": {"steps": 5}},
-    "probes": {"tip": {"body": "body", "at": [5.0, 4.0]}},
-}
-
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
@@ -217,44 +209,6 @@ def test_a_simulation_driven_step_by_step_is_that_of_a_run(run):
         sim.particles["displacement"]
 
 
-LOOP = """
-import json, sys
-import numpy as np
-import pgimp
-
-case = pgimp.load("block.yaml")
-comm = pgimp.world()
-for young in np.array([100.0, 50.0]):
-    run = pgimp.run(case, output=f"two-{young:g}", overrides={"materials.soft.young": young})
-    assert run.state == "done" and len(run.frame(-1)) == 36
-sim = pgimp.Simulation(case)
-sim.advance()
-rows = comm.gather((sim.particles["id"].tolist(), sim.particles["position"].tolist()))
-if comm.rank == 0:
-    json.dump([comm.size, rows], open("rows.json", "w"))
-"""
-
-
-def test_a_program_on_two_ranks_has_the_same_bits(folder, mpirun):
-    (folder / "loop.py").write_text(LOOP)
-    done = mpirun(2, ["loop.py"], cwd=folder)
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.count("done: t = 0.2 after 20 steps") == 2
-    for young in (100.0, 50.0):
-        change = {"materials.soft.young": young}
-        one = pgimp.run(BLOCK, output=folder / f"one-{young:g}", overrides=change, quiet=True)
-        two = pgimp.open(folder / f"two-{young:g}")
-        assert two.info["ranks"] == 2
-        for mine, others in zip(one, two, strict=True):
-            for name in mine:
-                np.testing.assert_array_equal(mine[name], others[name])
-    size, rows = json.loads((folder / "rows.json").read_text())
-    ids = np.concatenate([one[0] for one in rows])
-    assert size == 2 and len(rows) == 2 and sorted(ids) == list(range(36))
-    positions = np.concatenate([one[1] for one in rows])[np.argsort(ids)]
-    np.testing.assert_array_equal(positions, pgimp.open(folder / "run").frame(-1)["position"])
-
-
 def test_ctrl_c_leaves_a_run_that_goes_on(run, folder, capsys):
     """As a notebook's stop button: a KeyboardInterrupt, and a checkpoint."""
     output = folder / "interrupted"
@@ -310,37 +264,3 @@ def test_arguments_that_mean_nothing(call, words, tmp_path, monkeypatch):
     with pytest.raises(ValueError, match=words):
         call()
     assert not [*tmp_path.iterdir()]
-
-
-TOGETHER = """
-import sys
-import pgimp
-from pgimp.mpi.comm import Serial
-
-comm, case = pgimp.world(), pgimp.load("block.yaml")
-"""
-
-
-@pytest.mark.parametrize(
-    ("program", "status", "words"),
-    [
-        ("sim = pgimp.Simulation(case)\nif comm.rank == 1:\n    raise ValueError('here')\n"
-         "sim.advance()", 1, "ValueError: here"),
-        ("if comm.rank == 1:\n    pgimp.Simulation(case)", 1,
-         "rank 1: rank 0 has not come to pgimp.Simulation within 1 seconds"),
-        ("if comm.rank == 0:\n    pgimp.run(case, output='one')\nelse:\n    comm.Barrier()", 1,
-         "rank 0: rank 1 has not come to pgimp.run within 1 seconds"),
-        ("pgimp.Simulation(case, overrides={'time.end': 0.1 * (1 + comm.rank)}).advance()", 2,
-         "rank 1 would do it with another case or other arguments than rank 0"),
-        ("pgimp.run(case, output='two', overrides={'time.end': 0.1 * (1 + comm.rank)})", 2,
-         "rank 1 would do it with another case or other arguments than rank 0"),
-        ("if comm.rank == 1:\n    pgimp.Simulation(case, Serial()).step(2)", 0, ""),
-    ],
-)  # fmt: skip
-def test_ranks_that_do_not_come_together_end_with_the_reason(
-    folder, mpirun, program, status, words
-):
-    (folder / "apart.py").write_text(TOGETHER + program)
-    done = mpirun(2, ["apart.py"], 60.0, cwd=folder, env=os.environ | {"PGIMP_PATIENCE": "1"})
-    assert done.returncode == status, done.stderr
-    assert words in done.stderr and not (folder / "two").exists()

@@ -75,10 +75,9 @@ def report(case: Case, verbose: bool = False) -> None:
         raise
     scene, bodies, rate, dt = known.scenes[0], known.found.bodies, known.rate, known.dt
     count = int(known.counts.sum())
-    print(f"{case.title or 'case'}: valid")
     print(
-        f"particles        {count:,} in {len(bodies)} bod{'y' if len(bodies) == 1 else 'ies'}; "
-        f"{cells} cells, shape {case.method.shape}"
+        f"{case.title or 'case'}: valid; {count:,} particles in {len(bodies)} "
+        f"bod{'y' if len(bodies) == 1 else 'ies'}, {cells} cells, shape {case.method.shape}"
     )
     duration = whole.time.last
     shown = bodies if verbose else bodies[:MOST_BODIES]
@@ -90,28 +89,29 @@ def report(case: Case, verbose: bool = False) -> None:
     report_rigid(scene, verbose)
     chosen = ", chosen by pgimp" if case.watched else ""
     longest = f"; Courant 1 is {1.0 / rate:.4g}" if verbose else ""
-    print(f"step             {dt:.4g}, Courant {dt * rate:.3g}{chosen}{longest}")
+    which = "each" if case.courant is None else "the first"
+    first = f"{which} of {dt:.4g}, Courant {dt * rate:.3g}{chosen}{longest}"
     steps = float(case.time.steps or case.time.end / dt)
     costs, crossing = measure(scene, count, steps)
     tried = pilot(case, count, steps, costs, _thinnest(case, bodies)) if costs else None
-    steps = report_steps(case, steps, tried)
+    steps = report_steps(case, steps, tried, first)
     if whole.time.stages:
         steps += report_stages(whole, known.scenes, steps * dt / case.time.end, known.varied)
-    report_memory(known.memory, verbose)
+    number = forecast.frames(whole, steps)
+    size = size_text(number * forecast.frame_size(case, scene.fields, count))
+    report_memory(known.memory, verbose, f"; output about {size}, in {number:,} frames")
     if costs:
         report_cost(scene, known.lattice, known.counts, costs, crossing, steps, verbose)
     else:
         print("time             unknown: no step of a sample of the case could be timed")
-    number = forecast.frames(whole, steps)
-    size = size_text(number * forecast.frame_size(case, scene.fields, count))
-    print(f"output           {number:,} frames of particles, about {size}")
     poisson = {one.name: one.varies["poisson"][2] for one in bodies if "poisson" in one.varies}
     for note in (
         *known.notes, *nearness.notes(case), *stripes(case, poisson),
         *ordered_advice(case, bodies, known.crossing, dt),
     ):  # fmt: skip
         print(f"note: {note}")
-    for text in chain(
+    # Bodies of one material have the same doubts about it.
+    for text in dict.fromkeys(chain(
         filter(None, [] if case.watched else [stability_warning(dt, rate, stable_courant(case))]),
         filter(None, [small_step_warning(dt, rate)]),
         known.of_stages,
@@ -125,7 +125,7 @@ def report(case: Case, verbose: bool = False) -> None:
         nearness.bonded(scene, known.lattice, known.counts),
         nearness.warnings(case),
         forecast.warnings(whole, steps),
-    ):
+    )):  # fmt: skip
         print(f"warning: {text}")
 
 

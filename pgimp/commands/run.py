@@ -12,6 +12,7 @@ from pgimp.io.rundir.rundir import RunDirectory
 from pgimp.io.rundir.runinfo import describe_start, installed
 from pgimp.mpi.collective import on_root
 from pgimp.mpi.comm import abort_on_error, world
+from pgimp.mpi.peers import within
 from pgimp.mpi.together import end_all_on_exceptions, require_same
 from pgimp.running.log import Log
 from pgimp.running.progress import duration
@@ -160,7 +161,7 @@ def run(
         raise ValueError(f"wall_time: expected seconds above 0, got {wall_time!r}")
     # Before anything collective that a rank alone would wait in.
     require_same(comm, "pgimp.run", repr((str(output), overwrite, resume)))
-    with abort_on_error(comm):
+    with abort_on_error(comm), within(comm, "pgimp.run"):
         text = None
         if isinstance(case, str | Path):
             output = f"{Path(case).stem}.out" if output is None else output

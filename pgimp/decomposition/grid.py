@@ -6,7 +6,8 @@ import numpy as np
 
 from pgimp.decomposition.slabs import Slab
 from pgimp.kernels.concepts import Field
-from pgimp.kernels.particles import FloatArray, Frame, Window
+from pgimp.kernels.frame import Frame, Window
+from pgimp.kernels.particles import FloatArray
 from pgimp.kernels.record import RECORD
 
 #: Cells by which the window reaches beyond the particles, so that it seldom has to grow.

@@ -5,9 +5,10 @@ from math import prod
 import numpy as np
 
 from pgimp.kernels.concepts import Order
+from pgimp.kernels.frame import Frame
 from pgimp.kernels.layerchanges import sort_rows
 from pgimp.kernels.order import grow_vertex_bounds, locate, merge
-from pgimp.kernels.particles import Columns, Frame, IntArray, Particles
+from pgimp.kernels.particles import Columns, IntArray, Particles
 
 
 def with_capacity(array: np.ndarray, size: int, used: int = 0) -> np.ndarray:

@@ -30,7 +30,7 @@ from pgimp.kernels.batch import first_place, four_entries, keep_support, share_s
 from pgimp.kernels.fours import LANES, deformations, put_row, take, take_row
 from pgimp.kernels.gather import gather_products
 from pgimp.kernels.gathered import gathered_mass, gradients, keep_sums, repeat_sums
-from pgimp.kernels.mean import means_of_parts
+from pgimp.kernels.meanweights import means_of_parts
 from pgimp.kernels.piola import BY_CELLS, kept_force
 from pgimp.kernels.record import MASS, VELOCITY
 from pgimp.kernels.scatter import Share, scatter_products

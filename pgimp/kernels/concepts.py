@@ -8,7 +8,8 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from pgimp.kernels.particles import FloatArray, Frame, IntArray, Window
+from pgimp.kernels.frame import Frame, Window
+from pgimp.kernels.particles import FloatArray, IntArray
 
 
 class Setting(NamedTuple):

@@ -34,8 +34,9 @@ from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.jit.simd import pack
 from pgimp.jit.tuples import read, scaled
 from pgimp.kernels.fields import field_count, field_size, is_used
+from pgimp.kernels.frame import Window
 from pgimp.kernels.mirror import mirror_places, vertices_beyond
-from pgimp.kernels.particles import FloatArray, IntArray, Window
+from pgimp.kernels.particles import FloatArray, IntArray
 from pgimp.kernels.place import deformation
 from pgimp.kernels.toolfill import fill
 from pgimp.kernels.tools import FILLED

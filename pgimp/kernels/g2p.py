@@ -10,7 +10,8 @@ from pgimp.kernels.concepts import Batch
 from pgimp.kernels.fours import LANES, four, put, put_row, take
 from pgimp.kernels.gathered import SUMS
 from pgimp.kernels.loads import add_force_power, layer_power
-from pgimp.kernels.mean import keep_means, with_means
+from pgimp.kernels.mean import with_means
+from pgimp.kernels.meanweights import keep_means
 from pgimp.kernels.own import with_own
 from pgimp.kernels.refill import refill
 from pgimp.kernels.speed import grid_speed

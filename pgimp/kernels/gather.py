@@ -5,7 +5,8 @@ from pgimp.jit.simd import load, vector
 from pgimp.jit.tuples import joined, plus_scaled
 from pgimp.kernels.batch import entry, extent, extents
 from pgimp.kernels.cornertransfer import gather_corners
-from pgimp.kernels.mean import factor, no_rates
+from pgimp.kernels.mean import no_rates
+from pgimp.kernels.meanweights import factor
 from pgimp.kernels.transfer import last_entries, last_step
 from pgimp.physics.shapes.base import by_corners
 

@@ -7,8 +7,9 @@ from pgimp.kernels.clearance import clearance_at
 from pgimp.kernels.concepts import Forcing
 from pgimp.kernels.constraints import constrained_velocity, former_velocity
 from pgimp.kernels.faces import constrained, is_beyond
+from pgimp.kernels.frame import Frame
 from pgimp.kernels.loads import given
-from pgimp.kernels.particles import FloatArray, Frame
+from pgimp.kernels.particles import FloatArray
 
 
 class Holding(NamedTuple):

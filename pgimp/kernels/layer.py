@@ -10,7 +10,8 @@ from pgimp.kernels.cutboxes import summed_supports
 from pgimp.kernels.filling import FillingSums, ratio_arms
 from pgimp.kernels.fours import LANES, four
 from pgimp.kernels.loads import scatter_loads, weight
-from pgimp.kernels.mean import keep_means, mean_force
+from pgimp.kernels.mean import mean_force
+from pgimp.kernels.meanweights import keep_means
 from pgimp.kernels.piola import PIOLA_SIZE, keep_forces
 from pgimp.kernels.record import RECORD
 from pgimp.kernels.scatter import Share, scatter

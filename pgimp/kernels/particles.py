@@ -1,4 +1,4 @@
-"""The particles of one rank, and the grid's frame: the data that all kernels share.
+"""The particles of one rank: the data that all kernels share.
 
 Each column is declared once, in `Particles`: allocation, migration, checkpoints, what a resume
 refuses and docs/symbols.md follow from that. Which rows are alive, and their canonical order, is
@@ -6,12 +6,10 @@ in `Population`; rows of particles that have left stay as holes until the next r
 """
 
 from collections.abc import Callable
-from typing import Annotated, Any, NamedTuple, get_type_hints
+from typing import Annotated, NamedTuple, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
-
-from pgimp.kernels.record import RECORD
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -233,92 +231,3 @@ COLUMNS: dict[str, Column] = {
     name: hint.__metadata__[0]
     for name, hint in get_type_hints(Particles, include_extras=True).items()
 }
-
-
-class Frame(NamedTuple):
-    """Place of the grid. Vertex and layer numbers count from the first ghost vertex.
-
-    All tuples have D entries; vertex number i of direction d stands at
-    ``origin[d] + (i - ghost) * cell[d]``.
-    """
-
-    origin: tuple[float, ...]
-    cell: tuple[float, ...]
-    inverse: tuple[float, ...]
-    cells: tuple[int, ...]
-    ghost: int
-
-    @property
-    def vertices(self) -> tuple[int, ...]:
-        """Number of vertices of each direction, with `ghost` more beyond either face."""
-        return tuple(n + 1 + 2 * self.ghost for n in self.cells)
-
-
-class InitialFrame(Frame):
-    """Place of a grid of the initial configuration (total Lagrangian).
-
-    Kernels that get it, in a `Setting`, take weights of the particles' initial places and
-    gradients by these, forces from the first Piola-Kirchhoff stress, and never move a particle
-    from a layer to another. They choose by its type, so that others are compiled as without it.
-    """
-
-    __slots__ = ()
-
-
-class MixedFrame(NamedTuple):
-    """Place of the grid for bodies of both configurations, where particles are put in order.
-
-    Attributes
-    ----------
-    origin, cell, inverse, cells, ghost
-        See `Frame`.
-    begun : (bodies,) bool
-        Which bodies are in the initial configuration.
-    """
-
-    origin: tuple[float, ...]
-    cell: tuple[float, ...]
-    inverse: tuple[float, ...]
-    cells: tuple[int, ...]
-    ghost: int
-    begun: Any
-
-    @property
-    def vertices(self) -> tuple[int, ...]:
-        """See `Frame.vertices`."""
-        return Frame(*self[:5]).vertices
-
-
-class Window(NamedTuple):
-    """The part of the grid that a rank stores: its planes, cut to where particles are.
-
-    `lower` is the first vertex of each of three directions, `extent` the number of vertices (1
-    where the scene has no such direction), `stride` the distance of neighbours in float64.
-
-    Where bodies have velocity fields of their own, those of a plane follow each other. `bodies`,
-    (bodies,) int64, then is the offset of each body's field from the plane's first vertex,
-    in float64. It is empty as long as all share one field, and () in scenes where they always do.
-    """
-
-    lower: tuple[int, int, int]
-    extent: tuple[int, int, int]
-    stride: tuple[int, int, int]
-    bodies: Any = ()
-
-    @classmethod
-    def over(
-        cls, lower: tuple[int, int, int], extent: tuple[int, int, int], fields: Any = ()
-    ) -> "Window":
-        """Window of records, planes outermost.
-
-        Parameters
-        ----------
-        lower, extent
-            See `Window`.
-        fields : (bodies,) int64, optional
-            Number of each body's velocity field.
-        """
-        size = RECORD * extent[1] * extent[2]
-        count = 1 + max(fields) if len(fields) else 1
-        bodies = np.array(fields if count > 1 else (), np.int64) * size if len(fields) else ()
-        return cls(lower, extent, (count * size, RECORD * extent[2], RECORD), bodies)

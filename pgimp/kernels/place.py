@@ -5,7 +5,7 @@ from math import floor
 import pgimp.jit.functions  # noqa: F401  so that they work on vectors of four particles, too
 from pgimp.jit.kernel import exact, specialise
 from pgimp.jit.tuples import read
-from pgimp.kernels.particles import InitialFrame, MixedFrame
+from pgimp.kernels.frame import InitialFrame, MixedFrame
 from pgimp.physics.shapes.base import size
 
 

@@ -7,7 +7,7 @@ from pgimp.jit.simd import load, store
 from pgimp.jit.tuples import scaled
 from pgimp.kernels.batch import entry, extent, extents
 from pgimp.kernels.cornertransfer import scatter_corners
-from pgimp.kernels.mean import factor, factored, plus_factored
+from pgimp.kernels.meanweights import factor, factored, plus_factored
 from pgimp.kernels.transfer import last_entries, last_step
 from pgimp.physics.shapes.base import by_corners
 

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from pgimp.jit.kernel import specialise
 from pgimp.kernels.batch import entries
-from pgimp.kernels.mean import factors
+from pgimp.kernels.meanweights import factors
 from pgimp.kernels.record import RECORD
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 import time
 from collections.abc import Callable
@@ -12,6 +11,7 @@ from typing import Any
 
 from pgimp.errors import UsageError
 from pgimp.mpi.comm import abort_together, say
+from pgimp.mpi.peers import Peers, peers_of, seconds
 
 _DIGEST_TAG, _ANSWER_TAG = 78, 79
 #: Seconds after which a rank says that it waits for others, and after which it ends the job.
@@ -41,15 +41,18 @@ def require_same(comm: Any, what: str, content: str) -> None:
     if comm.size == 1:
         return
     mine = sha256(content.encode()).digest()
+    peers = peers_of(comm)
+    peers.acts += 1
     if comm.rank == 0:
         requests = [comm.irecv(source=rank, tag=_DIGEST_TAG) for rank in range(1, comm.size)]
-        others = _wait(comm, what, dict(enumerate(requests, 1)))
+        others = _wait(comm, what, dict(enumerate(requests, 1)), peers)
         differ = [rank for rank, digest in others.items() if digest != mine]
         for rank in range(1, comm.size):
             comm.send(differ, dest=rank, tag=_ANSWER_TAG)
     else:
         sent = comm.isend(mine, dest=0, tag=_DIGEST_TAG)
-        differ = _wait(comm, what, {0: comm.irecv(source=0, tag=_ANSWER_TAG)})[0]
+        answer = comm.irecv(source=0, tag=_ANSWER_TAG)
+        differ = _wait(comm, what, {0: answer}, peers)[0]
         sent.wait()
     if differ:
         names = ", ".join(map(str, differ[:5])) + (", ..." if len(differ) > 5 else "")
@@ -60,9 +63,9 @@ def require_same(comm: Any, what: str, content: str) -> None:
         )
 
 
-def _wait(comm: Any, what: str, requests: dict[int, Any]) -> dict[int, Any]:
+def _wait(comm: Any, what: str, requests: dict[int, Any], peers: Peers) -> dict[int, Any]:
     """What the ranks have sent, by rank; ends the job if some do not."""
-    patience = float(os.environ.get("PGIMP_PATIENCE", _PATIENCE))
+    patience = seconds(_PATIENCE)
     begin, found, said = time.monotonic(), {}, False
     while True:
         for rank in [rank for rank in requests if rank not in found]:
@@ -71,6 +74,7 @@ def _wait(comm: Any, what: str, requests: dict[int, Any]) -> dict[int, Any]:
                 found[rank] = value
         if len(found) == len(requests):
             return found
+        peers.require_present(what)
         spent = time.monotonic() - begin
         missing = min(set(requests) - set(found))
         if spent > patience:

@@ -20,6 +20,7 @@ from pgimp.mpi.collective import on_root
 from pgimp.physics.fields import BY_RANKS, FIELDS, Source
 from pgimp.solver.particle_errors import Failure, explanation
 from pgimp.solver.parts import fastest
+from pgimp.solver.stability import stable_courant
 
 if TYPE_CHECKING:
     from pgimp.solver.simulation import Simulation
@@ -229,7 +230,7 @@ def _state(sim: Simulation, found: _Found, i: int) -> str:
 
 def _advice(sim: Simulation, courant: float, kinds: set[int]) -> list[str]:
     """Interpretation of Courant number and errors, and how to see more."""
-    stable, failure = sim.case.method.stable, sim.failure
+    stable, failure = stable_courant(sim.case), sim.failure
     if sim.case.watched:
         stable = sim.case.method.largest_courant(sim.case.dimensions)
     assert failure is not None

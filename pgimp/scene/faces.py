@@ -7,7 +7,7 @@ import numpy as np
 
 from pgimp.kernels.clearance import Sides, Wall
 from pgimp.kernels.faces import KIND, PARAMETERS, Faces
-from pgimp.kernels.particles import Frame
+from pgimp.kernels.frame import Frame
 from pgimp.kernels.walls import GRAVITY, WALL
 from pgimp.physics.boundaries import BOUNDARIES
 

@@ -9,9 +9,10 @@ from pgimp.case.places import located
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.kernels.concepts import Setting
+from pgimp.kernels.frame import Frame, InitialFrame, MixedFrame
 from pgimp.kernels.mirror import Mirror
 from pgimp.kernels.order import cell_numbers
-from pgimp.kernels.particles import Carried, Frame, InitialFrame, MixedFrame, Particles
+from pgimp.kernels.particles import Carried, Particles
 from pgimp.kernels.sums import SUMS
 from pgimp.kernels.walls import GRAVITY
 from pgimp.physics.contact import Pairs

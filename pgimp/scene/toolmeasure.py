@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.geometry.distancefield import MARGIN, DistanceField, distance_field, extent, thickness
-from pgimp.kernels.particles import Frame
+from pgimp.kernels.frame import Frame
 from pgimp.physics.boundaries.slip import Slip
 from pgimp.physics.rigid import Free, Motion, RigidBody
 from pgimp.scene.bulk import Bulk, bulk, everywhere

@@ -15,7 +15,7 @@ from pgimp.case.places import located
 from pgimp.case.schema import Case
 from pgimp.geometry.distancefield import DistanceField
 from pgimp.geometry.outline import outline
-from pgimp.kernels.particles import Frame
+from pgimp.kernels.frame import Frame
 from pgimp.kernels.tools import (
     ABOUT,
     ANSWER,

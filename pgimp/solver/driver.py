@@ -13,6 +13,7 @@ from pgimp.case.schema import Case
 from pgimp.case.writer import dump_case
 from pgimp.io.results.tables import Fields
 from pgimp.mpi.comm import world
+from pgimp.mpi.peers import created, together
 from pgimp.mpi.together import end_all_on_exceptions, require_same
 from pgimp.physics import fields
 from pgimp.schema.overrides import Overrides
@@ -59,8 +60,10 @@ class Simulation:
         end_all_on_exceptions(comm)
         self.case: Case = load(case, overrides)
         require_same(comm, "pgimp.Simulation", dump_case(self.case))
-        self.core = simulation.Simulation(self.case, comm)
-        self.core.diagnostics()  # what later ones refer to: energy at the start
+        self._name = f"simulation {created(comm)}"
+        with together(comm, self._name):
+            self.core = simulation.Simulation(self.case, comm)
+            self.core.diagnostics()  # what later ones refer to: energy at the start
         self.particles = Particles(self.core)
 
     def __repr__(self) -> str:
@@ -108,11 +111,14 @@ class Simulation:
             If that is no whole number from 0 on.
         RunError
             On every rank: if particles of any are at fault, or past the end of the case.
+        UsageError
+            On every rank, if one does other steps than the others.
         """
         if isinstance(count, bool) or not isinstance(count, int | np.integer) or count < 0:
             raise ValueError(f"step: expected a number of steps from 0 on, got {count!r}")
-        for _ in range(count):
-            self.core.advance()
+        with together(self.core.comm, f"step({count}) of {self._name}"):
+            for _ in range(count):
+                self.core.advance()
 
     def advance(self, to: float = inf) -> None:
         """Do steps until a time is reached or, first, the end of the case; collective.
@@ -130,16 +136,24 @@ class Simulation:
             If that is no time.
         RunError
             On every rank, if particles of any are at fault.
+        UsageError
+            On every rank, if one advances to another time, or does something else.
         """
         if isinstance(to, bool) or not isinstance(to, float | int | np.number) or not to >= 0.0:
             raise ValueError(f"advance: expected a simulated time from 0 on, got {to!r}")
-        while not self.finished and self.time < to and not isclose(self.time, to, rel_tol=_SAME):
-            self.core.advance(complete=False)
-        self.core.complete_reduction()
+        core = self.core
+        with together(core.comm, f"advance({float(to)}) of {self._name}"):
+            while not core.finished and self._before(to):
+                core.advance(complete=False)
+            core.complete_reduction()
+
+    def _before(self, to: float) -> bool:
+        return self.time < to and not isclose(self.time, to, rel_tol=_SAME)
 
     def diagnostics(self) -> dict[str, float] | None:
         """Return a line of history.csv as it would be now; None but on rank 0; collective."""
-        return self.core.diagnostics()
+        with together(self.core.comm, f"diagnostics() of {self._name}"):
+            return self.core.diagnostics()
 
 
 class Particles(Mapping[str, np.ndarray]):

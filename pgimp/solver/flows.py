@@ -17,8 +17,8 @@ from pgimp.kernels.filling import (
     fold_filling,
     reflect_filling,
 )
+from pgimp.kernels.frame import Window
 from pgimp.kernels.p2g import particles_to_grid
-from pgimp.kernels.particles import Window
 from pgimp.scene.flows import SceneFlows
 from pgimp.scene.scene import Scene
 from pgimp.solver.clock import Step

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from pgimp.kernels.boxes import grow_boxes
-from pgimp.kernels.particles import Frame
+from pgimp.kernels.frame import Frame
 from pgimp.scene.scene import Scene
 
 #: Least number of steps for which bodies must stay out of reach to share a field, and the most

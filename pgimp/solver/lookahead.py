@@ -7,6 +7,7 @@ import numpy as np
 
 from pgimp.errors import CaseError
 from pgimp.scene.facts import rest_rate
+from pgimp.scene.sanity import small_step_warning
 from pgimp.scene.scene import Scene
 from pgimp.solver.diagnostics import column_names
 from pgimp.solver.parts import fastest
@@ -79,7 +80,7 @@ def rates_at_rest(rank: Rank, scene: Scene, comm: Any) -> dict[str, float]:
 
 
 def require_stable_stages(scenes: Sequence[Scene], rates: Mapping[str, float]) -> list[str]:
-    """Refuse fixed steps of later stages that are beyond the limit; warn of those near it.
+    """Refuse fixed steps of later stages beyond the limit; warn of those near it or far below.
 
     Parameters
     ----------
@@ -107,4 +108,6 @@ def require_stable_stages(scenes: Sequence[Scene], rates: Mapping[str, float]) -
         except CaseError as error:
             raise CaseError(str(error).replace("time.step", key, 1)) from None
         warnings.append(stability_warning(float(step), rate, stable).replace("time.step", key, 1))
+        if own and rate > 0.0:
+            warnings.append(small_step_warning(float(step), rate).replace("time.step", key, 1))
     return [text for text in warnings if text]

@@ -21,9 +21,12 @@ _MOST_ENERGY = 1e280
 REFUSED = 1.0
 
 
-#: Courant number times particles a cell up to which mean dilatation is stable, by dimensions and
-#: Poisson's ratio up to 0.45 (docs/hard-cases.md). Of more, `Shape.stable` is the limit.
-_MEAN = {2: {0.3: 0.9, 0.4: 0.84, 0.45: 0.8}, 3: {0.3: 0.65, 0.4: 0.59, 0.45: 0.53}}
+#: Up to which mean dilatation is stable, by dimensions and Poisson's ratio: Courant number, and
+#: that times particles a cell (docs/hard-cases.md). For ratios above, `Shape.stable` is the limit.
+_MEAN = {
+    2: {0.3: (0.45, 0.9), 0.4: (0.45, 0.84), 0.45: (0.45, 0.8)},
+    3: {0.3: (0.45, 0.65), 0.4: (0.4, 0.59), 0.45: (0.37, 0.53)},
+}
 
 
 def stable_courant(case: Any) -> float:
@@ -38,11 +41,11 @@ def stable_courant(case: Any) -> float:
     used = (case.materials[body.material] for body in case.bodies.values())
     ratios = [getattr(material, "poisson", 0.5) for material in used]
     most = max(float(nu) if isinstance(nu, float | int) else 0.5 for nu in ratios)
-    ratios_measured, limits = zip(*_MEAN[case.dimensions].items(), strict=True)
-    if most > ratios_measured[-1]:
+    measured, limits = zip(*_MEAN[case.dimensions].items(), strict=True)
+    if most > measured[-1]:
         return least
-    limit = float(np.interp(most, ratios_measured, limits)) / max(method.particles_per_cell)
-    return max(least, min(float(method.stable_pointwise), limit))
+    limit, of_one = (float(np.interp(most, measured, each)) for each in zip(*limits, strict=True))
+    return max(least, min(limit, of_one / max(method.particles_per_cell)))
 
 
 def check_first_step(scene: Any, dt: float, rate: float) -> list[str]:

@@ -1,9 +1,12 @@
 """``pgimp check`` points at mistakes of units, of the step and of the duration."""
 
+from itertools import product
+
 import pytest
 from checked import facts, plate, said
 from mentioned import mentions
 
+from pgimp.case.load import load
 from pgimp.case.reader import read_case
 from pgimp.commands import check
 from pgimp.commands.init import packaged
@@ -13,6 +16,7 @@ from pgimp.scene.sanity import small_step_warning, strains
 from pgimp.scene.scene import Scene
 from pgimp.scene.units import in_si
 from pgimp.tools.check.steps import report_stages
+from pgimp.tools.model.costs import Costs
 
 # A steel block of 0.1 m on a floor, in each of two consistent sets of units, and mixed up.
 SI = {"units": "m, kg, s", "young": 2.1e11, "density": 7850.0, "side": 0.1, "gravity": 9.81}
@@ -159,6 +163,18 @@ def test_the_report_has_the_warnings(capsys, unmeasured):
     mentions(warnings[0], "0.0001", "Courant number", "5.17e-05")
 
 
+def test_bodies_of_one_material_are_warned_of_once(capsys, unmeasured):
+    """And a stage whose step is far too short, which the first one's is not."""
+    data = block(**(SI | {"density": 7.85e-3})).model_dump(by_alias=True)
+    region = {"box": {"min": [0.15], "max": [0.2]}}
+    data["bodies"]["other"] = {"material": "steel", "region": region}
+    data["time"]["stages"] = [{"name": "slow", "end": 2.0e-3, "step": 1.0e-12}]
+    check.report(load(data))
+    said = capsys.readouterr().out
+    assert said.count("materials.steel.density: 0.00785 would be") == 1
+    mentions(said, "time.stages.0.step: 1e-12 is a Courant number of", "times fewer steps")
+
+
 def test_packaged_cases_are_not_doubted():
     for name, text in packaged().items():
         if "/" not in name:
@@ -204,6 +220,14 @@ def test_number_of_frames(output, number):
     assert len({0, 20, *steps}) == number == forecast.frames(case, 20.0)
 
 
+def test_transits_are_those_of_all_stages(capsys, unmeasured):
+    """5172 m/s over 0.1 m: 51.7 in the first millisecond, and twice that in the second stage."""
+    data = block(**SI).model_dump(by_alias=True)
+    data["time"]["stages"] = [{"name": "on", "end": 3.0e-3}]
+    check.report(load(data))
+    assert "; the run lasts 155 transits" in capsys.readouterr().out
+
+
 def test_stages_are_listed_with_their_steps_and_changes(capsys):
     case = block(**SI)
     first = case.stages[0]
@@ -236,11 +260,26 @@ def test_numbers_in_si():
     assert in_si(block(**MM | {"units": "none"}), "steel") == {}
 
 
-def test_a_healthy_case_has_ten_lines(capsys, unmeasured):
-    """That what is measured takes another one, or two, or three: memory, time, ranks."""
-    case = block(**SI)
+@pytest.mark.parametrize(
+    ("name", "pays_off"),
+    [
+        *((name, False) for name in ("bar-vibration", "compaction", "incline")),
+        *product(("block3d", "dam-break", "disks", "gate", "hertz"), (False, True)),
+    ],
+)
+def test_a_small_healthy_case_has_ten_lines(name, pays_off, capsys, monkeypatch):
+    """With all that is measured, whether one rank is enough or many pay off."""
+    costs = Costs(1e-7 if pays_off else 1.0, ((200.0, 1e-6), (1e6, 1e-6)), 1e-9)
+    monkeypatch.setattr(check, "measure", lambda *scene: (costs, 0.0))
+    monkeypatch.setattr(check, "pilot", lambda *case: None)
+    case = read_case(packaged()[name], name)
     check.report(case)
     short = capsys.readouterr().out.splitlines()
-    assert len([line for line in short if not line.startswith("note: ")]) <= 9, short
+    assert len(short) <= 10, "\n".join(short)
+    text = "\n".join(short)
+    assert ("pay off" in text) and ("\nranks " in text) == pays_off
+    for words in ("valid", " particles in ", "transits", "Courant", "memory ", "output ", "time "):
+        assert words in text
     check.report(case, verbose=True)
-    assert len(capsys.readouterr().out.splitlines()) > len(short)
+    long = capsys.readouterr().out
+    assert len(long.splitlines()) > len(short) + 3 and "strain by" in long

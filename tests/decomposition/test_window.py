@@ -6,7 +6,7 @@ import pytest
 from pgimp.decomposition.grid import LAG, MARGIN, Grid
 from pgimp.decomposition.slabs import Slab
 from pgimp.jit.kernel import kernel
-from pgimp.kernels.particles import Frame
+from pgimp.kernels.frame import Frame
 from pgimp.kernels.place import first_vertex
 from pgimp.physics.shapes.gimp import GimpParameters
 from pgimp.physics.shapes.mpm import MpmParameters

@@ -26,7 +26,8 @@ from pgimp.jit.cache import announced, messages
 from pgimp.jit.kernel import FOLDER
 from pgimp.kernels.order import locate
 from pgimp.physics.shapes.mpm import MpmParameters
-from pgimp.kernels.particles import Carried, Frame, Particles
+from pgimp.kernels.frame import Frame
+from pgimp.kernels.particles import Carried, Particles
 
 p = Particles.empty(1, Carried(1))
 p.x[0, 0] = 2.5

@@ -195,3 +195,30 @@ def test_the_error_is_told_where_the_folder_cannot_be_written(tmp_path):
     assert (tmp_path / "failure").read_text() == "in the way"
     assert failure.write(tmp_path / "gone", sim, text, tmp_path / "none.csv") is None
     assert failure.write(tmp_path, start(CASE), text, tmp_path / "none.csv") is None
+
+
+@pytest.mark.parametrize(
+    ("volumetric", "courant", "limit", "short"),
+    [
+        ("pointwise", 0.42, 0.45, True),
+        ("pointwise", 0.55, 0.45, False),
+        ("pointwise", "auto", 0.59, True),
+        # As the warning before the run says: without nearly incompressible bodies as without it.
+        ("mean", 0.42, 0.45, True),
+    ],
+)
+def test_a_step_is_called_too_long_where_it_was(tmp_path, volumetric, courant, limit, short):
+    case = CASE | {
+        "method": CASE["method"] | {"volumetric": volumetric},
+        "time": {"end": 1.0, "step": {"courant": courant}},
+    }
+    sim = start(case)
+    sim.advance()
+    invert(sim, IDS)
+    with pytest.raises(RunError) as error:
+        sim.advance()
+    folder = failure.write(tmp_path, sim, str(error.value), tmp_path / "none.csv")
+    report = " ".join((folder / "report.txt").read_text().split())
+    assert f"gimp is stable up to {limit:g}." in report
+    assert ("So the step was short enough" in report) == short
+    assert ("That is too much" in report) != short

@@ -3,7 +3,10 @@
 from types import SimpleNamespace
 
 import numpy as np
+import pytest
+from scenes import box, scene
 
+import pgimp
 from pgimp.mpi.comm import Serial
 from pgimp.running import progress
 from pgimp.running.log import Log, timing_table
@@ -122,3 +125,25 @@ def test_durations():
         "1:02:05 h",
         "?",
     ]
+
+
+@pytest.mark.parametrize(("gravity", "shown"), [(0.2, False), (2.0, False), (4.0, True)])
+def test_notes_at_the_end_are_shown_where_a_result_is_wrong(tmp_path, capsys, gravity, shown):
+    """A column of twenty particles, of which the lowest boxes come to lie past the floor.
+
+    Of the part o past it, the vertex behind the floor gets the mean of y from 0 to o, over cells.
+    """
+    column = scene(
+        1, box([0], [10]), cells=[12], end=2.0, gravity=[-gravity],
+        boundaries={"x-min": "fixed"}, history={"every": 0.1},
+    )  # fmt: skip
+    run = pgimp.run(column, output=tmp_path / "run")
+    words = "% of the mass lay past x-min"
+    log = (tmp_path / "run" / "log.txt").read_text()
+    (note,) = (line for line in log.splitlines() if words in line)
+    assert (words in capsys.readouterr().out) == shown
+    assert ("too little to matter" in note) != shown
+    assert ("are too small by that part" in note) == shown
+    past = np.maximum(0.25 - run.frame(-1)["position"][:, 0], 0.0)
+    part = float(note.partition("up to ")[2].split()[0])
+    assert part == pytest.approx(100.0 * (past @ past) / 20.0, rel=0.03)  # two digits

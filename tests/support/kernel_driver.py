@@ -13,13 +13,14 @@ from pgimp.decomposition.population import Population
 from pgimp.decomposition.slabs import Slab, slab_of
 from pgimp.kernels.clearance import find_clearances
 from pgimp.kernels.concepts import Forcing, Report, Setting
+from pgimp.kernels.frame import Frame
 from pgimp.kernels.g2p import grid_to_particles
 from pgimp.kernels.ledger import Ledger
 from pgimp.kernels.loads import Loads
 from pgimp.kernels.mirror import Mirror, fold, reflect
 from pgimp.kernels.momentum import WHOLE, update_momentum
 from pgimp.kernels.p2g import particles_to_grid
-from pgimp.kernels.particles import Carried, Frame, Particles
+from pgimp.kernels.particles import Carried, Particles
 from pgimp.kernels.record import RECORD
 from pgimp.kernels.walls import WALL
 from pgimp.physics.materials.hooke import HookeParameters

@@ -19,18 +19,20 @@ def report_body(body: BodyFacts, case: Case, duration: float, verbose: bool) -> 
     """
     c = body.wave_speed
     transit = body.extent / c
+    found = strains(case, body)
+    texts = [f"{what} {s:.2g}" for what, s in found.items() if verbose or s > _NOTABLE]
+    strained = f"strain {', '.join(texts)}" if texts else ""
     print(
         f"body {body.name:<11} {body.particles:,} particles; wave speed {c:.4g}, transit time "
         f"{transit:.4g} over {body.extent:.4g}; the run lasts {duration / transit:.3g} transits"
+        f"{f'; {strained}' if strained and not verbose else ''}"
     )
     for fact in case.bodies[body.name].region.facts() if verbose else ():
         print(f"{'':<16} {fact}")
     for key, (least, mean, most) in body.varies.items():
         print(f"{'':<16} {key} varies from {least:.6g} to {most:.6g}, mean {mean:.6g}")
-    found = strains(case, body)
-    texts = [f"{what} {s:.2g}" for what, s in found.items() if verbose or s > _NOTABLE]
-    if texts:
-        print(f"{'':<16} strain {', '.join(texts)}")
+    if verbose:
+        print(f"{'':<16} {strained}")
 
 
 def report_materials(case: Case) -> None:

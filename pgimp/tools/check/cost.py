@@ -65,17 +65,17 @@ def report_cost(
     scaled = scaling(layout, costs, network, memory)
     one, ranks = scaled["steps"][0]["seconds"], scaled["pays_off"]
     best = next(step for step in scaled["steps"] if step["ranks"] == ranks)
+    alone = "; more ranks do not pay off" if ranks == 1 and not verbose else ""
     print(
         f"time             {_time_text(steps * one)} on one rank of this machine, without output "
-        f"({1e-6 * count / one:.3g} million particle-steps/s measured)"
+        f"({1e-6 * count / one:.3g} million particle-steps/s measured){alone}"
     )
     if steps * one >= _YEAR:
         print("warning: nobody will see the end; is time.end or time.step what it should be?")
-    there = (
-        f"there {_time_text(steps * best['seconds'])}, {size_text(best['memory'])} a rank"
-    )
+    there = f"there {_time_text(steps * best['seconds'])}, {size_text(best['memory'])} a rank"
     if not verbose:
-        print(f"ranks            {verdict(scaled)}{f'; {there}' if ranks > 1 else ''}")
+        if ranks > 1:
+            print(f"ranks            {verdict(scaled)}; {there}")
         return
     print(f"ranks            {verdict(scaled)}")
     print(f"{'':<16} {there}")
@@ -95,11 +95,11 @@ def _time_text(seconds: float) -> str:
     return duration(seconds) if seconds < _YEAR else f"{seconds / _YEAR:.3g} years"
 
 
-def report_memory(found: Estimate, verbose: bool) -> None:
-    """Memory on one rank, needed and available; its parts with `verbose`."""
+def report_memory(found: Estimate, verbose: bool, output: str = "") -> None:
+    """Memory on one rank, needed and available, and output; parts of memory with `verbose`."""
     free = min((limit.free for limit in limits()), default=None)
     here = "" if free is None else f"; {size_text(free)} are free here"
-    print(f"memory           about {size_text(found.size)} on one rank{here}")
+    print(f"memory           about {size_text(found.size)} on one rank{here}{output}")
     for part in found.parts if verbose else ():
         if part.size > 0.01 * found.size:
             print(f"{'':<16} {size_text(part.size)} for {part.what}")

@@ -14,19 +14,22 @@ from pgimp.tools.model.pilot import Pilot
 _CLOSE = 0.1
 
 
-def report_steps(case: Case, steps: float, tried: Pilot | None) -> float:
-    """Number of steps, predicted where they follow the fastest wave; return it."""
+def report_steps(case: Case, steps: float, tried: Pilot | None, first: str) -> float:
+    """Number of steps, predicted where they follow the fastest wave; return it.
+
+    `first` tells of the first step.
+    """
     if case.time.steps is not None:
-        print(f"steps            {case.time.steps:,} to t = {case.time.end:g}")
+        print(f"steps            {case.time.steps:,} to t = {case.time.end:g}; {first}")
         return steps
     start = f"{ceil(steps * (1.0 - 1e-9)):,}"
     if tried is None:
         print(
             f"steps            {start} to t = {case.time.end:g} if no wave becomes faster; more if "
-            "the material is compressed: no pilot run can be made of this case"
+            f"the material is compressed: no pilot run can be made of this case; {first}"
         )
         return steps
-    print(f"steps            {predicted(case, tried)}; {start} if no wave became faster")
+    print(f"steps            {predicted(case, tried)}; {start} if no wave became faster; {first}")
     return tried.steps
 
 

@@ -122,9 +122,11 @@ class PlotFrame:
 
 
 def _ended(shown: PlotRun) -> str:
-    """How a run ended that is not done, for messages."""
+    """How far a run came that is not done, for messages."""
     state = shown.run.state
-    return "" if state == "done" else f"; the run is {state}, at t = {shown.run.info['time']:g}"
+    if state == "running":  # how far is written at the end
+        return "; the run goes on, or was killed"
+    return "" if state == "done" else f"; the run {state} at t = {shown.run.info['time']:g}"
 
 
 def snapshots(

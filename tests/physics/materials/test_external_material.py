@@ -23,7 +23,8 @@ from pgimp.kernels.concepts import Setting
 from pgimp.kernels.sums import fastest_rate
 from pgimp.physics.materials import MATERIALS
 from pgimp.physics.materials.outside import parameters_of
-from pgimp.kernels.particles import Carried, Frame, Particles
+from pgimp.kernels.frame import Frame
+from pgimp.kernels.particles import Carried, Particles
 
 def ask():
     law = parameters_of(MATERIALS["law"](model="law", density=1.0), 1)

@@ -12,7 +12,8 @@ from written_laws import law, write_law
 import pgimp
 from pgimp.errors import CaseError, UsageError
 from pgimp.kernels.concepts import Setting
-from pgimp.kernels.particles import Carried, Frame, Particles
+from pgimp.kernels.frame import Frame
+from pgimp.kernels.particles import Carried, Particles
 from pgimp.kernels.sums import fastest_rate
 from pgimp.physics.materials import NeoHookean, registry
 from pgimp.physics.materials.outside import parameters_of

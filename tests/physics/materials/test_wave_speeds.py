@@ -14,7 +14,8 @@ from material_driver import (
 )
 
 from pgimp.kernels.concepts import Setting
-from pgimp.kernels.particles import Carried, InitialFrame, Particles
+from pgimp.kernels.frame import InitialFrame
+from pgimp.kernels.particles import Carried, Particles
 from pgimp.kernels.sums import fastest_rate
 
 

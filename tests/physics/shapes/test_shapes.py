@@ -14,7 +14,8 @@ from pgimp.jit.simd import stack
 from pgimp.kernels import batch
 from pgimp.kernels.batch import SUPPORT_SIZE
 from pgimp.kernels.fours import four
-from pgimp.kernels.particles import Carried, Particles, Window
+from pgimp.kernels.frame import Window
+from pgimp.kernels.particles import Carried, Particles
 from pgimp.kernels.place import first_vertex, half_widths
 from pgimp.physics.shapes import SHAPES
 from pgimp.physics.shapes.base import weights

@@ -14,7 +14,10 @@ import pytest
 from mentioned import mentions
 from plotted import hdf5, numbers, table
 from processes import run as run_program
+from scenes import box, scene
 
+import pgimp
+from pgimp.errors import RunError
 from pgimp.tools.plot.units import kind_of_column, kind_of_field, unit
 
 RUNS = ("bar", "plates", "other", "block")
@@ -248,3 +251,22 @@ def test_units():
     assert kind_of_column("momentum-x") == "mass length/time"
     assert kind_of_column("whatever") == ""
     assert kind_of_field("von-mises") == "stress"
+
+
+@pytest.mark.parametrize(
+    ("state", "words"),
+    [
+        ("failed", "from 0 to 0.7; the run failed at t = 0.77"),
+        ("stopped", "from 0 to 0.7; the run stopped at t = 0.77"),
+        ("running", "from 0 to 0.7; the run goes on, or was killed"),
+    ],
+)
+def test_times_beyond_the_end_of_a_run_that_is_not_done(plot, tmp_path, state, words):
+    """A bar that flies out of the domain."""
+    bar = scene(1, box([2], [4], [7.9]), cells=[20], cell=0.5, output={"every": 0.1})
+    with pytest.raises(RunError, match="left the domain"):
+        pgimp.run(bar, output=tmp_path / "run", quiet=True)
+    about = tmp_path / "run" / "run.json"
+    about.write_text(about.read_text().replace('"failed"', f'"{state}"'))
+    status, _, error = plot(str(tmp_path / "run"), "--field", "velocity", "--time", "0.99")
+    assert status == 2 and f"no frame at time 0.99: its frames go {words}\n" in error

@@ -1,0 +1,195 @@
+"""What the ranks of a Python program do together: all of them the same, or the job ends."""
+
+from __future__ import annotations
+
+import atexit
+import os
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import partial
+from typing import Any
+from zlib import crc32
+
+import numpy as np
+
+from pgimp.errors import PgimpError, RunError, UsageError
+from pgimp.mpi.comm import abort_together, say
+
+_ENDED_TAG = 80
+#: Seconds after which ranks that wait for others within a simulation end the job: one rank may look
+#: at results for long.
+_PATIENCE = 3600.0
+#: Seconds in which the others end, too, if what made this rank end was no fault of it alone.
+_AGREEMENT_SECONDS = 20.0
+#: Seconds of waiting for others that is part of any step, and between looks after that.
+_SHORT, _NAP = 0.02, 0.0005
+
+_keyval: int | None = None
+
+
+def seconds(default: float) -> float:
+    """Time for which ranks wait for others, which PGIMP_PATIENCE may set."""
+    return float(os.environ.get("PGIMP_PATIENCE", default))
+
+
+class Peers:
+    """Acts of the ranks of a communicator, and ranks that have ended.
+
+    A rank that ends tells the next one, in a ring. Where some have ended and others wait, one that
+    waits comes next after one that has ended, so somebody hears of it.
+
+    Parameters
+    ----------
+    comm : mpi4py.MPI.Comm
+        Of several ranks.
+
+    Attributes
+    ----------
+    acts : int
+        What has been begun together.
+    created : int
+        Simulations among that.
+    within : str
+        What this rank has not come to the end of.
+    """
+
+    def __init__(self, comm: Any) -> None:
+        self.acts = self.created = 0
+        self.within = ""
+        self._comm = comm
+        self._of_previous: int | None = None
+        self._pair, self._every = np.zeros((2, 2), np.int64)
+        self._sent: list[Any] = []
+        atexit.register(self._leave)
+
+    def require_present(self, what: str) -> None:
+        """End the job if the rank before this one has ended without coming to `what`."""
+        comm = self._comm
+        previous = (comm.rank - 1) % comm.size
+        if self._of_previous is None and comm.Iprobe(source=previous, tag=_ENDED_TAG):
+            count = np.zeros(1, np.int64)
+            comm.Recv(count, source=previous, tag=_ENDED_TAG)
+            self._of_previous = int(count[0])
+        if self._of_previous is not None and self._of_previous < self.acts:
+            text = f"rank {comm.rank}: rank {previous} has ended, and {what} needs all ranks"
+            abort_together(comm, RunError(text), partial(say, text))
+
+    def meet(self, act: str) -> None:
+        """Wait for all ranks, and refuse to go on where one does something else; collective.
+
+        Raises
+        ------
+        UsageError
+            On every rank, if not all come to the same act.
+        """
+        from mpi4py import MPI
+
+        self.acts += 1
+        digest = crc32(act.encode())
+        self._pair[:] = digest, -digest
+        request = self._comm.Iallreduce(self._pair, self._every, MPI.MAX)
+        begin = time.monotonic()
+        while not request.Test():
+            waited = time.monotonic() - begin
+            if waited < _SHORT:
+                continue
+            self.require_present(act)
+            if waited > seconds(_PATIENCE):
+                text = (
+                    f"rank {self._comm.rank}: others have not come to {act} within {waited:.0f} "
+                    "seconds; all ranks do it together. For later ranks, PGIMP_PATIENCE is the "
+                    "time in seconds"
+                )
+                abort_together(self._comm, RunError(text), partial(say, text))
+            time.sleep(_NAP)
+        if self._every[0] != -self._every[1]:
+            acts = self._comm.allgather(act)
+            other = next(rank for rank, each in enumerate(acts) if each != acts[0])
+            raise UsageError(
+                f"rank 0 does {acts[0]}, rank {other} {acts[other]}; all ranks do the same "
+                "together. For simulations of their own give each the communicator "
+                "pgimp.mpi.comm.Serial()"
+            )
+
+    def _leave(self) -> None:
+        """Tell the next rank that this one ends."""
+        from mpi4py import MPI
+
+        comm = self._comm
+        if MPI.Is_finalized() or comm == MPI.COMM_NULL:
+            return
+        if self.within:
+            agreement = comm.Ibarrier()
+            patience = time.monotonic() + seconds(_AGREEMENT_SECONDS)
+            while not agreement.Test():
+                if time.monotonic() > patience:
+                    say(f"rank {comm.rank} has ended within {self.within}, and others wait for it")
+                    comm.Abort(1)
+                time.sleep(_NAP)
+        following = (comm.rank + 1) % comm.size
+        self._sent.append(comm.Isend(np.array([self.acts]), dest=following, tag=_ENDED_TAG))
+
+
+def peers_of(comm: Any) -> Peers:
+    """What this rank knows of the others of a communicator of several ranks."""
+    from mpi4py import MPI
+
+    global _keyval
+    if _keyval is None:
+        _keyval = MPI.Comm.Create_keyval()
+    peers: Peers | None = comm.Get_attr(_keyval)
+    if peers is None:
+        peers = Peers(comm)
+        comm.Set_attr(_keyval, peers)
+    return peers
+
+
+def created(comm: Any) -> int:
+    """Number of a simulation that begins, among those of a communicator; 0 on one rank."""
+    if comm.size == 1:
+        return 0
+    peers = peers_of(comm)
+    peers.created += 1
+    return peers.created
+
+
+@contextmanager
+def together(comm: Any, act: str) -> Iterator[None]:
+    """Begin an act when all ranks have come to it; collective.
+
+    Parameters
+    ----------
+    comm : communicator
+        Of all ranks.
+    act : str
+        What they do, with its arguments: the same on all.
+
+    Raises
+    ------
+    UsageError
+        On every rank, if not all do the same.
+    """
+    if comm.size > 1:
+        peers_of(comm).meet(act)
+    with within(comm, act):
+        yield
+
+
+@contextmanager
+def within(comm: Any, act: str) -> Iterator[None]:
+    """Between what all ranks begin and end together, having met.
+
+    A rank that leaves it with an exception of its own, and ends, ends the job.
+    """
+    peers = peers_of(comm) if comm.size > 1 else None
+    if peers:
+        peers.within = act
+    try:
+        yield
+    except PgimpError:  # raised on every rank
+        if peers:
+            peers.within = ""
+        raise
+    if peers:
+        peers.within = ""
