@@ -201,9 +201,9 @@ def test_soil_that_holds_together_does_not_flow():
 
 
 def test_a_column_of_sand_collapses_and_keeps_its_volume():
-    """Particles crowd by less than 4 % of its volume, and are by less than 3 % too large.
+    """Less than 1 % of it crowds, and it swells by less than 7 %, near surfaces.
 
-    Without shifts and gaps that close it is 10 and 7 %.
+    Without shifts and gaps that close it is 2.4 and 8.3 %.
     """
     sand = {
         "model": "drucker-prager", "young": 4.0e3, "poisson": 0.3, "density": 1.0,
@@ -214,9 +214,8 @@ def test_a_column_of_sand_collapses_and_keeps_its_volume():
         materials={"water": sand}, grid={"size": [48.0, 20.0]},
         bodies={"water": {"material": "water", "region": region}}, boundaries={"y-min": "fixed"},
     )  # fmt: skip
-    while sim.time < 14.0:
+    while sim.time < 12.0:
         sim.advance()
     line = sim.diagnostics()
-    print(line["volume.water"], line["volume.water.carried"])
-    assert line["volume.water"] > 0.96 * line["volume.water.carried"]
-    assert line["volume.water.carried"] == pytest.approx(128.0, rel=0.03)
+    assert line["volume.water"] > 0.99 * line["volume.water.carried"]
+    assert line["volume.water.carried"] < 1.07 * 128.0
