@@ -207,11 +207,8 @@ def plain(scene: Scene) -> Setting:
 def mirrors_of(scene: Scene) -> np.ndarray:
     """Axis, side, vertex number, face, and whether they stick, of the mirrors, (n, 5) int64."""
     frame = scene.frame
-    rows = [
-        (
-            each.axis, each.side, frame.ghost + (each.side > 0) * frame.cells[each.axis],
-            each.number, each.sticks,
-        )  # fmt: skip
-        for each in scene.mirrors
-    ]
+    rows = []
+    for each in scene.mirrors:
+        vertex = frame.ghost + (each.side > 0) * frame.cells[each.axis]
+        rows.append((each.axis, each.side, vertex, each.number, each.sticks))
     return np.array(rows, np.int64).reshape(-1, 5)

@@ -16,7 +16,8 @@ def walls(D, kinds):
     """Faces from x-min on with conditions, `kinds` in turn, and the mirrors in both languages."""
     chosen = [faces_of(kinds[n % len(kinds)], D)[n] for n in range(2 * D)]
     mirrors = [
-        (face[1], face[2], face[0] == "separating", face[0] == "fixed", n) for n, (_, face) in enumerate(chosen)
+        (face[1], face[2], face[0] == "separating", face[0] == "fixed", n)
+        for n, (_, face) in enumerate(chosen)
     ]
     mirrors.sort(key=lambda mirror: mirror[2])  # those that let go last
     kernel = [
