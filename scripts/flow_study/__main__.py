@@ -12,6 +12,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 import problems
+import sand
 
 import pgimp
 from pgimp.io.rundir.runinfo import cpu
@@ -55,7 +56,7 @@ ROWS = (
      (problems.column, "drucker-prager"), 0, (0.04, 0.02)),
     ("the same, mohr-coulomb", 0.1184, (problems.column, "mohr-coulomb"), 0, (0.04, 0.02)),
     *(
-        (words, reference, (problems.heap, ratio, volumetric), place, (0.05, 0.025))
+        (words, reference, (sand.heap, ratio, volumetric), place, (0.05, 0.025))
         for words, reference, ratio, volumetric, place in (
             ("sand that rests at 31 degrees, a column as high as wide, 20 and 40 cells to its "
              "width: run-out over the width (Lube et al.)", 1.2, 1, "pointwise", 0),
@@ -65,27 +66,27 @@ ROWS = (
             ("the same: J with volumetric: mean", 1.0, 1, "mean", 1),
             ("the same: filling with volumetric: mean", 1.0, 1, "mean", 2),
             ("the same, three times as high as wide: run-out", 3.952, 3, "pointwise", 0),
+            ("the same: filling, three times as high as wide", 1.0, 3, "pointwise", 2),
             ("the same with volumetric: mean, three times as high: run-out", 3.952, 3, "mean", 0),
         )
     ),
     ("a layer of that sand slides on a fixed floor, 10 and 20 cells deep: deceleration over g",
-     0.6, (problems.brake, "gimp"), 0, (0.1, 0.05)),
-    ("the same with bspline-quadratic", 0.6, (problems.brake, "bspline-quadratic"), 0, (0.1, 0.05)),
+     0.6, (sand.brake, "gimp"), 0, (0.1, 0.05)),
+    ("the same with bspline-quadratic", 0.6, (sand.brake, "bspline-quadratic"), 0, (0.1, 0.05)),
     ("sand of 30 degrees on a smooth wall that recedes, 10 and 20 cells high: K_a", 1.0 / 3.0,
      (problems.rankine, 0.001), 0, (0.1, 0.05)),
-    ("the same: vertical stress less the weight above, rms over that of the height", 0.0,
-     (problems.rankine, 0.001), 1, (0.1, 0.05)),
-    ("the same without volumetric: mean: K_a", 1.0 / 3.0,
-     (problems.rankine, 0.001, 30.0, "pointwise"), 0, (0.1, 0.05)),
-    ("the same without volumetric: mean: rms of vertical stress", 0.0,
-     (problems.rankine, 0.001, 30.0, "pointwise"), 1, (0.1, 0.05)),
-    ("the same without dilation: K_a", 1.0 / 3.0, (problems.rankine, 0.001, 0.0), 0, (0.1, 0.05)),
-    ("the same without dilation and volumetric: mean: K_a", 1.0 / 3.0,
-     (problems.rankine, 0.001, 0.0, "pointwise"), 0, (0.1, 0.05)),
-    ("the same without dilation and volumetric: mean: rms of vertical stress", 0.0,
-     (problems.rankine, 0.001, 0.0, "pointwise"), 1, (0.1, 0.05)),
     ("the same, a wall that advances: K_p", 3.0, (problems.rankine, -0.001), 0, (0.1, 0.05)),
     ("the same without dilation", 3.0, (problems.rankine, -0.001, 0.0), 0, (0.1, 0.05)),
+    *(
+        (words, reference, (sand.retained, volumetric), place, (0.1, 0.05))
+        for words, reference, volumetric, place in (
+            ("sand of 33 degrees on a rough base, a smooth wall recedes, volumetric: mean: K_a",
+             0.294801, "mean", 0),
+            ("the same: pressure within cells, rms over that of the height", 0.0, "mean", 1),
+            ("the same without volumetric: mean: K_a", 0.294801, "pointwise", 0),
+            ("the same without volumetric: mean: pressure within cells", 0.0, "pointwise", 1),
+        )
+    ),
     ("cam-clay compressed at constant volume, pgimp element, 100 and 200 steps: q over p before",
      0.689219, (problems.undrained, 2.0), 0, (100, 200)),
     ("strip on clay, 10 and 20 cells to half of it: N_c", 5.1416,
@@ -195,11 +196,30 @@ def _cells_of(value, reference):
     return text
 
 
-def _problems(kept, quick):
-    """Lines of the table of problems; what `kept` has is not measured again."""
+def _standing(lines):
+    """Lines of a table by their words, and those of the row that they are like."""
+    found, head = {}, ""
+    for line in lines:
+        words = line.split(" | ")[0].removeprefix("| ")
+        head = head if words.startswith("the same") else words
+        found[head, words] = line
+    return found
+
+
+def _problems(kept, quick, only="", standing=()):
+    """Lines of the table of problems; what `kept` has is not measured again.
+
+    Rows whose function is not `only`, if that is given, are taken from the lines `standing`.
+    """
+    standing, head = _standing(standing), ""
     lines = ["| problem | reference | measured (error), two cell sizes | million "
              "particle-steps/s |", "|---|---|---|---|"]  # fmt: skip
     for words, reference, (function, *rest), place, cells in ROWS:
+        head = head if words.startswith("the same") else words
+        if only and only != function.__name__:
+            if (head, words) in standing:
+                lines.append(standing[head, words])
+            continue
         found = []
         for cell in cells[: 1 if quick else 2]:
             key = " ".join(map(str, (function.__name__, *rest, cell)))
@@ -225,8 +245,13 @@ def main():
     parser = argparse.ArgumentParser(prog="scripts/flows")
     parser.add_argument("words", nargs="*", metavar="WHAT", help="problems, costs; both by default")
     parser.add_argument("--quick", action="store_true", help="coarse cells alone; writes no page")
+    names = sorted({row[2][0].__name__ for row in ROWS})
+    parser.add_argument("--only", choices=names, help="problems of it; all else stays")
     options = parser.parse_args()
     OUT.mkdir(exist_ok=True)
+    if options.only:
+        _replace(options.only)
+        return
     store = OUT / ("quick.json" if options.quick else "flows.json")
     kept = json.loads(store.read_text()) if store.exists() else {}
     words = options.words or ["problems", "costs"]
@@ -245,9 +270,19 @@ def main():
         lines += ["", *_costs_table(kept["costs"], cells)]
     lines += ["", f"By `scripts/flows`: {kept['origin']}. Speeds are per second of CPU time of one "
               "rank."]  # fmt: skip
-    text = "\n".join(lines) + "\n"
+    _write("\n".join(lines) + "\n", options.quick)
+
+
+def _replace(only):
+    """Measure the problems of one function anew, and leave the rest of the table."""
+    table, rest = (PAGES / "tables" / "soils-and-fluids.md").read_text("utf-8").split("\n\n", 1)
+    *_, lines = _problems({}, False, only, table.splitlines())
+    _write("\n".join(lines) + "\n\n" + rest, False)
+
+
+def _write(text, quick):
     (OUT / "flows.md").write_text(text, encoding="utf-8")
-    if not options.quick:
+    if not quick:
         (PAGES / "tables" / "soils-and-fluids.md").write_text(text, encoding="utf-8")
         subprocess.run([sys.executable, PAGES], check=True)
 
