@@ -56,23 +56,32 @@ ROWS = (
      (problems.column, "drucker-prager"), 0, (0.04, 0.02)),
     ("the same, mohr-coulomb", 0.1184, (problems.column, "mohr-coulomb"), 0, (0.04, 0.02)),
     *(
-        (words, reference, (sand.heap, ratio, volumetric), place, (0.05, 0.025))
-        for words, reference, ratio, volumetric, place in (
+        (words, reference, (sand.heap, *rest), place, (0.05, 0.025))
+        for words, reference, place, *rest in (
             ("sand that rests at 31 degrees, a column as high as wide, 20 and 40 cells to its "
-             "width: run-out over the width (Lube et al.)", 1.2, 1, "pointwise", 0),
-            ("the same: J that particles track, of all", 1.0, 1, "pointwise", 1),
-            ("the same: what they fill inside", 1.0, 1, "pointwise", 2),
-            ("the same with volumetric: mean, run-out", 1.2, 1, "mean", 0),
-            ("the same: J with volumetric: mean", 1.0, 1, "mean", 1),
-            ("the same: filling with volumetric: mean", 1.0, 1, "mean", 2),
-            ("the same, three times as high as wide: run-out", 3.952, 3, "pointwise", 0),
-            ("the same: filling, three times as high as wide", 1.0, 3, "pointwise", 2),
-            ("the same with volumetric: mean, three times as high: run-out", 3.952, 3, "mean", 0),
+             "width: run-out over the width (Lube et al.)", 1.2, 0, 1),
+            ("the same: J that particles track, of all", 1.0, 1, 1),
+            ("the same: what they fill inside", 1.0, 2, 1),
+            ("the same with volumetric: mean, run-out", 1.2, 0, 1, "mean"),
+            ("the same: J with volumetric: mean", 1.0, 1, 1, "mean"),
+            ("the same on a fixed floor: run-out", 1.2, 0, 1, "pointwise", "gimp", "fixed"),
+            ("the same, cpdi", 1.2, 0, 1, "pointwise", "cpdi", "fixed"),
+            ("the same, bspline-quadratic", 1.2, 0, 1, "pointwise", "bspline-quadratic", "fixed"),
+            ("the same, three times as high as wide: run-out", 3.952, 0, 3),
+            ("the same, three times as high as wide: what they fill inside", 1.0, 2, 3),
+            ("the same with volumetric: mean, three times as high: run-out", 3.952, 0, 3, "mean"),
         )
     ),
-    ("a layer of that sand slides on a fixed floor, 10 and 20 cells deep: deceleration over g",
-     0.6, (sand.brake, "gimp"), 0, (0.1, 0.05)),
-    ("the same with bspline-quadratic", 0.6, (sand.brake, "bspline-quadratic"), 0, (0.1, 0.05)),
+    *(
+        (words, 0.6, (sand.brake, *rest), 0, (0.1, 0.05))
+        for words, *rest in (
+            ("a layer of that sand slides on a floor of friction 0.6, 10 and 20 cells deep: "
+             "deceleration over g", "gimp"),
+            ("the same with bspline-quadratic", "bspline-quadratic"),
+            ("the same on a fixed floor, gimp", "gimp", "fixed"),
+            ("the same on a fixed floor, bspline-quadratic", "bspline-quadratic", "fixed"),
+        )
+    ),
     ("sand of 30 degrees on a smooth wall that recedes, 10 and 20 cells high: K_a", 1.0 / 3.0,
      (problems.rankine, 0.001), 0, (0.1, 0.05)),
     ("the same, a wall that advances: K_p", 3.0, (problems.rankine, -0.001), 0, (0.1, 0.05)),

@@ -14,7 +14,11 @@ LOOSE = {
 }  # fmt: skip
 
 
-def heap(cell, ratio, volumetric):
+#: A floor on which sand slides by its own friction.
+ROUGH = {"separating": {"friction": 0.6}}
+
+
+def heap(cell, ratio, volumetric="pointwise", shape="gimp", floor=None):
     """Run-out of a column of sand over its width, J that particles track, and filling inside.
 
     The front is where sand is a twentieth of the width deep, over a tenth of it: a thinner tongue
@@ -25,17 +29,15 @@ def heap(cell, ratio, volumetric):
         "format": 1,
         "dimensions": 2,
         "grid": {"size": [2.2 + 1.6 * ratio, ratio + 0.2], "cell": [cell, cell]},
-        "method": {"shape": "gimp", "particles_per_cell": [2, 2], "volumetric": volumetric},
+        "method": {"shape": shape, "particles_per_cell": [2, 2], "volumetric": volumetric},
         "time": {"end": 6.0 * np.sqrt(ratio / G), "step": {"courant": 0.3}},
         "materials": {"sand": law},
         "bodies": {
             "column": {"material": "sand", "region": {"box": {"min": [0, 0], "max": [1, ratio]}}}
         },
         "gravity": [0.0, -G],
-        "boundaries": {
-            "x-min": "slip", "x-max": "slip", "y-min": {"separating": {"friction": 0.6}}
-        },
-    }  # fmt: skip
+        "boundaries": {"x-min": "slip", "x-max": "slip", "y-min": floor or ROUGH},
+    }
     sim, speed = done(case)
     x, y = sim.particles["position"][:, :2].T
     area, half = cell**2 / 4.0, 0.25 * cell
@@ -48,8 +50,8 @@ def heap(cell, ratio, volumetric):
     return (front - 1.0, float((1500.0 / sim.particles["density"]).mean()), inside), speed
 
 
-def brake(cell, shape):
-    """Deceleration over g of the middle of a layer of sand, 1 m deep, on a fixed floor."""
+def brake(cell, shape, floor=None):
+    """Deceleration over g of the middle of a layer of sand, 1 m deep, on a floor."""
     layer = {"box": {"min": [2.0, 0.0], "max": [14.0, 1.0]}}
     case = {
         "format": 1,
@@ -60,7 +62,7 @@ def brake(cell, shape):
         "materials": {"sand": LOOSE | {"young": 1.0e7}},
         "bodies": {"layer": {"material": "sand", "region": layer, "velocity": [6.0, 0.0]}},
         "gravity": [0.0, -G],
-        "boundaries": {"y-min": "fixed"},
+        "boundaries": {"y-min": floor or ROUGH},
     }
     sim = pgimp.Simulation(case)
     began, speeds = process_time(), []
