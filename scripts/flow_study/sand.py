@@ -22,7 +22,7 @@ def heap(cell, ratio, volumetric="pointwise", shape="gimp", floor=None):
     """Run-out of a column of sand over its width, J that particles track, and filling inside.
 
     The front is where sand is a twentieth of the width deep, over a tenth of it: a thinner tongue
-    runs ahead. Filling is mass in a box within the heap over density and area, 1 at the start.
+    runs ahead. Filling is mass in a box within what has run out, over density and area.
     """
     law = LOOSE | {"young": 1.0e6 * ratio}
     case = {
@@ -46,7 +46,8 @@ def heap(cell, ratio, volumetric="pointwise", shape="gimp", floor=None):
     covered = np.clip(np.minimum(high, x + half) - np.maximum(low, x - half), 0.0, None)
     depth = covered.sum(axis=1) * area / (2.0 * half * 0.1)
     front = float(places[np.argmax(depth < 0.05)])
-    inside = area * np.count_nonzero((x < 1.0) & (y < 0.3)) / 0.3
+    ran = (x > 1.0) & (x < 1.0 + 0.4 * ratio) & (y < 0.2)
+    inside = float(area * np.count_nonzero(ran) / (0.08 * ratio))
     return (front - 1.0, float((1500.0 / sim.particles["density"]).mean()), inside), speed
 
 
