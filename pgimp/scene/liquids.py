@@ -51,7 +51,7 @@ class SceneLiquids:
         number = number - int((speeds > 0.0).all())
         self.fields = tuple(int(i) for i in number[material_of])
         self.walls = [
-            Mirror(face.axis, face.side, n, False)
+            Mirror(face.axis, face.side, n, False, False)
             for n, face in enumerate(faces)
             if face.condition.speed(face.axis, 0.0) is not None
         ]
