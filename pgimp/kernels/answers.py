@@ -38,8 +38,9 @@ class Responses(NamedTuple):
         The entries of B, by component: a mirror turns that across it round.
     answer : (rows, 3) float64
         sum_j B_ij^2/m_j, by component, without vertices that are held, see `LEAST_FREE`.
-    beyond : (rows, mirrors) float64
-        Shares of the vertices beyond each mirror: what it turns round of an impulse.
+    beyond : (rows, mirrors, 3) float64
+        Shares of the vertices beyond each mirror, as those before it turn them round: what it turns
+        round of an impulse.
     """
 
     start: IntArray
@@ -139,7 +140,7 @@ def find_responses(frame, table, now, before, mirrors, encounters, sums, values)
     capacity, plain = 64 * rows + at0.shape[1], len(mirrors) == 0
     start = np.zeros(rows + 1, np.int64)
     column, entry = np.empty(capacity, np.int64), np.empty((capacity, 3))
-    answer, beyond = np.zeros((rows, 3)), np.zeros((rows, len(mirrors)))
+    answer, beyond = np.zeros((rows, 3)), np.zeros((rows, len(mirrors), 3))
     seen, place = np.full(len(values), -1, np.int64), np.empty(len(values), np.int64)
     used = 0
     for r in range(rows):
@@ -168,10 +169,11 @@ def find_responses(frame, table, now, before, mirrors, encounters, sums, values)
                 else:
                     number = vertex_at(before, i, q)
                     for d in range(3):
-                        entry[place[j], d] += share * reflection(mirrors, number, d)
+                        entry[place[j], d] += share * reflection(mirrors, number, d, len(mirrors))
                     for n in range(len(mirrors)):
                         if is_turned(mirrors, n, number):
-                            beyond[r, n] += share
+                            for d in range(3):
+                                beyond[r, n, d] += share * reflection(mirrors, number, d, n)
         if plain:
             for k in range(start[r], used):
                 entry[k, 1] = entry[k, 2] = entry[k, 0]

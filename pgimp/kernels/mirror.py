@@ -2,7 +2,9 @@
 
 The vertices beyond the face add their sums to their mirror images before the momentum update:
 mass, tangential momentum and force add, the normal parts subtract. After it they get the
-reflection of their images' velocity and acceleration, which the particles then gather.
+reflection of their images' velocity and acceleration, which the particles then gather. At a wall
+that holds in every direction (`fixed`) all parts subtract, so that the velocity on it is zero:
+with tangential motion that is even a wide particle would slide by what it has beyond.
 
 This is the motion of the grid under a constraint: velocities beyond the face are the reflection of
 those within. So it conserves energy, and momentum up to the face's impulse: particles gain the
@@ -32,12 +34,15 @@ class Mirror(NamedTuple):
         Its place among all faces with a condition.
     releases : bool
         Whether it lets the material go: nothing is reflected beyond a vertex that moves away.
+    sticks : bool
+        Whether all components are turned round, not just the one across it.
     """
 
     axis: int
     side: int
     number: int
     releases: bool
+    sticks: bool
 
 
 @kernel
@@ -79,18 +84,21 @@ def fold(frame, field, mirror, forcing, ledger):
                         if not (G[wall + MASS] > 0.0 and into > gap_momentum):
                             continue
                     # Gravity will act on all mass of the image alike, but on this part in reverse.
-                    weight = G[g + MASS] * gravity[axis]
-                    G[r + FORCE + axis] -= 2.0 * weight
-                    if i < owned:
-                        part = relaxed_part(relaxation, dt)
-                        force, momentum = G[g + FORCE + axis] + weight, G[g + MOMENTUM + axis]
-                        impulse[i, mirror.number, axis] -= 2.0 * dt * force + 2.0 * part * momentum
+                    part = relaxed_part(relaxation, dt)
+                    for d in range(3):
+                        if not _turns(mirror, d):
+                            continue
+                        weight = G[g + MASS] * gravity[d]
+                        G[r + FORCE + d] -= 2.0 * weight
+                        if i < owned:
+                            force, momentum = G[g + FORCE + d] + weight, G[g + MOMENTUM + d]
+                            impulse[i, mirror.number, d] -= 2.0 * dt * force + 2.0 * part * momentum
                     place = r - begin  # the image's plane now has this field
                     use(field, place // window.stride[0], begin, begin + RECORD)
                     G[r + MASS] += G[g + MASS]
                     G[r + HELD] += G[g + HELD]
                     for d in range(3):
-                        sign = -1.0 if d == axis else 1.0
+                        sign = -1.0 if _turns(mirror, d) else 1.0
                         G[r + MOMENTUM + d] += sign * G[g + MOMENTUM + d]
                         G[r + FORCE + d] += sign * G[g + FORCE + d]
                     mass = G[g + MASS]
@@ -140,7 +148,7 @@ def reflect(frame, field, mirror, forcing, ledger):
     ----------
     frame, field, forcing, ledger
         As in `update_momentum`, which has counted the work of gravity on the folded mass as if it
-        moved with the images; its normal part moves against them.
+        moved with the images; what is turned round moves against them.
     mirror : Mirror
         The face.
     """
@@ -161,19 +169,26 @@ def reflect(frame, field, mirror, forcing, ledger):
                     g, r, _ = mirror_places(frame, window, active, mirror, begin, i, j, k)
                     if r < 0 or G[g + MASS] != -1.0 - mirror.number:
                         continue
-                    if i < owned:
-                        v, a = G[r + VELOCITY + axis], G[r + ACCELERATION + axis]
-                        twice = 2.0 * G[g + HELD]
-                        impulse[i, mirror.number, axis] -= given(
-                            relaxation, twice, dt, 0.0, 0.0, v, a
-                        )  # fmt: skip
-                        work[i] -= twice * dt * gravity[axis] * v
+                    twice = 2.0 * G[g + HELD]
+                    for d in range(3):
+                        if i < owned and _turns(mirror, d):
+                            v, a = G[r + VELOCITY + d], G[r + ACCELERATION + d]
+                            impulse[i, mirror.number, d] -= given(
+                                relaxation, twice, dt, 0.0, 0.0, v, a
+                            )  # fmt: skip
+                            work[i] -= twice * dt * gravity[d] * v
                     G[r + HELD] = also_held(G[r + HELD], axis)
                     G[g + HELD] = G[r + HELD]
                     for d in range(3):
-                        sign = -1.0 if d == axis else 1.0
+                        sign = -1.0 if _turns(mirror, d) else 1.0
                         G[g + VELOCITY + d] = sign * G[r + VELOCITY + d]
                         G[g + ACCELERATION + d] = sign * G[r + ACCELERATION + d]
+
+
+@inner_kernel
+def _turns(mirror, d):
+    """Whether a mirror turns component `d` round."""
+    return mirror.sticks or d == mirror.axis
 
 
 @inner_kernel

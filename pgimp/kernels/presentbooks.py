@@ -6,6 +6,7 @@ from pgimp.kernels.contact import AREA, NORMAL, PUSH
 from pgimp.kernels.contactbooks import book
 from pgimp.kernels.encounters import BODIES, ENTRY, SUMS, VERTEX
 from pgimp.kernels.ledger import CONTACT_AREA
+from pgimp.kernels.startgrid import turns
 
 
 @inner_kernel
@@ -63,8 +64,8 @@ def _book_areas(encounters, walls, ledger):
 def book_mirrored(encounters, responses, mirrors, ledger):
     """Book what mirrors add to the exchanged impulses, in the first plane, as `book_contacts`.
 
-    What acts on vertices beyond a mirror acts on their images with the component across it turned
-    round: the face gives twice that.
+    What acts on vertices beyond a mirror acts on their images with the component across it, or all,
+    turned round: the face gives twice that.
     """
     for k in range(len(encounters.ends)):
         for side in range(2):
@@ -72,9 +73,10 @@ def book_mirrored(encounters, responses, mirrors, ledger):
             if r < 0:
                 continue
             for n in range(len(mirrors)):
-                axis, face = mirrors[n, 0], mirrors[n, 3]
-                turned = responses.beyond[r, n] * impulse_of(encounters.partners[k], axis)
-                ledger.impulse[0, face, axis] -= 2.0 * sign * turned
+                for d in range(3):
+                    if turns(mirrors, n, d):
+                        turned = responses.beyond[r, n, d] * impulse_of(encounters.partners[k], d)
+                        ledger.impulse[0, mirrors[n, 3], d] -= 2.0 * sign * turned
 
 
 @kernel

@@ -86,12 +86,19 @@ def image_of(mirrors, number):
 
 
 @inner_kernel
-def reflection(mirrors, number, d):
-    """-1 where component `d` of a vertex is that of its image turned round, else 1."""
-    for n in range(len(mirrors)):
-        if mirrors[n, 0] == d and is_turned(mirrors, n, number):
-            return -1.0
-    return 1.0
+def turns(mirrors, n, d):
+    """Whether mirror `n` turns component `d` round."""
+    return mirrors[n, 4] != 0 or mirrors[n, 0] == d
+
+
+@inner_kernel
+def reflection(mirrors, number, d, count):
+    """-1 where the first `count` mirrors turn component `d` of a vertex round, else 1."""
+    sign = 1.0
+    for n in range(count):
+        if turns(mirrors, n, d) and is_turned(mirrors, n, number):
+            sign = -sign
+    return sign
 
 
 @inner_kernel
@@ -113,9 +120,9 @@ def take_vertices(holding, field, table, supports, mirrors, seen, vertices):
         After the update of momentum.
     table, supports
         The particles, and their supports at the start.
-    mirrors : (n, 4) int64
-        Axis, side, vertex number and face of the walls that reflect; what is beyond has its image's
-        sums.
+    mirrors : (n, 5) int64
+        Axis, side, vertex number and face of the walls that reflect, and whether they stick, see
+        `Mirror`; what is beyond has its image's sums.
     seen : Seen
         Vertices that have been copied are marked.
     vertices : StartVertices

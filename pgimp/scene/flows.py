@@ -59,7 +59,7 @@ class SceneFlows:
         self.fields = tuple(int(i) for i in number[material_of])
         self.relaxes = bool(own.any())
         self.walls = [
-            Mirror(face.axis, face.side, n, False)
+            Mirror(face.axis, face.side, n, False, False)
             for n, face in enumerate(faces)
             if face.condition.speed(face.axis, 0.0) is not None
         ]

@@ -143,7 +143,9 @@ class Scene:
         # Those that may let go come last: where they meet others, they use the sums of both.
         self.mirrors = sorted(
             (
-                Mirror(face.axis, face.side, number, face.condition.releases)
+                Mirror(
+                    face.axis, face.side, number, face.condition.releases, face.condition.sticks
+                )
                 for number, face in enumerate(self.faces)
                 if shape.mirrors and face.condition.mirrors
                 and not (remote and face.condition.approaches)

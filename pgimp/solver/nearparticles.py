@@ -205,10 +205,10 @@ def plain(scene: Scene) -> Setting:
 
 
 def mirrors_of(scene: Scene) -> np.ndarray:
-    """Axis, side, vertex number and face of the walls that reflect, (n, 4) int64."""
+    """Axis, side, vertex number, face, and whether they stick, of the mirrors, (n, 5) int64."""
     frame = scene.frame
-    rows = [
-        (each.axis, each.side, frame.ghost + (each.side > 0) * frame.cells[each.axis], each.number)
-        for each in scene.mirrors
-    ]
-    return np.array(rows, np.int64).reshape(-1, 4)
+    rows = []
+    for each in scene.mirrors:
+        vertex = frame.ghost + (each.side > 0) * frame.cells[each.axis]
+        rows.append((each.axis, each.side, vertex, each.number, each.sticks))
+    return np.array(rows, np.int64).reshape(-1, 5)

@@ -58,7 +58,7 @@ def calls(
     present = Present(np.zeros(3, np.int64), none, 1, none, np.empty((0, SUMMED)), none)
     rows = Responses(
         np.zeros(1, np.int64), none, np.empty((0, 3)), np.empty((0, 3)),
-        np.empty((0, len(mirrors))),
+        np.empty((0, len(mirrors), 3)),
     )  # fmt: skip
     values = vertices.values
     regions, order = no_regions(scene.dimension), np.empty(0, np.int32)

@@ -12,6 +12,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 import problems
+import sand
 
 import pgimp
 from pgimp.io.rundir.runinfo import cpu
@@ -54,10 +55,48 @@ ROWS = (
     ("column of sand, cells of 40 and 20 mm, drucker-prager: mean height (Tesserae.jl) [m]", 0.1184,
      (problems.column, "drucker-prager"), 0, (0.04, 0.02)),
     ("the same, mohr-coulomb", 0.1184, (problems.column, "mohr-coulomb"), 0, (0.04, 0.02)),
+    *(
+        (words, reference, (sand.heap, *rest), place, (0.05, 0.025))
+        for words, reference, place, *rest in (
+            ("sand that rests at 31 degrees, a column as high as wide, 20 and 40 cells to its "
+             "width: run-out over the width (Lube et al.)", 1.2, 0, 1),
+            ("the same: J that particles track, of all", 1.0, 1, 1),
+            ("the same: filling of a box in what has run out", 1.0, 2, 1),
+            ("the same with volumetric: mean, run-out", 1.2, 0, 1, "mean"),
+            ("the same: J with volumetric: mean", 1.0, 1, 1, "mean"),
+            ("the same: filling with volumetric: mean", 1.0, 2, 1, "mean"),
+            ("the same on a fixed floor: run-out", 1.2, 0, 1, "pointwise", "gimp", "fixed"),
+            ("the same, cpdi", 1.2, 0, 1, "pointwise", "cpdi", "fixed"),
+            ("the same, bspline-quadratic", 1.2, 0, 1, "pointwise", "bspline-quadratic", "fixed"),
+            ("the same, three times as high as wide: run-out", 3.952, 0, 3),
+            ("the same, three times as high as wide: filling", 1.0, 2, 3),
+            ("the same with volumetric: mean, three times as high: run-out", 3.952, 0, 3, "mean"),
+        )
+    ),
+    *(
+        (words, 0.6, (sand.brake, *rest), 0, (0.1, 0.05))
+        for words, *rest in (
+            ("a layer of that sand slides on a floor of friction 0.6, 10 and 20 cells deep: "
+             "deceleration over g", "gimp"),
+            ("the same with bspline-quadratic", "bspline-quadratic"),
+            ("the same on a fixed floor, gimp", "gimp", "fixed"),
+            ("the same on a fixed floor, bspline-quadratic", "bspline-quadratic", "fixed"),
+        )
+    ),
     ("sand of 30 degrees on a smooth wall that recedes, 10 and 20 cells high: K_a", 1.0 / 3.0,
      (problems.rankine, 0.001), 0, (0.1, 0.05)),
     ("the same, a wall that advances: K_p", 3.0, (problems.rankine, -0.001), 0, (0.1, 0.05)),
     ("the same without dilation", 3.0, (problems.rankine, -0.001, 0.0), 0, (0.1, 0.05)),
+    *(
+        (words, reference, (sand.retained, volumetric), place, (0.1, 0.05))
+        for words, reference, volumetric, place in (
+            ("sand of 33 degrees on a rough base, a smooth wall recedes, volumetric: mean: K_a",
+             0.294801, "mean", 0),
+            ("the same: pressure within cells, rms over that of the height", 0.0, "mean", 1),
+            ("the same without volumetric: mean: K_a", 0.294801, "pointwise", 0),
+            ("the same without volumetric: mean: pressure within cells", 0.0, "pointwise", 1),
+        )
+    ),
     ("cam-clay compressed at constant volume, pgimp element, 100 and 200 steps: q over p before",
      0.689219, (problems.undrained, 2.0), 0, (100, 200)),
     ("strip on clay, 10 and 20 cells to half of it: N_c", 5.1416,
@@ -167,11 +206,30 @@ def _cells_of(value, reference):
     return text
 
 
-def _problems(kept, quick):
-    """Lines of the table of problems; what `kept` has is not measured again."""
+def _standing(lines):
+    """Lines of a table by their words, and those of the row that they are like."""
+    found, head = {}, ""
+    for line in lines:
+        words = line.split(" | ")[0].removeprefix("| ")
+        head = head if words.startswith("the same") else words
+        found[head, words] = line
+    return found
+
+
+def _problems(kept, quick, only="", standing=()):
+    """Lines of the table of problems; what `kept` has is not measured again.
+
+    Rows whose function is not `only`, if that is given, are taken from the lines `standing`.
+    """
+    standing, head = _standing(standing), ""
     lines = ["| problem | reference | measured (error), two cell sizes | million "
              "particle-steps/s |", "|---|---|---|---|"]  # fmt: skip
     for words, reference, (function, *rest), place, cells in ROWS:
+        head = head if words.startswith("the same") else words
+        if only and only != function.__name__:
+            if (head, words) in standing:
+                lines.append(standing[head, words])
+            continue
         found = []
         for cell in cells[: 1 if quick else 2]:
             key = " ".join(map(str, (function.__name__, *rest, cell)))
@@ -197,8 +255,12 @@ def main():
     parser = argparse.ArgumentParser(prog="scripts/flows")
     parser.add_argument("words", nargs="*", metavar="WHAT", help="problems, costs; both by default")
     parser.add_argument("--quick", action="store_true", help="coarse cells alone; writes no page")
+    parser.add_argument("--only", choices=sorted({row[2][0].__name__ for row in ROWS}))
     options = parser.parse_args()
     OUT.mkdir(exist_ok=True)
+    if options.only:
+        _replace(options.only)
+        return
     store = OUT / ("quick.json" if options.quick else "flows.json")
     kept = json.loads(store.read_text()) if store.exists() else {}
     words = options.words or ["problems", "costs"]
@@ -217,9 +279,19 @@ def main():
         lines += ["", *_costs_table(kept["costs"], cells)]
     lines += ["", f"By `scripts/flows`: {kept['origin']}. Speeds are per second of CPU time of one "
               "rank."]  # fmt: skip
-    text = "\n".join(lines) + "\n"
+    _write("\n".join(lines) + "\n", options.quick)
+
+
+def _replace(only):
+    """Measure the problems of one function anew, and leave the rest of the table."""
+    table, rest = (PAGES / "tables" / "soils-and-fluids.md").read_text("utf-8").split("\n\n", 1)
+    *_, lines = _problems({}, False, only, table.splitlines())
+    _write("\n".join(lines) + "\n\n" + rest, False)
+
+
+def _write(text, quick):
     (OUT / "flows.md").write_text(text, encoding="utf-8")
-    if not options.quick:
+    if not quick:
         (PAGES / "tables" / "soils-and-fluids.md").write_text(text, encoding="utf-8")
         subprocess.run([sys.executable, PAGES], check=True)
 

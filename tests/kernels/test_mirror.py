@@ -16,11 +16,14 @@ def walls(D, kinds):
     """Faces from x-min on with conditions, `kinds` in turn, and the mirrors in both languages."""
     chosen = [faces_of(kinds[n % len(kinds)], D)[n] for n in range(2 * D)]
     mirrors = [
-        (face[1], face[2], face[0] == "separating", n) for n, (_, face) in enumerate(chosen)
+        (face[1], face[2], face[0] == "separating", face[0] == "fixed", n)
+        for n, (_, face) in enumerate(chosen)
     ]
     mirrors.sort(key=lambda mirror: mirror[2])  # those that let go last
-    kernel = [Mirror(axis, side, n, releases) for axis, side, releases, n in mirrors]
-    return chosen, kernel, [mirror[:3] for mirror in mirrors]
+    kernel = [
+        Mirror(axis, side, n, releases, sticks) for axis, side, releases, sticks, n in mirrors
+    ]
+    return chosen, kernel, [mirror[:4] for mirror in mirrors]
 
 
 @pytest.mark.parametrize("D", [1, 2, 3])

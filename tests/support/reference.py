@@ -241,8 +241,8 @@ class Reference:
             self.impulse.append(dt * force.reshape(-1, self.D).sum(axis=0))
         # Where faces meet, the velocity that counts is the one that all of them leave.
         self.work = dt * (m * (b + self.a - free) * self.v).sum()
-        for (axis, side, _), every in zip(mirrors[::-1], folded[::-1], strict=True):
-            sign = np.where(np.arange(self.D) == axis, -1.0, 1.0)
+        for (axis, side, _, sticks), every in zip(mirrors[::-1], folded[::-1], strict=True):
+            sign = np.where((np.arange(self.D) == axis) | sticks, -1.0, 1.0)
             for (beyond, image), taken in zip(self.images(axis, side), every, strict=True):
                 for field in (self.v, self.a):
                     rows = np.moveaxis(field, axis, 0)
@@ -255,7 +255,7 @@ class Reference:
         pairs = [(wall + side * k, wall - side * k) for k in range(1, ghost + 1)]
         return [(g, r) for g, r in pairs if 0 <= r < self.shape[axis]]
 
-    def fold(self, force, dt, gone, total, closing, axis, side, releases):
+    def fold(self, force, dt, gone, total, closing, axis, side, releases, sticks):
         """Add what is beyond a face to the mirror images, but not where the face lets go.
 
         `gone` becomes true for vertices that have given away what they had: at edges, where faces
@@ -273,7 +273,7 @@ class Reference:
         if releases:
             most = np.moveaxis(closing, axis, 0)[wall]
             taken = into * side > most * m[wall]
-        sign = np.where(np.arange(self.D) == axis, -1.0, 1.0)
+        sign = np.where((np.arange(self.D) == axis) | sticks, -1.0, 1.0)
         lost, folded, near = np.moveaxis(gone, axis, 0), [], np.moveaxis(total, axis, 0)
         for beyond, image in self.images(axis, side):
             where = taken & (m[beyond] > 0) & ~lost[image]

@@ -13,6 +13,9 @@ class Boundary(Model):
     #: Whether the face reflects what particles carry beyond it, where their shape asks for that.
     mirrors: ClassVar[bool] = True
 
+    #: Whether nothing moves on the face, neither across it nor along it.
+    sticks: ClassVar[bool] = False
+
     #: Whether the material may leave the face.
     releases: ClassVar[bool] = False
 

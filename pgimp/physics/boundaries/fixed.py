@@ -1,6 +1,6 @@
 """A fixed wall: v = a = 0 on the face and beyond."""
 
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 from pgimp.physics.boundaries.base import Boundary
 
@@ -19,6 +19,8 @@ class FixedParameters(NamedTuple):
 
 class Fixed(Boundary):
     """Holds the material: no motion on the face."""
+
+    sticks: ClassVar[bool] = True
 
     def parameters(self, axis: int, side: int, start: float, end: float) -> FixedParameters:
         """See `Boundary.parameters`."""
