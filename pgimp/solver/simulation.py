@@ -256,7 +256,7 @@ class Simulation:
     def _next(self) -> Step:
         """Complete the last step's reduction; its top speed sets the next dt."""
         self.complete_reduction()
-        step = self.clock.next(self.done, self.fastest)
+        step = self.clock.next(self.done, self.clock.follow(self.fastest))
         if free := self.rank.free:
             free.require_slow(step)
             free.require_clear(self.done, step.dt)
