@@ -26,24 +26,24 @@ class HeldRate:
         The rate that steps are taken by, at least the present one; 0 before the first.
     window : int
         Steps that have to do with a lower rate before it is taken.
-    lengthened : int
-        How often the rate has been lowered.
+    lengthened, waited : int
+        How often the rate has been lowered, and steps that could have done with a lower one.
     """
 
     def __init__(self) -> None:
         self.rate = self._most = self._low = 0.0
-        self._count, self.window, self.lengthened = 0, FIRST, 0
+        self._count, self.window, self.lengthened, self.waited = 0, FIRST, 0, 0
 
     @property
     def numbers(self) -> list[float]:
         """The state for a checkpoint."""
-        whole = (self._count, self.window, self.lengthened)
+        whole = (self._count, self.window, self.lengthened, self.waited)
         return [self.rate, self._most, self._low, *map(float, whole)]
 
     @numbers.setter
     def numbers(self, numbers: list[float]) -> None:
         self.rate, self._most, self._low = numbers[:3]
-        self._count, self.window, self.lengthened = map(int, numbers[3:])
+        self._count, self.window, self.lengthened, self.waited = map(int, numbers[3:])
 
     def follow(self, rate: float) -> float:
         """Return the rate for the next step, given the largest (c + |v|)/L; once a step."""
@@ -56,6 +56,7 @@ class HeldRate:
             return self.rate
         self._most = max(self._most, rate)
         self._count += 1
+        self.waited += 1
         # A step that is far too short is no vibration's: it need not be kept as long.
         gain = EAGER * (self.rate - self._most)
         if self._count * max(self._most, gain) >= self.window * self._most:
