@@ -235,7 +235,7 @@ class Simulation:
         request = Request.ERROR if rank.failed else self.request
         reduction.begin(rate, request, balance.rebalance_requested, rank.vertex_bounds)
         sort = number % RESORT == 0
-        look = self.watch is not None and number % EVERY == 0
+        look = self.watch is not None and (self.watch.close or number % EVERY == 0)
         if complete or move or sort or look or self.comm.size == 1:
             self.complete_reduction()
         if look:

@@ -39,7 +39,7 @@ class State(BaseModel):
     beyond_face: str
     tools: str = ""
     densest: float | None = Field(default=None, gt=0.0)
-    watch: list[float] | None = Field(default=None, min_length=4, max_length=4)
+    watch: list[float] | None = Field(default=None, min_length=4, max_length=12)
     held_rate: list[NonNegativeFloat] | None = Field(default=None, min_length=7, max_length=7)
     stage: int = Field(ge=0, le=1000, default=0)
     counted: int = Field(ge=0, le=2**53, default=0)
