@@ -17,6 +17,7 @@ at, and the mean counts. Sums are taken layer by layer, as those of the history,
 the same bits on any number of ranks.
 """
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -32,9 +33,13 @@ EVERY = 10
 #: factor on the step; the next bound, relative to the spurious energy found.
 BOUND, SHORTER, AGAIN = 0.05, 0.75, 1.5
 
-#: Steps in a row that have to be beyond the bound, or one beyond this times the bound; part of the
-#: bound from which every step is looked at: what was found before leaves no doubt.
-ROW, AT_ONCE, DOUBT = 6, 10.0, 0.8
+#: Steps in a row that have to be beyond the bound, and part of it from which each step is looked
+#: at; what was found before leaves no doubt.
+ROW, DOUBT = 6, 0.8
+
+#: How far beyond the bound one look is enough, by the sums that its energy is a mean of: about
+#: twice what waves of four cells in the longest steps swing by.
+AT_ONCE = (100.0, 40.0, 10.0)
 
 #: The least part of the first Courant number, and the spurious energy that ends the run.
 LEAST, HOPELESS = 0.3, 10.0
@@ -79,8 +84,9 @@ class EnergyWatch:
     @property
     def numbers(self) -> list[float]:
         """The state for a checkpoint."""
-        state = (self.part, self._first, self._most, self._bound, float(self._new), float(self._row))
-        return [*state, *(each for kept in self._kept for each in kept)]
+        whole = (float(self._new), float(self._row))
+        kept = (each for sums in self._kept for each in sums)
+        return [self.part, self._first, self._most, self._bound, *whole, *kept]
 
     @numbers.setter
     def numbers(self, numbers: list[float]) -> None:
@@ -111,24 +117,20 @@ class EnergyWatch:
         EndlessError
             On every rank, if the solution has blown up.
         """
-        kinetic, strain, work, _ = self._sums(rank)
-        before, self._kept = self._kept, [*self._kept[-1:], (kinetic, strain, work)]
-        if len(before) == 1:  # a mean needs three
-            return
-        if before:
-            (_, strain_before, _), (kinetic_now, strain_now, work_now) = before
-            kinetic, work = 0.5 * (kinetic_now + kinetic), 0.5 * (work_now + work)
-            strain = 0.125 * (strain_before + 6.0 * strain_now + strain)
-        energy = kinetic + strain
+        sums = *self._kept, self._sums(rank)[:3]
+        energy, work = _balanced(sums)
+        self._kept = [*sums[-2:]]
         if self._new:
+            if len(sums) < len(AT_ONCE):
+                return
             self._first, self._new = energy - work, False
         excess = energy - self._first - work
         self._most = max(self._most, energy - max(excess, 0.0))
         bound = self._bound * self._most
         if not excess > DOUBT * bound:
             self._kept = []
-        self._row = self._row + 1 if before and excess > bound else 0
-        if not before or (self._row < ROW and not excess > AT_ONCE * bound):
+        self._row = self._row + 1 if excess > bound else 0
+        if self._row < ROW and not excess > AT_ONCE[len(sums) - 1] * bound:
             return
         self._row = 0
         part = excess / self._most
@@ -163,3 +165,15 @@ class EnergyWatch:
         work, *found = (float(np.concatenate(each).sum()) for each in zip(*parts, strict=True))
         kinetic, strain, mass = (a + b for a, b in zip(found[:3], found[3:], strict=True))
         return kinetic, strain, work, mass
+
+
+def _balanced(sums: Sequence[tuple[float, float, float]]) -> tuple[float, float]:
+    """Energy, as far as sums of one to three steps tell it at one time, and work until then."""
+    kinetic, strain, work = sums[-1]
+    if len(sums) > 1:
+        kinetic_before, now, work_before = sums[-2]
+        kinetic, work = 0.5 * (kinetic_before + kinetic), 0.5 * (work_before + work)
+        if len(sums) > 2:
+            now += 0.125 * (sums[-3][1] - 2.0 * now + strain)
+        strain = now
+    return kinetic + strain, work

@@ -4,6 +4,8 @@ from math import cos, nan, pi, sqrt
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from scenes import box, energy, scene, start
 
 from pgimp.solver.heldrate import FIRST, LONGEST, WORTH, HeldRate
@@ -56,30 +58,75 @@ def test_a_checkpoint_in_the_middle_of_a_window_goes_on_with_it():
         assert [again.follow(each) for each in rates[cut:]] == whole[cut:]
 
 
-def bar(periods):
-    """A free bar of ten cells in the initial configuration, in its second mode, and the period."""
-    cells, c = 10, sqrt(100.0 * 0.7 / (1.3 * 0.4))
-    body = box([2.0], [2.0 + cells]) | {"configuration": "initial"}
+def shaken(case, modes):
+    """A free case of one soft bar from 2 on, with amplitudes of its modes over the wave speed.
+
+    Returns
+    -------
+    sim : Simulation
+        At its start.
+    period : float
+        Of its second mode, one wave along the bar.
+    """
+    length = case["bodies"]["body"]["region"]["box"]["max"][0] - 2.0
+    c = sqrt(100.0 * 0.7 / (1.3 * 0.4))
+    sim = start(case | {"time": case["time"] | {"end": case["time"]["end"] * length / c}})
+    p, rows = sim.particles, sim.live()
+    x = p.x[rows, 0] - 2.0
+    for n, amplitude in enumerate(modes, 1):
+        k = n * pi / length
+        p.v[rows, 0] += amplitude * c * np.cos(k * x)
+        if p.L.shape[1]:
+            p.L[rows, 0] -= amplitude * c * k * np.sin(k * x)
+    return sim, length / c
+
+
+def bar(periods, cells=10, courant: float | str = 0.3, per_cell=2, configuration="initial",
+        affine=True):  # fmt: skip
+    """The case of a free bar, to a number of periods."""
+    body = box([2.0], [2.0 + cells]) | {"configuration": configuration}
     solid = {"model": "neo-hookean", "young": 100.0, "poisson": 0.3, "density": 1.0}
-    case = scene(1, body, cells=[cells + 4], end=periods * cells / c, step={"courant": 0.3},
-                 materials={"soft": solid})  # fmt: skip
-    case["method"]["affine"] = True
-    sim = start(case)
-    p, rows, k = sim.particles, sim.live(), 2.0 * pi / cells
-    p.v[rows, 0] = 0.03 * c * np.cos(k * (p.x[rows, 0] - 2.0))
-    p.L[rows, 0] = -0.03 * c * k * np.sin(k * (p.x[rows, 0] - 2.0))
-    return sim, cells / c
+    case = scene(1, body, cells=[cells + 4], end=periods, step={"courant": courant},
+                 per_cell=per_cell, materials={"soft": solid})  # fmt: skip
+    case["method"]["affine"] = affine
+    return case
+
+
+def means(sim, period, *times):
+    """Kinetic and strain energy over that of the start: means of the two periods before times."""
+    first, found = energy(sim.diagnostics()), [[] for _ in times]
+    while not sim.finished:
+        sim.advance()
+        for time, each in zip(times, found, strict=True):
+            if time - 2 < sim.time / period <= time:
+                each.append(energy(sim.diagnostics()) / first)
+    return [np.mean(each) for each in found]
 
 
 def test_a_free_bar_keeps_its_energy():
-    """Steps that followed the strain gave it 1.45 times its energy in 50 periods."""
-    sim, period = bar(50)
-    first, found = energy(sim.diagnostics()), []
-    while not sim.finished:
-        sim.advance()
-        if sim.time > 48 * period:
-            found.append(energy(sim.diagnostics()) / first)
-    assert np.mean(found) == pytest.approx(1.05, abs=0.03)
+    """Steps that followed the strain gave it 1.45 times its energy in 50 periods.
+
+    Velocities are half a step behind the strain: so it swings about more than that of the start.
+    """
+    sim, period = shaken(bar(50), [0.0, 0.03])
+    early, late = means(sim, period, 4, 50)
+    assert late < 1.055 and late == pytest.approx(early, abs=0.003)  # measured 1.050, 1.049
     state, *_ = capture(sim.rank, sim.now, sim.rate, sim.count, sim.diagnostic_sums,
                         clock=sim.clock)  # fmt: skip
     assert State.model_validate(state).held_rate == sim.clock.held.numbers
+
+
+@settings(max_examples=12, deadline=None, derandomize=True)
+@given(st.data())
+def test_random_vibrations_gain_no_energy(data):
+    """Any length, mode, strain, step and transfer; what is not kept is lost, not made."""
+    draw = data.draw
+    case = bar(
+        30, draw(st.integers(6, 16)), draw(st.sampled_from([0.2, 0.3, 0.45, "auto"])),
+        draw(st.sampled_from([1, 2])), draw(st.sampled_from(["initial", "current"])),
+        draw(st.booleans()),
+    )  # fmt: skip
+    modes = draw(st.lists(st.floats(-0.02, 0.02), min_size=2, max_size=3))
+    sim, period = shaken(case, [*modes, 0.02])
+    early, late = means(sim, period, 4, 30)
+    assert late < 1.02 * early
