@@ -249,7 +249,7 @@ FEATURES = (
     Feature("viscosity", viscosity, 0.2, compiled=True),
     Feature("time", time),
     Feature("steps chosen", courant, 0.12, compiled=True),
-    Feature("long run", long, 0.05, compiled=True),
+    Feature("many periods", long, 0.05, compiled=True),
     Feature("bodies", add_bodies),
     Feature("walls", walls, 0.7, compiled=True),
     Feature("rough walls", rough, 0.3, compiled=True),
