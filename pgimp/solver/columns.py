@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from pgimp.kernels.errors import DISPLACEMENT, STRESS, STRESS_VOLUME, VELOCITY
+from pgimp.kernels.ledger import WALL_HEAT, WALL_LOSS
 from pgimp.kernels.sums import KINETIC, MASS, MOMENT, MOMENTUM, STRAIN
 from pgimp.solver.meetingcolumns import MEETING
 from pgimp.solver.totals import Column, Group, Totals
@@ -101,7 +102,8 @@ HISTORY = (
             Column(
                 "external-work", "energy",
                 "work of gravity, body forces, faces, tractions, constraints and rigid bodies on "
-                "the material since the start: force times displacement",
+                "the material since the start: force times displacement; friction of what is at "
+                "rest does none, what it takes is in dissipated-energy",
                 lambda s, _: s.work,
             ),
         ),
@@ -203,6 +205,23 @@ HISTORY = (
                 "beyond it: a particle of fixed size does where the material is compressed against "
                 "a wall, and what lies there the wall bears",
                 lambda s, k: s.outside_mass[k],
+            ),
+        ),
+    ),
+    Group(
+        lambda scene: [face.name for face in scene.faces if face.condition.approaches],
+        (
+            Column(
+                "wall.FACE.friction-heat", "energy",
+                "for each `separating` face: energy that its friction turned into heat since the "
+                "start, force times way; a part of dissipated-energy, as that of contact",
+                lambda s, k: s.taken_by_wall(k, WALL_HEAT),
+            ),
+            Column(
+                "wall.FACE.impact-loss", "energy",
+                "likewise what its force along the normal took, from what still moves into it "
+                "while it is stopped",
+                lambda s, k: s.taken_by_wall(k, WALL_LOSS),
             ),
         ),
     ),

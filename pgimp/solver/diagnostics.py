@@ -6,7 +6,14 @@ from typing import Any
 import numpy as np
 
 from pgimp.kernels.errors import ERRORS, layer_errors
-from pgimp.kernels.ledger import BOOKED, IMPULSE, TOOL_IMPULSE, TOOL_MOMENT, TOOLED
+from pgimp.kernels.ledger import (
+    BOOKED,
+    IMPULSE,
+    TOOL_IMPULSE,
+    TOOL_MOMENT,
+    TOOLED,
+    WALL_BOOKED,
+)
 from pgimp.kernels.sums import HIGH, KINETIC, LOW, MASS, STRAIN, SUMS, exact_masses, layer_sums
 from pgimp.physics.materials.base import LOSSES
 from pgimp.solver.clock import START, Step
@@ -85,7 +92,8 @@ def column_names(scene: Any) -> list[str]:
         line_of(
             Totals(
                 scene, START, bodies, none, none, none, 0.0, told, 0.0, 0.0, force,
-                np.zeros(faces), contact, tools, np.zeros(len(tools), np.int64), {}, errors, errors,
+                np.zeros(faces), np.zeros((faces, WALL_BOOKED)), contact, tools,
+                np.zeros(len(tools), np.int64), {}, errors, errors,
             )
         )
     )
@@ -133,14 +141,14 @@ class Diagnostics:
         errors = self._own_errors(rank, done.end)
         rows = rank.population.ordered.rows
         inside = rank.keeping.inside(rank.particles, rows, done.end, QUARTER)
-        booked = (impulse, own.outside_mass, own.contact, own.tools)
+        booked = (impulse, own.outside_mass, own.contact, own.tools, own.walls)
         parts = rank.comm.gather((sums, own.work, booked, errors, own.escaped, masses, inside))
         if parts is None:
             return None
         bodies, every = _reduced([part[0] for part in parts], [part[5] for part in parts], unit)
         work = float(np.concatenate([part[1] for part in parts]).sum())
-        impulse, outside_mass, contact, tools = (
-            np.add.reduce(np.concatenate([part[2][i] for part in parts]), axis=0) for i in range(4)
+        impulse, outside_mass, contact, tools, walls = (
+            np.add.reduce(np.concatenate([part[2][i] for part in parts]), axis=0) for i in range(5)
         )
         inside = np.sum([part[6] for part in parts], axis=0)
         self._tell(scene, done.end, inside)
@@ -164,7 +172,7 @@ class Diagnostics:
         return line_of(
             Totals(
                 scene, done, bodies, total, escaped, self.removed_so_far(scene), self.changed,
-                self.told, self.first_energy, work, force, outside_mass, contact, tools, inside,
+                self.told, self.first_energy, work, force, outside_mass, walls, contact, tools, inside,
                 rank.free.now if rank.free else {}, added, most,
             )
         )  # fmt: skip

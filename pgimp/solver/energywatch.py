@@ -114,6 +114,7 @@ class EnergyWatch:
         mine = [(found[:, :, KINETIC] + found[:, :, STRAIN], found[:, :, MASS])
                 for found in (sums, escaped)]  # fmt: skip
         rows = [each.sum(axis=1) for pair in mine for each in pair]
-        parts = rank.comm.allgather((own.work, *rows))
+        # What walls that let go have taken cannot come from nothing.
+        parts = rank.comm.allgather((own.work - own.walls.sum(axis=(1, 2)), *rows))
         work, *found = (float(np.concatenate(each).sum()) for each in zip(*parts, strict=True))
         return found[0] + found[2], work, found[1] + found[3]
