@@ -20,6 +20,10 @@ class FixedParameters(NamedTuple):
 class Fixed(Boundary):
     """Holds the material: no motion on the face."""
 
+    def motion(self, end: float) -> tuple[float, float, float] | None:
+        """See `Boundary.motion`."""
+        return 0.0, 0.0, 0.0
+
     def parameters(self, axis: int, side: int, start: float, end: float) -> FixedParameters:
         """See `Boundary.parameters`."""
         return FixedParameters(axis, side)
