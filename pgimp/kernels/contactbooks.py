@@ -35,7 +35,7 @@ def losses_of(row, u, v):
 
 @inner_kernel
 def book(contact, holding, number, pair, part, last, ledger, plane):
-    """Book the impulse that a pair has exchanged in a pass, times `part`, at a vertex of `plane`."""
+    """Book what a pair has exchanged in a pass, times `part`, at a vertex of `plane`."""
     row, entry = contact.partners[pair], contact.ends[pair, 2] - 1
     a, b = contact.ends[pair, 0], contact.ends[pair, 1]
     booked = ledger.contact[plane, entry]

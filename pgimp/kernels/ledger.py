@@ -10,7 +10,7 @@ import numpy as np
 #: impulse along normals and across them; heat of friction; energy lost in impacts; area.
 IMPULSE, NORMAL_IMPULSE, TANGENTIAL_IMPULSE, HEAT, LOSS, CONTACT_AREA, BOOKED = 0, 3, 4, 5, 6, 7, 8
 
-#: Columns of `Ledger.walls`, for each face that lets go: heat of friction; energy lost in impacts.
+#: Columns of `Ledger.walls`, for each face: heat of friction; energy lost in impacts.
 WALL_HEAT, WALL_LOSS, WALL_BOOKED = 0, 1, 2
 
 #: Columns of `Ledger.tools`, for each rigid body since the start: impulse and angular impulse about
@@ -32,7 +32,7 @@ class Ledger(NamedTuple):
     constraint_impulse : (planes, constraints, 3) float64
         Impulse of each constraint.
     walls : (planes, faces, WALL_BOOKED) float64
-        Energy that each face that lets go has taken; zeros for others.
+        Energy that each face that lets go, or holds every component, has taken; zeros for others.
     contact : (planes, entries, BOOKED) float64
         Sums of each entry of contact.
     tools : (planes, rigid bodies, TOOLED) float64

@@ -8,8 +8,8 @@ fixed floor at the speed of its fall.
 Such a particle loses the difference between its velocity and that at which it moves, as it would
 have gone a part of a cell by it: by itself a difference d falls as exp(-STOPS (2 W - 1) s/h), s
 being the way by d, and W > 1/2 the held part of the support. Smooth motion has hardly any: in
-waves the loss is of third order in their amplitude. The wall takes the momentum, and does work only
-where it moves. No kinetic energy is gained, as the wall sees it.
+waves the loss is of third order in their amplitude. The wall takes the momentum, does work only
+where it moves, and books what else is lost. No kinetic energy is gained, as the wall sees it.
 """
 
 from math import sqrt
@@ -20,6 +20,7 @@ from pgimp.jit.simd import bits, lane, vector, with_lane
 from pgimp.jit.tuples import plus_scaled
 from pgimp.kernels.fours import LANES, coordinates
 from pgimp.kernels.heldcodes import SEVERAL
+from pgimp.kernels.ledger import WALL_LOSS
 from pgimp.kernels.walls import HOLDS, MOTION, NUMBER, PLACE
 
 #: The inverse of the way, in cells, by which the difference falls by a factor of e.
@@ -58,7 +59,7 @@ def _lost_part(frame, dt, part, wall, u, v):
 
 
 @inner_kernel
-def _settled_part(frame, forcing, m, x, motion, held, impulse, work):
+def _settled_part(frame, forcing, m, x, motion, held, ledger, layer):
     """Part of the difference that a particle of mass m at x loses in a step; books that.
 
     `motion` are its velocity and that at which it moves; `held` is the sum of its codes.
@@ -70,11 +71,13 @@ def _settled_part(frame, forcing, m, x, motion, held, impulse, work):
     if n < 0:
         return 0.0
     (v, u), wall = motion, forcing.walls[n]
-    lost = _lost_part(frame, forcing.dt, min(part, 1.0), wall, u, v)
+    lost, face = _lost_part(frame, forcing.dt, min(part, 1.0), wall, u, v), int(wall[NUMBER])
     for d in range(len(x)):
-        J = m * lost * (u[d] - v[d])
-        impulse[int(wall[NUMBER]), d] += J
-        work[0] += J * wall[MOTION + d]
+        change = lost * (u[d] - v[d])
+        ledger.impulse[layer, face, d] += m * change
+        ledger.work[layer] += m * change * wall[MOTION + d]
+        against = v[d] + 0.5 * change - wall[MOTION + d]
+        ledger.walls[layer, face, WALL_LOSS] -= m * change * against
     return lost
 
 
@@ -103,13 +106,13 @@ def _settle(rest, frame, forcing, particles, batch, motion, held, ledger):
         v, u = motion
         if bits(held > MOSTLY * SEVERAL) == 0:
             return v
-        x, at = coordinates(frame, particles, batch.rows), batch.layer
+        x = coordinates(frame, particles, batch.rows)
         lost, part = vector(0.0), 0.0
         for j in range(LANES):
             if j < batch.size:  # else as the last one, for which it fills in
                 part = _settled_part(
                     frame, forcing, particles.m[batch.rows[j]], of_lane(x, j), of_lane(motion, j),
-                    lane(held, j), ledger.impulse[at], ledger.work[at : at + 1],
+                    lane(held, j), ledger, batch.layer,
                 )  # fmt: skip
             lost = with_lane(lost, j, part)
         return plus_scaled(lost, u, plus_scaled(-lost, v, v))

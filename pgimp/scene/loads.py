@@ -127,8 +127,8 @@ class SceneLoads:
         force = BodyForce(self.force, t) if self.force else ()
         mean, around = ((), self.mean) if all(self.begun) else (self.mean, ())
         return Loads(
-            self.viscosity, tractions, force, self.relaxation, self.affine, self.walls, mean, around,
-            self.rest,
+            self.viscosity, tractions, force, self.relaxation, self.affine, self.walls, mean,
+            around, self.rest,
         )  # fmt: skip
 
     def _constraints_at(self, start: float, end: float) -> tuple:

@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 
 from pgimp.kernels.errors import DISPLACEMENT, STRESS, STRESS_VOLUME, VELOCITY
-from pgimp.kernels.ledger import WALL_HEAT, WALL_LOSS
 from pgimp.kernels.sums import KINETIC, MASS, MOMENT, MOMENTUM, STRAIN
-from pgimp.solver.meetingcolumns import MEETING
+from pgimp.solver.meetingcolumns import MEETING, WALLS
 from pgimp.solver.totals import Column, Group, Totals
 
 
@@ -208,23 +207,7 @@ HISTORY = (
             ),
         ),
     ),
-    Group(
-        lambda scene: [face.name for face in scene.faces if face.condition.approaches],
-        (
-            Column(
-                "wall.FACE.friction-heat", "energy",
-                "for each `separating` face: energy that its friction turned into heat since the "
-                "start, force times way; a part of dissipated-energy, as that of contact",
-                lambda s, k: s.taken_by_wall(k, WALL_HEAT),
-            ),
-            Column(
-                "wall.FACE.impact-loss", "energy",
-                "likewise what its force along the normal took, from what still moves into it "
-                "while it is stopped",
-                lambda s, k: s.taken_by_wall(k, WALL_LOSS),
-            ),
-        ),
-    ),
+    *WALLS,
     *MEETING,
     Group(
         lambda scene: [""] if scene.exact else [],

@@ -172,8 +172,8 @@ class Diagnostics:
         return line_of(
             Totals(
                 scene, done, bodies, total, escaped, self.removed_so_far(scene), self.changed,
-                self.told, self.first_energy, work, force, outside_mass, walls, contact, tools, inside,
-                rank.free.now if rank.free else {}, added, most,
+                self.told, self.first_energy, work, force, outside_mass, walls, contact, tools,
+                inside, rank.free.now if rank.free else {}, added, most,
             )
         )  # fmt: skip
 

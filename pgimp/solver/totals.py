@@ -49,7 +49,7 @@ class Totals(NamedTuple):
     outside_mass : (faces,) float64
         Mass beyond each face in the last step.
     walls : (faces, WALL_BOOKED) float64
-        The ledger of faces that let go.
+        What each face has taken.
     contact : (entries, BOOKED) float64
         The ledger of contact.
     tools : (rigid bodies, TOOLED) float64
@@ -109,11 +109,6 @@ class Totals(NamedTuple):
             return ()
         others = len(self.scene.faces) + len(self.scene.case.constraints)
         return self.along(self.force[others + k], 0)
-
-    def taken_by_wall(self, k: int, column: int) -> float:
-        """Return an energy that the k-th of the faces that let go has taken."""
-        letting = [n for n, face in enumerate(self.scene.faces) if face.condition.approaches]
-        return self.walls[letting[k], column]
 
     def on_tool(self, k: int) -> np.ndarray:
         """Return the mean force on a rigid body."""
