@@ -8,7 +8,7 @@ from pgimp.kernels.loads import relaxed
 from pgimp.kernels.resting import settle
 
 
-def update_velocity(frame, forcing, particles, batch, u, a, held, ledger):
+def update_velocity(frame, forcing, particles, batch, u, a, ledger):
     """Velocities of four particles after a step, and at which they move.
 
     Parameters
@@ -17,8 +17,6 @@ def update_velocity(frame, forcing, particles, batch, u, a, held, ledger):
         See `Frame`, `Forcing`, `Particles`, `Batch`, `Ledger`.
     u, a : tuple of D Vec4
         The grid's velocity and acceleration at their places.
-    held : Vec4
-        Weighted sums of `HELD` there.
 
     Returns
     -------
@@ -28,11 +26,11 @@ def update_velocity(frame, forcing, particles, batch, u, a, held, ledger):
 
 
 @specialise(update_velocity)
-def _update_velocity(frame, forcing, particles, batch, u, a, held, ledger):
-    def update(frame, forcing, particles, batch, u, a, held, ledger):
+def _update_velocity(frame, forcing, particles, batch, u, a, ledger):
+    def update(frame, forcing, particles, batch, u, a, ledger):
         v = plus_scaled(forcing.dt, a, take_row(particles.v, batch.rows, 0, u))  # (27)
         v = relaxed(forcing.loads.relaxation, forcing.dt, v, u)
-        v = settle(forcing.loads.rest, frame, forcing, particles, batch, (v, u), held, ledger)
+        v = settle(forcing.loads.rest, frame, forcing, particles, batch, (v, u), ledger)
         return constrain_particles(forcing.constraints, particles, batch, u, v, ledger)
 
     return update
