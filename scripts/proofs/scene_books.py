@@ -5,7 +5,8 @@
   that they gave, to rounding. Gravity and tractions are summed here from the particles.
 - External work is, to rounding, gravity's (weight times way of each particle), that of rigid
   bodies, and that of a prescribed motion (force times velocity), where there is no traction and at
-  most one such motion. Faces at rest, and bodies that meet, do none: so books of what is at rest are closed.
+  most one such motion. Faces at rest, and bodies that meet, do none: so books of what is at rest
+  are closed.
 - Energy: kinetic and strain energy exceed those of the start and the external work by no more than
   the time integration explains: by a part of the energy that becomes smaller with the step. Not
   with `volume: initial`, whose forces are those of the strain energy at small strains only. What
