@@ -161,7 +161,8 @@ class EnergyWatch:
         escaped = own.escaped if scene.escapes else np.zeros((len(own.work), 1, scene.sums))
         rows = [found[:, :, which].sum(axis=1) for found in (sums, escaped)
                 for which in (KINETIC, STRAIN, MASS)]  # fmt: skip
-        parts = rank.comm.allgather((own.work, *rows))
+        # What walls that let go have taken cannot come from nothing.
+        parts = rank.comm.allgather((own.work - own.walls.sum(axis=(1, 2)), *rows))
         work, *found = (float(np.concatenate(each).sum()) for each in zip(*parts, strict=True))
         kinetic, strain, mass = (a + b for a, b in zip(found[:3], found[3:], strict=True))
         return kinetic, strain, work, mass
