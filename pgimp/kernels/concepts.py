@@ -150,8 +150,8 @@ class Forcing(NamedTuple):
         The constraints, see `pgimp.kernels.constraints`.
     marked : (constraints, mask) or ()
         The constraints and the vertices that they hold, see `constrained_velocity`.
-    walls : (6, 4) float64
-        The faces that hold particles in, see `pgimp.kernels.walls`.
+    walls : (6, WALL) float64
+        The faces that hold particles, see `pgimp.kernels.walls`.
     controlled : bool or float
         Whether the next step depends on the particles' speeds.
     clearances : (faces, vertices) float64 or ()

@@ -20,27 +20,36 @@ from pgimp.kernels.tools import ANSWERS, CENTRE, FORMER, FREE, TAKEN, place_of
 
 
 @inner_kernel
-def book(contact, holding, number, pair, part, last, ledger, plane):
-    """Book the impulse that a pair has exchanged in a pass, times `part`, at a vertex of `plane`.
+def losses_of(row, u, v):
+    """Heat of friction and loss along the normal of a pair whose ends have velocities u and v.
 
     Energy is impulse times the velocity after it, as the work of all other forces.
     """
+    heat, normal = 0.0, 0.0
+    for d in range(3):
+        w = v[d] - u[d]
+        normal += w * row[NORMAL + d]
+        heat -= row[SLIP + d] * w
+    return heat, -row[PUSH] * normal
+
+
+@inner_kernel
+def book(contact, holding, number, pair, part, last, ledger, plane):
+    """Book what a pair has exchanged in a pass, times `part`, at a vertex of `plane`."""
     row, entry = contact.partners[pair], contact.ends[pair, 2] - 1
     a, b = contact.ends[pair, 0], contact.ends[pair, 1]
     booked = ledger.contact[plane, entry]
     u = held_field_velocity(contact, holding, number, a, last)
     v = held_field_velocity(contact, holding, number, b, last)
-    square, heat, normal = 0.0, 0.0, 0.0
+    heat, loss = losses_of(row, u, v)
+    square = 0.0
     for d in range(3):
-        w = v[d] - u[d]
-        normal += w * row[NORMAL + d]
         booked[IMPULSE + d] -= part * (row[SLIP + d] + row[PUSH] * row[NORMAL + d])
         square += row[SLIP + d] ** 2
-        heat -= row[SLIP + d] * w
     booked[NORMAL_IMPULSE] += part * row[PUSH]
     booked[TANGENTIAL_IMPULSE] += part * sqrt(square)
     booked[HEAT] += part * heat
-    booked[LOSS] -= part * row[PUSH] * normal
+    booked[LOSS] += part * loss
     if last and row[PUSH] != 0.0:
         booked[CONTACT_AREA] += row[AREA]
     x = place_of(holding.frame, number)

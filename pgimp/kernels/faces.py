@@ -127,6 +127,19 @@ def _constrained_by(kinds, k, rows, n, v, a, clearance):
     return of_one if len(kinds) > 1 else of_kind
 
 
+def lets_go(kinds, k, kind):
+    """Whether number `kind` is a condition that lets go; those are `kinds`, numbered from `k`."""
+
+
+@specialise(lets_go)
+def _lets_go(kinds, k, kind):
+    if len(kinds) == 0:
+        return lambda kinds, k, kind: False
+    if hasattr(kinds[0].instance_class, "approach"):
+        return lambda kinds, k, kind: kind == k or lets_go(kinds[1:], k + 1, kind)
+    return lambda kinds, k, kind: lets_go(kinds[1:], k + 1, kind)
+
+
 def on_walls(faces, frame, number):
     """Number of the faces that a vertex is on."""
 

@@ -89,7 +89,7 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
                 (shape, frame), field, loads.mean, batch, buffer, sums
             )
             power = add_force_power(loads.force, frame, particles, batch, u, power)
-            u, v = update_velocity(forcing, particles, batch, u, a, ledger)  # (27)
+            u, v = update_velocity(frame, forcing, particles, batch, u, a, ledger)  # (27)
             x = update_position(forcing, particles, batch, u)  # (26)
             moved = when_moved(loads.affine, frame, dt, grad)
             keep_gradients(loads.affine, particles, rows, moved, codes)

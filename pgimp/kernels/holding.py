@@ -6,8 +6,9 @@ from pgimp.jit.kernel import specialise
 from pgimp.kernels.clearance import clearance_at
 from pgimp.kernels.concepts import Forcing
 from pgimp.kernels.constraints import constrained_velocity, former_velocity
-from pgimp.kernels.faces import constrained, is_beyond
+from pgimp.kernels.faces import KIND, constrained, is_beyond, lets_go, side_of
 from pgimp.kernels.frame import Frame
+from pgimp.kernels.ledger import WALL_HEAT, WALL_LOSS
 from pgimp.kernels.loads import given
 from pgimp.kernels.particles import FloatArray
 
@@ -60,6 +61,55 @@ def _hold(holding, number, r, v, a, mass):
         return v, a
 
     return hold_all
+
+
+def book_losses(holding, number, r, motion, last, mass, lost):
+    """Book the energy that faces that let go take at a vertex, as contact books that of pairs.
+
+    They are at rest and do no work: their impulses, each as `hold` finds it, times the velocity
+    after all conditions are heat, across the normal, and loss, along it.
+
+    Parameters
+    ----------
+    motion : tuple
+        Velocity and acceleration before all conditions.
+    last : tuple
+        The velocity after them.
+    lost : (faces, WALL_BOOKED) float64
+        Grows.
+
+    Returns
+    -------
+    float
+        Impulses times the velocity, summed over these faces.
+    """
+
+
+@specialise(book_losses)
+def _book_losses(holding, number, r, motion, last, mass, lost):
+    faces = holding.types[0]
+    if len(faces) == 0 or not any(hasattr(k.instance_class, "approach") for k in faces.types[0]):
+        return lambda holding, number, r, motion, last, mass, lost: 0.0
+
+    def book_each(holding, number, r, motion, last, mass, lost):
+        faces, forcing, done = holding.faces, holding.forcing, 0.0
+        relaxation, dt = forcing.loads.relaxation, forcing.dt
+        v, a = motion
+        for n in range(len(faces.rows)):
+            if not is_beyond(faces, n, holding.frame, number):
+                continue
+            u, b = v, a
+            clearance = clearance_at(forcing.clearances, n, r)
+            v, a = constrained(faces.kinds, 0, faces.rows, n, v, a, clearance)
+            if not lets_go(faces.kinds, 0, int(faces.rows[n, KIND])):
+                continue
+            for d in range(3):
+                one = given(relaxation, mass, dt, u[d], b[d], v[d], a[d]) * last[d]
+                lost[n, WALL_LOSS if d == side_of(faces, n)[0] else WALL_HEAT] -= one
+                done += one
+        return done
+
+    return book_each
 
 
 def held_velocity(holding, number, r, v, last):

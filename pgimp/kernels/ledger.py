@@ -10,6 +10,9 @@ import numpy as np
 #: impulse along normals and across them; heat of friction; energy lost in impacts; area.
 IMPULSE, NORMAL_IMPULSE, TANGENTIAL_IMPULSE, HEAT, LOSS, CONTACT_AREA, BOOKED = 0, 3, 4, 5, 6, 7, 8
 
+#: Columns of `Ledger.walls`, for each face: heat of friction; energy lost in impacts.
+WALL_HEAT, WALL_LOSS, WALL_BOOKED = 0, 1, 2
+
 #: Columns of `Ledger.tools`, for each rigid body since the start: impulse and angular impulse about
 #: its reference point that it received, and work that it has done.
 TOOL_IMPULSE, TOOL_MOMENT, TOOL_WORK, TOOLED = 0, 3, 6, 7
@@ -32,6 +35,8 @@ class Ledger(NamedTuple):
         Mass beyond each face in the last step.
     constraint_impulse : (planes, constraints, 3) float64
         Impulse of each constraint.
+    walls : (planes, faces, WALL_BOOKED) float64
+        Energy that each face that lets go, or holds every component, has taken; zeros for others.
     contact : (planes, entries, BOOKED) float64
         Sums of each entry of contact.
     tools : (planes, rigid bodies, TOOLED) float64
@@ -46,6 +51,7 @@ class Ledger(NamedTuple):
     impulse: np.ndarray
     outside_mass: np.ndarray
     constraint_impulse: np.ndarray
+    walls: np.ndarray
     contact: np.ndarray
     tools: np.ndarray
     escaped: np.ndarray
@@ -78,8 +84,8 @@ class Ledger(NamedTuple):
             Bodies, in scenes where any flows.
         """
         shapes = (
-            (), (faces, 3), (faces,), (constraints, 3), (contacts, BOOKED), (tools, TOOLED),
-            escaped, (flows, VOLUMES),
+            (), (faces, 3), (faces,), (constraints, 3), (faces, WALL_BOOKED), (contacts, BOOKED),
+            (tools, TOOLED), escaped, (flows, VOLUMES),
         )  # fmt: skip
         return cls(*(np.zeros((planes, *shape)) for shape in shapes))
 

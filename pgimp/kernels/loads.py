@@ -37,6 +37,8 @@ class Loads(NamedTuple):
         liquids under gravity an array, 1 for these and 0 for other bodies.
     around : float or ()
         Likewise for bodies in the initial configuration, see `pgimp.kernels.around`.
+    rest : float or ()
+        A number where faces hold every component, see `pgimp.kernels.resting`.
     """
 
     viscosity: Any = ()
@@ -47,10 +49,11 @@ class Loads(NamedTuple):
     walls: Any = ()
     mean: Any = ()
     around: Any = ()
+    rest: Any = ()
 
     def summed(self) -> Self:
         """The loads that sums of particles need, to compile kernels once for all others."""
-        return self._replace(relaxation=())
+        return self._replace(relaxation=(), rest=())
 
 
 def _three(V):

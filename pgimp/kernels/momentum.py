@@ -6,7 +6,7 @@ from pgimp.kernels.constraints import constrained_velocity
 from pgimp.kernels.faces import beyond_any, face_count, side_of, wall_of
 from pgimp.kernels.fields import field_count, field_size, is_used
 from pgimp.kernels.heldcodes import also_held
-from pgimp.kernels.holding import Holding, hold
+from pgimp.kernels.holding import Holding, book_losses, hold
 from pgimp.kernels.loads import given
 from pgimp.kernels.meet import meet
 from pgimp.kernels.record import ACCELERATION, FORCE, HELD, MASS, MOMENTUM, RECORD, VELOCITY
@@ -28,7 +28,8 @@ def update_momentum(frame, field, faces, forcing, ledger, contact, part):
     ledger : Ledger
         `impulse` grows by the momentum that each face gives to the material, and `work` by that of
         gravity and of moving faces: force times displacement, so that a constant gravity's work is
-        the weight times the displacement of the centre of mass. Kinetic energy differs from that by
+        the weight times the displacement of the centre of mass. What faces that let go take is in
+        `walls`. Kinetic energy differs from that by
         an amount of order dt, also in free fall. `outside_mass` is set to the mass on the vertices
         beyond each face.
     contact : Contact or ()
@@ -142,11 +143,14 @@ def _constrain_face(faces, n, frame, field, forcing, i, ledger):
                 b = (G[r + ACCELERATION], G[r + ACCELERATION + 1], G[r + ACCELERATION + 2])
                 v, a = hold(holding, number, r, u, b, mass)
                 last = constrained_velocity(forcing.marked, r, v)
-                held = 0.0
+                held, done = 0.0, 0.0
                 for d in range(3):
-                    work[i] += given(relaxation, mass, dt, u[d], b[d], v[d], a[d]) * last[d]
+                    done += given(relaxation, mass, dt, u[d], b[d], v[d], a[d]) * last[d]
                     if v[d] != u[d] or a[d] != b[d]:
                         held = also_held(held, d)
+                work[i] += done - book_losses(
+                    holding, number, r, (u, b), last, mass, ledger.walls[i]
+                )  # fmt: skip
                 G[r + HELD] = held
                 for d in range(3):
                     G[r + VELOCITY + d] = v[d]

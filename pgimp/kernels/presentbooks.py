@@ -2,10 +2,10 @@
 
 from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.kernels.accumulated import impulse_of, take_up
-from pgimp.kernels.contact import AREA, NORMAL, PUSH
-from pgimp.kernels.contactbooks import book
+from pgimp.kernels.contact import AREA, NORMAL, NOW, PUSH
+from pgimp.kernels.contactbooks import book, losses_of
 from pgimp.kernels.encounters import BODIES, ENTRY, SUMS, VERTEX
-from pgimp.kernels.ledger import CONTACT_AREA
+from pgimp.kernels.ledger import CONTACT_AREA, WALL_HEAT, WALL_LOSS
 from pgimp.kernels.startgrid import turns
 
 
@@ -86,17 +86,21 @@ def book_contacts(contact, free, encounters, responses, values, walls, ledger):
     Parameters
     ----------
     walls : SeparatingWalls
-        Their impulses are booked as the faces'.
+        Their impulses and losses are booked as the faces'.
     """
     _book_areas(encounters, walls, ledger)
     for k in range(len(encounters.ends)):
         end, row = encounters.ends[k], encounters.partners[k]
         wall = _wall_of(end, walls)
+        take_up(contact, free.frame, encounters, k, responses, values)
         if wall >= 0:
             sign = -1.0 if end[BODIES] < end[BODIES + 1] else 1.0
+            face, fields = walls.faces[wall], contact.fields
             for d in range(3):
-                ledger.impulse[0, walls.faces[wall], d] += sign * impulse_of(row, d)
+                ledger.impulse[0, face, d] += sign * impulse_of(row, d)
+            heat, loss = losses_of(row, fields[0, NOW : NOW + 3], fields[1, NOW : NOW + 3])
+            ledger.walls[0, face, WALL_HEAT] += heat
+            ledger.walls[0, face, WALL_LOSS] += loss
             continue
-        take_up(contact, free.frame, encounters, k, responses, values)
         number = (end[VERTEX], end[VERTEX + 1], end[VERTEX + 2])
         book(contact, free, number, 0, 1.0, True, ledger, 0)

@@ -217,7 +217,7 @@ def place_of_key(frame, field, key):
 
 
 @kernel
-def give_to_vertices(frame, field, keys, changes, dt):
+def give_to_vertices(frame, field, keys, changes, forcing, work):
     """Change velocities and accelerations of the vertices that a rank has.
 
     Parameters
@@ -226,12 +226,21 @@ def give_to_vertices(frame, field, keys, changes, dt):
         As of `take_vertices`, from all ranks.
     changes : (m, 3) float64
         Of their velocities.
+    forcing : Forcing
+        Gravity, whose work has been booked with the velocities before.
+    work : (planes,) float64
+        Grows by what the changes make of that work.
     """
-    G = field.G
+    G, dt, gravity = field.G, forcing.dt, forcing.gravity
     for n in range(len(keys)):
-        r, _ = place_of_key(frame, field, keys[n])
+        r, number = place_of_key(frame, field, keys[n])
         if r < 0:
             continue
+        power = 0.0
         for d in range(3):
             G[r + VELOCITY + d] += changes[n, d]
             G[r + ACCELERATION + d] += changes[n, d] / dt
+            power += gravity[d] * changes[n, d]
+        i = number[0] - field.window.lower[0]
+        if i < field.owned:
+            work[i] += dt * G[r + MASS] * power

@@ -12,8 +12,9 @@ from math import isfinite
 from pgimp.jit.kernel import inner_kernel, specialise
 
 #: Columns of `walls`: the face's number or -1, the coordinate to which particles are moved, the
-#: wall's velocity, and gravity across it.
-FACE, PLACE, VELOCITY, GRAVITY, WALL = 0, 1, 2, 3, 4
+#: wall's velocity, and gravity across it; the number whether it holds in or not, whether it holds
+#: every component, and the three of its velocity.
+FACE, PLACE, VELOCITY, GRAVITY, NUMBER, HOLDS, MOTION, WALL = 0, 1, 2, 3, 4, 5, 6, 9
 
 
 def prescribed_by(constraints, number, d):
@@ -33,7 +34,7 @@ def hold_inside(walls, frame, constraints, particles, p, impulse, work):
 
     Parameters
     ----------
-    walls : (6, 4) float64
+    walls : (6, WALL) float64
         For each face, x-min to z-max: its number among those with a condition, or -1 if it holds
         nothing in; the coordinate to which it moves particles; its velocity along the normal; the
         component of gravity along that axis.

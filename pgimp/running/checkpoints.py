@@ -168,7 +168,7 @@ class Checkpoints:
         path = self.folder / f"step-{sim.step:09d}.h5"
         records = sim.diagnostic_sums
         state, rows, whole = capture(
-            sim.rank, sim.now, sim.rate, sim.count, records, sim.watch, sim.stage, sim.clock.before
+            sim.rank, sim.now, sim.rate, sim.count, records, sim.watch, sim.stage, sim.clock
         )
         about = {
             "program": "pgimp",

@@ -15,6 +15,7 @@ from pgimp.running.log import Log, timing_table
 from pgimp.running.progress import Progress, duration, terminal_columns
 from pgimp.running.recorder import Recorder
 from pgimp.running.stop import Stop
+from pgimp.solver.heldrate import WORTH
 from pgimp.solver.reduction import Request
 from pgimp.solver.simulation import Simulation
 
@@ -85,6 +86,7 @@ def advance(
         else:
             recorder.end()
             _warn(sim, log)
+            _note_held(sim, log)
             ended = True
     except BaseException as error:
         if sim.failure or isinstance(error, EndlessError):
@@ -136,6 +138,7 @@ def _next_stage(sim: Simulation, recorder: Recorder, log: Log) -> None:
     """Keep the state at the end of a stage, and begin the next one; collective."""
     sim.complete_reduction()
     recorder.end()
+    _note_held(sim, log)
     known = len(sim.warnings)
     sim.next_stage()
     recorder.enter()
@@ -146,6 +149,16 @@ def _next_stage(sim: Simulation, recorder: Recorder, log: Log) -> None:
     )
     for warning in sim.warnings[known:]:
         log.say(f"warning: {warning}")
+
+
+def _note_held(sim: Simulation, log: Log) -> None:
+    """Keep in the log how many steps of a stage were shorter than they had to be."""
+    held = sim.clock.held
+    if held and held.waited:
+        log.note(
+            f"note: {held.waited} steps could have been longer by {100.0 * WORTH:.0f} % or more: "
+            f"they shorten at once, and lengthen only after {held.window} in a row that could"
+        )
 
 
 def _request(sim: Simulation, recorder: Recorder, stop: Stop, step: float) -> Request:

@@ -8,7 +8,7 @@ import numpy as np
 from pgimp.kernels.clearance import Sides, Wall
 from pgimp.kernels.faces import KIND, PARAMETERS, Faces
 from pgimp.kernels.frame import Frame
-from pgimp.kernels.walls import GRAVITY, WALL
+from pgimp.kernels.walls import FACE, GRAVITY, HOLDS, MOTION, NUMBER, PLACE, VELOCITY, WALL
 from pgimp.physics.boundaries import BOUNDARIES
 
 AXES = "xyz"
@@ -30,6 +30,11 @@ class Face:
         """Parameters of the condition's kernel for a step."""
         return self.condition.parameters(self.axis, self.side, start, end)
 
+    def place(self, frame: Frame) -> float:
+        """Coordinate of the face."""
+        end = frame.cells[self.axis] if self.side > 0 else 0
+        return frame.origin[self.axis] + end * frame.cell[self.axis]
+
     def wall(self, frame: Frame, end: float) -> tuple[float, float] | None:
         """Coordinate to which the face moves particles that pass it, and its velocity there.
 
@@ -39,12 +44,11 @@ class Face:
         speed = self.condition.speed(self.axis, end)
         if speed is None or speed * self.side > 0.0:
             return None
-        origin, cells = frame.origin[self.axis], frame.cells[self.axis]
+        origin, cells, place = frame.origin[self.axis], frame.cells[self.axis], self.place(frame)
         if self.side < 0:
-            return origin, speed
+            return place, speed
         # Just within the last cell: on the face itself a point would have its gradient on vertices
         # beyond, without mass, and lose the force that balances the one on the face.
-        place = origin + cells * frame.cell[self.axis]
         while (place - origin) * frame.inverse[self.axis] >= cells:
             place = float(np.nextafter(place, -np.inf))
         return place, speed
@@ -106,7 +110,7 @@ class FaceTable:
 
 
 def walls(faces: Sequence[Face], frame: Frame, end: float) -> np.ndarray:
-    """Faces that hold particles in during a step to `end`.
+    """Faces that hold particles during a step to `end`.
 
     Returns
     -------
@@ -114,11 +118,15 @@ def walls(faces: Sequence[Face], frame: Frame, end: float) -> np.ndarray:
         See `pgimp.kernels.walls`; without gravity.
     """
     found = np.full((6, WALL), -1.0)
-    found[:, GRAVITY] = 0.0
+    found[:, GRAVITY] = found[:, HOLDS] = 0.0
     for number, face in enumerate(faces):
-        wall = face.wall(frame, end)
+        wall, row = face.wall(frame, end), found[2 * face.axis + (face.side > 0)]
+        row[PLACE], row[NUMBER] = face.place(frame), number
         if wall is not None:
-            found[2 * face.axis + (face.side > 0), :GRAVITY] = number, *wall
+            row[FACE], row[PLACE], row[VELOCITY] = number, *wall
+        motion = face.condition.motion(end)
+        if motion is not None:
+            row[HOLDS], row[MOTION:] = 1.0, motion
     return found
 
 
@@ -133,8 +141,7 @@ def position_bounds(faces: Sequence[Face], frame: Frame) -> tuple[tuple[float, f
     for face in faces:
         if not face.condition.varies and face.condition.speed(face.axis, 0.0) == 0.0:
             d, end = face.axis, face.side > 0
-            wall = frame.origin[d] + end * frame.cells[d] * frame.cell[d]
-            position_bounds[d][end] = float(wall + face.side * SLACK * frame.cell[d])
+            position_bounds[d][end] = float(face.place(frame) + face.side * SLACK * frame.cell[d])
     return tuple((low, high) for low, high in position_bounds)
 
 

@@ -68,6 +68,8 @@ class SceneLoads:
                 float(min(case.grid.cell)),
             )
         self.relaxation: Any = float(case.method.relaxation) or ()
+        holds = (face.motion(0.0) is not None for face in case.boundaries.values())
+        self.rest: Any = 1.0 if any(holds) else ()
         self.affine: Any = 1.0 if case.method.affine else ()
         volumetric = case.method.volumetric if case.dimensions > 1 else "pointwise"  # in 1D alike
         self.mean: Any = 1.0 if volumetric == "mean" else ()
@@ -125,7 +127,8 @@ class SceneLoads:
         force = BodyForce(self.force, t) if self.force else ()
         mean, around = ((), self.mean) if all(self.begun) else (self.mean, ())
         return Loads(
-            self.viscosity, tractions, force, self.relaxation, self.affine, self.walls, mean, around
+            self.viscosity, tractions, force, self.relaxation, self.affine, self.walls, mean,
+            around, self.rest,
         )  # fmt: skip
 
     def _constraints_at(self, start: float, end: float) -> tuple:

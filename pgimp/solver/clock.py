@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 from pgimp.case.schema import Case
 from pgimp.errors import EndlessError
+from pgimp.solver.heldrate import HeldRate
 from pgimp.solver.stability import BLOWN_UP, BLOWN_UP_STEPS, MOST_STEPS
 
 
@@ -34,6 +35,7 @@ class FixedClock:
     """
 
     controlled = False
+    held = None
 
     def __init__(self, step: float, end: float, begin: float = 0.0, before: int = 0) -> None:
         self._dt = step
@@ -44,6 +46,10 @@ class FixedClock:
     def finished(self, done: Step) -> bool:
         """Whether the end is reached."""
         return done.number >= self._steps
+
+    def follow(self, rate: float) -> float:
+        """Return `rate`, which has no effect here."""
+        return rate
 
     def next(self, done: Step, rate: float) -> Step:
         """Return the step after `done`."""
@@ -70,6 +76,8 @@ class FixedClock:
 class CourantClock:
     """Steps of a given Courant number; only `stops` and the end shorten them, evenly.
 
+    They become shorter at once and longer rarely, see `pgimp.solver.heldrate`.
+
     Parameters
     ----------
     courant : float
@@ -90,6 +98,8 @@ class CourantClock:
     ) -> None:
         #: Reduction of the Courant number, see `pgimp.solver.energywatch`.
         self.part = 1.0
+        #: What the steps are taken by.
+        self.held = HeldRate()
         self._courant, self.rest_rate = courant, rest_rate or inf  # 0: dust, a gas at rest
         self._stops = sorted({t for t in stops if 0.0 < t < end} | {end})
         self.end = end
@@ -98,8 +108,12 @@ class CourantClock:
         """Whether the end is reached."""
         return done.end >= self.end
 
+    def follow(self, rate: float) -> float:
+        """Return the rate that the next step is taken by; once a step."""
+        return self.held.follow(rate)
+
     def next(self, done: Step, rate: float) -> Step:
-        """Return the step after `done`; `rate` is (c + |v|)/L.
+        """Return the step after `done`; `rate` is (c + |v|)/L, as held.
 
         Raises
         ------

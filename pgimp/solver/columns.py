@@ -10,7 +10,7 @@ import numpy as np
 from pgimp.kernels.errors import DISPLACEMENT, STRESS, STRESS_VOLUME, VELOCITY
 from pgimp.kernels.sums import KINETIC, MASS, MOMENT, MOMENTUM, STRAIN
 from pgimp.solver.flowcolumns import FLOWS
-from pgimp.solver.meetingcolumns import MEETING
+from pgimp.solver.meetingcolumns import MEETING, WALLS
 from pgimp.solver.totals import Column, Group, Totals
 
 
@@ -102,7 +102,8 @@ HISTORY = (
             Column(
                 "external-work", "energy",
                 "work of gravity, body forces, faces, tractions, constraints and rigid bodies on "
-                "the material since the start: force times displacement",
+                "the material since the start: force times displacement; friction of what is at "
+                "rest does none, what it takes is in dissipated-energy",
                 lambda s, _: s.work,
             ),
         ),
@@ -208,6 +209,7 @@ HISTORY = (
             ),
         ),
     ),
+    *WALLS,
     *MEETING,
     Group(
         lambda scene: [""] if scene.exact else [],

@@ -6,7 +6,15 @@ from typing import Any
 import numpy as np
 
 from pgimp.kernels.errors import ERRORS, layer_errors
-from pgimp.kernels.ledger import BOOKED, IMPULSE, TOOL_IMPULSE, TOOL_MOMENT, TOOLED, VOLUMES
+from pgimp.kernels.ledger import (
+    BOOKED,
+    IMPULSE,
+    TOOL_IMPULSE,
+    TOOL_MOMENT,
+    TOOLED,
+    VOLUMES,
+    WALL_BOOKED,
+)
 from pgimp.kernels.sums import HIGH, KINETIC, LOW, MASS, STRAIN, SUMS, exact_masses, layer_sums
 from pgimp.physics.materials.base import LOSSES
 from pgimp.solver.clock import START, Step
@@ -88,8 +96,9 @@ def column_names(scene: Any) -> list[str]:
         line_of(
             Totals(
                 scene, START, bodies, none, none, none, 0.0, told, 0.0, 0.0, force,
-                np.zeros(faces), contact, tools, np.zeros(len(tools), np.int64),
-                np.zeros((len(bodies), VOLUMES)), {}, errors, errors,
+                np.zeros(faces), np.zeros((faces, WALL_BOOKED)), contact, tools,
+                np.zeros(len(tools), np.int64), np.zeros((len(bodies), VOLUMES)), {}, errors,
+                errors,
             )
         )
     )
@@ -138,14 +147,14 @@ class Diagnostics:
         errors = self._own_errors(rank, done.end)
         rows = rank.population.ordered.rows
         inside = rank.keeping.inside(rank.particles, rows, done.end, QUARTER)
-        booked = (impulse, own.outside_mass, own.contact, own.tools, own.filled)
+        booked = (impulse, own.outside_mass, own.contact, own.tools, own.walls, own.filled)
         parts = rank.comm.gather((sums, own.work, booked, errors, own.escaped, masses, inside))
         if parts is None:
             return None
         bodies, every = _reduced([part[0] for part in parts], [part[5] for part in parts], unit)
         work = float(np.concatenate([part[1] for part in parts]).sum())
-        impulse, outside_mass, contact, tools, filled = (
-            np.add.reduce(np.concatenate([part[2][i] for part in parts]), axis=0) for i in range(5)
+        impulse, outside_mass, contact, tools, walls, filled = (
+            np.add.reduce(np.concatenate([part[2][i] for part in parts]), axis=0) for i in range(6)
         )
         inside = np.sum([part[6] for part in parts], axis=0)
         self._tell_inside(scene, done.end, inside)
@@ -170,8 +179,8 @@ class Diagnostics:
         return line_of(
             Totals(
                 scene, done, bodies, total, escaped, self.removed_so_far(scene), self.changed,
-                self.told, self.first_energy, work, force, outside_mass, contact, tools, inside,
-                filled, rank.free.now if rank.free else {}, added, most,
+                self.told, self.first_energy, work, force, outside_mass, walls, contact, tools,
+                inside, filled, rank.free.now if rank.free else {}, added, most,
             )
         )  # fmt: skip
 

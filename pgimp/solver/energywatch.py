@@ -1,11 +1,23 @@
 """Spurious energy: the guard of steps that are as long as possible (`courant: auto`).
 
-Every `EVERY` steps kinetic and strain energy are compared with the initial energy plus the work of
-the loads since. If the step is too long, energy grows without bound, from rounding on, and shows
-that long before anything else does: the steps then become shorter. Sums are taken layer by layer,
-as those of the history, so that they have the same bits on any number of ranks.
+Kinetic and strain energy are compared with the initial energy plus the work of the loads since. If
+the step is too long, energy grows without bound, from rounding on, and shows that long before
+anything else does: the steps then become shorter.
+
+Velocities are half a step behind places, so that the sum of both energies swings in any wave. With
+theta = omega dt/2 of a wave, 1 at the limit, it swings by theta/(1 - theta), a third for waves of
+eight cells. The mean of K before and after a time, with that of the strain energies U,
+
+    (K(n - 1/2) + K(n + 1/2))/2 + (U(n - 1) + 6 U(n) + U(n + 1))/8,
+
+swings by theta^4/(2 (1 - theta^2)), 3 % for such waves, and grows as all else if a wave is not
+stable. (Without the means (1 - theta^2) U + v(n - 1/2) v(n + 1/2)/2 would be constant, in either
+case.) Every `EVERY` steps both energies are summed; where that leaves a doubt every step is looked
+at, and the mean counts. Sums are taken layer by layer, as those of the history, so that they have
+the same bits on any number of ranks.
 """
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -20,6 +32,14 @@ EVERY = 10
 #: Spurious energy, relative to the greatest energy so far, at which steps become shorter; the
 #: factor on the step; the next bound, relative to the spurious energy found.
 BOUND, SHORTER, AGAIN = 0.05, 0.75, 1.5
+
+#: Steps in a row that have to be beyond the bound, and part of it from which each step is looked
+#: at; what was found before leaves no doubt.
+ROW, DOUBT = 6, 0.8
+
+#: How far beyond the bound one look is enough, by the sums that its energy is a mean of: about
+#: twice what waves of four cells in the longest steps swing by.
+AT_ONCE = (100.0, 40.0, 10.0)
 
 #: The least part of the first Courant number, and the spurious energy that ends the run.
 LEAST, HOPELESS = 0.3, 10.0
@@ -51,15 +71,30 @@ class EnergyWatch:
         self.said: list[str] = []
         self._first = self._most = 0.0
         self._bound = BOUND
+        #: Kinetic energy, strain energy and work after the last steps, of those looked at in a row.
+        self._kept: list[tuple[float, float, float]] = []
+        #: Whether the reference lacks the steps after it; steps in a row beyond the bound.
+        self._new, self._row = False, 0
+
+    @property
+    def close(self) -> bool:
+        """Whether the next step is to be looked at, too."""
+        return bool(self._kept)
 
     @property
     def numbers(self) -> list[float]:
         """The state for a checkpoint."""
-        return [self.part, self._first, self._most, self._bound]
+        whole = (float(self._new), float(self._row))
+        kept = (each for sums in self._kept for each in sums)
+        return [self.part, self._first, self._most, self._bound, *whole, *kept]
 
     @numbers.setter
     def numbers(self, numbers: list[float]) -> None:
-        self.part, self._first, self._most, self._bound = numbers
+        self.part, self._first, self._most, self._bound = numbers[:4]
+        kept = numbers[6:]  # an older checkpoint has four numbers in all
+        self._kept = list(zip(kept[::3], kept[1::3], kept[2::3], strict=False))
+        if len(numbers) > 5:
+            self._new, self._row = bool(numbers[4]), int(numbers[5])
 
     def shorten(self, clock: FixedClock | CourantClock) -> None:
         """Apply the reduction to the Courant number that pgimp has chosen."""
@@ -67,10 +102,12 @@ class EnergyWatch:
         clock.part = min(max(self.part, LEAST), 1.0)
 
     def begin(self, rank: Any) -> None:
-        """Set the present energy as the reference; collective."""
-        energy, work, mass = self._sums(rank)
-        self._first = energy - work
-        self._most = max(energy, NONE * mass * self.speed * self.speed)
+        """Set the present energy as the reference, with that of the next steps; collective."""
+        kinetic, strain, work, mass = self._sums(rank)
+        self._kept = [(kinetic, strain, work)]
+        self._first = kinetic + strain - work
+        self._most = max(kinetic + strain, NONE * mass * self.speed * self.speed)
+        self._new, self._row = True, 0
 
     def look(self, rank: Any, step: int, time: float) -> None:
         """Compare the energy with its balance; collective.
@@ -80,11 +117,22 @@ class EnergyWatch:
         EndlessError
             On every rank, if the solution has blown up.
         """
-        energy, work, _ = self._sums(rank)
+        sums = *self._kept, self._sums(rank)[:3]
+        energy, work = _balanced(sums)
+        self._kept = [*sums[-2:]]
+        if self._new:
+            if len(sums) < len(AT_ONCE):
+                return
+            self._first, self._new = energy - work, False
         excess = energy - self._first - work
         self._most = max(self._most, energy - max(excess, 0.0))
-        if not excess > self._bound * self._most:
+        bound = self._bound * self._most
+        if not excess > DOUBT * bound:
+            self._kept = []
+        self._row = self._row + 1 if excess > bound else 0
+        if self._row < ROW and not excess > AT_ONCE[len(sums) - 1] * bound:
             return
+        self._row = 0
         part = excess / self._most
         there = f"at step {step}, time {time:.6g}, {100.0 * part:.3g} % of the energy"
         if not part < HOPELESS:
@@ -104,16 +152,29 @@ class EnergyWatch:
         )
 
     @staticmethod
-    def _sums(rank: Any) -> tuple[float, float, float]:
-        """Kinetic and strain energy, external work, and mass, with particles that have left."""
+    def _sums(rank: Any) -> tuple[float, float, float, float]:
+        """Kinetic energy, strain energy, external work and mass, with particles that have left."""
         scene, population, own = rank.scene, rank.population, rank.booked()
         sums = np.zeros((rank.slab.layers, len(scene.body_names), scene.sums))
         setting = scene.setting.without_shape()
         layer_sums(setting, population.particles, population.ordered, sums)
         escaped = own.escaped if scene.escapes else np.zeros((len(own.work), 1, scene.sums))
-        mine = [(found[:, :, KINETIC] + found[:, :, STRAIN], found[:, :, MASS])
-                for found in (sums, escaped)]  # fmt: skip
-        rows = [each.sum(axis=1) for pair in mine for each in pair]
-        parts = rank.comm.allgather((own.work, *rows))
+        rows = [found[:, :, which].sum(axis=1) for found in (sums, escaped)
+                for which in (KINETIC, STRAIN, MASS)]  # fmt: skip
+        # What walls that let go have taken cannot come from nothing.
+        parts = rank.comm.allgather((own.work - own.walls.sum(axis=(1, 2)), *rows))
         work, *found = (float(np.concatenate(each).sum()) for each in zip(*parts, strict=True))
-        return found[0] + found[2], work, found[1] + found[3]
+        kinetic, strain, mass = (a + b for a, b in zip(found[:3], found[3:], strict=True))
+        return kinetic, strain, work, mass
+
+
+def _balanced(sums: Sequence[tuple[float, float, float]]) -> tuple[float, float]:
+    """Energy, as far as sums of one to three steps tell it at one time, and work until then."""
+    kinetic, strain, work = sums[-1]
+    if len(sums) > 1:
+        kinetic_before, now, work_before = sums[-2]
+        kinetic, work = 0.5 * (kinetic_before + kinetic), 0.5 * (work_before + work)
+        if len(sums) > 2:
+            now += 0.125 * (sums[-3][1] - 2.0 * now + strain)
+        strain = now
+    return kinetic + strain, work

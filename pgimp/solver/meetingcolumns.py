@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from pgimp.kernels.ledger import (
     CONTACT_AREA,
     HEAT,
@@ -9,12 +11,55 @@ from pgimp.kernels.ledger import (
     NORMAL_IMPULSE,
     TANGENTIAL_IMPULSE,
     TOOL_WORK,
+    WALL_HEAT,
+    WALL_LOSS,
 )
 from pgimp.scene.freebody import FreeBody, Six
 from pgimp.solver.totals import Column, Group
 
 #: Stand-in for a body's six numbers before it is measured, where only names matter.
 _SIX: Six = (0.0,) * 6
+
+
+
+def _letting(scene: Any) -> list[int]:
+    """Numbers of the faces that let go."""
+    return [n for n, face in enumerate(scene.faces) if face.condition.approaches]
+
+
+def _taking(scene: Any) -> list[int]:
+    """Numbers of the faces that may take energy: that let go, or hold every component."""
+    holding = [n for n, face in enumerate(scene.faces) if face.condition.motion(0.0) is not None]
+    return sorted(_letting(scene) + holding)
+
+
+WALLS = (
+    Group(
+        lambda scene: [scene.faces[n].name for n in _letting(scene)],
+        (
+            Column(
+                "wall.FACE.friction-heat", "energy",
+                "for each `separating` face: energy that its friction turned into heat since the "
+                "start, force times way; a part of dissipated-energy, as friction-heat of contact",
+                lambda s, k: s.walls[_letting(s.scene)[k], WALL_HEAT],
+            ),
+        ),
+    ),
+    Group(
+        lambda scene: [scene.faces[n].name for n in _taking(scene)],
+        (
+            Column(
+                "wall.FACE.impact-loss", "energy",
+                "for each `separating` face, and each that holds every component of the velocity, "
+                "likewise: what its force along the normal took from what still moves into it "
+                "while it is stopped; what particles lose that a face holds, and that keep the "
+                "velocity with which they came",
+                lambda s, k: s.walls[_taking(s.scene)[k], WALL_LOSS],
+            ),
+        ),
+    ),
+)
+"""Groups of columns of walls, in their order."""
 
 MEETING = (
     Group(

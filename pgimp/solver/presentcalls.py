@@ -83,7 +83,9 @@ def calls(
         frame, table, supports, supports, mirrors, encounters, present.sums, values
     )
     yield 2.0, lambda: solve_impulses(contact, free, encounters, rows, values, 1, ENOUGH)
-    yield 0.3, lambda: give_to_vertices(frame, grid.field, none, np.empty((0, 3)), 1.0)
+    yield 0.3, lambda: give_to_vertices(
+        frame, grid.field, none, np.empty((0, 3)), forcing, ledger.work
+    )
     yield 1.0, lambda: book_held(holding, grid.field, vertices, ledger)
     if len(mirrors):
         yield 0.3, lambda: book_mirrored(encounters, rows, mirrors, ledger)

@@ -165,7 +165,9 @@ class PresentMeetings:
             solve_impulses, contact, free, encounters, responses, values, *self._accuracy
         )
         changes = values[:, MOVES:YIELDS] - before
-        call(give_to_vertices, scene.frame, grid.field, vertices.keys, changes, t.dt)
+        call(
+            give_to_vertices, scene.frame, grid.field, vertices.keys, changes, forcing, ledger.work
+        )
         call(book_held, holding, grid.field, vertices, ledger)
         if grid.slab.layers and grid.slab.lower is None:
             if len(self._particles.mirrors):

@@ -140,6 +140,8 @@ def resume(sim: Any, scenes: Sequence[Scene], source: Any, counted: int) -> None
     read_books(sim.rank, source, state, sim.diagnostic_sums)
     sim.done = sim.clock.after(state.step, state.time, state.dt)
     sim.rate = state.rate
+    if sim.clock.held and state.held_rate:  # an older checkpoint has none: a window begins
+        sim.clock.held.numbers = state.held_rate
     if sim.watch:
         if state.watch is None:  # the run began with other steps
             sim.watch.begin(sim.rank)

@@ -235,7 +235,7 @@ class Simulation:
         request = Request.ERROR if rank.failed else self.request
         reduction.begin(rate, request, balance.rebalance_requested, rank.vertex_bounds)
         sort = number % RESORT == 0
-        look = self.watch is not None and number % EVERY == 0
+        look = self.watch is not None and (self.watch.close or number % EVERY == 0)
         if complete or move or sort or look or self.comm.size == 1:
             self.complete_reduction()
         if look:
@@ -256,7 +256,7 @@ class Simulation:
     def _next(self) -> Step:
         """Complete the last step's reduction; its top speed sets the next dt."""
         self.complete_reduction()
-        step = self.clock.next(self.done, self.fastest)
+        step = self.clock.next(self.done, self.clock.follow(self.fastest))
         if free := self.rank.free:
             free.require_slow(step)
             free.require_clear(self.done, step.dt)

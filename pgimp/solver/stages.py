@@ -194,7 +194,7 @@ def _take_over(old: Scene, new: Scene, had: Ledger, has: Ledger) -> None:
     """Copy the ledger into that of the next stage."""
     faces, constraints, contact, tools = zip(_booked(old), _booked(new), strict=True)
     kinds = {
-        "impulse": faces, "outside_mass": faces, "constraint_impulse": constraints,
+        "impulse": faces, "outside_mass": faces, "constraint_impulse": constraints, "walls": faces,
         "contact": contact, "tools": tools,
     }  # fmt: skip
     for name, (before, after) in kinds.items():

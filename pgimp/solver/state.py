@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any, Self
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, NonNegativeFloat, ValidationError
 
 from pgimp.errors import DamagedError
 from pgimp.physics.materials.base import LOSSES
@@ -39,7 +39,8 @@ class State(BaseModel):
     beyond_face: str
     tools: str = ""
     densest: float | None = Field(default=None, gt=0.0)
-    watch: list[float] | None = Field(default=None, min_length=4, max_length=4)
+    watch: list[float] | None = Field(default=None, min_length=4, max_length=12)
+    held_rate: list[NonNegativeFloat] | None = Field(default=None, min_length=7, max_length=7)
     stage: int = Field(ge=0, le=1000, default=0)
     counted: int = Field(ge=0, le=2**53, default=0)
     removed: list[float] | None = Field(default=None, max_length=100)
@@ -110,7 +111,7 @@ def capture(
     records: Diagnostics,
     watch: Any = None,
     stage: int = 0,
-    counted: int = 0,
+    clock: Any = None,
 ) -> tuple[dict[str, Any], Ordered, dict[str, np.ndarray]]:
     """Capture the state of a simulation between two steps; collective.
 
@@ -128,8 +129,10 @@ def capture(
         State of the history from line to line.
     watch : EnergyWatch, optional
         The guard of the steps.
-    stage, counted : int
-        Number of the stage, and of the steps before those that its clock counts.
+    stage : int
+        Its number.
+    clock : FixedClock or CourantClock, optional
+        Its clock.
 
     Returns
     -------
@@ -162,7 +165,8 @@ def capture(
         densest=rank.scene.densest,
         watch=watch.numbers if watch else None,
         stage=stage,
-        counted=counted,
+        counted=clock.before if clock else 0,
+        held_rate=clock.held.numbers if clock and clock.held else None,
         removed=None if records.removed is None else records.removed.tolist(),
         changed=records.changed,
         told=records.told.tolist(),

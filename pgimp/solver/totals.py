@@ -48,6 +48,8 @@ class Totals(NamedTuple):
         them, then the mean moments.
     outside_mass : (faces,) float64
         Mass beyond each face in the last step.
+    walls : (faces, WALL_BOOKED) float64
+        What each face has taken.
     contact : (entries, BOOKED) float64
         The ledger of contact.
     tools : (rigid bodies, TOOLED) float64
@@ -74,6 +76,7 @@ class Totals(NamedTuple):
     work: float
     force: np.ndarray
     outside_mass: np.ndarray
+    walls: np.ndarray
     contact: np.ndarray
     tools: np.ndarray
     inside: np.ndarray

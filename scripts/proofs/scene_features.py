@@ -109,6 +109,13 @@ def courant(rng, scene):
     scene.case["time"]["end"] = 3.0 * scene.end
 
 
+def long(rng, scene):
+    """Courant control, and twelve times as many steps, so that vibrations might gain energy."""
+    if not isinstance(scene.case["time"]["step"], dict):
+        scene.case["time"]["step"] = {"courant": number(rng, 0.15, 0.35)}
+    scene.case["time"]["end"] = 12.0 * scene.end
+
+
 def affine(rng, scene):
     """Particles carry their velocity gradient."""
     scene.case["method"]["affine"] = True
@@ -242,6 +249,7 @@ FEATURES = (
     Feature("viscosity", viscosity, 0.2, compiled=True),
     Feature("time", time),
     Feature("steps chosen", courant, 0.12, compiled=True),
+    Feature("many periods", long, 0.05, compiled=True),
     Feature("bodies", add_bodies),
     Feature("walls", walls, 0.7, compiled=True),
     Feature("rough walls", rough, 0.3, compiled=True),

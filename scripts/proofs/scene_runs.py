@@ -44,7 +44,10 @@ class Outcome(NamedTuple):
 
 
 def prepare():
-    """Let runs be as they are on large machines: messages in pieces, boundaries that move."""
+    """Let runs be as they are on large machines: messages in pieces, boundaries that move.
+
+    And as long ones are: with looks at the energy, and steps that lengthen.
+    """
     thread_ranks.prepare()
     from pgimp.physics.materials.registry import import_file
 
@@ -54,13 +57,14 @@ def prepare():
     from pgimp.decomposition.balance import Balance
     from pgimp.jit.bound import Bound
     from pgimp.running import running
-    from pgimp.solver import clock, simulation
+    from pgimp.solver import clock, heldrate, simulation
     from pgimp.solver.reduction import Request
 
     Bound.__call__ = _checked
     run.abort_on_error = lambda comm: contextlib.nullcontext()
     redistribute._PIECE, halo.PIECE, migrate.CAPACITY = 200, 5, 2
     simulation.EVERY = 7
+    heldrate.FIRST, heldrate.LONGEST = 4, 32
     clock.MOST_STEPS = clock.BLOWN_UP_STEPS = MOST_STEPS
     usual = running._request
 

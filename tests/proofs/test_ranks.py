@@ -25,7 +25,8 @@ RESUMED = {(3, 2): 0.2, (5, 4): 0.5}
 #: ranks, nor who reads which part of it on the scene: each scene goes on in one of the two ways,
 #: and in each way some of every dimension, some with mirrors, and some that lose particles.
 GO_ON = {
-    (3, 2): ("line_leaves", "plane_gimp", "plane_fuzzy", "affine", "loaded", "narrow"),
+    (3, 2): ("line_leaves", "line_slows", "plane_gimp", "plane_fuzzy", "affine", "loaded",
+             "narrow"),
     (5, 4): ("line_mpm", "plane_leaves", "meeting", "staged", "flowing", "plane_mirror",
                 "space_finite", "narrow", "initial", "varied"),
 }
@@ -192,6 +193,18 @@ def test_rows_were_sorted_anew_and_steps_followed_the_speed(runs):
     for name in ("line_mpm", "plane_gimp", "space_gimp"):
         dt = pgimp.open(runs[1] / name).history["dt"][1:]
         assert len(np.unique(dt)) > 5
+
+
+def test_steps_lengthened_before_a_run_went_on_and_after(runs):
+    """In the middle of a window: checkpoints come every 23 steps, and windows have 64."""
+    run = pgimp.open(runs[3, 2] / "line_slows")
+    dt, step = run.history["dt"][1:], run.history["step"][1:]
+    longer = step[1:][np.diff(dt) > 0.02 * dt[:-1]]
+    assert longer[0] < run.info["resumed_from"] < longer[-1]
+    for folder in runs.values():
+        if (folder / "line_slows").exists():
+            log = (folder / "line_slows" / "log.txt").read_text()
+            assert log.count("steps could have been longer by 5 % or more") == 1
 
 
 @pytest.mark.parametrize("ranks", RANKS)

@@ -59,9 +59,12 @@ def test_case_is_stable_with_its_own_method(name):
 
 
 def test_mpm_cannot_carry_a_stressed_block_through_cells():
-    """Stretched in a tenth of the time; finite-gimp stays within half a percent of the stress."""
+    """Stretched in a tenth of the time; finite-gimp stays within half a percent of the stress.
+
+    With points nothing of the stress is right, whether the block is turned inside out or not.
+    """
     short = {"time.end": 40.0, "exact.spinning-block.period": 80.0}
-    assert done("translation", "mpm", short).fault
+    assert done("translation", "mpm", short).lines["error"][-1] > 0.4  # measured 0.87
     run = done("translation", "finite-gimp", short)
     assert run.stable
     assert run.lines["error"][-1] < 0.005

@@ -51,10 +51,13 @@ def test_a_block_slides_as_coulomb_says(friction, angle):
     # It lies on the wall: what it sinks in is its own weight's strain.
     sunk = end["body.body.centre-y"] - begin["body.body.centre-y"]
     assert abs(sunk) < 0.005
-    # What gravity gives and friction takes away is the work that is booked.
+    # Gravity works; what friction takes of that is heat.
     way = end["body.body.centre-x"] - begin["body.body.centre-x"]
     work = end["external-work"] - begin["external-work"]
-    assert work == pytest.approx(exact * way, rel=0.05)
+    heat = end["wall.y-min.friction-heat"] - begin["wall.y-min.friction-heat"]
+    assert work == pytest.approx(MASS * G * (sin(slope) * way - cos(slope) * sunk), rel=1e-9)
+    assert heat == pytest.approx(friction * press * way, rel=0.02)
+    assert heat < end["dissipated-energy"] - begin["dissipated-energy"] < 1.05 * heat
 
 
 @pytest.mark.parametrize("friction", [0.6, {"static": 0.6, "kinetic": 0.5}])

@@ -43,6 +43,20 @@ def line_gimp():
     )
 
 
+def line_slows():
+    """Courant control; a bar flies against its weight, so that steps lengthen again and again."""
+    return scene(
+        1,
+        box([24.0], [32.0], [-8.0]),
+        cells=[40],
+        end=2.0,
+        step={"courant": 0.1},
+        gravity=[4.0],
+        output={"every": 0.5, "fields": EVERYTHING},
+        history={"every": {"steps": 20}},
+    )
+
+
 def line_mpm():
     """Courant control, with stops; a bar falls on a floor, and a moving wall pushes another."""
     bodies = {
@@ -651,6 +665,7 @@ SCENES = (
         each.__name__: each()
         for each in (
             line_gimp,
+            line_slows,
             line_mpm,
             plane_gimp,
             plane_mpm,

@@ -5,15 +5,16 @@ from pgimp.jit.tuples import plus_scaled
 from pgimp.kernels.constraints import constrain_particles
 from pgimp.kernels.fours import take_row
 from pgimp.kernels.loads import relaxed
+from pgimp.kernels.resting import settle
 
 
-def update_velocity(forcing, particles, batch, u, a, ledger):
+def update_velocity(frame, forcing, particles, batch, u, a, ledger):
     """Velocities of four particles after a step, and at which they move.
 
     Parameters
     ----------
-    forcing, particles, batch, ledger
-        See `Forcing`, `Particles`, `Batch`, `Ledger`.
+    frame, forcing, particles, batch, ledger
+        See `Frame`, `Forcing`, `Particles`, `Batch`, `Ledger`.
     u, a : tuple of D Vec4
         The grid's velocity and acceleration at their places.
 
@@ -25,10 +26,11 @@ def update_velocity(forcing, particles, batch, u, a, ledger):
 
 
 @specialise(update_velocity)
-def _update_velocity(forcing, particles, batch, u, a, ledger):
-    def update(forcing, particles, batch, u, a, ledger):
+def _update_velocity(frame, forcing, particles, batch, u, a, ledger):
+    def update(frame, forcing, particles, batch, u, a, ledger):
         v = plus_scaled(forcing.dt, a, take_row(particles.v, batch.rows, 0, u))  # (27)
         v = relaxed(forcing.loads.relaxation, forcing.dt, v, u)
+        v = settle(forcing.loads.rest, frame, forcing, particles, batch, (v, u), ledger)
         return constrain_particles(forcing.constraints, particles, batch, u, v, ledger)
 
     return update

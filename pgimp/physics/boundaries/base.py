@@ -35,6 +35,10 @@ class Boundary(Model):
         """
         return 0.0
 
+    def motion(self, end: float) -> tuple[float, float, float] | None:
+        """Velocity at time `end` of what the face holds; None where it leaves a component free."""
+        return None
+
     @abstractmethod
     def parameters(self, axis: int, side: int, start: float, end: float) -> NamedTuple:
         """Parameters of the kernel for one step.

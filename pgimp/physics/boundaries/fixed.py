@@ -22,6 +22,10 @@ class Fixed(Boundary):
 
     sticks: ClassVar[bool] = True
 
+    def motion(self, end: float) -> tuple[float, float, float] | None:
+        """See `Boundary.motion`."""
+        return 0.0, 0.0, 0.0
+
     def parameters(self, axis: int, side: int, start: float, end: float) -> FixedParameters:
         """See `Boundary.parameters`."""
         return FixedParameters(axis, side)

@@ -47,6 +47,11 @@ class Velocity(Boundary):
         held, velocity, _ = prescribed(self.velocity, end, end)
         return velocity[axis] if held[axis] else None
 
+    def motion(self, end: float) -> tuple[float, float, float] | None:
+        """See `Boundary.motion`."""
+        held, velocity, _ = prescribed(self.velocity, end, end)
+        return velocity if all(held[: len(self.velocity)]) else None
+
     def parameters(self, axis: int, side: int, start: float, end: float) -> VelocityParameters:
         """See `Boundary.parameters`."""
         return VelocityParameters(axis, side, *prescribed(self.velocity, start, end))

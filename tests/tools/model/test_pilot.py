@@ -1,6 +1,6 @@
 """Steps predicted by a pilot run against the steps that runs take, where waves become faster."""
 
-from math import inf
+from math import cos, inf, pi
 
 import pytest
 from mentioned import mentions
@@ -8,6 +8,7 @@ from mentioned import mentions
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.mpi.comm import Serial
+from pgimp.solver.heldrate import HeldRate
 from pgimp.solver.simulation import Simulation
 from pgimp.tools.check.steps import predicted
 from pgimp.tools.model import pilot as pilots
@@ -140,6 +141,25 @@ def test_what_cells_do_to_the_prediction_is_said():
     failed = fine._replace(done=0.5, failure="x")
     assert "if waves stay as fast as at t = 0.5, where" in predicted(case, failed)
     assert "failed; more if they become faster" in predicted(case, failed)
+
+
+@pytest.mark.parametrize("longer", [1, 3, 10])
+@pytest.mark.parametrize("period", [0.3, 3.0, 30.0])
+def test_steps_are_counted_as_the_run_takes_them(period, longer):
+    """Short at once, long rarely: in a vibration steps stay short, after it they lengthen."""
+
+    def rate(time):
+        return 10.0 + 2.0 * cos(2.0 * pi * time / period) if time < 30.0 else 9.0
+
+    held, time, steps = HeldRate(), 0.0, 0
+    while time < 60.0:
+        time, steps = time + 0.3 / held.follow(rate(time)), steps + 1
+    own, time = pilots._OwnSteps(0.3), 0.0
+    while time < 60.0:  # the pilot's steps are longer
+        own.take(longer * 0.03, rate(time))
+        time += longer * 0.03
+    # By the average rate there would be 11 % fewer where the vibration is not followed.
+    assert own.count == pytest.approx(steps, rel=0.02)
 
 
 def test_a_pilot_run_that_fails_says_so():

@@ -74,7 +74,7 @@ def test_every_column_of_the_history_is_written(dimensions):
                 "aba": {"rigid": {"density": 1}, "region": box(2)},
                 "baa": {"rigid": {}, "region": box(3)},
             },
-            "boundaries": {"x-min": "fixed"},
+            "boundaries": {"x-min": "separating"},
             "escape": {"x-max": "remove"},
             "constraints": {"b": {"body": "b", "region": box(1), "velocity": vector(0)}},
             "contact": [{"bodies": ["a", "b"]}],
