@@ -26,9 +26,10 @@ from pgimp.solver.clock import Step
 #: Steps from one shift to the next, as each costs a sum over all particles.
 EVERY = 8
 
-#: eps and delta of `pgimp.kernels.filling`. The noise that delta takes is made of the motion, at each
-#: crossing of cells, so that with 0.0025 waves half a cell high lose twice as much of their height as
-#: without. With 0.02 water that swings under a sudden gravity begins to slosh, without end.
+#: eps and delta of `pgimp.kernels.filling`. The noise that delta takes is made of the motion, at
+#: each crossing of cells, so that with 0.0025 waves half a cell high lose twice as much of their
+#: height as without. With 0.02 water that swings under a sudden gravity begins to slosh, without
+#: end.
 SHIFT, RELAX = 0.02, 0.001
 
 

@@ -121,6 +121,21 @@ def test_gravity_works_on_what_is_shifted():
     assert found == pytest.approx(-way, rel=1e-9)
 
 
+def test_what_is_prescribed_is_not_shifted():
+    """Components that a constraint prescribes move at its velocity; others are shifted."""
+    held = {"body": "water", "region": {"box": {"min": [0, 0], "max": [8, 4]}}}
+    case = TANK | {"constraints": {"held": held | {"velocity": [0.1, None]}}, "gravity": [0.0, 0.0]}
+    sim = start(case | {"boundaries": {"x-min": "slip"}})
+    p, rows = sim.rank.particles, sim.rank.live()
+    p.x[rows] = 4.0 + 0.8 * (p.x[rows] - 4.0)
+    before, mine = p.x[rows].copy(), p.constraint[rows, 0] == 1
+    while sim.step < 2 * EVERY:
+        sim.advance()
+    way = p.x[rows[mine]] - before[mine]
+    assert way[:, 0] == pytest.approx(0.1 * sim.time, rel=1e-12)
+    assert abs(way[:, 1]).max() > 1e-3
+
+
 @pytest.mark.parametrize("method", [{}, {"affine": True, "volumetric": "mean"}])
 def test_calm_water_stays(method):
     """After 40 sqrt(depth/g) its centre is where compression has it, 0.67 % down, to 0.5 %."""
