@@ -184,7 +184,7 @@ def fold_filling(frame, field, mirror):
 
 
 @kernel
-def find_filling(frame, field, walls, tools):
+def find_filling(frame, field, walls, tools, fills):
     """Turn the sums of `FillingSums` into EXCESS, FIELD and SURPLUS.
 
     Parameters
@@ -194,7 +194,9 @@ def find_filling(frame, field, walls, tools):
     walls : (6,) bool
         Which faces are walls: the low and the high end of x, y, z.
     tools : Tools or ()
-        The rigid bodies, which fill as well.
+        The rigid bodies.
+    fills : (rigid bodies,) bool
+        Which of them fill as well.
     """
     window, G, size = field.window, field.G, field_size(field.window)
     volume = 1.0
@@ -215,7 +217,7 @@ def find_filling(frame, field, walls, tools):
                 inside = volume
                 for d in range(3):
                     inside *= 1.0 if sides[d] == 0 else 0.5
-                surplus = filled / inside + _rigid_part(tools, frame, number, sides) - 1.0
+                surplus = filled / inside + _rigid_part(tools, fills, frame, number, sides) - 1.0
                 for f in range(field_count(window)):
                     if is_used(field, i, f):
                         r = first + f * size
@@ -239,19 +241,19 @@ def _sides(frame, walls, number):
     return x, y, z
 
 
-def _rigid_part(tools, frame, number, sides):
+def _rigid_part(tools, fills, frame, number, sides):
     """Part of a vertex's neighbourhood that rigid bodies fill."""
 
 
 @specialise(_rigid_part)
-def _rigid_part_of(tools, frame, number, sides):
+def _rigid_part_of(tools, fills, frame, number, sides):
     if not hasattr(tools, "instance_class"):  # ()
-        return lambda tools, frame, number, sides: 0.0
+        return lambda tools, fills, frame, number, sides: 0.0
 
-    def part(tools, frame, number, sides):
+    def part(tools, fills, frame, number, sides):
         filled = 0.0
         for t in range(len(tools.motion)):
-            if fill(tools, t, frame, number, sides):
+            if fills[t] and fill(tools, t, frame, number, sides):
                 filled += tools.at[FILLED]
         return filled
 

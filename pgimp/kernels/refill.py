@@ -14,6 +14,7 @@ from pgimp.kernels.gather import gather
 from pgimp.kernels.ledger import CARRIED, ROOM
 from pgimp.kernels.place import deformation, is_initial
 from pgimp.kernels.transfer import Support
+from pgimp.kernels.walls import free_part
 
 #: phi up to which a neighbourhood counts as one at a free surface, where voids remain.
 FREE = 0.9
@@ -74,6 +75,7 @@ def _refill(forcing, setting, field, particles, batch, buffers, moved, ledger):
                 shape, filling.G, Support(buffer, j), place, stride, frame.origin, ()
             )
             step = _steps(slopes, frame.cell, filling.shift[body])
+            step = free_part(forcing.constraints, particles, p, step)
             J = determinant(deformation(frame, particles, p))
             full = min(max((lane(U, SURPLUS) + 1.0 - FREE) / (1.0 - FREE), 0.0), 1.0)
             gap, most = filling.gap[body], J

@@ -37,7 +37,7 @@ from pgimp.kernels.tools import (
     TURN,
     look_up,
 )
-from pgimp.kernels.walls import prescribed_by
+from pgimp.kernels.walls import free_part
 from pgimp.physics.contact import FRICTION, Pairs
 
 #: Least part of a normal's square that no constraint prescribes: less holds nothing.
@@ -194,17 +194,6 @@ def _answer(yields, arm):
 
 
 @inner_kernel
-def _free_part(constraints, particles, p, n):
-    """The components of `n` that no constraint prescribes for a particle."""
-    number = particles.constraint[p, 0] if particles.constraint.shape[1] > 0 else 0
-    return (
-        0.0 if prescribed_by(constraints, number, 0) else n[0],
-        0.0 if prescribed_by(constraints, number, 1) else n[1],
-        0.0 if prescribed_by(constraints, number, 2) else n[2],
-    )
-
-
-@inner_kernel
 def _hold(keepers, forcing, particles, p, t, layer, ledger):
     """Hold particle `p` out of body `t`; returns 1 if it was changed, else 0."""
     tools, D = keepers.tools, particles.x.shape[1]
@@ -219,7 +208,7 @@ def _hold(keepers, forcing, particles, p, t, layer, ledger):
     depth = -at[DISTANCE] - _material(particles, p, n)
     one, other = particles.body[p], tools.bodies + t
     entry = keepers.pairs.entry[min(one, other), max(one, other)]
-    g = _free_part(forcing.constraints, particles, p, n)
+    g = free_part(forcing.constraints, particles, p, n)
     square = g[0] ** 2 + g[1] ** 2 + g[2] ** 2
     if not depth > 0.0 or entry == 0 or square < LEAST_FREE:
         return 0

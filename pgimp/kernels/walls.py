@@ -29,6 +29,17 @@ def _prescribed_by(constraints, number, d):
 
 
 @inner_kernel
+def free_part(constraints, particles, p, n):
+    """The components of `n` that no constraint prescribes for a particle."""
+    number = particles.constraint[p, 0] if particles.constraint.shape[1] > 0 else 0
+    return (
+        0.0 if prescribed_by(constraints, number, 0) else n[0],
+        0.0 if prescribed_by(constraints, number, 1) else n[1],
+        0.0 if prescribed_by(constraints, number, 2) else n[2],
+    )
+
+
+@inner_kernel
 def hold_inside(walls, frame, constraints, particles, p, impulse, work):
     """Move a particle that has passed walls back onto them.
 

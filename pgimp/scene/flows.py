@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from pgimp.kernels.mirror import Mirror
+from pgimp.physics.contact import Pairs
 from pgimp.scene.faces import Face
 
 
@@ -26,11 +27,14 @@ class SceneFlows:
         Faces with a condition.
     cell : tuple of float
         Sides of a cell.
+    pairs : Pairs or None
+        The laws of contact.
 
     Attributes
     ----------
     rates : (bodies,) float64
-        Speed of waves over the least side of a cell, 0 for bodies that do not flow.
+        Speed of waves over the least side of a cell, 0 for bodies that do not flow, and for those
+        that pass through others of the current configuration: what they share is no surplus.
     gap : (bodies,) int64
         Column of the state that has the gap by which a body has opened; -1 for others.
     most : (bodies,) float64
@@ -43,11 +47,13 @@ class SceneFlows:
         Faces that nothing can pass.
     sides : (6,) bool
         The same: the low and the high end of x, y, z.
+    fills : (rigid bodies,) bool
+        Which rigid bodies fill space: those that nothing that flows passes through.
     """
 
     def __init__(
         self, materials: Sequence[Any], material_of: np.ndarray, current: np.ndarray,
-        faces: Sequence[Face], cell: tuple[float, ...],
+        faces: Sequence[Face], cell: tuple[float, ...], pairs: Pairs | None,
     ) -> None:  # fmt: skip
         speeds = np.array([entry.flow_speed for entry in materials])
         gaps = np.array([_gap_of(entry, len(cell)) for entry in materials])
@@ -55,7 +61,13 @@ class SceneFlows:
         most = np.where(own, [entry.most_filled for entry in materials], 0.0)
         number = np.where(own, np.cumsum(own), 0) - int(own.all())
         self.rates = current * speeds[material_of] / min(cell)
-        self.gap, self.most = gaps[material_of], most[material_of]
+        self.fills = np.ones(0, bool)
+        if pairs is not None:
+            bodies, passes = len(material_of), np.triu(pairs.entry == 0, 1)
+            passes |= passes.T
+            self.rates[(passes[:bodies, :bodies] & current).any(axis=1)] = 0.0
+            self.fills = ~passes[:bodies, bodies:][self.rates > 0.0].any(axis=0)
+        self.gap, self.most = gaps[material_of], most[material_of] * (self.rates > 0.0)
         self.fields = tuple(int(i) for i in number[material_of])
         self.relaxes = bool(own.any())
         self.walls = [
@@ -80,8 +92,8 @@ def _gap_of(entry: Any, dimensions: int) -> int:
 
 def flows_of(
     materials: Sequence[Any], material_of: np.ndarray, current: np.ndarray,
-    faces: Sequence[Face], cell: tuple[float, ...],
+    faces: Sequence[Face], cell: tuple[float, ...], pairs: Pairs | None,
 ) -> SceneFlows | None:  # fmt: skip
     """The bodies of a scene that flow; None if it has none."""
-    flows = SceneFlows(materials, material_of, current, faces, cell)
+    flows = SceneFlows(materials, material_of, current, faces, cell, pairs)
     return flows if flows.rates.any() else None

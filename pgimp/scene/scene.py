@@ -156,9 +156,6 @@ class Scene:
         near = [] if shape.chi == "point" or remote else self.faces
         self.approached = walls_approached(near)
         entries = [case.materials[name] for name in used]
-        self.flows = flows_of(
-            entries, self.material_of, ~self.begun, self.faces, self.frame.cell
-        )
         self.exact: Any = case.exact.parameters(case) if case.exact else ()
         self.moves = bool(case.exact) and case.exact.moves
         force = self.exact if case.exact and case.exact.forced else ()
@@ -171,6 +168,9 @@ class Scene:
         self.pairs: Pairs | None = None
         if case.contact or self.tools or self.mixed:
             self.pairs = Pairs.of(case.contact, [*self.body_names, *self.tools.names])
+        self.flows = flows_of(
+            entries, self.material_of, ~self.begun, self.faces, self.frame.cell, self.pairs
+        )
         self.states = States(used, self.materials, self.dimension)
         self.variations = Variations(case, used, self.materials, self.states.width)
         #: Greatest density of a particle at the start, where materials vary, once it is known.

@@ -56,7 +56,7 @@ def _of_flows(scene: Scene, grid: Grid, p: Particles, order: Order) -> Iterator[
     yield 6.0, lambda: particles_to_grid(
         scene.setting.without_materials(), own.field, p, sums, order, np.zeros((0, 3), np.int64), ()
     )
-    yield 2.0, lambda: find_filling(scene.frame, own.field, flows.sides, tools)
+    yield 2.0, lambda: find_filling(scene.frame, own.field, flows.sides, tools, flows.fills)
     for wall in flows.walls[:1]:
         yield 0.5, partial(fold_filling, scene.frame, own.field, wall)
         yield 0.5, partial(reflect_filling, scene.frame, own.field, wall)

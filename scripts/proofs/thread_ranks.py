@@ -37,7 +37,9 @@ def prepare():
         MAX="max",
         COMM_TYPE_SHARED="shared",
         BYTE=SimpleNamespace(Create_contiguous=lambda size: row),
+        Comm=SimpleNamespace(Create_keyval=lambda: "key"),
         Is_initialized=lambda: False,
+        Is_finalized=lambda: True,  # threads have nothing to tell each other as the process ends
     )
     mpi4py.MPI = sys.modules["mpi4py.MPI"] = constants
 
@@ -52,6 +54,10 @@ class _World:
     def box(self, *key):
         with self._lock:
             return self._boxes.setdefault(key, queue.SimpleQueue())
+
+    def forget(self):
+        """Drop what nobody has received: communicators are kept until the process ends."""
+        self._boxes.clear()
 
     def take(self, box):
         """Wait for a message."""
@@ -132,7 +138,7 @@ class Comm:
 
     def __init__(self, rank, size, world, name=""):
         self.rank, self.size, self.world, self._name = rank, size, world, name
-        self.stop_at = None
+        self.stop_at, self._attributes = None, {}
 
     def _box(self, source, to, tag):
         return self.world.box(self._name, source, to, tag)
@@ -187,6 +193,10 @@ class Comm:
     def irecv(self, source, tag=0):
         """Begin to receive a value."""
         return _Message(self.world, self._box(source, self.rank, tag))
+
+    def Iprobe(self, source, tag=0):
+        """Whether a message has come: none does from ranks that end, whose failures are known."""
+        return False
 
     def recv(self, source, tag=0):
         """Receive a value."""
@@ -249,6 +259,14 @@ class Comm:
 
     # -- communicators
 
+    def Get_attr(self, key):
+        """Return what has been kept with this one; None without."""
+        return self._attributes.get(key)
+
+    def Set_attr(self, key, value):
+        """Keep something with this one."""
+        self._attributes[key] = value
+
     def Dup(self):
         """Return one of the same ranks."""
         return Comm(self.rank, self.size, self.world, f"{self._name}+")
@@ -283,4 +301,5 @@ def together(size, task):
         thread.start()
     for thread in threads:
         thread.join()
+    world.forget()
     return results

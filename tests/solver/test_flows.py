@@ -121,6 +121,54 @@ def test_gravity_works_on_what_is_shifted():
     assert found == pytest.approx(-way, rel=1e-9)
 
 
+def test_what_is_prescribed_is_not_shifted():
+    """Components that a constraint prescribes move at its velocity; others are shifted."""
+    held = {"body": "water", "region": {"box": {"min": [0, 0], "max": [8, 4]}}}
+    case = TANK | {"constraints": {"held": held | {"velocity": [0.1, None]}}, "gravity": [0.0, 0.0]}
+    sim = start(case | {"boundaries": {"x-min": "slip"}})
+    p, rows = sim.rank.particles, sim.rank.live()
+    p.x[rows] = 4.0 + 0.8 * (p.x[rows] - 4.0)
+    before, mine = p.x[rows].copy(), p.constraint[rows, 0] == 1
+    while sim.step < 2 * EVERY:
+        sim.advance()
+    way = p.x[rows[mine]] - before[mine]
+    assert way[:, 0] == pytest.approx(0.1 * sim.time, rel=1e-12)
+    assert abs(way[:, 1]).max() > 1e-3
+
+
+def test_a_rigid_body_that_water_passes_through_fills_nothing():
+    """Water moves as without it, to the bit."""
+    found, rigid = [], {"velocity": [0.0, -10.0]}
+    region = {"box": {"min": [2.0, 8.1], "max": [6.0, 12.0]}}
+    for bodies in ({}, {"plate": {"rigid": rigid, "region": region}}):
+        law = [{"bodies": ["water", name], "law": "ignore"} for name in bodies]
+        sim = tank(bodies=bodies, contact=law)
+        while sim.step < 6 * EVERY:
+            sim.advance()
+        found.append(sim.particles.x[sim.live()])
+    assert np.array_equal(*found)
+
+
+def test_liquids_that_pass_through_each_other_are_not_shifted():
+    """Each flies on as if it were alone."""
+    bodies = {
+        name: {
+            "material": "water", "velocity": [speed, 0.0],
+            "region": {"box": {"min": [at, 4.0], "max": [at + 2.0, 8.0]}},
+        }
+        for name, at, speed in (("water", 1.0, 4.0), ("other", 5.0, -4.0))
+    }  # fmt: skip
+    law = [{"bodies": ["water", "other"], "law": "ignore"}]
+    sim = tank(bodies=bodies, contact=law, gravity=[0.0, 0.0])
+    p = sim.particles
+    first = sim.live()[np.argsort(p.id[sim.live()])]
+    expected, v = p.x[first], p.v[first]
+    while sim.time < 0.5:
+        sim.advance()
+    last = sim.live()[np.argsort(sim.particles.id[sim.live()])]
+    assert sim.particles.x[last] == pytest.approx(expected + sim.time * v, abs=1e-10)
+
+
 @pytest.mark.parametrize("method", [{}, {"affine": True, "volumetric": "mean"}])
 def test_calm_water_stays(method):
     """After 40 sqrt(depth/g) its centre is where compression has it, 0.67 % down, to 0.5 %."""
