@@ -37,8 +37,8 @@ class Loads(NamedTuple):
         liquids under gravity an array, 1 for these and 0 for other bodies.
     around : float or ()
         Likewise for bodies in the initial configuration, see `pgimp.kernels.around`.
-    rest : float or ()
-        A number where faces hold every component, see `pgimp.kernels.resting`.
+    rest : (bodies,) bool or ()
+        Which bodies come to rest, where faces hold every component: see `pgimp.kernels.resting`.
     """
 
     viscosity: Any = ()

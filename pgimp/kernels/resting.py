@@ -5,12 +5,12 @@ a wall would brake every motion that grows from it. So a particle whose support 
 vertices keeps the velocity with which it came, though it does not move: sand that lies at rest on a
 fixed floor at the speed of its fall.
 
-Such a particle loses the difference between its velocity and that at which it moves, as it would
-have gone a part of a cell by it: by itself a difference d falls as exp(-STOPS (1 - 2 z/h) s/h), s
-being the way by d, and z < h/2 the particle's distance from the wall. About 1 - z/h of its support
-is held, more than half. Smooth motion has hardly any difference: in waves the loss is of third
-order in their amplitude. The wall takes the momentum, does work only where it moves, and books what
-else is lost. No kinetic energy is gained, as the wall sees it.
+Such a particle of what flows (`Material.RESTS`) loses the difference between its velocity and that
+at which it moves, as it would have gone a part of a cell by it: by itself a difference d falls as
+exp(-STOPS (1 - 2 z/h) s/h), s being the way by d, and z < h/2 the particle's distance from the
+wall. About 1 - z/h of its support is held, more than half. What springs back keeps it: a block that
+bounces would lose a sixth more of its energy. The wall takes the momentum, does work only where it
+moves, and books what else is lost. No kinetic energy is gained, as the wall sees it.
 """
 
 from math import sqrt
@@ -126,10 +126,12 @@ def _settle(rest, frame, forcing, particles, batch, motion, ledger):
         lost, part = vector(0.0), 0.0
         for j in range(LANES):
             if j < batch.size:  # else as the last one, for which it fills in
-                part = _settled_part(
-                    frame, forcing, particles.m[batch.rows[j]], of_lane(x, j), of_lane(motion, j),
-                    ledger, batch.layer,
-                )  # fmt: skip
+                p, part = batch.rows[j], 0.0
+                if rest[particles.body[p]]:
+                    part = _settled_part(
+                        frame, forcing, particles.m[p], of_lane(x, j), of_lane(motion, j), ledger,
+                        batch.layer,
+                    )  # fmt: skip
             lost = with_lane(lost, j, part)
         return plus_scaled(lost, u, plus_scaled(-lost, v, v))
 

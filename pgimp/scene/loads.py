@@ -69,11 +69,12 @@ class SceneLoads:
             )
         self.relaxation: Any = float(case.method.relaxation) or ()
         holds = (face.motion(0.0) is not None for face in case.boundaries.values())
-        self.rest: Any = 1.0 if any(holds) else ()
         self.affine: Any = 1.0 if case.method.affine else ()
         volumetric = case.method.volumetric if case.dimensions > 1 else "pointwise"  # in 1D alike
         self.mean: Any = 1.0 if volumetric == "mean" else ()
         law = [case.materials[body.material] for body in case.bodies.values()]
+        rests = np.array([entry.RESTS for entry in law])
+        self.rest: Any = rests if rests.any() and any(holds) else ()
         liquid = np.array([float(entry.LIQUID) for entry in law])
         if self.averages and case.gravity is not None and liquid.any():
             self.mean = liquid

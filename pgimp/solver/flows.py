@@ -31,6 +31,9 @@ EVERY = 8
 #: periods, without 0.67. With 0.02 water that swings under a sudden gravity begins to slosh.
 SHIFT, RELAX = 0.02, 0.001
 
+#: eps where nothing has a weight: what is closed in then keeps its pressure to some per cent.
+WEIGHTLESS = 0.01
+
 
 class Flows:
     """The filling of a rank's vertices.
@@ -51,6 +54,7 @@ class Flows:
         self._halo: Halo | None = None
         self.sums = FillingSums(most=self.flows.most)
         self._idle = idle(self.flows)
+        self.shift = WEIGHTLESS if scene.case.gravity is None else SHIFT
 
     def find(self, rank: Any, order: Order, t: Step) -> Filling:
         """Find the filling at the step's beginning, when it is due; collective.
@@ -87,8 +91,8 @@ class Flows:
             self.call(reflect_filling, frame, own.field, wall)
         rate = EVERY * t.dt * flows.rates
         return Filling(
-            True, own.window, own.G, SHIFT * rate, 1.0 - np.exp(-RELAX * rate),
-            1.0 - np.exp(-SHIFT * rate), flows.most, flows.gap,
+            True, own.window, own.G, self.shift * rate, 1.0 - np.exp(-RELAX * rate),
+            1.0 - np.exp(-self.shift * rate), flows.most, flows.gap,
         )  # fmt: skip
 
     def _connect(self, grid: Grid) -> None:

@@ -2,10 +2,15 @@
 
 import numpy as np
 import pytest
-from scenes import SOFT, box, field, finish, scene, start, wall
+from scenes import box, field, finish, scene, start, wall
 
 from pgimp.kernels.resting import STOPS
 
+#: Soil so soft that it has no stress to speak of.
+DUST = {
+    "model": "drucker-prager", "young": 1e-6, "poisson": 0.0, "density": 1.0, "cohesion": 0.0,
+    "friction-angle": 30.0,
+}  # fmt: skip
 
 def thrown(dimension, face="fixed", velocity=None, configuration="current", **parts):
     """One layer of particles, a tenth of a cell above a face, that fly along it.
@@ -19,7 +24,7 @@ def thrown(dimension, face="fixed", velocity=None, configuration="current", **pa
     body["material"] = "dust"
     case = scene(dimension, body, cells=[8] * up + [4], per_cell=[2] * up + [5],
                  step=0.005, **parts)  # fmt: skip
-    case["materials"] = {"dust": SOFT | {"young": 1e-6, "poisson": 0.0}}
+    case["materials"] = {"dust": DUST}
     case["boundaries"] = {f"{'xyz'[up]}-min": face}
     return case
 
@@ -30,7 +35,6 @@ def test_what_is_held_comes_to_rest(dimension, shape):
     """Stress-free dust near a fixed face: only the grid, which does not move there, can stop it."""
     if dimension == 1:
         case = thrown(1, shape=shape, end=1.0)
-        case["materials"]["dust"] = {"model": "linear-1d", "young": 1e-6, "density": 1.0}
         case["bodies"]["body"]["velocity"] = [-1.0]
     else:
         case = thrown(dimension, shape=shape, end=1.0)
@@ -90,18 +94,13 @@ def test_a_face_that_moves_along_takes_nothing_of_what_moves_with_it(configurati
 
 
 def test_waves_of_a_bar_are_not_damped():
-    """A bar swings at its fixed end: a loss of third order in its amplitude."""
-    part = []
-    for amplitude in (0.01, 0.1):
-        case = scene(2, box([0.0, 0.0], [8.0, 2.0]), cells=[10, 2], end=5.0, step=0.005,
-                     boundaries={"x-min": "fixed"})  # fmt: skip
-        sim = start(case)
-        p, rows = sim.particles, sim.live()
-        p.v[rows, 0] = amplitude * np.sin(np.pi * p.x[rows, 0] / 16.0)
-        first = sim.diagnostics()["kinetic-energy"]
-        part.append(finish(sim).diagnostics()["wall.x-min.impact-loss"] / first)
-    assert part[0] < 1e-6
-    assert part[1] < 12.0 * part[0]
+    """A bar swings at its fixed end: what springs back loses nothing to the wall."""
+    case = scene(2, box([0.0, 0.0], [8.0, 2.0]), cells=[10, 2], end=2.0, step=0.005,
+                 boundaries={"x-min": "fixed"})  # fmt: skip
+    sim = start(case)
+    p, rows = sim.particles, sim.live()
+    p.v[rows, 0] = 0.1 * np.sin(np.pi * p.x[rows, 0] / 16.0)
+    assert finish(sim).diagnostics()["wall.x-min.impact-loss"] == 0.0
 
 
 def test_what_is_farther_than_half_a_cell_has_the_bits_of_before():

@@ -104,6 +104,10 @@ class Material(Varying):
         """What particles of this very entry remember: `STATE`, or less."""
         return self.STATE
 
+    RESTS: ClassVar[bool] = False
+    """Whether it flows, and comes to rest: walls then take the velocity of particles that they
+    hold, see `pgimp.kernels.resting`. What springs back keeps it."""
+
     LIQUID: ClassVar[bool] = False
     """Whether it has no strength: under gravity it sees the dilatation at its place."""
 

@@ -143,6 +143,7 @@ class CamClay(Material):
 
     CARRIES_STRESS: ClassVar[bool] = True
     BEARS_TENSION: ClassVar[bool] = False
+    RESTS: ClassVar[bool] = True
     LOSSES: ClassVar[tuple[str, ...]] = ("plastic-work",)
     SPELLINGS: ClassVar[dict[str, str]] = {"void_ratio": "void-ratio"}
     STATE: ClassVar[tuple[State, ...]] = (

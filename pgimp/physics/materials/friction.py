@@ -55,6 +55,7 @@ def cone_of(soil: "Soil", match: Match) -> tuple[float, float, float]:
 class Soil(Material):
     """What soils with cohesion, friction and dilation have in common."""
 
+    RESTS: ClassVar[bool] = True
     SPELLINGS: ClassVar[dict[str, str]] = {
         "friction_angle": "friction-angle", "dilation_angle": "dilation-angle",
     }  # fmt: skip

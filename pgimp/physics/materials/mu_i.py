@@ -90,6 +90,7 @@ class MuI(Material):
     """Dry grains that flow, with the friction of the inertial number."""
 
     VOLUME_ONLY: ClassVar[bool] = True
+    RESTS: ClassVar[bool] = True
     CARRIES_STRESS: ClassVar[bool] = True
     CARRIES_PRESSURE: ClassVar[bool] = False
     LOSSES: ClassVar[tuple[str, ...]] = ("plastic-work",)

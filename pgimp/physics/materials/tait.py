@@ -85,6 +85,7 @@ class Liquid(Material):
 
     VOLUME_ONLY: ClassVar[bool] = True
     LIQUID: ClassVar[bool] = True
+    RESTS: ClassVar[bool] = True
     SPELLINGS: ClassVar[dict[str, str]] = {"shear_viscosity": "shear-viscosity"}
 
     bulk: Positive = Field(
