@@ -6,7 +6,7 @@ from pgimp.jit.kernel import specialise
 from pgimp.jit.simd import lane, load, pack, store
 from pgimp.jit.simdrows import transpose
 from pgimp.jit.tuples import scaled
-from pgimp.kernels.batch import first_place
+from pgimp.kernels.batch import first_place, supports
 from pgimp.kernels.fields import field_of
 from pgimp.kernels.filling import EXCESS, FIELD, OVERLAP, SURPLUS
 from pgimp.kernels.fours import LANES
@@ -15,6 +15,7 @@ from pgimp.kernels.ledger import CARRIED, ROOM
 from pgimp.kernels.place import deformation, is_initial
 from pgimp.kernels.transfer import Support
 from pgimp.kernels.walls import free_part
+from pgimp.physics.shapes.base import by_corners
 
 #: phi up to which a neighbourhood counts as one at a free surface, where voids remain.
 FREE = 0.9
@@ -60,6 +61,7 @@ def _refill(forcing, setting, field, particles, batch, buffers, moved, ledger):
             return x, F
         buffer, scratch = buffers
         shape, frame, stride = setting.shape, setting.frame, filling.window.stride
+        _find_corners(shape, frame, filling.window, particles, batch, buffer)
         for j in range(LANES):
             if j >= batch.size:  # the last one once more
                 store(scratch, 4 * j, load(scratch, 4 * j - 4))
@@ -70,7 +72,7 @@ def _refill(forcing, setting, field, particles, batch, buffers, moved, ledger):
                 store(scratch, 4 * j, pack(0.0, 0.0, 0.0, 1.0))
                 continue
             place = batch.layer * stride[0] + first_place(buffer, j)
-            place += field_of(filling.window, particles, p) - field_of(field.window, particles, p)
+            place += _to_field(shape, filling.window, field.window, particles, p)
             U, _, slopes, _ = gather(
                 shape, filling.G, Support(buffer, j), place, stride, frame.origin, ()
             )
@@ -100,6 +102,32 @@ def _refill(forcing, setting, field, particles, batch, buffers, moved, ledger):
         return _plus(x, S), scaled(S[3], F)
 
     return shifted
+
+
+def _find_corners(shape, frame, window, particles, batch, buffer):
+    """Find the places of corners anew: across planes they are apart as in another window."""
+
+
+@specialise(_find_corners)
+def _find_corners_in(shape, frame, window, particles, batch, buffer):
+    if by_corners(shape):
+        return lambda shape, frame, window, particles, batch, buffer: supports(
+            shape, frame, window, particles, batch.rows, batch.number, buffer, ()
+        )
+    return lambda shape, frame, window, particles, batch, buffer: None
+
+
+def _to_field(shape, window, other, particles, p):
+    """Distance from the place of particle `p` in the `other` window to that in its field."""
+
+
+@specialise(_to_field)
+def _to_field_of(shape, window, other, particles, p):
+    if by_corners(shape):  # found in this window
+        return lambda shape, window, other, particles, p: 0
+    return lambda shape, window, other, particles, p: (
+        field_of(window, particles, p) - field_of(other, particles, p)
+    )
 
 
 def _steps(slopes, cell, shift):

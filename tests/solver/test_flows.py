@@ -121,6 +121,30 @@ def test_gravity_works_on_what_is_shifted():
     assert found == pytest.approx(-way, rel=1e-9)
 
 
+@pytest.mark.parametrize("shape", ["gimp", "cpdi-corners"])
+def test_a_heap_of_sand_far_away_changes_nothing(shape):
+    """Crowded water is shifted as if it were alone, though J then has a field more."""
+    sand = {
+        "model": "drucker-prager", "young": 1.0, "poisson": 0.3, "density": 1.0, "cohesion": 0.0,
+        "friction-angle": 30.0,
+    }  # fmt: skip
+    heap = {"material": "sand", "region": {"box": {"min": [3.0, 13.0], "max": [5.0, 15.0]}}}
+    found, method = [], {"shape": shape}
+    for bodies in ({}, {"heap": heap}):
+        law = {"sand": sand} if bodies else {}
+        sim = tank(bodies=bodies, materials=law, gravity=[0.0, 0.0], method=method)
+        p, rows = sim.particles, sim.live()
+        mine = rows[p.x[rows, 1] < 10.0]
+        p.x[mine] = 4.0 + 0.9 * (p.x[mine] - 4.0)
+        before = p.x[mine].copy()
+        while sim.step < EVERY:
+            sim.advance()
+        rows = sim.live()
+        found.append(sim.particles.x[rows[sim.particles.x[rows, 1] < 10.0]])
+        assert abs(found[-1] - before).max() > 1e-3
+    assert found[1] == pytest.approx(found[0], abs=1e-12)
+
+
 def test_what_is_prescribed_is_not_shifted():
     """Components that a constraint prescribes move at its velocity; others are shifted."""
     held = {"body": "water", "region": {"box": {"min": [0, 0], "max": [8, 4]}}}
