@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from pgimp.kernels.ledger import CARRIED, ROOM
+from pgimp.kernels.sums import MASS
 from pgimp.solver.totals import Column, Group, Totals
 
 
@@ -19,9 +20,10 @@ def _flows(scene: Any) -> list[tuple[int, str]]:
 
 
 def _volume(totals: Totals, k: int, column: int) -> float:
-    """A volume of the k-th body that flows; nan until it is known."""
+    """A volume of the k-th body that flows; nan until it is known, 0 when it is gone."""
     body = _flows(totals.scene)[k][0]
-    return float(totals.filled[body, column]) or np.nan
+    there = totals.bodies[body, MASS] > 0.0
+    return float(totals.filled[body, column]) or (np.nan if there else 0.0)
 
 
 FLOWS = (

@@ -235,6 +235,17 @@ def test_the_volume_on_the_grid_is_what_vertices_have_room_for():
     assert any("'water', which flows, fills" in said for said in sim.diagnostic_sums.said)
 
 
+def test_what_has_left_fills_nothing():
+    """A drop that has flown out has the volume 0 in the history."""
+    case = deepcopy(TANK) | {"boundaries": {}, "escape": {"y-max": "remove"}}
+    case["bodies"]["water"]["velocity"] = [0.0, 20.0]
+    case.pop("gravity")
+    sim = start(case)
+    while sim.present() or sim.step % EVERY:
+        sim.advance()
+    assert sim.diagnostics()["volume.water"] == 0.0
+
+
 @pytest.mark.parametrize("model", ["drucker-prager", "mohr-coulomb"])
 def test_gaps_of_loose_soil_close_where_space_is_full(model):
     """Exponentially, at the rate eps c/h, with J, and without a stress; not at the free surface."""
