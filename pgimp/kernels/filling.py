@@ -21,10 +21,10 @@ vertices,
 
 That is exact for linear fields, so that hydrostatic pressure is left as it is.
 
-Voids close in full neighbourhoods, at the rate eps c/h: what a particle of a liquid or of grains
-has beyond J = 1.01, and the gap by which a particle of loose soil has opened. Both are without
-stress, so that nothing else changes. Else soil that was torn apart on its way would lie there with
-more volume than it takes.
+Voids close at the rate eps c/h: what a particle of a liquid or of grains has beyond J = 1.01, in
+overfull neighbourhoods, and the gap by which a particle of loose soil has opened, in full ones.
+Both are without stress, so that nothing else changes. Else soil that was torn apart on its way
+would lie there with more volume than it takes.
 """
 
 from typing import Any, NamedTuple
