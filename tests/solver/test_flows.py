@@ -232,7 +232,7 @@ def test_the_volume_on_the_grid_is_what_vertices_have_room_for():
     line = sim.diagnostics()
     assert line["volume.water.carried"] == pytest.approx(64.0, rel=1e-13)
     assert line["volume.water"] == pytest.approx(room, rel=1e-12)
-    assert any("'water' fills" in said for said in sim.diagnostic_sums.said)
+    assert any("'water', which flows, fills" in said for said in sim.diagnostic_sums.said)
 
 
 def test_what_has_left_fills_nothing():
