@@ -124,15 +124,12 @@ def test_gravity_works_on_what_is_shifted():
 @pytest.mark.parametrize("shape", ["gimp", "cpdi-corners"])
 def test_a_heap_of_sand_far_away_changes_nothing(shape):
     """Crowded water is shifted as if it were alone, though J then has a field more."""
-    sand = {
-        "model": "drucker-prager", "young": 1.0, "poisson": 0.3, "density": 1.0, "cohesion": 0.0,
-        "friction-angle": 30.0,
-    }  # fmt: skip
+    grains = {"young": 1.0, "poisson": 0.3, "density": 1.0}
+    sand = {"model": "drucker-prager", "cohesion": 0.0, "friction-angle": 30.0} | grains
     heap = {"material": "sand", "region": {"box": {"min": [3.0, 13.0], "max": [5.0, 15.0]}}}
     found, method = [], {"shape": shape}
     for bodies in ({}, {"heap": heap}):
-        law = {"sand": sand} if bodies else {}
-        sim = tank(bodies=bodies, materials=law, gravity=[0.0, 0.0], method=method)
+        sim = tank(bodies=bodies, materials={"sand": sand}, gravity=[0.0, 0.0], method=method)
         p, rows = sim.particles, sim.live()
         mine = rows[p.x[rows, 1] < 10.0]
         p.x[mine] = 4.0 + 0.9 * (p.x[mine] - 4.0)
@@ -162,9 +159,8 @@ def test_what_is_prescribed_is_not_shifted():
 
 def test_a_rigid_body_that_water_passes_through_fills_nothing():
     """Water moves as without it, to the bit."""
-    found, rigid = [], {"velocity": [0.0, -10.0]}
-    region = {"box": {"min": [2.0, 8.1], "max": [6.0, 12.0]}}
-    for bodies in ({}, {"plate": {"rigid": rigid, "region": region}}):
+    found, region = [], {"box": {"min": [2.0, 8.1], "max": [6.0, 12.0]}}
+    for bodies in ({}, {"plate": {"rigid": {"velocity": [0.0, -10.0]}, "region": region}}):
         law = [{"bodies": ["water", name], "law": "ignore"} for name in bodies]
         sim = tank(bodies=bodies, contact=law)
         while sim.step < 6 * EVERY:
