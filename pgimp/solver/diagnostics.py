@@ -205,8 +205,8 @@ class Diagnostics:
                 self.lost = True
                 self.said.append(
                     f"body '{name}', which flows, fills {1.0 - room / carried:.1%} less of the "
-                    f"grid than its volume at time {time:.6g}: its particles crowd, and its level "
-                    f"is too low. The column volume.{name} of history.csv goes on counting"
+                    f"grid than its volume at time {time:.6g}: its particles crowd. In a splash "
+                    f"that passes; where it lasts, its level is too low. The column volume.{name} of history.csv goes on counting"
                 )
 
     @staticmethod
