@@ -206,7 +206,8 @@ class Diagnostics:
                 self.said.append(
                     f"body '{name}', which flows, fills {1.0 - room / carried:.1%} less of the "
                     f"grid than its volume at time {time:.6g}: its particles crowd. In a splash "
-                    f"that passes; where it lasts, its level is too low. The column volume.{name} of history.csv goes on counting"
+                    f"that passes; where it lasts, its level is too low. The column volume.{name} "
+                    "of history.csv goes on counting"
                 )
 
     @staticmethod
