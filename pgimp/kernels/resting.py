@@ -8,9 +8,9 @@ fixed floor at the speed of its fall.
 Such a particle of what flows (`Material.RESTS`) loses the difference between its velocity and that
 at which it moves, as it would have gone a part of a cell by it: by itself a difference d falls as
 exp(-STOPS (1 - 2 z/h) s/h), s being the way by d, and z < h/2 the particle's distance from the
-wall. About 1 - z/h of its support is held, more than half. What springs back keeps it: a block that
-bounces would lose a sixth more of its energy. The wall takes the momentum, does work only where it
-moves, and books what else is lost. No kinetic energy is gained, as the wall sees it.
+wall. About 1 - z/h of its support is held, more than half. What springs back keeps it: it does not
+come to rest in this way. The wall takes the momentum, does work only where it moves, and books what
+else is lost. No kinetic energy is gained, as the wall sees it.
 """
 
 from math import sqrt
