@@ -204,7 +204,8 @@ def test_steps_lengthen_after_a_run_goes_on(runs):
     for folder in runs.values():
         if (folder / "line_slows").exists():
             log = (folder / "line_slows" / "log.txt").read_text()
-            assert log.count("steps could have been longer by 5 % or more") == 1
+            # Once by each process: by one that was stopped, and by that which went on.
+            assert 1 <= log.count("steps could have been longer by 5 % or more") <= 2
 
 
 @pytest.mark.parametrize("ranks", RANKS)
