@@ -70,7 +70,7 @@ class FillingSums(NamedTuple):
 
 
 class Filling(NamedTuple):
-    """The filling as a step's particles see it; () in scenes without flows.
+    """The filling as a step's particles see it; () where nothing flows.
 
     Attributes
     ----------
@@ -81,7 +81,7 @@ class Filling(NamedTuple):
     G : (planes * plane,) float64
         EXCESS, FIELD, SURPLUS of the vertices, by field.
     shift : (bodies,) float64
-        eps c t/h, 0 for bodies that are no flows.
+        eps c t/h, 0 for bodies that do not flow.
     relaxed : (bodies,) float64
         Part of its difference from the vertices' field that J loses.
     closed : (bodies,) float64

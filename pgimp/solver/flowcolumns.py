@@ -12,7 +12,7 @@ from pgimp.solver.totals import Column, Group, Totals
 
 
 def _flows(scene: Any) -> list[tuple[int, str]]:
-    """Numbers and names of the bodies that are flows."""
+    """Numbers and names of the bodies that flow."""
     if not scene.flows:
         return []
     names = enumerate(scene.body_names)
