@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from pgimp.commands.run import run
     from pgimp.errors import CaseError, PgimpError, RunError, UsageError
     from pgimp.io.results.reader import open
-    from pgimp.mpi.comm import world
+    from pgimp.mpi.peers import world
     from pgimp.physics.materials.outside import takes_vectors
     from pgimp.physics.materials.registry import register_material
     from pgimp.solver.driver import Simulation
@@ -50,7 +50,7 @@ _HOMES = {
     "register_material": "pgimp.physics.materials.registry",
     "run": "pgimp.commands.run",
     "takes_vectors": "pgimp.physics.materials.outside",
-    "world": "pgimp.mpi.comm",
+    "world": "pgimp.mpi.peers",
 }
 
 

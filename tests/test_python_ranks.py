@@ -74,7 +74,7 @@ comm, case = pgimp.world(), pgimp.load("block.yaml")
         ("sim = pgimp.Simulation(case)\nif comm.rank == 1:\n    raise ValueError('here')\n"
          "sim.advance()", 1, "ValueError: here"),
         ("if comm.rank == 1:\n    pgimp.Simulation(case)", 1,
-         "rank 1: rank 0 has not come to pgimp.Simulation within 1 seconds"),
+         "rank 1: rank 0 has ended, and pgimp.Simulation needs all ranks"),
         ("if comm.rank == 0:\n    pgimp.run(case, output='one')\nelse:\n    comm.Barrier()", 1,
          "rank 0: rank 1 has not come to pgimp.run within 1 seconds"),
         ("pgimp.Simulation(case, overrides={'time.end': 0.1 * (1 + comm.rank)}).advance()", 2,

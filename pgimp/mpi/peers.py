@@ -14,8 +14,10 @@ from zlib import crc32
 import numpy as np
 
 from pgimp.errors import PgimpError, RunError, UsageError
+from pgimp.mpi import comm as communicators
 from pgimp.mpi.comm import abort_together, say
 
+#: Of a rank's end, and the tags after it of the rounds in which all hear of all.
 _ENDED_TAG = 80
 #: Seconds after which ranks that wait for others within a simulation end the job: one rank may look
 #: at results for long.
@@ -37,7 +39,7 @@ class Peers:
     """Acts of the ranks of a communicator, and ranks that have ended.
 
     A rank that ends tells the next one, in a ring. Where some have ended and others wait, one that
-    waits comes next after one that has ended, so somebody hears of it.
+    waits comes next after one that has ended, so somebody hears of it. Who ends waits for all.
 
     Parameters
     ----------
@@ -50,13 +52,15 @@ class Peers:
         What has been begun together.
     created : int
         Simulations among that.
+    met : bool
+        Whether all ranks have come together once.
     within : str
         What this rank has not come to the end of.
     """
 
     def __init__(self, comm: Any) -> None:
         self.acts = self.created = 0
-        self.within = ""
+        self.within, self.met = "", False
         self._comm = comm
         self._of_previous: int | None = None
         self._pair, self._every = np.zeros((2, 2), np.int64)
@@ -67,10 +71,7 @@ class Peers:
         """End the job if the rank before this one has ended without coming to `what`."""
         comm = self._comm
         previous = (comm.rank - 1) % comm.size
-        if self._of_previous is None and comm.Iprobe(source=previous, tag=_ENDED_TAG):
-            count = np.zeros(1, np.int64)
-            comm.Recv(count, source=previous, tag=_ENDED_TAG)
-            self._of_previous = int(count[0])
+        self._hear(previous, _ENDED_TAG)
         if self._of_previous is not None and self._of_previous < self.acts:
             text = f"rank {comm.rank}: rank {previous} has ended, and {what} needs all ranks"
             abort_together(comm, RunError(text), partial(say, text))
@@ -103,6 +104,7 @@ class Peers:
                 )
                 abort_together(self._comm, RunError(text), partial(say, text))
             time.sleep(_NAP)
+        self.met = True
         if self._every[0] != -self._every[1]:
             acts = self._comm.allgather(act)
             other = next(rank for rank, each in enumerate(acts) if each != acts[0])
@@ -113,22 +115,42 @@ class Peers:
             )
 
     def _leave(self) -> None:
-        """Tell the next rank that this one ends."""
+        """Wait, at the program's end, for the others to end: none finalises MPI before.
+
+        Open MPI 4.1's mpirun hangs or crashes, one time in six, where a rank aborts while another
+        is in MPI_Finalize.
+        """
         from mpi4py import MPI
 
         comm = self._comm
         if MPI.Is_finalized() or comm == MPI.COMM_NULL:
             return
-        if self.within:
-            agreement = comm.Ibarrier()
-            patience = time.monotonic() + seconds(_AGREEMENT_SECONDS)
-            while not agreement.Test():
-                if time.monotonic() > patience:
+        patience = _PATIENCE if self.met else _AGREEMENT_SECONDS
+        last = time.monotonic() + (seconds(_AGREEMENT_SECONDS) if self.within else patience)
+        shift, tag = 1, _ENDED_TAG
+        while shift < comm.size:  # a dissemination barrier
+            following, previous = (comm.rank + shift) % comm.size, (comm.rank - shift) % comm.size
+            self._sent.append(comm.Isend(np.array([self.acts]), dest=following, tag=tag))
+            while not self._hear(previous, tag):
+                if time.monotonic() > last and self.within:
                     say(f"rank {comm.rank} has ended within {self.within}, and others wait for it")
                     comm.Abort(1)
+                if time.monotonic() > last:
+                    return
                 time.sleep(_NAP)
-        following = (comm.rank + 1) % comm.size
-        self._sent.append(comm.Isend(np.array([self.acts]), dest=following, tag=_ENDED_TAG))
+            shift, tag = 2 * shift, tag + 1
+
+    def _hear(self, other: int, tag: int) -> bool:
+        """Whether a rank has said that it ends."""
+        if tag == _ENDED_TAG and self._of_previous is not None:
+            return True
+        heard: bool = self._comm.Iprobe(source=other, tag=tag)
+        if heard:
+            count = np.zeros(1, np.int64)
+            self._comm.Recv(count, source=other, tag=tag)
+            if tag == _ENDED_TAG:
+                self._of_previous = int(count[0])
+        return heard
 
 
 def peers_of(comm: Any) -> Peers:
@@ -143,6 +165,20 @@ def peers_of(comm: Any) -> Peers:
         peers = Peers(comm)
         comm.Set_attr(_keyval, peers)
     return peers
+
+
+def world() -> Any:
+    """Communicator of all ranks of a Python program, who hear of one that ends.
+
+    Returns
+    -------
+    mpi4py.MPI.Intracomm or Serial
+        As of `pgimp.mpi.comm.world`, which says what is raised.
+    """
+    comm = communicators.world()
+    if comm.size > 1:
+        peers_of(comm)
+    return comm
 
 
 def created(comm: Any) -> int:

@@ -54,6 +54,7 @@ def require_same(comm: Any, what: str, content: str) -> None:
         answer = comm.irecv(source=0, tag=_ANSWER_TAG)
         differ = _wait(comm, what, {0: answer}, peers)[0]
         sent.wait()
+    peers.met = True
     if differ:
         names = ", ".join(map(str, differ[:5])) + (", ..." if len(differ) > 5 else "")
         raise UsageError(
@@ -96,9 +97,7 @@ def end_all_on_exceptions(comm: Any) -> None:
     if comm.size == 1 or getattr(before, "ends_all", False):
         return
 
-    def hook(
-        kind: type[BaseException], error: BaseException, trace: TracebackType | None
-    ) -> None:
+    def hook(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
         def speak() -> None:
             before(kind, error, trace)
             say(f"rank {comm.rank} failed, which ends all ranks")
