@@ -225,14 +225,15 @@ def _hold(keepers, forcing, particles, p, t, layer, ledger):
         motion[LATTER + 1] + motion[LATTER + 5] * arm[0] - motion[LATTER + 3] * arm[2],
         motion[LATTER + 2] + motion[LATTER + 3] * arm[1] - motion[LATTER + 4] * arm[0],
     )
-    _stop(keepers, particles, p, t, (entry, layer), (n, g, square), (arm, own), ledger)
+    free = free_part(forcing.constraints, particles, p, (1.0, 1.0, 1.0))
+    _stop(keepers, particles, p, t, (entry, layer), (n, free, square), (arm, own), ledger)
     return 1
 
 
 @inner_kernel
 def _stop(keepers, particles, p, t, booking, normals, point, ledger):
     """Take from particle `p` its velocity into body `t`, and what friction takes across it."""
-    (entry, layer), (n, g, square), (arm, own) = booking, normals, point
+    (entry, layer), (n, free, square), (arm, own) = booking, normals, point
     pairs, m, D = keepers.pairs, particles.m[p], particles.x.shape[1]
     normal, across = 0.0, 0.0
     for d in range(D):
@@ -252,8 +253,8 @@ def _stop(keepers, particles, p, t, booking, normals, point, ledger):
     J, done, heat = (0.0, 0.0, 0.0), 0.0, 0.0
     for d in range(D):
         slip = particles.v[p, d] - own[d] - normal * n[d]
-        stick = -mass * part * slip if g[d] == n[d] else 0.0
-        j = stick - mass * normal / square * g[d]
+        stick = -mass * part * slip * free[d]
+        j = stick - mass * normal / square * n[d] * free[d]
         J = (j if d == 0 else J[0], j if d == 1 else J[1], j if d == 2 else J[2])
         particles.v[p, d] += j / m
         done += j * own[d]

@@ -119,3 +119,20 @@ def test_what_is_inside_is_counted_and_warned_of_once():
     assert len(said) == 1 and "2 in 'floor' at time 0" in said[0]
     assert origin(sim.rank, rows[0], 0.0) == ", from inside the rigid body 'floor'"
     assert origin(sim.rank, sim.live()[-1], 0.0) == ""
+
+
+def test_friction_of_what_is_held_leaves_prescribed_velocities():
+    """What is drawn over a flat floor, which holds it, keeps its speed to the bit."""
+    region = {"box": {"min": [2.0, 4.0], "max": [5.0, 5.0]}}
+    bodies = {"layer": {"material": "soft", "region": region, "velocity": [0.5, -0.2]},
+              "floor": half(2, [4.0, 3.0], 0.0, {})[0]}  # fmt: skip
+    grip = {"body": "layer", "region": region, "velocity": [0.5, None]}
+    case = scene(2, bodies, step=0.01, constraints={"grip": grip},
+                 contact=[{"bodies": ["layer", "floor"], "friction": 0.3}])  # fmt: skip
+    sim = start(case)
+    rows = sim.live()[:3]
+    sim.particles.x[rows, 1] = 2.99
+    sim.advance()
+    assert sim.particles.x[rows, 1] == pytest.approx(3.0, abs=1e-12)
+    assert sim.particles.v[rows, 1] == pytest.approx(0.0, abs=1e-12)
+    assert (sim.particles.v[sim.live(), 0] == 0.5).all()
