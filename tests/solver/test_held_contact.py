@@ -155,3 +155,31 @@ def test_what_a_grip_pushes_gets_its_acceleration():
     assert line["body.b.momentum-x"] / line["body.b.mass"] == pytest.approx(1.5, rel=0.02)
     assert force == pytest.approx(line["body.b.mass"], rel=0.02)
     assert line["constraint.grip-x"] == pytest.approx(line["mass"], rel=0.02)
+
+
+@pytest.mark.parametrize("degrees", [0.05, 2.0, 20.0])
+def test_a_slope_that_meets_what_is_held_across_it(degrees):
+    """What may only move along x is driven by a steep enough slope; by a flat one not at all."""
+    slope = np.radians(degrees)
+    plane = {"half-space": {"point": [6.0, 3.0], "normal": [np.sin(slope), np.cos(slope)]}}
+    region = {"intersection": [plane, {"box": {"min": [-5.0, -5.0], "max": [30.0, 30.0]}}]}
+    upper = {"half-space": {"point": [6.0, 3.0], "normal": [-np.sin(slope), -np.cos(slope)]}}
+    block = {"intersection": [upper, {"box": {"min": [4.0, 2.0], "max": [7.0, 6.0]}}]}
+    bodies = {"block": {"material": "soft", "region": block},
+              "slope": {"rigid": {"velocity": [0.0, 0.2]}, "region": region}}  # fmt: skip
+    grip = {"body": "block", "region": {"box": {"min": [0.0, 0.0], "max": [12.0, 12.0]}},
+            "velocity": [None, 0.0]}  # fmt: skip
+    case = scene(2, bodies, end=0.1, step=0.01, constraints={"grip": grip},
+                 contact=[{"bodies": "all", "friction": 0.1}])  # fmt: skip
+    sim = start(case)
+    mass, most = sim.diagnostics()["mass"], 0.0
+    while not sim.finished:
+        sim.advance()
+        most = max(most, abs(sim.diagnostics()["tool.slope.force-y"]))
+    speed = sim.diagnostics()["momentum-x"] / mass
+    if degrees < 6.0:  # the free part of the normal's square is below a hundredth
+        assert most == speed == 0.0
+    else:
+        # The wedge would drive it at 0.2 / tan; the body yields, and begins it within the steps.
+        assert 0.0 < speed < 0.4 / np.tan(slope)
+        assert most * sim.time < 10.0 * mass * 0.2 / np.tan(slope) ** 2
