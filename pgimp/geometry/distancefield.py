@@ -23,8 +23,8 @@ MARGIN = 3.0
 #: Step of the differences that give normals, as part of the spacing.
 _STEP = 1e-3
 
-#: Way from a vertex, in cells by direction, at which edges in its neighbourhood are looked for, and
-#: the least difference of the mean there from the distance that is one, by the least side of a cell.
+#: Way from a vertex, in cells by direction, at which edges in its neighbourhood are looked for; the
+#: least difference of the mean there from the distance that is one, by the least side of a cell.
 _AROUND, _EDGE = 0.95, 0.07
 
 #: Points that are computed together.

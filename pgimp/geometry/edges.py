@@ -47,7 +47,7 @@ def filling_distances(
         some = points[begin : begin + _BLOCK]
         places = some[:, None] + steps * half / _PARTS
         d = region.signed_distance(places.reshape(-1, D)).reshape(len(some), -1)
-        part[begin : begin + _BLOCK] = _below(-d * _PARTS / half.min()) @ weights
+        part[begin : begin + _BLOCK] = (weights * _below(-d * _PARTS / half.min())).sum(axis=1)
     sides = -np.sort(-np.abs(found[:, 1 : 1 + D]) * half, axis=1)
     most = sides.sum(axis=1)
     low, high = -most, most.copy()

@@ -3,8 +3,9 @@
 A vertex weighs its neighbourhood with tents of the sides of two cells. Each is the sum of three
 tents of half the size, with a quarter, a half, a quarter of the weight; of these the part on the
 inner side of a plane is found from the distance of its middle. So the filled part is exact for a
-flat surface at any angle, and edges are rounded by an eighth of a cell only. Where surfaces are
-nearly flat the vertex's own tent and the mean distance are enough.
+flat surface at any angle. At an edge the plane is that which fills as much of the small tent, see
+`pgimp.geometry.edges`. Where surfaces are nearly flat the vertex's own tent and the mean distance
+are enough.
 """
 
 from math import sqrt
