@@ -11,7 +11,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pgimp.geometry.edges import filling_distances
 from pgimp.geometry.regions.base import Region
 
 #: Distance of the lattice's points, as part of the smallest side of a cell.
@@ -22,10 +21,6 @@ MARGIN = 3.0
 
 #: Step of the differences that give normals, as part of the spacing.
 _STEP = 1e-3
-
-#: Way from a vertex, in cells by direction, at which edges in its neighbourhood are looked for; the
-#: least difference of the mean there from the distance that is one, by the least side of a cell.
-_AROUND, _EDGE = 0.95, 0.07
 
 #: Points that are computed together.
 _BLOCK = 1 << 16
@@ -42,10 +37,9 @@ class DistanceField(NamedTuple):
         Distance of its points.
     shape : (3,) int64
         Number of points along each direction; 1 where the scene has none.
-    values : (points, 7) float64
-        Distance, negative inside, the unit vector away from the body, the mean distance of the
-        neighbourhood that a vertex there has, if the body is not turned, that of its ends, and the
-        distance of the plane that fills as much of half of it; points in C order.
+    values : (points, 5) float64
+        Distance, negative inside, the unit vector away from the body, and the mean distance of the
+        neighbourhood that a vertex there has, if the body is not turned; points in C order.
     """
 
     low: NDArray[np.float64]
@@ -100,7 +94,7 @@ def distance_field(
     """Compute the distances of a region; see `extent`."""
     low, spacing, shape = extent(region, cell, within)
     D, count = len(cell), int(np.prod(shape))
-    values = np.zeros((count, 7))
+    values = np.zeros((count, 5))
     field = DistanceField(low, spacing, shape, values)
     for begin in range(0, count, _BLOCK):
         numbers = np.arange(begin, min(begin + _BLOCK, count))
@@ -114,18 +108,10 @@ def distance_field(
             found[:, 1 + d] -= region.signed_distance(points - step)
         length = np.sqrt(np.square(found[:, 1:4]).sum(axis=1))
         found[:, 1:4] /= np.where(length > 0.0, length, 1.0)[:, None]
-    for column, part in ((4, 0.5), (5, _AROUND)):
-        mean = values[:, 0].reshape(shape)
-        for d in range(D):
-            mean = _mean(mean, d, part * cell[d] / spacing)
-        values[:, column] = mean.ravel()
-    values[:, 6] = values[:, 0]
-    edges = np.abs(values[:, 5] - values[:, 0]) > _EDGE * min(cell)
-    edges &= np.abs(values[:, 0]) < 0.5 * np.linalg.norm(cell)
-    numbers = np.flatnonzero(edges)
-    values[numbers, 6] = filling_distances(
-        region, field.points(numbers, D), values[numbers, :4], cell
-    )
+    mean = values[:, 0].reshape(shape)
+    for d in range(D):
+        mean = _mean(mean, d, 0.5 * cell[d] / spacing)
+    values[:, 4] = mean.ravel()
     return field
 
 

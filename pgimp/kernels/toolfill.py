@@ -3,9 +3,8 @@
 A vertex weighs its neighbourhood with tents of the sides of two cells. Each is the sum of three
 tents of half the size, with a quarter, a half, a quarter of the weight; of these the part on the
 inner side of a plane is found from the distance of its middle. So the filled part is exact for a
-flat surface at any angle. At an edge the plane is that which fills as much of the small tent, see
-`pgimp.geometry.edges`. Where surfaces are nearly flat the vertex's own tent and the mean distance
-are enough.
+flat surface at any angle, and edges are rounded by an eighth of a cell only. Where surfaces are
+nearly flat the vertex's own tent and the mean distance are enough.
 """
 
 from math import sqrt
@@ -16,7 +15,6 @@ from pgimp.kernels.record import MASS
 from pgimp.kernels.selection import include
 from pgimp.kernels.tents import cut
 from pgimp.kernels.tools import (
-    AROUND,
     BENT,
     DISTANCE,
     FILLED,
@@ -24,7 +22,6 @@ from pgimp.kernels.tools import (
     MEAN,
     MOST,
     NORMAL,
-    PLANE,
     SURFACE,
     look_up,
     place_of,
@@ -33,10 +30,6 @@ from pgimp.kernels.tools import (
 #: Difference of the mean distance from that at the vertex, as part of a cell along the surface,
 #: from which this does not count as flat within the neighbourhood.
 FLAT = 0.02
-
-#: The same of the mean distance of the neighbourhood's ends: what is bent farther away is an edge.
-#: Of round surfaces it is 3.6 times the other one.
-EDGE = 0.075
 
 #: Component of a normal along a wall's that is rounding: the wall is perpendicular to the surface.
 SQUARE = 1e-9
@@ -67,14 +60,6 @@ def _tangent(frame, at):
 
 
 @inner_kernel
-def _is_flat(at, wide):
-    """Whether the surface at the last point is nearly flat within a vertex's neighbourhood."""
-    if not abs(at[MEAN] - at[DISTANCE]) < FLAT * wide:
-        return False
-    return abs(at[AROUND] - at[DISTANCE]) < EDGE * wide
-
-
-@inner_kernel
 def _is_near(tools, t, frame, number):
     """Set distance and normal at a vertex; returns whether the body may be near."""
     about, at, D = tools.about[t], tools.at, len(frame.cell)
@@ -87,7 +72,7 @@ def _is_near(tools, t, frame, number):
     look_up(tools, t, D, x, y, z)
     for d in range(D):
         along += abs(at[NORMAL + d]) * frame.cell[d]
-    if _is_flat(at, _tangent(frame, at)):
+    if abs(at[MEAN] - at[DISTANCE]) < FLAT * _tangent(frame, at):
         return at[MEAN] < along
     return at[DISTANCE] <= sqrt(square)
 
@@ -124,7 +109,7 @@ def fill(tools, t, frame, number, sides):
     halved = True  # whole, or cut by walls perpendicular to the surface: planes of symmetry
     for d in range(D):
         halved = halved and (sides[d] == 0 or abs(at[NORMAL + d]) < SQUARE)
-    if halved and _is_flat(at, wide):
+    if halved and abs(bent) < FLAT * wide:
         a, b, c = _halves(tools, frame, 1.0)
         filled, slope = cut(a, b, c, -at[MEAN])
         at[FILLED], scale = filled, volume * max(slope, 1e-3 / reach)
@@ -158,7 +143,7 @@ def fill(tools, t, frame, number, sides):
         if not a > 0.0:
             filled += weight if at[DISTANCE] < 0.0 else 0.0
             continue
-        part, slope = cut(a, b, c, -at[PLANE])
+        part, slope = cut(a, b, c, -at[DISTANCE])
         filled += weight * part
         s0 += weight * slope * at[NORMAL]
         s1 += weight * slope * at[NORMAL + 1]

@@ -19,10 +19,9 @@ YIELDS, MOTION = 32, 33
 #: of others.
 SHAPE, FIRST, LEAST, MOST, FREE, ABOUT = 0, 3, 4, 7, 10, 11
 
-#: Columns of `Tools.at`: distance, normal, mean distances of a neighbourhood and of its ends, and
-#: distance of the plane that fills as much of half of it, at a point; part filled, area with
+#: Columns of `Tools.at`: distance, normal, and mean distance at a point; part filled, area with
 #: outward normal, and what curvature adds to the mean gap from a plane.
-DISTANCE, NORMAL, MEAN, AROUND, PLANE, FILLED, SURFACE, BENT, AT = 0, 1, 4, 5, 6, 7, 8, 11, 12
+DISTANCE, NORMAL, MEAN, FILLED, SURFACE, BENT, AT = 0, 1, 4, 5, 6, 9, 10
 
 #: Columns of `Tools.answers`: impulse and moment on a free body in the step so far, those of the
 #: last pass, and minus their derivatives by the velocities along and about x, y, z, a matrix of 6 x
@@ -39,7 +38,7 @@ class Tools(NamedTuple):
         Motion of each in the step, and place of its lattice.
     about : (tools, ABOUT) int64
         The shape of its lattice, and the vertices near it.
-    values : (points, 7) float64
+    values : (points, 5) float64
         Those of `DistanceField`, of one body after the other.
     bodies : int
         Number of the bodies with particles, which come first.
@@ -66,7 +65,7 @@ def look_up(tools, t, D, x, y, z):
     """Set distance and normal of body `t` at a point."""
     row, about, at = tools.motion[t], tools.about[t], tools.at
     gap = (x - row[CENTRE], y - row[CENTRE + 1], z - row[CENTRE + 2])
-    at[: PLANE + 1] = 0.0
+    at[: MEAN + 1] = 0.0
     place, inside = 0, True
     part = (0.0, 0.0, 0.0)
     step = (0, 0, 0)
@@ -106,8 +105,6 @@ def look_up(tools, t, D, x, y, z):
         own1 += weight * tools.values[where, 2]
         own2 += weight * tools.values[where, 3]
         at[MEAN] += weight * tools.values[where, 4]
-        at[AROUND] += weight * tools.values[where, 5]
-        at[PLANE] += weight * tools.values[where, 6]
     length = sqrt(own0 * own0 + own1 * own1 + own2 * own2)
     inverse = 1.0 / length if length > 0.0 else 0.0
     for d in range(3):

@@ -266,7 +266,7 @@ class SceneTools:
                 first += len(field.values)
             values = [field.values for field in self.fields]
             self._kept = Tools(
-                motion, about, np.concatenate(values) if values else np.zeros((0, 7)),
+                motion, about, np.concatenate(values) if values else np.zeros((0, 5)),
                 len(self.case.bodies), np.zeros(AT), self._answers(0),
             )  # fmt: skip
         return self._kept
