@@ -18,10 +18,10 @@ if TYPE_CHECKING:
     from pgimp.errors import CaseError, PgimpError, RunError, UsageError
     from pgimp.io.results.reader import open
     from pgimp.mpi.peers import world
-    from pgimp.physics.materials.outside import takes_vectors
+    from pgimp.physics.materials.parameters.outside import takes_vectors
     from pgimp.physics.materials.registry import register_material
     from pgimp.solver.driver import Simulation
-    from pgimp.tools.element.march import element
+    from pgimp.utilities.element.march import element
 
 __all__ = [
     "CaseError",
@@ -44,12 +44,12 @@ _HOMES = {
     "RunError": "pgimp.errors",
     "Simulation": "pgimp.solver.driver",
     "UsageError": "pgimp.errors",
-    "element": "pgimp.tools.element.march",
+    "element": "pgimp.utilities.element.march",
     "load": "pgimp.case.load",
     "open": "pgimp.io.results.reader",
     "register_material": "pgimp.physics.materials.registry",
     "run": "pgimp.commands.run",
-    "takes_vectors": "pgimp.physics.materials.outside",
+    "takes_vectors": "pgimp.physics.materials.parameters.outside",
     "world": "pgimp.mpi.peers",
 }
 

@@ -10,7 +10,7 @@ import pgimp
 FLOORS = (
     ("errors", "signals", "terminal"),
     ("mpi", "jit"),
-    ("files",),
+    ("storage",),
     ("schema",),
     ("geometry",),
     ("physics",),
@@ -21,7 +21,7 @@ FLOORS = (
     ("io",),
     ("solver",),
     ("running",),
-    ("tools",),
+    ("utilities",),
     ("commands",),
     ("cli",),
     ("__init__", "__main__"),
@@ -54,6 +54,17 @@ def imported(path):
 
 def test_every_folder_has_a_floor():
     assert {path.parts[0].removesuffix(".py") for path in MODULES} - {"cases"} == set(FLOOR)
+
+
+def test_folders_can_be_seen_at_a_glance():
+    """Sixteen files at most, and what each folder of kernels and of the solver is for."""
+    for folder in (ROOT, *(path for path in ROOT.rglob("*") if path.is_dir())):
+        files = [path for path in folder.glob("*.py") if path.stem != "__init__"]
+        assert len(files) <= 16, f"{folder.relative_to(ROOT)} has {len(files)} files"
+        if files and folder.relative_to(ROOT).parts[:1] in (("kernels",), ("solver",)):
+            text = (folder / "README.md").read_text()
+            missing = [path.name for path in files if path.name not in text]
+            assert not missing, f"{folder.relative_to(ROOT)}/README.md does not name {missing}"
 
 
 def test_no_import_runs_up():
@@ -117,7 +128,7 @@ def test_files_of_tests_have_different_names():
 
 
 def test_no_kernel_takes_more_than_eight_arguments():
-    """What belongs together goes in one NamedTuple, see `pgimp.kernels.concepts`."""
+    """What belongs together goes in one NamedTuple, see `pgimp.kernels.data.arguments`."""
     many = []
     for path in [*(ROOT / "kernels").rglob("*.py"), *(ROOT / "physics").rglob("*.py")]:
         for node in ast.walk(ast.parse(path.read_text())):

@@ -206,7 +206,7 @@ def test_what_is_no_plain_file_keeps_nobody_waiting(folder, capsys, monkeypatch,
 @pytest.mark.parametrize("becomes", [pipes, folders, devices, large])
 @pytest.mark.parametrize("command", [[], ["check"], ["study"], BATCH])
 def test_a_case_that_is_no_plain_file(folder, capsys, monkeypatch, becomes, command):
-    monkeypatch.setattr("pgimp.files.plain.PATIENCE", 0.2)
+    monkeypatch.setattr("pgimp.storage.plain.PATIENCE", 0.2)
     (folder / "new.yaml").touch()
     becomes(folder / "new.yaml")
     assert main([*command, "new.yaml"]) == 2

@@ -7,7 +7,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from pgimp.case.check_stages import check_by_itself, check_changes, reselects
+from pgimp.case.checks.stages import check_by_itself, check_changes, reselects
 from pgimp.case.stages import Stage, Staged, merged
 from pgimp.schema.messages import explain
 from pgimp.schema.problems import Problem

@@ -1,4 +1,4 @@
-"""The case file as typed models. What holds between its parts is checked in `pgimp.case.checks`.
+"""The case file as typed models; `pgimp.case.checks` has the conditions between its parts.
 
 Descriptions end with the unit in square brackets, in terms of any consistent set of length, mass
 and time; stress is mass/(length time^2). Tension is positive.
@@ -22,7 +22,7 @@ from pydantic import (
 
 from pgimp.case.arrange_stages import arrange
 from pgimp.case.body import Body
-from pgimp.case.checks import check, sound_parts
+from pgimp.case.checks.parts import check, sound_parts
 from pgimp.case.grid import Grid
 from pgimp.case.output import Checkpoint, History, Output, ProbeEntry
 from pgimp.case.stages import Staged

@@ -11,8 +11,6 @@ from pathlib import Path
 
 from pgimp.case.load import load
 from pgimp.errors import UsageError, explain
-from pgimp.files import atomic
-from pgimp.files.plain import read_plain
 from pgimp.io.rundir.ownfiles import RUN
 from pgimp.io.rundir.runinfo import installed
 from pgimp.mpi.comm import Serial
@@ -20,8 +18,10 @@ from pgimp.physics.materials.registry import imported
 from pgimp.running.stop import wall_time
 from pgimp.scene.geometry import share
 from pgimp.scene.scene import Scene, count_particles
-from pgimp.solver.lookahead import look_ahead
-from pgimp.tools.batch.script import Job, write
+from pgimp.solver.start.validate_stages import look_ahead
+from pgimp.storage import atomic
+from pgimp.storage.plain import read_plain
+from pgimp.utilities.batch.script import Job, write
 
 _WORD = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+:@/-]*", re.ASCII)
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_.+-]{0,62}", re.ASCII)

@@ -15,14 +15,14 @@ from typing import Any
 
 import numpy as np
 
-from pgimp.jit.cache import announced
+from pgimp.jit.compiled.cache import announced
 from pgimp.mpi.comm import say, world
 from pgimp.solver.decomposition import RESORT
 from pgimp.solver.simulation import Simulation
-from pgimp.tools.model.block import GRAVITY, SPEED, YOUNG, Block, block_case
-from pgimp.tools.model.costs import Network
-from pgimp.tools.model.predict import MOST_RANKS
-from pgimp.tools.model.standard import MOST_PARTICLES, model_block
+from pgimp.utilities.model.block import GRAVITY, SPEED, YOUNG, Block, block_case
+from pgimp.utilities.model.costs import Network
+from pgimp.utilities.model.predict import MOST_RANKS
+from pgimp.utilities.model.standard import MOST_PARTICLES, model_block
 
 #: Phases of the table, and the simulation's phases that each sums.
 _TABLE = {

@@ -2,8 +2,8 @@
 
 All is set up as by a run, particles a block at a time. Simulated are a few steps of the same case
 with coarser or finer cells, to measure what the parts of a step cost on this machine, and a pilot
-run on coarse cells, from which the number of steps is predicted; see `pgimp.tools.check` for
-what is said of them, and `pgimp.tools.model`.
+run on coarse cells, from which the number of steps is predicted; see `pgimp.utilities.check` for
+what is said of them, and `pgimp.utilities.model`.
 """
 
 import argparse
@@ -12,23 +12,23 @@ from itertools import chain
 from pgimp.case.load import load
 from pgimp.case.places import located
 from pgimp.case.schema import Case
-from pgimp.jit.cache import announced
+from pgimp.jit.compiled.cache import announced
 from pgimp.mpi.comm import say
 from pgimp.running import forecast
-from pgimp.scene import nearness, overstress
-from pgimp.scene.facts import BodyFacts
-from pgimp.scene.laterconstraints import idle_warnings
-from pgimp.scene.locking import locking, stripes
-from pgimp.scene.sanity import body_warnings, case_warnings, small_step_warning
-from pgimp.scene.toolwarnings import motion_warnings
-from pgimp.solver.memory import MemoryShortError, size_text
+from pgimp.scene.checks import nearness, overstress
+from pgimp.scene.checks.facts import BodyFacts
+from pgimp.scene.checks.later_constraints import idle_warnings
+from pgimp.scene.checks.locking import locking, stripes
+from pgimp.scene.checks.sanity import body_warnings, case_warnings, small_step_warning
+from pgimp.scene.rigid.warnings import motion_warnings
 from pgimp.solver.stability import stability_warning, stable_courant
-from pgimp.tools.check.bodies import MOST_BODIES, report_body, report_materials, report_rigid
-from pgimp.tools.check.cost import measure, report_cost, report_memory
-from pgimp.tools.check.prepare import prepare
-from pgimp.tools.check.savings import ordered_advice
-from pgimp.tools.check.steps import pilot_warnings, report_stages, report_steps
-from pgimp.tools.model.pilot import pilot
+from pgimp.solver.start.memory import MemoryShortError, size_text
+from pgimp.utilities.check.bodies import MOST_BODIES, report_body, report_materials, report_rigid
+from pgimp.utilities.check.cost import measure, report_cost, report_memory
+from pgimp.utilities.check.prepare import prepare
+from pgimp.utilities.check.savings import ordered_advice
+from pgimp.utilities.check.steps import pilot_warnings, report_stages, report_steps
+from pgimp.utilities.model.pilot import pilot
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -1,6 +1,6 @@
 """``pgimp doctor``: are MPI, HDF5, h5py and Numba there, do they fit each other, what to do if not.
 
-What it looks at is in `pgimp.tools.doctor`.
+What it looks at is in `pgimp.utilities.doctor`.
 """
 
 from __future__ import annotations
@@ -8,8 +8,8 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator
 
-from pgimp.tools.doctor import hdf5, kernels, machine, mpi
-from pgimp.tools.doctor.finding import Finding
+from pgimp.utilities.doctor import hdf5, kernels, machine, mpi
+from pgimp.utilities.doctor.finding import Finding
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

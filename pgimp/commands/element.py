@@ -11,9 +11,9 @@ from typing import Any
 
 from pgimp.case.load import load
 from pgimp.errors import UsageError, explain
-from pgimp.files import atomic
 from pgimp.schema.messages import unknown
-from pgimp.tools.element.paths import PATHS, path_of
+from pgimp.storage import atomic
+from pgimp.utilities.element.paths import PATHS, path_of
 
 _MOST_STEPS = 1_000_000
 _BEGINNINGS = {"png": rb"\x89PNG\r\n", "csv": rb"value,time,det-F"}
@@ -85,7 +85,7 @@ def execute(args: argparse.Namespace) -> int:
     RunError
         If the material cannot follow the path.
     """
-    from pgimp.tools.element.table import curve, draw, errors, text
+    from pgimp.utilities.element.table import curve, draw, errors, text
 
     values = _values(args.to)
     path = path_of(args.path)
@@ -116,7 +116,7 @@ def execute(args: argparse.Namespace) -> int:
     else:
         import matplotlib
 
-        from pgimp.tools.plot.style import STYLE
+        from pgimp.utilities.plot.style import STYLE
 
         with matplotlib.rc_context(STYLE):  # type: ignore[arg-type]
             stream = io.BytesIO()

@@ -12,7 +12,7 @@ from importlib.resources import files as installed
 from pathlib import Path
 
 from pgimp.errors import UsageError
-from pgimp.files.plain import read_plain
+from pgimp.storage.plain import read_plain
 
 #: The schemas that editors read, beside the case and beside the study.
 SCHEMA, STUDY_SCHEMA = "pgimp-schema.json", "pgimp-study-schema.json"
@@ -99,7 +99,7 @@ def execute(args: argparse.Namespace) -> int:
 
 def _write_accuracy(case: str, output: str | None) -> int:
     """Write the study that finds the error of a case; return the exit status."""
-    from pgimp.tools.study.accuracy import study_of
+    from pgimp.utilities.study.accuracy import study_of
 
     path = Path(output or f"{Path(case).stem}-accuracy.yaml")
     _write(path, f"{_LINE}{STUDY_SCHEMA}\n{study_of(case, path)}")
@@ -233,7 +233,7 @@ def _write_beside(path: Path, text: str, otherwise: str) -> None:
 
 
 def _write_schema(path: Path) -> None:
-    from pgimp.tools.reference.jsonschema import json_schema, study_schema
+    from pgimp.utilities.reference.jsonschema import json_schema, study_schema
 
     study = path.name == STUDY_SCHEMA
     text = json.dumps(study_schema() if study else json_schema(), indent=2, ensure_ascii=False)

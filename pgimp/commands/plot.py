@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from pgimp.errors import UsageError, explain
-from pgimp.files import atomic
-from pgimp.files.plain import open_plain
-from pgimp.tools.plot.runs import AXES, PlotRun, open_runs, snapshots
-from pgimp.tools.plot.tables import Table
+from pgimp.storage import atomic
+from pgimp.storage.plain import open_plain
+from pgimp.utilities.plot.runs import AXES, PlotRun, open_runs, snapshots
+from pgimp.utilities.plot.tables import Table
 
 _FORMATS = ("png", "pdf", "svg")
 _BEGINNINGS = {"png": rb"\x89PNG\r\n", "pdf": rb"%PDF-", "svg": rb"(<\?xml|<svg|\s)"}
@@ -106,7 +106,7 @@ def execute(args: argparse.Namespace) -> int:
     import matplotlib
 
     matplotlib.use("Agg")
-    from pgimp.tools.plot.style import STYLE
+    from pgimp.utilities.plot.style import STYLE
 
     style: Any = STYLE | {"svg.hashsalt": "pgimp"}
     _check(args)
@@ -119,7 +119,7 @@ def execute(args: argparse.Namespace) -> int:
         if _wants_frame(args):
             figure, table, remarks, name = _frame(args, runs)
         else:
-            from pgimp.tools.plot.curves import curves
+            from pgimp.utilities.plot.curves import curves
 
             probes = _listed(args.probe)
             figure, table, remarks = curves(
@@ -159,11 +159,11 @@ def _check(args: argparse.Namespace) -> None:
 
 
 def _frame(args: argparse.Namespace, runs: Sequence[PlotRun]) -> tuple[Any, Table, list[str], str]:
-    from pgimp.tools.plot.along import along
-    from pgimp.tools.plot.camera import camera
-    from pgimp.tools.plot.picture import picture
-    from pgimp.tools.plot.quantity import quantity
-    from pgimp.tools.plot.selection import Selection, parse_place
+    from pgimp.utilities.plot.along import along
+    from pgimp.utilities.plot.camera import camera
+    from pgimp.utilities.plot.picture import picture
+    from pgimp.utilities.plot.quantity import quantity
+    from pgimp.utilities.plot.selection import Selection, parse_place
 
     times = _numbers(args.time, "--time", float)
     numbers = _numbers(args.frame, "--frame", int) or ([] if times else [-1])

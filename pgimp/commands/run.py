@@ -212,12 +212,12 @@ def _run(
 ) -> bool:
     """Run a case in a directory; return whether it reached its end."""
     from pgimp.case.reader import dump_case
-    from pgimp.files.hdf5 import load_h5py
-    from pgimp.jit.cache import announced
+    from pgimp.jit.compiled.cache import announced
     from pgimp.jit.outside import digests
     from pgimp.running.resume import Resumed
     from pgimp.running.resume import resume as take_up
     from pgimp.running.running import advance
+    from pgimp.storage.hdf5 import load_h5py
 
     directory = RunDirectory(output, comm, overwrite, resume, tuple(case.probes))
     try:

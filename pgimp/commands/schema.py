@@ -34,11 +34,11 @@ def execute(args: argparse.Namespace) -> int:
         The exit status, 0.
     """
     if args.markdown:
-        from pgimp.tools.reference.page import reference
+        from pgimp.utilities.reference.page import reference
 
         print(reference(), end="")
     else:
-        from pgimp.tools.reference.jsonschema import json_schema, study_schema
+        from pgimp.utilities.reference.jsonschema import json_schema, study_schema
 
         schema = study_schema() if args.study else json_schema()
         print(json.dumps(schema, indent=2, ensure_ascii=False))

@@ -14,18 +14,18 @@ from pathlib import Path
 from typing import Any
 
 from pgimp.errors import UsageError, explain
-from pgimp.files import atomic
 from pgimp.io.rundir.ownfiles import RUN
 from pgimp.mpi.comm import launcher
 from pgimp.running.log import Log
 from pgimp.running.progress import duration, terminal_columns
 from pgimp.running.stop import Held
+from pgimp.storage import atomic
 from pgimp.terminal import unescaped
-from pgimp.tools.check.prepare import prepare
-from pgimp.tools.study.measures import number
-from pgimp.tools.study.plan import Plan, read_plan
-from pgimp.tools.study.runs import DONE, Outcome, command, perform
-from pgimp.tools.study.tables import as_csv, as_markdown, compare
+from pgimp.utilities.check.prepare import prepare
+from pgimp.utilities.study.measures import number
+from pgimp.utilities.study.plan import Plan, read_plan
+from pgimp.utilities.study.runs import DONE, Outcome, command, perform
+from pgimp.utilities.study.tables import as_csv, as_markdown, compare
 
 TABLE, PAGE, PICTURE, COPY = "study.csv", "study.md", "study.png", "study.yaml"
 _LOCK = ".lock"
@@ -190,7 +190,7 @@ def _bar(log: Log, total: int) -> Iterator[Any]:
 
 def _write(plan: Plan, folder: Path, outcomes: list[Outcome]) -> None:
     """Write tables and plot, each whole or not at all."""
-    from pgimp.tools.study.plot import picture
+    from pgimp.utilities.study.plot import picture
 
     compare(plan, outcomes)
     try:

@@ -5,10 +5,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from pgimp.decomposition.slabs import Slab
-from pgimp.kernels.concepts import Field
-from pgimp.kernels.frame import Frame, Window
-from pgimp.kernels.particles import FloatArray
-from pgimp.kernels.record import RECORD
+from pgimp.kernels.data.arguments import Field
+from pgimp.kernels.data.frame import Frame, Window
+from pgimp.kernels.data.particles import FloatArray
+from pgimp.kernels.data.record import RECORD
 
 #: Cells by which the window reaches beyond the particles, so that it seldom has to grow.
 MARGIN = 2
@@ -58,7 +58,7 @@ class Grid:
     field : Field
         The same, for kernels.
     G : (planes * plane,) float64
-        Records of the vertices, see `pgimp.kernels.record`; only active planes are defined.
+        Records of the vertices, see `pgimp.kernels.data.record`; only active planes are defined.
     active : (planes,) uint8
         Which planes take part in this step.
     scratch, deferred : float64
@@ -66,7 +66,7 @@ class Grid:
     partial : float64
         The part of `deferred` for planes that are shared with the lower neighbour.
     marks : (planes * plane / 8,) int64
-        See `pgimp.kernels.marking`; made when first asked for.
+        See `pgimp.kernels.grid.constrained_vertices`; made when first asked for.
     base : (2, 2) int64
         First vertices (least, greatest; y, z) that a support in the window may have.
     inner_bounds : (2, 2) int64

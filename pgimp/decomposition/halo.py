@@ -18,8 +18,8 @@ import numpy as np
 
 from pgimp.decomposition.grid import Grid, aligned
 from pgimp.decomposition.slabs import Slab
-from pgimp.kernels.p2g import complete
-from pgimp.kernels.record import RECORD
+from pgimp.kernels.data.record import RECORD
+from pgimp.kernels.transfer.p2g import complete
 from pgimp.mpi.switches import switched_on
 
 _UP, _DOWN = 1, 2

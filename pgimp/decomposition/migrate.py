@@ -12,8 +12,8 @@ import numpy as np
 
 from pgimp.decomposition.population import Population, with_capacity
 from pgimp.decomposition.slabs import Slab
-from pgimp.kernels.layerchanges import pack_rows, partition_migrants, unpack_rows
-from pgimp.kernels.particles import Columns, Particles
+from pgimp.kernels.data.particles import Columns, Particles
+from pgimp.kernels.order.layer_changes import pack_rows, partition_migrants, unpack_rows
 
 _TAG, _REST = 3, 6
 

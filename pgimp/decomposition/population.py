@@ -4,11 +4,11 @@ from math import prod
 
 import numpy as np
 
-from pgimp.kernels.concepts import Order
-from pgimp.kernels.frame import Frame
-from pgimp.kernels.layerchanges import sort_rows
-from pgimp.kernels.order import grow_vertex_bounds, locate, merge
-from pgimp.kernels.particles import Columns, IntArray, Particles
+from pgimp.kernels.data.arguments import Order
+from pgimp.kernels.data.frame import Frame
+from pgimp.kernels.data.particles import Columns, IntArray, Particles
+from pgimp.kernels.order.layer_changes import sort_rows
+from pgimp.kernels.order.order import grow_vertex_bounds, locate, merge
 
 
 def with_capacity(array: np.ndarray, size: int, used: int = 0) -> np.ndarray:

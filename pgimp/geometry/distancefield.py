@@ -1,7 +1,7 @@
 """Distances to the surface of a rigid body, and normals, on a lattice that moves with it.
 
 Interpolated they are exact where the surface is flat, however it was made: boxes, balls, what
-is combined of them, meshes. Kernels do that, see `pgimp.kernels.tools`.
+is combined of them, meshes. Kernels do that, see `pgimp.kernels.rigid.bodies`.
 """
 
 from __future__ import annotations

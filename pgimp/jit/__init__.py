@@ -4,7 +4,7 @@ What Numba must know before it is imported is set here, as any module of this fo
 
 - ``NUMBA_LOOP_VECTORIZE=0``: in a loop that LLVM vectorises, contraction to fused multiply-adds
   differs between the vector body and the scalar remainder, so that a particle's bits would depend
-  on its place in the array. Kernels use explicit vectors instead (`pgimp.jit.simd`).
+  on its place in the array. Kernels use explicit vectors instead (`pgimp.jit.vectors.simd`).
 - ``NUMBA_DISABLE_INTEL_SVML=1``: the vector maths library rounds differently from libm.
 - ``NUMBA_DISABLE_ERROR_MESSAGE_HIGHLIGHTING=1``: where colorama is installed, Numba would write
   control characters to stdout at the end.
@@ -12,7 +12,7 @@ What Numba must know before it is imported is set here, as any module of this fo
 
 import os
 
-from pgimp.jit.folder import SETTINGS
+from pgimp.jit.compiled.folder import SETTINGS
 
 os.environ.update(SETTINGS)
 os.environ["NUMBA_DISABLE_ERROR_MESSAGE_HIGHLIGHTING"] = "1"

@@ -1,7 +1,7 @@
 """A choice in place of a branch, for one particle and for four at once."""
 
 from pgimp.jit.kernel import specialise
-from pgimp.jit.simd import mask4, where
+from pgimp.jit.vectors.simd import mask4, where
 
 
 def choose(condition, a, b):

@@ -13,10 +13,10 @@ from llvmlite import ir
 from numba.core import cgutils, types
 from numba.extending import intrinsic, overload
 
-import pgimp.jit.simdmath  # noqa: F401  so that abs, max and min are known of vectors
+import pgimp.jit.vectors.functions  # noqa: F401  so that abs, max and min are known of vectors
 from pgimp.jit.choose import choose
 from pgimp.jit.kernel import INLINE_OPTIONS, exact
-from pgimp.jit.simd import DOUBLES, splat, vec4
+from pgimp.jit.vectors.simd import DOUBLES, splat, vec4
 
 # ln 2 in two parts, the first exact in products with exponents; and the coefficients of the minimax
 # polynomial for (log(1+f) - f)/s, s = f/(2+f) (Sun Microsystems' fdlibm, e_log.c).

@@ -1,6 +1,6 @@
 """Use of Numba: reproducible code generation, and a disk cache of its own.
 
-Compiled kernels are kept on disk, see `pgimp.jit.folder` and `pgimp.jit.cache`.
+Compiled kernels are kept on disk, see `pgimp.jit.compiled.folder` and `pgimp.jit.compiled.cache`.
 """
 
 import os
@@ -8,7 +8,7 @@ import sys
 from collections.abc import Callable
 from typing import Any, cast
 
-from pgimp.jit.folder import cache_folder
+from pgimp.jit.compiled.folder import cache_folder
 
 #: Where compiled kernels are kept.
 FOLDER = cache_folder()
@@ -19,8 +19,8 @@ if "numba" in sys.modules:  # imported by the user's program before: set what it
 import numba  # noqa: E402
 from numba.extending import overload  # noqa: E402
 
-from pgimp.jit.cache import KernelCache  # noqa: E402
-from pgimp.jit.compiler import Compiler  # noqa: E402
+from pgimp.jit.compiled.cache import KernelCache  # noqa: E402
+from pgimp.jit.compiled.compiler import Compiler  # noqa: E402
 
 Compiler.folder = FOLDER.path
 

@@ -24,7 +24,7 @@ from pgimp.io.rundir import runinfo
 from pgimp.mpi.collective import all_or_none, on_root
 from pgimp.running.probes import Record
 from pgimp.running.schedule import Schedule
-from pgimp.solver.state import capture
+from pgimp.solver.state.state import capture
 
 CHECKPOINT = re.compile(r"step-(\d{9,})\.h5")
 DAMAGED = ".damaged"

@@ -10,17 +10,17 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from pgimp.errors import RunError, explain
-from pgimp.files.atomic import write as write_file
 from pgimp.io.frames.particlefile import ParticleFile
 from pgimp.io.frames.xdmf import Collection, particles
 from pgimp.io.rundir.ownfiles import FAILURE as FOLDER
-from pgimp.kernels.order import vertices_of
-from pgimp.kernels.updates.checks import OUTSIDE
+from pgimp.kernels.order.order import vertices_of
+from pgimp.kernels.update.checks import OUTSIDE
 from pgimp.mpi.collective import on_root
 from pgimp.physics.fields import BY_RANKS, FIELDS, Source
-from pgimp.solver.particle_errors import Failure, explanation
 from pgimp.solver.parts import fastest
 from pgimp.solver.stability import stable_courant
+from pgimp.solver.start.particle_errors import Failure, explanation
+from pgimp.storage.atomic import write as write_file
 
 if TYPE_CHECKING:
     from pgimp.solver.simulation import Simulation

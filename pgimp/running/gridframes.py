@@ -8,10 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pgimp.files.atomic import temporary
-from pgimp.files.datasets import Dataset, lay_out
-from pgimp.files.framefile import FrameFile
-from pgimp.files.unfinished import Unfinished, explained_errors, removed_on_error
 from pgimp.io.frames.particlefile import FORMAT_VERSION
 from pgimp.io.frames.series import Entry, Series
 from pgimp.io.frames.xdmf import Collection, mesh
@@ -19,9 +15,13 @@ from pgimp.io.results.gridreader import GridFrame
 from pgimp.io.rundir.ownfiles import GRID_FRAME
 from pgimp.mpi.collective import on_root
 from pgimp.physics.columns import GRID
+from pgimp.storage.atomic import temporary
+from pgimp.storage.datasets import Dataset, lay_out
+from pgimp.storage.framefile import FrameFile
+from pgimp.storage.unfinished import Unfinished, explained_errors, removed_on_error
 
 if TYPE_CHECKING:
-    from pgimp.solver.gridstate import ActiveGrid
+    from pgimp.solver.state.grid_state import ActiveGrid
 
 Array = np.ndarray
 
@@ -76,7 +76,7 @@ class GridFrames(Series):
         """
         if not self.fields:
             return
-        from pgimp.solver.gridstate import active_grid
+        from pgimp.solver.state.grid_state import active_grid
 
         self.finish()
         path = self.folder / f"grid-{number:06d}.h5"

@@ -10,12 +10,12 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from pgimp.case.output import PlaceProbe
 from pgimp.errors import RunError, UsageError, explain
-from pgimp.files.atomic import sync_folder
-from pgimp.files.lines import LineFile
 from pgimp.io.rundir.probefiles import PROBES, probe_file
 from pgimp.mpi.collective import on_root
 from pgimp.running.schedule import Schedule
-from pgimp.solver.probes import Place, Point, nearest, sample
+from pgimp.solver.state.probes import Place, Point, nearest, sample
+from pgimp.storage.atomic import sync_folder
+from pgimp.storage.lines import LineFile
 
 _Place = Annotated[list[float], Field(min_length=1, max_length=3)]
 

@@ -18,8 +18,8 @@ from pgimp.running.gridframes import GridFrames
 from pgimp.running.probes import Probes
 from pgimp.running.rigidframes import RigidFrames
 from pgimp.running.schedule import Schedule
-from pgimp.solver.lookahead import absent
 from pgimp.solver.reduction import Request
+from pgimp.solver.start.validate_stages import absent
 
 
 class Recorder:

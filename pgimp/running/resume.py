@@ -11,8 +11,6 @@ from pgimp.case.reader import read_case
 from pgimp.case.schema import Case
 from pgimp.case.writer import flow
 from pgimp.errors import CaseError, DamagedError, RunError, UsageError, explain
-from pgimp.files.linereader import require_whole
-from pgimp.files.plain import read_plain
 from pgimp.io.rundir.probefiles import probe_file
 from pgimp.io.rundir.rundir import STARTING, RunDirectory
 from pgimp.mpi.collective import on_root
@@ -22,7 +20,9 @@ from pgimp.running.probes import require_known
 from pgimp.schema.document import LARGEST_FILE
 from pgimp.solver.clock import clock_of
 from pgimp.solver.simulation import Simulation
-from pgimp.solver.state import State
+from pgimp.solver.state.state import State
+from pgimp.storage.linereader import require_whole
+from pgimp.storage.plain import read_plain
 
 #: Keys that a resumed run may change: they affect no particle, or only the run's end.
 MAY_CHANGE = ("title", "time.end", "output", "history", "probes", "checkpoint")

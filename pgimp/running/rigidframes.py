@@ -7,16 +7,16 @@ from typing import Any
 
 import numpy as np
 
-from pgimp.files.atomic import temporary
-from pgimp.files.datasets import Dataset, lay_out
-from pgimp.files.framefile import FrameFile
-from pgimp.files.unfinished import Unfinished, explained_errors, removed_on_error
 from pgimp.io.frames.particlefile import FORMAT_VERSION
 from pgimp.io.frames.series import Entry, Series
 from pgimp.io.frames.xdmf import Collection, surface
 from pgimp.io.results.frame import Reading
 from pgimp.io.rundir.ownfiles import RIGID_FRAME
 from pgimp.mpi.collective import on_root
+from pgimp.storage.atomic import temporary
+from pgimp.storage.datasets import Dataset, lay_out
+from pgimp.storage.framefile import FrameFile
+from pgimp.storage.unfinished import Unfinished, explained_errors, removed_on_error
 
 
 class RigidFrames(Series):

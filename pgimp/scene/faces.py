@@ -5,10 +5,19 @@ from typing import Any, get_args, get_type_hints
 
 import numpy as np
 
-from pgimp.kernels.clearance import Sides, Wall
-from pgimp.kernels.faces import KIND, PARAMETERS, Faces
-from pgimp.kernels.frame import Frame
-from pgimp.kernels.walls import FACE, GRAVITY, HOLDS, MOTION, NUMBER, PLACE, VELOCITY, WALL
+from pgimp.kernels.data.frame import Frame
+from pgimp.kernels.grid.faces import KIND, PARAMETERS, Faces
+from pgimp.kernels.grid.position_limits import (
+    FACE,
+    GRAVITY,
+    HOLDS,
+    MOTION,
+    NUMBER,
+    PLACE,
+    VELOCITY,
+    WALL,
+)
+from pgimp.kernels.grid.wall_gap import Sides, Wall
 from pgimp.physics.boundaries import BOUNDARIES
 
 AXES = "xyz"
@@ -115,7 +124,7 @@ def walls(faces: Sequence[Face], frame: Frame, end: float) -> np.ndarray:
     Returns
     -------
     (6, WALL) float64
-        See `pgimp.kernels.walls`; without gravity.
+        See `pgimp.kernels.grid.position_limits`; without gravity.
     """
     found = np.full((6, WALL), -1.0)
     found[:, GRAVITY] = found[:, HOLDS] = 0.0

@@ -8,15 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from pgimp.case.check_bodies import check_bounds
-from pgimp.case.check_probes import check_near
+from pgimp.case.checks.bodies import check_bounds
+from pgimp.case.checks.probes import check_near
 from pgimp.case.places import located
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.geometry.mesh.tree import build_tree, nothing
 from pgimp.geometry.regions import Mesh, Points
 from pgimp.geometry.regions.base import Region
-from pgimp.kernels.particles import Carried, Particles
+from pgimp.kernels.data.particles import Carried, Particles
 from pgimp.mpi.collective import on_root
 from pgimp.mpi.limits import limits
 from pgimp.mpi.node import one_rank_first

@@ -8,11 +8,11 @@ from pgimp.case.places import located
 from pgimp.case.schema import Case
 from pgimp.decomposition.population import Population
 from pgimp.errors import CaseError
-from pgimp.kernels.loads import Loads
-from pgimp.kernels.particles import Particles
-from pgimp.kernels.viscosity import Viscosity
+from pgimp.kernels.data.particles import Particles
+from pgimp.kernels.loads.loads import Loads
+from pgimp.kernels.update.viscosity import Viscosity
 from pgimp.physics.loads.tractions import overlaps
-from pgimp.scene.latticebody import LEAST_FRACTION
+from pgimp.scene.bodies.lattice_body import LEAST_FRACTION
 
 
 def parts_of(low: float, high: float, edges: np.ndarray) -> np.ndarray:

@@ -8,19 +8,20 @@ import numpy as np
 from pgimp.case.places import located
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
-from pgimp.kernels.concepts import Setting
-from pgimp.kernels.frame import Frame, InitialFrame, MixedFrame
-from pgimp.kernels.mirror import Mirror
-from pgimp.kernels.order import cell_numbers
-from pgimp.kernels.particles import Carried, Particles
-from pgimp.kernels.sums import SUMS
-from pgimp.kernels.walls import GRAVITY
+from pgimp.kernels.data.arguments import Setting
+from pgimp.kernels.data.frame import Frame, InitialFrame, MixedFrame
+from pgimp.kernels.data.particles import Carried, Particles
+from pgimp.kernels.grid.mirror import Mirror
+from pgimp.kernels.grid.position_limits import GRAVITY
+from pgimp.kernels.order.order import cell_numbers
+from pgimp.kernels.sums.sums import SUMS
 from pgimp.physics.contact import Pairs
 from pgimp.physics.fields import EVERY
 from pgimp.physics.materials.base import LOSSES
-from pgimp.physics.materials.outside import parameters_of
-from pgimp.physics.materials.states import States
-from pgimp.scene.counts import count_all
+from pgimp.physics.materials.parameters.outside import parameters_of
+from pgimp.physics.materials.parameters.states import States
+from pgimp.scene.bodies.counts import count_all
+from pgimp.scene.bodies.lattice import Lattice
 from pgimp.scene.faces import (
     AXES,
     Face,
@@ -31,9 +32,8 @@ from pgimp.scene.faces import (
     walls_approached,
 )
 from pgimp.scene.flows import flows_of
-from pgimp.scene.lattice import Lattice
 from pgimp.scene.loads import SceneLoads
-from pgimp.scene.tools import SceneTools
+from pgimp.scene.rigid.rigid import SceneTools
 from pgimp.scene.variations import Variations
 from pgimp.schema.tables import VectorTable
 
@@ -233,7 +233,7 @@ class Scene:
 
     @property
     def controlled(self) -> bool | float:
-        """Whether steps follow the fastest wave, and how, see `pgimp.kernels.pace`."""
+        """Whether steps follow the fastest wave, and how, see `pgimp.kernels.update.pace`."""
         courant = self.case.courant
         if courant is None or not self.case.watched:
             return courant is not None
@@ -259,7 +259,7 @@ class Scene:
     def walls(self, start: float, end: float) -> np.ndarray:
         """Faces that hold particles in during a step; valid until the next call.
 
-        See `pgimp.kernels.walls`.
+        See `pgimp.kernels.grid.position_limits`.
         """
         found = walls(self.faces, self.frame, end) if self._walls is None else self._walls
         found[:, GRAVITY] = np.repeat(self.gravity(start), 2)
@@ -290,7 +290,7 @@ def count_particles(scene: Scene, comm: Any) -> tuple[Lattice, np.ndarray, list[
     Raises
     ------
     CaseError
-        See `pgimp.scene.counts.count_all`.
+        See `pgimp.scene.bodies.counts.count_all`.
     """
     lattice = Lattice(scene.case)
     with located(scene.case):

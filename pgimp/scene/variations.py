@@ -12,13 +12,13 @@ from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.geometry.regions import Points
 from pgimp.physics.fields import Field, Source
-from pgimp.physics.materials.layout import Layout, layout_of
-from pgimp.physics.materials.outside import parameters_of
-from pgimp.physics.materials.states import initial_row
-from pgimp.physics.materials.vary import field_of, first_text
+from pgimp.physics.materials.parameters.layout import Layout, layout_of
+from pgimp.physics.materials.parameters.outside import parameters_of
+from pgimp.physics.materials.parameters.states import initial_row
+from pgimp.physics.materials.parameters.vary import field_of, first_text
 from pgimp.physics.variation import NoValueError, Places, TableVariation
 from pgimp.physics.variation.find import described, value_at
-from pgimp.scene.lattice import ParticleBlock
+from pgimp.scene.bodies.lattice import ParticleBlock
 
 Reals = np.ndarray
 

@@ -25,9 +25,9 @@ from ruamel.yaml.events import (
 from ruamel.yaml.scanner import Scanner
 
 from pgimp.errors import CaseError
-from pgimp.files.plain import read_some
 from pgimp.schema.messages import describe, dotted, shorten
 from pgimp.schema.syntax import explain_syntax, position
+from pgimp.storage.plain import read_some
 
 LARGEST_FILE = 4_000_000
 """Bytes; a case is a few thousand, a table of a whole earthquake record some 100,000."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from pgimp.decomposition.balance import Balance
 from pgimp.decomposition.slabs import Slab, cut, slab_of
-from pgimp.kernels.order import layers_of
+from pgimp.kernels.order.order import layers_of
 from pgimp.scene.scene import Scene
 from pgimp.solver.rank import Rank
 from pgimp.solver.reduction import StepReduction

@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from pgimp.errors import EndlessError
-from pgimp.kernels.sums import KINETIC, MASS, STRAIN, layer_sums
+from pgimp.kernels.sums.sums import KINETIC, MASS, STRAIN, layer_sums
 from pgimp.solver.clock import CourantClock, FixedClock
 
 #: Steps from one check to the next.

@@ -1,4 +1,4 @@
-"""When the filling of vertices is summed where bodies flow; see `pgimp.kernels.filling`."""
+"""When the filling of vertices is summed where bodies flow; see `pgimp.kernels.grid.filling`."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ import numpy as np
 from pgimp.decomposition.grid import Grid
 from pgimp.decomposition.halo import Halo
 from pgimp.jit.bound import Bound
-from pgimp.kernels.concepts import Order
-from pgimp.kernels.filling import (
+from pgimp.kernels.data.arguments import Order
+from pgimp.kernels.data.frame import Window
+from pgimp.kernels.grid.filling import (
     Filling,
     FillingSums,
     find_filling,
     fold_filling,
     reflect_filling,
 )
-from pgimp.kernels.frame import Window
-from pgimp.kernels.p2g import particles_to_grid
+from pgimp.kernels.transfer.p2g import particles_to_grid
 from pgimp.scene.flows import SceneFlows
 from pgimp.scene.scene import Scene
 from pgimp.solver.clock import Step
@@ -26,8 +26,8 @@ from pgimp.solver.clock import Step
 #: Steps from one shift to the next, as each costs a sum over all particles.
 EVERY = 8
 
-#: eps and delta of `pgimp.kernels.filling`. The noise that delta takes is made of the motion, at
-#: each crossing of cells: with 0.0025 waves half a cell high keep 0.32 of their height in ten
+#: eps and delta of `pgimp.kernels.grid.filling`. The noise that delta takes is made of the motion,
+#: at each crossing of cells: with 0.0025 waves half a cell high keep 0.32 of their height in ten
 #: periods, without 0.67. With 0.02 water that swings under a sudden gravity begins to slosh.
 SHIFT, RELAX = 0.02, 0.001
 

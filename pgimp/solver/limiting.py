@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pgimp.geometry.regions import Points
-from pgimp.scene.facts import rest_rate
-from pgimp.scene.populate import velocities
+from pgimp.scene.bodies.populate import velocities
+from pgimp.scene.checks.facts import rest_rate
 
 #: Part of a rate that what is found must have to be its cause: velocities in files are not seen.
 _MOST = 0.1

@@ -12,10 +12,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pgimp.decomposition.population import Population
-from pgimp.kernels.concepts import Forcing, Order, Setting
-from pgimp.kernels.loads import Loads
-from pgimp.kernels.split import split_order
-from pgimp.kernels.sums import fastest_rate
+from pgimp.kernels.data.arguments import Forcing, Order, Setting
+from pgimp.kernels.loads.loads import Loads
+from pgimp.kernels.order.split import split_order
+from pgimp.kernels.sums.sums import fastest_rate
 from pgimp.scene.scene import Scene
 
 

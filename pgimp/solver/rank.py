@@ -13,19 +13,19 @@ from pgimp.decomposition.population import Population
 from pgimp.decomposition.redistribute import redistribute
 from pgimp.decomposition.slabs import Slab, slab_of
 from pgimp.jit.bound import Bound
-from pgimp.kernels.concepts import Order
-from pgimp.kernels.ledger import Ledger
-from pgimp.kernels.particles import Particles
-from pgimp.kernels.sums import layer_sums
-from pgimp.kernels.updates.checks import OUTFLOW
+from pgimp.kernels.data.arguments import Order
+from pgimp.kernels.data.ledger import Ledger
+from pgimp.kernels.data.particles import Particles
+from pgimp.kernels.sums.sums import layer_sums
+from pgimp.kernels.update.checks import OUTFLOW
 from pgimp.mpi.node import shares_cores
 from pgimp.scene.scene import Scene
-from pgimp.solver.clearances import Clearances
+from pgimp.solver.contact.clearances import Clearances
+from pgimp.solver.contact.free_bodies import FreeBodies
+from pgimp.solver.contact.keeping import Keeping
+from pgimp.solver.contact.lagrangian.lagrangian import PresentMeetings
+from pgimp.solver.contact.multifield import Meetings
 from pgimp.solver.flows import Flows
-from pgimp.solver.freebodies import FreeBodies
-from pgimp.solver.keeping import Keeping
-from pgimp.solver.meetings import Meetings
-from pgimp.solver.presentmeetings import PresentMeetings
 
 #: Phases of a step, as `Rank.timings` names them.
 PHASES = ("P2G", "exchange", "contact", "momentum", "G2P", "migrate", "order")

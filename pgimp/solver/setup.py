@@ -12,35 +12,35 @@ import numpy as np
 from pgimp.case.places import located
 from pgimp.decomposition.slabs import Slab
 from pgimp.errors import CaseError
-from pgimp.jit.cache import messages, problems
+from pgimp.jit.compiled.cache import messages, problems
 from pgimp.jit.kernel import FOLDER
-from pgimp.kernels.order import layers_of
-from pgimp.kernels.particles import Particles
-from pgimp.kernels.prestress import remember_stress
+from pgimp.kernels.data.particles import Particles
+from pgimp.kernels.once.prestress import remember_stress
+from pgimp.kernels.order.order import layers_of
 from pgimp.mpi.collective import all_or_none
-from pgimp.scene import nearness, overstress
-from pgimp.scene.facts import rest_rate
+from pgimp.scene.bodies.populate import prestressed
+from pgimp.scene.checks import nearness, overstress
+from pgimp.scene.checks.facts import rest_rate
+from pgimp.scene.checks.later_constraints import held, idle_warnings, later_constraints
+from pgimp.scene.checks.locking import locking, stripes
 from pgimp.scene.geometry import release, share, take_as_empty
-from pgimp.scene.laterconstraints import held, idle_warnings, later_constraints
-from pgimp.scene.locking import locking, stripes
-from pgimp.scene.populate import prestressed
-from pgimp.scene.scene import Scene, count_particles
-from pgimp.scene.toolchecks import (
+from pgimp.scene.rigid.checks import (
     require_apart,
     require_clear,
     require_same,
     require_slow,
 )
-from pgimp.scene.toolwarnings import motion_warnings
+from pgimp.scene.rigid.warnings import motion_warnings
+from pgimp.scene.scene import Scene, count_particles
 from pgimp.solver.clock import CourantClock, clock_of
 from pgimp.solver.energywatch import EnergyWatch
-from pgimp.solver.lookahead import rates_at_rest, require_stable_stages
-from pgimp.solver.memory import require
 from pgimp.solver.parts import fastest
 from pgimp.solver.rank import Rank
-from pgimp.solver.restore import outline, read_books, read_particles
 from pgimp.solver.stability import check_first_step, require_end
-from pgimp.solver.warmup import warm_up
+from pgimp.solver.start.memory import require
+from pgimp.solver.start.validate_stages import rates_at_rest, require_stable_stages
+from pgimp.solver.start.warmup import warm_up
+from pgimp.solver.state.restore import outline, read_books, read_particles
 from pgimp.solver.window import open_window
 
 #: A vertex lighter than this part of the lightest initial particle is not accelerated.

@@ -10,21 +10,21 @@ from pgimp.decomposition.balance import Balance
 from pgimp.decomposition.population import Population
 from pgimp.decomposition.slabs import Slab
 from pgimp.errors import DamagedError, RunError
-from pgimp.kernels.particles import Particles
-from pgimp.scene.lattice import Lattice
-from pgimp.scene.populate import populate
+from pgimp.kernels.data.particles import Particles
+from pgimp.scene.bodies.lattice import Lattice
+from pgimp.scene.bodies.populate import populate
 from pgimp.scene.scene import Scene
 from pgimp.solver import setup
 from pgimp.solver.clock import START, CourantClock, FixedClock, Step
 from pgimp.solver.decomposition import RESORT, partition, rebalance, resort, slab_predicate
-from pgimp.solver.diagnostics import Diagnostics
 from pgimp.solver.energywatch import EVERY, EnergyWatch
-from pgimp.solver.lookahead import absent, look_ahead
-from pgimp.solver.particle_errors import Failure, collect_errors
+from pgimp.solver.history.diagnostics import Diagnostics
 from pgimp.solver.rank import Rank
 from pgimp.solver.reduction import Request, StepReduction
 from pgimp.solver.stages import enter
-from pgimp.solver.state import State
+from pgimp.solver.start.particle_errors import Failure, collect_errors
+from pgimp.solver.start.validate_stages import absent, look_ahead
+from pgimp.solver.state.state import State
 from pgimp.solver.step import step
 
 

@@ -11,22 +11,22 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pgimp.case.check_stages import reselects
+from pgimp.case.checks.stages import reselects
 from pgimp.errors import CaseError, RunError
-from pgimp.kernels.concepts import Order
-from pgimp.kernels.ledger import Ledger
-from pgimp.kernels.particles import Particles
-from pgimp.kernels.sums import STRAIN, SUMS
-from pgimp.scene.facts import rest_rate
+from pgimp.kernels.data.arguments import Order
+from pgimp.kernels.data.ledger import Ledger
+from pgimp.kernels.data.particles import Particles
+from pgimp.kernels.sums.sums import STRAIN, SUMS
+from pgimp.scene.checks.facts import rest_rate
 from pgimp.scene.geometry import take_as_empty
 from pgimp.scene.scene import Scene
 from pgimp.solver.clock import clock_of
 from pgimp.solver.decomposition import partition
-from pgimp.solver.diagnostics import sums_of_bodies
 from pgimp.solver.energywatch import EnergyWatch
+from pgimp.solver.history.diagnostics import sums_of_bodies
 from pgimp.solver.parts import fastest
 from pgimp.solver.stability import check_first_step
-from pgimp.solver.warmup import warm_up
+from pgimp.solver.start.warmup import warm_up
 
 if TYPE_CHECKING:
     from pgimp.case.schema import Case

@@ -7,16 +7,16 @@ from typing import Any
 
 import numpy as np
 
-from pgimp.kernels.concepts import Forcing, Report
-from pgimp.kernels.constraints import apply_constraints
-from pgimp.kernels.g2p import grid_to_particles
-from pgimp.kernels.ledger import Ledger
-from pgimp.kernels.loads import Loads
-from pgimp.kernels.marking import mark_constrained_vertices
-from pgimp.kernels.mirror import fold, fold_volumes, reflect
-from pgimp.kernels.momentum import BEGINNING, REST, WHOLE, update_momentum
-from pgimp.kernels.p2g import Others, particles_to_grid
-from pgimp.kernels.response import find_response
+from pgimp.kernels.contact.rigid_newton import find_response
+from pgimp.kernels.data.arguments import Forcing, Report
+from pgimp.kernels.data.ledger import Ledger
+from pgimp.kernels.grid.constrained_vertices import mark_constrained_vertices
+from pgimp.kernels.grid.constraints import apply_constraints
+from pgimp.kernels.grid.mirror import fold, fold_volumes, reflect
+from pgimp.kernels.grid.momentum import BEGINNING, REST, WHOLE, update_momentum
+from pgimp.kernels.loads.loads import Loads
+from pgimp.kernels.transfer.g2p import grid_to_particles
+from pgimp.kernels.transfer.p2g import Others, particles_to_grid
 from pgimp.solver.clock import Step
 from pgimp.solver.parts import Part, parts_of
 from pgimp.solver.rank import Rank
@@ -36,7 +36,7 @@ def step(
     begin : callable
         Completes the reduction of the step before, and returns this step.
     controlled : bool or float
-        Whether to find the greatest speed, see `pgimp.kernels.pace`.
+        Whether to find the greatest speed, see `pgimp.kernels.update.pace`.
 
     Returns
     -------

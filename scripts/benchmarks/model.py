@@ -40,7 +40,7 @@ def verify(name: str, seconds: float, cpu_time: bool) -> None:
     """Compare one case on the ranks of this run, and print what came out as JSON."""
     sys.path.insert(0, str(ROOT))
     from pgimp.solver import simulation, step
-    from pgimp.tools.model import sample
+    from pgimp.utilities.model import sample
 
     if cpu_time:
         for module in (sample, simulation, step):
@@ -49,10 +49,10 @@ def verify(name: str, seconds: float, cpu_time: bool) -> None:
     from pgimp.case.schema import Case
     from pgimp.mpi.comm import Serial, world
     from pgimp.solver.simulation import Simulation
-    from pgimp.tools.model.block import Block, block_case
-    from pgimp.tools.model.costs import Network
-    from pgimp.tools.model.sample import Sample, samples_of
-    from pgimp.tools.model.verify import compare
+    from pgimp.utilities.model.block import Block, block_case
+    from pgimp.utilities.model.costs import Network
+    from pgimp.utilities.model.sample import Sample, samples_of
+    from pgimp.utilities.model.verify import compare
 
     kind, what = CASES[name]
     comm = world()
@@ -85,7 +85,7 @@ def verify(name: str, seconds: float, cpu_time: bool) -> None:
         def samples():
             return samples_of(case, count, Serial(), sizes)
 
-        from pgimp.tools.model.sample import Scattered, resized
+        from pgimp.utilities.model.sample import Scattered, resized
 
         def sized(size, on):
             return Scattered(resized(case, (count / size) ** (1 / case.dimensions)), on)

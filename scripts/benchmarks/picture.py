@@ -5,7 +5,7 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
-from pgimp.tools.plot.style import STYLE
+from pgimp.utilities.plot.style import STYLE
 
 plt.rcParams.update(STYLE | {"font.size": 9})
 

@@ -4,8 +4,8 @@ Surface vectors: each particle has the integrals A0 = int N dA and K0 = int N (X
 surface within its box, here by quadrature of the exact surface. Vertices sum A = sum S A0,
 B = sum S |A0| and Q = sum S sym(K0 + A0 (x_p - x_v)). With c = |A|/B of each body the normal is
 that of c_a^20 B_a A_a/|A_a| - c_b^20 B_b A_b/|A_b|, and the gap that of the offsets n.Qn/(A.n).
-Volume fractions are what is built, see `pgimp.kernels.contact`: gap and normal from sums of V_p S
-and V_p grad S. Particles, their volumes and weights are pgimp's.
+Volume fractions are what is built, see `pgimp.kernels.contact.data`: gap and normal from sums of
+V_p S and V_p grad S. Particles, their volumes and weights are pgimp's.
 
 Of volume fractions there are two: with particles that a surface cuts where they are, at their
 places on the lattice, and as they are built, with what is left of their boxes, less what curvature
@@ -23,8 +23,8 @@ import gap
 import numpy as np
 
 import pgimp
-from pgimp.kernels.contact import LEAST_FILLED
-from pgimp.kernels.cutboxes import LEAST
+from pgimp.kernels.contact.data import LEAST_FILLED
+from pgimp.kernels.contact.volumes import LEAST
 from pgimp.physics.shapes.gimp import GimpParameters
 
 #: Particles a cell along each direction.
@@ -180,7 +180,7 @@ def edge(shift):
 def _weights(x, way=0.0):
     """Lowest vertex, weights and their slopes, (n, D, 3), of particles at x.
 
-    Of those that are cut with the way to their centroids, see `pgimp.kernels.cutboxes`.
+    Of those that are cut with the way to their centroids, see `pgimp.kernels.contact.volumes`.
     """
     half = np.maximum(0.5 / PER_CELL - np.abs(way), LEAST)
     first = np.floor(x + way - half)

@@ -10,7 +10,7 @@ import numpy as np
 from ruamel.yaml import YAML
 
 import pgimp
-from pgimp.solver.gridstate import active_grid
+from pgimp.solver.state.grid_state import active_grid
 
 YOUNG, POISSON = 1.0, 0.3
 STIFFNESS = YOUNG / (1.0 - POISSON**2)

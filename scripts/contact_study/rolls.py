@@ -6,9 +6,9 @@ import motion
 import numpy as np
 
 import pgimp
-from pgimp.kernels.ledger import Ledger
-from pgimp.kernels.momentum import WHOLE, update_momentum
-from pgimp.kernels.record import MASS, MOMENTUM, RECORD, VELOCITY
+from pgimp.kernels.data.ledger import Ledger
+from pgimp.kernels.data.record import MASS, MOMENTUM, RECORD, VELOCITY
+from pgimp.kernels.grid.momentum import WHOLE, update_momentum
 from pgimp.solver.clock import Step
 from pgimp.solver.parts import parts_of
 from pgimp.solver.step import acting, fold_mirrors, on_vertices, sum_particles

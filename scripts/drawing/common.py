@@ -13,9 +13,9 @@ from matplotlib.colors import Normalize
 from PIL import Image
 
 import pgimp
-from pgimp.tools.plot import style
-from pgimp.tools.plot.camera import camera
-from pgimp.tools.plot.visible import draw
+from pgimp.utilities.plot import style
+from pgimp.utilities.plot.camera import camera
+from pgimp.utilities.plot.visible import draw
 
 ROOT = Path(__file__).resolve().parents[2]
 RUNS = ROOT / "pictures.out"

@@ -4,7 +4,7 @@ import numpy as np
 from common import BLUE, GREEN, GREY, RED, boxes, frame_at, plt, run, save
 from matplotlib.ticker import NullFormatter
 
-from pgimp.tools.plot.style import log_ticks
+from pgimp.utilities.plot.style import log_ticks
 
 TRANSIT = 0.05
 

@@ -4,8 +4,8 @@ import h5py
 import numpy as np
 from common import BLUE, GREEN, GREY, ORANGE, RED, boxes, frame_at, plt, run, save
 
-from pgimp.tools.plot.camera import camera
-from pgimp.tools.plot.rigid import draw_lines, lines
+from pgimp.utilities.plot.camera import camera
+from pgimp.utilities.plot.rigid import draw_lines, lines
 
 
 def ball_impact(speed=0.2, young=1.0e6, poisson=0.3, radius=0.1, density=1000.0):

@@ -3,8 +3,8 @@
 import numpy as np
 from common import BLUE, GREY, RED, boxes, frame_at, plt, run, save
 
-from pgimp.tools.plot.camera import camera
-from pgimp.tools.plot.rigid import draw_lines, lines
+from pgimp.utilities.plot.camera import camera
+from pgimp.utilities.plot.rigid import draw_lines, lines
 
 
 def energies(axis, results, unit):

@@ -14,7 +14,7 @@ from runs import ROOT
 
 import pgimp
 from pgimp.errors import RunError
-from pgimp.kernels.support import Supports, find_supports, local_vertices
+from pgimp.kernels.contact.lagrangian.supports import Supports, find_supports, local_vertices
 from pgimp.mpi.comm import Serial
 from pgimp.solver.simulation import Simulation
 

@@ -23,8 +23,8 @@ from table import put_into_docs
 import pgimp
 from pgimp.io.rundir.runinfo import cpu
 from pgimp.mpi.comm import Serial
-from pgimp.solver.gridstate import active_grid
 from pgimp.solver.simulation import Simulation
+from pgimp.solver.state.grid_state import active_grid
 
 YOUNG, POISSON, RADIUS = 1.0, 0.3, 1.0
 STIFFNESS = YOUNG / (1.0 - POISSON**2)

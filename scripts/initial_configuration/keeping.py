@@ -11,7 +11,7 @@ import pgimp
 from pgimp.errors import RunError
 from pgimp.mpi.comm import Serial
 from pgimp.solver.simulation import Simulation
-from pgimp.tools.model.block import Block, block_case
+from pgimp.utilities.model.block import Block, block_case
 
 #: A steel-like ratio, and waves at 1.16 sqrt(E/rho).
 YOUNG, POISSON, DENSITY = 1.0e6, 0.3, 1000.0

@@ -11,7 +11,7 @@ sys.path.append(str(ROOT / "scripts" / "drawing"))
 
 from common import plt, save  # noqa: E402
 
-from pgimp.tools.plot import style  # noqa: E402
+from pgimp.utilities.plot import style  # noqa: E402
 
 FAMILIES = {
     "mpm": ("points: mpm", style.GREY),

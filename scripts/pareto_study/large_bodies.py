@@ -9,7 +9,7 @@ from candidates import Method
 from problem_base import Problem, body_case, rms
 from ruamel.yaml import YAML
 
-from pgimp.solver.gridstate import active_grid
+from pgimp.solver.state.grid_state import active_grid
 
 CASES = Path(__file__).resolve().parents[2] / "cases"
 

@@ -51,7 +51,7 @@ def prepare():
         importlib.import_module(f"pgimp.commands.{name}")
     for name in ("running", "resume", "frames", "checkpoints"):
         importlib.import_module(f"pgimp.running.{name}")
-    importlib.import_module("pgimp.files.hdf5")
+    importlib.import_module("pgimp.storage.hdf5")
     importlib.import_module("h5py")
     shorten()
 

@@ -26,7 +26,7 @@ SLOW = """\
 import sys, time
 from pgimp import signals
 signals.install()
-from pgimp.files.framefile import FrameFile
+from pgimp.storage.framefile import FrameFile
 close = FrameFile.close
 def slow(self):
     if "step-" in self.path.name:

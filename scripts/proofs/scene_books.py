@@ -34,7 +34,7 @@ import numpy as np
 from scene_energy import Seen
 
 from pgimp.errors import RunError
-from pgimp.scene.facts import wave_speed
+from pgimp.scene.checks.facts import wave_speed
 from pgimp.schema.tables import prescribed
 
 #: Of mass times wave speed: forces on vertices that are too light to be accelerated are lost, about

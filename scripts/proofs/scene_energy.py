@@ -5,10 +5,10 @@ from unittest import mock
 
 import numpy as np
 
-from pgimp.kernels.momentum import REST
-from pgimp.kernels.record import RECORD
+from pgimp.kernels.data.record import RECORD
+from pgimp.kernels.grid.momentum import REST
 from pgimp.solver import step as stepping
-from pgimp.solver.presentmeetings import PresentMeetings
+from pgimp.solver.contact.lagrangian.lagrangian import PresentMeetings
 
 #: Of a free vertex's velocity; what differs by more is held.
 ROUNDING = 1e-9

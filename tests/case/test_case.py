@@ -16,7 +16,7 @@ from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.physics.materials import MATERIALS
 from pgimp.schema.tables import Table
-from pgimp.tools.reference.jsonschema import json_schema
+from pgimp.utilities.reference.jsonschema import json_schema
 
 SMALL = """
 format: 1

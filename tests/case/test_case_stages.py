@@ -257,7 +257,7 @@ def test_planes_of_symmetry_of_free_rigid_bodies_stay(low, fixed, allowed):
 
 
 def test_a_study_of_accuracy_wants_one_stage(tmp_path):
-    from pgimp.tools.study.accuracy import study_of
+    from pgimp.utilities.study.accuracy import study_of
 
     path = tmp_path / "dig.yaml"
     path.write_text(dump_case(pgimp.load(staged(stage()))))

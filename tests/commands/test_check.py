@@ -12,11 +12,11 @@ from pgimp.commands import check
 from pgimp.commands.init import packaged
 from pgimp.running import forecast
 from pgimp.running.schedule import Schedule
-from pgimp.scene.sanity import small_step_warning, strains
+from pgimp.scene.checks.sanity import small_step_warning, strains
+from pgimp.scene.checks.units import in_si
 from pgimp.scene.scene import Scene
-from pgimp.scene.units import in_si
-from pgimp.tools.check.steps import report_stages
-from pgimp.tools.model.costs import Costs
+from pgimp.utilities.check.steps import report_stages
+from pgimp.utilities.model.costs import Costs
 
 # A steel block of 0.1 m on a floor, in each of two consistent sets of units, and mixed up.
 SI = {"units": "m, kg, s", "young": 2.1e11, "density": 7850.0, "side": 0.1, "gravity": 9.81}

@@ -7,8 +7,8 @@ from mentioned import mentions
 from pgimp.case.reader import read_case
 from pgimp.errors import CaseError
 from pgimp.mpi.comm import Serial
-from pgimp.scene.locking import locking, stripes
-from pgimp.scene.sanity import case_warnings, strains
+from pgimp.scene.checks.locking import locking, stripes
+from pgimp.scene.checks.sanity import case_warnings, strains
 
 
 def test_a_constraint_that_holds_nothing_is_refused_as_by_a_run(monkeypatch):

@@ -7,11 +7,11 @@ from scenes import box, scene
 from pgimp.case.load import load
 from pgimp.errors import CaseError
 from pgimp.mpi.comm import Serial
-from pgimp.scene import nearness
+from pgimp.scene.checks import nearness
+from pgimp.scene.checks.units import in_si
 from pgimp.scene.geometry import share
-from pgimp.scene.units import in_si
 from pgimp.solver.stability import stable_courant
-from pgimp.tools.check.prepare import prepare
+from pgimp.utilities.check.prepare import prepare
 
 METAL = {
     "model": "johnson-cook", "young": 1.24e11, "poisson": 0.34, "density": 8960.0, "a": 9.0e7,

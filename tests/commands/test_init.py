@@ -19,8 +19,8 @@ from pgimp.cli import main
 from pgimp.commands.init import packaged
 from pgimp.mpi.comm import Serial
 from pgimp.scene.scene import Scene, count_particles
-from pgimp.tools.reference.jsonschema import json_schema, study_schema
-from pgimp.tools.study.plan import read_plan
+from pgimp.utilities.reference.jsonschema import json_schema, study_schema
+from pgimp.utilities.study.plan import read_plan
 
 ROOT = Path(__file__).resolve().parents[2]
 CASES = ROOT / "cases"

@@ -20,7 +20,7 @@ from kernel_driver import (
 from kernel_sums import sums_of
 from rank_threads import together
 
-from pgimp.kernels.mirror import Mirror
+from pgimp.kernels.grid.mirror import Mirror
 from pgimp.physics.boundaries import BOUNDARIES
 
 ORIGIN, CELL = (-1.1, 0.3, 2.0), (0.7, 1.3, 0.9)

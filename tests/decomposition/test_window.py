@@ -6,8 +6,8 @@ import pytest
 from pgimp.decomposition.grid import LAG, MARGIN, Grid
 from pgimp.decomposition.slabs import Slab
 from pgimp.jit.kernel import kernel
-from pgimp.kernels.frame import Frame
-from pgimp.kernels.place import first_vertex
+from pgimp.kernels.data.frame import Frame
+from pgimp.kernels.transfer.first_vertex import first_vertex
 from pgimp.physics.shapes.gimp import GimpParameters
 from pgimp.physics.shapes.mpm import MpmParameters
 

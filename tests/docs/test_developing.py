@@ -34,7 +34,7 @@ def source(tmp_path_factory):
         "Rough": physics / "boundaries/__init__.py",
         "Damping": physics / "loads/__init__.py",
         "jacobian": physics / "fields.py",
-        "centre of mass": source / "pgimp/solver/columns.py",
+        "centre of mass": source / "pgimp/solver/history/columns.py",
     }
     differences = blocks("diff")
     for word, path in changed.items():

@@ -9,7 +9,7 @@ from pages import FENCE, LINKED, PAGES, ROOT, block_of, blocks
 from ruamel.yaml import YAML
 
 from pgimp.case.reader import read_case
-from pgimp.tools.reference.jsonschema import json_schema, study_schema
+from pgimp.utilities.reference.jsonschema import json_schema, study_schema
 
 YAML_SAFE = YAML(typ="safe")
 

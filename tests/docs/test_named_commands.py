@@ -13,7 +13,7 @@ from pgimp.cli import parser_of
 from pgimp.commands import COMMANDS
 from pgimp.commands.init import packaged
 from pgimp.errors import UsageError
-from pgimp.tools.element.paths import PATHS
+from pgimp.utilities.element.paths import PATHS
 
 TEXTS = {**PAGES, "cases/README.md": LINKED["cases/README.md"]}
 #: What may come before pgimp or a script.

@@ -27,7 +27,7 @@ from processes import run
 import pgimp
 from pgimp.case.reader import read_case
 from pgimp.jit import algebra
-from pgimp.tools.study.plan import read_plan
+from pgimp.utilities.study.plan import read_plan
 
 SHORT = "--set time.end=0.004 --set output.every=null --quiet"
 INSTEAD = {

@@ -9,9 +9,9 @@ from reference_materials import tensor, voigt
 
 from pgimp.jit import functions, series, spectral
 from pgimp.jit.kernel import inner_kernel, kernel
-from pgimp.jit.simd import lane, pack
 from pgimp.jit.tuples import read
-from pgimp.kernels.fours import put_row, take_row
+from pgimp.jit.vectors.simd import lane, pack
+from pgimp.kernels.transfer.lane_io import put_row, take_row
 
 LONG = np.longdouble
 pytestmark = pytest.mark.skipif(np.finfo(LONG).nmant < 63, reason="needs 80-bit floats to compare")

@@ -14,7 +14,7 @@ from scenes import box, scene, write_case
 
 import pgimp
 from pgimp.errors import UsageError
-from pgimp.jit.folder import COMPILED, preferred_folder
+from pgimp.jit.compiled.folder import COMPILED, preferred_folder
 from pgimp.jit.kernel import FOLDER
 
 SEED = 20041
@@ -22,12 +22,12 @@ SEED = 20041
 PACKAGE = Path(pgimp.__file__).parent
 RUN = """
 import numpy as np
-from pgimp.jit.cache import announced, messages
+from pgimp.jit.compiled.cache import announced, messages
 from pgimp.jit.kernel import FOLDER
-from pgimp.kernels.order import locate
+from pgimp.kernels.order.order import locate
 from pgimp.physics.shapes.mpm import MpmParameters
-from pgimp.kernels.frame import Frame
-from pgimp.kernels.particles import Carried, Particles
+from pgimp.kernels.data.frame import Frame
+from pgimp.kernels.data.particles import Carried, Particles
 
 p = Particles.empty(1, Carried(1))
 p.x[0, 0] = 2.5

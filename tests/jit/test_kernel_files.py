@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 from cache_words import COMPILING
 
-from pgimp.jit import cache, sealed
-from pgimp.jit.cache import KernelCache, Store, announced, messages
-from pgimp.jit.folder import Folder, cache_folder, preferred_folder
+from pgimp.jit.compiled import cache, sealed
+from pgimp.jit.compiled.cache import KernelCache, Store, announced, messages
+from pgimp.jit.compiled.folder import Folder, cache_folder, preferred_folder
 from pgimp.jit.kernel import kernel
 
 SEED = 20041
@@ -117,7 +117,7 @@ def test_a_full_disk_does_not_stop_a_kernel(tmp_path, monkeypatch):
 WRITE = """
 import sys
 from pathlib import Path
-from pgimp.jit.cache import Store, messages
+from pgimp.jit.compiled.cache import Store, messages
 store, first = Store(Path(sys.argv[1])), int(sys.argv[2])
 print("begins", flush=True)
 for turn in range(int(sys.argv[3])):

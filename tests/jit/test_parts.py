@@ -8,7 +8,7 @@ import sys
 import pytest
 from scenes import box, scene, write_case
 
-from pgimp.jit.compiler import _captured
+from pgimp.jit.compiled.compiler import _captured
 
 RUN = """
 import sys

@@ -11,9 +11,9 @@ from material_driver import COMPONENTS, YOUNG, deformations, material, response,
 
 from pgimp.jit.algebra import determinant
 from pgimp.jit.kernel import allocating_kernel, kernel
-from pgimp.jit.simd import bits, lane, number, pack, stack, store, vector, where
-from pgimp.kernels.fours import put_row, take, take_row
-from pgimp.physics.materials.evaluate import evaluate, evaluate_four
+from pgimp.jit.vectors.simd import bits, lane, number, pack, stack, store, vector, where
+from pgimp.kernels.transfer.lane_io import put_row, take, take_row
+from pgimp.physics.materials.parameters.evaluate import evaluate, evaluate_four
 
 ROWS = st.permutations(range(9)).map(lambda p: tuple(p[:4]))
 NUMBERS = st.floats(-1e6, 1e6)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scenes import box, energy, field, finish, scene, start
 
-from pgimp.kernels.p2g import particles_to_grid
+from pgimp.kernels.transfer.p2g import particles_to_grid
 
 SHAPES = ["mpm", "gimp", "finite-gimp", "cpdi-corners", "fuzzy-constant"]
 

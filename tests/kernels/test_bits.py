@@ -18,9 +18,9 @@ from kernel_driver import (
 from kernel_sums import rate_of, sums_of
 
 from pgimp.jit.kernel import kernel
-from pgimp.kernels.order import cell_numbers, grow_vertex_bounds, locate, vertices_of
-from pgimp.kernels.particles import Particles
-from pgimp.kernels.place import half_widths
+from pgimp.kernels.data.particles import Particles
+from pgimp.kernels.order.order import cell_numbers, grow_vertex_bounds, locate, vertices_of
+from pgimp.kernels.transfer.first_vertex import half_widths
 
 ORIGIN, CELL = (-1.1, 0.3, 2.0), (0.7, 1.3, 0.9)
 DT, GRAVITY = 0.002, (1.5, -9.0, 4.0)

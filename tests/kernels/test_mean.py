@@ -8,7 +8,7 @@ from reference import Reference
 from scenes import box, field, finish, scene, start, stir
 from transfer_setting import CELL, DT, GRAVITY, LIGHTEST, PER_CELL, close, copied, setting
 
-from pgimp.kernels.record import FORCE, MASS, RECORD, VELOCITY
+from pgimp.kernels.data.record import FORCE, MASS, RECORD, VELOCITY
 from pgimp.solver.parts import parts_of
 from pgimp.solver.step import sum_particles
 

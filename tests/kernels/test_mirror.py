@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from transfer_setting import DT, GRAVITY, LIGHTEST, close, copied, faces_of, setting
 
-from pgimp.kernels.mirror import Mirror
+from pgimp.kernels.grid.mirror import Mirror
 
 #: One of each kind of kernel that reaches past a wall, and one that it shares with another shape.
 WIDE = ("gimp", "finite-gimp", "fuzzy-nearest", "fuzzy-constant-fixed", "bspline-quadratic")

@@ -18,7 +18,7 @@ from kernel_sums import rate_of, sums_of
 from reference_materials import matrix, speed, tensor
 from scenes import box, scene, start
 
-from pgimp.kernels.sums import ANGULAR, KINETIC, MASS, MOMENT, MOMENTUM, STRAIN
+from pgimp.kernels.sums.sums import ANGULAR, KINETIC, MASS, MOMENT, MOMENTUM, STRAIN
 
 
 def energy(material, F, sigma):

@@ -9,8 +9,8 @@ from pgimp.geometry.distancefield import distance_field
 from pgimp.geometry.outline import outline
 from pgimp.geometry.regions import Ball, Box
 from pgimp.jit.kernel import kernel
-from pgimp.kernels.toolfill import fill
-from pgimp.kernels.tools import BENT, FILLED, SURFACE
+from pgimp.kernels.rigid.bodies import BENT, FILLED, SURFACE
+from pgimp.kernels.rigid.fill import fill
 from pgimp.mpi.comm import Serial
 from pgimp.scene.scene import Scene
 

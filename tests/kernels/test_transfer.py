@@ -14,7 +14,7 @@ from kernel_driver import (
 )
 from transfer_setting import CELL, DT, GRAVITY, LIGHTEST, ORIGIN, close, copied, faces_of, setting
 
-from pgimp.kernels.particles import Carried, Particles
+from pgimp.kernels.data.particles import Carried, Particles
 from pgimp.physics.boundaries import BOUNDARIES
 
 EVERY = pytest.mark.parametrize(

@@ -143,7 +143,7 @@ import sys
 sys.path.insert(0, sys.argv[1])
 import bounds
 import numpy as np
-from pgimp.kernels.numbered import number_keys, room_for
+from pgimp.kernels.contact.lagrangian.hash_table import number_keys, room_for
 
 number_keys(np.arange(1, 3), room_for(4)[:, :1])
 """

@@ -18,8 +18,8 @@ from pgimp.errors import RunError
 from pgimp.io.rundir.rundir import RunDirectory
 from pgimp.mpi.comm import Serial
 from pgimp.running.recorder import Recorder
-from pgimp.solver import gridstate
 from pgimp.solver.reduction import Request
+from pgimp.solver.state.state import grid_state as gridstate
 
 FIELDS = ["velocity", "mass"]
 SCENES = {

@@ -9,8 +9,8 @@ from run_files import go_back
 from scenes import box, scene
 
 from pgimp.errors import RunError, UsageError
-from pgimp.files.lines import LineFile
 from pgimp.mpi.comm import Serial
+from pgimp.storage.lines import LineFile
 
 
 def test_a_resumed_run_may_have_other_probes_as_far_as_they_are_known(tmp_path):

@@ -9,7 +9,7 @@ from rank_scenes import PROBES, plane_leaves
 from scenes import box, finish, scene, start
 
 import pgimp
-from pgimp.solver.probes import nearest
+from pgimp.solver.state.probes import nearest
 
 CASES = Path(__file__).parents[2] / "cases"
 

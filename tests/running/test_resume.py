@@ -177,7 +177,7 @@ def test_displacement_needs_the_initial_positions(tmp_path, folder):
 def test_a_state_is_what_the_simulation_goes_on_with(folder):
     """Taken out and put back at any step, also in the middle between two re-sorts."""
     from pgimp.solver.simulation import Simulation
-    from pgimp.solver.state import capture
+    from pgimp.solver.state.state import capture
 
     class Memory:
         def __init__(self, sim):

@@ -5,7 +5,7 @@ from checked import facts
 from mentioned import mentions
 
 from pgimp.case.reader import read_case
-from pgimp.scene.advice import advice
+from pgimp.scene.checks.advice import advice
 
 BLOCK = """
 format: 1

@@ -13,8 +13,8 @@ from scenes import scene
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.geometry.measure import TangledError, measure
-from pgimp.scene import latticebody
-from pgimp.scene.latticebody import LatticeBody
+from pgimp.scene.bodies import lattice_body as latticebody
+from pgimp.scene.bodies.lattice_body import LatticeBody
 
 # -- boxes: exact wherever they lie
 

@@ -8,7 +8,7 @@ from cut_bodies import ball, body, box, particles, spinning
 from scenes import field, finish, scene, start
 
 from pgimp.errors import CaseError
-from pgimp.scene.latticebody import LEAST_FRACTION
+from pgimp.scene.bodies.lattice_body import LEAST_FRACTION
 
 # -- small cut boxes
 

@@ -10,11 +10,11 @@ from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.geometry import measure
 from pgimp.mpi.comm import Serial
-from pgimp.scene import lattice as lattice_module
-from pgimp.scene import latticebody
-from pgimp.scene.counts import count_all
-from pgimp.scene.lattice import Lattice
-from pgimp.scene.populate import populate
+from pgimp.scene.bodies import lattice as lattice_module
+from pgimp.scene.bodies import lattice_body as latticebody
+from pgimp.scene.bodies.counts import count_all
+from pgimp.scene.bodies.lattice import Lattice
+from pgimp.scene.bodies.populate import populate
 from pgimp.scene.scene import Scene, count_particles
 
 

@@ -6,7 +6,7 @@ from mentioned import mentions
 
 from pgimp.case.schema import Case
 from pgimp.mpi.comm import Serial
-from pgimp.scene import nearness
+from pgimp.scene.checks import nearness
 from pgimp.scene.scene import Scene, count_particles
 from pgimp.solver.simulation import Simulation
 

@@ -9,9 +9,9 @@ from scenes import BAR, SOFT, box, field, finish, scene, start
 import pgimp
 from pgimp.errors import CaseError
 from pgimp.mpi.comm import Serial
-from pgimp.scene.facts import examine
+from pgimp.scene.bodies.populate import populate
+from pgimp.scene.checks.facts import examine
 from pgimp.scene.geometry import release, share
-from pgimp.scene.populate import populate
 from pgimp.scene.scene import Scene, count_particles
 
 
@@ -201,7 +201,7 @@ def test_facts_are_those_of_all_particles():
 
 def test_samples_carry_as_much():
     """What `pgimp check` times: kernels of the same types, whatever the place of the sample."""
-    from pgimp.tools.model.sample import plain
+    from pgimp.utilities.model.sample import plain
 
     made, sample = (Scene(pgimp.load(crash(VARIED))), Scene(plain(pgimp.load(crash(VARIED)), 100)))
     assert sample.variations.layouts[0].varying == made.variations.layouts[0].varying

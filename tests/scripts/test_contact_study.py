@@ -17,7 +17,7 @@ import problems  # noqa: E402
 import rolls  # noqa: E402
 import walls  # noqa: E402
 
-from pgimp.kernels.clearance import CLOSED  # noqa: E402
+from pgimp.kernels.grid.wall_gap import CLOSED  # noqa: E402
 
 
 def test_gaps_of_flat_and_round_bodies():

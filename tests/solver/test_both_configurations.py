@@ -5,7 +5,7 @@ import pytest
 from pydantic import ValidationError
 from scenes import SOFT, box, energy, field, finish, scene, start
 
-from pgimp.kernels.ledger import IMPULSE
+from pgimp.kernels.data.ledger import IMPULSE
 
 HARD = SOFT | {"young": 1000.0}
 

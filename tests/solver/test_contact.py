@@ -5,7 +5,7 @@ import pytest
 from scenes import box, energy, field, finish, scene, start, stir, tracked
 
 from pgimp.physics.contact import ContactEntry, Pairs
-from pgimp.solver.meetings import Meetings
+from pgimp.solver.contact.multifield import Meetings
 
 
 def blocks(first=(0.0, 0.0), second=(0.0, 0.0), gap=0.0, **parts):

@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as some
 from scenes import box, finish, scene, start
 
-from pgimp.solver.groups import assign, where_near
+from pgimp.solver.contact.velocity_fields import assign, where_near
 
 #: Boxes of up to eight bodies in a plane, in cells.
 BOXES = some.lists(

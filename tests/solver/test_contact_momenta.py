@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scenes import box, scene, start
 
-from pgimp.kernels.record import FORCE, MASS, MOMENTUM, RECORD, VELOCITY
+from pgimp.kernels.data.record import FORCE, MASS, MOMENTUM, RECORD, VELOCITY
 from pgimp.solver import step as stepping
 
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scenes import start
 
-from pgimp.kernels.filling import EXCESS, FIELD
-from pgimp.kernels.record import RECORD
+from pgimp.kernels.data.record import RECORD
+from pgimp.kernels.grid.filling import EXCESS, FIELD
 from pgimp.solver.clock import Step
 from pgimp.solver.flows import EVERY, SHIFT
 from pgimp.solver.parts import parts_of

@@ -9,8 +9,8 @@ from scenes import box, energy, finish, scene, start
 
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError, RunError
-from pgimp.scene.bulk import bulk, everywhere
-from pgimp.scene.freebody import FreeBody, State
+from pgimp.scene.rigid.bulk import bulk, everywhere
+from pgimp.scene.rigid.free_body import FreeBody, State
 
 
 @pytest.mark.parametrize("law", [{"friction": 0.3}, {"law": "tied"}])

@@ -6,8 +6,8 @@ from free_rigid import free, struck
 from rank_scenes import meeting
 from scenes import box, energy, finish, scene, start
 
-from pgimp.kernels.ledger import IMPULSE
-from pgimp.solver.gridstate import active_grid
+from pgimp.kernels.data.ledger import IMPULSE
+from pgimp.solver.state.grid_state import active_grid
 
 
 def test_forces_of_contact_at_vertices():

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scenes import box, energy, field, finish, scene, start
 
-from pgimp.kernels.ledger import HEAT, LOSS
+from pgimp.kernels.data.ledger import HEAT, LOSS
 
 #: Speeds up, slows down and goes back, along the surfaces and towards them.
 WAY = {"table": [[0.0, [0.0, 0.0]], [0.2, [3.0, -0.2]], [0.6, [-2.0, 0.1]], [1.0, [0.0, 0.0]]]}

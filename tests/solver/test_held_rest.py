@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scenes import box, field, finish, scene, start, wall
 
-from pgimp.kernels.resting import STOPS
+from pgimp.kernels.grid.resting import STOPS
 
 #: Soil so soft that it has no stress to speak of.
 DUST = {

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scenes import box, energy, scene, start
 
 from pgimp.solver.heldrate import FIRST, LONGEST, WORTH, HeldRate
-from pgimp.solver.state import State, capture
+from pgimp.solver.state.state import State, capture
 
 
 def held(rates):

@@ -9,7 +9,7 @@ from reference_materials import STRESS, matrix, voigt
 from scenes import BAR, SOFT, box, field, finish, scene, start, wall
 
 from pgimp.errors import RunError
-from pgimp.kernels.record import FORCE, RECORD
+from pgimp.kernels.data.record import FORCE, RECORD
 from pgimp.solver.parts import parts_of
 from pgimp.solver.step import sum_particles
 

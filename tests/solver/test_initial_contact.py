@@ -5,7 +5,7 @@ import pytest
 from rank_scenes import SCENES
 from scenes import SOFT, box, field, finish, scene, start
 
-from pgimp.kernels.ledger import NORMAL_IMPULSE
+from pgimp.kernels.data.ledger import NORMAL_IMPULSE
 
 HARD = SOFT | {"young": 1000.0}
 

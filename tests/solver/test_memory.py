@@ -18,9 +18,9 @@ from pgimp.cli import main
 from pgimp.errors import CaseError
 from pgimp.mpi.comm import Serial
 from pgimp.mpi.limits import Limit, limits
-from pgimp.scene import extent
+from pgimp.scene.bodies import extent
 from pgimp.scene.scene import Scene, count_particles
-from pgimp.solver import memory
+from pgimp.solver.start import memory
 
 GB = 10**9
 WALLS = {"x-min": "fixed", "x-max": "fixed", "y-min": "slip", "y-max": "slip"}

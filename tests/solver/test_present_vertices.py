@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scenes import SOFT, scene, start
 
-from pgimp.kernels.encounters import SUMS, VERTEX
-from pgimp.solver.presentmeetings import PresentMeetings
-from pgimp.solver.shares import divide, undivided
+from pgimp.kernels.contact.lagrangian.pairs import SUMS, VERTEX
+from pgimp.solver.contact.lagrangian.lagrangian import PresentMeetings
+from pgimp.solver.contact.lagrangian.shares import divide, undivided
 
 
 def first_contact(monkeypatch, **method):

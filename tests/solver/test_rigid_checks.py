@@ -7,7 +7,7 @@ from scenes import box, scene, start
 import pgimp
 from pgimp.commands import check
 from pgimp.errors import CaseError, UsageError
-from pgimp.scene.toolchecks import require_same
+from pgimp.scene.rigid.checks import require_same
 
 
 @pytest.mark.parametrize(

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scenes import box, energy, finish, scene, start
 
-from pgimp.solver.keeping import QUARTER
-from pgimp.solver.particle_errors import origin
+from pgimp.solver.contact.keeping import QUARTER
+from pgimp.solver.start.particle_errors import origin
 
 SAND = {"model": "drucker-prager", "young": 1.0e5, "poisson": 0.3, "density": 1600.0,
         "friction-angle": 25.0, "cohesion": 0.0}  # fmt: skip

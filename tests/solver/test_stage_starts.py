@@ -11,7 +11,7 @@ from pgimp.mpi.comm import Serial
 
 WATCHED = """
 import sys
-from pgimp.jit.cache import KernelCache
+from pgimp.jit.compiled.cache import KernelCache
 from pgimp.case.load import load
 from pgimp.mpi.comm import Serial
 from pgimp.solver.simulation import Simulation

@@ -2,9 +2,9 @@
 
 from pgimp.case.reader import read_case
 from pgimp.mpi.comm import Serial
-from pgimp.scene.facts import examine
-from pgimp.scene.locking import locking
-from pgimp.scene.sanity import body_warnings
+from pgimp.scene.checks.facts import examine
+from pgimp.scene.checks.locking import locking
+from pgimp.scene.checks.sanity import body_warnings
 from pgimp.scene.scene import Scene, count_particles
 
 

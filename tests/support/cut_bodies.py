@@ -6,7 +6,7 @@ from pydantic import TypeAdapter
 from pgimp.case.schema import Case
 from pgimp.geometry.regions import RegionEntry
 from pgimp.mpi.comm import Serial
-from pgimp.scene.populate import populate
+from pgimp.scene.bodies.populate import populate
 from pgimp.scene.scene import Scene, count_particles
 
 ENTRY = TypeAdapter(RegionEntry)

@@ -11,18 +11,18 @@ from pgimp.decomposition.grid import Grid
 from pgimp.decomposition.halo import Halo
 from pgimp.decomposition.population import Population
 from pgimp.decomposition.slabs import Slab, slab_of
-from pgimp.kernels.clearance import find_clearances
-from pgimp.kernels.concepts import Forcing, Report, Setting
-from pgimp.kernels.frame import Frame
-from pgimp.kernels.g2p import grid_to_particles
-from pgimp.kernels.ledger import Ledger
-from pgimp.kernels.loads import Loads
-from pgimp.kernels.mirror import Mirror, fold, reflect
-from pgimp.kernels.momentum import WHOLE, update_momentum
-from pgimp.kernels.p2g import particles_to_grid
-from pgimp.kernels.particles import Carried, Particles
-from pgimp.kernels.record import RECORD
-from pgimp.kernels.walls import WALL
+from pgimp.kernels.data.arguments import Forcing, Report, Setting
+from pgimp.kernels.data.frame import Frame
+from pgimp.kernels.data.ledger import Ledger
+from pgimp.kernels.data.particles import Carried, Particles
+from pgimp.kernels.data.record import RECORD
+from pgimp.kernels.grid.mirror import Mirror, fold, reflect
+from pgimp.kernels.grid.momentum import WHOLE, update_momentum
+from pgimp.kernels.grid.position_limits import WALL
+from pgimp.kernels.grid.wall_gap import find_clearances
+from pgimp.kernels.loads.loads import Loads
+from pgimp.kernels.transfer.g2p import grid_to_particles
+from pgimp.kernels.transfer.p2g import particles_to_grid
 from pgimp.physics.materials.hooke import HookeParameters
 from pgimp.physics.materials.neo_hookean import NeoHookeanParameters
 from pgimp.physics.shapes import SHAPES

@@ -3,8 +3,8 @@
 import numpy as np
 from kernel_driver import MATERIALS
 
-from pgimp.kernels.concepts import Setting
-from pgimp.kernels.sums import SUMS, fastest_rate, layer_sums
+from pgimp.kernels.data.arguments import Setting
+from pgimp.kernels.sums.sums import SUMS, fastest_rate, layer_sums
 
 
 def sums_of(rank, D, bodies, material_of):

@@ -6,7 +6,7 @@ from reference_materials import tensor
 from pgimp.jit.algebra import determinant
 from pgimp.jit.kernel import kernel
 from pgimp.physics.materials import MATERIALS
-from pgimp.physics.materials.evaluate import evaluate
+from pgimp.physics.materials.parameters.evaluate import evaluate
 
 SEED = 20040
 

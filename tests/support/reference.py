@@ -9,8 +9,8 @@ from kernel_driver import follows, initial_half
 from quadrature import chi_of, integrals
 from reference_materials import STRESS, matrix, speed, tensor, voigt
 
-from pgimp.kernels.clearance import CLOSED
-from pgimp.kernels.mean import DENSE, SPARSE
+from pgimp.kernels.grid.wall_gap import CLOSED
+from pgimp.kernels.update.mean import DENSE, SPARSE
 
 
 def weights(name, xi, L, half):

@@ -9,11 +9,11 @@ import pgimp
 from pgimp.jit.algebra import determinant
 from pgimp.jit.kernel import kernel
 from pgimp.jit.tuples import read
-from pgimp.kernels.updates.stress import state_of
+from pgimp.kernels.update.stress import state_of
 from pgimp.physics.materials import MATERIALS
 from pgimp.physics.materials.base import states_of
-from pgimp.physics.materials.evaluate import evaluate
-from pgimp.physics.materials.outside import parameters_of
+from pgimp.physics.materials.parameters.evaluate import evaluate
+from pgimp.physics.materials.parameters.outside import parameters_of
 
 
 @kernel

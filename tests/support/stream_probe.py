@@ -15,7 +15,7 @@ import matplotlib
 import pgimp.__main__ as program
 from pgimp import cli  # noqa: F401
 from pgimp.commands import batch, bench, check, compare, doctor, init, plot, run, schema, study
-from pgimp.tools.doctor.finding import Finding
+from pgimp.utilities.doctor.finding import Finding
 
 matplotlib.use("Agg")
 WORDS = {

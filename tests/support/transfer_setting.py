@@ -4,7 +4,7 @@ import numpy as np
 from kernel_driver import SEED, Rank, entry, make_frame, random_particles, random_positions
 from reference import Reference
 
-from pgimp.kernels.particles import Particles
+from pgimp.kernels.data.particles import Particles
 from pgimp.physics.boundaries import BOUNDARIES
 
 ORIGIN, CELL, CELLS = (-1.1, 0.3, 2.0), (0.7, 1.3, 0.9), (5, 4, 3)

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pgimp.errors import CaseError
-from pgimp.files.plain import open_plain
 from pgimp.schema.messages import shorten
+from pgimp.storage.plain import open_plain
 
 #: Memory [bytes] and time [s] that reading may take: constants, and for each byte of the file.
 _MEMORY, _TIME = (1_500_000_000, 40), (60, 4e-6)

@@ -43,7 +43,7 @@ def _kinds(D: int, states: States) -> dict[str, _Kind]:
 
 def read_hdf5(name: str, D: int, most: int | None, states: States) -> Iterator[Block]:
     """Yield the particles of a file; see `pgimp.geometry.points.file.blocks`."""
-    from pgimp.files.hdf5 import load_h5py, open_file
+    from pgimp.storage.hdf5 import load_h5py, open_file
 
     h5py = load_h5py()
     with open_file(Path(name), "r") as file:

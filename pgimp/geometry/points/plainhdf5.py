@@ -20,7 +20,7 @@ def find(h5py: Any, file: Any, key: str) -> Any:
     Parameters
     ----------
     h5py : module
-        As `pgimp.files.hdf5.load_h5py` gives it.
+        As `pgimp.storage.hdf5.load_h5py` gives it.
     file : h5py.File
         Open.
     key : str

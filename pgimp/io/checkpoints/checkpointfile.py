@@ -14,10 +14,10 @@ from pathlib import Path
 import numpy as np
 
 from pgimp.errors import DamagedError
-from pgimp.files.checksums import Written, first_wrong, read_into
-from pgimp.files.plain import open_plain
 from pgimp.io.checkpoints.checkpointheader import LAYOUT, Place, parse
 from pgimp.io.checkpoints.checkpointwriter import write
+from pgimp.storage.checksums import Written, first_wrong, read_into
+from pgimp.storage.plain import open_plain
 
 __all__ = ["LAYOUT", "CheckpointFile", "DamagedError", "write"]
 

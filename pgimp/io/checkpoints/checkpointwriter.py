@@ -15,13 +15,13 @@ from typing import Any
 import numpy as np
 
 from pgimp.errors import DamagedError, RunError, explain
-from pgimp.files.atomic import publish, temporary
-from pgimp.files.checksums import Written
-from pgimp.files.datasets import Dataset, Layout, bytes_of, lay_out
-from pgimp.files.framefile import FrameFile, blocks
-from pgimp.files.unfinished import explained_errors, removed_on_error
 from pgimp.io.checkpoints.checkpointheader import KINDS, encode, parse
 from pgimp.mpi.collective import agree, on_root
+from pgimp.storage.atomic import publish, temporary
+from pgimp.storage.checksums import Written
+from pgimp.storage.datasets import Dataset, Layout, bytes_of, lay_out
+from pgimp.storage.framefile import FrameFile, blocks
+from pgimp.storage.unfinished import explained_errors, removed_on_error
 
 Array = np.ndarray
 

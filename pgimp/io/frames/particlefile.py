@@ -10,16 +10,16 @@ from typing import Any
 
 import numpy as np
 
-from pgimp.files import chunks
-from pgimp.files.atomic import temporary
-from pgimp.files.chunks import Chunks, chunk_rows
-from pgimp.files.datasets import Dataset, Layout, lay_out
-from pgimp.files.framefile import FrameFile
-from pgimp.files.rows import Rows
-from pgimp.files.unfinished import Unfinished, explained_errors, removed_on_error
 from pgimp.io.frames.particlevalues import CONNECTIVITY, Values
 from pgimp.mpi.collective import on_root
 from pgimp.physics.fields import Source
+from pgimp.storage import chunks
+from pgimp.storage.atomic import temporary
+from pgimp.storage.chunks import Chunks, chunk_rows
+from pgimp.storage.datasets import Dataset, Layout, lay_out
+from pgimp.storage.framefile import FrameFile
+from pgimp.storage.rows import Rows
+from pgimp.storage.unfinished import Unfinished, explained_errors, removed_on_error
 
 Array = np.ndarray
 

@@ -6,9 +6,9 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from pgimp.files.datasets import Dataset
-from pgimp.files.rows import Rows
 from pgimp.physics.fields import Field, Source
+from pgimp.storage.datasets import Dataset
+from pgimp.storage.rows import Rows
 
 Array = np.ndarray
 

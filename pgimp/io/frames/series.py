@@ -14,10 +14,10 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from pgimp.errors import RunError, explain
-from pgimp.files.atomic import sync_folder
-from pgimp.files.unfinished import Unfinished
 from pgimp.io.frames.xdmf import Collection
 from pgimp.mpi.collective import on_root
+from pgimp.storage.atomic import sync_folder
+from pgimp.storage.unfinished import Unfinished
 
 
 class Entry(NamedTuple):

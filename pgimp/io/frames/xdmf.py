@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
-from pgimp.files.atomic import write
 from pgimp.physics.fields import Field
+from pgimp.storage.atomic import write
 
 Kind = tuple[str, int, str]
 """Of a field: its attribute type, number of columns (0 for a scalar) and type in the file."""

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pgimp.errors import PgimpError, RunError, explain
-from pgimp.files.hdf5 import load_h5py, open_file
-from pgimp.files.plain import require_plain
 from pgimp.io.results.tables import absent, data_frame
 from pgimp.io.rundir.ownfiles import FRAME
+from pgimp.storage.hdf5 import load_h5py, open_file
+from pgimp.storage.plain import require_plain
 from pgimp.terminal import escape
 
 if TYPE_CHECKING:

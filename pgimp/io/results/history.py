@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from pgimp.files.linereader import read
-from pgimp.files.lines import LineFile
 from pgimp.mpi.collective import on_root
+from pgimp.storage.linereader import read
+from pgimp.storage.lines import LineFile
 
 __all__ = ["History", "read"]
 

@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pgimp.errors import RunError, UsageError, explain
-from pgimp.files.linereader import so_far
-from pgimp.files.plain import read_plain
 from pgimp.io.results import history
 from pgimp.io.results.frame import Array, Frame
 from pgimp.io.results.tables import Fields, Table, Tables
 from pgimp.io.rundir import runinfo
 from pgimp.io.rundir.ownfiles import FRAME, RUN
 from pgimp.io.rundir.probefiles import probe_files
+from pgimp.storage.linereader import so_far
+from pgimp.storage.plain import read_plain
 from pgimp.terminal import escape
 
 if TYPE_CHECKING:

@@ -151,7 +151,7 @@ def tables(name: str, first: Array, second: Array, tolerance: Tolerance) -> Iter
     name : str
         The file's, for messages.
     first, second : ndarray
-        As `pgimp.files.lines.read` gives them.
+        As `pgimp.storage.lines.read` gives them.
     tolerance : Tolerance
         What may differ by how much.
 

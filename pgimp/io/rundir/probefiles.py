@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from pgimp.errors import CaseError
-from pgimp.files.plain import read_plain
+from pgimp.storage.plain import read_plain
 
 PROBES = "probes"
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,99}")

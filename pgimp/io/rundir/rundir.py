@@ -13,8 +13,6 @@ from pathlib import Path
 from typing import Any
 
 from pgimp.errors import RunError, UsageError, explain
-from pgimp.files.atomic import write
-from pgimp.files.linereader import so_far
 from pgimp.io.rundir import runinfo
 from pgimp.io.rundir.ownfiles import (
     FAILED,
@@ -29,6 +27,8 @@ from pgimp.io.rundir.ownfiles import (
 )
 from pgimp.io.rundir.probefiles import PROBES
 from pgimp.mpi.collective import on_root
+from pgimp.storage.atomic import write
+from pgimp.storage.linereader import so_far
 from pgimp.terminal import escape
 
 #: State of a run while the files of the one before are still in its directory.

@@ -16,9 +16,9 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-from pgimp.files import atomic
-from pgimp.files.hdf5 import load_h5py
-from pgimp.files.plain import read_plain
+from pgimp.storage import atomic
+from pgimp.storage.hdf5 import load_h5py
+from pgimp.storage.plain import read_plain
 
 PROGRAM = "pgimp"
 FORMAT_VERSION = 1

@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar, NamedTuple
 
 from pydantic import Field
 
-from pgimp.physics.materials.vary import Varying
+from pgimp.physics.materials.parameters.vary import Varying
 from pgimp.schema.base import Model, NonNegative, Number, Positive
 
 Poisson = Annotated[
@@ -106,7 +106,7 @@ class Material(Varying):
 
     RESTS: ClassVar[bool] = False
     """Whether it flows, and comes to rest: walls then take the velocity of particles that they
-    hold, see `pgimp.kernels.resting`. What springs back keeps it."""
+    hold, see `pgimp.kernels.grid.resting`. What springs back keeps it."""
 
     LIQUID: ClassVar[bool] = False
     """Whether it has no strength: under gravity it sees the dilatation at its place."""

@@ -1,7 +1,7 @@
 """Bingham's fluid: rigid below a yield stress, viscous above it, p by Tait's equation of state.
 
 Below the yield stress it is elastic, with a shear modulus G so high that it hardly deforms. With
-tau the root of J2, each step's elastic trial stress tau_tr (`pgimp.physics.materials.hencky`)
+tau the root of J2, each step's elastic trial stress tau_tr (`pgimp.physics.materials.laws.hencky`)
 relaxes towards the yield stress,
 
     tau = (tau_tr + (G dt/mu) tau_y)/(1 + G dt/mu)  where tau_tr > tau_y,
@@ -17,10 +17,10 @@ from pydantic import Field, model_validator
 
 from pgimp.jit.algebra import isotropic
 from pgimp.physics.materials.base import Positive, State
-from pgimp.physics.materials.exact_flow import isotropic_columns, sheared, volumes
-from pgimp.physics.materials.hencky import distortion_energy, elastic_trial
-from pgimp.physics.materials.invariants import TINY, shear_stress
-from pgimp.physics.materials.tait import (
+from pgimp.physics.materials.exact.flow import isotropic_columns, sheared, volumes
+from pgimp.physics.materials.laws.hencky import distortion_energy, elastic_trial
+from pgimp.physics.materials.laws.invariants import TINY, shear_stress
+from pgimp.physics.materials.laws.tait import (
     LEAST,
     VISCOUS_WORK,
     Liquid,

@@ -30,10 +30,10 @@ from pgimp.jit.choose import choose
 from pgimp.jit.functions import exp, log
 from pgimp.jit.kernel import specialise
 from pgimp.physics.materials.base import Material, State
-from pgimp.physics.materials.exact_clay import Clay, path_of_clay
-from pgimp.physics.materials.friction import PLASTIC_WORK
-from pgimp.physics.materials.hencky import distortion_energy, elastic_trial
-from pgimp.physics.materials.invariants import TINY, mean, shear_stress
+from pgimp.physics.materials.exact.clay import Clay, path_of_clay
+from pgimp.physics.materials.laws.friction import PLASTIC_WORK
+from pgimp.physics.materials.laws.hencky import distortion_energy, elastic_trial
+from pgimp.physics.materials.laws.invariants import TINY, mean, shear_stress
 from pgimp.schema.base import Positive
 from pgimp.schema.problems import Problem, raise_problems
 

@@ -1,7 +1,8 @@
 """Drucker and Prager's soil: tau <= alpha p + k, with dilation, apex and tension cut-off.
 
-With p the pressure and tau the root of J2. The trial stress of `pgimp.physics.materials.hencky`
-returns to the cone along the flow of the cone with the angle of dilation,
+With p the pressure and tau the root of J2. The trial stress of
+`pgimp.physics.materials.laws.hencky` returns to the cone along the flow of the cone with the angle
+of dilation,
 
     dl = max(0, tau_tr - alpha p_tr - k)/(G + K alpha alpha'),  tau = tau_tr - G dl,
     p = p_tr + K alpha' dl,
@@ -22,10 +23,10 @@ from pgimp.jit.algebra import determinant, isotropic, one_plus
 from pgimp.jit.choose import choose
 from pgimp.jit.functions import log
 from pgimp.physics.materials.base import State, lame
-from pgimp.physics.materials.exact_friction import cone, path_of_soil
-from pgimp.physics.materials.friction import PLASTIC_WORK, Match, Soil, cone_of
-from pgimp.physics.materials.hencky import distortion_energy, elastic_trial
-from pgimp.physics.materials.invariants import TINY, mean, shear_stress
+from pgimp.physics.materials.exact.friction import cone, path_of_soil
+from pgimp.physics.materials.laws.friction import PLASTIC_WORK, Match, Soil, cone_of
+from pgimp.physics.materials.laws.hencky import distortion_energy, elastic_trial
+from pgimp.physics.materials.laws.invariants import TINY, mean, shear_stress
 
 #: Tension of a cone without an apex.
 _BOUNDLESS = 1e200

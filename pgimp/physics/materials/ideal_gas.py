@@ -15,7 +15,7 @@ from pydantic import Field
 
 from pgimp.jit.algebra import determinant, isotropic, one_plus, symmetric
 from pgimp.physics.materials.base import Material, State
-from pgimp.physics.materials.exact_flow import isotropic_columns, volumes
+from pgimp.physics.materials.exact.flow import isotropic_columns, volumes
 from pgimp.schema.base import Number, Positive
 
 

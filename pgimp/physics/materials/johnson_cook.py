@@ -3,7 +3,7 @@
 sigma_y = (A + B alpha^n)(1 + C ln max(1, alpha'/rate))(1 - T*^m), T* = (T - T0)/(Tm - T0) between
 0 and 1; alpha' is the plastic rate of the step itself, found with the flow by Newton's method, so
 that nothing rings. Flow heats by dT = beta q dalpha/(rho0 c), without conduction. Elasticity is
-as in `pgimp.physics.materials.hencky`.
+as in `pgimp.physics.materials.laws.hencky`.
 
 Damage grows by dalpha/eps_f, eps_f = (d1 + d2 exp(d3 sigma*))(1 + d4 ln max(1, alpha'/rate))
 (1 + d5 T*), sigma* the mean over the equivalent stress (Johnson, Cook 1985). At 1 a particle has
@@ -20,13 +20,13 @@ from pgimp.jit.algebra import contract, isotropic
 from pgimp.jit.choose import choose
 from pgimp.jit.functions import log
 from pgimp.physics.materials.base import Material, Poisson, State, Young, lame
-from pgimp.physics.materials.hencky import distortion_energy, elastic_speed
 from pgimp.physics.materials.johnson_cook_shock import (
     JohnsonCookShockDamageParameters,
     JohnsonCookShockParameters,
 )
-from pgimp.physics.materials.mie_gruneisen import LARGEST, MieGruneisen, MieGruneisenEntry
-from pgimp.physics.materials.rate_flow import Damage, Strength, damaged, plastic_step
+from pgimp.physics.materials.laws.hencky import distortion_energy, elastic_speed
+from pgimp.physics.materials.laws.mie_gruneisen import LARGEST, MieGruneisen, MieGruneisenEntry
+from pgimp.physics.materials.laws.rate_flow import Damage, Strength, damaged, plastic_step
 from pgimp.physics.materials.von_mises import PLASTIC_STRAIN
 from pgimp.schema.base import Model, NonNegative, Number, Positive
 from pgimp.schema.problems import Problem, raise_problems

@@ -9,14 +9,14 @@ from typing import NamedTuple
 from pgimp.jit.algebra import contract, determinant, isotropic, one_plus
 from pgimp.jit.choose import choose
 from pgimp.jit.kernel import specialise
-from pgimp.physics.materials.hencky import distortion_energy
-from pgimp.physics.materials.mie_gruneisen import (
+from pgimp.physics.materials.laws.hencky import distortion_energy
+from pgimp.physics.materials.laws.mie_gruneisen import (
     MieGruneisen,
     margin_of,
     pressure_and_energy,
     shock_speed_squared,
 )
-from pgimp.physics.materials.rate_flow import Damage, Strength, damaged, plastic_step
+from pgimp.physics.materials.laws.rate_flow import Damage, Strength, damaged, plastic_step
 
 
 def shocked(material, J, sigma, L, dt, q, before, heat):

@@ -31,7 +31,7 @@ class Linear1dParameters(NamedTuple):
 
     @staticmethod
     def initial_speed(material, F, J):
-        """Speed sqrt(E/rho0) in the initial configuration; see `pgimp.kernels.speed`."""
+        """Speed sqrt(E/rho0) in the initial configuration; see `pgimp.kernels.update.speed`."""
         return sqrt(material.young / material.density)
 
 

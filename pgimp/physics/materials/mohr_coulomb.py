@@ -25,8 +25,8 @@ from pgimp.jit.series import carry
 from pgimp.jit.spectral import eigen, spectral
 from pgimp.jit.tuples import scaled
 from pgimp.physics.materials.base import State, lame
-from pgimp.physics.materials.exact_friction import edge, path_of_soil
-from pgimp.physics.materials.friction import PLASTIC_WORK, Soil
+from pgimp.physics.materials.exact.friction import edge, path_of_soil
+from pgimp.physics.materials.laws.friction import PLASTIC_WORK, Soil
 
 #: Tension of a soil without an apex.
 _BOUNDLESS = 1e200

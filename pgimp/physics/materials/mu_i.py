@@ -26,11 +26,11 @@ from pgimp.jit.algebra import isotropic
 from pgimp.jit.choose import choose
 from pgimp.jit.functions import log
 from pgimp.physics.materials.base import Material, Poisson, State, Young, lame
-from pgimp.physics.materials.exact_flow import isotropic_columns, sheared, volumes
-from pgimp.physics.materials.friction import PLASTIC_WORK
-from pgimp.physics.materials.hencky import distortion_energy, elastic_trial
-from pgimp.physics.materials.invariants import TINY, shear_stress
-from pgimp.physics.materials.tait import LEAST
+from pgimp.physics.materials.exact.flow import isotropic_columns, sheared, volumes
+from pgimp.physics.materials.laws.friction import PLASTIC_WORK
+from pgimp.physics.materials.laws.hencky import distortion_energy, elastic_trial
+from pgimp.physics.materials.laws.invariants import TINY, shear_stress
+from pgimp.physics.materials.laws.tait import LEAST
 from pgimp.schema.base import NonNegative, Positive
 from pgimp.schema.problems import Problem, raise_problems
 

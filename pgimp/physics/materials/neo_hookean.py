@@ -47,7 +47,7 @@ class NeoHookeanParameters(NamedTuple):
 
     @staticmethod
     def initial_speed(material, F, J):
-        """Longitudinal wave in the initial configuration; see `pgimp.kernels.speed`.
+        """Longitudinal wave in the initial configuration; see `pgimp.kernels.update.speed`.
 
         With n along F^-T N the acoustic tensor is mu 1 + (mu + lambda (1-ln J)) |F^-T N|^2 n (x) n.
         """

@@ -12,8 +12,8 @@ from pydantic import Field
 
 from pgimp.jit.algebra import contract, isotropic, symmetric
 from pgimp.physics.materials.base import State
-from pgimp.physics.materials.exact_flow import moves, viscous, volumes
-from pgimp.physics.materials.tait import (
+from pgimp.physics.materials.exact.flow import moves, viscous, volumes
+from pgimp.physics.materials.laws.tait import (
     LEAST,
     VISCOUS_WORK,
     Liquid,

@@ -2,8 +2,8 @@
 
 q = sqrt(3/2) |s - beta| <= sigma_y(alpha), of the deviator s of the Kirchhoff stress, the back
 stress beta and the plastic strain alpha; sigma_y = yield + H alpha + Q (1 - exp(-b alpha)) (Voce).
-Elastic strains are logarithmic (`pgimp.physics.materials.hencky`), the pressure is -K ln J / J. A
-step flows back radially onto the yield surface of its end (backward Euler; Simo, Hughes,
+Elastic strains are logarithmic (`pgimp.physics.materials.laws.hencky`), the pressure is -K ln J /
+J. A step flows back radially onto the yield surface of its end (backward Euler; Simo, Hughes,
 Computational Inelasticity, box 3.2), exact wherever the direction of s does not change.
 
 The back stress grows by 2/3 H_k times the plastic strain and turns with the rotation R of F = V R
@@ -21,15 +21,15 @@ from pgimp.jit.functions import exp, log
 from pgimp.jit.kernel import specialise
 from pgimp.jit.tuples import plus_scaled
 from pgimp.physics.materials.base import Material, Poisson, State, Young, lame
-from pgimp.physics.materials.exact_rows import first_leg
-from pgimp.physics.materials.hencky import (
+from pgimp.physics.materials.exact.rows import first_leg
+from pgimp.physics.materials.laws.hencky import (
     TINY,
     elastic_energy,
     elastic_speed,
     elastic_trial,
     equivalent,
 )
-from pgimp.physics.materials.polar import polar_rotation
+from pgimp.physics.materials.laws.polar import polar_rotation
 from pgimp.schema.base import Model, Number, Positive
 from pgimp.schema.problems import problem
 

@@ -13,9 +13,9 @@ shear and rotation, under which the boxes of `cpdi`, along the grid's directions
 is diagonal the two are the same, in 1D always.
 
 The weights are no products of those along the directions, but each corner's are: the transfers go
-from corner to corner, see `pgimp.kernels.corners`. A support reaches no more than four vertices a
-direction: along a direction of the grid in which the parallelogram extends over more than a cell
-to either side, it is shrunk to that, which the log counts.
+from corner to corner, see `pgimp.kernels.transfer.corners`. A support reaches no more than four
+vertices a direction: along a direction of the grid in which the parallelogram extends over more
+than a cell to either side, it is shrunk to that, which the log counts.
 """
 
 from typing import Any, ClassVar, Literal, NamedTuple

@@ -3,7 +3,7 @@
 In place of a number a case has a mapping that says how to get it from the place of a particle at
 the start, ``young: {table: [[0.0, 5e6], [10.0, 4e7]], over: depth, surface: 12.0}``. Each way is a
 type here, with its values at places; what the numbers then do to the material is in
-`pgimp.physics.materials.vary`.
+`pgimp.physics.materials.parameters.vary`.
 """
 
 from pgimp.physics.variation.along import LayersVariation, TableVariation

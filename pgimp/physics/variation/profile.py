@@ -7,8 +7,8 @@ import io
 import math
 
 from pgimp.errors import CaseError, explain
-from pgimp.files.plain import read_plain
 from pgimp.schema.messages import shorten, unknown
+from pgimp.storage.plain import read_plain
 
 #: Bytes of a file; a profile is a few thousand.
 _LARGEST = 4_000_000

@@ -16,8 +16,8 @@ from pgimp.cli import main
 from pgimp.errors import CaseError
 from pgimp.mpi.comm import Serial
 from pgimp.physics.materials.registry import import_file
+from pgimp.scene.bodies.populate import populate
 from pgimp.scene.geometry import share
-from pgimp.scene.populate import populate
 from pgimp.scene.scene import Scene, count_particles
 
 SOFT = {"model": "softening", "young": 100.0, "poisson": 0.3, "density": 1.0} | {

@@ -17,10 +17,10 @@ from particle_source import fill_up, small_disk
 from processes import HERE
 
 from pgimp.errors import RunError
-from pgimp.files import framefile
-from pgimp.files.framefile import FrameFile
 from pgimp.io.checkpoints.checkpointfile import CheckpointFile, DamagedError, write
 from pgimp.mpi.comm import Serial, world
+from pgimp.storage import framefile
+from pgimp.storage.framefile import FrameFile
 
 
 @pytest.fixture

@@ -11,10 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from processes import HERE
 
-from pgimp.files import framefile
 from pgimp.io.checkpoints import checkpointwriter
 from pgimp.io.checkpoints.checkpointfile import CheckpointFile, DamagedError
 from pgimp.mpi.comm import Serial, world
+from pgimp.storage import framefile
 
 COUNTS = (0, 1, 2, 777)
 

@@ -15,14 +15,14 @@ from particle_source import Lines, expected, make_case, make_sim, write_frames
 from processes import HERE
 
 from pgimp.errors import RunError
-from pgimp.files import framefile
-from pgimp.files.rows import Rows
 from pgimp.io.frames import particlefile
 from pgimp.io.results.history import History, read
 from pgimp.io.results.reader import Frame
 from pgimp.mpi.comm import Serial, world
 from pgimp.physics.fields import ALWAYS, BY_RANKS, FIELDS, Source
 from pgimp.running.frames import Frames
+from pgimp.storage import framefile
+from pgimp.storage.rows import Rows
 
 
 @pytest.mark.parametrize("dimension", [1, 2, 3])

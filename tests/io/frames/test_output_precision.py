@@ -11,10 +11,10 @@ from particle_source import fill_up, make_case, make_sim, small_disk, write_fram
 from processes import HERE
 
 from pgimp.errors import RunError
-from pgimp.files import chunks, framefile
 from pgimp.io.results.reader import Frame
 from pgimp.mpi.comm import Serial, world
 from pgimp.running.frames import Frames
+from pgimp.storage import chunks, framefile
 
 FORMS = {
     "single": {"precision": "float32"},

@@ -16,7 +16,7 @@ from pgimp.io.results.reader import Frame
 from pgimp.mpi.comm import Serial
 from pgimp.physics.fields import FIELDS
 from pgimp.running.frames import Frames
-from pgimp.tools.plot.units import kind_of_field, unit
+from pgimp.utilities.plot.units import kind_of_field, unit
 
 COUNT, GONE = 23, ((), (), range(9, 14))
 COUNTS = [COUNT - len(gone) for gone in GONE]

@@ -10,7 +10,7 @@ from scenes import field, finish, scene, start, write_case
 from pgimp.case.reader import dump_case, read_case
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
-from pgimp.solver.columns import HISTORY
+from pgimp.solver.history.columns import HISTORY
 
 NAMES = [
     f"error.{name}-{norm}"

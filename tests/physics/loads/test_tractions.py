@@ -8,7 +8,7 @@ from scenes import box, field, finish, scene, start
 
 from pgimp.case.schema import Case
 from pgimp.mpi.comm import Serial
-from pgimp.scene.populate import populate
+from pgimp.scene.bodies.populate import populate
 from pgimp.scene.scene import Scene, count_particles
 
 #: Shapes whose patches cancel the stress at the surface exactly.

@@ -19,12 +19,12 @@ from pgimp.physics.materials import NeoHookean, registry
 ASK = """
 import sys
 import numpy as np
-from pgimp.kernels.concepts import Setting
-from pgimp.kernels.sums import fastest_rate
+from pgimp.kernels.data.arguments import Setting
+from pgimp.kernels.sums.sums import fastest_rate
 from pgimp.physics.materials import MATERIALS
-from pgimp.physics.materials.outside import parameters_of
-from pgimp.kernels.frame import Frame
-from pgimp.kernels.particles import Carried, Particles
+from pgimp.physics.materials.parameters.outside import parameters_of
+from pgimp.kernels.data.frame import Frame
+from pgimp.kernels.data.particles import Carried, Particles
 
 def ask():
     law = parameters_of(MATERIALS["law"](model="law", density=1.0), 1)

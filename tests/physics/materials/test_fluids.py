@@ -7,7 +7,7 @@ from strain_paths import along, entry_of, invariants, shears, stretches
 
 import pgimp
 from pgimp.errors import CaseError
-from pgimp.physics.materials.outside import takes_vectors
+from pgimp.physics.materials.parameters.outside import takes_vectors
 
 WATER = {"model": "newtonian", "bulk": 2.0e3, "shear-viscosity": 0.3}
 MUD = {"model": "bingham", "bulk": 1.0e4, "shear-viscosity": 0.3} | {

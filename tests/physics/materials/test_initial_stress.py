@@ -17,8 +17,8 @@ from pgimp.case.schema import Case
 from pgimp.commands.check import report
 from pgimp.jit.kernel import kernel
 from pgimp.physics.materials import MATERIALS
-from pgimp.physics.materials.evaluate import evaluate
-from pgimp.physics.materials.outside import parameters_of
+from pgimp.physics.materials.parameters.evaluate import evaluate
+from pgimp.physics.materials.parameters.outside import parameters_of
 
 YOUNG, POISSON = 1.0e3, 0.3
 SOIL = {

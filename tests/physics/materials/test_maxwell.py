@@ -10,7 +10,7 @@ from scenes import scene
 
 import pgimp
 from pgimp.physics.materials import MATERIALS, registry
-from pgimp.physics.materials.outside import parameters_of
+from pgimp.physics.materials.parameters.outside import parameters_of
 
 ROOT = Path(__file__).resolve().parents[3]
 PAGE = (ROOT / "docs" / "materials.md").read_text(encoding="utf-8")

@@ -11,12 +11,12 @@ from written_laws import law, write_law
 
 import pgimp
 from pgimp.errors import CaseError, UsageError
-from pgimp.kernels.concepts import Setting
-from pgimp.kernels.frame import Frame
-from pgimp.kernels.particles import Carried, Particles
-from pgimp.kernels.sums import fastest_rate
+from pgimp.kernels.data.arguments import Setting
+from pgimp.kernels.data.frame import Frame
+from pgimp.kernels.data.particles import Carried, Particles
+from pgimp.kernels.sums.sums import fastest_rate
 from pgimp.physics.materials import NeoHookean, registry
-from pgimp.physics.materials.outside import parameters_of
+from pgimp.physics.materials.parameters.outside import parameters_of
 
 CASES = Path(__file__).resolve().parents[3] / "cases"
 #: Components of a stress in 1D, 2D and 3D.

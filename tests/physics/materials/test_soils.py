@@ -11,7 +11,7 @@ from strain_paths import along, entry_of, invariants, random_walk, shears, stret
 
 import pgimp
 from pgimp.errors import CaseError
-from pgimp.physics.materials.outside import takes_vectors
+from pgimp.physics.materials.parameters.outside import takes_vectors
 
 YOUNG, POISSON = 1.0e3, 0.3
 LAM = YOUNG * POISSON / ((1 + POISSON) * (1 - 2 * POISSON))

@@ -15,10 +15,10 @@ from pgimp.errors import CaseError, UsageError
 from pgimp.jit.algebra import determinant
 from pgimp.jit.kernel import kernel
 from pgimp.jit.outside import digest
-from pgimp.kernels.particles import COLUMNS, Carried, Particles
+from pgimp.kernels.data.particles import COLUMNS, Carried, Particles
 from pgimp.physics.materials.base import state_width
-from pgimp.physics.materials.evaluate import evaluate
-from pgimp.physics.materials.outside import parameters_of
+from pgimp.physics.materials.parameters.evaluate import evaluate
+from pgimp.physics.materials.parameters.outside import parameters_of
 from pgimp.physics.materials.registry import import_file
 
 

@@ -13,10 +13,10 @@ from material_driver import (
     response,
 )
 
-from pgimp.kernels.concepts import Setting
-from pgimp.kernels.frame import InitialFrame
-from pgimp.kernels.particles import Carried, Particles
-from pgimp.kernels.sums import fastest_rate
+from pgimp.kernels.data.arguments import Setting
+from pgimp.kernels.data.frame import InitialFrame
+from pgimp.kernels.data.particles import Carried, Particles
+from pgimp.kernels.sums.sums import fastest_rate
 
 
 def acoustic(parameters, F, n):

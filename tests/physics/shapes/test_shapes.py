@@ -10,13 +10,13 @@ from kernel_driver import KINDS, SEED, VARIANTS, entry, follows, initial_half, m
 from quadrature import chi_of, integrals
 
 from pgimp.jit.kernel import kernel
-from pgimp.jit.simd import stack
-from pgimp.kernels import batch
-from pgimp.kernels.batch import SUPPORT_SIZE
-from pgimp.kernels.fours import four
-from pgimp.kernels.frame import Window
-from pgimp.kernels.particles import Carried, Particles
-from pgimp.kernels.place import first_vertex, half_widths
+from pgimp.jit.vectors.simd import stack
+from pgimp.kernels.data.frame import Window
+from pgimp.kernels.data.particles import Carried, Particles
+from pgimp.kernels.transfer.first_vertex import first_vertex, half_widths
+from pgimp.kernels.transfer.lane_io import four
+from pgimp.kernels.transfer.supports import SUPPORT_SIZE
+from pgimp.kernels.transfer.transfer import supports as batch
 from pgimp.physics.shapes import SHAPES
 from pgimp.physics.shapes.base import weights
 

@@ -10,7 +10,7 @@ from pydantic import ValidationError
 
 from pgimp.errors import CaseError, UsageError
 from pgimp.physics.materials import MATERIALS
-from pgimp.physics.materials.layout import layout_of
+from pgimp.physics.materials.parameters.layout import layout_of
 from pgimp.physics.variation import VARIATION, NoValueError, Places
 from pgimp.physics.variation.profile import read_profile
 from pgimp.physics.variation.waves import lognormal, waves

@@ -1,0 +1,1 @@
+"""Checks of a case: conditions between its parts, after each part is read."""

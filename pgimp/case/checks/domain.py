@@ -1,0 +1,191 @@
+"""Checks of grid, method, time, output, gravity and boundaries."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from pgimp.physics.boundaries.slip import Slip
+from pgimp.physics.fields import OPTIONAL
+from pgimp.physics.loads import BODY_FORCES
+from pgimp.physics.materials.parameters.vary import PREFIX, field_of
+from pgimp.schema.messages import unknown
+from pgimp.schema.problems import Problem
+from pgimp.schema.registries import name_of
+from pgimp.schema.sizes import WHOLE, Problems, faces, length, nearest_whole, whole
+
+MOST_CELLS = 10_000_000
+"""Along one direction."""
+
+MOST_STEPS = 2**53
+
+
+def check_grid(dimensions: int, grid: Any) -> Problems:
+    """Check that sizes are whole cells, which float64 coordinates can resolve."""
+    wrong = [
+        item
+        for name in ("origin", "size", "cell")
+        for item in length(("grid", name), getattr(grid, name), dimensions)
+    ]
+    if wrong:
+        yield from wrong
+        return
+    for i, (low, size, cell) in enumerate(zip(grid.origin, grid.size, grid.cell, strict=True)):
+        count, exact = whole(size, cell)
+        if count > MOST_CELLS:
+            yield Problem(
+                ("grid", "cell", i),
+                f"{size / cell:.3g} cells are too many (at most 10 million along a direction)",
+            )
+        elif not exact:
+            yield Problem(
+                ("grid", "size", i),
+                f"{size:.15g} is not a whole number of cells of {cell:.15g} "
+                f"({size / cell:.9g} cells); the nearest is {nearest_whole(size, cell)}",
+            )
+        elif math.ulp(max(abs(low), abs(low + size))) > 1e-6 * cell:
+            yield Problem(
+                ("grid", "origin", i),
+                f"near {low:.15g} a float64 cannot resolve cells of {cell:.15g}; "
+                "move the origin closer to 0",
+            )
+
+
+def check_method(dimensions: int, method: Any) -> Problems:
+    """Check that there is one number of particles a direction, and options for boxes only."""
+    counts = method.particles_per_cell
+    yield from length(("method", "particles_per_cell"), counts, dimensions)
+    if method.volumetric == "mean" and not (method.chi == "box" and method.separable):
+        yield Problem(
+            ("method", "volumetric"),
+            f"mean is for particles that are boxes, whose parts in cells are known; {method.shape} "
+            "are none: take shape: gimp, finite-gimp or cpdi, or leave it out (pointwise)",
+        )
+
+
+def check_time(time: Any, counted: float) -> Problems:
+    """Check that the end is a whole number of fixed steps, which are counted from some time on."""
+    if time.steps is None:
+        return
+    length = time.end - counted
+    count, exact = whole(length, time.step)
+    if count > MOST_STEPS:
+        yield Problem(("time", "step"), f"{length / time.step:.3g} steps are too many")
+    elif not exact:
+        after = f"{counted:.15g} and " if counted else ""
+        yield Problem(
+            ("time", "end"),
+            f"{time.end:.15g} is not {after}a whole number of steps of {time.step:.15g} "
+            f"({length / time.step:.9g} steps); the nearest is "
+            f"{after}{nearest_whole(length, time.step)}",
+        )
+
+
+def check_output(time: Any, output: Any) -> Problems:
+    """Check that frames lie between the start and the end."""
+    for i, instant in enumerate(output.at):
+        if instant > time.last:
+            yield Problem(
+                ("output", "at", i), f"{instant:.15g} is after the end at {time.last:.15g}"
+            )
+
+
+def check_fields(
+    materials: Mapping[str, Any],
+    declared: tuple[str, ...],
+    bodies: Mapping[str, Any],
+    body_names: tuple[str, ...],
+    output: Any,
+) -> Problems:
+    """Check that fields which not every case has are those of materials that bodies are of."""
+    has = {name: _own_fields(entry) for name, entry in materials.items()}
+    in_use = {body.material for body in bodies.values()}
+    if len(materials) < len(declared) or len(bodies) < len(body_names) or in_use - has.keys():
+        return  # the fields of the others are unknown
+    known = {*OPTIONAL, *(field for name in in_use for field in has[name])}
+    there = f"there are: {', '.join(sorted(known))}"
+    for i, name in enumerate(output.fields):
+        idle = [repr(material) for material, fields in has.items() if name in fields]
+        if name in known:
+            continue
+        if idle:
+            text = f"no body is of a material that has it ({', '.join(idle)}); {there}"
+        elif name.startswith(PREFIX):
+            text = unknown("field", name, known)
+        else:
+            text = f"no material of the case has it; {there}"
+        yield Problem(("output", "fields", i), text)
+
+
+def _own_fields(material: Any) -> set[str]:
+    """Fields that not every material has: its states, and parameters that vary in space."""
+    return {s.name for s in material.states} | {field_of(keys) for keys in material.variations}
+
+
+def check_body_force(dimensions: int, body_force: Any) -> Problems:
+    """Check that a body force exists in these dimensions and fits them."""
+    if body_force is None:
+        return
+    name = name_of(body_force, BODY_FORCES)
+    if dimensions not in body_force.DIMENSIONS:
+        allowed = " and ".join(f"{d}D" for d in body_force.DIMENSIONS)
+        text = f"{name} exists in {allowed} only, but the case has {dimensions}D"
+        yield Problem(("body_force", name), text)
+        return
+    for found in body_force.check(dimensions):
+        yield found._replace(path=("body_force", name, *found.path))
+
+
+def check_gravity(dimensions: int, gravity: Any) -> Problems:
+    """Check that gravity fits the dimensions."""
+    yield from length(("gravity",), gravity, dimensions)
+    for i, (_, value) in enumerate(getattr(gravity, "table", ())):
+        yield from length(("gravity", "table", i, 1), value, dimensions)
+
+
+def check_boundaries(dimensions: int, boundaries: Mapping[str, Any]) -> Problems:
+    """Check that the domain has the faces, and that vectors fit the dimensions."""
+    for face, entry in boundaries.items():
+        if face not in faces(dimensions):
+            yield Problem(("boundaries", face), unknown("face", face, faces(dimensions)))
+        for field in type(entry).model_fields:
+            path = ("boundaries", face, field)
+            yield from length(path, getattr(entry, field), dimensions)
+
+
+def check_escape(
+    dimensions: int, boundaries: Mapping[str, Any], escape: Mapping[str, str]
+) -> Problems:
+    """Check that the domain has the faces, and that they are open."""
+    for face in escape:
+        path = ("escape", face)
+        if face not in faces(dimensions):
+            yield Problem(path, unknown("face", face, faces(dimensions)))
+        elif face in boundaries:
+            yield Problem(
+                path,
+                f"{face} has a condition (boundaries), through which nothing is to leave; remove "
+                "one of the two",
+            )
+
+
+def check_planes_of_symmetry(before: Any, now: Any) -> Problems:
+    """Check that of free rigid bodies no other part lies beyond planes of symmetry than before."""
+    for face in sorted({*before.boundaries, *now.boundaries}):
+        slips = [isinstance(case.boundaries.get(face), Slip) for case in (before, now)]
+        axis = "xyz".index(face[0])
+        for name, body in now.tools.items() if slips[0] != slips[1] else ():
+            if not (body.free and body.free.mirrored(axis, now.dimensions)):
+                continue
+            if not any(region.FROM_FILE for region in body.region.simple()):
+                low, high = (float(end[axis]) for end in body.region.bounds())
+                slack = WHOLE * now.grid.cell[axis]
+                if now.grid.origin[axis] <= low + slack and high - slack <= now.grid.corner[axis]:
+                    continue
+            yield Problem(
+                ("boundaries", face),
+                f"the rigid body '{name}' reaches across this face: what of it lies beyond has no "
+                "mass while the face is a plane of symmetry (slip), so that this cannot change in "
+                "a stage; keep the face as it is",
+            )

@@ -1,0 +1,141 @@
+"""Conditions between the parts of a case.
+
+Each check is a generator of problems whose parameters name the parts of the case that it needs;
+it runs when these are valid, even if others are not.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from pydantic import BaseModel, TypeAdapter, ValidationError
+
+from pgimp.case.checks.bodies import (
+    check_adhesion,
+    check_constraints,
+    check_contact,
+    check_materials,
+    check_regions,
+    check_tools,
+    check_tractions,
+    check_velocities,
+)
+from pgimp.case.checks.configuration import check_configuration, check_initial_output
+from pgimp.case.checks.domain import (
+    check_body_force,
+    check_boundaries,
+    check_escape,
+    check_fields,
+    check_gravity,
+    check_grid,
+    check_method,
+    check_output,
+    check_time,
+)
+from pgimp.case.checks.numbers import check_numbers
+from pgimp.case.checks.probes import check_probes
+from pgimp.case.checks.variations import check_variations
+from pgimp.physics.rigid import RigidBody
+from pgimp.schema.problems import Problem
+from pgimp.schema.sizes import Problems
+
+_NAMED = ("materials", "bodies", "boundaries", "escape", "tractions", "constraints", "probes")
+"""Parts of a case that are made of named entries."""
+
+
+def check(parts: Mapping[str, Any], counted: float = 0.0) -> list[Problem]:
+    """Return the problems between the `parts` of a case, given by their key.
+
+    `counted` is the time from which fixed steps are counted, see `pgimp.case.stages.Staged`.
+    """
+    parts = {**parts, "counted": counted}
+    if "every_body" in parts:
+        every = parts["every_body"]
+        tools = {name: body for name, body in every.items() if isinstance(body, RigidBody)}
+        bodies = {name: body for name, body in every.items() if name not in tools}
+        named = (name for name in parts.get("body_names", every) if name not in tools)
+        parts = {**parts, "body_names": tuple(named), "bodies": bodies, "tools": tools}
+    if "materials" in parts:
+        parts = {"declared": tuple(parts["materials"]), **parts}
+    problems: list[Problem] = []
+    for run in _CHECKS:
+        names = inspect.signature(run).parameters
+        if all(name in parts for name in names):
+            problems.extend(run(**{name: parts[name] for name in names}))
+    known = {item.path for item in problems}
+    others = ("every_body", "tools", "counted")
+    numbers = {name: part for name, part in parts.items() if name not in others}
+    if "every_body" in parts:
+        numbers["bodies"] = parts["every_body"]
+    problems += [item for item in check_numbers(numbers) if item.path not in known]
+    return problems
+
+
+def sound_parts(
+    model: type[BaseModel], data: Mapping[str, Any], problems: Iterable[Problem]
+) -> dict[str, Any]:
+    """Return the typed parts of `data` that the `problems` do not touch.
+
+    Of parts that are made of named entries the sound ones are kept.
+    ``declared`` and ``body_names`` hold the names of all materials and bodies, also of those that
+    are not sound.
+    """
+    wrong = {item.path[:2] for item in problems}
+    parts: dict[str, Any] = {}
+    for name, field in model.model_fields.items():
+        written = field.alias or name
+        value = data.get(written, field.get_default(call_default_factory=True))
+        if written in _NAMED and isinstance(value, Mapping):
+            value = {key: item for key, item in value.items() if (written, key) not in wrong}
+        elif any(path[:1] == (written,) for path in wrong):
+            continue
+        try:
+            parts[name] = TypeAdapter(field.rebuild_annotation()).validate_python(value)
+        except ValidationError:
+            continue
+    for name, key in (("declared", "materials"), ("body_names", "bodies")):
+        if isinstance(data.get(key), Mapping) and (key,) not in wrong:
+            parts[name] = tuple(data[key])
+    return parts
+
+
+def _kinds(
+    dimensions: int, method: Any, materials: Mapping[str, Any], boundaries: Mapping[str, Any]
+) -> Problems:
+    """Check that every type exists in these dimensions."""
+    entries: dict[tuple[str, ...], Any] = {("method", "shape"): method}
+    entries |= {("materials", name, "model"): entry for name, entry in materials.items()}
+    entries |= {("boundaries", name): entry for name, entry in boundaries.items()}
+    for path, entry in entries.items():
+        if dimensions not in entry.DIMENSIONS:
+            allowed = " and ".join(f"{d}D" for d in entry.DIMENSIONS)
+            what = getattr(entry, str(path[-1]), "this")
+            yield Problem(path, f"{what} exists in {allowed} only, but the case has {dimensions}D")
+
+
+_CHECKS = (
+    _kinds,
+    check_grid,
+    check_method,
+    check_time,
+    check_materials,
+    check_variations,
+    check_velocities,
+    check_regions,
+    check_tools,
+    check_gravity,
+    check_body_force,
+    check_boundaries,
+    check_escape,
+    check_fields,
+    check_tractions,
+    check_constraints,
+    check_contact,
+    check_adhesion,
+    check_configuration,
+    check_initial_output,
+    check_output,
+    check_probes,
+)

@@ -1,0 +1,80 @@
+"""Checks of the probes: material points in bodies, places in the domain."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+
+from pgimp.case.checks.bodies import check_body_of, check_regions
+from pgimp.case.checks.domain import check_grid
+from pgimp.case.output import PlaceProbe
+from pgimp.schema.problems import Problem
+from pgimp.schema.sizes import AXES, WHOLE, Problems, length
+
+
+def check_probes(
+    dimensions: int,
+    grid: Any,
+    every_body: Mapping[str, Any],
+    bodies: Mapping[str, Any],
+    body_names: Iterable[str],
+    probes: Mapping[str, Any],
+) -> Problems:
+    """Check that material points are in their bodies, and places in the domain."""
+    sound = not list(check_grid(dimensions, grid))
+    for name, entry in probes.items():
+        path: tuple[str | int, ...] = ("probes", name)
+        if isinstance(entry, PlaceProbe):
+            wrong = list(length((*path, "place"), entry.place, dimensions))
+            yield from wrong
+            if sound and not wrong:
+                yield from _in_domain((*path, "place"), entry.place, grid)
+            continue
+        why = f"none can be followed; history.csv has its motion, tool.{entry.body}"
+        yield from check_body_of(path, entry, every_body, body_names, why)
+        wrong = list(length((*path, "at"), entry.at, dimensions))
+        yield from wrong
+        if sound and not wrong and entry.body in bodies:
+            yield from _in_body((*path, "at"), entry, dimensions, grid, bodies)
+
+
+def _in_domain(path: tuple[str | int, ...], place: tuple[float, ...], grid: Any) -> Problems:
+    for i, x in enumerate(place):
+        least, most = grid.origin[i], grid.corner[i]
+        if not least - WHOLE * grid.cell[i] <= x <= most + WHOLE * grid.cell[i]:
+            yield Problem(
+                (*path, i),
+                f"{x:.15g} is outside of the domain, which goes from {least:.15g} to {most:.15g} "
+                f"along {AXES[i]}",
+            )
+
+
+def _in_body(
+    path: tuple[str | int, ...], entry: Any, dimensions: int, grid: Any, bodies: Mapping[str, Any]
+) -> Problems:
+    """Check that a place is in a body; for bodies in files, this is done when they are read."""
+    region = bodies[entry.body].region
+    if any(part.FROM_FILE for part in region.simple()):
+        return
+    if not any(check_regions(dimensions, grid, {entry.body: bodies[entry.body]})):
+        yield from check_near(path, entry, region, grid)
+
+
+def check_near(path: tuple[str | int, ...], entry: Any, region: Any, grid: Any) -> Problems:
+    """Check that a place is in a region, or so close that a particle of it may be next to it."""
+    slack = 0.5 * min(grid.cell)
+    low, high = region.bounds()
+    # First the box around the body: a place outside of that needs no closer check.
+    away = max(max(a - x, x - b) for a, x, b in zip(low, entry.at, high, strict=True))
+    if away <= slack:
+        away = float(region.distance(np.array([entry.at], float))[0])
+        if np.isinf(away):  # particles from a file have no surface
+            return
+    if away > slack:
+        yield Problem(
+            path,
+            f"{list(entry.at)} is outside of body '{entry.body}', by {away:.3g} or more; it is the "
+            "place of the point at the start",
+        )

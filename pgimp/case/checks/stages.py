@@ -1,0 +1,196 @@
+"""Checks of a stage: by itself, and that particles have what it needs of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from pgimp.case.checks.domain import check_planes_of_symmetry
+from pgimp.case.stages import BY_ENTRY, BY_KEY, Stage
+from pgimp.schema.dispatch import plain
+from pgimp.schema.messages import unknown
+from pgimp.schema.problems import Problem
+from pgimp.schema.sizes import Problems
+
+#: Of `pgimp.case.schema`, whose stages are checked here.
+Case = Any
+Path = tuple[str | int, ...]
+
+_VARIES = (
+    "varies in space: its parameters are the particles' own from the start, and cannot change in a "
+    "stage"
+)
+
+
+def check_by_itself(stage: Stage, before: Case, names: set[str]) -> Problems:
+    """Check a stage by itself; paths start at the stage."""
+    if stage.name in names:
+        yield Problem(("name",), "another stage has this name already")
+    if stage.end <= before.time.end:
+        yield Problem(
+            ("end",),
+            f"{stage.end:.15g} is not after the end of the stage before, {before.time.end:.15g}",
+        )
+    there = [name for name in before.every_body if name not in before.staged.removed]
+    for i, name in enumerate(stage.remove):
+        if name not in there:
+            yield Problem(("remove", i), unknown("body", name, there))
+        elif name in stage.remove[:i]:
+            yield Problem(("remove", i), f"{name} is in the list already")
+    left = [name for name in before.bodies if name in there and name not in stage.remove]
+    if not left:
+        yield Problem(("remove",), "nothing is left; a case needs a body of a material")
+    for key in stage.method:
+        if key != "relaxation":
+            yield Problem(
+                ("method", key), "cannot change in a stage; of the method only relaxation can"
+            )
+    if "at" in stage.output:
+        yield Problem(
+            ("output", "at"), "is for all stages; give it in the case's own output, up to the end"
+        )
+    for section in (*BY_KEY, *BY_ENTRY):
+        for name, entry in getattr(stage, section).items():
+            if section in BY_KEY and not isinstance(entry, Mapping | None):
+                yield Problem(
+                    (section, name), "expected a mapping of the keys that change, or null"
+                )
+    for section, what in (("materials", "material"), ("tractions", "traction")):
+        known = getattr(before, section)
+        for name, entry in getattr(stage, section).items():
+            if name not in known and entry is not None:
+                advice = ""
+                if what == "traction":
+                    advice = (
+                        "; which particles have the face is known at the start only: declare it in "
+                        "the case, with the pressure 0"
+                    )
+                yield Problem((section, name), unknown(what, name, known) + advice)
+    gone = (*before.staged.removed, *stage.remove)
+    for section in ("tractions", "constraints"):
+        for name, entry in getattr(stage, section).items():
+            known = getattr(before, section).get(name)
+            if known is None or entry is None:
+                continue
+            body = entry.get("body", known.body) if isinstance(entry, Mapping) else known.body
+            if body in gone:
+                yield Problem(
+                    (section, name), f"acts on '{body}', which has been removed: it has ended"
+                )
+    for i, entry in enumerate(stage.contact):
+        named = entry.get("bodies") if isinstance(entry, Mapping) else None
+        for k, name in enumerate(named if isinstance(named, list | tuple) else ()):
+            if name in gone:
+                yield Problem(("contact", i, "bodies", k), f"'{name}' has been removed")
+    for name, entry in stage.materials.items():
+        if entry is None and name in before.materials:
+            yield Problem(
+                ("materials", name), "null ends tractions, constraints and faces; not a material"
+            )
+        elif entry and name in before.materials and before.materials[name].variations:
+            yield Problem(("materials", name), _VARIES)
+        model = entry.get("model") if isinstance(entry, Mapping) else None
+        if name in before.materials and model not in (None, before.materials[name].model):
+            yield Problem(
+                ("materials", name, "model"),
+                f"particles of '{before.materials[name].model}' do not have what those of another "
+                "model remember: a stage can change parameters only; take the model of the later "
+                "stage from the start, with a strength that is not reached",
+            )
+    for section in (*BY_KEY, *BY_ENTRY):
+        for name, entry in getattr(stage, section).items():
+            if entry is None and name not in getattr(before, section) and section != "escape":
+                text = unknown("name", name, getattr(before, section), "there are")
+                yield Problem((section, name), f"there is none to end: {text}")
+
+
+def check_changes(before: Case, now: Case, stage: Stage) -> Problems:
+    """Check that particles have the columns that a stage needs; paths start at the case."""
+    for name, entry in now.materials.items():
+        yield from _material(("materials", name), before.materials[name], entry, now.dimensions)
+    for name, entry in now.tractions.items():
+        for key in ("body", "face"):
+            if getattr(entry, key) != getattr(before.tractions[name], key):
+                yield Problem(("tractions", name, key), "cannot change in a stage")
+    for name, entry in now.constraints.items():
+        if reselects(before, now, name) and any(r.FROM_FILE for r in entry.region.simple()):
+            yield Problem(
+                ("constraints", name, "region"),
+                "a region from a file is for the case itself; declare the constraint there, free "
+                "(velocity: [null, ..]), and let it hold from this stage on",
+            )
+        gone = (*before.staged.removed, *stage.remove)
+        if entry.body in gone and reselects(before, now, name):
+            yield Problem(("constraints", name, "body"), f"'{entry.body}' has been removed")
+    if (now.contact or now.tools) and not (before.contact or before.tools):
+        yield Problem(
+            ("contact",),
+            "surfaces of the bodies are known at the start only: a stage can change the laws of "
+            "contact, and end it, but not begin it; give the case itself an entry, as "
+            "{bodies: all, law: tied}",
+        )
+    yield from check_planes_of_symmetry(before, now)
+    if _with_origins(now) and not _with_origins(before):
+        yield Problem(
+            ("output", "fields"),
+            "the displacement needs the initial positions; ask for it in the case's own output, "
+            "from the start",
+        )
+
+
+def _material(path: Path, before: Any, now: Any, dimensions: int) -> Problems:
+    """Check that particles of a material can go on with another's parameters."""
+    if (before.variations or now.variations) and plain(now) != plain(before):
+        yield Problem(path, _VARIES)
+        return
+    if now.density != before.density:
+        yield Problem(
+            (*path, "density"), "cannot change in a stage: particles keep the mass that they have"
+        )
+    if now.VOLUME_ONLY != before.VOLUME_ONLY or now.states != before.states:
+        had, has = ({state.name for state in each.states} for each in (before, now))
+        if news := ", ".join(sorted(has - had)):
+            text = (
+                f"its particles would remember other quantities ({news}) than so far; let the case "
+                "itself have the part of the model that needs them, if small"
+            )
+        else:
+            text = (
+                f"its particles would remember {', '.join(sorted(had - has))} no more; let the "
+                "part of the model that needs it stay, if small"
+            )
+        yield Problem(path, text)
+        return
+    given = [
+        key
+        for key in type(now).model_fields
+        if key != "model" and plain(getattr(now, key)) != plain(getattr(before, key))
+    ]
+    for key in given:
+        one = before.model_copy(update={key: getattr(now, key)})
+        if _starts(one, dimensions) != _starts(before, dimensions):
+            name = type(now).model_fields[key].alias or key
+            yield Problem(
+                (*path, name), "cannot change in a stage: particles have it from the start only"
+            )
+
+
+def _starts(entry: Any, dimensions: int) -> tuple[float, bytes]:
+    """Initial state of particles of a material."""
+    from pgimp.physics.materials.parameters.outside import parameters_of
+    from pgimp.physics.materials.parameters.states import States
+
+    initial = States([""], [parameters_of(entry, dimensions)], dimensions).initial
+    return entry.initial_pressure, initial.tobytes()
+
+
+def reselects(before: Case, now: Case, name: str) -> bool:
+    """Whether a constraint chooses its particles as a stage begins."""
+    old, new = before.constraints.get(name), now.constraints[name]
+    return old is None or (old.body, old.region) != (new.body, new.region)
+
+
+def _with_origins(case: Case) -> bool:
+    """Whether particles keep their initial position; see `Scene.origins`."""
+    initial = any(body.configuration == "initial" for body in case.bodies.values())
+    return initial or "displacement" in case.output.fields

@@ -1,0 +1,1 @@
+"""Compiled kernels on disk: what they are named after, and files that are trusted."""

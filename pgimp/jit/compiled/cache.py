@@ -1,0 +1,193 @@
+"""The disk cache of compiled kernels, in place of Numba's: a sealed file for each of them.
+
+Numba's own keeps an index of all types that a function was compiled for, which two processes that
+compile at once overwrite for each other, and loads any file it finds. Here each kernel has a file
+of its own, named after its key and read only if its checksum holds (see
+`pgimp.jit.compiled.sealed`). A file that does not fit in any way is compiled again and replaced.
+"""
+
+import io
+import pickle
+import sys
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from functools import cache
+from hashlib import sha256
+from inspect import getfile
+from pathlib import Path
+from typing import Any
+
+import numba
+from numba.core.caching import NullCache
+from numba.core.compiler import CompileResult
+from numba.core.runtime import rtsys
+from numba.core.serialize import dumps
+
+from pgimp.jit.compiled import sealed
+from pgimp.jit.outside import part_of
+
+#: Why files could not be used, and why none could be written in folders, by their paths.
+Problems = tuple[dict[str, str], dict[str, str]]
+
+_damaged: dict[str, str] = {}
+_failures: dict[str, str] = {}
+_listeners: list[Callable[[], None]] = []
+
+
+class Store:
+    """Objects stored in a folder, each in its own file.
+
+    Parameters
+    ----------
+    folder : Path
+        Made when the first file is written.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+
+    def _path(self, name: str, key: Any) -> Path:
+        """Path of an object; the file's content distinguishes keys with equal names."""
+        return self.folder / f"{name}-{sha256(repr(key).encode()).hexdigest()[:24]}.nbc"
+
+    def load(self, name: str, key: Any, rebuild: Callable[[Any], Any] = lambda kept: kept) -> Any:
+        """Return the stored object, or None; unusable files are noted for `messages`.
+
+        Parameters
+        ----------
+        name : str
+            Beginning of the file's name.
+        key : object
+            What it was saved under.
+        rebuild : callable
+            What makes something of it.
+        """
+        path = self._path(name, key)
+        try:
+            file = io.BytesIO(sealed.read(path))
+            return rebuild(pickle.load(file)) if pickle.load(file) == key else None
+        except FileNotFoundError:
+            return None
+        except sealed.UntrustedError as error:
+            _damaged[str(path)] = str(error)
+        except Exception as error:  # whole but unusable; it is compiled again
+            _damaged[str(path)] = f"{type(error).__name__}: {error}"
+        return None
+
+    def save(self, name: str, key: Any, value: Any) -> None:
+        """Store an object; failures are noted for `messages`."""
+        try:
+            sealed.write(self._path(name, key), dumps(key) + dumps(value))
+        except OSError as error:
+            _failures[str(self.folder)] = error.strerror or str(error)
+
+
+class KernelCache(NullCache):
+    """The cache of one kernel.
+
+    Parameters
+    ----------
+    function : function
+        The kernel's Python function.
+    folder : Path
+        Where kernels are kept.
+    """
+
+    def __init__(self, function: Any, folder: Path) -> None:
+        self._name = f"{function.__module__}.{function.__qualname__}"
+        self._folder = folder
+        self._function = function
+
+    @property
+    def cache_path(self) -> str:
+        """The folder."""
+        return str(self._folder)
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """Return the code compiled for a signature, or None; it will then be compiled."""
+        rtsys.initialize(target_context)  # what kernels call; the rest of Numba only compiles
+        found = None
+        if store := self._store(sig):
+            key = self._key(sig, target_context.codegen())
+            found = store.load(
+                self._name, key, lambda kept: CompileResult._rebuild(target_context, *kept)
+            )
+        if found is None:
+            for tell in tuple(_listeners):
+                tell()
+        return found
+
+    def save_overload(self, sig: Any, cres: Any) -> None:
+        """Store the code compiled for a signature, if another process could use it."""
+        if cres.library.has_dynamic_globals or not all(one.can_cache for one in cres.lifted):
+            return
+        if store := self._store(sig):
+            store.save(self._name, self._key(sig, cres.codegen), cres._reduce())
+
+    def _store(self, sig: Any) -> Store | None:
+        """Storage of kernels for these types, if they can be stored."""
+        part = part_of(getattr(sig, "args", sig))
+        return None if part is None or not _source(self._function) else Store(self._folder / part)
+
+    def _key(self, sig: Any, codegen: Any) -> tuple[Any, ...]:
+        version = (numba.__version__, sys.implementation.cache_tag)
+        return sig, self._name, codegen.magic_tuple(), version, _source(self._function)
+
+
+@cache
+def _source(function: Any) -> str:
+    """Return the source of a function; empty if it is in no file."""
+    if function.__module__.partition(".")[0] == "pgimp":
+        return "pgimp"  # for which the name of the folder stands
+    try:
+        path = Path(getfile(function))
+        return f"{path} {sha256(path.read_bytes()).hexdigest()}"
+    except (OSError, TypeError):
+        return ""
+
+
+@contextmanager
+def announced(tell: Callable[[str], Any]) -> Iterator[None]:
+    """Notify the user, once and with `tell`, before the first kernel that is compiled."""
+
+    def once() -> None:
+        _listeners.remove(once)
+        tell("compiling for this kind of scene, once, about half a minute")
+
+    _listeners.append(once)
+    try:
+        yield
+    finally:
+        if once in _listeners:
+            _listeners.remove(once)
+
+
+def problems() -> Problems:
+    """Return files that could not be used or written since the last call: path, why."""
+    found = dict(_damaged), dict(_failures)
+    _damaged.clear()
+    _failures.clear()
+    return found
+
+
+def messages(found: Iterable[Problems] | None = None) -> list[str]:
+    """Return messages about the cache, a line each.
+
+    Parameters
+    ----------
+    found : iterable of (dict, dict), optional
+        From `problems`, of several processes; of this one by default.
+    """
+    damaged: dict[str, str] = {}
+    failures: dict[str, str] = {}
+    for unused, unkept in [problems()] if found is None else found:
+        damaged |= unused
+        failures |= unkept
+    lines = []
+    if damaged:
+        path, why = next(iter(damaged.items()))
+        more = f", and {len(damaged) - 1} more" if len(damaged) > 1 else ""
+        lines.append(f"compiled kernels were not used but compiled again: {path}{more}: {why}")
+    return lines + [
+        f"compiled kernels could not be kept in {path}: {why}" for path, why in failures.items()
+    ]

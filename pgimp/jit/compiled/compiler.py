@@ -1,0 +1,186 @@
+"""Numba's compiler, which leaves out what kernels do not need, and keeps their parts on disk.
+
+A kernel is made of some ten to some hundred functions, chosen by types, that are inlined into it.
+Another scene's kernel has most of them in common with those that are there already. So each is kept
+as what LLVM needs to inline it; only kernels are kept, and made, as machine code.
+"""
+
+import gc
+from hashlib import sha256
+from pathlib import Path
+from types import FunctionType
+from typing import Any, Self
+
+import llvmlite.binding as llvm
+import numba
+from numba.core import compiler
+from numba.core import typed_passes as typed
+from numba.core import untyped_passes as untyped
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler_machinery import PassManager
+from numba.core.environment import lookup_environment
+
+from pgimp.jit.compiled.cache import Store
+from pgimp.jit.outside import part_of
+
+#: What Numba does with closures, ``with``, literals, array expressions and loops of its own making,
+#: of which there are none in the package.
+_NOT_NEEDED = (
+    untyped.WithLifting, untyped.InlineClosureLikes, untyped.RewriteDynamicRaises,
+    untyped.MakeFunctionToJitFunction, untyped.InlineInlinables, untyped.FindLiterallyCalls,
+    untyped.LiteralUnroll, untyped.LiteralPropagationSubPipelinePass, typed.InlineOverloads,
+    typed.NopythonRewrites, typed.NoPythonSupportedFeatureValidation, typed.DumpParforDiagnostics,
+)  # fmt: skip
+
+
+class _Kernel(JITCodeLibrary):
+    """A kernel, whose entry for Python is translated as it stands.
+
+    An entry takes dozens of arrays apart, once a step: to optimise it takes a tenth of the time of
+    compiling, and is not to be seen in that of a run.
+    """
+
+    def add_ir_module(self, module: Any) -> None:
+        """Add the kernel, or its entry."""
+        for function in module.functions:
+            if function.name.startswith("_ZN7cpython"):  # cpython::, mangled
+                function.attributes.add("noinline")
+                function.attributes.add("optnone")
+        super().add_ir_module(module)
+
+
+class _Linked(JITCodeLibrary):
+    """A part of kernels, which link it: no machine code is made of it alone."""
+
+    def _finalize_final_module(self) -> None:
+        self._finalize_dynamic_globals()
+        self._verify_declare_only_symbols()
+        self._finalized = True
+
+    def get_pointer_to_function(self, name: str) -> int:
+        """Return 0: there is no entry for Python."""
+        self._ensure_finalized()
+        return 0
+
+    def serialize_using_object_code(self) -> Any:
+        """Return its data for the disk cache: there is no machine code."""
+        return self.serialize_using_bitcode()
+
+    @property
+    def codegen(self) -> Self:
+        """Nothing: its environment is set in the kernel that links it."""
+        return self
+
+    def set_env(self, name: str, environment: Any) -> None:
+        """See `codegen`."""
+
+
+def _captured(function: FunctionType) -> tuple[Any, ...] | None:
+    """Identity of a function of the package among others of its name; None if unknown.
+
+    Beside its line that is what it has from the function that made it.
+    """
+    if function.__module__.partition(".")[0] != "pgimp" or function.__defaults__:
+        return None
+    found: list[Any] = [function.__code__.co_firstlineno]
+    for cell in function.__closure__ or ():
+        content = cell.cell_contents
+        if isinstance(content, bool | int | float | str):
+            found.append(content)
+        elif isinstance(content, tuple) and all(isinstance(each, int | float) for each in content):
+            found.append(content)
+        elif isinstance(content, FunctionType) and not content.__closure__:
+            if (inner := _captured(content)) is None:
+                return None
+            found.append((content.__module__, content.__qualname__, *inner))
+        else:
+            return None
+    return tuple(found)
+
+
+class Compiler(compiler.Compiler):
+    """Numba's, which makes machine code of kernels alone, and does not search for garbage.
+
+    Python would search its many objects for garbage again and again, which takes an eighth of the
+    time; what there is of it is found afterwards.
+
+    Attributes
+    ----------
+    folder : Path or None
+        Where parts of kernels are kept; None: nowhere.
+    """
+
+    folder: Path | None = None
+
+    def define_pipelines(self) -> list[PassManager]:
+        """Return Numba's, for the package's own functions without unneeded passes."""
+        pipelines = super().define_pipelines()
+        if self.state.func_id.modname.partition(".")[0] == "pgimp":
+            for pipeline in pipelines:
+                pipeline.passes = [
+                    (one, what) for one, what in pipeline.passes if one not in _NOT_NEEDED
+                ]
+                pipeline.finalize()
+        return pipelines
+
+    def _compile_core(self) -> Any:
+        if not gc.isenabled():  # as within the compilation of another function
+            return self._compile()
+        gc.disable()
+        try:
+            return self._compile()
+        finally:
+            gc.enable()
+
+    def _compile(self) -> Any:
+        if self.state.flags.no_cpython_wrapper:
+            return self._part()
+        codegen = self.state.targetctx.codegen()
+        self.state.library = _Kernel(codegen, self.state.func_id.func_qualname)
+        self.state.library.enable_object_caching()
+        found = super()._compile_core()
+        for variable in found.library._final_module.global_variables:
+            if environment := lookup_environment(variable.name):
+                codegen.set_env(variable.name, environment)
+        return found
+
+    def _part(self) -> Any:
+        """Find a part of kernels on disk, or compile and keep it."""
+        state, function = self.state, self.state.func_id
+        store, name = None, f"{function.modname}.{function.func_qualname}"
+        captured = _captured(function.func)
+        part = part_of(state.args)
+        if self.folder and captured is not None and part is not None:
+            store = Store(self.folder / f"{part}-parts".lstrip("-"))
+            # Names within LLVM must be those that other processes give.
+            function.unique_id = int(sha256(repr(captured).encode()).hexdigest()[:12], 16)
+            function.unique_name = f"{function.func_qualname}${function.unique_id}"
+        codegen = state.targetctx.codegen()
+        key = (state.args, name, captured, state.flags.get_mangle_string(), codegen.magic_tuple(),
+               numba.__version__)  # fmt: skip
+        if store and (found := store.load(name, key, self._rebuilt)):
+            state.targetctx.insert_user_function(found.entry_point, found.fndesc, [found.library])
+            return found
+        state.library = _Linked(codegen, state.func_id.func_qualname)
+        found = super()._compile_core()
+        if store and not found.library.has_dynamic_globals and not found.lifted:
+            found.fndesc.typemap = found.fndesc.calltypes = None
+            kept = (found.library.serialize_using_bitcode(), found.fndesc, found.environment,
+                    found.signature, found.reload_init)  # fmt: skip
+            store.save(name, key, kept)
+        return found
+
+    def _rebuilt(self, kept: Any) -> Any:
+        """Rebuild the result of a compilation from the cache."""
+        (name, _, code), fndesc, environment, signature, reload_init = kept
+        context = self.state.targetctx
+        library = _Linked(context.codegen(), name)
+        library._final_module = llvm.parse_bitcode(code)
+        library._finalize_final_module()
+        entry = context.get_executable(library, fndesc, environment)
+        return compiler.compile_result(
+            target_context=context, typing_context=context.typing_context, library=library,
+            environment=environment, entry_point=entry, fndesc=fndesc, type_annotation="",
+            signature=signature, objectmode=False, lifted=(), reload_init=reload_init,
+            referenced_envs=(),
+        )  # fmt: skip

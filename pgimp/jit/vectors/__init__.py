@@ -1,0 +1,1 @@
+"""Vectors of four float64, and what kernels do with them."""

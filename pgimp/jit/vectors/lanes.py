@@ -1,0 +1,87 @@
+"""Vectors of four particles and the numbers of each: values, or tuples of them."""
+
+from typing import Any
+
+from numba.core import types
+
+from pgimp.jit.kernel import specialise
+from pgimp.jit.own import named
+from pgimp.jit.vectors.simd import lane, vec4, vector, where, with_lane
+
+
+def _is_tuple(kind):
+    return isinstance(kind, types.BaseTuple)
+
+
+def has_vectors(kind: Any) -> bool:
+    """Whether values of a Numba type are vectors, or tuples with vectors in them."""
+    return any(map(has_vectors, kind)) if _is_tuple(kind) else kind == vec4
+
+
+def vectors(values):
+    """The values with vectors in place of numbers."""
+
+
+@specialise(vectors)
+def _vectors(values):
+    if not _is_tuple(values):
+        return lambda values: vector(values)
+    if len(values) == 1:
+        return lambda values: (vector(values[0]),)
+    return lambda values: (vector(values[0]), *vectors(values[1:]))
+
+
+def of_lane(values, j):
+    """The values of particle `j`; numbers belong to all."""
+
+
+@specialise(of_lane)
+def _of_lane(values, j):
+    if values == vec4:
+        return lambda values, j: lane(values, j)
+    if not _is_tuple(values):
+        return lambda values, j: values
+    if len(values) == 0:
+        return lambda values, j: ()
+    if isinstance(values, types.BaseNamedTuple):
+        return lambda values, j: named(values, _each_of_lane(values, j))
+    return lambda values, j: _each_of_lane(values, j)
+
+
+def _each_of_lane(values, j):
+    """As `of_lane`, of the entries of a tuple, a plain tuple."""
+
+
+@specialise(_each_of_lane)
+def _each(values, j):
+    if len(values) == 1:
+        return lambda values, j: (of_lane(values[0], j),)
+    return lambda values, j: (of_lane(values[0], j), *_each_of_lane(values[1:], j))
+
+
+def with_lanes(values, j, one):
+    """The vectors `values` with the numbers `one` for particle `j`."""
+
+
+@specialise(with_lanes)
+def _with_lanes(values, j, one):
+    if values == vec4:
+        return lambda values, j, one: with_lane(values, j, one)
+    if len(values) == 1:
+        return lambda values, j, one: (with_lane(values[0], j, one[0]),)
+    return lambda values, j, one: (
+        with_lane(values[0], j, one[0]), *with_lanes(values[1:], j, one[1:]),
+    )  # fmt: skip
+
+
+def where_all(mask, a, b):
+    """Vectors of `a` where the mask is true, else of `b`."""
+
+
+@specialise(where_all)
+def _where_all(mask, a, b):
+    if a == vec4:
+        return lambda mask, a, b: where(mask, a, b)
+    if len(a) == 1:
+        return lambda mask, a, b: (where(mask, a[0], b[0]),)
+    return lambda mask, a, b: (where(mask, a[0], b[0]), *where_all(mask, a[1:], b[1:]))

@@ -1,0 +1,1 @@
+"""Contact of velocity fields at the vertices of the current configuration."""

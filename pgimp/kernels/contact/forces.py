@@ -1,0 +1,43 @@
+"""The forces of contact at the vertices, for frames."""
+
+from pgimp.jit.kernel import kernel
+from pgimp.kernels.contact.data import NORMAL, PUSH, SLIP
+from pgimp.kernels.contact.vertex import meet_at
+from pgimp.kernels.grid.conditions import Holding
+from pgimp.kernels.loads.loads import relaxed_part
+
+
+@kernel
+def contact_forces(contact, faces, frame, field, forcing, last, out):
+    """Add to `out` the force at each vertex on the bodies with the lower numbers.
+
+    Parameters
+    ----------
+    contact, faces, frame, field, forcing
+        As in `update_momentum`, before its beginning or after it.
+    last : bool
+        Whether it is that of the last pass, after the beginning; else the part of the first that
+        particles receive.
+    out : (vertices, 3) float64
+        Of the rank's own planes.
+    """
+    window = field.window
+    holding = Holding(faces, frame, forcing, contact.unbooked)
+    part = 1.0 if last else relaxed_part(forcing.loads.relaxation, forcing.dt)
+    vertex = 0
+    for i in range(field.owned):
+        touched = field.active[i] != 0 and contact.met[i] > 0
+        for j in range(window.extent[1]):
+            for k in range(window.extent[2]):
+                if touched:
+                    r = i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
+                    number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
+                    _, pairs = meet_at(contact, holding, field, number, r, last)
+                    for pair in range(pairs):
+                        a, b = contact.ends[pair, 0], contact.ends[pair, 1]
+                        sign = -1.0 if contact.bodies[a] < contact.bodies[b] else 1.0
+                        row = contact.partners[pair]
+                        for d in range(3):
+                            J = row[SLIP + d] + row[PUSH] * row[NORMAL + d]
+                            out[vertex, d] += part * sign * J / forcing.dt
+                vertex += 1

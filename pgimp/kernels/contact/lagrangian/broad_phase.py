@@ -1,0 +1,106 @@
+"""Particles near possible contact partners: by the cells in which the particles of others are."""
+
+from typing import NamedTuple
+
+from numpy.typing import NDArray
+
+from pgimp.jit.kernel import inner_kernel, kernel
+from pgimp.kernels.data.particles import FloatArray, IntArray
+
+#: What a block has of either group of a region: the first, the second.
+MARKS = (1, 2)
+
+
+class Regions(NamedTuple):
+    """Regions in which something may be met.
+
+    Attributes
+    ----------
+    ends : (n, 2, D) float64
+        Least and greatest coordinates, in cells from the grid's origin.
+    groups : (n, 2) int64
+        The two groups of bodies that may meet there; -1: any particle may meet a rigid body or a
+        wall.
+    blocks : (n, D) int64
+        How many blocks a region has by direction, where two groups may meet.
+    size : (n,) int64
+        Cells along the side of a block; 0: there are none.
+    first : (n,) int64
+        Number of its first block.
+    marks : (blocks,) uint8
+        Which of the groups are in or near a block, see `MARKS`; the last direction innermost.
+    """
+
+    ends: FloatArray
+    groups: IntArray
+    blocks: IntArray
+    size: IntArray
+    first: IntArray
+    marks: NDArray
+
+
+@inner_kernel
+def _block(frame, particles, p, regions, r):
+    """Number of a particle's block in a region, 0 if there are none; -1 if it is outside."""
+    place = 0
+    for d in range(len(frame.origin)):
+        x = (particles.x[p, d] - frame.origin[d]) * frame.inverse[d]
+        if not regions.ends[r, 0, d] <= x <= regions.ends[r, 1, d]:
+            return -1
+        if regions.size[r] > 0:
+            away = int(x - regions.ends[r, 0, d]) // regions.size[r]
+            place = place * regions.blocks[r, d] + min(away, regions.blocks[r, d] - 1)
+    return place
+
+
+@kernel
+def mark_blocks(frame, particles, rows, groups, regions):
+    """Mark the blocks in which particles are, `groups` being those of the bodies."""
+    for p in rows:
+        group = groups[particles.body[p]]
+        for r in range(len(regions.ends)):
+            for end in range(2):
+                if regions.groups[r, end] == group:
+                    place = _block(frame, particles, p, regions, r)
+                    if place >= 0:
+                        regions.marks[regions.first[r] + place] |= MARKS[end]
+
+
+@kernel
+def find_near(frame, particles, rows, groups, regions, near):
+    """Find the particles that may meet something.
+
+    Parameters
+    ----------
+    rows : (n,) int
+        The particles, in their order.
+    groups : (bodies,) int64
+        The groups of bodies.
+    regions : Regions
+        Where marks tell which group is near a block.
+    near : (n,) int64
+        Filled with their places in `rows`.
+
+    Returns
+    -------
+    int
+        How many there are.
+    """
+    found = 0
+    for i in range(len(rows)):
+        group = groups[particles.body[rows[i]]]
+        for r in range(len(regions.ends)):
+            one, other = regions.groups[r]
+            if one >= 0 and group != one and group != other:
+                continue
+            place = _block(frame, particles, rows[i], regions, r)
+            if place < 0:
+                continue
+            if one >= 0:
+                seen = MARKS[1] if group == one else MARKS[0]
+                if regions.marks[regions.first[r] + place] & seen == 0:
+                    continue
+            near[found] = i
+            found += 1
+            break
+    return found

@@ -1,0 +1,183 @@
+"""How vertices where bodies are now answer impulses: the rows of B of `accumulated`.
+
+What a particle has at the start's vertices, velocity and its gradient, is what it tells of the
+velocity at a present vertex:
+
+    B_ij = sum_p m_p S_ip (S0_jp + grad S0_jp . F_p^-1 (x_i - x_p)) / sum_p m_p S_ip.
+
+So a motion that is affine is seen as it is at the vertex, not at the mean place of the particles
+around it: with the mean alone surfaces are stiff, and friction has too short a lever.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from pgimp.jit.kernel import allocating_kernel, inner_kernel
+from pgimp.kernels.contact.lagrangian.pairs import SUMS
+from pgimp.kernels.contact.lagrangian.reference_grid import YIELDS, is_turned, reflection
+from pgimp.kernels.contact.lagrangian.supports import vertex_at, weights_at
+from pgimp.kernels.contact.lagrangian.vertices import BACK, BEGUN, HEAVY, PLACE, WEIGHS
+from pgimp.kernels.data.particles import FloatArray, IntArray
+
+#: Least part of the squares of a row of B at free vertices. Below it the few free ones would have
+#: to compensate for the others, which are prescribed, at many times the speed.
+LEAST_FREE = 0.25
+
+
+class Responses(NamedTuple):
+    """Responses of the vertices of the start to impulses: the rows of B for the encounters.
+
+    Attributes
+    ----------
+    start : (rows + 1,) int64
+        Where each row begins.
+    column : (k,) int64
+        Numbers of vertices of the start.
+    entry : (k, 3) float64
+        The entries of B, by component: a mirror turns that across it round.
+    answer : (rows, 3) float64
+        sum_j B_ij^2/m_j, by component, without vertices that are held, see `LEAST_FREE`.
+    beyond : (rows, mirrors, 3) float64
+        Shares of the vertices beyond each mirror, as those before it turn them round: what it turns
+        round of an impulse.
+    """
+
+    start: IntArray
+    column: IntArray
+    entry: FloatArray
+    answer: FloatArray
+    beyond: FloatArray
+
+
+@inner_kernel
+def _answer(column, entry, first, last, values, part, free):
+    """Sum of B_ij^2/m_j over a row's free vertices; 0 if nearly all of it is held."""
+    found, gives, every = 0.0, 0.0, 0.0
+    for k in range(first, last):
+        square = entry[k, part] ** 2
+        found += square * values[column[k], free]
+        every += square
+        if values[column[k], free] != 0.0:
+            gives += square
+    return found if gives >= LEAST_FREE * every else 0.0
+
+
+@inner_kernel
+def _way(frame, row, number):
+    """Way from a particle to a vertex, as it was at the start, in cells."""
+    u, v, w = 0.0, 0.0, 0.0
+    for d in range(len(frame.cell)):
+        x = frame.origin[d] + (number[d] - frame.ghost) * frame.cell[d] - row[PLACE + d]
+        u += row[BACK + d] * x
+        v += row[BACK + 3 + d] * x
+        w += row[BACK + 6 + d] * x
+    D = len(frame.cell)
+    u, v = u * frame.inverse[0], v * frame.inverse[min(1, D - 1)]
+    return u, v, w * frame.inverse[min(2, D - 1)]
+
+
+@inner_kernel
+def _value(before, i, q, way):
+    """Weight of vertex `q` of a support at a way from its particle, by the weight's gradient."""
+    w, g, local = before.w[i], before.g[i], before.local[q]
+    x, y, z = w[0, local[0]], w[1, local[1]], w[2, local[2]]
+    flat = x * y + g[0, local[0]] * way[0] * y + x * g[1, local[1]] * way[1]
+    return flat * z + x * y * g[2, local[2]] * way[2]
+
+
+@allocating_kernel
+def find_responses(frame, table, now, before, mirrors, encounters, sums, values):
+    """Find the rows of B for the encounters.
+
+    Parameters
+    ----------
+    table : (n, NEAR) float64
+        The particles.
+    now, before : Supports
+        Theirs, at their present places and at those of the start.
+    mirrors
+        As of `take_vertices`.
+    encounters : Encounters
+        The pairs. In place of entries of `sums` they get the numbers of rows.
+    sums : (m, SUMMED) float64
+        See `Present`.
+    values : (k, STARTED) float64
+        See `StartVertices`.
+
+    Returns
+    -------
+    Responses
+    """
+    ends, at, at0 = encounters.ends, now.at, before.at
+    row_of = np.full(len(sums), -1, np.int64)
+    slots = np.empty(2 * len(ends), np.int64)
+    rows = 0
+    for k in range(len(ends)):
+        for side in range(2):
+            s = ends[k, SUMS + side]
+            if s >= 0:
+                if row_of[s] < 0:
+                    row_of[s], slots[rows] = rows, s
+                    rows += 1
+                ends[k, SUMS + side] = row_of[s]
+    # The particles of each row, in canonical order.
+    many = np.zeros(rows + 1, np.int64)
+    for i in range(len(table)):
+        for q in range(at.shape[1]):
+            if at[i, q] >= 0 and row_of[at[i, q]] >= 0:
+                many[row_of[at[i, q]] + 1] += 1
+    for r in range(rows):
+        many[r + 1] += many[r]
+    who, place_in = np.empty(many[rows], np.int64), np.empty(many[rows], np.int64)
+    filled = many[:rows].copy()
+    for i in range(len(table)):
+        for q in range(at.shape[1]):
+            if at[i, q] >= 0 and row_of[at[i, q]] >= 0:
+                r = row_of[at[i, q]]
+                who[filled[r]], place_in[filled[r]] = i, q
+                filled[r] += 1
+    capacity, plain = 64 * rows + at0.shape[1], len(mirrors) == 0
+    start = np.zeros(rows + 1, np.int64)
+    column, entry = np.empty(capacity, np.int64), np.empty((capacity, 3))
+    answer, beyond = np.zeros((rows, 3)), np.zeros((rows, len(mirrors), 3))
+    seen, place = np.full(len(values), -1, np.int64), np.empty(len(values), np.int64)
+    used = 0
+    for r in range(rows):
+        for k in range(many[r], many[r + 1]):
+            i = who[k]
+            if used + at0.shape[1] > capacity:
+                capacity *= 2
+                longer, more = np.empty(capacity, np.int64), np.empty((capacity, 3))
+                longer[:used], more[:used] = column[:used], entry[:used]
+                column, entry = longer, more
+            x, y, z = weights_at(now, i, place_in[k])
+            part = table[i, WEIGHS] * (x * y * z) / sums[slots[r], HEAVY]
+            moves = table[i, BEGUN] == 0.0  # its own grid is the present one
+            u, v, w = _way(frame, table[i], vertex_at(now, i, place_in[k]))
+            for q in range(at0.shape[1]):
+                j = at0[i, q]
+                if j < 0 or (moves and q != place_in[k]):
+                    continue
+                if seen[j] != r:
+                    seen[j], place[j] = r, used
+                    column[used], entry[used, :] = j, 0.0
+                    used += 1
+                share = part if moves else part * _value(before, i, q, (u, v, w))
+                if plain:
+                    entry[place[j], 0] += share
+                else:
+                    number = vertex_at(before, i, q)
+                    for d in range(3):
+                        entry[place[j], d] += share * reflection(mirrors, number, d, len(mirrors))
+                    for n in range(len(mirrors)):
+                        if is_turned(mirrors, n, number):
+                            for d in range(3):
+                                beyond[r, n, d] += share * reflection(mirrors, number, d, n)
+        if plain:
+            for k in range(start[r], used):
+                entry[k, 1] = entry[k, 2] = entry[k, 0]
+        start[r + 1] = used
+        for d in range(3):
+            answer[r, d] = _answer(column, entry, start[r], used, values, d, YIELDS + d)
+    return Responses(start, column[:used], entry[:used], answer, beyond)

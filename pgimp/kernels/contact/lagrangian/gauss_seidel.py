@@ -1,0 +1,148 @@
+"""Contact of bodies in the initial configuration: impulses found for all vertices together.
+
+A vertex i of the domain's grid sees the velocity that the vertices j of a body's own grid, that of
+the start, give to the particles around it:
+
+    w_i = sum_j B_ij v_j,
+
+with B from weights at present and those of the start (`pgimp.kernels.contact.lagrangian.coupling`).
+A body in the current configuration has vertex i itself, B_ij = 1 for j = i. An impulse J_i changes
+v_j by B_ij J_i/m_j: it changes the body's power by J_i . w_i, so that momentum is conserved
+exactly, and angular momentum up to the difference between the two grids. An impulse also moves its
+neighbours, the more so as the two weights smooth it. So impulses are found together: sweeps over
+all pairs that may meet, each with the true response sum_j B_ij^2/m_j, in which impulses accumulate
+and the law holds for the accumulated ones (projected Gauss-Seidel). All ranks do the same sweeps,
+with the same bits.
+"""
+
+from pgimp.jit.kernel import inner_kernel, kernel, specialise
+from pgimp.kernels.contact.data import BILATERAL, MOBILITY, NORMAL, NOW, PUSH, SLIP, WEIGHT
+from pgimp.kernels.contact.lagrangian.pairs import BODIES, ENTRY, SUMS, VERTEX, copy
+from pgimp.kernels.contact.lagrangian.reference_grid import LOST, MOVES, YIELDS
+from pgimp.kernels.contact.lagrangian.rigid_ends import load_rigid, push_rigid
+from pgimp.kernels.contact.law import exchange
+
+
+@inner_kernel
+def _see(contact, a, r, responses, values):
+    """Load velocity, mass and mobility of an end of a pair, with row `r`, as field `a`."""
+    row = contact.fields[a]
+    start, entry = responses.start, responses.entry
+    u, v, w, most = 0.0, 0.0, 0.0, 0.0
+    for k in range(start[r], start[r + 1]):
+        one = values[responses.column[k]]
+        u += entry[k, 0] * one[MOVES]
+        v += entry[k, 1] * one[MOVES + 1]
+        w += entry[k, 2] * one[MOVES + 2]
+    row[NOW], row[NOW + 1], row[NOW + 2] = u, v, w
+    for d in range(3):
+        row[MOBILITY + d] = row[BILATERAL + d] = responses.answer[r, d]
+        most = max(most, responses.answer[r, d])
+    row[WEIGHT] = 1.0 / most if most > 0.0 else 1e300
+
+
+def take_up(contact, frame, encounters, k, responses, values):
+    """Load pair `k` as the first pair at a vertex."""
+
+
+@specialise(take_up)
+def _take_up_pair(contact, frame, encounters, k, responses, values):
+    def take_up(contact, frame, encounters, k, responses, values):
+        end, rigid = encounters.ends[k], encounters.rigid[k]
+        number = (end[VERTEX], end[VERTEX + 1], end[VERTEX + 2])
+        for a in range(2):
+            s = end[SUMS + a]
+            if s < 0:
+                load_rigid(contact, contact.tools, frame, a, s, number, rigid)
+            else:
+                _see(contact, a, s, responses, values)
+            contact.bodies[a], contact.ends[0, a] = end[BODIES + a], a
+        contact.ends[0, 2] = end[ENTRY]
+        copy(contact.partners[0], encounters.partners[k])
+
+    return take_up
+
+
+@inner_kernel
+def _give(r, J, sign, responses, values):
+    """Apply an impulse to the vertices that make up an end of a pair, with row `r`."""
+    start, entry = responses.start, responses.entry
+    for k in range(start[r], start[r + 1]):
+        one = values[responses.column[k]]
+        for d in range(3):
+            one[MOVES + d] += sign * entry[k, d] * J[d] * one[YIELDS + d]
+            if one[YIELDS + d] == 0.0:
+                one[LOST + d] += sign * entry[k, d] * J[d]
+
+
+def _give_both(contact, frame, end, J, responses, values):
+    """Apply an impulse to both ends of a pair, with opposite signs."""
+
+
+@specialise(_give_both)
+def _give_to_both(contact, frame, end, J, responses, values):
+    def give(contact, frame, end, J, responses, values):
+        number = (end[VERTEX], end[VERTEX + 1], end[VERTEX + 2])
+        for side in range(2):
+            s, sign = end[SUMS + side], 2.0 * side - 1.0
+            if s < 0:
+                push_rigid(contact.tools, frame, s, number, J, sign)
+            else:
+                _give(s, J, sign, responses, values)
+
+    return give
+
+
+@inner_kernel
+def impulse_of(row, d):
+    """Component `d` of the impulse that a pair has exchanged."""
+    return row[SLIP + d] + row[PUSH] * row[NORMAL + d]
+
+
+@kernel
+def solve_impulses(contact, free, encounters, responses, values, sweeps, enough):
+    """Exchange impulses in all pairs until the law holds for all of them.
+
+    Parameters
+    ----------
+    contact : Contact
+        Laws and scratch.
+    free : Holding
+        The empty one: what is held has no mobility.
+    encounters : Encounters
+        The pairs; their impulses are added up in `partners`.
+    responses : Responses
+        The response to impulses.
+    values : (m, STARTED) float64
+        The vertices of the start; their velocities are changed here.
+    sweeps : int
+        The most sweeps over all pairs, forwards and backwards by turns.
+    enough : float
+        Tolerance: greatest change of an impulse in a sweep, relative to the greatest impulse.
+
+    Returns
+    -------
+    int
+        Number of sweeps.
+    """
+    number, pairs = (0, 0, 0), len(encounters.ends)
+    for sweep in range(sweeps):
+        change, most = 0.0, 0.0
+        for n in range(pairs):
+            k = n if sweep % 2 == 0 else pairs - 1 - n
+            end, row = encounters.ends[k], encounters.partners[k]
+            take_up(contact, free.frame, encounters, k, responses, values)
+            before = (impulse_of(row, 0), impulse_of(row, 1), impulse_of(row, 2))
+            exchange(contact, free, number, False, 0, True)
+            copy(row, contact.partners[0])
+            J = (
+                impulse_of(row, 0) - before[0], impulse_of(row, 1) - before[1],
+                impulse_of(row, 2) - before[2],
+            )  # fmt: skip
+            _give_both(contact, free.frame, end, J, responses, values)
+            for d in range(3):
+                change = max(change, abs(J[d]))
+                most = max(most, abs(impulse_of(row, d)))
+        if change <= enough * most:
+            return sweep + 1
+    return sweeps

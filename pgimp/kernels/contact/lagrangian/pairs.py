@@ -1,0 +1,259 @@
+"""Encounters: groups of bodies, rigid bodies and walls that may act on each other where they are.
+
+For bodies in the initial configuration, whose sums at the vertices are in
+`pgimp.kernels.contact.lagrangian.vertices`.
+"""
+
+from math import inf
+from typing import Any, NamedTuple, Self
+
+import numpy as np
+
+from pgimp.jit.kernel import inner_kernel, kernel, specialise
+from pgimp.kernels.contact.data import (
+    BEFORE,
+    EXCESS,
+    GAP_RATE,
+    NORMAL,
+    NOW,
+    OUTWARD,
+    PART,
+    PARTNERS,
+    WEIGHT,
+    find_pairs,
+)
+from pgimp.kernels.contact.lagrangian.vertices import (
+    CURVED,
+    FACES,
+    FILLS,
+    HEAVY,
+    MORE,
+    OF_CUT,
+    WAY,
+    WHOSE,
+    number_of,
+)
+from pgimp.kernels.contact.vertex import find_tools
+from pgimp.kernels.data.particles import FloatArray, IntArray
+from pgimp.kernels.grid.faces import face_count, on_walls, side_of, wall_of, wall_sides
+from pgimp.physics.contact import FRICTION
+
+#: Columns of `Encounters.ends`: for either end the number of its entry in `Present`, later of its
+#: row in `Responses`, or -1 - n for a rigid one, and its body; the entry of the law; the vertex.
+SUMS, BODIES, ENTRY, VERTEX, ENDS = 0, 2, 4, 5, 8
+
+#: Cells from a body's particles, along the normal, at which a vertex still tells how the body's
+#: surface moves. Beyond it would hold not that, but how the body strains.
+FARTHEST = 0.9
+
+#: Columns of `Encounters.rigid`: velocities of the first and the second end.
+RIGID = 6
+
+
+class Encounters(NamedTuple):
+    """Pairs that may act on each other at vertices.
+
+    Attributes
+    ----------
+    ends : (pairs, ENDS) int64
+        The bodies, their vertex, and their law.
+    partners : (pairs, PARTNERS) float64
+        As in `Contact`: normal, gap, and the impulses so far.
+    rigid : (pairs, RIGID) float64
+        Velocities of rigid ends.
+    """
+
+    ends: IntArray
+    partners: FloatArray
+    rigid: FloatArray
+
+    @classmethod
+    def empty(cls, count: int) -> Self:
+        """Allocate for `count` pairs."""
+        return cls(
+            np.empty((count, ENDS), np.int64), np.empty((count, PARTNERS)), np.empty((count, RIGID))
+        )
+
+    def chosen(self, which: Any) -> Self:
+        """Return some of them, by places or a slice."""
+        return type(self)(self.ends[which], self.partners[which], self.rigid[which])
+
+
+class SeparatingWalls(NamedTuple):
+    """Walls that let go, which count as rigid bodies.
+
+    Attributes
+    ----------
+    first : int
+        Number of the first one among the bodies.
+    rows : (walls, 3) int64
+        Axis, side, and number of the vertices on it along the axis.
+    faces : (walls,) int64
+        Their numbers among the faces.
+    """
+
+    first: int
+    rows: IntArray
+    faces: IntArray
+
+
+@inner_kernel
+def copy(to, of):
+    """Set an array to another."""
+    for i in range(len(of)):
+        to[i] = of[i]
+
+
+@inner_kernel
+def _load(contact, a, row, cell):
+    """Load a group's sums at a vertex as field `a`."""
+    fields = contact.fields
+    fields[a, WEIGHT] = row[HEAVY]
+    fields[a, PART] = (row[FILLS] + row[MORE]) / cell
+    fields[a, EXCESS] = row[CURVED] / row[OF_CUT] if row[OF_CUT] > 0.0 else 0.0
+    for d in range(3):
+        fields[a, OUTWARD + d] = row[FACES + d]
+        fields[a, NOW + d] = fields[a, BEFORE + d] = 0.0
+    contact.bodies[a], contact.places[a] = int(row[WHOSE]), 0
+
+
+@inner_kernel
+def _is_far(frame, row, normal):
+    """Whether a vertex is too far from the particles of a group to tell how their surface moves.
+
+    `row` are the group's sums there, `normal` has that of the pair.
+    """
+    way, cell = 0.0, 0.0
+    for d in range(len(frame.cell)):
+        way += normal[NORMAL + d] * row[WAY + d]
+        cell += (normal[NORMAL + d] * frame.cell[d]) ** 2
+    return way * way > FARTHEST**2 * cell * row[HEAVY] ** 2
+
+
+@inner_kernel
+def _keep_pairs(contact, frame, sums, number, places, pairs, found, encounters):
+    """Keep the pairs that `find_pairs` has found at a vertex, as far as there is room.
+
+    `places` are the entries of the groups there in `sums`; fields behind them are rigid. Returns
+    how many pairs there are by now, `found` before.
+    """
+    for k in range(pairs):
+        far = False
+        for side in range(2):
+            a = contact.ends[k, side]
+            if a < len(places) and contact.pairs.law[contact.ends[k, 2] - 1] == FRICTION:
+                far = far or _is_far(frame, sums[places[a]], contact.partners[k])
+        if far:
+            continue
+        found += 1
+        if found > len(encounters.ends):
+            continue
+        end, rigid = encounters.ends[found - 1], encounters.rigid[found - 1]
+        copy(encounters.partners[found - 1], contact.partners[k])
+        rigid[:] = 0.0
+        end[ENTRY] = contact.ends[k, 2]
+        for d in range(3):
+            end[VERTEX + d] = number[d]
+        for side in range(2):
+            a = contact.ends[k, side]
+            end[BODIES + side] = contact.bodies[a]
+            end[SUMS + side] = places[a] if a < len(places) else -1 - contact.bodies[a]
+            if a >= len(places):
+                for d in range(3):
+                    rigid[3 * side + d] = contact.fields[a, NOW + d]
+    return found
+
+
+def _past_another(faces, axis, frame, number):
+    """Whether a vertex is beyond a wall of another direction than `axis`."""
+
+
+@specialise(_past_another)
+def _past_any_other(faces, axis, frame, number):
+    def past(faces, axis, frame, number):
+        for n in range(face_count(faces)):
+            other, end = side_of(faces, n)
+            if other != axis and (number[other] - wall_of(faces, n, frame)) * end > 0:
+                return True
+        return False
+
+    return past if len(faces) else lambda faces, axis, frame, number: False
+
+
+@inner_kernel
+def _wall_pair(contact, frame, faces, walls, w, number, sides, cell):
+    """Find the pair of the group in the first place and a wall that lets go; 0 if there is none.
+
+    The wall is a rigid body that begins at it. Where other walls are, the neighbourhood ends.
+    """
+    axis, side = walls.rows[w, 0], walls.rows[w, 1]
+    deep = (number[axis] - walls.rows[w, 2]) * side
+    if deep < 0:
+        return 0
+    if _past_another(faces, axis, frame, number):
+        return 0
+    row, area = contact.fields[1], cell * frame.inverse[axis]
+    row[:] = 0.0
+    row[WEIGHT], row[PART] = inf, 0.5 if deep == 0 else 1.0
+    row[OUTWARD + axis] = -side * area * (1.0 if deep != 1 else 1e-3)
+    contact.bodies[1] = walls.first + w
+    along = (
+        0 if axis == 0 else sides[0], 0 if axis == 1 else sides[1], 0 if axis == 2 else sides[2],
+    )  # fmt: skip
+    return find_pairs(contact, frame, along, 2, 1, 1.0)
+
+
+@kernel
+def find_encounters(contact, frame, faces, walls, present, dt, encounters):
+    """Find the pairs that may act on each other at any vertex.
+
+    Parameters
+    ----------
+    contact : Contact
+        Laws, rigid bodies, and scratch for the fields at a vertex.
+    faces : Faces or ()
+        All walls at rest, where neighbourhoods end.
+    walls : SeparatingWalls
+        Those that let go.
+    present : Present
+        The groups' sums at the vertices.
+    encounters : Encounters
+        Filled with the pairs.
+
+    Returns
+    -------
+    int
+        Number of pairs; those beyond the capacity are not kept.
+    """
+    keys, order, sums = present.keys, present.order, present.sums
+    found, i = 0, 0
+    whole = 1.0
+    for d in range(len(frame.cell)):
+        whole *= frame.cell[d]
+    while i < len(order):
+        begin, vertex = i, keys[order[i]] // present.groups
+        while i < len(order) and keys[order[i]] // present.groups == vertex:
+            i += 1
+        places, number = order[begin:i], number_of(present, vertex)
+        count, sides = len(places), wall_sides(faces, frame, number)
+        cell = whole * 0.5 ** on_walls(faces, frame, number)
+        for a in range(count):
+            _load(contact, a, sums[places[a]], cell)
+        tools = find_tools(contact, contact.tools, frame, number, sides, count, True)
+        if count + tools > 1:
+            pairs = find_pairs(contact, frame, sides, count + tools, tools, dt)
+            found = _keep_pairs(
+                contact, frame, sums, number, places, pairs, found, encounters
+            )
+        for w in range(len(walls.rows)):
+            for a in range(count):
+                on = (number[walls.rows[w, 0]] - walls.rows[w, 2]) == 0
+                half = cell * 2.0 if on else cell
+                _load(contact, 0, sums[places[a]], half)
+                pairs = _wall_pair(contact, frame, faces, walls, w, number, sides, half)
+                if pairs > 0:
+                    contact.partners[0, GAP_RATE] /= dt
+                    found = _keep_pairs(
+                        contact, frame, sums, number, places[a : a + 1], pairs, found, encounters
+                    )
+    return found

@@ -1,0 +1,246 @@
+"""Vertices of the grid of the start near contact of bodies in the initial configuration.
+
+They are identified by a key, made of the vertex in the whole grid and of the velocity field: the
+same on all ranks.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from pgimp.jit.kernel import allocating_kernel, inner_kernel, kernel
+from pgimp.kernels.contact.lagrangian.hash_table import number_of_key, room_size, slot
+from pgimp.kernels.contact.lagrangian.supports import vertex_at, weights_at
+from pgimp.kernels.contact.lagrangian.vertices import FIELD
+from pgimp.kernels.data.particles import FloatArray, IntArray
+from pgimp.kernels.data.record import ACCELERATION, MASS, RECORD, VELOCITY
+from pgimp.kernels.data.velocity_fields import field_count, field_size
+from pgimp.kernels.grid.conditions import held_velocity
+
+#: Columns of `StartVertices.values`: mass, velocity, inverse mass by component, which is 0 where a
+#: face or a constraint holds it; the impulse of contact there.
+INERTIA, MOVES, YIELDS, LOST, STARTED = 0, 1, 4, 7, 10
+
+
+class StartVertices(NamedTuple):
+    """Data of vertices of the grid of the start.
+
+    Attributes
+    ----------
+    keys : (m,) int64
+    values : (m, STARTED) float64
+    """
+
+    keys: IntArray
+    values: FloatArray
+
+
+class Seen(NamedTuple):
+    """Marks of the vertices that have been copied.
+
+    Attributes
+    ----------
+    last : (planes * plane / 8,) int64
+        The step in which each was copied last.
+    step : int
+        The current one.
+    """
+
+    last: IntArray
+    step: int
+
+
+@inner_kernel
+def _across(frame):
+    """Number of vertices along y and z."""
+    y, z, more = 1, 1, 1 + 2 * frame.ghost
+    for d in range(len(frame.cell)):
+        y, z = frame.cells[d] + more if d == 1 else y, frame.cells[d] + more if d == 2 else z
+    return y, z
+
+
+@inner_kernel
+def _key(across, number, fields, field):
+    """Key of a vertex, given by its numbers, of one of `fields` velocity fields."""
+    return ((number[0] * across[0] + number[1]) * across[1] + number[2]) * fields + field
+
+
+@inner_kernel
+def is_turned(mirrors, n, number):
+    """Whether a vertex, given by its numbers, lies beyond a mirror."""
+    return (number[mirrors[n, 0]] - mirrors[n, 2]) * mirrors[n, 1] > 0
+
+
+@inner_kernel
+def image_of(mirrors, number):
+    """Numbers of the vertex that has the sums of one: its image, where it lies beyond a mirror."""
+    x, y, z = number
+    for n in range(len(mirrors)):
+        if is_turned(mirrors, n, number):
+            axis = mirrors[n, 0]
+            back = 2 * mirrors[n, 2] - number[axis]
+            x, y, z = (
+                back if axis == 0 else x, back if axis == 1 else y, back if axis == 2 else z
+            )  # fmt: skip
+    return x, y, z
+
+
+@inner_kernel
+def turns(mirrors, n, d):
+    """Whether mirror `n` turns component `d` round."""
+    return mirrors[n, 4] != 0 or mirrors[n, 0] == d
+
+
+@inner_kernel
+def reflection(mirrors, number, d, count):
+    """-1 where the first `count` mirrors turn component `d` of a vertex round, else 1."""
+    sign = 1.0
+    for n in range(count):
+        if turns(mirrors, n, d) and is_turned(mirrors, n, number):
+            sign = -sign
+    return sign
+
+
+@inner_kernel
+def _has_weight(supports, i, q):
+    """Whether vertex `q` belongs to support `i`."""
+    x, y, z = weights_at(supports, i, q)
+    return x != 0.0 and y != 0.0 and z != 0.0
+
+
+@kernel
+def take_vertices(holding, field, table, supports, mirrors, seen, vertices):
+    """Copy the vertices that particles have weight on at the start.
+
+    Parameters
+    ----------
+    holding : Holding
+        Faces and constraints.
+    field : Field
+        After the update of momentum.
+    table, supports
+        The particles, and their supports at the start.
+    mirrors : (n, 5) int64
+        Axis, side, vertex number and face of the walls that reflect, and whether they stick, see
+        `Mirror`; what is beyond has its image's sums.
+    seen : Seen
+        Vertices that have been copied are marked.
+    vertices : StartVertices
+        Filled; it must be large enough.
+
+    Returns
+    -------
+    int
+        How many there are.
+    """
+    frame, forcing, window, G = holding.frame, holding.forcing, field.window, field.G
+    across, fields, found, D = _across(frame), field_count(window), 0, len(frame.origin)
+    for i in range(len(table)):
+        one = int(table[i, FIELD])
+        for q in range(len(supports.local)):
+            if not _has_weight(supports, i, q):
+                continue
+            number = image_of(mirrors, vertex_at(supports, i, q))
+            r = one * field_size(window) + (number[0] - window.lower[0]) * window.stride[0]
+            r += (number[1] - window.lower[1]) * window.stride[1]
+            r += (number[2] - window.lower[2]) * window.stride[2]
+            if seen.last[r // RECORD] == seen.step:
+                continue
+            seen.last[r // RECORD] = seen.step
+            m, row = G[r + MASS], vertices.values[found]
+            vertices.keys[found] = _key(across, number, fields, one)
+            v = (G[r + VELOCITY], G[r + VELOCITY + 1], G[r + VELOCITY + 2])
+            row[INERTIA] = m
+            u = held_velocity(holding, number, r, v, True)
+            for d in range(3):
+                row[MOVES + d], row[YIELDS + d], row[LOST + d] = v[d], 0.0, 0.0
+                if d < D and m > forcing.lightest:
+                    pushed = (
+                        v[0] + (1.0 if d == 0 else 0.0), v[1] + (1.0 if d == 1 else 0.0),
+                        v[2] + (1.0 if d == 2 else 0.0),
+                    )  # fmt: skip
+                    s = held_velocity(holding, number, r, pushed, True)
+                    row[YIELDS + d] = 0.0 if s[d] == u[d] else 1.0 / m
+            found += 1
+    return found
+
+
+@allocating_kernel
+def find_vertices(frame, table, supports, mirrors, fields, hashes):
+    """Set the numbers of the vertices of supports at the start.
+
+    Particles with the same first vertex have the same vertices: their numbers are found once.
+
+    Parameters
+    ----------
+    table, supports
+        The particles, of `fields` velocity fields, and their supports.
+    mirrors
+        As of `take_vertices`.
+    hashes
+        The numbers of the vertices' keys.
+    """
+    across, patch_of, patches = _across(frame), np.empty(len(table), np.int64), 0
+    known = np.full((room_size(len(table)), 2), -1, np.int64)
+    for i in range(len(table)):
+        first = supports.first[i]
+        key = _key(across, (first[0], first[1], first[2]), fields, int(table[i, FIELD]))
+        patch_of[i] = number_of_key(known, key, patches)
+        patches = max(patches, patch_of[i] + 1)
+    numbers = np.full((patches, len(supports.local)), -1, np.int64)
+    for i in range(len(table)):
+        patch = patch_of[i]
+        for q in range(len(supports.local)):
+            supports.at[i, q] = -1
+            if _has_weight(supports, i, q):
+                if numbers[patch, q] < 0:
+                    number = image_of(mirrors, vertex_at(supports, i, q))
+                    key = _key(across, number, fields, int(table[i, FIELD]))
+                    numbers[patch, q] = hashes[slot(hashes, key), 1]
+                supports.at[i, q] = numbers[patch, q]
+
+
+@inner_kernel
+def place_of_key(frame, field, key):
+    """Place of a vertex in the records of a rank, -1 where it has none, and its numbers."""
+    window = field.window
+    size, count = field_size(window), field_count(window)
+    ny, nz = _across(frame)
+    rest, one = key // count, key % count
+    number = (rest // (nz * ny), rest // nz % ny, rest % nz)
+    x, y, z = number[0] - window.lower[0], number[1] - window.lower[1], number[2] - window.lower[2]
+    if x < 0 or x >= len(field.active) or y < 0 or y >= window.extent[1]:
+        return -1, number
+    if z < 0 or z >= window.extent[2] or field.active[x] == 0:
+        return -1, number
+    return x * window.stride[0] + one * size + y * window.stride[1] + z * window.stride[2], number
+
+
+@kernel
+def give_to_vertices(frame, field, keys, changes, forcing, work):
+    """Change velocities and accelerations of the vertices that a rank has.
+
+    Parameters
+    ----------
+    keys : (m,) int64
+        As of `take_vertices`, from all ranks.
+    changes : (m, 3) float64
+        Of their velocities.
+    forcing : Forcing
+        Gravity, whose work has been booked with the velocities before.
+    work : (planes,) float64
+        Grows by what the changes make of that work.
+    """
+    G, dt, gravity = field.G, forcing.dt, forcing.gravity
+    for n in range(len(keys)):
+        r, number = place_of_key(frame, field, keys[n])
+        if r < 0:
+            continue
+        power = 0.0
+        for d in range(3):
+            G[r + VELOCITY + d] += changes[n, d]
+            G[r + ACCELERATION + d] += changes[n, d] / dt
+            power += gravity[d] * changes[n, d]
+        i = number[0] - field.window.lower[0]
+        if i < field.owned:
+            work[i] += dt * G[r + MASS] * power

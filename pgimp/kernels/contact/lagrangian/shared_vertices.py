@@ -1,0 +1,128 @@
+"""Vertices that groups of bodies share, or have near something rigid, and the particles there.
+
+Of the particles near a meeting most have no such vertex. Particles with the same first vertex have
+the same vertices, a patch of them, whose numbers are found once.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from pgimp.jit.kernel import allocating_kernel, inner_kernel
+from pgimp.kernels.contact.lagrangian.hash_table import number_of_key, room_size
+from pgimp.kernels.contact.lagrangian.vertices import FIRST, GROUP, key_of
+from pgimp.kernels.data.particles import IntArray
+
+
+class Patches(NamedTuple):
+    """Particles that have weight on shared vertices, and the numbers of these.
+
+    Attributes
+    ----------
+    rows : (n,) int64
+        The particles' places in their table.
+    patch : (n,) int64
+        The patch of each.
+    numbers : (patches, k) int64
+        The numbers of the groups at the vertices of a patch; -1 where they are alone.
+    keys : (m,) int64
+        Their keys, see `pgimp.kernels.contact.lagrangian.vertices.Present`.
+    """
+
+    rows: IntArray
+    patch: IntArray
+    numbers: IntArray
+    keys: IntArray
+
+
+@inner_kernel
+def _vertex(begin, local, q):
+    """Numbers of vertex `q` of those that begin at one."""
+    return begin[0] + local[q, 0], begin[1] + local[q, 1], begin[2] + local[q, 2]
+
+
+@inner_kernel
+def _inside(boxes, number):
+    """Whether a vertex is in any of some boxes."""
+    for n in range(len(boxes)):
+        inside = True
+        for d in range(3):
+            inside = inside and boxes[n, 0, d] <= number[d] <= boxes[n, 1, d]
+        if inside:
+            return True
+    return False
+
+
+@allocating_kernel
+def find_shared(table, local, within, boxes, present):
+    """Find the particles that have vertices which are shared.
+
+    Parameters
+    ----------
+    table : (n, NEAR) float64
+        Particles.
+    local : (k, 3) uint32
+        As of `Supports`.
+    within : (3,) int64
+        An axis, and the least and the greatest number along it of the vertices that count.
+    boxes : (m, 2, 3) int64
+        Least and greatest numbers of the vertices where something rigid may be.
+    present : Present
+        Without entries.
+
+    Returns
+    -------
+    Patches
+    """
+    many, (axis, least, greatest) = len(local), within
+    patch_of, patches = np.empty(len(table), np.int64), 0
+    begins, groups = np.empty((len(table), 3), np.int64), np.empty(len(table), np.int64)
+    known = np.full((room_size(len(table)), 2), -1, np.int64)
+    for i in range(len(table)):
+        x, y, z = int(table[i, FIRST]), int(table[i, FIRST + 1]), int(table[i, FIRST + 2])
+        group = int(table[i, GROUP])
+        patch_of[i] = number_of_key(known, key_of(present, (x, y, z), group), patches)
+        if patch_of[i] == patches:
+            begins[patches, 0], begins[patches, 1], begins[patches, 2] = x, y, z
+            groups[patches] = group
+            patches += 1
+    # The groups at each vertex: the first one, or -1 where there are several.
+    known = np.full((room_size(many * patches), 2), -1, np.int64)
+    vertex, alone = np.full((patches, many), -1, np.int64), np.empty(many * patches, np.int64)
+    found = 0
+    for k in range(patches):
+        for q in range(many):
+            number = _vertex(begins[k], local, q)
+            if not least <= number[axis] <= greatest:
+                continue
+            n = number_of_key(known, key_of(present, number, 0), found)
+            vertex[k, q] = n
+            if n == found:
+                alone[n] = -1 if _inside(boxes, number) else groups[k]
+                found += 1
+            elif alone[n] != groups[k]:
+                alone[n] = -1
+    known = np.full((room_size(many * patches), 2), -1, np.int64)
+    keys, kept, entries = np.empty(many * patches, np.int64), np.zeros(patches, np.bool_), 0
+    for k in range(patches):
+        for q in range(many):
+            n = vertex[k, q]
+            if n < 0 or alone[n] >= 0:
+                vertex[k, q] = -1
+                continue
+            key = key_of(present, _vertex(begins[k], local, q), groups[k])
+            n = number_of_key(known, key, entries)
+            if n == entries:
+                keys[n] = key
+                entries += 1
+            vertex[k, q], kept[k] = n, True
+    count = 0
+    for i in range(len(table)):
+        count += kept[patch_of[i]]
+    rows, patch = np.empty(count, np.int64), np.empty(count, np.int64)
+    count = 0
+    for i in range(len(table)):
+        if kept[patch_of[i]]:
+            rows[count], patch[count] = i, patch_of[i]
+            count += 1
+    return Patches(rows, patch, vertex, keys[:entries])

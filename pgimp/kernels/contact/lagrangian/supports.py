@@ -1,0 +1,128 @@
+"""Supports of single particles, in memory: for the few near contact.
+
+Other supports are computed for four particles at once, on the stack, see
+`pgimp.kernels.transfer.supports`.
+"""
+
+from typing import NamedTuple, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pgimp.jit.kernel import inner_kernel, kernel, specialise
+from pgimp.kernels.data.particles import FloatArray, IntArray
+from pgimp.kernels.transfer.first_vertex import first_vertex
+from pgimp.physics.shapes.base import weights
+
+
+class Supports(NamedTuple):
+    """Supports of n particles with k vertices each, some of which may be without weight.
+
+    Attributes
+    ----------
+    first : (n, 3) int64
+        The first vertex of each.
+    w, g : (n, 3, 4) float64
+        Weights and gradients times the cell, by direction; along directions that the scene does
+        not have there is one vertex.
+    local : (k, 3) uint32
+        The vertices of any of them, counted from the first one, the last direction innermost.
+    at : (n, k) int64
+        The numbers of the vertices in another table, or -1.
+    """
+
+    first: IntArray
+    w: FloatArray
+    g: FloatArray
+    local: NDArray[np.uint32]
+    at: IntArray
+
+    @classmethod
+    def empty(cls, count: int, local: NDArray[np.uint32]) -> Self:
+        """Allocate the supports of `count` particles; `local` is from `local_vertices`."""
+        return cls(
+            np.empty((count, 3), np.int64), np.empty((count, 3, 4)), np.empty((count, 3, 4)),
+            local, np.empty((count, len(local)), np.int64),
+        )  # fmt: skip
+
+
+def local_vertices(vertices: int, dimensions: int) -> NDArray[np.uint32]:
+    """Return the vertices of any support, `vertices` a direction; see `Supports`."""
+    across = (vertices,) * dimensions + (1,) * (3 - dimensions)
+    return np.array([*np.ndindex(across)], np.uint32)
+
+
+@inner_kernel
+def vertex_at(supports, i, q):
+    """Numbers of vertex `q` of support `i`."""
+    first, local = supports.first[i], supports.local[q]
+    return first[0] + local[0], first[1] + local[1], first[2] + local[2]
+
+
+@inner_kernel
+def weights_at(supports, i, q):
+    """Factors, one a direction, of the weight S of vertex `q` of support `i`."""
+    w, local = supports.w[i], supports.local[q]
+    return w[0, local[0]], w[1, local[1]], w[2, local[2]]
+
+
+@inner_kernel
+def slope_at(supports, i, q, d):
+    """Derivative of S along direction `d`, times the cell."""
+    w, g, local = supports.w[i], supports.g[i], supports.local[q]
+    slope = g[0, local[0]] if d == 0 else w[0, local[0]]
+    slope *= g[1, local[1]] if d == 1 else w[1, local[1]]
+    slope *= g[2, local[2]] if d == 2 else w[2, local[2]]
+    return slope
+
+
+def keep_values(out, i, values):
+    """Set `out[i]`, `out[i + 1]`, ... to a tuple of numbers."""
+
+
+@specialise(keep_values)
+def _keep_all(out, i, values):
+    if len(values) == 0:
+        return lambda out, i, values: None
+
+    def keep(out, i, values):
+        out[i] = values[0]
+        keep_values(out, i + 1, values[1:])
+
+    return keep
+
+
+def _support(shape, frame, half, x, supports, i, d, like):
+    """Set support `i` along the directions from `d` on, as many as `like` has."""
+
+
+@specialise(_support)
+def _support_along(shape, frame, half, x, supports, i, d, like):
+    if len(like) == 0:
+        return lambda shape, frame, half, x, supports, i, d, like: None
+
+    def along(shape, frame, half, x, supports, i, d, like):
+        first = first_vertex(frame, d, half[d], x[d])
+        f = (x[d] - frame.origin[d]) * frame.inverse[d] - (first - frame.ghost)
+        values, slopes = weights(shape, half[d], f)
+        supports.first[i, d] = first
+        keep_values(supports.w[i, d], 0, values)
+        keep_values(supports.g[i, d], 0, slopes)
+        _support(shape, frame, half, x, supports, i, d + 1, like[1:])
+
+    return along
+
+
+@kernel
+def find_supports(shape, frame, widths, table, column, supports):
+    """Set the supports, but not `at`, of particles.
+
+    Their half-widths and their places stand in `table` from the columns `widths` and `column` on.
+    """
+    for i in range(len(table)):
+        supports.first[i, :] = 0
+        supports.w[i, :, :] = 0.0
+        supports.g[i, :, :] = 0.0
+        supports.w[i, :, 0] = 1.0
+        x, half = table[i, column : column + 3], table[i, widths : widths + 3]
+        _support(shape, frame, half, x, supports, i, 0, frame.origin)

@@ -1,0 +1,176 @@
+"""Response of the impulses on free rigid bodies to their velocities at the step's end.
+
+A body's impulse in the last pass of contact follows from its velocity V and angular velocity w at
+the step's end, and these from the impulse. With r from its centre to a vertex, T = [1, -[r]x], and
+K the derivative of the impulse at the vertex by the velocity there, with the sign turned, the
+derivative of impulse and moment is the sum of T^t K T. K is n n^t/m^-1 where a surface slips, and
+more across the normal n where it sticks.
+"""
+
+from math import inf, sqrt
+
+from pgimp.jit.kernel import inner_kernel, kernel
+from pgimp.kernels.contact.data import (
+    BILATERAL,
+    CLING,
+    DRAWN,
+    NORMAL,
+    PULL,
+    PUSH,
+    SLIP,
+    STUCK,
+    WEIGHT,
+)
+from pgimp.kernels.contact.law import softness
+from pgimp.kernels.contact.vertex import meet_at
+from pgimp.kernels.grid.conditions import Holding
+from pgimp.kernels.rigid.bodies import (
+    CAUTIOUS,
+    CENTRE,
+    FREE,
+    GIVEN,
+    LEAST,
+    MOST,
+    RESPONSE,
+    lever,
+    place_of,
+)
+from pgimp.physics.contact import TIED
+
+#: Least impulse across the normal; squares of smaller ones underflow.
+NONE = 1e-120
+
+
+@kernel
+def find_response(contact, faces, frame, field, forcing):
+    """Set the impulses on free rigid bodies in the last pass, and their derivatives by the motion.
+
+    Parameters
+    ----------
+    contact : Contact
+        Whose rigid bodies have the velocities at the step's end that are tried.
+    faces, frame, field, forcing
+        As in `update_momentum`, after its beginning.
+    """
+    window, tools = field.window, contact.tools
+    holding = Holding(faces, frame, forcing, contact.unbooked)
+    for i in range(field.owned):
+        tools.answers[i, :, GIVEN:] = 0.0
+        if field.active[i] == 0 or contact.met[i] == 0:
+            continue
+        for j in range(window.extent[1]):
+            for k in range(window.extent[2]):
+                r = i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
+                number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
+                if not _some_free(tools, len(frame.cell), number):
+                    continue
+                count, pairs = meet_at(contact, holding, field, number, r, True)
+                for pair in range(pairs):
+                    _add(contact, tools, frame, number, pair, count if pairs > 1 else 1, i)
+
+
+@inner_kernel
+def _some_free(tools, D, number):
+    """Whether a vertex may be near a rigid body that moves freely."""
+    for t in range(len(tools.about)):
+        about = tools.about[t]
+        near = about[FREE] >= 0
+        for d in range(D):
+            near = near and about[LEAST + d] <= number[d] <= about[MOST + d]
+        if near:
+            return True
+    return False
+
+
+@inner_kernel
+def _add(contact, tools, frame, number, pair, count, plane):
+    """Add the impulse on a pair's rigid body at a vertex, if it moves freely.
+
+    `count` is the number of fields that may respond together.
+    """
+    row, a, b = contact.partners[pair], contact.ends[pair, 0], contact.ends[pair, 1]
+    rigid, other = (a, b) if contact.fields[a, WEIGHT] == inf else (b, a)
+    if contact.fields[rigid, WEIGHT] < inf:
+        return
+    t = contact.bodies[rigid] - tools.bodies
+    free = tools.about[t, FREE]
+    if free < 0:
+        return
+    # Where others push back, the response is stiffer: as if all fields there moved as one.
+    mass = contact.fields[other, WEIGHT]
+    if count > 1:
+        mass = 0.0
+        for one in range(count):
+            mass += contact.fields[one, WEIGHT]
+    n = (row[NORMAL], row[NORMAL + 1], row[NORMAL + 2])
+    s = (row[SLIP], row[SLIP + 1], row[SLIP + 2])
+    push, slip = row[PUSH], sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2])
+    tied = contact.pairs.law[contact.ends[pair, 2] - 1] == TIED
+    mobility = _mobility(contact, tools, a, b, other, contact.fields[other, WEIGHT] / mass)
+    along, across, drag, turn = _slopes(contact, pair, other, push, mobility)
+    inverse = 1.0 / slip if slip > NONE else 0.0
+    drag, turn = inverse * drag, inverse / slip * turn if slip > NONE else 0.0
+    if tools.motion[t, CAUTIOUS] != 0.0:  # a bounded impulse as viscous: never overshoots
+        drag, turn = 0.0, 0.0
+        if push < 0.0:
+            along = _pulled(row, mobility)
+    sign = -1.0 if rigid == a else 1.0
+    answer, x, motion = tools.answers[plane, free], place_of(frame, number), tools.motion[t]
+    arm = (x[0] - motion[CENTRE], x[1] - motion[CENTRE + 1], x[2] - motion[CENTRE + 2])
+    for d in range(3):
+        J = sign * (s[d] + push * n[d])
+        for u in range(6):
+            answer[GIVEN + u] += lever(arm, d, u) * J
+        for e in range(3):
+            K = ((along - across) * n[d] + drag * s[d]) * n[e] - turn * s[d] * s[e]
+            if d == e:
+                K += 1.0 / mobility[d] if tied else across
+            for u in range(6):
+                for v in range(6):
+                    answer[RESPONSE + 6 * u + v] += lever(arm, d, u) * K * lever(arm, e, v)
+
+
+@inner_kernel
+def _mobility(contact, tools, a, b, other, part):
+    """Inverse mass that a free rigid body meets at a vertex, by component.
+
+    `part` is the field's share of the mass that may respond together. What is held responds alone.
+    """
+    soft, own = softness(contact, tools, a, b), contact.fields[other]
+    return (
+        part * own[BILATERAL] + soft[0], part * own[BILATERAL + 1] + soft[1],
+        part * own[BILATERAL + 2] + soft[2],
+    )  # fmt: skip
+
+
+@inner_kernel
+def _pulled(row, mobility):
+    """Impulse of adhesion along the normal, over the velocity that it opposes."""
+    answer = 0.0
+    for d in range(3):
+        answer += row[NORMAL + d] ** 2 * mobility[d]
+    return row[DRAWN] / answer if answer > 0.0 else 0.0
+
+
+@inner_kernel
+def _slopes(contact, pair, other, push, mobility):
+    """Derivatives of the impulse on a rigid body by its velocity, with the sign turned.
+
+    Returns that along the normal, that across it, that of the slip by the velocity along the
+    normal, and the reduction of that across along the slip itself. Tied bodies have none of these:
+    their impulse is the velocity over the mobility, by component.
+    """
+    entry, row = contact.ends[pair, 2] - 1, contact.partners[pair]
+    answer, most = 0.0, 0.0
+    for d in range(3):
+        answer += row[NORMAL + d] ** 2 * mobility[d]
+        most = max(most, mobility[d])
+    if contact.pairs.law[entry] == TIED or not (push != 0.0 or row[CLING] > 0.0):
+        return 0.0, 0.0, 0.0, 0.0
+    held = answer > 0.0 and push != 0.0 and push > -row[PULL]  # else it pulls at its limit
+    along, across = 1.0 / answer if held else 0.0, row[STUCK] / most
+    if row[STUCK] == 1.0:
+        return along, across, 0.0, 0.0
+    if push < 0.0:
+        return along, across, 0.0, across
+    return along, across, contact.pairs.coefficient[entry, 1] * along, across

@@ -1,0 +1,211 @@
+"""Vertices at which bodies meet: found, and changed by the law of contact."""
+
+from math import inf
+
+from pgimp.jit.kernel import inner_kernel, kernel, specialise
+from pgimp.kernels.contact.books import book
+from pgimp.kernels.contact.data import (
+    BEFORE,
+    BILATERAL,
+    EXCESS,
+    MOBILITY,
+    NOW,
+    OUTWARD,
+    PART,
+    SWEEPS,
+    WEIGHT,
+    find_pairs,
+)
+from pgimp.kernels.contact.law import exchange, find_held
+from pgimp.kernels.contact.select import HIGH_Y, HIGH_Z, LOW_Y, LOW_Z, include
+from pgimp.kernels.data.record import ACCELERATION, FORCE, HELD, MASS, MOMENTUM, RECORD, VELOCITY
+from pgimp.kernels.data.velocity_fields import field_count, field_size, has_several
+from pgimp.kernels.grid.conditions import Holding
+from pgimp.kernels.grid.faces import on_walls, wall_sides
+from pgimp.kernels.loads.loads import relaxed_part
+from pgimp.kernels.rigid.bodies import BENT, CENTRE, FILLED, FORMER, FREE, LATTER, SURFACE, place_of
+from pgimp.kernels.rigid.fill import fill
+
+
+@kernel
+def find_meetings(field, where, met, spread):
+    """Count, in each of a rank's planes, the vertices at which several fields have mass.
+
+    Parameters
+    ----------
+    field : Field
+        After the halo exchange, so that ranks agree in planes that they share.
+    where : (planes,) bool
+        Which of the planes may hold several fields.
+    met : (planes,) int64
+        Set here.
+    spread : (planes, SPREAD) int64
+        Set to their ranges, see `select_near`.
+    """
+    window, G = field.window, field.G
+    size, count = field_size(window), field_count(window)
+    met[:] = 0
+    for i in range(len(met)):
+        spread[i, LOW_Y] = spread[i, LOW_Z] = 1 << 40
+        spread[i, HIGH_Y] = spread[i, HIGH_Z] = -1
+        if field.active[i] == 0 or count == 1 or not where[i] or not has_several(field, i):
+            continue
+        r = i * window.stride[0]
+        for j in range(window.extent[1]):
+            for k in range(window.extent[2]):
+                found = 0
+                for f in range(count):
+                    found += G[r + f * size + MASS] > 0.0
+                if found > 1:
+                    met[i] += 1
+                    include(spread, i, j, k)
+                r += RECORD
+
+
+def meet(contact, faces, frame, field, forcing, i, ledger, last):
+    """Apply contact at the vertices of plane `i`.
+
+    Parameters
+    ----------
+    contact : Contact or ()
+        () in scenes without contact.
+    faces, frame, field, forcing, ledger
+        As in `update_momentum`; `contact` of the ledger grows by the last pass.
+    last : bool
+        Whether the grid holds velocities and accelerations; else it holds momenta.
+    """
+
+
+@specialise(meet)
+def _meet(contact, faces, frame, field, forcing, i, ledger, last):
+    if not hasattr(contact, "instance_class"):
+        return lambda contact, faces, frame, field, forcing, i, ledger, last: None
+
+    def meet_in_plane(contact, faces, frame, field, forcing, i, ledger, last):
+        if contact.met[i] > 0:
+            _meet_in_plane(contact, faces, frame, field, forcing, i, ledger, last)
+
+    return meet_in_plane
+
+
+@inner_kernel
+def _meet_in_plane(contact, faces, frame, field, forcing, i, ledger, last):
+    """See `meet`."""
+    window, dt = field.window, forcing.dt
+    holding = Holding(faces, frame, forcing, contact.unbooked)
+    for j in range(window.extent[1]):
+        for k in range(window.extent[2]):
+            r = i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
+            number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
+            count, pairs = meet_at(contact, holding, field, number, r, last)
+            if pairs == 0:
+                continue
+            for a in range(count):
+                place = contact.places[a]
+                for d in range(3):
+                    change = contact.fields[a, NOW + d] - contact.fields[a, BEFORE + d]
+                    if last:
+                        field.G[place + VELOCITY + d] += change
+                        field.G[place + ACCELERATION + d] += change / dt
+                    else:
+                        field.G[place + MOMENTUM + d] += contact.fields[a, WEIGHT] * change
+            # Of the first pass particles get the part by which they relax to the grid.
+            part = 1.0 if last else relaxed_part(forcing.loads.relaxation, dt)
+            if part > 0.0 and i < field.owned:
+                for pair in range(pairs):
+                    book(contact, holding, number, pair, part, last, ledger, i)
+
+
+@inner_kernel
+def meet_at(contact, holding, field, number, r, last):
+    """Find the fields at the vertex whose first record is at `r`, after contact.
+
+    Returns the number of fields that have particles, and that of the pairs that may act on each
+    other; without any, nothing else is set.
+    """
+    faces, frame, dt = holding.faces, holding.frame, holding.forcing.dt
+    count = _find_fields(contact, faces, frame, field, r, number)
+    if count == 0:
+        return 0, 0
+    sides = wall_sides(faces, frame, number)
+    rigid = find_tools(contact, contact.tools, frame, number, sides, count, last)
+    if count + rigid < 2:
+        return 0, 0
+    pairs = find_pairs(contact, frame, sides, count + rigid, rigid, dt)
+    if pairs == 0:
+        return 0, 0
+    for a in range(count):
+        place = contact.places[a]
+        inverse = 1.0 if last else 1.0 / contact.fields[a, WEIGHT]
+        for d in range(3):
+            v = field.G[place + VELOCITY + d] * inverse
+            contact.fields[a, NOW + d] = contact.fields[a, BEFORE + d] = v
+    held = find_held(contact, holding, number, count, rigid, last)
+    for _ in range(SWEEPS if held or pairs > 1 else 1):
+        for pair in range(pairs):
+            exchange(contact, holding, number, held, pair, last)
+    return count, pairs
+
+
+@inner_kernel
+def _find_fields(contact, faces, frame, field, r, number):
+    """Find the fields at the vertex whose first record is at `r`; returns their number.
+
+    Walls cut off a part of its neighbourhood.
+    """
+    G, V, size = field.G, contact.volumes, field_size(field.window)
+    cell = 0.5 ** on_walls(faces, frame, number)
+    for d in range(len(frame.cell)):
+        cell *= frame.cell[d]
+    count = 0
+    for f in range(field_count(field.window)):
+        place = r + f * size
+        if not (G[place + MASS] > 0.0 and V[place + MASS] > 0.0):
+            continue
+        contact.places[count] = place
+        contact.bodies[count] = int(V[place + MOMENTUM] / V[place + MASS] + 0.5) - 1
+        contact.fields[count, WEIGHT] = G[place + MASS]
+        contact.fields[count, PART] = (V[place + MASS] + V[place + HELD]) / cell
+        cut = V[place + MOMENTUM + 2]
+        contact.fields[count, EXCESS] = V[place + MOMENTUM + 1] / cut if cut > 0.0 else 0.0
+        for d in range(3):
+            contact.fields[count, OUTWARD + d] = V[place + FORCE + d]
+        count += 1
+    return count
+
+
+def find_tools(contact, tools, frame, number, sides, count, last):
+    """Add the rigid bodies near a vertex to the `count` fields there; returns their number.
+
+    The velocity from particles meets theirs at the step's beginning, that after forces theirs at
+    its end, so that the material gets the acceleration of the body it lies on.
+    """
+
+
+@specialise(find_tools)
+def _find_tools(contact, tools, frame, number, sides, count, last):
+    if not hasattr(tools, "instance_class"):
+        return lambda contact, tools, frame, number, sides, count, last: 0
+
+    def find(contact, tools, frame, number, sides, count, last):
+        found, velocity = count, LATTER if last else FORMER
+        spin = velocity + 3
+        for t in range(len(tools.motion)):
+            if (tools.about[t, FREE] >= 0 and not last) or not fill(tools, t, frame, number, sides):
+                continue
+            row, motion = contact.fields[found], tools.motion[t]
+            contact.places[found], contact.bodies[found] = -1, tools.bodies + t
+            row[WEIGHT], row[PART], row[EXCESS] = inf, tools.at[FILLED], tools.at[BENT]
+            x = place_of(frame, number)
+            arm = (x[0] - motion[CENTRE], x[1] - motion[CENTRE + 1], x[2] - motion[CENTRE + 2])
+            for d in range(3):
+                e, f = (d + 1) % 3, (d + 2) % 3
+                v = motion[velocity + d]
+                v += motion[spin + e] * arm[f] - motion[spin + f] * arm[e]
+                row[OUTWARD + d] = tools.at[SURFACE + d]
+                row[NOW + d] = row[BEFORE + d] = v
+                row[MOBILITY + d] = row[BILATERAL + d] = 0.0
+            found += 1
+        return found - count
+
+    return find

@@ -1,0 +1,108 @@
+"""Particles' boxes as cut by surfaces, and their supports: for the sums of volumes.
+
+A particle that a surface cuts keeps its place on the lattice and its box, but its part of the body
+is smaller, with a centroid of its own, which deforms with it. The sums of volumes use a box round
+the centroid, as wide as the remaining part of the whole one: exact where the surface is along the
+grid. It lies within the whole one, and its support within that one's. Shapes that are no boxes have
+the weights of whole particles, and their change over the offset to the centroid.
+"""
+
+from typing import Any
+
+from numba.core import types
+
+from pgimp.jit.kernel import specialise
+from pgimp.jit.tuples import scaled
+from pgimp.kernels.transfer.contribution import VolumeSums, moved
+from pgimp.kernels.transfer.first_vertex import first_vertex
+from pgimp.kernels.transfer.lane_io import coordinates, deformations, take_row
+from pgimp.kernels.transfer.supports import keep_support, supports
+from pgimp.physics.shapes.base import size
+from pgimp.physics.shapes.finite_gimp import FiniteGimpParameters
+from pgimp.physics.shapes.gimp import GimpParameters
+
+#: Shapes that are boxes.
+BOXES = GimpParameters | FiniteGimpParameters
+
+#: Least half-width of a cut box, in cells.
+LEAST = 1e-4
+
+
+def volume_sums(shape: Any) -> VolumeSums:
+    """Sums of volumes for particles of a shape, given by its parameters."""
+    return VolumeSums() if isinstance(shape, BOXES) else VolumeSums(gradient=1.0)
+
+
+def summed_supports(loads, shape, frame, window, particles, rows, layer, buffer):
+    """As `supports`; where `loads` sum volumes, those of the cut boxes."""
+
+
+@specialise(summed_supports)
+def _summed_supports(loads, shape, frame, window, particles, rows, layer, buffer):
+    def whole(loads, shape, frame, window, particles, rows, layer, buffer):
+        supports(shape, frame, window, particles, rows, layer, buffer, loads.affine)
+
+    def left(loads, shape, frame, window, particles, rows, layer, buffer):
+        supports(shape, frame, window, particles, rows, layer, buffer, ())
+        F = deformations(frame, particles, rows)
+        offset = moved(F, take_row(particles.offset, rows, 0, frame.origin))
+        half, x = size(shape, frame.cell, F)[0], coordinates(frame, particles, rows)
+        _narrow(shape, frame, buffer, 0, half, x, offset, layer)
+
+    volumes = loads.instance_class is VolumeSums
+    if not volumes or loads.types[VolumeSums._fields.index("gradient")] == types.float64:
+        return whole
+    return left
+
+
+def _narrow(shape, frame, buffer, d, half, x, offset, vertex):
+    """Store the weights of four cut boxes, from direction `d` on, in the buffer.
+
+    Along `d` they begin at `vertex`.
+    """
+
+
+@specialise(_narrow)
+def _narrow_along(shape, frame, buffer, d, half, x, offset, vertex):
+    def last(shape, frame, buffer, d, half, x, offset, vertex):
+        inverse = frame.inverse[d]
+        f = (x[0] + offset[0] - frame.origin[d]) * inverse - (vertex - frame.ghost)
+        w, g = cut_weights(shape, max(half[0] - abs(offset[0]) * inverse, LEAST), f)
+        keep_support(buffer, d, w, scaled(inverse, g))
+
+    def more(shape, frame, buffer, d, half, x, offset, vertex):
+        _narrow(shape, frame, buffer, d, half[:1], x[:1], offset[:1], vertex)
+        first = first_vertex(frame, d + 1, half[1], x[1])
+        _narrow(shape, frame, buffer, d + 1, half[1:], x[1:], offset[1:], first)
+
+    return last if len(x) == 1 else more
+
+
+def cut_weights(shape, half, f):
+    """Weights and gradients of boxes, also of those without weight on the first vertex.
+
+    As those of `finite-gimp`.
+    """
+
+
+@specialise(cut_weights)
+def _weights_of(shape, half, f):
+    def three(shape, half, f):
+        t, u = max(1.0 + half - f, 0.0), max(1.0 - half - f, 0.0)
+        a, b, q = max(f + half - 1.0, 0.0), max(f - half - 1.0, 0.0), 0.25 / half
+        w0, w2 = (t * t - u * u) * q, (a * a - b * b) * q
+        g0, g2 = -2.0 * (t - u) * q, 2.0 * (a - b) * q
+        return (w0, 1.0 - w0 - w2, w2), (g0, -g0 - g2, g2)
+
+    def four(shape, half, f):
+        t, u = max(1.0 + half - f, 0.0), max(1.0 - half - f, 0.0)
+        a1, b1 = max(f + half - 1.0, 0.0), max(f - half - 1.0, 0.0)
+        a2, b2 = max(f + half - 2.0, 0.0), max(f - half - 2.0, 0.0)
+        q = 0.25 / half
+        w0, w3 = (t * t - u * u) * q, (a2 * a2 - b2 * b2) * q
+        w2 = (a1 * a1 - b1 * b1) * q - 2.0 * w3
+        g0, g3 = -2.0 * (t - u) * q, 2.0 * (a2 - b2) * q
+        g2 = 2.0 * (a1 - b1) * q - 2.0 * g3
+        return (w0, 1.0 - w0 - w2 - w3, w2, w3), (g0, -g0 - g2 - g3, g2, g3)
+
+    return three if shape.instance_class.vertices() == 3 else four

@@ -1,0 +1,194 @@
+"""Arguments of the kernels of a step: setting, field, order, forcing, report.
+
+All are NamedTuples, which the compiler unpacks at no cost.
+"""
+
+from typing import Any, NamedTuple, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pgimp.kernels.data.frame import Frame, Window
+from pgimp.kernels.data.particles import FloatArray, IntArray
+
+
+class Setting(NamedTuple):
+    """The scene as kernels see it; constant during a run.
+
+    Attributes
+    ----------
+    shape : NamedTuple
+        Parameters of the shape, see `pgimp.physics.shapes`.
+    frame : Frame
+        Where the grid lies.
+    identity : tuple of D*D float
+        The undeformed deformation gradient; it gives the compiler the length of F.
+    materials : tuple of NamedTuple
+        Parameters of the materials.
+    material_of : (bodies,) int64
+        Material of each body.
+    tracked : bool
+        Whether V follows det(F) V0.
+    exits : int
+        Bit 2 d + s is set for a face, of direction d at the low (s = 0) or high end (1), through
+        which particles may leave.
+    """
+
+    shape: Any
+    frame: Frame
+    identity: tuple[float, ...]
+    materials: tuple
+    material_of: IntArray
+    tracked: bool = True
+    exits: int = 0
+
+    def without_materials(self) -> Self:
+        """For kernels that need none, to compile them once for all materials."""
+        return self._replace(materials=())
+
+    def without_shape(self) -> Self:
+        """For kernels that need none, to compile them once for all shapes."""
+        return self._replace(shape=())
+
+
+class Order(NamedTuple):
+    """Particles in canonical order.
+
+    Attributes
+    ----------
+    rows : (n,) int32
+        Their rows.
+    start : (layers + 1,) int64
+        Where each of the rank's layers begins in `rows`.
+    """
+
+    rows: NDArray[np.int32]
+    start: IntArray
+
+
+class Batch(NamedTuple):
+    """Four particles of a layer that are computed together.
+
+    Attributes
+    ----------
+    rows : tuple of 4 int
+        Their rows; the last one fills in for those missing.
+    size : int
+        How many there are.
+    first : int
+        Place of the first one in the order.
+    layer, number : int
+        Their layer, counted from the rank's first one, and its number in the grid.
+    """
+
+    rows: tuple[int, int, int, int]
+    size: int
+    first: int
+    layer: int
+    number: int
+
+
+class Field(NamedTuple):
+    """A velocity field on a rank's planes of the grid.
+
+    Attributes
+    ----------
+    window : Window
+        What is stored; its first plane is that of the rank's first layer.
+    G : (planes * plane,) float64
+        Records of the vertices, see `pgimp.kernels.data.record`. Only those of active planes are
+        defined.
+    active : (planes,) uint8
+        1 for the planes that layers of this rank add to; zero before the first layer of a step.
+    scratch : (vertices * plane,) float64
+        A layer's own planes; zero between two layers.
+    deferred : float64
+        Sums to be added later, see `complete`: the sums of the first `shared` layers for the
+        planes that the lower rank shares, layer by layer, each from its own plane up, in
+        (shared * (shared + 1) / 2 * plane,); then likewise those of the last `shared` layers for
+        planes that the upper rank does not share. Each part is missing where there is no such rank.
+    shared_lower : int
+        Number of planes shared with the lower rank; 0 where there is none.
+    owned : int
+        Number of planes, from the first, whose sums this rank accounts for.
+    bounds : tuple of D pairs of float
+        Coordinates between which a particle is certainly in the domain and in the window.
+    used : (planes,) int64 or ()
+        Bit f: the plane has sums of the velocity field f, which have to be cleared before it is
+        active again; see `pgimp.kernels.data.velocity_fields`. () in scenes that always have
+        one field.
+    """
+
+    window: Window
+    G: FloatArray
+    active: NDArray[np.uint8]
+    scratch: FloatArray
+    deferred: FloatArray
+    shared_lower: int
+    owned: int
+    bounds: tuple[tuple[float, float], ...]
+    used: Any = ()
+
+
+class Forcing(NamedTuple):
+    """Forcing of the material during one step, except the conditions of faces.
+
+    As part of the type, each set of them would need its own compilation of every kernel.
+
+    Attributes
+    ----------
+    dt : float
+        Length of the step.
+    gravity : tuple of 3 float
+        Body force per mass b, taken at the step's beginning.
+    lightest : float
+        A vertex that is not heavier gets a = 0, and keeps v = p/m: a particle that passes it gets
+        its full gradient, however small its weight.
+    loads : Loads
+        See `pgimp.kernels.loads.loads`.
+    constraints : tuple of Constraint
+        The constraints, see `pgimp.kernels.grid.constraints`.
+    marked : (constraints, mask) or ()
+        The constraints and the vertices that they hold, see `constrained_velocity`.
+    walls : (6, WALL) float64
+        The faces that hold particles, see `pgimp.kernels.grid.position_limits`.
+    controlled : bool or float
+        Whether the next step depends on the particles' speeds.
+    clearances : (faces, vertices) float64 or ()
+        Distances of bodies from walls that let go, see `find_clearances`.
+    filling : Filling or ()
+        How full the vertices are, where bodies flow; see `pgimp.kernels.grid.filling`.
+    keepers : Keepers or ()
+        The rigid bodies that hold particles out, see `pgimp.kernels.rigid.hold`.
+    """
+
+    dt: float
+    gravity: tuple[float, float, float]
+    lightest: float
+    loads: Any
+    constraints: tuple
+    marked: tuple
+    walls: FloatArray
+    controlled: bool | float
+    clearances: Any = ()
+    filling: Any = ()
+    keepers: Any = ()
+
+
+class Report(NamedTuple):
+    """Outcome of a step for a rank's particles.
+
+    Attributes
+    ----------
+    vertex_bounds : (2, 2) int64
+        Grown to the first vertices (least, greatest; y, z) of particles, at least of those beyond
+        the field's bounds.
+    changed : (n,) int32
+        Filled with the places in the order of particles that changed their layer or left.
+    errors : (capacity, 2) int64
+        Filled with row and error of particles at fault, up to its capacity.
+    """
+
+    vertex_bounds: IntArray
+    changed: NDArray[np.int32]
+    errors: IntArray

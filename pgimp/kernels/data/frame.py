@@ -1,0 +1,96 @@
+"""Place of the grid, and of the part of it that a rank stores."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from pgimp.kernels.data.record import RECORD
+
+
+class Frame(NamedTuple):
+    """Place of the grid. Vertex and layer numbers count from the first ghost vertex.
+
+    All tuples have D entries; vertex number i of direction d stands at
+    ``origin[d] + (i - ghost) * cell[d]``.
+    """
+
+    origin: tuple[float, ...]
+    cell: tuple[float, ...]
+    inverse: tuple[float, ...]
+    cells: tuple[int, ...]
+    ghost: int
+
+    @property
+    def vertices(self) -> tuple[int, ...]:
+        """Number of vertices of each direction, with `ghost` more beyond either face."""
+        return tuple(n + 1 + 2 * self.ghost for n in self.cells)
+
+
+class InitialFrame(Frame):
+    """Place of a grid of the initial configuration (total Lagrangian).
+
+    Kernels that get it, in a `Setting`, take weights of the particles' initial places and
+    gradients by these, forces from the first Piola-Kirchhoff stress, and never move a particle
+    from a layer to another. They choose by its type, so that others are compiled as without it.
+    """
+
+    __slots__ = ()
+
+
+class MixedFrame(NamedTuple):
+    """Place of the grid for bodies of both configurations, where particles are put in order.
+
+    Attributes
+    ----------
+    origin, cell, inverse, cells, ghost
+        See `Frame`.
+    begun : (bodies,) bool
+        Which bodies are in the initial configuration.
+    """
+
+    origin: tuple[float, ...]
+    cell: tuple[float, ...]
+    inverse: tuple[float, ...]
+    cells: tuple[int, ...]
+    ghost: int
+    begun: Any
+
+    @property
+    def vertices(self) -> tuple[int, ...]:
+        """See `Frame.vertices`."""
+        return Frame(*self[:5]).vertices
+
+
+class Window(NamedTuple):
+    """The part of the grid that a rank stores: its planes, cut to where particles are.
+
+    `lower` is the first vertex of each of three directions, `extent` the number of vertices (1
+    where the scene has no such direction), `stride` the distance of neighbours in float64.
+
+    Where bodies have velocity fields of their own, those of a plane follow each other. `bodies`,
+    (bodies,) int64, then is the offset of each body's field from the plane's first vertex,
+    in float64. It is empty as long as all share one field, and () in scenes where they always do.
+    """
+
+    lower: tuple[int, int, int]
+    extent: tuple[int, int, int]
+    stride: tuple[int, int, int]
+    bodies: Any = ()
+
+    @classmethod
+    def over(
+        cls, lower: tuple[int, int, int], extent: tuple[int, int, int], fields: Any = ()
+    ) -> "Window":
+        """Window of records, planes outermost.
+
+        Parameters
+        ----------
+        lower, extent
+            See `Window`.
+        fields : (bodies,) int64, optional
+            Number of each body's velocity field.
+        """
+        size = RECORD * extent[1] * extent[2]
+        count = 1 + max(fields) if len(fields) else 1
+        bodies = np.array(fields if count > 1 else (), np.int64) * size if len(fields) else ()
+        return cls(lower, extent, (count * size, RECORD * extent[2], RECORD), bodies)

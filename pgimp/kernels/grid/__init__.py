@@ -1,0 +1,1 @@
+"""Update of the vertices: momentum, conditions of faces and constraints, mirrors, filling."""

@@ -1,0 +1,130 @@
+"""Conditions on a vertex: faces and constraints, one after the other."""
+
+from typing import Any, NamedTuple
+
+from pgimp.jit.kernel import specialise
+from pgimp.kernels.data.arguments import Forcing
+from pgimp.kernels.data.frame import Frame
+from pgimp.kernels.data.ledger import WALL_HEAT, WALL_LOSS
+from pgimp.kernels.data.particles import FloatArray
+from pgimp.kernels.grid.constraints import constrained_velocity, former_velocity
+from pgimp.kernels.grid.faces import KIND, constrained, is_beyond, lets_go, side_of
+from pgimp.kernels.grid.wall_gap import clearance_at
+from pgimp.kernels.loads.loads import given
+
+
+class Holding(NamedTuple):
+    """Faces and constraints that may hold vertices.
+
+    Attributes
+    ----------
+    faces : Faces or ()
+        The conditions of the domain's faces.
+    frame : Frame
+        Where the grid, and so the faces, lie.
+    forcing : Forcing
+        Its constraints come after the faces.
+    impulse : (faces, 3) float64
+        Grows by each face's impulse: a part of the ledger, or scratch where nothing is booked.
+    """
+
+    faces: Any
+    frame: Frame
+    forcing: Forcing
+    impulse: FloatArray
+
+
+def hold(holding, number, r, v, a, mass):
+    """Apply the conditions of all faces that a vertex is on or beyond, one after the other.
+
+    A face's part of the momentum that the particles gain in a step is what its condition adds to
+    it, see `given`; `impulse` grows by that. The vertex's record is at `r`. Returns its velocity
+    and acceleration.
+    """
+
+
+@specialise(hold)
+def _hold(holding, number, r, v, a, mass):
+    if len(holding.types[0]) == 0:
+        return lambda holding, number, r, v, a, mass: (v, a)
+
+    def hold_all(holding, number, r, v, a, mass):
+        faces, forcing, impulse = holding.faces, holding.forcing, holding.impulse
+        relaxation, dt = forcing.loads.relaxation, forcing.dt
+        for n in range(len(faces.rows)):
+            if is_beyond(faces, n, holding.frame, number):
+                u, b = v, a
+                clearance = clearance_at(forcing.clearances, n, r)
+                v, a = constrained(faces.kinds, 0, faces.rows, n, v, a, clearance)
+                for d in range(3):
+                    impulse[n, d] += given(relaxation, mass, dt, u[d], b[d], v[d], a[d])
+        return v, a
+
+    return hold_all
+
+
+def book_losses(holding, number, r, motion, last, mass, lost):
+    """Book the energy that faces that let go take at a vertex, as contact books that of pairs.
+
+    They are at rest and do no work: their impulses, each as `hold` finds it, times the velocity
+    after all conditions are heat, across the normal, and loss, along it.
+
+    Parameters
+    ----------
+    motion : tuple
+        Velocity and acceleration before all conditions.
+    last : tuple
+        The velocity after them.
+    lost : (faces, WALL_BOOKED) float64
+        Grows.
+
+    Returns
+    -------
+    float
+        Impulses times the velocity, summed over these faces.
+    """
+
+
+@specialise(book_losses)
+def _book_losses(holding, number, r, motion, last, mass, lost):
+    faces = holding.types[0]
+    if len(faces) == 0 or not any(hasattr(k.instance_class, "approach") for k in faces.types[0]):
+        return lambda holding, number, r, motion, last, mass, lost: 0.0
+
+    def book_each(holding, number, r, motion, last, mass, lost):
+        faces, forcing, done = holding.faces, holding.forcing, 0.0
+        relaxation, dt = forcing.loads.relaxation, forcing.dt
+        v, a = motion
+        for n in range(len(faces.rows)):
+            if not is_beyond(faces, n, holding.frame, number):
+                continue
+            u, b = v, a
+            clearance = clearance_at(forcing.clearances, n, r)
+            v, a = constrained(faces.kinds, 0, faces.rows, n, v, a, clearance)
+            if not lets_go(faces.kinds, 0, int(faces.rows[n, KIND])):
+                continue
+            for d in range(3):
+                one = given(relaxation, mass, dt, u[d], b[d], v[d], a[d]) * last[d]
+                lost[n, WALL_LOSS if d == side_of(faces, n)[0] else WALL_HEAT] -= one
+                done += one
+        return done
+
+    return book_each
+
+
+def held_velocity(holding, number, r, v, last):
+    """Velocity v of the vertex at `r` after faces and constraints.
+
+    As they are at the step's end (`last`), or at its beginning.
+    """
+
+
+@specialise(held_velocity)
+def _held_velocity(holding, number, r, v, last):
+    def held(holding, number, r, v, last):
+        u, _ = hold(holding, number, r, v, (0.0, 0.0, 0.0), 0.0)
+        if last:
+            return constrained_velocity(holding.forcing.marked, r, u)
+        return former_velocity(holding.forcing.marked, r, u, holding.forcing.dt)
+
+    return held

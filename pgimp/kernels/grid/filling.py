@@ -1,0 +1,286 @@
+"""How much of a vertex's neighbourhood is filled, where bodies flow; particles have `refill`.
+
+The J of liquids, of grains and of loose soil is integrated from rates, and nothing compares it with
+the space that particles have. In motion both drift apart: particles crowd, and what flows sinks. So
+every few steps volumes are summed at the vertices, V_v = sum_p S_vp V_p, relative to the part V_c
+of the neighbourhood that lies within the walls: phi_v = V_v/V_c. Where that is overfull, particles
+are shifted down the gradient of what is too much:
+
+    x_p -= eps c h t sum_v grad S_vp max(phi_v - 1, 0),
+
+with the speed of waves c and the time t since the last shift. Calm bodies fill their space, and
+stay as they are; free surfaces, phi < 1, are not pushed. Velocities stay as they are. Lind et al.
+(J. Comput. Phys. 231, 2012) shift the particles of SPH likewise, down the gradient of
+concentration.
+
+J also gathers noise that is finer than a cell, which exerts no force on any vertex and is therefore
+never removed. In liquids and grains it is relaxed, at the rate delta c/h, to the field of the
+vertices,
+
+    J_v = sum_p m_p S_vp (J_p + g_p . (x_v - x_p))/sum_p m_p S_vp,    g_p = sum_v grad S_vp J_v.
+
+That is exact for linear fields, so that hydrostatic pressure is left as it is.
+
+Voids close at the rate eps c/h: what a particle of a liquid or of grains has beyond J = 1.01, in
+overfull neighbourhoods, and the gap by which a particle of loose soil has opened, in full ones.
+Both are without stress, so that nothing else changes. Else soil that was torn apart on its way
+would lie there with more volume than it takes.
+"""
+
+from typing import Any, NamedTuple
+
+from pgimp.jit.algebra import determinant
+from pgimp.jit.kernel import inner_kernel, kernel, specialise
+from pgimp.jit.tuples import read, scaled
+from pgimp.jit.vectors.simd import pack
+from pgimp.kernels.data.frame import Window
+from pgimp.kernels.data.particles import FloatArray, IntArray
+from pgimp.kernels.data.velocity_fields import field_count, field_size, is_used
+from pgimp.kernels.grid.mirror import mirror_places, vertices_beyond
+from pgimp.kernels.rigid.bodies import FILLED
+from pgimp.kernels.rigid.fill import fill
+from pgimp.kernels.transfer.first_vertex import deformation
+
+#: Entries of a vertex's record while it is summed: volume of all bodies; mass of those whose J is
+#: relaxed, and that times J.
+VOLUME, MASS, RATIO = 0, 1, 2
+
+#: Entries after that: max(phi - 1, 0), J_v, phi - 1, and max(phi - 1, 0)/phi.
+EXCESS, FIELD, SURPLUS, OVERLAP = 0, 1, 2, 3
+
+
+class FillingSums(NamedTuple):
+    """The loads' stand-in where the filling is summed.
+
+    The fields are those of `Loads`, with arms for the gradient of J, and
+
+    most : (bodies,) float64
+        The greatest J without voids where J is relaxed; 0 for other bodies, which only fill.
+    """
+
+    viscosity: tuple[()] = ()
+    tractions: tuple[()] = ()
+    force: tuple[()] = ()
+    relaxation: tuple[()] = ()
+    affine: float = 1.0
+    walls: tuple[()] = ()
+    mean: tuple[()] = ()
+    around: tuple[()] = ()
+    most: Any = ()
+
+
+class Filling(NamedTuple):
+    """The filling as a step's particles see it; () where nothing flows.
+
+    Attributes
+    ----------
+    due : bool
+        Whether this step uses it.
+    window : Window
+        Of the records.
+    G : (planes * plane,) float64
+        EXCESS, FIELD, SURPLUS of the vertices, by field.
+    shift : (bodies,) float64
+        eps c t/h, 0 for bodies that do not flow.
+    relaxed : (bodies,) float64
+        Part of its difference from the vertices' field that J loses.
+    closed : (bodies,) float64
+        Part of gaps and of voids that closes in full neighbourhoods.
+    most : (bodies,) float64
+        See `FillingSums`.
+    gap : (bodies,) int64
+        Column of the state that has the gap of loose soil; -1 for other bodies.
+    """
+
+    due: bool
+    window: Window
+    G: FloatArray
+    shift: FloatArray
+    relaxed: FloatArray
+    closed: FloatArray
+    most: FloatArray
+    gap: IntArray
+
+
+def filling_share(loads, frame, particles, p):
+    """The vector (V, m, m J, 0) of particle `p`, and its columns of stress, which are zero."""
+
+
+@specialise(filling_share)
+def _filling_share(loads, frame, particles, p):
+    def share(loads, frame, particles, p):
+        V, m, J = particles.V0[p], particles.m[p], determinant(deformation(frame, particles, p))
+        most = loads.most[particles.body[p]]
+        if not most > 0.0:
+            return pack(V * J, 0.0, 0.0, 0.0), _zeros(frame.origin)
+        J = min(J, most)
+        return pack(V * J, m, m * J, 0.0), _zeros(frame.origin)
+
+    return share
+
+
+def _zeros(like):
+    """Zero vectors, as many as `like` has entries."""
+
+
+@specialise(_zeros)
+def _zeros_of(like):
+    if len(like) == 1:
+        return lambda like: (pack(0.0, 0.0, 0.0, 0.0),)
+    return lambda like: (pack(0.0, 0.0, 0.0, 0.0), *_zeros(like[1:]))
+
+
+def ratio_arms(loads, frame, particles, p):
+    """Gradient of m_p J for each direction, as in `affine_momentum`."""
+
+
+@specialise(ratio_arms)
+def _ratio_arms(loads, frame, particles, p):
+    def arms(loads, frame, particles, p):
+        if not loads.most[particles.body[p]] > 0.0:
+            return _zeros(frame.origin)
+        return _in_ratio(scaled(particles.m[p], read(particles.slope, p, 0, frame.origin)))
+
+    return arms
+
+
+def _in_ratio(g):
+    """Vectors with the entries of `g` at RATIO."""
+
+
+@specialise(_in_ratio)
+def _in_ratio_of(g):
+    if len(g) == 1:
+        return lambda g: (pack(0.0, 0.0, g[0], 0.0),)
+    return lambda g: (pack(0.0, 0.0, g[0], 0.0), *_in_ratio(g[1:]))
+
+
+@kernel
+def fold_filling(frame, field, mirror):
+    """Add the volumes beyond a wall to their mirror images: that is where they are pushed to.
+
+    Parameters
+    ----------
+    frame, field
+        See `Frame`, `Field`; the field holds the sums of `FillingSums`.
+    mirror : Mirror
+        The wall.
+    """
+    window, G, active = field.window, field.G, field.active
+    i0, i1 = vertices_beyond(frame, window, mirror, 0)
+    j0, j1 = vertices_beyond(frame, window, mirror, 1)
+    k0, k1 = vertices_beyond(frame, window, mirror, 2)
+    for f in range(field_count(window)):
+        begin = f * field_size(window)
+        for i in range(i0, i1):
+            if active[i] == 0 or not is_used(field, i, f):
+                continue
+            for j in range(j0, j1):
+                for k in range(k0, k1):
+                    g, r, _ = mirror_places(frame, window, active, mirror, begin, i, j, k)
+                    if r >= 0 and is_used(field, r // window.stride[0], f):
+                        G[r + VOLUME] += G[g + VOLUME]
+                        G[g + VOLUME] = 0.0
+
+
+@kernel
+def find_filling(frame, field, walls, tools, fills):
+    """Turn the sums of `FillingSums` into EXCESS, FIELD and SURPLUS.
+
+    Parameters
+    ----------
+    frame, field
+        As in `fold_filling`, after it.
+    walls : (6,) bool
+        Which faces are walls: the low and the high end of x, y, z.
+    tools : Tools or ()
+        The rigid bodies.
+    fills : (rigid bodies,) bool
+        Which of them fill as well.
+    """
+    window, G, size = field.window, field.G, field_size(field.window)
+    volume = 1.0
+    for d in range(len(frame.cell)):
+        volume *= frame.cell[d]
+    for i in range(len(field.active)):
+        if field.active[i] == 0:
+            continue
+        for j in range(window.extent[1]):
+            for k in range(window.extent[2]):
+                first = i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
+                filled = 0.0
+                for f in range(field_count(window)):
+                    if is_used(field, i, f):
+                        filled += G[first + f * size + VOLUME]
+                number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
+                sides = _sides(frame, walls, number)
+                inside = volume
+                for d in range(3):
+                    inside *= 1.0 if sides[d] == 0 else 0.5
+                surplus = filled / inside + _rigid_part(tools, fills, frame, number, sides) - 1.0
+                for f in range(field_count(window)):
+                    if is_used(field, i, f):
+                        r = first + f * size
+                        m = G[r + MASS]
+                        G[r + FIELD] = G[r + RATIO] / m if m > 0.0 else 1.0
+                        G[r + EXCESS], G[r + SURPLUS] = max(surplus, 0.0), surplus
+                        G[r + OVERLAP] = max(surplus, 0.0) / max(1.0 + surplus, 1.0)
+
+
+@inner_kernel
+def _sides(frame, walls, number):
+    """-1 or 1 where a vertex is on a low or a high wall, by direction, else 0."""
+    x, y, z = 0, 0, 0
+    for d in range(len(frame.cell)):
+        side = 0
+        if walls[2 * d] and number[d] == frame.ghost:
+            side = -1
+        elif walls[2 * d + 1] and number[d] == frame.ghost + frame.cells[d]:
+            side = 1
+        x, y, z = (side if d == 0 else x), (side if d == 1 else y), (side if d == 2 else z)
+    return x, y, z
+
+
+def _rigid_part(tools, fills, frame, number, sides):
+    """Part of a vertex's neighbourhood that rigid bodies fill."""
+
+
+@specialise(_rigid_part)
+def _rigid_part_of(tools, fills, frame, number, sides):
+    if not hasattr(tools, "instance_class"):  # ()
+        return lambda tools, fills, frame, number, sides: 0.0
+
+    def part(tools, fills, frame, number, sides):
+        filled = 0.0
+        for t in range(len(tools.motion)):
+            if fills[t] and fill(tools, t, frame, number, sides):
+                filled += tools.at[FILLED]
+        return filled
+
+    return part
+
+
+@kernel
+def reflect_filling(frame, field, mirror):
+    """Set EXCESS and SURPLUS beyond a wall from the mirror images: nothing is shifted through it.
+
+    Parameters
+    ----------
+    frame, field, mirror
+        As in `fold_filling`, after `find_filling`.
+    """
+    window, G, active = field.window, field.G, field.active
+    i0, i1 = vertices_beyond(frame, window, mirror, 0)
+    j0, j1 = vertices_beyond(frame, window, mirror, 1)
+    k0, k1 = vertices_beyond(frame, window, mirror, 2)
+    for f in range(field_count(window)):
+        begin = f * field_size(window)
+        for i in range(i0, i1):
+            if active[i] == 0 or not is_used(field, i, f):
+                continue
+            for j in range(j0, j1):
+                for k in range(k0, k1):
+                    g, r, _ = mirror_places(frame, window, active, mirror, begin, i, j, k)
+                    if r >= 0 and is_used(field, r // window.stride[0], f):
+                        for e in (EXCESS, SURPLUS, OVERLAP):
+                            G[g + e] = G[r + e]

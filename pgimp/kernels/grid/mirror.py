@@ -1,0 +1,226 @@
+"""Reflection at a face of the sums beyond it (``wall: mirror``).
+
+The vertices beyond the face add their sums to their mirror images before the momentum update:
+mass, tangential momentum and force add, the normal parts subtract. After it they get the
+reflection of their images' velocity and acceleration, which the particles then gather. At a wall
+that holds in every direction (`fixed`) all parts subtract, so that the velocity on it is zero:
+with tangential motion that is even a wide particle would slide by what it has beyond.
+
+This is the motion of the grid under a constraint: velocities beyond the face are the reflection of
+those within. So it conserves energy, and momentum up to the face's impulse: particles gain the
+sum of m a dt over all vertices, with the mass m' beyond the face, where the normal force is f'.
+Reflection reverses both, so that the face's impulse is -2 (f' + m' a) dt, a being the images'. For
+the part of the velocity that particles relax by (`relaxed`) it is -2 (p' + f' dt + m' v) likewise.
+"""
+
+from typing import NamedTuple
+
+from pgimp.jit.kernel import inner_kernel, kernel
+from pgimp.kernels.data.record import ACCELERATION, FORCE, HELD, MASS, MOMENTUM, RECORD, VELOCITY
+from pgimp.kernels.data.velocity_fields import field_count, field_size, is_used, use
+from pgimp.kernels.grid.constraint_flags import also_held
+from pgimp.kernels.grid.wall_gap import clearance_at
+from pgimp.kernels.loads.loads import given, relaxed_part
+
+
+class Mirror(NamedTuple):
+    """A face that reflects.
+
+    Attributes
+    ----------
+    axis, side : int
+        The face: direction, and -1 for its low end or 1 for its high end.
+    number : int
+        Its place among all faces with a condition.
+    releases : bool
+        Whether it lets the material go: nothing is reflected beyond a vertex that moves away.
+    sticks : bool
+        Whether all components are turned round, not just the one across it.
+    """
+
+    axis: int
+    side: int
+    number: int
+    releases: bool
+    sticks: bool
+
+
+@kernel
+def fold(frame, field, mirror, forcing, ledger):
+    """Add the sums beyond a face to those of the mirror images.
+
+    A vertex beyond it then has the face's number, made negative, in place of its mass, which moves
+    to `HELD`: `reflect` needs both, and everywhere else the vertex has no mass.
+
+    Parameters
+    ----------
+    frame, field, forcing, ledger
+        As in `update_momentum`.
+    mirror : Mirror
+        The face.
+    """
+    window, G, active, owned = field.window, field.G, field.active, field.owned
+    dt, gravity, impulse = forcing.dt, forcing.gravity, ledger.impulse
+    relaxation = forcing.loads.relaxation
+    axis = mirror.axis
+    i0, i1 = vertices_beyond(frame, window, mirror, 0)
+    j0, j1 = vertices_beyond(frame, window, mirror, 1)
+    k0, k1 = vertices_beyond(frame, window, mirror, 2)
+    for f in range(field_count(window)):
+        begin = f * field_size(window)
+        for i in range(i0, i1):
+            if active[i] == 0 or not is_used(field, i, f):
+                continue
+            for j in range(j0, j1):
+                for k in range(k0, k1):
+                    g, r, wall = mirror_places(frame, window, active, mirror, begin, i, j, k)
+                    if r < 0 or not G[g + MASS] > 0.0 or G[r + MASS] < 0.0:
+                        continue
+                    if mirror.releases:
+                        push = G[wall + FORCE + axis] + G[wall + MASS] * gravity[axis]
+                        into = (G[wall + MOMENTUM + axis] + dt * push) * mirror.side
+                        near = clearance_at(forcing.clearances, mirror.number, wall)
+                        gap_momentum = G[wall + MASS] * near / dt
+                        if not (G[wall + MASS] > 0.0 and into > gap_momentum):
+                            continue
+                    # Gravity will act on all mass of the image alike, but on this part in reverse.
+                    part = relaxed_part(relaxation, dt)
+                    for d in range(3):
+                        if not _turns(mirror, d):
+                            continue
+                        weight = G[g + MASS] * gravity[d]
+                        G[r + FORCE + d] -= 2.0 * weight
+                        if i < owned:
+                            force, momentum = G[g + FORCE + d] + weight, G[g + MOMENTUM + d]
+                            impulse[i, mirror.number, d] -= 2.0 * dt * force + 2.0 * part * momentum
+                    place = r - begin  # the image's plane now has this field
+                    use(field, place // window.stride[0], begin, begin + RECORD)
+                    G[r + MASS] += G[g + MASS]
+                    G[r + HELD] += G[g + HELD]
+                    for d in range(3):
+                        sign = -1.0 if _turns(mirror, d) else 1.0
+                        G[r + MOMENTUM + d] += sign * G[g + MOMENTUM + d]
+                        G[r + FORCE + d] += sign * G[g + FORCE + d]
+                    mass = G[g + MASS]
+                    for d in range(RECORD):
+                        G[g + d] = 0.0
+                    G[g + MASS] = -1.0 - mirror.number
+                    G[g + HELD] = mass
+
+
+@kernel
+def fold_volumes(frame, field, volumes, mirror):
+    """Add the sums of `VolumeSums` beyond a face to those of the mirror images.
+
+    Parameters
+    ----------
+    frame, field, mirror
+        As in `fold`, after it; vertices that it has not folded stay.
+    volumes : (planes * plane,) float64
+        The sums.
+    """
+    window, G, active = field.window, field.G, field.active
+    i0, i1 = vertices_beyond(frame, window, mirror, 0)
+    j0, j1 = vertices_beyond(frame, window, mirror, 1)
+    k0, k1 = vertices_beyond(frame, window, mirror, 2)
+    for f in range(field_count(window)):
+        begin = f * field_size(window)
+        for i in range(i0, i1):
+            if active[i] == 0:
+                continue
+            for j in range(j0, j1):
+                for k in range(k0, k1):
+                    g, r, _ = mirror_places(frame, window, active, mirror, begin, i, j, k)
+                    if r < 0 or G[g + MASS] != -1.0 - mirror.number:
+                        continue
+                    for d in range(RECORD):
+                        sign = -1.0 if d == FORCE + mirror.axis else 1.0
+                        volumes[r + d] += sign * volumes[g + d]
+
+
+@kernel
+def reflect(frame, field, mirror, forcing, ledger):
+    """Set velocity and acceleration beyond a face from the mirror images.
+
+    Of several faces the last one that has folded reflects first.
+
+    Parameters
+    ----------
+    frame, field, forcing, ledger
+        As in `update_momentum`, which has counted the work of gravity on the folded mass as if it
+        moved with the images; what is turned round moves against them.
+    mirror : Mirror
+        The face.
+    """
+    window, G, active, owned = field.window, field.G, field.active, field.owned
+    dt, gravity, impulse, work = forcing.dt, forcing.gravity, ledger.impulse, ledger.work
+    relaxation = forcing.loads.relaxation
+    axis = mirror.axis
+    i0, i1 = vertices_beyond(frame, window, mirror, 0)
+    j0, j1 = vertices_beyond(frame, window, mirror, 1)
+    k0, k1 = vertices_beyond(frame, window, mirror, 2)
+    for f in range(field_count(window)):
+        begin = f * field_size(window)
+        for i in range(i0, i1):
+            if active[i] == 0:
+                continue
+            for j in range(j0, j1):
+                for k in range(k0, k1):
+                    g, r, _ = mirror_places(frame, window, active, mirror, begin, i, j, k)
+                    if r < 0 or G[g + MASS] != -1.0 - mirror.number:
+                        continue
+                    twice = 2.0 * G[g + HELD]
+                    for d in range(3):
+                        if i < owned and _turns(mirror, d):
+                            v, a = G[r + VELOCITY + d], G[r + ACCELERATION + d]
+                            impulse[i, mirror.number, d] -= given(
+                                relaxation, twice, dt, 0.0, 0.0, v, a
+                            )  # fmt: skip
+                            work[i] -= twice * dt * gravity[d] * v
+                    G[r + HELD] = also_held(G[r + HELD], axis)
+                    G[g + HELD] = G[r + HELD]
+                    for d in range(3):
+                        sign = -1.0 if _turns(mirror, d) else 1.0
+                        G[g + VELOCITY + d] = sign * G[r + VELOCITY + d]
+                        G[g + ACCELERATION + d] = sign * G[r + ACCELERATION + d]
+
+
+@inner_kernel
+def _turns(mirror, d):
+    """Whether a mirror turns component `d` round."""
+    return mirror.sticks or d == mirror.axis
+
+
+@inner_kernel
+def vertices_beyond(frame, window, mirror, d):
+    """Range of the window's vertices along direction `d` that may lie beyond the face."""
+    if d != mirror.axis:
+        return 0, window.extent[d]
+    if mirror.side < 0:
+        return 0, min(window.extent[d], max(0, frame.ghost - window.lower[d]))
+    wall = frame.ghost + frame.cells[d]
+    return max(0, wall + 1 - window.lower[d]), window.extent[d]
+
+
+@inner_kernel
+def mirror_places(frame, window, active, mirror, begin, i, j, k):
+    """Places of a vertex beyond the face, of its mirror image, and of the one between on the face.
+
+    They are in the velocity field that starts at `begin` in each plane. All are -1 for other
+    vertices, and where the image is not stored: then the vertex has no weight.
+    """
+    axis, side = mirror.axis, mirror.side
+    number = window.lower[axis] + (i if axis == 0 else (j if axis == 1 else k))
+    wall = frame.ghost if side < 0 else frame.ghost + frame.cells[axis]
+    beyond = (number - wall) * side
+    if beyond <= 0:
+        return -1, -1, -1
+    shift = -2 * beyond * side
+    image = number - window.lower[axis] + shift
+    if image < 0 or image >= window.extent[axis]:
+        return -1, -1, -1
+    if axis == 0 and active[image] == 0:
+        return -1, -1, -1
+    place = begin + i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
+    step = shift * window.stride[axis]
+    return place, place + step, place + step // 2

@@ -1,0 +1,157 @@
+"""Momentum update (14) of the vertices, boundary conditions, and reactions of the faces."""
+
+from pgimp.jit.kernel import inner_kernel, kernel, specialise
+from pgimp.kernels.contact.vertex import meet
+from pgimp.kernels.data.record import ACCELERATION, FORCE, HELD, MASS, MOMENTUM, RECORD, VELOCITY
+from pgimp.kernels.data.velocity_fields import field_count, field_size, is_used
+from pgimp.kernels.grid.conditions import Holding, book_losses, hold
+from pgimp.kernels.grid.constraint_flags import also_held
+from pgimp.kernels.grid.constraints import constrained_velocity
+from pgimp.kernels.grid.faces import beyond_any, face_count, side_of, wall_of
+from pgimp.kernels.grid.wall_gap import clear
+from pgimp.kernels.loads.loads import given
+
+#: Parts of the update: all; up to the last pass of contact, and the rest.
+WHOLE, BEGINNING, REST = 0, 1, 2
+
+
+@kernel
+def update_momentum(frame, field, faces, forcing, ledger, contact, part):
+    """Turn the sums of a rank's active planes into velocities and accelerations.
+
+    Parameters
+    ----------
+    frame, field, forcing
+        See `Frame`, `Field`, `Forcing`; constraints are applied after this.
+    faces : Faces or ()
+        The boundary conditions.
+    ledger : Ledger
+        `impulse` grows by the momentum that each face gives to the material, and `work` by that of
+        gravity and of moving faces: force times displacement, so that a constant gravity's work is
+        the weight times the displacement of the centre of mass. What faces that let go take is in
+        `walls`. Kinetic energy differs from that by
+        an amount of order dt, also in free fall. `outside_mass` is set to the mass on the vertices
+        beyond each face.
+    contact : Contact or ()
+        Where bodies meet.
+    part : int
+        `WHOLE`, or `BEGINNING` and `REST` in two calls.
+    """
+    G, active, owned, plane = field.G, field.active, field.owned, field.window.stride[0]
+    dt, gravity, lightest, work = forcing.dt, forcing.gravity, forcing.lightest, ledger.work
+    if part != REST:
+        ledger.outside_mass[:] = 0.0
+    heavy = gravity[0] != 0.0 or gravity[1] != 0.0 or gravity[2] != 0.0
+    size = field_size(field.window)
+    for i in range(len(active)):
+        if active[i] == 0:
+            continue
+        if part != REST:
+            meet(contact, faces, frame, field, forcing, i, ledger, False)
+            for f in range(field_count(field.window)):
+                if is_used(field, i, f):
+                    begin = i * plane + f * size
+                    _accelerate(G, begin, begin + size, dt, gravity, lightest, forcing.clearances)
+        if part == BEGINNING:
+            continue
+        meet(contact, faces, frame, field, forcing, i, ledger, True)
+        for n in range(face_count(faces)):
+            constrain_plane(faces, n, frame, field, forcing, i, ledger)
+        if heavy and i < owned:
+            power = 0.0
+            for f in range(field_count(field.window)):
+                if is_used(field, i, f):
+                    for r in range(i * plane + f * size, i * plane + (f + 1) * size, RECORD):
+                        v = r + VELOCITY
+                        b_v = gravity[0] * G[v] + gravity[1] * G[v + 1] + gravity[2] * G[v + 2]
+                        power += G[r + MASS] * b_v
+            work[i] += dt * power
+
+
+@inner_kernel
+def _accelerate(G, begin, end, dt, gravity, lightest, clearances):
+    """Turn the sums of a field of a plane into velocities and accelerations."""
+    for r in range(begin, end, RECORD):
+        m = G[r + MASS]
+        if m > lightest:
+            inverse = 1.0 / m
+            for d in range(3):
+                a = G[r + FORCE + d] * inverse + gravity[d]
+                G[r + ACCELERATION + d] = a
+                G[r + VELOCITY + d] = G[r + MOMENTUM + d] * inverse + dt * a
+        else:
+            inverse = 1.0 / m if m > 0.0 else 0.0
+            for d in range(3):
+                G[r + ACCELERATION + d] = 0.0
+                G[r + VELOCITY + d] *= inverse
+        if m >= 0.0:
+            clear(clearances, G, r)
+
+
+def constrain_plane(faces, n, frame, field, forcing, i, ledger):
+    """Apply the conditions at the vertices of plane `i` on or beyond face `n` but none before it.
+
+    Where faces meet, a vertex is treated by all of them at once, because the work of each is its
+    force times the velocity after the last of them, or after a constraint.
+    """
+
+
+@specialise(constrain_plane)
+def _constrain_plane(faces, n, frame, field, forcing, i, ledger):
+    if len(faces) == 0:
+        return lambda faces, n, frame, field, forcing, i, ledger: None
+    return lambda faces, n, frame, field, forcing, i, ledger: _constrain_face(
+        faces, n, frame, field, forcing, i, ledger
+    )
+
+
+@inner_kernel
+def _constrain_face(faces, n, frame, field, forcing, i, ledger):
+    """See `constrain_plane`."""
+    window, G, owned, dt = field.window, field.G, i < field.owned, forcing.dt
+    relaxation, work = forcing.loads.relaxation, ledger.work
+    holding = Holding(faces, frame, forcing, ledger.impulse[i])
+    axis, side = side_of(faces, n)
+    wall = wall_of(faces, n, frame)
+    j0, j1 = 0, window.extent[1]
+    k0, k1 = 0, window.extent[2]
+    if axis == 0:
+        if (i + window.lower[0] - wall) * side < 0:
+            return
+    elif axis == 1:
+        if side < 0:
+            j1 = min(j1, wall - window.lower[1] + 1)
+        else:
+            j0 = max(j0, wall - window.lower[1])
+    elif side < 0:
+        k1 = min(k1, wall - window.lower[2] + 1)
+    else:
+        k0 = max(k0, wall - window.lower[2])
+    for f in range(field_count(window)):
+        first = i * window.stride[0] + f * field_size(window)
+        for j in range(j0, j1):
+            for k in range(k0, k1):
+                r = first + j * window.stride[1] + k * window.stride[2]
+                m = G[r + MASS]
+                number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
+                if not m > 0.0 or beyond_any(faces, n, frame, number):
+                    continue
+                if number[axis] != wall:
+                    ledger.outside_mass[i, n] += m
+                mass = m if owned else 0.0
+                u = (G[r + VELOCITY], G[r + VELOCITY + 1], G[r + VELOCITY + 2])
+                b = (G[r + ACCELERATION], G[r + ACCELERATION + 1], G[r + ACCELERATION + 2])
+                v, a = hold(holding, number, r, u, b, mass)
+                last = constrained_velocity(forcing.marked, r, v)
+                held, done = 0.0, 0.0
+                for d in range(3):
+                    done += given(relaxation, mass, dt, u[d], b[d], v[d], a[d]) * last[d]
+                    if v[d] != u[d] or a[d] != b[d]:
+                        held = also_held(held, d)
+                work[i] += done - book_losses(
+                    holding, number, r, (u, b), last, mass, ledger.walls[i]
+                )  # fmt: skip
+                G[r + HELD] = held
+                for d in range(3):
+                    G[r + VELOCITY + d] = v[d]
+                    G[r + ACCELERATION + d] = a[d]

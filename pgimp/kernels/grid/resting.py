@@ -1,0 +1,138 @@
+"""Velocities of particles that walls hold: what the grid cannot take from them.
+
+Vertices that a wall holds have no acceleration, whatever momentum particles bring there: otherwise
+a wall would brake every motion that grows from it. So a particle whose support is mostly on such
+vertices keeps the velocity with which it came, though it does not move: sand that lies at rest on a
+fixed floor at the speed of its fall.
+
+Such a particle of what flows (`Material.RESTS`) loses the difference between its velocity and that
+at which it moves, as it would have gone a part of a cell by it: by itself a difference d falls as
+exp(-STOPS (1 - 2 z/h) s/h), s being the way by d, and z < h/2 the particle's distance from the
+wall. About 1 - z/h of its support is held, more than half. What springs back keeps it: it does not
+come to rest in this way. The wall takes the momentum, does work only where it moves, and books what
+else is lost. No kinetic energy is gained, as the wall sees it.
+"""
+
+from math import sqrt
+
+from pgimp.jit.kernel import inner_kernel, specialise
+from pgimp.jit.tuples import plus_scaled
+from pgimp.jit.vectors.lanes import of_lane
+from pgimp.jit.vectors.simd import bits, vector, with_lane
+from pgimp.kernels.data.ledger import WALL_LOSS
+from pgimp.kernels.grid.position_limits import HOLDS, MOTION, NUMBER, PLACE
+from pgimp.kernels.transfer.lane_io import LANES, coordinates
+
+#: The inverse of the way, in cells, by which the difference falls by a factor of e.
+STOPS = 10.0
+
+#: Distance from a wall, in cells, within which a particle is mostly held.
+NEAR = 0.5
+
+
+def _any_near(frame, walls, x, d):
+    """Bit j is set where particle j is near a wall that holds every component, from axis `d` on."""
+
+
+@specialise(_any_near)
+def _any_near_from(frame, walls, x, d):
+    if len(x) == 0:
+        return lambda frame, walls, x, d: 0
+
+    def near(frame, walls, x, d):
+        found = _any_near(frame, walls, x[1:], d + 1)
+        for end in range(2):
+            wall = walls[2 * d + end]
+            if wall[HOLDS] > 0.0:
+                far = (x[0] - wall[PLACE]) * frame.inverse[d]
+                found |= bits(far * far < NEAR * NEAR)
+        return found
+
+    return near
+
+
+@inner_kernel
+def _nearest(frame, walls, x):
+    """The nearest wall that holds every component, and its distance from x in cells; -1: none."""
+    found, least = -1, NEAR
+    for d in range(len(x)):
+        for end in range(2):
+            wall = walls[2 * d + end]
+            far = abs(x[d] - wall[PLACE]) * frame.inverse[d]
+            if wall[HOLDS] > 0.0 and far < least:
+                found, least = 2 * d + end, far
+    return found, least
+
+
+@inner_kernel
+def _lost_part(frame, dt, far, wall, u, v):
+    """Part of the difference v - u that a particle loses in a step, `far` from a wall in cells."""
+    rate, square, along = 0.0, 0.0, 0.0
+    for d in range(len(u)):
+        off = v[d] - u[d]
+        rate += (off * frame.inverse[d]) ** 2
+        square += off * off
+        along += off * (v[d] - wall[MOTION + d])
+    if not along > 0.0:
+        return 0.0
+    most = min(along / square, 1.0)
+    return min(STOPS * (1.0 - far / NEAR) * dt * sqrt(rate), most)
+
+
+@inner_kernel
+def _settled_part(frame, forcing, m, x, motion, ledger, layer):
+    """Part of the difference that a particle of mass m at x loses in a step; books that.
+
+    `motion` are its velocity and that at which it moves.
+    """
+    n, far = _nearest(frame, forcing.walls, x)
+    if n < 0:
+        return 0.0
+    (v, u), wall = motion, forcing.walls[n]
+    lost, face = _lost_part(frame, forcing.dt, far, wall, u, v), int(wall[NUMBER])
+    for d in range(len(x)):
+        change = lost * (u[d] - v[d])
+        ledger.impulse[layer, face, d] += m * change
+        ledger.work[layer] += m * change * wall[MOTION + d]
+        against = v[d] + 0.5 * change - wall[MOTION + d]
+        ledger.walls[layer, face, WALL_LOSS] -= m * change * against
+    return lost
+
+
+def settle(rest, frame, forcing, particles, batch, motion, ledger):
+    """Velocities of four particles, less what those lose that are held.
+
+    Parameters
+    ----------
+    rest
+        See `Loads`.
+    frame, forcing, particles, batch, ledger
+        See `Frame`, `Forcing`, `Particles`, `Batch`, `Ledger`.
+    motion : tuple
+        Their velocities, and those at which they move.
+    """
+
+
+@specialise(settle)
+def _settle(rest, frame, forcing, particles, batch, motion, ledger):
+    if hasattr(rest, "count"):  # ()
+        return lambda rest, frame, forcing, particles, batch, motion, ledger: motion[0]
+
+    def settled(rest, frame, forcing, particles, batch, motion, ledger):
+        v, u = motion
+        x = coordinates(frame, particles, batch.rows)
+        if _any_near(frame, forcing.walls, x, 0) == 0:
+            return v
+        lost, part = vector(0.0), 0.0
+        for j in range(LANES):
+            if j < batch.size:  # else as the last one, for which it fills in
+                p, part = batch.rows[j], 0.0
+                if rest[particles.body[p]]:
+                    part = _settled_part(
+                        frame, forcing, particles.m[p], of_lane(x, j), of_lane(motion, j), ledger,
+                        batch.layer,
+                    )  # fmt: skip
+            lost = with_lane(lost, j, part)
+        return plus_scaled(lost, u, plus_scaled(-lost, v, v))
+
+    return settled

@@ -1,0 +1,187 @@
+"""Clearance of bodies from the walls that let go, at each vertex of a wall.
+
+A vertex on a wall has weight on a body that is still a cell away. With w the distance from the
+wall, along its normal, the divergence theorem turns the sum over the body's particles
+
+    sum_p m_p (w . grad S_vp + S_vp div w)
+
+into minus the density times the integral of w S over the body's lower surface: zero where the body
+lies on the wall, for any filled part of the neighbourhood and any strain. For a surface along the
+wall at the distance z it is -2 z/(h - z) times the vertex's mass, from which z follows; for other
+surfaces z is a mean. Away from the wall w falls to zero, so that it does not affect walls of other
+directions but at edges, where the clearances from both add up.
+
+The sum uses the entry of a vertex's record that is free until the momentum update.
+"""
+
+from typing import NamedTuple
+
+from pgimp.jit.kernel import inner_kernel, kernel, specialise
+from pgimp.kernels.data.record import HELD, MASS, RECORD
+from pgimp.kernels.data.velocity_fields import field_count, field_size
+
+#: Clearance, as part of a cell, that counts as none: more than strain makes of a closed one, into
+#: which bodies under pressure would yield again and again, and lose energy.
+CLOSED = 0.01
+
+
+class Sides(NamedTuple):
+    """The walls across one direction; all numbers are 0 where there is none.
+
+    Attributes
+    ----------
+    low, high : float
+        Coordinates of the low and the high wall; if there is one, both are it.
+    middle : float
+        Particles beyond it count for the high wall.
+    peak : float
+        Distance from the wall at which w is greatest.
+    """
+
+    low: float
+    high: float
+    middle: float
+    peak: float
+
+
+class Wall(NamedTuple):
+    """A face whose clearance is computed.
+
+    Attributes
+    ----------
+    axis, side, number : int
+        As in `Mirror`.
+    """
+
+    axis: int
+    side: int
+    number: int
+
+
+@inner_kernel
+def _distance(sides, x):
+    """W along the walls' direction at the coordinate x, and its derivative."""
+    z = x - (sides.low if x < sides.middle else sides.high)
+    far = abs(z)
+    w = min(far, max(2.0 * sides.peak - far, 0.0))
+    slope = 1.0 if far < sides.peak else (-1.0 if w > 0.0 else 0.0)
+    return (w if z > 0.0 else -w), slope
+
+
+def wall(walls, d):
+    """The entry of `Loads.walls` for a direction; () without any."""
+
+
+@specialise(wall)
+def _wall(walls, d):
+    if len(walls) == 0:
+        return lambda walls, d: ()
+    return lambda walls, d: walls[d]
+
+
+def moment(walls, particles, p, d):
+    """m_p w_p along direction `d`; `walls` is the entry of `Loads.walls` for it, or ()."""
+
+
+@specialise(moment)
+def _moment(walls, particles, p, d):
+    if not hasattr(walls, "instance_class"):  # ()
+        return lambda walls, particles, p, d: 0.0
+    return lambda walls, particles, p, d: (
+        particles.m[p] * _distance(walls, particles.x[p, d])[0]
+    )
+
+
+def divergence(walls, particles, p, d):
+    """Divergence of w from direction `d` on, which is the first in `walls`."""
+
+
+@specialise(divergence)
+def _divergence(walls, particles, p, d):
+    if len(walls) == 0:
+        return lambda walls, particles, p, d: 0.0
+    return lambda walls, particles, p, d: (
+        _distance(walls[0], particles.x[p, d])[1] + divergence(walls[1:], particles, p, d + 1)
+    )
+
+
+@kernel
+def find_clearances(frame, field, wall, joint, clearances):
+    """Find the clearance, a length, at the vertices on a wall; those beyond have the same.
+
+    Parameters
+    ----------
+    frame, field
+        See `Frame`, `Field`, with the sums of particles.
+    wall : Wall
+        The face.
+    joint : bool
+        Whether all velocity fields at a vertex have one clearance, as bodies that are tied must.
+    clearances : (faces, vertices) float64
+        The face's row is set here, at the vertices with mass.
+    """
+    window, G, active, row = field.window, field.G, field.active, clearances[wall.number]
+    axis = wall.axis
+    step = window.stride[axis]
+    face = (frame.ghost if wall.side < 0 else frame.ghost + frame.cells[axis]) - window.lower[axis]
+    i0, i1 = _reached(window, wall, face, 0)
+    j0, j1 = _reached(window, wall, face, 1)
+    k0, k1 = _reached(window, wall, face, 2)
+    for f in range(field_count(window)):
+        begin = f * field_size(window)
+        for i in range(i0, i1):
+            if active[i] == 0:
+                continue
+            for j in range(j0, j1):
+                for k in range(k0, k1):
+                    place = begin + i * window.stride[0] + j * window.stride[1]
+                    place += k * window.stride[2]
+                    if not G[place + MASS] > 0.0:
+                        continue
+                    on = place + (face - (i if axis == 0 else (j if axis == 1 else k))) * step
+                    mass, sums = 0.0, 0.0
+                    if axis > 0 or active[face] != 0:
+                        first = on - begin if joint else on
+                        for g in range(field_count(window) if joint else 1):
+                            mass += G[first + g * field_size(window) + MASS]
+                            sums += G[first + g * field_size(window) + HELD]
+                    deficit = max(-sums, 0.0)
+                    part = deficit / (2.0 * mass + deficit) if mass > 0.0 else 0.0
+                    row[place // RECORD] = max(part - CLOSED, 0.0) * frame.cell[axis]
+
+
+@inner_kernel
+def _reached(window, wall, face, d):
+    """Range of the window's vertices along direction `d` that may lie on the wall or beyond."""
+    count = window.extent[d]
+    if d != wall.axis:
+        return 0, count
+    if face < 0 or face >= count:  # none on the wall is stored, so none beyond: see `Scene.ends`
+        return 0, 0
+    return (0, face + 1) if wall.side < 0 else (face, count)
+
+
+def clear(clearances, G, r):
+    """Clear the entry `HELD` of the record at `r`, which held the sums for the clearances."""
+
+
+@specialise(clear)
+def _clear(clearances, G, r):
+    if not hasattr(clearances, "ndim"):
+        return lambda clearances, G, r: None
+
+    def free(clearances, G, r):
+        G[r + HELD] = 0.0
+
+    return free
+
+
+def clearance_at(clearances, n, r):
+    """Clearance from face `n` of the record at `r`."""
+
+
+@specialise(clearance_at)
+def _clearance_at(clearances, n, r):
+    if not hasattr(clearances, "ndim"):
+        return lambda clearances, n, r: 0.0
+    return lambda clearances, n, r: clearances[n, r // RECORD]

@@ -1,0 +1,1 @@
+"""External loads: gravity and body forces at the vertices, tractions on particles."""

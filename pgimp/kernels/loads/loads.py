@@ -1,0 +1,229 @@
+"""Additions to stress and gravity: viscosity, tractions, a body force, relaxation.
+
+Each is `()` in a scene without it; the types decide what is compiled, so that it costs nothing.
+"""
+
+from typing import Any, NamedTuple, Self
+
+from pgimp.jit.kernel import specialise
+from pgimp.jit.tuples import plus_scaled, read, scaled
+from pgimp.jit.vectors.lanes import of_lane
+from pgimp.jit.vectors.simd import pack
+from pgimp.kernels.grid.wall_gap import divergence
+from pgimp.kernels.loads.tractions import scatter_tractions, traction_power
+from pgimp.physics.exact.base import body_force
+from pgimp.physics.loads.bodyforce import acceleration
+
+
+class Loads(NamedTuple):
+    """The loads of one step.
+
+    Attributes
+    ----------
+    viscosity : Viscosity or ()
+        See `pgimp.kernels.update.viscosity`.
+    tractions : tuple of Traction
+        See `pgimp.kernels.loads.tractions`.
+    force : BodyForce or ()
+        See `pgimp.physics.exact.base`.
+    relaxation : float or ()
+        Rate at which particles relax to the grid's velocity, see `relaxed`.
+    affine : float or ()
+        A number where particles carry their velocity gradient, see `pgimp.kernels.update.affine`.
+    walls : tuple of Sides
+        For each direction the walls across it that need clearances; () if none does.
+    mean : float, (bodies,) float64 or ()
+        A number where cells have one dilatation each, see `pgimp.kernels.update.mean`; in scenes
+        with liquids under gravity an array, 1 for these and 0 for other bodies.
+    around : float or ()
+        Likewise for bodies in the initial configuration, see
+        `pgimp.kernels.update.mean_lagrangian`.
+    rest : (bodies,) bool or ()
+        Which bodies come to rest, where faces hold every component: see
+        `pgimp.kernels.grid.resting`.
+    """
+
+    viscosity: Any = ()
+    tractions: Any = ()
+    force: Any = ()
+    relaxation: Any = ()
+    affine: Any = ()
+    walls: Any = ()
+    mean: Any = ()
+    around: Any = ()
+    rest: Any = ()
+
+    def summed(self) -> Self:
+        """The loads that sums of particles need, to compile kernels once for all others."""
+        return self._replace(relaxation=(), rest=())
+
+
+def _three(V):
+    """A vector of the scene as three numbers, zero in the directions that it does not have."""
+
+
+@specialise(_three)
+def _three_of(V):
+    return (lambda V: (V[0], 0.0, 0.0), lambda V: (V[0], V[1], 0.0), lambda V: V)[len(V) - 1]
+
+
+def _force(force, frame, particles, p):
+    """Body force per mass of particle `p` as three numbers, (17)."""
+
+
+@specialise(_force)
+def _force_of(force, frame, particles, p):
+    D = len(frame.types[0])
+    if hasattr(force.types[0].instance_class, "acceleration"):
+
+        def force_here(force, frame, particles, p):
+            x = _three(read(particles.x, p, 0, frame.origin))
+            v = _three(read(particles.v, p, 0, frame.origin))
+            return acceleration(force.source, x, v, force.time)
+
+        return force_here
+
+    def force1(force, frame, particles, p):
+        X = read(particles.origin, p, 0, frame.origin)
+        return body_force(force.source, X, force.time)[0], 0.0, 0.0
+
+    def force2(force, frame, particles, p):
+        X = read(particles.origin, p, 0, frame.origin)
+        b = body_force(force.source, X, force.time)
+        return b[0], b[1], 0.0
+
+    def force3(force, frame, particles, p):
+        X = read(particles.origin, p, 0, frame.origin)
+        return body_force(force.source, X, force.time)
+
+    return (force1, force2, force3)[D - 1]
+
+
+def weight(force, walls, frame, particles, p):
+    """Vector (0, m_p b_p), which (17) adds to the force on the support's vertices, or ().
+
+    With walls its first component is for `pgimp.kernels.grid.wall_gap`.
+    """
+
+
+@specialise(weight)
+def _weight(force, walls, frame, particles, p):
+    forced, near = hasattr(force, "instance_class"), len(walls) > 0
+    if not forced and not near:
+        return lambda force, walls, frame, particles, p: ()
+
+    def near_walls(force, walls, frame, particles, p):
+        return pack(particles.m[p] * divergence(walls, particles, p, 0), 0.0, 0.0, 0.0)
+
+    def weight_of(force, walls, frame, particles, p):
+        m = particles.m[p]
+        b = _force(force, frame, particles, p)
+        return pack(0.0, m * b[0], m * b[1], m * b[2])
+
+    def weight_near_walls(force, walls, frame, particles, p):
+        m = particles.m[p]
+        b = _force(force, frame, particles, p)
+        div = divergence(walls, particles, p, 0)
+        return pack(m * div, m * b[0], m * b[1], m * b[2])
+
+    if not forced:
+        return near_walls
+    return weight_near_walls if near else weight_of
+
+
+def relaxed_part(rate, dt):
+    """Part of a particle's velocity that is the grid's after a step; 0 without relaxation."""
+
+
+@specialise(relaxed_part)
+def _relaxed_part(rate, dt):
+    if hasattr(rate, "count"):  # ()
+        return lambda rate, dt: 0.0
+    return lambda rate, dt: min(rate * dt, 1.0)
+
+
+def relaxed(rate, dt, v, u):
+    """Velocities v of particles, after (27), moved towards the grid's at their place, u.
+
+    By (27) alone a particle keeps for ever the part of its velocity that the grid cannot resolve;
+    this relaxes it at a rate that does not depend on the step, and part of what it can resolve.
+    """
+
+
+@specialise(relaxed)
+def _relaxed(rate, dt, v, u):
+    if hasattr(rate, "count"):  # ()
+        return lambda rate, dt, v, u: v
+
+    def relax(rate, dt, v, u):
+        part = relaxed_part(rate, dt)
+        return plus_scaled(part, u, scaled(1.0 - part, v))
+
+    return relax
+
+
+def given(rate, m, dt, v, a, V, A):
+    """Momentum that particles gain where vertices of mass m have (V, A) instead of (v, a).
+
+    By (27) they get the acceleration; the relaxed part gets the velocity.
+    """
+
+
+@specialise(given)
+def _given(rate, m, dt, v, a, V, A):
+    if hasattr(rate, "count"):  # ()
+        return lambda rate, m, dt, v, a, V, A: m * dt * (A - a)
+
+    def gained(rate, m, dt, v, a, V, A):
+        part = relaxed_part(rate, dt)
+        return m * ((1.0 - part) * dt * (A - a) + part * (V - v))
+
+    return gained
+
+
+def scatter_loads(loads, setting, field, particles, rows, span, layer):
+    """Add the loads of a layer's particles, but for stress and body force, to its planes."""
+
+
+@specialise(scatter_loads)
+def _scatter_loads(loads, setting, field, particles, rows, span, layer):
+    if len(loads.types[1]) == 0:
+        return lambda loads, setting, field, particles, rows, span, layer: None
+    return lambda loads, setting, field, particles, rows, span, layer: scatter_tractions(
+        loads.tractions, setting, field, particles, rows, span, layer
+    )
+
+
+def layer_power(loads, setting, field, particles, rows, span, layer):
+    """Power of the loads on a layer's particles, but for that of the body force."""
+
+
+@specialise(layer_power)
+def _layer_power(loads, setting, field, particles, rows, span, layer):
+    if len(loads.types[1]) == 0:
+        return lambda loads, setting, field, particles, rows, span, layer: 0.0
+    return lambda loads, setting, field, particles, rows, span, layer: traction_power(
+        loads.tractions, setting, field, particles, rows, span, layer
+    )
+
+
+def add_force_power(force, frame, particles, batch, u, power):
+    """The power so far, and that of the body force on a batch, which moves at `u`."""
+
+
+@specialise(add_force_power)
+def _add_force_power(force, frame, particles, batch, u, power):
+    if not hasattr(force, "instance_class"):
+        return lambda force, frame, particles, batch, u, power: power
+
+    def add(force, frame, particles, batch, u, power):
+        for j in range(batch.size):
+            p, w = batch.rows[j], of_lane(u, j)
+            b = _force(force, frame, particles, p)
+            rate = 0.0
+            for d in range(len(w)):
+                rate += b[d] * w[d]
+            power += particles.m[p] * rate
+        return power
+
+    return add

@@ -1,0 +1,242 @@
+"""Surface tractions (18): forces on faces of boxes, carried by the particles along the face.
+
+Where the stress is uniform, the particles' internal forces (16) cancel inside the body and leave
+-sigma grad(sum_p chi_p) at its surface. A traction is spread over the very same places: with boxes
+over the outermost particles' outer sides (where weights are means over a box's ends, over the ends
+of these), with tents over the layer in which their sum falls to zero, and where the surface cuts
+particles over the outer sides of these and of their inner neighbours, in proportion. In equilibrium
+it then cancels the internal force at every vertex beyond the surface, however light, after any
+motion of the body.
+
+So a particle at the face carries a patch: its area in the initial state is stored, its place
+relative to the particle is the same for all. Patches move, stretch and turn as the particles of the
+shape do: where sizes follow F they stay exact for stretches along the grid and quarter turns; in
+between they have the right second moments, within the particle's own box, beyond which there may
+be no mass. Points (mpm) carry the force where they are.
+"""
+
+from math import sqrt
+
+from pgimp.jit.kernel import inner_kernel, specialise
+from pgimp.jit.vectors.simd import lane, pack, stack
+from pgimp.kernels.data.velocity_fields import field_of
+from pgimp.kernels.transfer.first_vertex import coordinate, deformation, first_vertex, half_widths
+from pgimp.kernels.transfer.gather import gather_products
+from pgimp.kernels.transfer.scatter import Share, scatter_products
+from pgimp.kernels.transfer.supports import SUPPORT_SIZE, keep_support
+from pgimp.kernels.transfer.transfer import Support
+from pgimp.physics.shapes.stretch import LARGEST
+
+
+def columns(F):
+    """Columns of the deformation gradient as vectors of three; 1 in directions that are missing."""
+
+
+@specialise(columns)
+def _columns(F):
+    if len(F) == 1:
+        return lambda F: ((F[0], 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    if len(F) == 4:
+        return lambda F: ((F[0], F[2], 0.0), (F[1], F[3], 0.0), (0.0, 0.0, 1.0))
+    return lambda F: ((F[0], F[3], F[6]), (F[1], F[4], F[7]), (F[2], F[5], F[8]))
+
+
+@inner_kernel
+def patch_force(traction, F, area):
+    """Force on a patch: per area, with the area vector J F^-T N A by Nanson's formula."""
+    C = columns(F)
+    a, b = C[(traction.axis + 1) % 3], C[(traction.axis + 2) % 3]
+    A = traction.side * area
+    n0 = A * (a[1] * b[2] - a[2] * b[1])
+    n1 = A * (a[2] * b[0] - a[0] * b[2])
+    n2 = A * (a[0] * b[1] - a[1] * b[0])
+    size = sqrt(n0 * n0 + n1 * n1 + n2 * n2)
+    t, q = traction.traction, traction.pressure
+    return t[0] * size - q * n0, t[1] * size - q * n1, t[2] * size - q * n2
+
+
+@inner_kernel
+def _rounding(tent, half, u):
+    """Excess of the mean of abs(u + x), over x in a box or tent about 0, over abs(u)."""
+    r = half - abs(u)
+    if not r > 0.0:
+        return 0.0
+    return r * r * r / (3.0 * half * half) if tent else r * r / (2.0 * half)
+
+
+@inner_kernel
+def _mean(ends, tent, half, g):
+    """Mean of the tent function of a vertex over a box or tent about g, in cells from the vertex.
+
+    With `ends`, over the two ends of a box. Half-widths may be zero; there is no cancellation where
+    the mean is small.
+    """
+    if ends:
+        return 0.5 * (max(1.0 - abs(g - half), 0.0) + max(1.0 - abs(g + half), 0.0))
+    corners = _rounding(tent, half, g - 1.0) + _rounding(tent, half, g + 1.0)
+    return max(1.0 - abs(g), 0.0) + 0.5 * corners - _rounding(tent, half, g)
+
+
+def _means(ends, tent, half, g, like):
+    """Means at vertices 0, 1, ..., as many as in `like`."""
+
+
+@specialise(_means)
+def _means_of(ends, tent, half, g, like):
+    if len(like) == 1:
+        return lambda ends, tent, half, g, like: (_mean(ends, tent, half, g),)
+    return lambda ends, tent, half, g, like: (
+        _mean(ends, tent, half, g), *_means(ends, tent, half, g - 1.0, like[1:]),
+    )  # fmt: skip
+
+
+@inner_kernel
+def _along(traction, frame, F, x, d, vertex, like):
+    """Weights of the support's vertices along direction `d`; the patch stays within the support."""
+    D = len(frame.origin)
+    centre, deep, wide, own = 0.0, 0.0, 0.0, 0.0
+    for j in range(D):
+        stretch = F[d * D + j] if traction.follows else (1.0 if j == d else 0.0)
+        if j == traction.axis:
+            centre = stretch * traction.side * traction.reach
+            deep = (stretch * traction.half[j]) ** 2
+            own += (stretch * (2.0 if traction.tents else 1.0) * traction.reach) ** 2
+        else:
+            wide += (stretch * traction.half[j]) ** 2
+            own += (stretch * traction.half[j]) ** 2
+    own = sqrt(own) * frame.inverse[d]
+    if traction.follows and own > LARGEST:  # where chi_p does not grow any more, nor does the patch
+        centre *= LARGEST / own
+        deep *= (LARGEST / own) ** 2
+        wide *= (LARGEST / own) ** 2
+        own = LARGEST
+    # The larger of the two is a box or tent as given; a tent has half the second moment of a box.
+    tent = traction.tents and wide > 2.0 * deep
+    if tent:
+        deep *= 2.0
+    elif traction.tents:
+        wide *= 0.5
+    last = len(like) - 1.0
+    half = min(sqrt(deep + wide) * frame.inverse[d], 0.5 * last)
+    place = (x - frame.origin[d]) * frame.inverse[d] - (vertex - frame.ghost)
+    g = place + centre * frame.inverse[d]
+    if traction.follows and not traction.tents:  # a face that is inclined reaches past the box
+        half = min(half, own)
+        g = min(max(g, place - own + half), place + own - half)
+    return _means(traction.ends, tent, half, min(max(g, half), last - half), like)
+
+
+def _support(traction, places, window, particles, p, layer, F, buffer):
+    """Store the weights of the vertices that get a patch's force; returns the first place.
+
+    `places` is the shape and the frame.
+    """
+
+
+@specialise(_support)
+def _support_of(traction, places, window, particles, p, layer, F, buffer):
+    D = len(places[1].types[0])
+    like = (0.0,) * places[0].instance_class.vertices()
+
+    def support1(traction, places, window, particles, p, layer, F, buffer):
+        _, frame = places
+        w = _along(traction, frame, F, coordinate(frame, particles, p, 0), 0, layer, like)
+        keep_support(buffer, 0, w, w)
+        return 0
+
+    def support2(traction, places, window, particles, p, layer, F, buffer):
+        shape, frame = places
+        x, y = coordinate(frame, particles, p, 0), coordinate(frame, particles, p, 1)
+        j = first_vertex(frame, 1, half_widths(shape, frame, particles, p)[1], y)
+        w = _along(traction, frame, F, x, 0, layer, like)
+        v = _along(traction, frame, F, y, 1, j, like)
+        keep_support(buffer, 0, w, w)
+        keep_support(buffer, 1, v, v)
+        return (j - window.lower[1]) * window.stride[1]
+
+    def support3(traction, places, window, particles, p, layer, F, buffer):
+        shape, frame = places
+        x, y = coordinate(frame, particles, p, 0), coordinate(frame, particles, p, 1)
+        z = coordinate(frame, particles, p, 2)
+        half = half_widths(shape, frame, particles, p)
+        j, k = first_vertex(frame, 1, half[1], y), first_vertex(frame, 2, half[2], z)
+        w = _along(traction, frame, F, x, 0, layer, like)
+        v = _along(traction, frame, F, y, 1, j, like)
+        u = _along(traction, frame, F, z, 2, k, like)
+        keep_support(buffer, 0, w, w)
+        keep_support(buffer, 1, v, v)
+        keep_support(buffer, 2, u, u)
+        return (j - window.lower[1]) * window.stride[1] + (k - window.lower[2]) * window.stride[2]
+
+    return (support1, support2, support3)[D - 1]
+
+
+def _nothing(like):
+    """Zero vectors, one a direction."""
+
+
+@specialise(_nothing)
+def _nothing_of(like):
+    if len(like) == 1:
+        return lambda like: (pack(0.0, 0.0, 0.0, 0.0),)
+    return lambda like: (pack(0.0, 0.0, 0.0, 0.0), *_nothing(like[1:]))
+
+
+@inner_kernel
+def scatter_tractions(tractions, setting, field, particles, rows, span, layer):
+    """Add the forces on the patches of a layer's particles, in canonical order, to its own planes.
+
+    A separate loop: in that over all particles it would cost registers.
+
+    Parameters
+    ----------
+    tractions : tuple of Traction
+        The tractions.
+    setting, field, particles
+        As in `particles_to_grid`.
+    rows, span, layer
+        As in `sum_layer`, with the layer's number.
+    """
+    shape, frame, window, scratch = setting.shape, setting.frame, field.window, field.scratch
+    buffer = stack(SUPPORT_SIZE)
+    zero = pack(0.0, 0.0, 0.0, 0.0)
+    nothing = _nothing(frame.origin)
+    for k in range(span[0], span[1]):
+        p = rows[k]
+        for t in range(len(tractions)):
+            area = particles.patch[p, tractions[t].column]
+            if area == 0.0:
+                continue
+            F = deformation(frame, particles, p)
+            f = patch_force(tractions[t], F, area)
+            place = _support(tractions[t], (shape, frame), window, particles, p, layer, F, buffer)
+            place += field_of(window, particles, p)
+            force = pack(0.0, f[0], f[1], f[2])
+            share = Share(zero, force, nothing, (), ())
+            scatter_products(shape, scratch, Support(buffer, 0), place, window.stride, share)
+
+
+@inner_kernel
+def traction_power(tractions, setting, field, particles, rows, span, layer):
+    """Power of the tractions on a layer: the patches' forces times the vertices' velocities.
+
+    The arguments are those of `scatter_tractions`.
+    """
+    shape, frame, window, G = setting.shape, setting.frame, field.window, field.G
+    start = (layer - window.lower[0]) * window.stride[0]
+    buffer = stack(SUPPORT_SIZE)
+    power = 0.0
+    for k in range(span[0], span[1]):
+        p = rows[k]
+        for t in range(len(tractions)):
+            area = particles.patch[p, tractions[t].column]
+            if area == 0.0:
+                continue
+            F = deformation(frame, particles, p)
+            f = patch_force(tractions[t], F, area)
+            place = _support(tractions[t], (shape, frame), window, particles, p, layer, F, buffer)
+            place += field_of(window, particles, p)
+            support, at = Support(buffer, 0), start + place
+            U = gather_products(shape, G, support, at, window.stride, frame.origin, ())[0]
+            power += f[0] * lane(U, 1) + f[1] * lane(U, 2) + f[2] * lane(U, 3)
+    return power

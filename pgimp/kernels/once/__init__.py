@@ -1,0 +1,1 @@
+"""Kernels called once or outside of a run: initial stress, fitted gradients, material elements."""

@@ -1,0 +1,54 @@
+"""What particles remember of the stress that they begin with, and what of it they bear."""
+
+from pgimp.jit.algebra import determinant, symmetric
+from pgimp.jit.kernel import kernel
+from pgimp.jit.tuples import read, scaled, write
+from pgimp.kernels.update.stress import state_of
+from pgimp.kernels.update.varying import with_own
+from pgimp.physics.materials.parameters.evaluate import evaluate
+
+
+@kernel
+def remember_stress(setting, particles, rows):
+    """Set the state of some particles, undeformed ones, by their materials' ``initial_state``.
+
+    Parameters
+    ----------
+    setting, particles
+        See `Setting`, `Particles`.
+    rows : (n,) int64
+        Their rows; at least one material of the scene has state variables.
+    """
+    F, tensor = setting.identity, symmetric(setting.identity)
+    for p in rows:
+        materials = with_own(setting, particles, p).materials
+        number = setting.material_of[particles.body[p]]
+        args = (F, determinant(F), read(particles.sigma, p, 0, tensor))
+        state = state_of(materials, particles, p, F)
+        write(particles.state, p, 0, evaluate("initial_state", materials, number, args, state))
+
+
+@kernel
+def bearable_stress(setting, particles, rows, stresses):
+    """Stress of some particles, undeformed ones, after a unit of time in which nothing moves.
+
+    Parameters
+    ----------
+    setting, particles
+        See `Setting`, `Particles`.
+    rows : (n,) int64
+        Their rows.
+    stresses : (n, 3, 4 or 6) float64
+        Gets the stresses.
+    """
+    F, tensor = setting.identity, symmetric(setting.identity)
+    still = scaled(0.0, F)
+    for i in range(len(rows)):
+        p = rows[i]
+        materials = with_own(setting, particles, p).materials
+        number = setting.material_of[particles.body[p]]
+        args = (F, determinant(F), read(particles.sigma, p, 0, tensor), still, 1.0)
+        state = state_of(materials, particles, p, F)
+        found = evaluate("stress", materials, number, args, state)
+        for k in range(stresses.shape[1]):
+            stresses[i, k] = found[k]

@@ -1,0 +1,1 @@
+"""Order of the particles: layers, cells, migration between layers, the two configurations."""

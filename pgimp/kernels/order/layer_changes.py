@@ -1,0 +1,124 @@
+"""Particles that change their layer: partitioned by where they go, packed, unpacked, sorted.
+
+A particle's record holds all its columns, one after the other, bit by bit; an int32 is stored as an
+int64.
+"""
+
+from pgimp.jit.kernel import kernel
+from pgimp.kernels.update.checks import OUTFLOW
+
+
+@kernel
+def partition_migrants(layer, order, places, first, layers, kept, migrants):
+    """Sort the particles that have changed their layer by whether they leave the slab.
+
+    Parameters
+    ----------
+    layer : (c,) int32
+        Of all particles; `OUTFLOW` marks those that go nowhere.
+    order : (n,) int32
+        Rows in canonical order.
+    places : (k,) int32
+        Places in `order`.
+    first, layers : int
+        The slab.
+    kept, migrants : (k,) int32
+        Filled with rows: from the beginning of `kept`, those that stay; from that of `migrants`,
+        those that go to the lower rank, and back from its end those that go to the upper rank.
+
+    Returns
+    -------
+    stay, down, up : int
+        Their numbers.
+    """
+    stay, down, up = 0, 0, 0
+    for place in places:
+        p = order[place]
+        if layer[p] == OUTFLOW:
+            continue
+        if layer[p] < first:
+            migrants[down] = p
+            down += 1
+        elif layer[p] >= first + layers:
+            up += 1
+            migrants[len(migrants) - up] = p
+        else:
+            kept[stay] = p
+            stay += 1
+    return stay, down, up
+
+
+@kernel
+def pack_rows(words, halves, rows, wire, place, width):
+    """Write the records, of `width` numbers each, of the particles in `rows` from `place` on.
+
+    Parameters
+    ----------
+    words, halves : tuples of arrays
+        See `Particles.columns`: of one type each in all scenes, so that this is compiled once; a
+        loop over the columns of each scene took longer to compile than all other kernels.
+    rows : (k,) int32
+    wire : int64
+        A message.
+    """
+    for k in range(len(rows)):
+        at = place + k * width
+        for column in words:
+            for i in range(column.shape[1]):
+                wire[at] = column[rows[k], i]
+                at += 1
+        for column in halves:
+            for i in range(column.shape[1]):
+                wire[at] = column[rows[k], i]
+                at += 1
+
+
+@kernel
+def unpack_rows(words, halves, rows, wire, place, width):
+    """Set the particles in `rows` from records that `pack_rows` wrote."""
+    for k in range(len(rows)):
+        at = place + k * width
+        for column in words:
+            for i in range(column.shape[1]):
+                column[rows[k], i] = wire[at]
+                at += 1
+        for column in halves:
+            for i in range(column.shape[1]):
+                column[rows[k], i] = wire[at]
+                at += 1
+
+
+@kernel
+def sort_rows(layer, cell, number, rows, buffer):
+    """Sort rows by (layer, cell, number); `buffer` is as long.
+
+    A merge sort that skips pairs of pieces in order: rows come as a few sorted runs.
+    """
+    n = len(rows)
+    length = 1
+    while length < n:
+        for low in range(0, n - length, 2 * length):
+            middle, high = low + length, min(low + 2 * length, n)
+            if not _after(layer, cell, number, rows[middle - 1], rows[middle]):
+                continue
+            for k in range(low, middle):  # an assignment of slices takes seconds to compile
+                buffer[k] = rows[k]
+            i, j = low, middle
+            for k in range(low, high):
+                if i < middle and (j == high or _after(layer, cell, number, rows[j], buffer[i])):
+                    rows[k] = buffer[i]
+                    i += 1
+                else:
+                    rows[k] = rows[j]
+                    j += 1
+        length *= 2
+
+
+@kernel
+def _after(layer, cell, number, a, b):
+    """Whether row `a` comes after row `b`."""
+    if layer[a] != layer[b]:
+        return layer[a] > layer[b]
+    if cell[a] != cell[b]:
+        return cell[a] > cell[b]
+    return number[a] > number[b]

@@ -1,0 +1,193 @@
+"""Rigid bodies at the vertices: the filled part of a neighbourhood, and their surface's normal.
+
+A vertex weighs its neighbourhood with tents of the sides of two cells. Each is the sum of three
+tents of half the size, with a quarter, a half, a quarter of the weight; of these the part on the
+inner side of a plane is found from the distance of its middle. So the filled part is exact for a
+flat surface at any angle, and edges are rounded by an eighth of a cell only. Where surfaces are
+nearly flat the vertex's own tent and the mean distance are enough.
+"""
+
+from math import sqrt
+
+from pgimp.jit.kernel import inner_kernel, kernel
+from pgimp.kernels.contact.select import include
+from pgimp.kernels.data.record import MASS
+from pgimp.kernels.data.velocity_fields import field_count, field_size
+from pgimp.kernels.rigid.bodies import (
+    BENT,
+    DISTANCE,
+    FILLED,
+    LEAST,
+    MEAN,
+    MOST,
+    NORMAL,
+    SURFACE,
+    look_up,
+    place_of,
+)
+from pgimp.kernels.rigid.tents import cut
+
+#: Difference of the mean distance from that at the vertex, as part of a cell along the surface,
+#: from which this does not count as flat within the neighbourhood.
+FLAT = 0.02
+
+#: Component of a normal along a wall's that is rounding: the wall is perpendicular to the surface.
+SQUARE = 1e-9
+
+#: Curvature's share of the mean gap over its share of that mean distance, which is k/16 in cells;
+#: see `pgimp.scene.bodies.lattice_body`. From `SHARP` of a cell on it is an edge.
+BEND, SHARP = (1.0 / 12.0 + 1.0 / 16.0) * 16.0, 0.5 / 16.0
+
+
+@inner_kernel
+def _halves(tools, frame, part):
+    """Half sides of a tent, `part` of a cell, times the last normal; the greatest first."""
+    a, b, c = 0.0, 0.0, 0.0
+    for d in range(len(frame.cell)):
+        half = abs(tools.at[NORMAL + d]) * part * frame.cell[d]
+        a, half = max(a, half), min(a, half)
+        b, c = max(b, half), max(c, min(b, half))
+    return a, b, c
+
+
+@inner_kernel
+def _tangent(frame, at):
+    """Side of a cell along the surface with the last normal, over which it may be bent."""
+    square, D = 0.0, len(frame.cell)
+    for d in range(D):
+        square += frame.cell[d] ** 2 * (1.0 - at[NORMAL + d] ** 2)
+    return sqrt(square / (D - 1)) if D > 1 else frame.cell[0]
+
+
+@inner_kernel
+def _is_near(tools, t, frame, number):
+    """Set distance and normal at a vertex; returns whether the body may be near."""
+    about, at, D = tools.about[t], tools.at, len(frame.cell)
+    square, along = 0.0, 0.0
+    for d in range(D):
+        if number[d] < about[LEAST + d] or number[d] > about[MOST + d]:
+            return False
+        square += frame.cell[d] ** 2
+    x, y, z = place_of(frame, number)
+    look_up(tools, t, D, x, y, z)
+    for d in range(D):
+        along += abs(at[NORMAL + d]) * frame.cell[d]
+    if abs(at[MEAN] - at[DISTANCE]) < FLAT * _tangent(frame, at):
+        return at[MEAN] < along
+    return at[DISTANCE] <= sqrt(square)
+
+
+@inner_kernel
+def fill(tools, t, frame, number, sides):
+    """Set the part of a vertex's neighbourhood that body `t` fills; returns whether it is near.
+
+    Parameters
+    ----------
+    number : (int, int, int)
+        The vertex.
+    sides : (int, int, int)
+        -1 or 1 where it is on a wall at the low or the high end, by direction: the neighbourhood
+        ends there.
+    """
+    if not _is_near(tools, t, frame, number):
+        return False
+    at, D = tools.at, len(frame.cell)
+    reach, volume = 0.0, 1.0
+    for d in range(D):
+        reach += frame.cell[d] ** 2
+        volume *= frame.cell[d] * (1.0 if sides[d] == 0 else 0.5)
+    reach = sqrt(reach)
+    bent = at[MEAN] - at[DISTANCE]
+    wide = _tangent(frame, at)
+    at[BENT] = BEND * bent if abs(bent) < SHARP * wide else 0.0
+    x, y, z = place_of(frame, number)
+    n0, n1, n2 = at[NORMAL], at[NORMAL + 1], at[NORMAL + 2]
+    if at[DISTANCE] < -reach:  # deep inside
+        at[FILLED], scale = 1.0, volume / reach
+        at[SURFACE], at[SURFACE + 1], at[SURFACE + 2] = scale * n0, scale * n1, scale * n2
+        return True
+    halved = True  # whole, or cut by walls perpendicular to the surface: planes of symmetry
+    for d in range(D):
+        halved = halved and (sides[d] == 0 or abs(at[NORMAL + d]) < SQUARE)
+    if halved and abs(bent) < FLAT * wide:
+        a, b, c = _halves(tools, frame, 1.0)
+        filled, slope = cut(a, b, c, -at[MEAN])
+        at[FILLED], scale = filled, volume * max(slope, 1e-3 / reach)
+        at[SURFACE], at[SURFACE + 1], at[SURFACE + 2] = scale * n0, scale * n1, scale * n2
+        return filled > 0.0
+    filled, s0, s1, s2 = 0.0, 0.0, 0.0, 0.0
+    count = 1
+    for _ in range(D):
+        count *= 3
+    for corner in range(count):
+        weight, code = 1.0, corner
+        px, py, pz = x, y, z
+        for d in range(D):
+            off = code % 3 - 1
+            code //= 3
+            if sides[d] == 0:
+                weight *= 0.5 if off == 0 else 0.25
+            else:  # half of the middle one, and the inner one
+                weight *= 0.0 if off == sides[d] else 0.5
+            move = 0.5 * off * frame.cell[d]
+            px, py, pz = (
+                px + move if d == 0 else px, py + move if d == 1 else py,
+                pz + move if d == 2 else pz,
+            )  # fmt: skip
+        if weight == 0.0:
+            continue
+        look_up(tools, t, D, px, py, pz)
+        if at[DISTANCE] > reach:
+            continue
+        a, b, c = _halves(tools, frame, 0.5)
+        if not a > 0.0:
+            filled += weight if at[DISTANCE] < 0.0 else 0.0
+            continue
+        part, slope = cut(a, b, c, -at[DISTANCE])
+        filled += weight * part
+        s0 += weight * slope * at[NORMAL]
+        s1 += weight * slope * at[NORMAL + 1]
+        s2 += weight * slope * at[NORMAL + 2]
+    at[FILLED] = filled
+    length = sqrt(s0 * s0 + s1 * s1 + s2 * s2)
+    if length > 1e-3 / reach:
+        at[SURFACE], at[SURFACE + 1], at[SURFACE + 2] = volume * s0, volume * s1, volume * s2
+    else:
+        scale = volume / reach
+        at[SURFACE], at[SURFACE + 1], at[SURFACE + 2] = scale * n0, scale * n1, scale * n2
+    return filled > 0.0
+
+
+@kernel
+def find_touched(frame, field, tools, met, spread):
+    """Count, in each of a rank's planes, the vertices with mass that are near a rigid body.
+
+    Parameters
+    ----------
+    field : Field
+        After the halo exchange.
+    met, spread
+        As in `find_meetings`; they grow by that.
+    """
+    window, G, D = field.window, field.G, len(frame.cell)
+    size = field_size(window)
+    for t in range(len(tools.motion)):
+        low, high = (0, 0, 0), (0, 0, 0)
+        for d in range(D):
+            a = max(0, tools.about[t, LEAST + d] - window.lower[d])
+            b = min(window.extent[d] - 1, tools.about[t, MOST + d] - window.lower[d])
+            low = (a if d == 0 else low[0], a if d == 1 else low[1], a if d == 2 else low[2])
+            high = (b if d == 0 else high[0], b if d == 1 else high[1], b if d == 2 else high[2])
+        for i in range(low[0], min(high[0], len(met) - 1) + 1):
+            if field.active[i] == 0:
+                continue
+            for j in range(low[1], high[1] + 1):
+                for k in range(low[2], high[2] + 1):
+                    r = i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
+                    some = False
+                    for f in range(field_count(window)):
+                        some = some or G[r + f * size + MASS] > 0.0
+                    number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
+                    if some and _is_near(tools, t, frame, number):
+                        met[i] += 1
+                        include(spread, i, j, k)

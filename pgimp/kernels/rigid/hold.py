@@ -1,0 +1,275 @@
+"""Rigid bodies that hold particles out.
+
+Vertices near a surface have the velocity of all that is around them, and what fills little of their
+neighbourhood has no gap to be found. So thin tongues of what flows, and single particles, would go
+on into a rigid body. A particle whose centre has passed the surface is moved back onto it, and its
+velocity into the body becomes the body's, with friction, as in an inelastic impact: an impulse of
+the pair like those at the vertices, and booked like them. Of a cut particle the centroid counts.
+"""
+
+from math import sqrt
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from pgimp.jit.kernel import inner_kernel, kernel, specialise
+from pgimp.kernels.data.ledger import (
+    HEAT,
+    IMPULSE,
+    NORMAL_IMPULSE,
+    TANGENTIAL_IMPULSE,
+    TOOL_IMPULSE,
+    TOOL_MOMENT,
+    TOOL_WORK,
+)
+from pgimp.kernels.grid.position_limits import free_part
+from pgimp.kernels.rigid.bodies import (
+    CENTRE,
+    DISTANCE,
+    FIRST,
+    FREE,
+    LATTER,
+    LOW,
+    NORMAL,
+    REFERENCE,
+    SHAPE,
+    SPACING,
+    TURN,
+    look_up,
+)
+from pgimp.kernels.transfer.lane_io import take_row
+from pgimp.physics.contact import FRICTION, Pairs
+
+#: Least part of a normal's square that no constraint prescribes: less holds nothing.
+LEAST_FREE = 0.1
+
+
+class Keepers(NamedTuple):
+    """What keeps particles out of rigid bodies in a step.
+
+    Attributes
+    ----------
+    tools : Tools
+        The rigid bodies where they are at the step's end.
+    pairs : Pairs
+        The laws of contact.
+    yields : (tools, 6, 6) float64
+        Velocities along and about x, y, z that impulse and moment give to a body that moves freely,
+        times the greatest mass of the particles that it may hold; 0 of others.
+    impulses : (layers, tools, 6) float64
+        Grows by impulse and moment on each body.
+    """
+
+    tools: Any
+    pairs: Pairs
+    yields: np.ndarray
+    impulses: np.ndarray
+
+
+def hold_outside(keepers, forcing, particles, batch, x, v, ledger):
+    """Hold four particles, which have been stored, out of rigid bodies; return places, velocities.
+
+    Parameters
+    ----------
+    keepers : Keepers or ()
+        () in scenes without rigid bodies.
+    forcing, particles, batch, ledger
+        See `Forcing`, `Particles`, `Batch`, `Ledger`.
+    x, v : tuple of D Vec4
+        Their places and velocities.
+    """
+
+
+@specialise(hold_outside)
+def _hold_outside(keepers, forcing, particles, batch, x, v, ledger):
+    if not hasattr(keepers, "instance_class"):
+        return lambda keepers, forcing, particles, batch, x, v, ledger: (x, v)
+
+    def hold(keepers, forcing, particles, batch, x, v, ledger):
+        held = 0
+        for j in range(batch.size):
+            for t in range(len(keepers.tools.motion)):
+                held += _hold(keepers, forcing, particles, batch.rows[j], t, batch.layer, ledger)
+        if held > 0:
+            x = take_row(particles.x, batch.rows, 0, x)
+            v = take_row(particles.v, batch.rows, 0, v)
+        return x, v
+
+    return hold
+
+
+@inner_kernel
+def _is_within(tools, t, D, x, reach):
+    """Whether a point may be within `reach` of body `t`, by the nearest point of its lattice."""
+    row, about = tools.motion[t], tools.about[t]
+    place = 0
+    for d in range(D):
+        own = row[REFERENCE + d]
+        for k in range(3):
+            own += row[TURN + 3 * k + d] * (x[k] - row[CENTRE + k])
+        s = (own - row[LOW + d]) / row[SPACING]
+        if not (s > -0.5 and s < about[SHAPE + d] - 0.5):
+            return False
+        place = place * about[SHAPE + d] + int(s + 0.5)
+    return tools.values[about[FIRST] + place, 0] < row[SPACING] + reach
+
+
+@inner_kernel
+def place_of_particle(particles, p):
+    """Place of a particle, three coordinates."""
+    D = particles.x.shape[1]
+    return (
+        particles.x[p, 0], particles.x[p, 1] if D > 1 else 0.0,
+        particles.x[p, D - 1] if D > 2 else 0.0,
+    )  # fmt: skip
+
+
+@kernel
+def count_near(tools, particles, rows, reach, counts, most):
+    """Count the particles within `reach` of each body that moves freely; find the greatest mass.
+
+    Parameters
+    ----------
+    rows : (n,) int32
+        The particles.
+    counts, most : (tools,) int64, (tools,) float64
+        Set here.
+    """
+    counts[:], most[:] = 0, 0.0
+    for t in range(len(tools.motion)):
+        if tools.about[t, FREE] < 0:
+            continue
+        for p in rows:
+            if _is_within(tools, t, particles.x.shape[1], place_of_particle(particles, p), reach):
+                counts[t] += 1
+                most[t] = max(most[t], particles.m[p])
+
+
+@kernel
+def count_inside(tools, pairs, particles, rows, depth, counts):
+    """Count the particles whose centroids are deeper than `depth` in each rigid body.
+
+    Those that pass through it, by `law: ignore`, do not count.
+
+    Parameters
+    ----------
+    rows : (n,) int32
+        The particles.
+    counts : (tools,) int64
+        Set here.
+    """
+    counts[:] = 0
+    for t in range(len(tools.motion)):
+        for p in rows:
+            D, x = particles.x.shape[1], place_of_particle(particles, p)
+            if pairs.entry[particles.body[p], tools.bodies + t] == 0:  # bodies of a material first
+                continue
+            if _is_within(tools, t, D, x, 0.0):
+                look_up(tools, t, D, x[0], x[1], x[2])
+                n = (tools.at[NORMAL], tools.at[NORMAL + 1], tools.at[NORMAL + 2])
+                counts[t] += tools.at[DISTANCE] + _material(particles, p, n) < -depth
+
+
+@inner_kernel
+def _material(particles, p, n):
+    """Distance along `n` from a cut particle's place to its centroid, at most as at the start."""
+    D, along, square = particles.x.shape[1], 0.0, 0.0
+    for d in range(D):
+        square += particles.offset[p, d] ** 2
+        for e in range(D):
+            along += n[d] * particles.F[p, d * D + e] * particles.offset[p, e]
+    return min(max(along, 0.0), sqrt(square))
+
+
+@inner_kernel
+def _answer(yields, arm):
+    """Trace of the velocities that impulses at `arm` along x, y, z give to that point."""
+    found = 0.0
+    for d in range(3):
+        e, f = (d + 1) % 3, (d + 2) % 3
+        found += yields[d, d]  # an impulse along d has the moment -arm[e] about f, arm[f] about e
+        found += yields[3 + f, 3 + f] * arm[e] ** 2 + yields[3 + e, 3 + e] * arm[f] ** 2
+        found -= (yields[3 + e, 3 + f] + yields[3 + f, 3 + e]) * arm[e] * arm[f]
+    return found
+
+
+@inner_kernel
+def _hold(keepers, forcing, particles, p, t, layer, ledger):
+    """Hold particle `p` out of body `t`; returns 1 if it was changed, else 0."""
+    tools, D = keepers.tools, particles.x.shape[1]
+    at, motion = tools.at, tools.motion[t]
+    x = place_of_particle(particles, p)
+    if not _is_within(tools, t, D, x, 0.0):
+        return 0
+    look_up(tools, t, D, x[0], x[1], x[2])
+    if not at[DISTANCE] < 0.0:
+        return 0
+    n = (at[NORMAL], at[NORMAL + 1], at[NORMAL + 2])
+    depth = -at[DISTANCE] - _material(particles, p, n)
+    one, other = particles.body[p], tools.bodies + t
+    entry = keepers.pairs.entry[min(one, other), max(one, other)]
+    g = free_part(forcing.constraints, particles, p, n)
+    square = g[0] ** 2 + g[1] ** 2 + g[2] ** 2
+    if not depth > 0.0 or entry == 0 or square < LEAST_FREE:
+        return 0
+    for d in range(D):
+        way = depth / square * g[d]
+        particles.x[p, d] += way
+        ledger.work[layer] += particles.m[p] * forcing.gravity[d] * way
+    arm = (
+        x[0] + depth * n[0] - motion[CENTRE], x[1] + depth * n[1] - motion[CENTRE + 1],
+        x[2] + depth * n[2] - motion[CENTRE + 2],
+    )  # fmt: skip
+    own = (
+        motion[LATTER] + motion[LATTER + 4] * arm[2] - motion[LATTER + 5] * arm[1],
+        motion[LATTER + 1] + motion[LATTER + 5] * arm[0] - motion[LATTER + 3] * arm[2],
+        motion[LATTER + 2] + motion[LATTER + 3] * arm[1] - motion[LATTER + 4] * arm[0],
+    )
+    free = free_part(forcing.constraints, particles, p, (1.0, 1.0, 1.0))
+    _stop(keepers, particles, p, t, (entry, layer), (n, free, square), (arm, own), ledger)
+    return 1
+
+
+@inner_kernel
+def _stop(keepers, particles, p, t, booking, normals, point, ledger):
+    """Take from particle `p` its velocity into body `t`, and what friction takes across it."""
+    (entry, layer), (n, free, square), (arm, own) = booking, normals, point
+    pairs, m, D = keepers.pairs, particles.m[p], particles.x.shape[1]
+    normal, across = 0.0, 0.0
+    for d in range(D):
+        normal += (particles.v[p, d] - own[d]) * n[d]
+    if not normal < 0.0:
+        return
+    for d in range(D):
+        across += (particles.v[p, d] - own[d] - normal * n[d]) ** 2
+    across = sqrt(across)
+    mass = m / (1.0 + _answer(keepers.yields[t], arm))  # never too much for all of them together
+    part, law = 1.0, abs(entry) - 1
+    if pairs.law[law] == FRICTION:
+        static, kinetic = pairs.coefficient[law, 0], pairs.coefficient[law, 1]
+        if across > static * -normal:
+            part = kinetic * -normal / across
+    booked, mine = ledger.contact[layer, law], ledger.tools[layer, t]
+    J, done, heat = (0.0, 0.0, 0.0), 0.0, 0.0
+    for d in range(D):
+        slip = particles.v[p, d] - own[d] - normal * n[d]
+        stick = -mass * part * slip * free[d]
+        j = stick - mass * normal / square * n[d] * free[d]
+        J = (j if d == 0 else J[0], j if d == 1 else J[1], j if d == 2 else J[2])
+        particles.v[p, d] += j / m
+        done += j * own[d]
+        heat -= stick * (slip + stick / m)
+        booked[IMPULSE + d] += j if entry > 0 else -j
+    booked[NORMAL_IMPULSE] -= mass * normal
+    booked[TANGENTIAL_IMPULSE] += mass * part * across
+    booked[HEAT] += heat
+    for d in range(3):
+        e, f = (d + 1) % 3, (d + 2) % 3
+        moment = arm[e] * J[f] - arm[f] * J[e]
+        mine[TOOL_IMPULSE + d] -= J[d]
+        mine[TOOL_MOMENT + d] -= moment
+        keepers.impulses[layer, t, d] -= J[d]
+        keepers.impulses[layer, t, 3 + d] -= moment
+    if keepers.tools.about[t, FREE] < 0:  # else known when all impulses are
+        mine[TOOL_WORK] += done
+        ledger.work[layer] += done

@@ -1,0 +1,179 @@
+"""Contribution of a particle to the sums of the grid: mass, momentum, stress."""
+
+from typing import Any, NamedTuple
+
+from numba.core import types
+
+from pgimp.jit.algebra import determinant
+from pgimp.jit.kernel import specialise
+from pgimp.jit.tuples import read, scaled
+from pgimp.jit.vectors.simd import pack
+from pgimp.kernels.grid.filling import FillingSums, filling_share
+from pgimp.kernels.grid.wall_gap import moment, wall
+from pgimp.kernels.transfer.first_vertex import deformation, is_initial
+from pgimp.kernels.update.mean import set_apart
+from pgimp.kernels.update.piola import kept_force
+from pgimp.kernels.update.viscosity import viscous_pressure
+
+
+class VolumeSums(NamedTuple):
+    """The loads' stand-in where volumes are summed in place of masses.
+
+    The sums are then V_p and V_p (b + 1), b being the number of the particle's body, and those of
+    the forces V_p grad S, the integral of S over the surface with its outward normal. Particles
+    that a surface cuts also add their number and the curvature's share of their gap. The
+    fields are those of `Loads`, and
+
+    gradient : float or ()
+        A number where S is that of whole particles: the place `HELD` then has the correction
+        V_p d . grad S for the offset d of their volume; see `pgimp.kernels.contact.volumes`.
+    """
+
+    viscosity: tuple[()] = ()
+    tractions: tuple[()] = ()
+    force: tuple[()] = ()
+    relaxation: tuple[()] = ()
+    affine: tuple[()] = ()
+    walls: tuple[()] = ()
+    mean: tuple[()] = ()
+    around: tuple[()] = ()
+    gradient: Any = ()
+
+
+def contribution(loads, frame, particles, p, forces, j):
+    """Contribution of a particle to the sums of vertices, times its weights, as vectors.
+
+    Particle `p` is number `j` of a batch; `forces` is from `keep_forces`.
+
+    Returns
+    -------
+    A : Vec4
+        (m_p, m_p v_p), for (21) and (22).
+    S : tuple of Vec4
+        For each direction i the column (m_p w_i, -V_p (sigma_xi, sigma_yi, sigma_zi)), for (16),
+        the stress less the viscous pressure (45), or less all of its mean, see `set_apart`; w is
+        the moment for `pgimp.kernels.grid.wall_gap`. In the initial configuration
+        (0, -V0_p (P_xi, P_yi, P_zi)).
+    """
+
+
+def _mass_and_momentum(m, p):
+    """The vector (m, p)."""
+
+
+@specialise(_mass_and_momentum)
+def _mass_and_momentum_of(m, p):
+    one = lambda m, p: pack(m, p[0], 0.0, 0.0)  # noqa: E731
+    two = lambda m, p: pack(m, p[0], p[1], 0.0)  # noqa: E731
+    three = lambda m, p: pack(m, p[0], p[1], p[2])  # noqa: E731
+    return (one, two, three)[len(p) - 1]
+
+
+def _outward(V, d):
+    """Vectors V (d_i, e_i) of as many directions as the offset `d` has."""
+
+
+@specialise(_outward)
+def _outward_along(V, d):
+    one = lambda V, d: (pack(V * d[0], V, 0.0, 0.0),)  # noqa: E731
+    two = lambda V, d: (*_outward(V, d[:1]), pack(V * d[1], 0.0, V, 0.0))  # noqa: E731
+    three = lambda V, d: (*_outward(V, d[:2]), pack(V * d[2], 0.0, 0.0, V))  # noqa: E731
+    return (one, two, three)[len(d) - 1]
+
+
+def moved(F, d):
+    """The offset F d of a particle that is deformed by F, as many numbers as `d` has."""
+
+
+@specialise(moved)
+def _moved_by(F, d):
+    one = lambda F, d: (F[0] * d[0],)  # noqa: E731
+    two = lambda F, d: (F[0] * d[0] + F[1] * d[1], F[2] * d[0] + F[3] * d[1])  # noqa: E731
+    three = lambda F, d: (  # noqa: E731
+        F[0] * d[0] + F[1] * d[1] + F[2] * d[2], F[3] * d[0] + F[4] * d[1] + F[5] * d[2],
+        F[6] * d[0] + F[7] * d[1] + F[8] * d[2],
+    )  # fmt: skip
+    return (one, two, three)[len(d) - 1]
+
+
+def _summed_offset(gradient, d):
+    """The offset `d` where its effect is summed as a `gradient`; zero where weights include it."""
+
+
+@specialise(_summed_offset)
+def _summed_offset_of(gradient, d):
+    if gradient == types.float64:
+        return lambda gradient, d: d
+    return lambda gradient, d: scaled(0.0, d)
+
+
+@specialise(contribution)
+def _contribution(loads, frame, particles, p, forces, j):
+    D = len(frame.types[0])
+    if loads.instance_class is FillingSums:
+        return lambda loads, frame, particles, p, forces, j: filling_share(
+            loads, frame, particles, p
+        )
+    if loads.instance_class is VolumeSums:
+
+        def volumes(loads, frame, particles, p, forces, j):
+            F = deformation(frame, particles, p)
+            V, d = particles.V0[p] * determinant(F), read(particles.offset, p, 0, frame.origin)
+            cut = 0.0
+            for e in d:
+                cut = 1.0 if e != 0.0 else cut
+            A = pack(V, V * (particles.body[p] + 1), particles.excess[p, 0], cut)
+            return A, _outward(V, _summed_offset(loads.gradient, moved(F, d)))
+
+        return volumes
+    if is_initial(frame):
+
+        def initial(loads, frame, particles, p, forces, j):
+            m = particles.m[p]
+            v = scaled(m, read(particles.v, p, 0, frame.origin))
+            return _mass_and_momentum(m, v), kept_force(forces, 0, j, frame.origin)
+
+        return initial
+    if D == 1:
+
+        def contribution1(loads, frame, particles, p, forces, j):
+            m = particles.m[p]
+            V = -particles.V[p]
+            q = viscous_pressure(loads.viscosity, particles, p)
+            mx = moment(wall(loads.walls, 0), particles, p, 0)
+            return pack(m, m * particles.v[p, 0], 0.0, 0.0), (
+                pack(mx, V * (particles.sigma[p, 0] - q), 0.0, 0.0),
+            )
+
+        return contribution1
+    if D == 2:
+
+        def contribution2(loads, frame, particles, p, forces, j):
+            m = particles.m[p]
+            V = -particles.V[p]
+            q = set_apart(loads, frame, particles, p)
+            s = particles.sigma
+            xy = V * s[p, 3]
+            return pack(m, m * particles.v[p, 0], m * particles.v[p, 1], 0.0), (
+                pack(moment(wall(loads.walls, 0), particles, p, 0), V * (s[p, 0] - q), xy, 0.0),
+                pack(moment(wall(loads.walls, 1), particles, p, 1), xy, V * (s[p, 1] - q), 0.0),
+            )
+
+        return contribution2
+
+    def contribution3(loads, frame, particles, p, forces, j):
+        m = particles.m[p]
+        V = -particles.V[p]
+        q = set_apart(loads, frame, particles, p)
+        v = particles.v
+        s = particles.sigma
+        xy = V * s[p, 3]
+        yz = V * s[p, 4]
+        xz = V * s[p, 5]
+        return pack(m, m * v[p, 0], m * v[p, 1], m * v[p, 2]), (
+            pack(moment(wall(loads.walls, 0), particles, p, 0), V * (s[p, 0] - q), xy, xz),
+            pack(moment(wall(loads.walls, 1), particles, p, 1), xy, V * (s[p, 1] - q), yz),
+            pack(moment(wall(loads.walls, 2), particles, p, 2), xz, yz, V * (s[p, 2] - q)),
+        )
+
+    return contribution3

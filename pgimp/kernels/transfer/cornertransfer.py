@@ -1,0 +1,260 @@
+"""Supports that are sums over corners: convected particle domains in full.
+
+A corner c of a particle's parallelogram gives to the 2^D vertices of the cell it is in, with the
+weights N = S_v(x_c), products of 1 - t_i or t_i for its place t in that cell. What it gives is the
+same for all of them (see `pgimp.physics.shapes.cpdi_corners` for A and s): of the vectors of a
+particle's `Share`
+
+    2^-D (A + sum_j s_cj K_j) and 2^-D (B + sum_j s_cj T_j),   T_j = sum_i (A^-1)_ji S_i,
+
+K_j = sum_i A_ij C_i being the change of the affine momentum from the particle to the corner; that
+from the corner on to a vertex, along each direction i -t_i or 1 - t_i cells of C_i, is added on the
+way. Likewise the velocities U_c at the corners have the mean U, and the gradient
+2^-D sum_j (sum_c s_cj U_c) (A^-1)_j. So nothing branches, and no table of weights is made.
+"""
+
+from pgimp.jit.kernel import specialise
+from pgimp.jit.tuples import plus_scaled
+from pgimp.jit.vectors.simd import load, number, pack, store
+from pgimp.kernels.data.record import RECORD
+from pgimp.kernels.transfer.corners import CELL, CORNER, EDGES, INVERSE
+
+
+def _numbers(buffer, at, like):
+    """Every fourth number from `at` on, as many as `like` has."""
+
+
+@specialise(_numbers)
+def _numbers_of(buffer, at, like):
+    if len(like) == 0:
+        return lambda buffer, at, like: ()
+    return lambda buffer, at, like: (
+        number(buffer, at), *_numbers(buffer, at + 4, like[1:]),
+    )  # fmt: skip
+
+
+def _combined(w, V):
+    """The vector sum_i w_i V_i."""
+
+
+@specialise(_combined)
+def _combined_of(w, V):
+    if len(w) == 1:
+        return lambda w, V: w[0] * V[0]
+    return lambda w, V: w[0] * V[0] + _combined(w[1:], V[1:])
+
+
+def _combinations(part, buffer, at, V, rows):
+    """For each of the rows from `at` on the combination of the vectors `V`, times `part`."""
+
+
+@specialise(_combinations)
+def _all_combinations(part, buffer, at, V, rows):
+    if len(rows) == 0 or len(V) == 0:
+        return lambda part, buffer, at, V, rows: ()
+    return lambda part, buffer, at, V, rows: (
+        part * _combined(_numbers(buffer, at, V), V),
+        *_combinations(part, buffer, at + 4 * len(V), V, rows[1:]),
+    )
+
+
+def corner(buffer, c, j, like):
+    """Place t of corner `c` of particle `j` in its cell, and place of that cell in the support."""
+
+
+@specialise(corner)
+def _corner(buffer, c, j, like):
+    return lambda buffer, c, j, like: (
+        _numbers(buffer, CORNER * c + j, like), int(number(buffer, CORNER * c + CELL + j)),
+    )  # fmt: skip
+
+
+def _along(A, t, C):
+    """The vector A + t C_0; A where C is ()."""
+
+
+@specialise(_along)
+def _along_first(A, t, C):
+    return (lambda A, t, C: A) if len(C) == 0 else (lambda A, t, C: t * C[0] + A)
+
+
+def spread(G, place, stride, w, t, A, B, C):
+    """Add vectors A and B, times `w`, to the vertices round the place t in a cell.
+
+    Parameters
+    ----------
+    place, stride
+        Of the cell's first vertex; from the current direction on.
+    t : tuple of float
+        The place along the current direction and the following ones.
+    C : tuple of Vec4
+        What A grows by over a cell along each of them, or ().
+    """
+
+
+@specialise(spread)
+def _spread(G, place, stride, w, t, A, B, C):
+    def vertex(G, place, stride, w, t, A, B, C):
+        store(G, place, load(G, place) + w * A)
+        store(G, place + 4, load(G, place + 4) + w * B)
+
+    if len(t) == 0:
+        return vertex
+    innermost = len(t) == 1
+
+    def both(G, place, stride, w, t, A, B, C):
+        above = place + (RECORD if innermost else stride[0])
+        low, high = _along(A, -t[0], C), _along(A, 1.0 - t[0], C)
+        spread(G, place, stride[1:], w * (1.0 - t[0]), t[1:], low, B, C[1:])
+        spread(G, above, stride[1:], w * t[0], t[1:], high, B, C[1:])
+
+    return both
+
+
+def _scatter_each(support, c, planes, middle, changes, like):
+    """Add the shares of the corners c, c + 1, ... of a particle.
+
+    `planes` are G, place and stride, `middle` A, B in the middle of these corners and C, `changes`
+    K and T.
+    """
+
+
+@specialise(_scatter_each)
+def _scatter_each_corner(support, c, planes, middle, changes, like):
+    def one(support, c, planes, middle, changes, like):
+        (G, place, stride), (A, B, C) = planes, middle
+        t, cell = corner(support[0], c, support[1], like)
+        spread(G, place + cell, stride, 1.0, t, A, B, C)
+
+    def both(support, c, planes, middle, changes, like):
+        (A, B, C), (K, T) = middle, changes
+        low, high = (_along(A, -1.0, K), B - T[0], C), (_along(A, 1.0, K), B + T[0], C)
+        _scatter_each(support, 2 * c, planes, low, (K[1:], T[1:]), like)
+        _scatter_each(support, 2 * c + 1, planes, high, (K[1:], T[1:]), like)
+
+    return one if len(changes.types[1]) == 0 else both
+
+
+def _part_of(part, B):
+    """The vector part B; zero where B is ()."""
+
+
+@specialise(_part_of)
+def _part_of_force(part, B):
+    if hasattr(B, "count"):  # ()
+        return lambda part, B: pack(0.0, 0.0, 0.0, 0.0)
+    return lambda part, B: part * B
+
+
+def _over_cells(part, C, cell):
+    """The changes C, per length, over a cell along each direction, times `part`; () if () ."""
+
+
+@specialise(_over_cells)
+def _over_all_cells(part, C, cell):
+    if len(C) == 0:
+        return lambda part, C, cell: ()
+    return lambda part, C, cell: (
+        (part * cell[0]) * C[0], *_over_cells(part, C[1:], cell[1:]),
+    )  # fmt: skip
+
+
+def scatter_corners(shape, G, support, place, stride, share):
+    """See `pgimp.kernels.transfer.scatter.scatter`."""
+
+
+@specialise(scatter_corners)
+def _scatter_corners(shape, G, support, place, stride, share):
+    D = len(share.types[2])
+    part, like = 0.5**D, (0.0,) * D
+
+    def scatter(shape, G, support, place, stride, share):
+        (buffer, j), (A, B, S, C, _) = support, share
+        T = _combinations(part, buffer, INVERSE + j, S, like)
+        C = _over_cells(part, C, shape.cell)
+        K = _combinations(1.0, buffer, EDGES + j, C, like)
+        middle = (part * A, _part_of(part, B), C)
+        _scatter_each((buffer, j), 0, (G, place, stride), middle, (K, T), like)
+
+    return scatter
+
+
+def interpolated(G, place, stride, t):
+    """The two vectors of the records at the place t in a cell; arguments as those of `spread`."""
+
+
+@specialise(interpolated)
+def _interpolated(G, place, stride, t):
+    if len(t) == 0:
+        return lambda G, place, stride, t: (load(G, place), load(G, place + 4))
+    innermost = len(t) == 1
+
+    def between(G, place, stride, t):
+        u, a = interpolated(G, place, stride[1:], t[1:])
+        v, b = interpolated(G, place + (RECORD if innermost else stride[0]), stride[1:], t[1:])
+        s = 1.0 - t[0]
+        return t[0] * v + s * u, t[0] * b + s * a
+
+    return between
+
+
+def _sums(G, buffer, j, c, place, stride, like, rest):
+    """Sums over the corners c, c + 1, ... of both vectors, and of s_j U_c for each of `rest`."""
+
+
+@specialise(_sums)
+def _sums_over_corners(G, buffer, j, c, place, stride, like, rest):
+    def one(G, buffer, j, c, place, stride, like, rest):
+        t, cell = corner(buffer, c, j, like)
+        u, a = interpolated(G, place + cell, stride, t)
+        return u, a, ()
+
+    def both(G, buffer, j, c, place, stride, like, rest):
+        u, a, low = _sums(G, buffer, j, 2 * c, place, stride, like, rest[1:])
+        v, b, high = _sums(G, buffer, j, 2 * c + 1, place, stride, like, rest[1:])
+        return u + v, a + b, (v - u, *plus_scaled(1.0, low, high))
+
+    return one if len(rest) == 0 else both
+
+
+def _transposed(part, buffer, at, E, like):
+    """For each direction i the sum over j of (A^-1)_ji E_j, times `part`."""
+
+
+@specialise(_transposed)
+def _transposed_along(part, buffer, at, E, like):
+    if len(like) == 0:
+        return lambda part, buffer, at, E, like: ()
+    return lambda part, buffer, at, E, like: (
+        part * _down(buffer, at, 4 * len(E), E), *_transposed(part, buffer, at + 4, E, like[1:]),
+    )  # fmt: skip
+
+
+def _down(buffer, at, step, E):
+    """The combination of the vectors `E` with the numbers at `at`, `at + step`, ..."""
+
+
+@specialise(_down)
+def _down_a_column(buffer, at, step, E):
+    if len(E) == 1:
+        return lambda buffer, at, step, E: number(buffer, at) * E[0]
+    return lambda buffer, at, step, E: (
+        number(buffer, at) * E[0] + _down(buffer, at + step, step, E[1:])
+    )
+
+
+def gather_corners(shape, G, support, place, stride, like):
+    """See `pgimp.kernels.transfer.gather.gather`; there is no `mean`."""
+
+
+@specialise(gather_corners)
+def _gather_corners(shape, G, support, place, stride, like):
+    part = 0.5 ** len(like)
+
+    def gather(shape, G, support, place, stride, like):
+        buffer, j = support
+        U, A, E = _sums(G, buffer, j, 0, place, stride, like, like)
+        D = _transposed(part, buffer, INVERSE + j, E, like)
+        return part * U, part * A, D, ()
+
+    return gather

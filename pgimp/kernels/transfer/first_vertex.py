@@ -1,0 +1,74 @@
+"""First vertices of supports: one set of functions for all kernels, exact to the bit."""
+
+from math import floor
+
+import pgimp.jit.functions  # noqa: F401  so that they work on vectors of four particles, too
+from pgimp.jit.kernel import exact, specialise
+from pgimp.jit.tuples import read
+from pgimp.kernels.data.frame import InitialFrame, MixedFrame
+from pgimp.physics.shapes.base import size
+
+
+def is_initial(frame):
+    """Whether a frame, given by its Numba type, is one of the initial configuration."""
+    return frame.instance_class is InitialFrame
+
+
+def is_mixed(frame):
+    """Whether a frame, given by its Numba type, is one of bodies of both configurations."""
+    return frame.instance_class is MixedFrame
+
+
+def coordinate(frame, particles, p, d):
+    """Coordinate along `d` of particle `p` where its weights are taken: now, or initially."""
+
+
+@specialise(coordinate)
+def _coordinate(frame, particles, p, d):
+    if is_initial(frame):
+        return lambda frame, particles, p, d: particles.origin[p, d]
+    if is_mixed(frame):
+        return lambda frame, particles, p, d: (
+            particles.origin[p, d] if frame.begun[particles.body[p]] else particles.x[p, d]
+        )
+    return lambda frame, particles, p, d: particles.x[p, d]
+
+
+def first_vertex(frame, d, half, x):
+    """Number of the first vertex, along direction `d`, of particles at coordinate `x`.
+
+    An int of a number; of a vector a vector.
+    """
+
+
+@exact(first_vertex)  # all kernels must find the same layer, in any code
+def _first_vertex(frame, d, half, x):
+    return lambda frame, d, half, x: (
+        floor((x - frame.origin[d]) * frame.inverse[d] - half) + frame.ghost
+    )
+
+
+def deformation(frame, particles, p):
+    """Deformation gradient of particle `p`, a row-major tuple."""
+
+
+@specialise(deformation)
+def _deformation(frame, particles, p):
+    D = len(frame.types[0])
+    like = tuple(float(i == j) for i in range(D) for j in range(D))
+    if is_mixed(frame):  # weights of the start are those of undeformed particles
+        return lambda frame, particles, p: (
+            like if frame.begun[particles.body[p]] else read(particles.F, p, 0, like)
+        )
+    return lambda frame, particles, p: read(particles.F, p, 0, like)
+
+
+def half_widths(shape, frame, particles, p):
+    """Half-widths of particle `p` in cells; costs nothing where the shape keeps its size."""
+
+
+@specialise(half_widths)
+def _half_widths(shape, frame, particles, p):
+    return lambda shape, frame, particles, p: (
+        size(shape, frame.cell, deformation(frame, particles, p))[0]
+    )

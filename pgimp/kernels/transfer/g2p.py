@@ -1,0 +1,128 @@
+"""Grid to particles: positions and velocities (26, 27), deformation (29, 30), volume and stress."""
+
+from pgimp.jit.algebra import determinant
+from pgimp.jit.kernel import kernel
+from pgimp.jit.vectors.simd import lane, stack, vector
+from pgimp.kernels.data.arguments import Batch
+from pgimp.kernels.loads.loads import add_force_power, layer_power
+from pgimp.kernels.rigid.hold import hold_outside
+from pgimp.kernels.transfer.gather_shared import take_from_grid
+from pgimp.kernels.transfer.lane_io import LANES, four, put, put_row, take
+from pgimp.kernels.transfer.supports import SUPPORT_SIZE, supports
+from pgimp.kernels.transfer.transpose import SUMS
+from pgimp.kernels.update.affine import keep_gradients, when_moved
+from pgimp.kernels.update.checks import check, limits_of
+from pgimp.kernels.update.mean import with_means
+from pgimp.kernels.update.mean_lagrangian import deform, keep_around, take_around
+from pgimp.kernels.update.meanweights import keep_means
+from pgimp.kernels.update.refill import refill
+from pgimp.kernels.update.speed import grid_speed
+from pgimp.kernels.update.stress import keep_state, margins, update_stress
+from pgimp.kernels.update.varying import with_own
+from pgimp.kernels.update.velocity import update_position, update_velocity
+from pgimp.kernels.update.viscosity import update_viscous_pressure
+
+
+@kernel
+def materials_of(material_of, body, rows):
+    """Materials of four particles."""
+    return (
+        material_of[body[rows[0]]], material_of[body[rows[1]]],
+        material_of[body[rows[2]]], material_of[body[rows[3]]],
+    )  # fmt: skip
+
+
+@kernel
+def grid_to_particles(setting, field, particles, order, layers, forcing, report, ledger):
+    """Advance particles of a rank by one step, and report on them.
+
+    A particle at fault stays as computed, in its layer; the others go on. One that has left through
+    an open face gets the layer `OUTFLOW`.
+
+    Parameters
+    ----------
+    setting, field, particles, order, forcing
+        See `Setting`, `Field`, `Particles`, `Order`, `Forcing`; the field holds velocities and
+        accelerations.
+    layers : (k,) int64
+        The layers to advance, ascending, counted from the rank's first one.
+    report : Report
+        Filled by this.
+    ledger : Ledger
+        Grows, layer by layer, by the work of loads, constraints and walls on particles, and by the
+        momentum that constraints (`constraint_impulse`) and walls (`impulse`) give to them.
+
+    Returns
+    -------
+    errors, outflow, changed : int
+        Number of particles at fault, of those that left, of those that left or changed layer.
+    rate : float
+        Largest `pace` over L, if controlled; see `pgimp.kernels.update.speed`.
+    clamped : int
+        Number of particles whose half-width is clamped.
+    held : int
+        Number of particles that walls held in.
+    """
+    shape, frame, window = setting.shape, setting.frame, field.window
+    loads, dt, start, work = forcing.loads, forcing.dt, order.start, ledger.work
+    counts = (0, 0, 0, 0, 0)
+    inverse = 0.0
+    for d in range(len(frame.inverse)):
+        inverse = max(inverse, frame.inverse[d])
+    limits = limits_of(setting, forcing, inverse)
+    fastest = vector(0.0)
+    buffer = stack(SUPPORT_SIZE)
+    weights = stack(SUPPORT_SIZE)
+    sums = stack(SUMS)
+    for layer in layers:
+        number = layer + window.lower[0]
+        span = (start[layer], start[layer + 1])
+        power = layer_power(loads, setting, field, particles, order.rows, span, number)
+        for k in range(start[layer], start[layer + 1], LANES):
+            rows = four(order.rows, k, start[layer + 1])
+            count = min(LANES, start[layer + 1] - k)
+            batch = Batch(rows, count, k, layer, number)
+            supports(shape, frame, window, particles, rows, number, buffer, ())
+            keep_means(loads.mean, shape, frame, buffer)
+            keep_around(loads.around, shape, frame, buffer, weights)
+            u, a, grad, codes = take_from_grid(  # (30)
+                (shape, frame), field, loads.mean, batch, buffer, sums
+            )
+            power = add_force_power(loads.force, frame, particles, batch, u, power)
+            u, v = update_velocity(frame, forcing, particles, batch, u, a, ledger)  # (27)
+            x = update_position(forcing, particles, batch, u)  # (26)
+            moved = when_moved(loads.affine, frame, dt, grad)
+            keep_gradients(loads.affine, particles, rows, moved, codes)
+            grad = with_means(  # the cells' rates of dilatation
+                loads.mean, frame, particles, rows, buffer, sums, count, grad
+            )
+            cells = take_around(
+                loads.around, (shape, frame), field, batch, buffer, weights, sums
+            )  # fmt: skip
+            m = materials_of(setting.material_of, particles.body, rows)
+            L, F = deform(cells, setting, forcing, particles, batch, m, grad)  # (29)
+            x, F = refill(forcing, setting, field, particles, batch, (buffer, sums), (x, F), ledger)
+            J = determinant(F)
+            own = with_own(setting, particles, rows)
+            sigma, state = update_stress(own, forcing, particles, rows, m, F, J, L)
+            put_row(particles.x, rows, 0, x)
+            put_row(particles.v, rows, 0, v)
+            put_row(particles.F, rows, 0, F)
+            x, v = hold_outside(forcing.keepers, forcing, particles, batch, x, v, ledger)
+            put_row(particles.sigma, rows, 0, sigma)
+            keep_state(particles, rows, state)
+            if setting.tracked:
+                put(particles.V, rows, J * take(particles.V0, rows))
+            extra = update_viscous_pressure(  # (45)
+                loads.viscosity, own, m, particles, rows, F, J, L
+            )
+            if forcing.controlled:
+                c = grid_speed(own, forcing.controlled, m, (v, F, J, state), inverse, extra)
+                fastest = max(c * inverse, fastest)
+            margin = margins(own, m, F, J, sigma, state)
+            found = (u, v, x, F, J, state, margin)
+            counts = check(limits, field, particles, batch, found, report, ledger, counts)
+        work[layer] += dt * power
+    failed, outflow, moved, clamped, held = counts
+    rate = max(max(lane(fastest, 0), lane(fastest, 1)), max(lane(fastest, 2), lane(fastest, 3)))
+    return failed, outflow, moved, rate, clamped, held

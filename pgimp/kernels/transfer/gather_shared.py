@@ -1,0 +1,272 @@
+"""Gather for four particles: one after the other, or together if they share a support.
+
+One after the other, each reads whole records of vertices, as vectors, with its own weights, and the
+sums are transposed. In the initial configuration the particles of a lattice's cell always share
+their vertices: four of them read each number of a record once, with vectors of their weights. The
+groups of four follow from the canonical order, which never changes there, so that the bits do not
+depend on ranks.
+"""
+
+from pgimp.jit.kernel import specialise
+from pgimp.jit.tuples import joined, plus_scaled, scaled
+from pgimp.jit.vectors.simd import bits, vector
+from pgimp.kernels.data.record import ACCELERATION, HELD, RECORD, VELOCITY
+from pgimp.kernels.transfer.first_vertex import is_initial
+from pgimp.kernels.transfer.gather import gather
+from pgimp.kernels.transfer.lane_io import LANES
+from pgimp.kernels.transfer.supports import first_place, four_entries, share_support
+from pgimp.kernels.transfer.transfer import Support
+from pgimp.kernels.transfer.transpose import (
+    collected,
+    gradients,
+    held_weights,
+    keep_sums,
+    repeat_sums,
+)
+from pgimp.kernels.update.mean import keep_rates
+
+
+def take_from_grid(places, field, mean, batch, buffer, sums):
+    """Gather velocity, acceleration and gradient for four particles.
+
+    Parameters
+    ----------
+    places : tuple
+        The shape and the frame; nothing of materials and loads, of which there are many.
+    field, batch
+        See `Field`, `Batch`.
+    mean
+        See `Loads`.
+    buffer, sums
+        The supports of the batch, and scratch for `keep_sums`.
+
+    Returns
+    -------
+    u, a : tuple of D Vec4
+        Velocity and acceleration at their places.
+    grad : tuple of D*D Vec4
+        Gradient of the velocity, row-major.
+    held : Vec4
+        Weighted sums of `HELD` over the vertices.
+    """
+
+
+@specialise(take_from_grid)
+def _take_from_grid(places, field, mean, batch, buffer, sums):
+    def where_shared(places, field, mean, batch, buffer, sums):
+        if batch.size < LANES or not share_support(buffer):
+            return _take_separately(places, field, mean, batch, buffer, sums)
+        (shape, frame), window = places, field.window
+        place = batch.layer * window.stride[0] + first_place(buffer, 0)
+        u, a, D, held = gather_shared(
+            shape, field.G, buffer, place, window.stride, frame.origin, frame.origin
+        )
+        return u, a, row_major(D), held
+
+    if is_initial(places[1]):
+        return where_shared
+    return lambda places, field, mean, batch, buffer, sums: _take_separately(
+        places, field, mean, batch, buffer, sums
+    )
+
+
+def _take_separately(places, field, mean, batch, buffer, sums):
+    """As `take_from_grid`, one particle after the other."""
+
+
+@specialise(_take_separately)
+def _take_one_by_one(places, field, mean, batch, buffer, sums):
+    def one_by_one(places, field, mean, batch, buffer, sums):
+        (shape, frame), window = places, field.window
+        begin = batch.layer * window.stride[0]
+        for j in range(batch.size):
+            place = begin + first_place(buffer, j)
+            U, A, D, M = gather(
+                shape, field.G, Support(buffer, j), place, window.stride, frame.origin, mean
+            )
+            keep_sums(sums, j, U, A, D)
+            keep_rates(M, buffer, j)
+        repeat_sums(sums, batch.size, frame.origin)
+        u, a = collected(sums, 0, frame.origin), collected(sums, 1, frame.origin)
+        return u, a, gradients(sums, 2, frame.origin), held_weights(sums)
+
+    return one_by_one
+
+
+def row_major(D):
+    """Gradients, row-major, from the derivatives of a vector along each direction."""
+
+
+@specialise(row_major)
+def _row_major_of(D):
+    one = lambda D: D[0]  # noqa: E731
+    two = lambda D: (D[0][0], D[1][0], D[0][1], D[1][1])  # noqa: E731
+    three = lambda D: (  # noqa: E731
+        D[0][0], D[1][0], D[2][0], D[0][1], D[1][1], D[2][1], D[0][2], D[1][2], D[2][2],
+    )  # fmt: skip
+    return (one, two, three)[len(D) - 1]
+
+
+def _numbers(G, at, like):
+    """Numbers from `at` on, as many as `like` has."""
+
+
+@specialise(_numbers)
+def _numbers_of(G, at, like):
+    if len(like) == 1:
+        return lambda G, at, like: (G[at],)
+    return lambda G, at, like: (G[at], *_numbers(G, at + 1, like[1:]))
+
+
+def _zeros(like):
+    """Zero vectors, as many as `like` has."""
+
+
+@specialise(_zeros)
+def _zeros_of(like):
+    if len(like) == 1:
+        return lambda like: (vector(0.0),)
+    return lambda like: (vector(0.0), *_zeros(like[1:]))
+
+
+def _zero_gradients(counts, like):
+    """Zero derivatives, of as many directions as there are counts."""
+
+
+@specialise(_zero_gradients)
+def _zero_gradients_of(counts, like):
+    if len(counts) == 1:
+        return lambda counts, like: (_zeros(like),)
+    return lambda counts, like: (_zeros(like), *_zero_gradients(counts[1:], like))
+
+
+def _add_gradients(w, ds, Ds):
+    """Derivatives Ds + w ds, direction by direction."""
+
+
+@specialise(_add_gradients)
+def _add_gradients_of(w, ds, Ds):
+    if len(ds) == 1:
+        return lambda w, ds, Ds: (plus_scaled(w, ds[0], Ds[0]),)
+    return lambda w, ds, Ds: (
+        plus_scaled(w, ds[0], Ds[0]), *_add_gradients(w, ds[1:], Ds[1:]),
+    )  # fmt: skip
+
+
+def _line(G, buffer, d, i, place, step, like, most):
+    """Sums over the vertices i, i + 1, ... of a line, as many as `most` has, `step` apart."""
+
+
+@specialise(_line)
+def _line_of(G, buffer, d, i, place, step, like, most):
+    def last(G, buffer, d, i, place, step, like, most):
+        w, g = four_entries(buffer, d, 0, i), four_entries(buffer, d, 1, i)
+        v = _numbers(G, place + VELOCITY, like)
+        a = _numbers(G, place + ACCELERATION, like)
+        return scaled(w, v), scaled(w, a), (scaled(g, v),), w * G[place + HELD]
+
+    def more(G, buffer, d, i, place, step, like, most):
+        U, A, D, held = _line(G, buffer, d, i + 1, place + step, step, like, most[1:])
+        w, g = four_entries(buffer, d, 0, i), four_entries(buffer, d, 1, i)
+        v = _numbers(G, place + VELOCITY, like)
+        a = _numbers(G, place + ACCELERATION, like)
+        return (
+            plus_scaled(w, v, U), plus_scaled(w, a, A), (plus_scaled(g, v, D[0]),),
+            w * G[place + HELD] + held,
+        )  # fmt: skip
+
+    return last if len(most) == 1 else more
+
+
+def _line_of_some(most, count, G, buffer, d, place, step, like):
+    """Sums over a line of `count` vertices, two at least and no more than `most` has."""
+
+
+@specialise(_line_of_some)
+def _line_of_number(most, count, G, buffer, d, place, step, like):
+    def exactly(most, count, G, buffer, d, place, step, like):
+        return _line(G, buffer, d, 0, place, step, like, most)
+
+    def at_most(most, count, G, buffer, d, place, step, like):
+        if count < len(most):
+            return _line_of_some(most[1:], count, G, buffer, d, place, step, like)
+        return _line(G, buffer, d, 0, place, step, like, most)
+
+    return exactly if len(most) == 2 else at_most
+
+
+def _lines(G, buffer, d, place, counts, stride, like, most):
+    """Sums over the lines of a support, from direction `d` on."""
+
+
+@specialise(_lines)
+def _lines_of(G, buffer, d, place, counts, stride, like, most):
+    if len(counts) == 1:
+        if len(like) == 1:
+            return lambda G, buffer, d, place, counts, stride, like, most: _line_of_some(
+                most, counts[0], G, buffer, d, place, stride[0], like
+            )
+        return lambda G, buffer, d, place, counts, stride, like, most: _line_of_some(
+            most, counts[0], G, buffer, d, place, RECORD, like
+        )
+
+    def lines(G, buffer, d, place, counts, stride, like, most):
+        U, A, D, held = _zeros(like), _zeros(like), _zero_gradients(counts, like), vector(0.0)
+        for i in range(counts[0]):
+            w, g = four_entries(buffer, d, 0, i), four_entries(buffer, d, 1, i)
+            u, a, b, h = _lines(
+                G, buffer, d + 1, place + i * stride[0], counts[1:], stride[1:], like, most
+            )
+            D = joined(plus_scaled(g, u, D[0]), _add_gradients(w, b, D[1:]))
+            U, A, held = plus_scaled(w, u, U), plus_scaled(w, a, A), w * h + held
+        return U, A, D, held
+
+    return lines
+
+
+def _reached(shape, buffer, d):
+    """Number of vertices along direction `d` that any of four particles has weight on."""
+
+
+@specialise(_reached)
+def _reached_of(shape, buffer, d):
+    vertices = shape.instance_class.vertices()
+    if vertices == 2:
+        return lambda shape, buffer, d: 2
+    if vertices == 3:
+        return lambda shape, buffer, d: 2 if bits(four_entries(buffer, d, 0, 2) == 0.0) == 15 else 3
+    return lambda shape, buffer, d: (
+        4 if bits(four_entries(buffer, d, 0, 3) == 0.0) != 15
+        else (3 if bits(four_entries(buffer, d, 0, 2) == 0.0) != 15 else 2)
+    )  # fmt: skip
+
+
+def _all_reached(shape, buffer, d, like):
+    """Numbers of vertices along the directions from `d` on, as many as `like` has."""
+
+
+@specialise(_all_reached)
+def _all_reached_of(shape, buffer, d, like):
+    if len(like) == 0:
+        return lambda shape, buffer, d, like: ()
+    return lambda shape, buffer, d, like: (
+        _reached(shape, buffer, d), *_all_reached(shape, buffer, d + 1, like[1:]),
+    )  # fmt: skip
+
+
+def gather_shared(shape, G, buffer, place, stride, directions, like):
+    """Sums of velocities, accelerations, derivatives along each direction, and codes.
+
+    Of as many numbers of a record as `like` has, for a scene of as many `directions`.
+    """
+
+
+@specialise(gather_shared)
+def _gather_shared_of(shape, G, buffer, place, stride, directions, like):
+    most = (0.0,) * shape.instance_class.vertices()
+
+    def gather_shared(shape, G, buffer, place, stride, directions, like):
+        counts = _all_reached(shape, buffer, 0, directions)
+        return _lines(G, buffer, 0, place, counts, stride, like, most)
+
+    return gather_shared

@@ -1,0 +1,133 @@
+"""Four particles at once: their rows, and reads and writes of their columns.
+
+Weights, deformation and stress are computed for four particles in one vector register. A batch that
+the end of a layer cuts short repeats its last particle: a particle's results are the same in any
+batch and place.
+"""
+
+from pgimp.jit.kernel import specialise
+from pgimp.jit.vectors.rows import load_row, store_row, transpose
+from pgimp.jit.vectors.simd import lane, pack
+from pgimp.kernels.transfer.first_vertex import is_initial
+
+#: Particles in a batch.
+LANES = 4
+
+
+def four(order, k, end):
+    """Rows of the particles ``order[k:k + 4]``; the last before `end` replaces missing ones."""
+
+
+@specialise(four)
+def _four(order, k, end):
+    return lambda order, k, end: (
+        order[k], order[min(k + 1, end - 1)], order[min(k + 2, end - 1)],
+        order[min(k + 3, end - 1)],
+    )  # fmt: skip
+
+
+def take(array, rows):
+    """Vector of the entries of four rows."""
+
+
+@specialise(take)
+def _take(array, rows):
+    return lambda array, rows: pack(array[rows[0]], array[rows[1]], array[rows[2]], array[rows[3]])
+
+
+def take_row(array, rows, i, like):
+    """Vectors of the entries i, i+1, ... of four rows, as many as `like` has."""
+
+
+@specialise(take_row)
+def _take_row(array, rows, i, like):
+    def four_entries(array, rows, i, like):
+        return transpose(
+            load_row(array, rows[0], i), load_row(array, rows[1], i),
+            load_row(array, rows[2], i), load_row(array, rows[3], i),
+        )  # fmt: skip
+
+    def one(array, rows, i, like):
+        return (
+            pack(array[rows[0], i], array[rows[1], i], array[rows[2], i], array[rows[3], i]),
+        )
+
+    if len(like) == 4:
+        return four_entries
+    if len(like) > 4:
+        return lambda array, rows, i, like: (
+            *take_row(array, rows, i, like[:4]), *take_row(array, rows, i + 4, like[4:]),
+        )  # fmt: skip
+    if len(like) == 1:
+        return one
+    return lambda array, rows, i, like: (
+        pack(array[rows[0], i], array[rows[1], i], array[rows[2], i], array[rows[3], i]),
+        *take_row(array, rows, i + 1, like[1:]),
+    )
+
+
+def put(array, rows, values):
+    """Set the entries of four rows to the elements of a vector."""
+
+
+@specialise(put)
+def _put(array, rows, values):
+    def put_four(array, rows, values):
+        array[rows[0]] = lane(values, 0)
+        array[rows[1]] = lane(values, 1)
+        array[rows[2]] = lane(values, 2)
+        array[rows[3]] = lane(values, 3)
+
+    return put_four
+
+
+def put_row(array, rows, i, values):
+    """Set the entries i, i+1, ... of four rows to the vectors `values`."""
+
+
+@specialise(put_row)
+def _put_row(array, rows, i, values):
+    def put_four(array, rows, i, values):
+        whole = transpose(values[0], values[1], values[2], values[3])
+        store_row(array, rows[0], i, whole[0])
+        store_row(array, rows[1], i, whole[1])
+        store_row(array, rows[2], i, whole[2])
+        store_row(array, rows[3], i, whole[3])
+
+    def put_one(array, rows, i, values):
+        array[rows[0], i] = lane(values[0], 0)
+        array[rows[1], i] = lane(values[0], 1)
+        array[rows[2], i] = lane(values[0], 2)
+        array[rows[3], i] = lane(values[0], 3)
+
+    def put_few(array, rows, i, values):
+        put_row(array, rows, i, values[:1])
+        put_row(array, rows, i + 1, values[1:])
+
+    def put_more(array, rows, i, values):
+        put_row(array, rows, i, values[:4])
+        put_row(array, rows, i + 4, values[4:])
+
+    return (put_one, put_few, put_few, put_four, put_more)[min(len(values), 5) - 1]
+
+
+def deformations(frame, particles, rows):
+    """Deformation gradients of four particles, a row-major tuple of vectors."""
+
+
+@specialise(deformations)
+def _deformations(frame, particles, rows):
+    like = (0.0,) * len(frame.types[0]) ** 2
+    return lambda frame, particles, rows: take_row(particles.F, rows, 0, like)
+
+
+def coordinates(frame, particles, rows):
+    """Places at which four particles' weights are taken, a tuple of vectors; see `coordinate`."""
+
+
+@specialise(coordinates)
+def _coordinates(frame, particles, rows):
+    like = (0.0,) * len(frame.types[0])
+    if is_initial(frame):
+        return lambda frame, particles, rows: take_row(particles.origin, rows, 0, like)
+    return lambda frame, particles, rows: take_row(particles.x, rows, 0, like)

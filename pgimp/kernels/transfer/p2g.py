@@ -1,0 +1,169 @@
+"""Particles to grid: mass and momentum (21, 22) and forces (16, 17, 18), layer by layer.
+
+A vertex sum is defined so that no decomposition can change its bits: the particles of one layer
+are summed, in canonical order, from zero into that layer's own planes; then the layers are added
+in increasing order. Uniform gravity (17) is m_v b and needs no sum.
+
+Layers may be computed in another order: those that neighbours wait for come first, and sums that
+a layer then has to add later are deferred.
+"""
+
+from typing import Any, NamedTuple
+
+from pgimp.jit.kernel import inner_kernel, kernel, specialise
+from pgimp.jit.vectors.simd import load, pack, store
+from pgimp.kernels.data.velocity_fields import clear_plane, use
+from pgimp.kernels.transfer.sum_layer import sum_layer
+
+
+class Others(NamedTuple):
+    """Particles that are summed by another setting, into velocity fields of their own.
+
+    Attributes
+    ----------
+    setting, loads, order
+        See `Setting`, `Loads`, `Order`; the order has the same layers.
+    """
+
+    setting: Any
+    loads: Any
+    order: Any
+
+
+def _sum_others(others, field, particles, layer, span):
+    """Sum those of a layer as well; `span` is the range of a plane so far, and is widened."""
+
+
+@specialise(_sum_others)
+def _sum_others_too(others, field, particles, layer, span):
+    if not hasattr(others, "instance_class"):  # ()
+        return lambda others, field, particles, layer, span: span
+
+    def widen(others, field, particles, layer, span):
+        start = others.order.start
+        if start[layer] == start[layer + 1]:
+            return span
+        low, high = sum_layer(
+            others.setting, field, particles, others.loads, others.order.rows,
+            (start[layer], start[layer + 1]), layer + field.window.lower[0],
+        )  # fmt: skip
+        if span[1] == 0:
+            return low, high
+        return min(low, span[0]), max(high, span[1])
+
+    return widen
+
+
+@kernel
+def particles_to_grid(setting, field, particles, loads, order, runs, others):
+    """Sum the particles of some layers of a rank into its planes.
+
+    Parameters
+    ----------
+    setting, field, particles, loads, order
+        See `Setting`, `Field`, `Particles`, `Loads`, `Order`.
+    runs : (k, 3) int64
+        Runs of layers to sum, one after the other: the first layer, that after the last one, and
+        whether their sums for planes not shared with the upper rank are deferred; only the rank's
+        last layers, as many as it shares planes, may be.
+    others : Others or ()
+        Further particles.
+    """
+    start, window, shared_lower = order.start, field.window, field.shared_lower
+    G, active, scratch, deferred = field.G, field.active, field.scratch, field.deferred
+    plane = window.stride[0]
+    vertices = len(scratch) // plane
+    shared = vertices - 1
+    layers = len(start) - 1
+    kept = shared_lower * (shared_lower + 1) // 2  # where what the last layers defer begins
+    for run in range(len(runs)):
+        for layer in range(runs[run, 0], runs[run, 1]):
+            low, high = 0, 0
+            if start[layer] < start[layer + 1]:
+                low, high = sum_layer(
+                    setting, field, particles, loads, order.rows,
+                    (start[layer], start[layer + 1]), layer + window.lower[0],
+                )  # fmt: skip
+            low, high = _sum_others(others, field, particles, layer, (low, high))
+            for i in range(vertices):
+                target = layer + i
+                if target < shared_lower:
+                    slot = _slot(layer, shared) + i
+                    _defer(scratch, i * plane, deferred, slot * plane, low, high, plane)
+                    continue
+                if high > 0 and active[target] == 0:
+                    active[target] = 1
+                    clear_plane(field, target)
+                if runs[run, 2] != 0 and target < layers:
+                    slot = kept + _slot(layer - layers + shared, shared) + i
+                    _defer(scratch, i * plane, deferred, slot * plane, low, high, plane)
+                    continue
+                _flush(scratch, i * plane, G, target * plane, low, high)
+                if high > 0:
+                    use(field, target, low, high)
+
+
+@inner_kernel
+def _slot(k, shared):
+    """Place, in planes, of the deferred sums of the k-th of `shared` layers."""
+    return k * shared - k * (k - 1) // 2
+
+
+@inner_kernel
+def _flush(scratch, source, G, target, low, high):
+    """Add places `low` to `high` of a plane of `scratch` to a plane of `G`, leaving zeros."""
+    zero = pack(0.0, 0.0, 0.0, 0.0)
+    for i in range(low, high, 4):
+        store(G, target + i, load(G, target + i) + load(scratch, source + i))
+        store(scratch, source + i, zero)
+
+
+@inner_kernel
+def _defer(scratch, source, deferred, target, low, high, plane):
+    """Move a plane of `scratch`, zero outside `low` to `high`, leaving zeros."""
+    deferred[target : target + low] = 0.0
+    zero = pack(0.0, 0.0, 0.0, 0.0)
+    for i in range(low, high, 4):
+        store(deferred, target + i, load(scratch, source + i))
+        store(scratch, source + i, zero)
+    deferred[target + high : target + plane] = 0.0
+
+
+@kernel
+def complete(field, shared, layers, kept, received):
+    """Add the deferred sums, and those of the upper rank, to their planes.
+
+    Both sides of a slab boundary do this after the exchange, and then hold the same bits.
+
+    Parameters
+    ----------
+    field : Field
+        The planes shared with the lower rank hold that one's sums.
+    shared, layers : int
+        Number of planes shared at a slab boundary, number of the rank's layers.
+    kept : bool
+        Whether the last layers have deferred sums in this step.
+    received : float64
+        The upper rank's deferred sums for the planes shared with it; empty where there is none.
+    """
+    deferred, shared_lower = field.deferred, field.shared_lower
+    if shared_lower > 0:
+        _add(field, 0, deferred, 0, shared)
+    if kept:
+        _add(field, layers - shared, deferred, shared_lower * (shared_lower + 1) // 2, shared)
+    if len(received) > 0:
+        _add(field, layers, received, 0, shared)
+
+
+@inner_kernel
+def _add(field, first, sums, slot, shared):
+    """Add deferred sums, from `slot` on, to planes from `first` on, in layer order."""
+    G, plane = field.G, field.window.stride[0]
+    for i in range(shared):
+        use(field, first + i, 0, plane)
+    for layer in range(shared):
+        for i in range(layer, shared):
+            target = (first + i) * plane
+            for k in range(0, plane, 4):
+                store(G, target + k, load(G, target + k) + load(sums, slot * plane + k))
+            slot += 1

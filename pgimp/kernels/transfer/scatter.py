@@ -1,0 +1,209 @@
+"""Scatter to the vertices of a particle's support; see `pgimp.kernels.transfer.transfer`."""
+
+from typing import Any, NamedTuple
+
+from pgimp.jit.kernel import specialise
+from pgimp.jit.tuples import scaled
+from pgimp.jit.vectors.simd import load, store
+from pgimp.kernels.transfer.cornertransfer import scatter_corners
+from pgimp.kernels.transfer.supports import entry, extent, extents
+from pgimp.kernels.transfer.transfer import last_entries, last_step
+from pgimp.kernels.update.meanweights import factor, factored, plus_factored
+from pgimp.physics.shapes.base import by_corners
+
+
+class Share(NamedTuple):
+    """A particle's contributions to the vertices of its support, vectors (m, p) and (0, f).
+
+    Attributes
+    ----------
+    A : Vec4 or ()
+        Mass and momentum, of which a vertex gets the part S_vp; see `contribution`.
+    B : Vec4 or ()
+        Force of which it gets that part, see `weight`.
+    S : tuple of D Vec4
+        Force along each direction i times dS_vp/dx_i, see `contribution`.
+    C : tuple of D Vec4 or ()
+        Momentum times S_vp and the arm along each direction, see `affine_momentum`.
+    M : Vec4 or ()
+        Force times dD_p/dv_v, see `mean_force`.
+    """
+
+    A: Any
+    B: Any
+    S: tuple
+    C: tuple
+    M: Any
+
+
+def _sloped(w, A, e, C):
+    """The vector w A + e C_0, w A where C is (), () where A is."""
+
+
+@specialise(_sloped)
+def _sloped_by(w, A, e, C):
+    if hasattr(A, "count"):
+        return lambda w, A, e, C: ()
+    if len(C) == 0:
+        return lambda w, A, e, C: w * A
+    return lambda w, A, e, C: w * A + e * C[0]
+
+
+def _add(G, place, w, A, e, C):
+    """Add w A + e C_0 to the vector at `place`; nothing where A is ()."""
+
+
+@specialise(_add)
+def _add_to(G, place, w, A, e, C):
+    def add(G, place, w, A, e, C):
+        store(G, place, load(G, place) + _sloped(w, A, e, C))
+
+    return (lambda G, place, w, A, e, C: None) if hasattr(A, "count") else add
+
+
+def _force(w, B, g, S):
+    """The vector w B + g S, g S where B is ()."""
+
+
+@specialise(_force)
+def _force_of(w, B, g, S):
+    if hasattr(B, "count"):  # ()
+        return lambda w, B, g, S: g * S
+    return lambda w, B, g, S: w * B + g * S
+
+
+def _scatter_line(G, place, step, w, g, e, f, share):
+    """Add a particle to a line of vertices, which are `step` apart."""
+
+
+@specialise(_scatter_line)
+def _scatter_vertices(G, place, step, w, g, e, f, share):
+    def vertex(G, place, step, w, g, e, f, share):
+        A, B, S, C, M = share
+        _add(G, place, w[0], A, e[0], C)
+        more = plus_factored(f[0], M, _force(w[0], B, g[0], S[0]))
+        store(G, place + 4, load(G, place + 4) + more)
+
+    if len(w) == 1:
+        return vertex
+
+    def vertices(G, place, step, w, g, e, f, share):
+        A, B, S, C, M = share
+        _add(G, place, w[0], A, e[0], C)
+        more = plus_factored(f[0], M, _force(w[0], B, g[0], S[0]))
+        store(G, place + 4, load(G, place + 4) + more)
+        _scatter_line(G, place + step, step, w[1:], g[1:], e[1:], f[1:], share)
+
+    return vertices
+
+
+def _scatter_lines(G, support, d, place, counts, stride, Z, share):
+    """Add a particle to the lines of its support, from direction `d` on.
+
+    Parameters
+    ----------
+    place : int
+        Of the first vertex.
+    counts : tuple of int
+        Vertices of the current direction and the following ones but the last; `stride` alike.
+    Z : tuple
+        Weights, gradients, arms and `factors` along the last direction.
+    share : Share
+        The rest of it: A and B with the sums over the previous directions, S and C of the current
+        direction and the following ones, times the weights so far, and M times the factors so far.
+    """
+
+
+@specialise(_scatter_lines)
+def _scatter_all(G, support, d, place, counts, stride, Z, share):
+    if len(counts) == 0:
+        return lambda G, support, d, place, counts, stride, Z, share: _scatter_line(
+            G, place, last_step(stride), Z[0], Z[1], Z[2], Z[3], share
+        )
+
+    def lines(G, support, d, place, counts, stride, Z, share):
+        (buffer, j), (A, B, S, C, M) = support, share
+        for i in range(counts[0]):
+            w, g = entry(buffer, d, 0, i, j), entry(buffer, d, 1, i, j)
+            e = entry(buffer, d, 2, i, j)
+            at = place + i * stride[0]
+            part = Share(
+                _sloped(w, A, e, C), _force(w, B, g, S[0]), scaled(w, S[1:]), scaled(w, C[1:]),
+                factored(factor(M, buffer, d, i, j), M),
+            )  # fmt: skip
+            _scatter_lines(G, support, d + 1, at, counts[1:], stride[1:], Z, part)
+
+    return lines
+
+
+def _scatter_some(like, count, G, support, place, counts, stride, share):
+    """Add a particle that has weight on `count` vertices along the last direction.
+
+    At most as many as `like` has; each number has its own code.
+    """
+
+
+@specialise(_scatter_some)
+def _scatter_number(like, count, G, support, place, counts, stride, share):
+    last = len(counts)
+
+    def exactly(like, count, G, support, place, counts, stride, share):
+        Z = last_entries(support, last, like, share.M)
+        _scatter_lines(G, support, 0, place, counts, stride, Z, share)
+
+    if len(like) == 2:
+        return exactly
+
+    def at_most(like, count, G, support, place, counts, stride, share):
+        if count < len(like):
+            _scatter_some(like[1:], count, G, support, place, counts, stride, share)
+        else:
+            Z = last_entries(support, last, like, share.M)
+            _scatter_lines(G, support, 0, place, counts, stride, Z, share)
+
+    return at_most
+
+
+def scatter(shape, G, support, place, stride, share):
+    """Add a particle's share to its support.
+
+    Parameters
+    ----------
+    support : Support
+        Its weights.
+    place : int
+        Of the first vertex in `G`.
+    stride : tuple of int
+        The window's.
+    share : Share
+        Its contributions.
+    """
+
+
+@specialise(scatter)
+def _scatter(shape, G, support, place, stride, share):
+    if by_corners(shape):
+        return lambda shape, G, support, place, stride, share: scatter_corners(
+            shape, G, support, place, stride, share
+        )
+    return lambda shape, G, support, place, stride, share: scatter_products(
+        shape, G, support, place, stride, share
+    )
+
+
+def scatter_products(shape, G, support, place, stride, share):
+    """As `scatter`, for weights that are products of those along the directions, of any shape."""
+
+
+@specialise(scatter_products)
+def _scatter_products(shape, G, support, place, stride, share):
+    last = len(share.types[2]) - 1
+    outer = (0,) * last
+    like = (0.0,) * shape.instance_class.vertices()
+
+    def scatter(shape, G, support, place, stride, share):
+        counts = extents(shape, support.buffer, 0, support.j, outer)
+        count = extent(shape, support.buffer, last, support.j)
+        _scatter_some(like, count, G, support, place, counts, stride, share)
+
+    return scatter

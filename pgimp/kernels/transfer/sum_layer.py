@@ -1,0 +1,93 @@
+"""Particles to the planes of one layer: the inner part of (16, 18, 21, 22)."""
+
+from pgimp.jit.kernel import specialise
+from pgimp.jit.vectors.simd import stack
+from pgimp.kernels.contact.volumes import summed_supports
+from pgimp.kernels.data.record import RECORD
+from pgimp.kernels.grid.filling import FillingSums, ratio_arms
+from pgimp.kernels.loads.loads import scatter_loads, weight
+from pgimp.kernels.transfer.contribution import contribution
+from pgimp.kernels.transfer.lane_io import LANES, four
+from pgimp.kernels.transfer.scatter import Share, scatter
+from pgimp.kernels.transfer.supports import SUPPORT_SIZE, first_place
+from pgimp.kernels.transfer.transfer import Support
+from pgimp.kernels.update.affine import affine_momentum
+from pgimp.kernels.update.mean import mean_force
+from pgimp.kernels.update.mean_lagrangian import keep_around, scatter_around
+from pgimp.kernels.update.meanweights import keep_means
+from pgimp.kernels.update.piola import PIOLA_SIZE, keep_forces
+
+
+def arms(loads, frame, particles, p):
+    """Gradients of what particle `p` carries, times its mass: of velocity, or of J in flows."""
+
+
+@specialise(arms)
+def _arms(loads, frame, particles, p):
+    if loads.instance_class is FillingSums:
+        return lambda loads, frame, particles, p: ratio_arms(loads, frame, particles, p)
+    return lambda loads, frame, particles, p: affine_momentum(loads.affine, frame, particles, p)
+
+
+def sum_layer(setting, field, particles, loads, rows, span, number):
+    """Sum the particles of one layer, in canonical order, into its own planes.
+
+    Parameters
+    ----------
+    setting, field, particles, loads
+        As in `particles_to_grid`.
+    rows : (n,) int32
+        Rows of the rank's particles in canonical order.
+    span : (int, int)
+        Where the layer's particles begin and end in `rows`; there is at least one.
+    number : int
+        The layer's number.
+
+    Returns
+    -------
+    low, high : int
+        Range of a plane, in float64 from its beginning, to which something was added.
+    """
+
+
+@specialise(sum_layer)  # inlined: a call costs as much as a particle
+def _sum_layer(setting, field, particles, loads, rows, span, number):
+    def sum_layer(setting, field, particles, loads, rows, span, number):
+        shape, frame, window, scratch = setting.shape, setting.frame, field.window, field.scratch
+        begin, end = span
+        plane = window.stride[0]
+        vertices = len(scratch) // plane
+        low = plane
+        high = 0
+        buffer = stack(SUPPORT_SIZE)
+        forces = stack(PIOLA_SIZE)
+        weights = stack(SUPPORT_SIZE)
+        for k in range(begin, end, LANES):
+            batch = four(rows, k, end)
+            summed_supports(loads, shape, frame, window, particles, batch, number, buffer)
+            keep_means(loads.mean, shape, frame, buffer)
+            keep_around(loads.around, shape, frame, buffer, weights)
+            keep_forces(loads, frame, particles, batch, forces)
+            for j in range(min(LANES, end - k)):
+                p = rows[k + j]
+                place = first_place(buffer, j)
+                A, S = contribution(loads, frame, particles, p, forces, j)
+                B = weight(loads.force, loads.walls, frame, particles, p)
+                C = arms(loads, frame, particles, p)
+                M = mean_force(loads, frame, particles, p)
+                share = Share(A, B, S, C, M)
+                scatter(shape, scratch, Support(buffer, j), place, window.stride, share)
+                scatter_around(
+                    loads.around, (shape, frame), scratch, Support(weights, j), place,
+                    window.stride, forces,
+                )  # fmt: skip
+                low = min(low, place)
+                high = max(high, place)
+        scatter_loads(loads, setting, field, particles, rows, span, number)
+        # Behind the last particle's first vertex lies the rest of its support within the plane.
+        high += RECORD
+        for d in range(1, len(frame.origin)):
+            high += (vertices - 1) * window.stride[d]
+        return low, high
+
+    return sum_layer

@@ -1,0 +1,206 @@
+"""The weights of four particles' supports, in a buffer on the stack.
+
+They are computed for four particles in one vector register; transfers, whose vertices differ, take
+one particle after the other.
+"""
+
+from pgimp.jit.kernel import specialise
+from pgimp.jit.tuples import scaled
+from pgimp.jit.vectors.simd import bits, load, number, store, vector
+from pgimp.kernels.data.velocity_fields import move_to_fields
+from pgimp.kernels.transfer.corners import keep_corners
+from pgimp.kernels.transfer.first_vertex import first_vertex
+from pgimp.kernels.transfer.lane_io import coordinates, deformations
+from pgimp.physics.shapes.base import by_corners, size, weights
+
+#: Numbers in the buffer for the supports of a batch: for each direction weights (19), gradients
+#: (20) and weights times arms, each of up to four vertices, then the place of the first vertex;
+#: each four times. From `MEANS` on there is space for `pgimp.kernels.update.mean`. Supports by
+#: corners have those of `pgimp.kernels.transfer.corners`, on either side of the place.
+SUPPORT_SIZE = 224
+_DIRECTION, _QUANTITY, _PLACE, MEANS = 48, 16, 144, 152
+
+
+def _arms(w, f, cell):
+    """Weights times the vertices' coordinates relative to the particle's."""
+
+
+@specialise(_arms)
+def _arms_of(w, f, cell):
+    if len(w) == 1:
+        return lambda w, f, cell: (-w[0] * f * cell,)
+    return lambda w, f, cell: (-w[0] * f * cell, *_arms(w[1:], f - 1.0, cell))
+
+
+def keep_vectors(buffer, at, V):
+    """Store vectors in a buffer, one after the other."""
+
+
+@specialise(keep_vectors)
+def _keep_all(buffer, at, V):
+    if len(V) == 1:
+        return lambda buffer, at, V: store(buffer, at, vector(V[0]))
+
+    def keep(buffer, at, V):
+        store(buffer, at, vector(V[0]))
+        keep_vectors(buffer, at + 4, V[1:])
+
+    return keep
+
+
+def _along(shape, frame, buffer, arms, d, half, x, vertex):
+    """Store weights, gradients and, if asked for, arms along direction `d` in the buffer."""
+
+
+@specialise(_along)
+def _along_direction(shape, frame, buffer, arms, d, half, x, vertex):
+    armed = not hasattr(arms, "count")  # ()
+
+    def along(shape, frame, buffer, arms, d, half, x, vertex):
+        f = (x - frame.origin[d]) * frame.inverse[d] - (vertex - frame.ghost)
+        w, g = weights(shape, half, f)
+        at = d * _DIRECTION
+        keep_vectors(buffer, at, w)
+        keep_vectors(buffer, at + _QUANTITY, scaled(frame.inverse[d], g))
+        if armed:
+            keep_vectors(buffer, at + 2 * _QUANTITY, _arms(w, f, frame.cell[d]))
+
+    return along
+
+
+def _across(shape, frame, window, buffer, arms, d, half, x):
+    """Store the weights along the directions from `d` on in the buffer; places as float64."""
+
+
+@specialise(_across)
+def _across_directions(shape, frame, window, buffer, arms, d, half, x):
+    if len(x) == 0:
+        return lambda shape, frame, window, buffer, arms, d, half, x: vector(0.0)
+
+    def across(shape, frame, window, buffer, arms, d, half, x):
+        vertex = first_vertex(frame, d, half[0], x[0])
+        _along(shape, frame, buffer, arms, d, half[0], x[0], vertex)
+        place = (vertex - window.lower[d]) * window.stride[d]
+        return place + _across(shape, frame, window, buffer, arms, d + 1, half[1:], x[1:])
+
+    return across
+
+
+def supports(shape, frame, window, particles, rows, layer, buffer, arms):
+    """Store the supports of four particles, whose layer is known, in a buffer.
+
+    The buffer is of `SUPPORT_SIZE` float64. They come with arms unless `arms` is ().
+    """
+
+
+@specialise(supports)
+def _supports(shape, frame, window, particles, rows, layer, buffer, arms):
+    def supports(shape, frame, window, particles, rows, layer, buffer, arms):
+        half = size(shape, frame.cell, deformations(frame, particles, rows))[0]
+        x = coordinates(frame, particles, rows)
+        _along(shape, frame, buffer, arms, 0, half[0], x[0], layer)
+        store(buffer, _PLACE, _across(shape, frame, window, buffer, arms, 1, half[1:], x[1:]))
+        move_to_fields(window, particles, rows, buffer, _PLACE)
+
+    def corners(shape, frame, window, particles, rows, layer, buffer, arms):
+        F, x = deformations(frame, particles, rows), coordinates(frame, particles, rows)
+        place = keep_corners(shape, frame, window, F, x, layer, buffer, arms)
+        store(buffer, _PLACE, place)
+        move_to_fields(window, particles, rows, buffer, _PLACE)
+
+    return corners if by_corners(shape) else supports
+
+
+def keep_support(buffer, d, w, g):
+    """Store weights and gradients of one particle along direction `d` in a buffer, for j = 0."""
+
+
+@specialise(keep_support)
+def _keep_support(buffer, d, w, g):
+    def keep(buffer, d, w, g):
+        keep_vectors(buffer, d * _DIRECTION, w)
+        keep_vectors(buffer, d * _DIRECTION + _QUANTITY, g)
+
+    return keep
+
+
+def first_place(buffer, j):
+    """Place of the first vertex of the batch's particle `j` within its plane."""
+
+
+@specialise(first_place)
+def _first_place(buffer, j):
+    return lambda buffer, j: int(number(buffer, _PLACE + j))
+
+
+def entry(buffer, d, quantity, i, j):
+    """Weight (0), gradient (1) or arm (2) of vertex `i` along direction `d` of particle `j`."""
+
+
+@specialise(entry)
+def _entry(buffer, d, quantity, i, j):
+    return lambda buffer, d, quantity, i, j: number(
+        buffer, d * _DIRECTION + quantity * _QUANTITY + 4 * i + j
+    )
+
+
+def four_entries(buffer, d, quantity, i):
+    """The entries of all four particles, a vector."""
+
+
+@specialise(four_entries)
+def _four_entries(buffer, d, quantity, i):
+    return lambda buffer, d, quantity, i: load(
+        buffer, d * _DIRECTION + quantity * _QUANTITY + 4 * i
+    )
+
+
+def entries(buffer, d, quantity, i, j, like):
+    """The entries of the vertices i, i+1, ..., as many as `like` has."""
+
+
+@specialise(entries)
+def _entries(buffer, d, quantity, i, j, like):
+    if len(like) == 1:
+        return lambda buffer, d, quantity, i, j, like: (entry(buffer, d, quantity, i, j),)
+    return lambda buffer, d, quantity, i, j, like: (
+        entry(buffer, d, quantity, i, j), *entries(buffer, d, quantity, i + 1, j, like[1:]),
+    )  # fmt: skip
+
+
+def share_support(buffer):
+    """Whether all particles of a batch have the same first vertex, of the same field."""
+
+
+@specialise(share_support)
+def _share_support(buffer):
+    return lambda buffer: bits(load(buffer, _PLACE) == number(buffer, _PLACE)) == 15
+
+
+def extent(shape, buffer, d, j):
+    """Number of vertices along direction `d` that particle `j` has weight on; at least two."""
+
+
+@specialise(extent)
+def _extent(shape, buffer, d, j):
+    vertices = shape.instance_class.vertices()
+    if vertices == 2:
+        return lambda shape, buffer, d, j: 2
+    if vertices == 3:
+        return lambda shape, buffer, d, j: 3 if entry(buffer, d, 0, 2, j) != 0.0 else 2
+    return lambda shape, buffer, d, j: (
+        4 if entry(buffer, d, 0, 3, j) != 0.0 else (3 if entry(buffer, d, 0, 2, j) != 0.0 else 2)
+    )
+
+
+def extents(shape, buffer, d, j, like):
+    """Numbers of vertices along the directions from `d` on, as many as `like` has."""
+
+
+@specialise(extents)
+def _extents(shape, buffer, d, j, like):
+    if len(like) == 0:
+        return lambda shape, buffer, d, j, like: ()
+    return lambda shape, buffer, d, j, like: (
+        extent(shape, buffer, d, j), *extents(shape, buffer, d + 1, j, like[1:]),
+    )  # fmt: skip

@@ -1,0 +1,1 @@
+"""Update of the particles after the gather: velocity, deformation gradient, stress, checks."""

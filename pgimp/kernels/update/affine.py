@@ -1,0 +1,135 @@
+"""Affine transfer: the velocity gradient that particles carry.
+
+A particle keeps the velocity gradient L_p that it has seen (30), moved with its material, and gives
+the vertices m_p (v_p + L_p (x_v - x_p)) S_vp instead of m_p v_p S_vp (22).
+
+Where a face or a constraint holds a vertex, the gradient includes the jump from the material's
+velocity to the prescribed one. The particle's own velocity does not include that jump, since (27)
+adds accelerations, and those of held vertices are prescribed as well. Extrapolated from the
+particle, the jump would reach free vertices as momentum that nothing balances: spurious kinetic
+energy, up to a third of the total on coarse grids, for any step. So a particle that reaches
+a held vertex does not carry the gradients of the components that are held there; its deformation
+(29) has them all.
+"""
+
+from math import isqrt, sqrt
+
+from pgimp.jit.algebra import inverse, multiply, one_plus
+from pgimp.jit.kernel import specialise
+from pgimp.jit.tuples import scaled, squared
+from pgimp.jit.vectors.simd import pack, where
+from pgimp.kernels.grid.constraint_flags import held_codes
+from pgimp.kernels.transfer.first_vertex import is_initial
+from pgimp.kernels.transfer.lane_io import put_row
+
+
+def affine_momentum(affine, frame, particles, p):
+    """Gradient of a particle's momentum: m_p dv/dx_i for each direction; () if it has none.
+
+    With it, a vertex gets m_p (v_p + L_p (x_v - x_p)) S_vp. The particle's momentum remains, since
+    the arms' weighted sum is zero, and linear fields are transferred exactly up to the surface.
+    """
+
+
+@specialise(affine_momentum)
+def _affine_momentum(affine, frame, particles, p):
+    D = len(frame.types[0])
+    if hasattr(affine, "count"):  # ()
+        return lambda affine, frame, particles, p: ()
+
+    def affine_momentum1(affine, frame, particles, p):
+        return (pack(0.0, particles.m[p] * particles.L[p, 0], 0.0, 0.0),)
+
+    def affine_momentum2(affine, frame, particles, p):
+        m, L = particles.m[p], particles.L
+        return (
+            pack(0.0, m * L[p, 0], m * L[p, 2], 0.0),
+            pack(0.0, m * L[p, 1], m * L[p, 3], 0.0),
+        )
+
+    def affine_momentum3(affine, frame, particles, p):
+        m, L = particles.m[p], particles.L
+        return (
+            pack(0.0, m * L[p, 0], m * L[p, 3], m * L[p, 6]),
+            pack(0.0, m * L[p, 1], m * L[p, 4], m * L[p, 7]),
+            pack(0.0, m * L[p, 2], m * L[p, 5], m * L[p, 8]),
+        )
+
+    return (affine_momentum1, affine_momentum2, affine_momentum3)[D - 1]
+
+
+def when_moved(affine, frame, dt, L):
+    """The gradients L of four particles at the end of the step, L (1 + dt L)^-1, but no greater.
+
+    The field moves with its own velocity: by the places where its material is at the end, dx' =
+    (1 + dt L) dx, which are those of the next step's vertices. In the initial configuration these
+    do not move.
+
+    Compression alone makes the gradient greater, as if nothing resisted it. That is not followed,
+    for what does resist is at work only in the next step: a particle that vibrates alone would be
+    turned inside out. So the result is scaled to the Frobenius norm of L where it exceeds that.
+    """
+
+
+@specialise(when_moved)
+def _when_moved(affine, frame, dt, L):
+    if hasattr(affine, "count") or is_initial(frame):
+        return lambda affine, frame, dt, L: L
+
+    def moved(affine, frame, dt, L):
+        after = multiply(L, inverse(one_plus(dt, L)))
+        most, found = squared(L), squared(after)
+        return scaled(where(found > most, sqrt(most / found), 1.0), after)
+
+    return moved
+
+
+def keep_gradients(affine, particles, rows, L, held):
+    """Store the velocity gradients L that four particles carry, if they carry any.
+
+    `held` is what `take_from_grid` gives.
+    """
+
+
+@specialise(keep_gradients)
+def _keep_gradients(affine, particles, rows, L, held):
+    D = isqrt(len(L))
+
+    def nothing(affine, particles, rows, L, held):
+        pass
+
+    # Without a branch, which would slow down particles that are at no wall.
+    def keep1(affine, particles, rows, L, held):
+        put_row(particles.L, rows, 0, scaled(_free(held, 0), L))
+
+    def keep2(affine, particles, rows, L, held):
+        kept = (*scaled(_free(held, 0), L[:2]), *scaled(_free(held, 1), L[2:]))
+        put_row(particles.L, rows, 0, kept)
+
+    def keep3(affine, particles, rows, L, held):
+        kept = (
+            *scaled(_free(held, 0), L[:3]), *scaled(_free(held, 1), L[3:6]),
+            *scaled(_free(held, 2), L[6:]),
+        )  # fmt: skip
+        put_row(particles.L, rows, 0, kept)
+
+    return nothing if hasattr(affine, "count") else (keep1, keep2, keep3)[D - 1]
+
+
+def _free(held, d):
+    """1 for those of four particles whose component `d` no vertex in reach holds, else 0.
+
+    The greatest of the codes in a particle's reach decides, see `also_held`: where it reaches
+    vertices of two walls it reaches those of their edge too, which hold several components (but for
+    an edge that a separating wall has let go of).
+    """
+
+
+@specialise(_free)
+def _free_component(held, d):
+    def free(held, d):
+        low, high = held_codes(d)
+        one = where(held > high, 1.0, where(held > low, 0.0, 1.0))
+        return where(held > held_codes(3)[0], 0.0, one)
+
+    return free

@@ -1,0 +1,292 @@
+"""Checks of particles after a step: errors, walls, changes of layer, outflow."""
+
+from math import isfinite
+
+from pgimp.jit.kernel import inner_kernel, specialise
+from pgimp.jit.tuples import read, squared
+from pgimp.jit.vectors.lanes import of_lane
+from pgimp.jit.vectors.simd import bits, lane, vec4, vector
+from pgimp.kernels.grid.position_limits import hold_inside
+from pgimp.kernels.transfer.first_vertex import first_vertex, is_initial
+from pgimp.physics.shapes.base import size
+from pgimp.physics.shapes.stretch import LARGEST
+
+#: Errors of a particle.
+NOT_FINITE, INVERTED, TOO_FAST, OUTSIDE, OUT_OF_RANGE = 1, 2, 3, 4, 5
+
+#: Result of `_outside` for a particle that has left through an open face.
+_LEAVES = -1
+
+#: The layer of such a particle.
+OUTFLOW = -1
+
+
+def within(bounds, x):
+    """Whether each coordinate lies within its bounds; false for NaN, never branches."""
+
+
+@specialise(within)
+def _within(bounds, x):
+    if len(x) == 1:
+        return lambda bounds, x: (x[0] >= bounds[0][0]) & (x[0] <= bounds[0][1])
+    return lambda bounds, x: (
+        (x[0] >= bounds[0][0]) & (x[0] <= bounds[0][1]) & within(bounds[1:], x[1:])
+    )
+
+
+def and_finite(mask, values):
+    """The mask, also false where one of the vectors `values` is not finite."""
+
+
+@specialise(and_finite)
+def _and_finite(mask, values):
+    if len(values) == 0:
+        return lambda mask, values: mask
+    return lambda mask, values: and_finite(mask & (values[0] - values[0] == 0.0), values[1:])
+
+
+def and_positive(mask, margin):
+    """The mask, also false where a vector is not above zero; a number does not change it."""
+
+
+@specialise(and_positive)
+def _and_positive(mask, margin):
+    if margin == vec4:
+        return lambda mask, margin: mask & (margin > 0.0)
+    return lambda mask, margin: mask
+
+
+def _all_finite(values):
+    """Bit j is set where all of the vectors are finite for particle j."""
+
+
+@specialise(_all_finite)
+def _all_finite_of(values):
+    return lambda values: bits(and_finite(vector(0.0) == 0.0, values))
+
+
+@inner_kernel
+def _broken(x, v, J, finite):
+    """Return a particle's error, regardless of place and displacement; 0 for none."""
+    for d in range(len(x)):
+        if not (isfinite(x[d]) and isfinite(v[d])):
+            return NOT_FINITE
+    if not isfinite(J):
+        return NOT_FINITE
+    if not J > 0.0:
+        return INVERTED
+    return 0 if finite else NOT_FINITE
+
+
+@inner_kernel
+def _unsound(frame, x, v, u, J, finite, valid, dt):
+    """Return the error of a particle that failed the combined check, at any place; else 0."""
+    error = _broken(x, v, J, finite)
+    if error != 0:
+        return error
+    for d in range(len(x)):
+        if not abs(u[d]) * dt * frame.inverse[d] <= 1.0:
+            return TOO_FAST
+    return 0 if valid else OUT_OF_RANGE
+
+
+@inner_kernel
+def _outside(frame, exits, x):
+    """Return whether a particle has left the domain, and whether it may."""
+    error = 0
+    for d in range(len(x)):
+        xi = (x[d] - frame.origin[d]) * frame.inverse[d]
+        if not (xi >= 0.0 and xi <= frame.cells[d]):
+            if exits >> (2 * d + (xi > 0.0)) & 1 == 0:
+                return OUTSIDE
+            error = _LEAVES
+    return error
+
+
+def check(limits, field, particles, batch, found, report, ledger, counts):
+    """Check four particles, and examine those that fail the combined check.
+
+    In the initial configuration they keep their layers, and may be anywhere but beyond a wall.
+
+    Parameters
+    ----------
+    limits : tuple
+        See `limits_of`.
+    field, particles, batch, report, ledger
+        See `Field`, `Particles`, `Batch`, `Report`, `Ledger`.
+    found : tuple
+        u, v, x, F, J, state and margin of the four.
+    counts : tuple of 5 int
+        As in `examine`.
+
+    Returns
+    -------
+    tuple of 5 int
+        The counts with these particles.
+    """
+
+
+@specialise(check)
+def _check(limits, field, particles, batch, found, report, ledger, counts):
+    def check(limits, field, particles, batch, found, report, ledger, counts):
+        frame, shape, limit, number = limits[0], limits[1], limits[2], batch.number
+        u, v, x, F, J, state, margin = found
+        # One branch for all rare events, NaN included; its speed limit is stricter.
+        half, most = size(shape, frame.cell, F)
+        now = first_vertex(frame, 0, half[0], x[0])
+        sound = and_finite(within(field.bounds, x) & (J > 0.0), state)
+        sound = and_positive(sound, margin)
+        slower = (squared(u) + squared(v)) * limit <= 1.0
+        usual = bits(sound & slower & (now == number) & (vector(most) <= LARGEST))
+        if usual != 15:
+            good = (usual, _all_finite(state), bits(and_positive(vector(0.0) == 0.0, margin)))
+            counts = examine(
+                (frame, *limits[3:]), particles, batch, good, (u, v, x, J, half, now, most),
+                report, ledger, counts,
+            )  # fmt: skip
+        return counts
+
+    def check_initial(limits, field, particles, batch, found, report, ledger, counts):
+        _, v, x, _, J, state, margin = found
+        sound = and_finite(and_finite(within(field.bounds, x) & (J > 0.0), state), v)
+        usual = bits(and_positive(sound, margin))
+        if usual != 15:
+            good = (usual, _all_finite(state))
+            counts = _count_errors(field.bounds, batch, good, (v, x, J), report, counts)
+        return counts
+
+    return check_initial if is_initial(limits[0]) else check
+
+
+def limits_of(setting, forcing, inverse):
+    """The part of a scene that `check` needs: without its materials, of which there are many.
+
+    Parameters
+    ----------
+    setting, forcing
+        See `Setting`, `Forcing`.
+    inverse : float
+        The greatest 1/L.
+
+    Returns
+    -------
+    tuple
+        The frame; the shape; (dt/L)^2, with which the greatest speed squared of a slow particle is
+        1; the faces that are exits; dt; walls; constraints.
+    """
+
+
+@specialise(limits_of)
+def _limits_of(setting, forcing, inverse):
+    return lambda setting, forcing, inverse: (
+        setting.frame, setting.shape, (forcing.dt * inverse) ** 2, setting.exits, forcing.dt,
+        forcing.walls, forcing.constraints,
+    )  # fmt: skip
+
+
+def _count_errors(bounds, batch, good, found, report, counts):
+    """As `examine`, in the initial configuration: errors alone."""
+
+
+@specialise(_count_errors)
+def _count_errors_of(bounds, batch, good, found, report, counts):
+    def count(bounds, batch, good, found, report, counts):
+        usual, finite = good
+        v, x, J = found
+        failed, outflow, moved, clamped, held = counts
+        for j in range(batch.size):
+            if usual >> j & 1:
+                continue
+            xj = of_lane(x, j)
+            error = _broken(xj, of_lane(v, j), lane(J, j), finite >> j & 1)
+            if error == 0:
+                error = OUT_OF_RANGE if within(bounds, xj) else OUTSIDE
+            if failed < len(report.errors):
+                report.errors[failed, 0] = batch.rows[j]
+                report.errors[failed, 1] = error
+            failed += 1
+        return failed, outflow, moved, clamped, held
+
+    return count
+
+
+def examine(limits, particles, batch, good, found, report, ledger, counts):
+    """Examine those of four particles that failed the combined check.
+
+    Parameters
+    ----------
+    limits : tuple
+        Those of `limits_of` without the shape and the speed of a slow particle, so that it is the
+        same part of the kernels of many shapes.
+    particles, batch, report, ledger
+        As in `check`.
+    good : tuple of 3 int
+        Bit j is set for a particle that passed the check, whose state is finite, and whose
+        material is in its range.
+    found : tuple
+        u, v, x, J, half-widths, first vertex along x and greatest stretch of the four.
+    counts : tuple of 5 int
+        Particles at fault, that left, that left or changed their layer, whose half-width is
+        clamped, that walls held in.
+
+    Returns
+    -------
+    tuple of 5 int
+        The counts with these particles.
+    """
+
+
+@specialise(examine)
+def _examine(limits, particles, batch, good, found, report, ledger, counts):
+    def examine(limits, particles, batch, good, found, report, ledger, counts):
+        frame, exits, dt, walls, constraints = limits
+        number, bounds = batch.number, report.vertex_bounds
+        usual, finite, valid = good
+        u, v, x, J, half, now, most = found
+        failed, outflow, moved, clamped, held = counts
+        for j in range(batch.size):
+            if usual >> j & 1:
+                continue
+            p = batch.rows[j]
+            clamped += lane(vector(most), j) > LARGEST
+            xj = of_lane(x, j)
+            layer_now = int(lane(now, j))
+            error = _unsound(
+                frame, xj, of_lane(v, j), of_lane(u, j), lane(J, j), finite >> j & 1,
+                valid >> j & 1, dt,
+            )  # fmt: skip
+            if error == 0:
+                error = _outside(frame, exits, xj)
+            if error == OUTSIDE and hold_inside(
+                walls, frame, constraints, particles, p,
+                ledger.impulse[batch.layer], ledger.work[batch.layer : batch.layer + 1],
+            ):  # fmt: skip
+                held += 1
+                xj = read(particles.x, p, 0, frame.origin)
+                layer_now = int(first_vertex(frame, 0, lane(vector(half[0]), j), xj[0]))
+                error = _outside(frame, exits, xj)
+            if error == _LEAVES:
+                particles.layer[p] = OUTFLOW
+                report.changed[moved] = batch.first + j
+                moved += 1
+                outflow += 1
+                continue
+            if error == 0 and abs(layer_now - number) > 1:
+                error = TOO_FAST  # a cell, but for rounding: past a slab of one layer
+            if error != 0:
+                if failed < len(report.errors):
+                    report.errors[failed, 0] = p
+                    report.errors[failed, 1] = error
+                failed += 1
+                continue
+            for d in range(1, len(xj)):
+                i = first_vertex(frame, d, lane(vector(half[d]), j), xj[d])
+                bounds[0, d - 1] = min(bounds[0, d - 1], i)
+                bounds[1, d - 1] = max(bounds[1, d - 1], i)
+            if layer_now != number:
+                particles.layer[p] = layer_now
+                report.changed[moved] = batch.first + j
+                moved += 1
+        return failed, outflow, moved, clamped, held
+
+    return examine

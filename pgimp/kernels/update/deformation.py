@@ -1,0 +1,130 @@
+"""Deformation gradients and volumes (29, 30).
+
+Materials that flow may shear without limit: only their volume J is integrated, and F is the
+isotropic J^(1/D) 1. J grows by det(1 + dt L), as that of a solid does: in a rigid rotation, whose
+step is 1 + dt L = R, it does not change, where exp(dt tr L) would shrink it in every step.
+"""
+
+from math import sqrt
+
+from pgimp.jit.algebra import determinant, inverse, multiply, one_plus
+from pgimp.jit.functions import cbrt
+from pgimp.jit.kernel import specialise
+from pgimp.jit.tuples import plus_scaled
+from pgimp.jit.vectors.lanes import where_all
+from pgimp.jit.vectors.simd import bits, pack, vector, where
+from pgimp.kernels.transfer.first_vertex import is_initial
+from pgimp.kernels.transfer.lane_io import deformations
+from pgimp.physics.materials.base import volume_only
+
+#: Change of volume in a step up to which `_cube_root` is right; steps seldom have more.
+_NEAR = 0.25
+
+
+def velocity_gradients(frame, particles, batch, D):
+    """Velocity gradients L of four particles at the step's beginning, by present places.
+
+    `D` is from the grid: L itself or, in the initial configuration, the gradient of the
+    velocity by initial places, which is the rate of F; then L = D F^-1. Either way F after the step
+    is (1 + dt L) F, to rounding.
+    """
+
+
+@specialise(velocity_gradients)
+def _velocity_gradients(frame, particles, batch, D):
+    if not is_initial(frame):
+        return lambda frame, particles, batch, D: D
+    return lambda frame, particles, batch, D: multiply(
+        D, inverse(deformations(frame, particles, batch.rows))
+    )
+
+
+def update_deformation(setting, forcing, particles, batch, numbers, L):
+    """Deformation gradients F of four particles after a step, from velocity gradients L (29).
+
+    Parameters
+    ----------
+    setting, forcing, particles, batch
+        See `Setting`, `Forcing`, `Particles`, `Batch`.
+    numbers : tuple of 4 int
+        Their materials.
+    L : tuple of D*D Vec4
+        Velocity gradients from the grid, see `velocity_gradients`.
+    """
+
+
+@specialise(update_deformation)
+def _update_deformation(setting, forcing, particles, batch, numbers, L):
+    materials = setting.types[setting.fields.index("materials")]
+    flows = tuple(float(volume_only(each.instance_class)) for each in materials)
+
+    def initial(setting, forcing, particles, batch, numbers, L):
+        return plus_scaled(forcing.dt, L, deformations(setting.frame, particles, batch.rows))
+
+    def full(setting, forcing, particles, batch, numbers, L):
+        return multiply(one_plus(forcing.dt, L), deformations(setting.frame, particles, batch.rows))
+
+    def isotropic(setting, forcing, particles, batch, numbers, L):
+        F = deformations(setting.frame, particles, batch.rows)
+        return _diagonal(F[0] * side(determinant(one_plus(forcing.dt, L)), L), L)
+
+    def each_its_own(setting, forcing, particles, batch, numbers, L):
+        F = deformations(setting.frame, particles, batch.rows)
+        grown = one_plus(forcing.dt, L)
+        kinds = pack(
+            flows[numbers[0]], flows[numbers[1]], flows[numbers[2]], flows[numbers[3]]
+        )  # fmt: skip
+        volume = _diagonal(F[0] * side(determinant(grown), L), L)
+        return where_all(kinds > 0.0, volume, multiply(grown, F))
+
+    if is_initial(setting.types[setting.fields.index("frame")]):
+        return initial
+    if not any(flows):
+        return full
+    return isotropic if all(flows) else each_its_own
+
+
+def side(volume, L):
+    """Side of a cube of a volume, in as many directions as `L` has."""
+
+
+@specialise(side)
+def _side_of(volume, L):
+    if len(L) == 1:
+        return lambda volume, L: volume
+    if len(L) == 4:
+        return lambda volume, L: sqrt(max(0.0, volume))  # an inverted one has none
+    return _cube_root
+
+
+def _cube_root(volume, L):
+    """That of a volume near 1 without dividing: Newton's method for volume^(-1/3)."""
+    x = volume - 1.0
+    near = abs(x) < _NEAR
+    z = 1.0 - x * (1.0 / 3.0 - x * (2.0 / 9.0 - x * (14.0 / 81.0)))
+    for _ in range(3):
+        z = z * (4.0 / 3.0 - volume * (z * z) * (z * (1.0 / 3.0)))
+    square = z * z
+    y = volume * square
+    found = y - (y * y * y - volume) * square * (1.0 / 3.0)
+    return found if bits(near) == 15 else where(near, found, cbrt(volume))
+
+
+def _diagonal(f, like):
+    """The matrix f 1."""
+
+
+@specialise(_diagonal)
+def _diagonal_of(f, like):
+    if len(like) == 1:
+        return lambda f, like: (f,)
+
+    def plane(f, like):
+        zero = vector(0.0)
+        return f, zero, zero, f
+
+    def space(f, like):
+        zero = vector(0.0)
+        return f, zero, zero, zero, f, zero, zero, zero, f
+
+    return plane if len(like) == 4 else space

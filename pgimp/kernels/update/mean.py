@@ -1,0 +1,210 @@
+"""Mean dilatation by box overlap (``method.volumetric: mean``), against locking.
+
+Nearly incompressible particles lock: each must keep its own volume, for which the vertices have too
+few degrees of freedom. Here a cell has one rate of dilatation D_c, the mean divergence of the
+multilinear velocity field of its corners, and a particle that of the cells in which it lies,
+weighted with the parts phi_cp of its box in them:
+
+    D_p = sum_c phi_cp D_c,    L_p <- L_p + (D_p - tr L_p)/d 1,
+
+after Nagtegaal, Parks and Rice (1974) and Hughes (1980), with d the number of directions (in plane
+strain the correction lies in the plane). The force is the adjoint: the stress less the mean of its
+d normal components acts through grad S_vp as before, that mean less the viscous pressure through
+dD_p/dv_v. So the forces' power on the vertices is that of the stresses, V_p sigma : L_p.
+
+This needs neither sums over cells nor messages: parts in cells, and means over them, are products
+of those along the directions. Along one, a box's gradient g_i at vertex i is the mean of the tent's
+over the box, so that the parts are minus the sums of the gradients so far, times the cell's size L,
+and a vertex has half of each of the two parts beside it:
+
+    phi_i = -L (g_0 + ... + g_i),    a_i = (phi_{i-1} + phi_i)/2.
+
+Then dD_p/dv_v is grad S_vp with a in place of the weights of the other directions. The a of a
+particle add up to one and its g to zero: D_p of an affine field is its trace, and a particle's
+forces have neither a sum nor a moment. The support is that of S_vp.
+
+A particle that is alone in its cells shares them with no other, and its vertices have hardly any
+mass: in 3D it would need steps several times shorter. The mass of the vertices around a particle,
+sum_v S_vp m_v over its density and the cell's volume, is 1 inside bodies, at least 0.6 at a plane
+surface, 0.6^d in a corner, and 0.4^d or less for one of two particles a cell and direction that is
+alone. From `DENSE`^d down to `SPARSE`^d its rate becomes that at its own place, from the next step
+on, in the forces as in the deformation.
+
+Under gravity liquids are always taken as alone: with the means of cells they would compact, in
+motions of the vertices that change no mean, and sink.
+"""
+
+from numba.core import types
+
+from pgimp.jit.kernel import specialise
+from pgimp.jit.vectors.rows import transpose
+from pgimp.jit.vectors.simd import load, pack, store, vector
+from pgimp.kernels.transfer.lane_io import put_row, take, take_row
+from pgimp.kernels.transfer.supports import MEANS
+from pgimp.kernels.transfer.transpose import gathered_mass
+from pgimp.kernels.update.viscosity import trace, viscous_pressure
+
+#: d-th roots of the filled part from which a particle counts as in company, and as alone.
+DENSE, SPARSE = 0.58, 0.45
+
+#: Place of the four particles' gathered sums in the buffer for supports, after their a.
+_GATHERED = MEANS + 48
+
+
+def _average(particles, p, like):
+    """Mean of as many normal components of the stress of particle `p` as `like` has entries."""
+
+
+@specialise(_average)
+def _average_of(particles, p, like):
+    if len(like) == 2:
+        return lambda particles, p, like: 0.5 * (particles.sigma[p, 0] + particles.sigma[p, 1])
+    return lambda particles, p, like: (
+        (particles.sigma[p, 0] + particles.sigma[p, 1] + particles.sigma[p, 2]) * (1.0 / 3.0)
+    )
+
+
+def set_apart(loads, frame, particles, p):
+    """The normal stress of particle `p` that does not act through grad S_vp.
+
+    The viscous pressure (45), which opposes it; with mean dilatation that of `mean_force`.
+    """
+
+
+@specialise(set_apart)
+def _set_apart(loads, frame, particles, p):
+    if hasattr(loads.types[loads.fields.index("mean")], "count"):  # ()
+        return lambda loads, frame, particles, p: viscous_pressure(loads.viscosity, particles, p)
+
+    def mean_but_alone(loads, frame, particles, p):
+        s, alone = _average(particles, p, frame.origin), particles.alone[p, 0]
+        return s - alone * (s - viscous_pressure(loads.viscosity, particles, p))
+
+    return mean_but_alone
+
+
+def mean_force(loads, frame, particles, p):
+    """-V_p (mean sigma - q_p) of particle `p`, which dD_p/dv_v turns into forces; () without.
+
+    Where it is alone, a part of that.
+    """
+
+
+@specialise(mean_force)
+def _mean_force(loads, frame, particles, p):
+    if hasattr(loads.types[loads.fields.index("mean")], "count"):  # ()
+        return lambda loads, frame, particles, p: ()
+    third = float(len(frame.types[0]) == 3)
+
+    def force(loads, frame, particles, p):
+        q = viscous_pressure(loads.viscosity, particles, p)
+        V = particles.V[p] * (particles.alone[p, 0] - 1.0)
+        f = V * (_average(particles, p, frame.origin) - q)
+        return pack(0.0, f, f, third * f)
+
+    return force
+
+
+def no_rates(mean):
+    """Initial value of the sums of velocities times factors; () unless there is a `mean`."""
+
+
+@specialise(no_rates)
+def _no_rates(mean):
+    return (lambda mean: ()) if hasattr(mean, "count") else (lambda mean: vector(0.0))
+
+
+def keep_rates(M, buffer, j):
+    """Store the sum M of velocities times factors of the batch's particle `j` in the buffer."""
+
+
+@specialise(keep_rates)
+def _keep_rates(M, buffer, j):
+    if hasattr(M, "count"):  # ()
+        return lambda M, buffer, j: None
+    return lambda M, buffer, j: store(buffer, _GATHERED + 4 * j, M)
+
+
+def with_means(mean, frame, particles, rows, buffer, sums, count, L):
+    """Velocity gradients of a batch: those gathered, with the cells' rates as their traces.
+
+    Sets how alone the particles are, for the next step.
+
+    Parameters
+    ----------
+    frame, particles, rows
+        See `Frame`, `Particles`; the batch's rows.
+    buffer, sums
+        As filled by `keep_rates` and `keep_sums`.
+    count : int
+        Particles in the batch; the last one fills in for those missing.
+    L : tuple of D*D Vec4
+        Row-major, as gathered.
+    """
+
+
+@specialise(with_means)
+def _with_means(mean, frame, particles, rows, buffer, sums, count, L):
+    if hasattr(mean, "count"):  # ()
+        return lambda mean, frame, particles, rows, buffer, sums, count, L: L
+    D = {4: 2, 9: 3}[len(L)]
+    dense, sparse, part = DENSE**D, SPARSE**D, 1.0 / D
+
+    def with_rates(mean, frame, particles, rows, buffer, sums, count, L):
+        alone = take_row(particles.alone, rows, 0, (0.0,))[0]
+        e = part * (1.0 - alone) * (_rates(buffer, count, frame.origin) - trace(L))
+        around = gathered_mass(sums) * take(particles.V, rows)
+        for d in range(D):
+            around = around * frame.inverse[d]
+        fill = around / take(particles.m, rows)
+        now = min(max((dense - fill) * (1.0 / (dense - sparse)), 0.0), 1.0)
+        now = max(now, _always_alone(mean, particles, rows))
+        put_row(particles.alone, rows, 0, (now,))
+        return _with_trace(L, e)
+
+    return with_rates
+
+
+def _always_alone(mean, particles, rows):
+    """1 for those of four particles whose rate is always that at their place, else 0."""
+
+
+@specialise(_always_alone)
+def _always_alone_of(mean, particles, rows):
+    if isinstance(mean, types.Array):
+        return lambda mean, particles, rows: pack(
+            mean[particles.body[rows[0]]], mean[particles.body[rows[1]]],
+            mean[particles.body[rows[2]]], mean[particles.body[rows[3]]],
+        )  # fmt: skip
+    return lambda mean, particles, rows: vector(0.0)
+
+
+def _with_trace(L, e):
+    """The matrix L + e 1."""
+
+
+@specialise(_with_trace)
+def _with_trace_of(L, e):
+    if len(L) == 4:
+        return lambda L, e: (L[0] + e, L[1], L[2], L[3] + e)
+    return lambda L, e: (L[0] + e, L[1], L[2], L[3], L[4] + e, L[5], L[6], L[7], L[8] + e)
+
+
+def _rates(buffer, count, like):
+    """D_p of a batch; `like` has an entry for each direction."""
+
+
+@specialise(_rates)
+def _rates_of(buffer, count, like):
+    third = float(len(like) == 3)
+
+    def rates(buffer, count, like):
+        for j in range(count, 4):
+            store(buffer, _GATHERED + 4 * j, load(buffer, _GATHERED + 4 * (count - 1)))
+        rate = transpose(
+            load(buffer, _GATHERED), load(buffer, _GATHERED + 4),
+            load(buffer, _GATHERED + 8), load(buffer, _GATHERED + 12),
+        )  # fmt: skip
+        return rate[1] + rate[2] + third * rate[3]
+
+    return rates

@@ -1,0 +1,244 @@
+"""Mean dilatation in the initial configuration (``method.volumetric: mean``), against locking.
+
+As in `pgimp.kernels.update.mean` a particle has the change of volume of the cells in which its box
+lies, here that of their deformation gradients in place of their rates:
+
+    G_p = 1 + integral of sum_v v_v dD_p/dv_v dt,    r_p^d = det G_p/det F_p,
+
+and the material gets r_p F_p, the F-bar of de Souza Neto et al. (1996) with means over cells in
+place of their centres. With p the mean of the d normal components of its stress s, less viscosity's
+pressure, the force is the adjoint,
+
+    -V0_p (r_p (s - p 1) cof(r_p F_p) grad0 S_vp + p cof(G_p) dD_p/dv_v).
+
+So its power is that of the stress, and the energy of r_p F_p is its potential. A particle whose
+cells hold less than `LEAST`^d of what they can keeps r_p = 1: it shares them with no other, and
+their vertices have hardly any mass. What they hold is the mean over them, sum_v a_v m_v over the
+particle's density and the cell's volume: 1 inside bodies, at least 0.5^d at surfaces along the grid
+and in their corners, 0.25^d for one of two particles a cell and direction that is alone. Weights
+are those of the start, and masses too until a stage removes a bonded body: whom that leaves alone
+keeps the r_p that it has, and who is alone stays so, for a jump of r_p would strain the material.
+
+The particles' F is r_p F_p. G_p and r_p have columns of their own.
+"""
+
+from pgimp.jit.algebra import determinant, inverse, multiply
+from pgimp.jit.kernel import specialise
+from pgimp.jit.tuples import plus_scaled, scaled
+from pgimp.jit.vectors.simd import where
+from pgimp.kernels.data.record import MASS, VELOCITY
+from pgimp.kernels.transfer.gather import gather_products
+from pgimp.kernels.transfer.gather_shared import gather_shared, row_major
+from pgimp.kernels.transfer.lane_io import LANES, deformations, put_row, take, take_row
+from pgimp.kernels.transfer.scatter import Share, scatter_products
+from pgimp.kernels.transfer.supports import first_place, four_entries, keep_support, share_support
+from pgimp.kernels.transfer.transfer import Support
+from pgimp.kernels.transfer.transpose import gathered_mass, gradients, keep_sums, repeat_sums
+from pgimp.kernels.update.deformation import side, update_deformation, velocity_gradients
+from pgimp.kernels.update.meanweights import means_of_parts
+from pgimp.kernels.update.piola import BY_CELLS, kept_force
+
+#: d-th root of the filled part of its cells from which a particle is in company.
+LEAST = 0.4
+
+
+def keep_around(around, shape, frame, buffer, weights):
+    """Store supports of four particles with the weights of dD_p/dv_v in the buffer `weights`.
+
+    Of `SUPPORT_SIZE`, from the supports in `buffer`. Nothing unless there is an `around`, which is
+    () or a number, as everywhere here.
+    """
+
+
+@specialise(keep_around)
+def _keep_around(around, shape, frame, buffer, weights):
+    if hasattr(around, "count"):  # ()
+        return lambda around, shape, frame, buffer, weights: None
+    return lambda around, shape, frame, buffer, weights: _along(
+        shape, buffer, weights, 0, frame.cell
+    )
+
+
+def _along(shape, buffer, weights, d, cell):
+    """Store those along the directions from `d` on, which have the cell sizes `cell`."""
+
+
+@specialise(_along)
+def _along_directions(shape, buffer, weights, d, cell):
+    if len(cell) == 0:
+        return lambda shape, buffer, weights, d, cell: None
+
+    def along(shape, buffer, weights, d, cell):
+        a = means_of_parts(shape, buffer, d, cell[0])
+        keep_support(weights, d, a, _slopes(buffer, d, 0, a))
+        _along(shape, buffer, weights, d + 1, cell[1:])
+
+    return along
+
+
+def _slopes(buffer, d, i, like):
+    """The gradients of the vertices i, i + 1, ... along `d`, as many as `like` has."""
+
+
+@specialise(_slopes)
+def _slopes_of(buffer, d, i, like):
+    if len(like) == 1:
+        return lambda buffer, d, i, like: (four_entries(buffer, d, 1, i),)
+    return lambda buffer, d, i, like: (
+        four_entries(buffer, d, 1, i), *_slopes(buffer, d, i + 1, like[1:]),
+    )  # fmt: skip
+
+
+def take_around(around, places, field, batch, buffer, weights, sums):
+    """Gather what `deform` needs of four particles' cells; () unless there is an `around`.
+
+    Parameters
+    ----------
+    places, field, batch, buffer, sums
+        As of `take_from_grid`, whose sums are overwritten.
+    weights
+        From `keep_around`.
+
+    Returns
+    -------
+    mass : Vec4
+        Mean of the vertices' masses over their cells.
+    C : tuple of D*D Vec4
+        Gradients of the velocity, means over their cells; row-major.
+    """
+
+
+@specialise(take_around)
+def _take_around(around, places, field, batch, buffer, weights, sums):
+    if hasattr(around, "count"):  # ()
+        return lambda around, places, field, batch, buffer, weights, sums: ()
+
+    def take(around, places, field, batch, buffer, weights, sums):
+        (shape, frame), window = places, field.window
+        begin = batch.layer * window.stride[0]
+        if batch.size == LANES and share_support(buffer):
+            place = begin + first_place(buffer, 0) + MASS - VELOCITY
+            U, _, D, _ = gather_shared(
+                shape, field.G, weights, place, window.stride, frame.origin, (0.0, *frame.origin)
+            )
+            return U[0], row_major(_but_first(D))
+        for j in range(batch.size):
+            U, A, D, _ = gather_products(
+                shape, field.G, Support(weights, j), begin + first_place(buffer, j), window.stride,
+                frame.origin, (),
+            )  # fmt: skip
+            keep_sums(sums, j, U, A, D)
+        repeat_sums(sums, batch.size, frame.origin)
+        return gathered_mass(sums), gradients(sums, 2, frame.origin)
+
+    return take
+
+
+def _but_first(D):
+    """Tuples without their first entries."""
+
+
+@specialise(_but_first)
+def _but_first_of(D):
+    if len(D) == 1:
+        return lambda D: (D[0][1:],)
+    return lambda D: (D[0][1:], *_but_first(D[1:]))
+
+
+def scatter_around(around, places, G, support, place, stride, forces):
+    """Add a particle's forces by cells to its support; nothing unless there is an `around`.
+
+    Parameters
+    ----------
+    places
+        The shape and the frame.
+    G, support, place, stride
+        As of `scatter`, with the weights from `keep_around`.
+    forces
+        From `keep_forces`.
+    """
+
+
+@specialise(scatter_around)
+def _scatter_around(around, places, G, support, place, stride, forces):
+    def by_cells(around, places, G, support, place, stride, forces):
+        shape, frame = places
+        P = kept_force(forces, BY_CELLS, support.j, frame.origin)
+        scatter_products(shape, G, support, place, stride, Share((), (), P, (), ()))
+
+    if hasattr(around, "count"):  # ()
+        return lambda around, places, G, support, place, stride, forces: None
+    return by_cells
+
+
+def deform(cells, setting, forcing, particles, batch, numbers, D):
+    """Deform four particles by a step.
+
+    Parameters
+    ----------
+    cells : tuple
+        From `take_around`.
+    setting, forcing, particles, batch, numbers, D
+        As of `update_deformation`.
+
+    Returns
+    -------
+    L, F : tuple of D*D Vec4
+        Velocity gradients by present places, F after the step, for the material; (1 + dt L) F is
+        the latter, to rounding.
+    """
+
+
+@specialise(deform)
+def _deform(cells, setting, forcing, particles, batch, numbers, D):
+    def alike(cells, setting, forcing, particles, batch, numbers, D):
+        return (
+            velocity_gradients(setting.frame, particles, batch, D),
+            update_deformation(setting, forcing, particles, batch, numbers, D),
+        )
+
+    if len(cells) == 0:
+        return alike
+    directions = len(setting.types[setting.fields.index("frame")].types[0])
+    least = LEAST**directions
+
+    def by_cells(cells, setting, forcing, particles, batch, numbers, D):
+        (mass, C), frame, rows, dt = cells, setting.frame, batch.rows, forcing.dt
+        ratio = take_row(particles.ratio, rows, 0, (0.0,))[0]
+        before = scaled(1.0 / ratio, deformations(frame, particles, rows))
+        after = plus_scaled(dt, D, before)
+        G = plus_scaled(dt, C, take_row(particles.around, rows, 0, D))
+        put_row(particles.around, rows, 0, G)
+        held = mass * take(particles.V0, rows)
+        for d in range(directions):
+            held = held * frame.inverse[d]
+        was = take_row(particles.alone, rows, 0, (0.0,))[0]
+        alone = where(held < least * take(particles.m, rows), 1.0, was)
+        put_row(particles.alone, rows, 0, (alone,))
+        swelling = max(determinant(G) / determinant(after), 0.0)  # an inverted one has none
+        now = where(alone > 0.0, ratio, side(swelling, D))
+        put_row(particles.ratio, rows, 0, (now,))
+        L = multiply(D, inverse(before))
+        return _and_multiple(L, dt, (now / ratio - 1.0) / dt), scaled(now, after)
+
+    return by_cells
+
+
+def _and_multiple(L, dt, e):
+    """The matrix L + e (1 + dt L)."""
+
+
+@specialise(_and_multiple)
+def _and_multiple_of(L, dt, e):
+    def two(L, dt, e):
+        f = 1.0 + e * dt
+        return f * L[0] + e, f * L[1], f * L[2], f * L[3] + e
+
+    def three(L, dt, e):
+        f = 1.0 + e * dt
+        return (
+            f * L[0] + e, f * L[1], f * L[2], f * L[3], f * L[4] + e, f * L[5], f * L[6], f * L[7],
+            f * L[8] + e,
+        )  # fmt: skip
+
+    return two if len(L) == 4 else three

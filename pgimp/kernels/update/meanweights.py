@@ -1,0 +1,113 @@
+"""Weights of vertices in the mean dilatation of a particle, see `pgimp.kernels.update.mean`.
+
+The rate D_p is the sum over vertices of dD_p/dv_v times velocities, whose factors along a direction
+are the a and g of the particle's box. In P2G they turn `mean_force` into forces, in G2P velocities
+into D_p.
+"""
+
+from pgimp.jit.kernel import specialise
+from pgimp.jit.vectors.simd import number, pack, vector, where
+from pgimp.kernels.transfer.supports import MEANS, entry, four_entries, keep_vectors
+
+
+def keep_means(mean, shape, frame, buffer):
+    """Store the weights a of four particles in the buffer with their supports.
+
+    Nothing unless there is a `mean`, see `Loads`; () is none, as everywhere here.
+    """
+
+
+@specialise(keep_means)
+def _keep_means(mean, shape, frame, buffer):
+    if hasattr(mean, "count"):  # ()
+        return lambda mean, shape, frame, buffer: None
+    return lambda mean, shape, frame, buffer: _along(shape, buffer, 0, frame.cell)
+
+
+def _along(shape, buffer, d, cell):
+    """Store the weights along the directions from `d` on, which have the cell sizes `cell`."""
+
+
+@specialise(_along)
+def _along_directions(shape, buffer, d, cell):
+    if len(cell) == 0:
+        return lambda shape, buffer, d, cell: None
+
+    def along(shape, buffer, d, cell):
+        keep_vectors(buffer, MEANS + 16 * d, means_of_parts(shape, buffer, d, cell[0]))
+        _along(shape, buffer, d + 1, cell[1:])
+
+    return along
+
+
+def means_of_parts(shape, buffer, d, cell):
+    """The weights a of four particles along direction `d`, a tuple of Vec4."""
+
+
+@specialise(means_of_parts)
+def _means_of_parts(shape, buffer, d, cell):
+    def three(shape, buffer, d, cell):
+        half = 0.5 * cell
+        return (
+            -half * four_entries(buffer, d, 1, 0), vector(0.5),
+            half * four_entries(buffer, d, 1, 2),
+        )  # fmt: skip
+
+    def four(shape, buffer, d, cell):
+        half = 0.5 * cell
+        g0, g3 = four_entries(buffer, d, 1, 0), four_entries(buffer, d, 1, 3)
+        return (
+            -half * g0, -half * (2.0 * g0 + four_entries(buffer, d, 1, 1)),
+            half * (2.0 * g3 + four_entries(buffer, d, 1, 2)), half * g3,
+        )  # fmt: skip
+
+    return {3: three, 4: four}[shape.instance_class.vertices()]
+
+
+def factor(mean, buffer, d, i, j):
+    """Factors of direction `d` in dD_p/dv_v of its vertex `i`, for particle `j` of a batch.
+
+    A vector like a velocity or a force in its record: g for the component along `d`, else a. An
+    unused weight unless there is a `mean`.
+    """
+
+
+@specialise(factor)
+def _factor(mean, buffer, d, i, j):
+    if hasattr(mean, "count"):  # ()
+        return lambda mean, buffer, d, i, j: entry(buffer, d, 0, i, j)
+    return lambda mean, buffer, d, i, j: where(
+        pack(0.0, 1.0, 2.0, 3.0) == d + 1.0,
+        entry(buffer, d, 1, i, j), number(buffer, MEANS + 16 * d + 4 * i + j),
+    )  # fmt: skip
+
+
+def factors(mean, buffer, d, i, j, like):
+    """The factors of the vertices i, i+1, ..., as many as `like` has."""
+
+
+@specialise(factors)
+def _factors(mean, buffer, d, i, j, like):
+    if len(like) == 1:
+        return lambda mean, buffer, d, i, j, like: (factor(mean, buffer, d, i, j),)
+    return lambda mean, buffer, d, i, j, like: (
+        factor(mean, buffer, d, i, j), *factors(mean, buffer, d, i + 1, j, like[1:]),
+    )  # fmt: skip
+
+
+def factored(f, M):
+    """The vector f M; () if M is ()."""
+
+
+@specialise(factored)
+def _factored(f, M):
+    return (lambda f, M: ()) if hasattr(M, "count") else (lambda f, M: f * M)
+
+
+def plus_factored(f, M, V):
+    """The vector f M + V; V if M is ()."""
+
+
+@specialise(plus_factored)
+def _plus_factored(f, M, V):
+    return (lambda f, M, V: V) if hasattr(M, "count") else (lambda f, M, V: f * M + V)

@@ -1,0 +1,129 @@
+"""Internal forces of the initial configuration: -V0 P grad0 S with P = J s F^-T in place of (16).
+
+P, the first Piola-Kirchhoff stress, is the force per unit of initial area. J F^-T is the cofactor
+matrix of F, which needs no division. It is computed for four particles at a time, and is on the
+stack for the transfers, which take one after the other.
+"""
+
+from pgimp.jit.algebra import cofactor, full, multiply
+from pgimp.jit.kernel import specialise
+from pgimp.jit.tuples import scaled
+from pgimp.jit.vectors.rows import transpose
+from pgimp.jit.vectors.simd import load, store, vector
+from pgimp.kernels.transfer.first_vertex import is_initial
+from pgimp.kernels.transfer.lane_io import deformations, take, take_row
+from pgimp.kernels.update.viscosity import trace
+
+#: Place in the buffer of the forces by cells, see `pgimp.kernels.update.mean_lagrangian`.
+BY_CELLS = 48
+
+#: Numbers in the buffer: for each direction a vector a particle, and as many by cells.
+PIOLA_SIZE = 96
+
+
+def _less_pressure(viscosity, particles, rows, sigma):
+    """Stresses of four particles less the viscous pressure (45)."""
+
+
+@specialise(_less_pressure)
+def _less_viscous_pressure(viscosity, particles, rows, sigma):
+    if not hasattr(viscosity, "instance_class"):
+        return lambda viscosity, particles, rows, sigma: sigma
+
+    def less(viscosity, particles, rows, sigma):
+        q = take_row(particles.q, rows, 0, (0.0,))[0]
+        return (sigma[0] - q, sigma[1] - q, sigma[2] - q, *sigma[3:])
+
+    return less
+
+
+def _keep(buffer, at, first, second, third):
+    """Store the vectors (0, first, second, third) of four particles in the buffer."""
+
+
+@specialise(_keep)
+def _keep_transposed(buffer, at, first, second, third):
+    def keep(buffer, at, first, second, third):
+        V = transpose(vector(0.0), vector(first), vector(second), vector(third))
+        store(buffer, at, V[0])
+        store(buffer, at + 4, V[1])
+        store(buffer, at + 8, V[2])
+        store(buffer, at + 12, V[3])
+
+    return keep
+
+
+def _keep_columns(buffer, at, P):
+    """Store the columns of row-major matrices of four particles in the buffer, from `at` on."""
+
+
+@specialise(_keep_columns)
+def _keep_all_columns(buffer, at, P):
+    def keep1(buffer, at, P):
+        _keep(buffer, at, P[0], 0.0, 0.0)
+
+    def keep2(buffer, at, P):
+        _keep(buffer, at, P[0], P[2], 0.0)
+        _keep(buffer, at + 16, P[1], P[3], 0.0)
+
+    def keep3(buffer, at, P):
+        _keep(buffer, at, P[0], P[3], P[6])
+        _keep(buffer, at + 16, P[1], P[4], P[7])
+        _keep(buffer, at + 32, P[2], P[5], P[8])
+
+    return {1: keep1, 4: keep2, 9: keep3}[len(P)]
+
+
+def keep_forces(loads, frame, particles, rows, buffer):
+    """Store -V0 P of four particles, less viscosity's, in a buffer of `PIOLA_SIZE` float64.
+
+    Where there is an `around` that by cells as well. Nothing is done in the current configuration.
+    """
+
+
+@specialise(keep_forces)
+def _keep_forces(loads, frame, particles, rows, buffer):
+    if not is_initial(frame):
+        return lambda loads, frame, particles, rows, buffer: None
+    D = len(frame.types[0])
+    like, matrix, part = (0.0,) * (3, 4, 6)[D - 1], (0.0,) * D**2, 1.0 / D
+
+    def keep_pointwise(loads, frame, particles, rows, buffer):
+        sigma = take_row(particles.sigma, rows, 0, like)
+        sigma = _less_pressure(loads.viscosity, particles, rows, sigma)
+        P = multiply(full(sigma), cofactor(deformations(frame, particles, rows)))
+        _keep_columns(buffer, 0, scaled(-take(particles.V0, rows), P))
+
+    def keep_both(loads, frame, particles, rows, buffer):
+        sigma = take_row(particles.sigma, rows, 0, like)
+        sigma = _less_pressure(loads.viscosity, particles, rows, sigma)
+        in_company = part * (1.0 - take_row(particles.alone, rows, 0, (0.0,))[0])
+        mean = in_company * trace(full(sigma))
+        rest = (sigma[0] - mean, sigma[1] - mean, sigma[2] - mean, *sigma[3:])
+        ratio, V = take_row(particles.ratio, rows, 0, (0.0,))[0], -take(particles.V0, rows)
+        P = multiply(full(rest), cofactor(deformations(frame, particles, rows)))
+        _keep_columns(buffer, 0, scaled(V * ratio, P))
+        G = take_row(particles.around, rows, 0, matrix)
+        _keep_columns(buffer, BY_CELLS, scaled(V * mean, cofactor(G)))
+
+    around = loads.types[loads.fields.index("around")]
+    return keep_pointwise if hasattr(around, "count") else keep_both
+
+
+def kept_force(buffer, at, j, like):
+    """For each direction the vector (0, -V0 P_xi, -V0 P_yi, -V0 P_zi) of the batch's `j`.
+
+    From the place `at` on, 0 or `BY_CELLS`.
+    """
+
+
+@specialise(kept_force)
+def _kept_force(buffer, at, j, like):
+    one = lambda buffer, at, j, like: (load(buffer, at + 4 * j),)  # noqa: E731
+    two = lambda buffer, at, j, like: (  # noqa: E731
+        load(buffer, at + 4 * j), load(buffer, at + 16 + 4 * j),
+    )  # fmt: skip
+    three = lambda buffer, at, j, like: (  # noqa: E731
+        load(buffer, at + 4 * j), load(buffer, at + 16 + 4 * j), load(buffer, at + 32 + 4 * j),
+    )  # fmt: skip
+    return (one, two, three)[len(like) - 1]

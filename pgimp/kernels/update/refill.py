@@ -1,0 +1,196 @@
+"""Shift of particles to where there is room, gaps that close, and noise of J; see `filling`."""
+
+from pgimp.jit.algebra import determinant
+from pgimp.jit.functions import exp, power
+from pgimp.jit.kernel import specialise
+from pgimp.jit.tuples import scaled
+from pgimp.jit.vectors.rows import transpose
+from pgimp.jit.vectors.simd import lane, load, pack, store
+from pgimp.kernels.data.ledger import CARRIED, ROOM
+from pgimp.kernels.data.velocity_fields import field_of
+from pgimp.kernels.grid.filling import EXCESS, FIELD, OVERLAP, SURPLUS
+from pgimp.kernels.grid.position_limits import free_part
+from pgimp.kernels.transfer.first_vertex import deformation, is_initial
+from pgimp.kernels.transfer.gather import gather
+from pgimp.kernels.transfer.lane_io import LANES
+from pgimp.kernels.transfer.supports import first_place, supports
+from pgimp.kernels.transfer.transfer import Support
+from pgimp.physics.shapes.base import by_corners
+
+#: phi up to which a neighbourhood counts as one at a free surface, where gaps of soil remain.
+FREE = 0.9
+
+#: phi - 1 from which voids of fluids close at their full rate. Closed in what is just full already,
+#: the rest would hold more space than it fills: a dam break would come to rest 5 % too high.
+OVERFULL = 0.05
+
+#: The most of a cell that a particle is shifted at once, by direction.
+FARTHEST = 0.1
+
+
+def refill(forcing, setting, field, particles, batch, buffers, moved, ledger):
+    """Shift four particles, close their gaps, and relax J.
+
+    Parameters
+    ----------
+    forcing, setting, field, particles, batch
+        See `Forcing`, `Setting`, `Field`, `Particles`, `Batch`; the filling is that of the step's
+        beginning.
+    buffers : tuple
+        The batch's supports, and scratch.
+    moved : tuple
+        Positions and deformation gradients, tuples of D and D*D Vec4.
+    ledger : Ledger
+        Its work grows by gravity's; its volumes grow by the particles'.
+
+    Returns
+    -------
+    x, F
+        The same after the shift.
+    """
+
+
+@specialise(refill)
+def _refill(forcing, setting, field, particles, batch, buffers, moved, ledger):
+    frame = setting.types[setting.fields.index("frame")]
+    filling = forcing.types[forcing.fields.index("filling")]
+    if not hasattr(filling, "instance_class") or is_initial(frame):  # ()
+        return lambda forcing, setting, field, particles, batch, buffers, moved, ledger: moved
+    D = len(frame.types[0])
+    part = 1.0 / D
+
+    def shifted(forcing, setting, field, particles, batch, buffers, moved, ledger):
+        (x, F), filling, gravity = moved, forcing.filling, forcing.gravity
+        if not filling.due:
+            return x, F
+        buffer, scratch = buffers
+        shape, frame, stride = setting.shape, setting.frame, filling.window.stride
+        _find_corners(shape, frame, filling.window, particles, batch, buffer)
+        for j in range(LANES):
+            if j >= batch.size:  # the last one once more
+                store(scratch, 4 * j, load(scratch, 4 * j - 4))
+                continue
+            p = batch.rows[j]
+            body = particles.body[p]
+            if not filling.shift[body] > 0.0:
+                store(scratch, 4 * j, pack(0.0, 0.0, 0.0, 1.0))
+                continue
+            place = batch.layer * stride[0] + first_place(buffer, j)
+            place += _to_field(shape, filling.window, field.window, particles, p)
+            U, _, slopes, _ = gather(
+                shape, filling.G, Support(buffer, j), place, stride, frame.origin, ()
+            )
+            step = _steps(slopes, frame.cell, filling.shift[body])
+            step = free_part(forcing.constraints, particles, p, step)
+            J = determinant(deformation(frame, particles, p))
+            full = min(max((lane(U, SURPLUS) + 1.0 - FREE) / (1.0 - FREE), 0.0), 1.0)
+            gap, most = filling.gap[body], J
+            if gap >= 0:
+                closed = filling.closed[body] * full * particles.state[p, gap]
+                particles.state[p, gap] -= closed
+                lost = J * (1.0 - exp(-closed))
+            else:
+                _keep_slope(particles, p, 0, slopes)
+                most = filling.most[body]
+                lost = filling.relaxed[body] * (J - lane(U, FIELD))
+                if J > most:
+                    over = min(max(lane(U, SURPLUS) / OVERFULL, 0.0), 1.0)
+                    lost = filling.closed[body] * over * (J - min(lane(U, FIELD), most))
+            store(scratch, 4 * j, pack(step[0], step[1], step[2], power((J - lost) / J, part)))
+            along = gravity[0] * step[0] + gravity[1] * step[1] + gravity[2] * step[2]
+            ledger.work[batch.layer] += particles.m[p] * along
+            V = min(J, most) * particles.V0[p]
+            filled = ledger.filled[batch.layer, body]
+            filled[CARRIED] += V
+            filled[ROOM] += V * (1.0 - lane(U, OVERLAP))
+        S = transpose(load(scratch, 0), load(scratch, 4), load(scratch, 8), load(scratch, 12))
+        return _plus(x, S), scaled(S[3], F)
+
+    return shifted
+
+
+def _find_corners(shape, frame, window, particles, batch, buffer):
+    """Find the places of corners anew: across planes they are apart as in another window."""
+
+
+@specialise(_find_corners)
+def _find_corners_in(shape, frame, window, particles, batch, buffer):
+    if by_corners(shape):
+        return lambda shape, frame, window, particles, batch, buffer: supports(
+            shape, frame, window, particles, batch.rows, batch.number, buffer, ()
+        )
+    return lambda shape, frame, window, particles, batch, buffer: None
+
+
+def _to_field(shape, window, other, particles, p):
+    """Distance from the place of particle `p` in the `other` window to that in its field."""
+
+
+@specialise(_to_field)
+def _to_field_of(shape, window, other, particles, p):
+    if by_corners(shape):  # found in this window
+        return lambda shape, window, other, particles, p: 0
+    return lambda shape, window, other, particles, p: (
+        field_of(window, particles, p) - field_of(other, particles, p)
+    )
+
+
+def _steps(slopes, cell, shift):
+    """The shift of a particle along x, y, z, zero where the scene has no such direction."""
+
+
+@specialise(_steps)
+def _steps_of(slopes, cell, shift):
+    def one(slopes, cell, shift):
+        return (_limited(slopes[0], cell[0], shift), 0.0, 0.0)
+
+    def two(slopes, cell, shift):
+        return (
+            _limited(slopes[0], cell[0], shift), _limited(slopes[1], cell[1], shift), 0.0,
+        )  # fmt: skip
+
+    def three(slopes, cell, shift):
+        return (
+            _limited(slopes[0], cell[0], shift), _limited(slopes[1], cell[1], shift),
+            _limited(slopes[2], cell[2], shift),
+        )  # fmt: skip
+
+    return (one, two, three)[len(cell) - 1]
+
+
+def _limited(slope, side, shift):
+    """Minus `shift` times the gradient of EXCESS by cells, at most FARTHEST of a `side`."""
+
+
+@specialise(_limited)
+def _limited_by(slope, side, shift):
+    return lambda slope, side, shift: side * min(
+        max(-shift * side * lane(slope, EXCESS), -FARTHEST), FARTHEST
+    )
+
+
+def _keep_slope(particles, p, d, slopes):
+    """Store the gradient of J that particle `p` carries, from direction `d` on."""
+
+
+@specialise(_keep_slope)
+def _keep_slope_from(particles, p, d, slopes):
+    def last(particles, p, d, slopes):
+        particles.slope[p, d] = lane(slopes[0], FIELD)
+
+    def more(particles, p, d, slopes):
+        particles.slope[p, d] = lane(slopes[0], FIELD)
+        _keep_slope(particles, p, d + 1, slopes[1:])
+
+    return last if len(slopes) == 1 else more
+
+
+def _plus(x, S):
+    """The sum of x and as many of S."""
+
+
+@specialise(_plus)
+def _plus_of(x, S):
+    if len(x) == 1:
+        return lambda x, S: (x[0] + S[0],)
+    return lambda x, S: (x[0] + S[0], *_plus(x[1:], S[1:]))

@@ -1,0 +1,133 @@
+"""Speed at which waves and particles cross the grid, which limits the step.
+
+In the current configuration particles move over the grid, at (c + |v|)/L. A grid of the initial
+configuration moves and deforms with the material: only waves cross it, at a speed by lengths at the
+start. A wave of speed c along n goes along N = F^T n/|F^T n| there, at
+c |F^-T N|: at most c over the least stretch, of which the greatest row sum of C^-1 = F^-1 F^-T,
+which no rotation changes, gives a bound, exact where the stretches lie along the grid. This
+combines the fastest wave with the least stretch, whose directions may differ, as in a stretched
+bar; a material may give a better bound by an `initial_speed(material, F, J)`.
+"""
+
+from math import sqrt
+
+from pgimp.jit.algebra import inverse, largest_stretch_squared, left_cauchy_green
+from pgimp.jit.kernel import specialise
+from pgimp.jit.tuples import squared
+from pgimp.jit.vectors.simd import vec4
+from pgimp.kernels.transfer.first_vertex import is_initial
+from pgimp.kernels.update.pace import pace
+from pgimp.kernels.update.stress import diffusion_speed, wave_speed
+from pgimp.kernels.update.viscosity import effective_wave_speed
+from pgimp.physics.materials.parameters.evaluate import evaluate, evaluate_four
+
+
+def has_initial_speed(materials):
+    """Whether all materials, given by their Numba types, have an `initial_speed`."""
+    return all(hasattr(material.instance_class, "initial_speed") for material in materials)
+
+
+def shortening(F):
+    """Bound of 1 over the least stretch of a deformation gradient."""
+
+
+@specialise(shortening)
+def _shortening(F):
+    return lambda F: sqrt(largest_stretch_squared(left_cauchy_green(inverse(F))))
+
+
+def _initial_speed(setting, numbers, F, J, state, by):
+    """Speeds of waves in the initial configuration; `by` is from `shortening`."""
+
+
+@specialise(_initial_speed)
+def _initial_speed_of(setting, numbers, F, J, state, by):
+    if has_initial_speed(setting.types[setting.fields.index("materials")]):
+        return lambda setting, numbers, F, J, state, by: evaluate_four(
+            "initial_speed", setting.materials, numbers, (F, J), state, J
+        )
+    return lambda setting, numbers, F, J, state, by: (
+        by * wave_speed(setting, numbers, F, J, state)
+    )
+
+
+def grid_speed(setting, controlled, numbers, after, inverse, extra):
+    """Speeds at which four particles, and waves through them, cross the grid.
+
+    Parameters
+    ----------
+    setting
+        See `Setting`.
+    controlled : bool or float
+        See `pace`.
+    numbers : tuple of 4 int
+        Their materials.
+    after : tuple
+        v, F, J and state after the step, as in `grid_to_particles`.
+    inverse : float
+        1 over the side of a cell.
+    extra : Vec4 or float
+        From `update_viscous_pressure`.
+    """
+
+
+@specialise(grid_speed)
+def _grid_speed(setting, controlled, numbers, after, inverse, extra):
+    def current(setting, controlled, numbers, after, inverse, extra):
+        v, F, J, state = after
+        c = wave_speed(setting, numbers, F, J, state)
+        extra = diffusion_speed(setting, numbers, F, J, state, inverse, extra)
+        c = effective_wave_speed(c, extra)
+        return pace(controlled, c, sqrt(squared(v)))
+
+    def initial(setting, controlled, numbers, after, inverse, extra):
+        _, F, J, state = after
+        by = shortening(F)
+        c = _initial_speed(setting, numbers, F, J, state, by)
+        extra = diffusion_speed(setting, numbers, F, J, state, inverse, extra)
+        return effective_wave_speed(c, _steeper(by, extra))
+
+    return initial if is_initial(setting.types[setting.fields.index("frame")]) else current
+
+
+def _steeper(by, extra):
+    """The share of viscosity, by lengths of the initial configuration: a vector by^2 extra."""
+
+
+@specialise(_steeper)
+def _steeper_of(by, extra):
+    if extra != vec4:
+        return lambda by, extra: extra
+    return lambda by, extra: by * by * extra
+
+
+def speed_of_waves(setting, number, args, state):
+    """Speed of waves over the grid through one particle; `args` are F and J."""
+
+
+@specialise(speed_of_waves)
+def _speed_of_waves(setting, number, args, state):
+    def current(setting, number, args, state):
+        return evaluate("speed", setting.materials, number, args, state)
+
+    def known(setting, number, args, state):
+        return evaluate("initial_speed", setting.materials, number, args, state)
+
+    def bounded(setting, number, args, state):
+        return shortening(args[0]) * evaluate("speed", setting.materials, number, args, state)
+
+    if not is_initial(setting.types[setting.fields.index("frame")]):
+        return current
+    materials = setting.types[setting.fields.index("materials")]
+    return known if has_initial_speed(materials) else bounded
+
+
+def own_speed(frame, v):
+    """Speed at which a particle crosses the grid: that of the velocity v, 0 where it cannot."""
+
+
+@specialise(own_speed)
+def _own_speed(frame, v):
+    if is_initial(frame):
+        return lambda frame, v: 0.0
+    return lambda frame, v: sqrt(squared(v))

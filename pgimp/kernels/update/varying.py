@@ -1,0 +1,75 @@
+"""Parameters of materials that vary in space, substituted for each particle.
+
+In such a material `Setting` has `Own` in place of each number that varies. Derived parameters
+(Lame's constants from Young's modulus) were computed when particles were created, and are in their
+column `own`: first the value for the first `Own` of the particle's material, and so on. The
+functions of materials see numbers, or vectors of four, as without variation.
+"""
+
+from numba.core import types
+
+from pgimp.jit.kernel import specialise
+from pgimp.jit.own import count_own, filled
+from pgimp.jit.tuples import read
+from pgimp.kernels.data.arguments import Setting
+from pgimp.kernels.transfer.lane_io import take_row
+
+
+def _width(setting):
+    """Greatest number of varying parameters of a material."""
+    materials = setting.types[setting.fields.index("materials")]
+    return max(map(count_own, materials), default=0)
+
+
+def _each_filled(materials, values):
+    """Materials with values in place of each one's `Own`."""
+
+
+@specialise(_each_filled)
+def _each(materials, values):
+    if len(materials) == 1:
+        return lambda materials, values: (filled(materials[0], values),)
+    return lambda materials, values: (
+        filled(materials[0], values), *_each_filled(materials[1:], values),
+    )  # fmt: skip
+
+
+def _with_materials(setting, materials):
+    """The setting with other materials."""
+
+
+@specialise(_with_materials)
+def _setting_with(setting, materials):
+    return lambda setting, materials: Setting(
+        setting.shape, setting.frame, setting.identity, materials, setting.material_of,
+        setting.tracked, setting.exits,
+    )  # fmt: skip
+
+
+def _values(own, rows, like):
+    """The first numbers of the column `own`, as many as `like` has: of a particle, or of four."""
+
+
+@specialise(_values)
+def _values_of(own, rows, like):
+    if isinstance(rows, types.Integer):
+        return lambda own, rows, like: read(own, rows, 0, like)
+    return lambda own, rows, like: take_row(own, rows, 0, like)
+
+
+def with_own(setting, particles, rows):
+    """The setting with the materials' parameters of a particle, or of four: `rows` is a tuple then.
+
+    Where nothing varies it is the setting itself.
+    """
+
+
+@specialise(with_own)
+def _with_own(setting, particles, rows):
+    width = _width(setting)
+    if not width:
+        return lambda setting, particles, rows: setting
+    zeros = (0.0,) * width
+    return lambda setting, particles, rows: _with_materials(
+        setting, _each_filled(setting.materials, _values(particles.own, rows, zeros))
+    )

@@ -1,0 +1,47 @@
+"""Velocities (27) and positions (26) of particles from the grid's motion."""
+
+from pgimp.jit.kernel import specialise
+from pgimp.jit.tuples import plus_scaled
+from pgimp.kernels.grid.constraints import constrain_particles
+from pgimp.kernels.grid.resting import settle
+from pgimp.kernels.loads.loads import relaxed
+from pgimp.kernels.transfer.lane_io import take_row
+
+
+def update_velocity(frame, forcing, particles, batch, u, a, ledger):
+    """Velocities of four particles after a step, and at which they move.
+
+    Parameters
+    ----------
+    frame, forcing, particles, batch, ledger
+        See `Frame`, `Forcing`, `Particles`, `Batch`, `Ledger`.
+    u, a : tuple of D Vec4
+        The grid's velocity and acceleration at their places.
+
+    Returns
+    -------
+    u, v : tuple of D Vec4
+        The velocity at which they move, and theirs.
+    """
+
+
+@specialise(update_velocity)
+def _update_velocity(frame, forcing, particles, batch, u, a, ledger):
+    def update(frame, forcing, particles, batch, u, a, ledger):
+        v = plus_scaled(forcing.dt, a, take_row(particles.v, batch.rows, 0, u))  # (27)
+        v = relaxed(forcing.loads.relaxation, forcing.dt, v, u)
+        v = settle(forcing.loads.rest, frame, forcing, particles, batch, (v, u), ledger)
+        return constrain_particles(forcing.constraints, particles, batch, u, v, ledger)
+
+    return update
+
+
+def update_position(forcing, particles, batch, u):
+    """Positions of four particles after a step, which move at `u` (26)."""
+
+
+@specialise(update_position)
+def _update_position(forcing, particles, batch, u):
+    return lambda forcing, particles, batch, u: plus_scaled(
+        forcing.dt, u, take_row(particles.x, batch.rows, 0, u)
+    )

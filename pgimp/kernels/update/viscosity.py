@@ -1,0 +1,90 @@
+"""Artificial viscosity (45): a pressure q in compression that spreads shocks over some cells.
+
+With D the rate of volume change, c the wave speed, rho the density and L the cell's size,
+q = c1 rho c L |D| + c2 rho (L D)^2 for D < 0, else 0. It enters the internal force (16) of the next
+step, s_p - q; the stored stress is the material's.
+"""
+
+from math import sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from pgimp.jit.kernel import specialise
+from pgimp.jit.vectors.simd import vec4, where
+from pgimp.kernels.transfer.lane_io import put_row, take
+from pgimp.kernels.update.stress import states, wave_speed
+
+
+class Viscosity(NamedTuple):
+    """Coefficients c1 and c2 of each material, (materials,), and the smallest side of a cell."""
+
+    linear: np.ndarray
+    quadratic: np.ndarray
+    cell: float
+
+
+def viscous_pressure(viscosity, particles, p):
+    """Pressure q of particle `p` from the last step; zero where the scene has no viscosity."""
+
+
+@specialise(viscous_pressure)
+def _viscous_pressure(viscosity, particles, p):
+    if not hasattr(viscosity, "instance_class"):
+        return lambda viscosity, particles, p: 0.0
+    return lambda viscosity, particles, p: particles.q[p, 0]
+
+
+def trace(L):
+    """Trace of a row-major velocity gradient."""
+
+
+@specialise(trace)
+def _trace(L):
+    if len(L) == 1:
+        return lambda L: L[0]
+    if len(L) == 4:
+        return lambda L: L[0] + L[3]
+    return lambda L: L[0] + L[4] + L[8]
+
+
+def update_viscous_pressure(viscosity, setting, m, particles, rows, F, J, L):
+    """Set q of four particles for the next step; `m` are their materials, F, J and L vectors.
+
+    Returns
+    -------
+    Vec4
+        q/(rho L |D|), the speed that viscosity adds; 0 without any.
+    """
+
+
+@specialise(update_viscous_pressure)
+def _update_viscous_pressure(viscosity, setting, m, particles, rows, F, J, L):
+    if not hasattr(viscosity, "instance_class"):
+        return lambda viscosity, setting, m, particles, rows, F, J, L: 0.0
+
+    def update(viscosity, setting, m, particles, rows, F, J, L):
+        c = wave_speed(setting, m, F, J, states(setting.materials, particles, rows, F))
+        compression = -viscosity.cell * trace(L)
+        compressed = compression > 0.0
+        c1, c2 = take(viscosity.linear, m), take(viscosity.quadratic, m)
+        speed = where(compressed, c1 * c + c2 * compression, 0.0)
+        density = take(particles.m, rows) / (J * take(particles.V0, rows))
+        put_row(particles.q, rows, 0, (where(compressed, density * speed * compression, 0.0),))
+        return speed
+
+    return update
+
+
+def effective_wave_speed(c, extra):
+    """Wave speed that limits the step: c sqrt(1 + z^2) + c z with the damping ratio z = extra/c.
+
+    `extra` is a vector where the scene has any viscosity, else a number.
+    """
+
+
+@specialise(effective_wave_speed)
+def _effective_wave_speed(c, extra):
+    if extra != vec4:
+        return lambda c, extra: c
+    return lambda c, extra: sqrt(c * c + extra * extra) + extra

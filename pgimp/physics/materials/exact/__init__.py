@@ -1,0 +1,1 @@
+"""Exact curves of materials along paths, `Material.exact_path`."""

@@ -1,0 +1,1 @@
+"""Parameters and states of materials: where particles have them, how kernels read them."""

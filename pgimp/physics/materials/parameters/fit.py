@@ -1,0 +1,245 @@
+"""Whether the functions of a material compile, and return what the kernels want.
+
+The kernels write what a material returns into columns of fixed width, so a stress with a component
+too many would end up in the next particle. Its functions are therefore compiled on their own, with
+numbers of the types that the kernels use, and what they return is compared with what is wanted,
+before any kernel is compiled. What fits is remembered beside the kernels that are kept for the
+material (see `pgimp.jit.outside`), so that only the first start takes the second or two.
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+from typing import Any, NamedTuple
+
+import numba
+from numba.core import errors, types
+
+from pgimp.errors import UsageError
+from pgimp.jit.compiled.cache import Store
+from pgimp.jit.kernel import FOLDER
+from pgimp.jit.outside import part_of
+from pgimp.jit.vectors.simd import vec4
+from pgimp.physics.materials.base import (
+    LOSSES,
+    OPTIONAL,
+    has,
+    state_width,
+    states_of,
+    takes_viscous_pressure,
+)
+from pgimp.physics.materials.parameters.evaluate import compiled
+
+_ARGUMENTS = {
+    "stress": ("material", "F", "J", "sigma", "L", "dt"),
+    "energy": ("material", "F", "J", "sigma"),
+    "speed": ("material", "F", "J"),
+    "diffusivity": ("material", "F", "J"),
+    "margin": ("material", "F", "J", "sigma"),
+    "losses": ("material", "F", "J", "sigma"),
+    "initial_state": ("material", "F", "J", "sigma"),
+}
+#: Functions that are called for one particle at a time: for a line of the history, at the start.
+_ONE_BY_ONE = ("energy", "losses", "initial_state")
+#: Components of a symmetric tensor, as `pgimp.jit.algebra` has them, and how many there are.
+_COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz")
+_COUNTS = (3, 4, 6)
+_COLOUR = re.compile("\x1b\\[[0-9;]*m")
+_LONGEST_MESSAGE = 600
+_INTEGER_HINT = "; write 0.0 for 0"
+
+_fitting: set[tuple[type, str, int]] = set()
+
+
+def arguments_of(kind: type, quantity: str) -> tuple[str, ...]:
+    """Names of what a material's function is given; those with a memory get their state as well."""
+    q = ("q",) if quantity == "stress" and takes_viscous_pressure(kind) else ()
+    return (*_ARGUMENTS[quantity], *q, *(("state",) if states_of(kind) else ()))
+
+
+def quantities_of(kind: type) -> list[str]:
+    """Functions that a material must have, and those that it has besides."""
+    return [name for name in _ARGUMENTS if name not in OPTIONAL or has(kind, name)]
+
+
+def place_of(kind: type, quantity: str) -> str:
+    """Name a function of a material's parameters, with its file and line."""
+    code = getattr(kind, quantity).__code__
+    return f"{kind.__qualname__}.{quantity} ({code.co_filename}:{code.co_firstlineno})"
+
+
+def file_of(kind: type) -> str:
+    """Name the file of a class, or its module where there is none."""
+    try:
+        return inspect.getsourcefile(kind) or kind.__module__
+    except (OSError, TypeError):
+        return kind.__module__
+
+
+class _Kinds(NamedTuple):
+    """Numba's types of what a material's functions are given."""
+
+    F: Any
+    J: Any
+    sigma: Any
+    L: Any
+    dt: Any
+    state: Any
+    q: Any
+
+    @classmethod
+    def of(cls, kind: type, dimensions: int, number: Any) -> _Kinds:
+        matrix = types.UniTuple(number, dimensions**2)
+        tensor = types.UniTuple(number, _COUNTS[dimensions - 1])
+        state = types.UniTuple(number, state_width(kind, dimensions))
+        return cls(matrix, number, tensor, matrix, types.float64, state, number)
+
+
+def _result(parameters: Any, quantity: str, kinds: _Kinds) -> Any:
+    """Compile a function of a material for arguments of these types; return the result's."""
+    kind: Any = type(parameters)
+    function = compiled(kind, quantity)
+    given = (getattr(kinds, name) for name in arguments_of(kind, quantity)[1:])
+    signature = (numba.typeof(parameters), *given)
+    function.compile(signature)
+    return function.overloads[signature].signature.return_type
+
+
+def takes_four(parameters: Any, dimensions: int) -> bool:
+    """Return whether functions compile for four particles at once, where they are to."""
+    kind = type(parameters)
+    try:
+        for quantity in quantities_of(kind):
+            if quantity not in _ONE_BY_ONE:
+                _result(parameters, quantity, _Kinds.of(kind, dimensions, vec4))
+    except errors.NumbaError:
+        return False
+    return True
+
+
+def require_fit(who: str, parameters: Any, dimensions: int) -> None:
+    """Refuse a material whose functions do not compile or do not return what is wanted."""
+    kind = type(parameters)
+    for name, value in zip(kind._fields, parameters, strict=True):
+        try:
+            numba.typeof(value)
+        except (ValueError, errors.NumbaError):
+            raise UsageError(
+                f"{who}: {name} of {kind.__qualname__} ({file_of(kind)}) is of the type "
+                f"{type(value).__name__}, which kernels cannot hold; they know numbers, tuples of "
+                "numbers and NumPy's arrays"
+            ) from None
+    typed = numba.typeof(parameters)
+    known = (kind, str(typed), dimensions)
+    if known in _fitting:
+        return
+    part = part_of((typed,))
+    store = None if part is None else Store(FOLDER.path / part)
+    name, key = f"{kind.__module__}.{kind.__qualname__}-fits", (numba.__version__, *known[1:])
+    if store is None or not store.load(name, key):
+        _examine(who, parameters, dimensions)
+        if store is not None:
+            store.save(name, key, True)
+    _fitting.add(known)
+
+
+def _examine(who: str, parameters: Any, dimensions: int) -> None:
+    kinds = _Kinds.of(type(parameters), dimensions, types.float64)
+    for quantity in quantities_of(type(parameters)):
+        where = f"{who}: {place_of(type(parameters), quantity)}"
+        try:
+            result = _result(parameters, quantity, kinds)
+        except Exception as error:  # also what Numba itself fails with
+            text = " ".join(_COLOUR.sub("", str(error)).split())
+            text = text.partition("pipeline (step: nopython frontend) ")[2] or text
+            if len(text) > _LONGEST_MESSAGE:
+                text = f"{text[: _LONGEST_MESSAGE - 3]}..."
+            raise UsageError(f"{where} does not compile: {text}") from error
+        if quantity == "stress":
+            width = state_width(type(parameters), dimensions)
+            if width:
+                result = _require_state(where, result, width)
+            _require_stress(where, result, dimensions)
+        elif quantity == "losses":
+            _require_losses(where, result)
+        elif quantity == "initial_state":
+            _require_states(where, result, state_width(type(parameters), dimensions))
+        elif result != types.float64:
+            raise UsageError(
+                f"{where} must return a float, but returns {_described(result)}"
+                f"{_INTEGER_HINT * _is_integer(result)}"
+            )
+
+
+def _require_state(where: str, result: Any, width: int) -> Any:
+    """Refuse what is not a pair of stress and state; return the type of the stress."""
+    if not _is_tuple(result) or len(result) != 2:
+        raise UsageError(
+            f"{where} must return a pair, the stress and the state of {width}, as the material has "
+            f"a STATE, but returns {_described(result)}"
+        )
+    _require_states(where, result[1], width)
+    return result[0]
+
+
+def _require_states(where: str, state: Any, width: int) -> None:
+    """Refuse what is no tuple of as many floats as a particle remembers."""
+    parts = [*state] if _is_tuple(state) else []
+    if len(parts) != width or any(part != types.float64 for part in parts):
+        listed = ": " * bool(parts) + ", ".join(map(_described, parts))
+        raise UsageError(
+            f"{where} must return the state as a tuple of {width} floats, but returns "
+            f"{_described(state)}{listed}"
+        )
+
+
+def _require_losses(where: str, result: Any) -> None:
+    """Refuse what is no tuple with a float for each of `LOSSES`."""
+    parts = [*result] if _is_tuple(result) else []
+    if len(parts) != len(LOSSES) or any(part != types.float64 for part in parts):
+        raise UsageError(
+            f"{where} must return a tuple of {len(LOSSES)} floats, {', '.join(LOSSES)}, but "
+            f"returns {_described(result)}"
+        )
+
+
+def _require_stress(where: str, result: Any, dimensions: int) -> None:
+    wanted = _COUNTS[dimensions - 1]
+    names = _COMPONENTS[:wanted]
+    given = len(result) if isinstance(result, types.BaseTuple) else None
+    if given != wanted:
+        raise UsageError(
+            f"{where} must return the {wanted} components {' '.join(names)} of a stress in "
+            f"{dimensions}D as a tuple, but returns {_described(result)}"
+        )
+    for name, part in zip(names, result, strict=True):
+        if part != types.float64:
+            raise UsageError(
+                f"{where} must return {wanted} floats, but the component {name} is "
+                f"{_described(part)}{_INTEGER_HINT * _is_integer(part)}"
+            )
+
+
+def _is_tuple(kind: Any) -> bool:
+    return isinstance(kind, types.BaseTuple)
+
+
+def _is_integer(kind: Any) -> bool:
+    return isinstance(kind, types.Integer | types.IntegerLiteral)
+
+
+def _described(kind: Any) -> str:
+    """Put a Numba type in words."""
+    if isinstance(kind, types.BaseTuple):
+        return f"a tuple of {len(kind)}"
+    for known, words in (
+        (types.Optional, "None in some cases"),
+        (types.NoneType, "None"),
+        (types.Boolean, "a bool"),
+        (types.Complex, "a complex number"),
+        (types.Array, "an array"),
+    ):
+        if isinstance(kind, known):
+            return words
+    return "an int" if _is_integer(kind) else "a float" if kind == types.float64 else str(kind)

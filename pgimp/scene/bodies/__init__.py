@@ -1,0 +1,1 @@
+"""Bodies filled with particles: lattices, clouds of points, cut cells."""

@@ -1,0 +1,67 @@
+"""Count of all particles before any is created, each rank a share, and checks of overlaps."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from pgimp.errors import CaseError
+from pgimp.scene.bodies.lattice import Lattice
+
+
+class Counts(NamedTuple):
+    """Counts known to all ranks before any particle exists.
+
+    `counts` holds the particles of each body in each plane, (bodies, planes); `notes` says which
+    bodies share cells.
+    """
+
+    counts: np.ndarray
+    notes: list[str]
+
+
+def count_all(lattice: Lattice, comm: Any) -> Counts:
+    """Count all particles, each rank a share of the planes, and check what bodies contain.
+
+    Raises
+    ------
+    CaseError
+        The same on every rank: a point in two bodies, a body without a particle, too many
+        surfaces in one place.
+    """
+    step = lattice.per_cell[0]
+    columns = lattice.planes // step
+    share = (
+        comm.rank * columns // comm.size * step,
+        (comm.rank + 1) * columns // comm.size * step,
+    )
+    mine: Any
+    try:
+        mine = (lattice.count(share), *lattice.find_overlaps(share))
+    except CaseError as error:
+        mine = str(error)
+    results = comm.allgather(mine)
+    if failure := next((result for result in results if isinstance(result, str)), None):
+        raise CaseError(failure)
+    counts = np.concatenate([result[0] for result in results], axis=1)
+    overlaps = [overlap for result in results for overlap in result[1]]
+    overlaps.sort(key=lambda overlap: overlap[0])  # of a pair the first point along x stays first
+    problems = [message for _, message in overlaps[:1]]
+    for body, name in enumerate(lattice.names):
+        if counts[body].sum() == 0:
+            problems.append(
+                f"bodies.{name}.region: holds no particle: no point of the lattice of "
+                f"{' x '.join(str(n) for n in lattice.per_cell)} particles a cell lies inside; "
+                "use a larger region, smaller cells (grid.cell), more particles per cell or "
+                "surface: cut"
+            )
+    if problems:
+        raise CaseError("\n".join(problems))
+    pairs = sorted(set().union(*(result[2] for result in results)))
+    alone, number = lattice.shared, lattice.names.index
+    notes = [
+        f"bodies '{a}' and '{b}' have particles in the same cell: they start in contact, as one"
+        for a, b in pairs
+        if alone[tuple(sorted((number(a), number(b))))]
+    ]
+    notes += [note for body in lattice.bodies for note in body.region.notes()]
+    return Counts(counts, notes)

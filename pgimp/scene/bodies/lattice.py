@@ -1,0 +1,280 @@
+"""The initial particles: on a lattice of `particles_per_cell` points a cell, where bodies are.
+
+Particles are made slab by slab: first every rank counts those of its share of the lattice's
+planes, then, with the counts known to all, it makes the particles of its own layers only. No rank
+ever holds more. Ids number the particles by body, then by position (x first). The part of
+the body that a particle at its surface has is found by `pgimp.scene.bodies.lattice_body`.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from types import MappingProxyType
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pgimp.case.schema import Case
+from pgimp.errors import CaseError
+from pgimp.geometry.measure import TangledError
+from pgimp.geometry.regions import Points
+from pgimp.physics.contact import sharing
+from pgimp.scene.bodies.lattice_body import LEAST_FRACTION, LatticeBody
+from pgimp.scene.bodies.point_cloud import Cloud
+from pgimp.scene.bodies.volume_fractions import Ranges, VolumeFractions
+from pgimp.scene.checks.overlap import overlaps
+
+#: Particles that are created at a time.
+_BLOCK = 200_000
+
+
+class ParticleBlock(NamedTuple):
+    """Some particles of one body.
+
+    Attributes
+    ----------
+    body : int
+    positions : (n, D) float64
+        Points of the lattice.
+    ids : (n,) int64
+    fractions : (n,) float64
+        Volumes, over that of a particle that no surface cuts.
+    centroids : (n, D) float64
+        Centres of mass of the particles' parts of the body.
+    velocities : (n, D) float64 or None
+    stresses : (n, 3, 4 or 6) float64 or None
+    gradients : (n, D * D) float64 or None
+        Of the velocity.
+    states : dict of str to (n, k) float64
+        State variables of the material, and columns that its parameters are, by name. All four as
+        a file of particles gives them.
+    rows : (n,) int64 or None
+        Rows of the file.
+    """
+
+    body: int
+    positions: NDArray[np.float64]
+    ids: NDArray[np.int64]
+    fractions: NDArray[np.float64]
+    centroids: NDArray[np.float64]
+    velocities: NDArray[np.float64] | None = None
+    stresses: NDArray[np.float64] | None = None
+    gradients: NDArray[np.float64] | None = None
+    states: Mapping[str, NDArray[np.float64]] = MappingProxyType({})
+    rows: NDArray[np.int64] | None = None
+
+
+class Lattice:
+    """The points at which particles may start, and the bodies that fill the boxes round them.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+    """
+
+    def __init__(self, case: Case) -> None:
+        grid, per_cell = case.grid, case.method.particles_per_cell
+        self.names = list(case.bodies)
+        self.shared = sharing(case)
+        self.per_cell = per_cell
+        self.coordinates = []
+        self.edges: list[NDArray[np.float64]] = []
+        for d in range(case.dimensions):
+            cells = round(grid.size[d] / grid.cell[d])
+            points = np.arange(cells * per_cell[d] + 1)
+            self.edges.append(grid.origin[d] + points / per_cell[d] * grid.cell[d])
+            centres = (points[:-1] + 0.5) / per_cell[d] * grid.cell[d]
+            self.coordinates.append(grid.origin[d] + centres)
+        self.volume = float(np.prod(grid.cell)) / float(np.prod(per_cell))
+        self.bodies: list[LatticeBody | Cloud] = [
+            Cloud(body.region, self.edges)
+            if isinstance(body.region, Points)
+            else LatticeBody(body.region, self.edges, self.coordinates, body.surface == "cut")
+            for body in case.bodies.values()
+        ]
+
+    def excess(self, block: ParticleBlock) -> NDArray[np.float64]:
+        """The curvature's share of the mean gap from a plane, (n,), of particles that it cuts.
+
+        See `LatticeBody.excess`; 0 for others, and for those from a file, whose surface is unknown.
+        """
+        found, body = np.zeros(len(block.ids)), self.bodies[block.body]
+        cut = np.flatnonzero((block.centroids != block.positions).any(axis=1))
+        if isinstance(body, LatticeBody) and len(cut):
+            found[cut] = body.excess(block.positions[cut], np.array(self.box) * self.per_cell)
+        return found
+
+    @property
+    def planes(self) -> int:
+        """Number of planes of points along x."""
+        return len(self.coordinates[0])
+
+    @property
+    def box(self) -> list[float]:
+        """Size of a box by direction."""
+        return [float(edges[1] - edges[0]) for edges in self.edges]
+
+    def count(self, planes: tuple[int, int]) -> np.ndarray:
+        """Particles of each body in each plane of a range, (bodies, planes) int64."""
+        counts = np.zeros((len(self.bodies), planes[1] - planes[0]), np.int64)
+        for number, body in enumerate(self.bodies):
+            if isinstance(body, Cloud):
+                counts[number] = body.count(planes)
+                continue
+            with self._named(number):
+                for volumes in body.slabs(planes):
+                    begin, end = volumes.ranges[0]
+                    here = volumes.exists.reshape(end - begin, -1).sum(axis=1)
+                    counts[number, begin - planes[0] : end - planes[0]] = here
+        return counts
+
+    @contextmanager
+    def _named(self, body: int) -> Iterator[None]:
+        """Add the key of a body's region to errors about it."""
+        try:
+            yield
+        except (TangledError, CaseError) as error:
+            raise CaseError(f"bodies.{self.names[body]}.region: {error}") from None
+
+    def close_pairs(self) -> Iterator[tuple[int, int, Ranges]]:
+        """Pairs of bodies that may share a cell, with the part of the lattice where they may.
+
+        Those of a file's particles are checked by `pgimp.scene.checks.overlap`.
+        """
+        for a, first in enumerate(self.bodies):
+            for b in range(a + 1, len(self.bodies)):
+                if isinstance(first, Cloud) or isinstance(self.bodies[b], Cloud):
+                    continue
+                both = list(zip(first.box, self.bodies[b].box, strict=True))
+                low = [max(begin for begin, _ in pair) for pair in both]
+                high = [min(end for _, end in pair) for pair in both]
+                near = [begin - end for begin, end in zip(low, high, strict=True)]
+                if all(gap <= 2 * n for gap, n in zip(near, self.per_cell, strict=True)):
+                    ends = zip(low, high, strict=True)
+                    yield a, b, self._whole_cells([(min(pair), max(pair)) for pair in ends])
+
+    def _whole_cells(self, box: Ranges) -> Ranges:
+        """A part of the lattice widened to whole cells, and by a cell to each side."""
+        return [
+            (max((a // n - 1) * n, 0), min((-(-b // n) + 1) * n, len(x)))
+            for (a, b), n, x in zip(box, self.per_cell, self.coordinates, strict=True)
+        ]
+
+    def find_overlaps(
+        self, planes: tuple[int, int]
+    ) -> tuple[list[tuple[tuple[int, int], str]], set[tuple[str, str]]]:
+        """Find where bodies meet, among the points of a range of planes.
+
+        Returns
+        -------
+        errors : list of ((int, int), str)
+            The bodies' numbers and a message for each pair of bodies that overlap.
+        shared : set of pairs of names
+            Bodies with particles in the same cell.
+        """
+        errors, shared = list(overlaps(self.names, self.bodies, self.box, planes)), set()
+        step = self.per_cell[0]
+        for a, b, box in self.close_pairs():
+            names = (self.names[a], self.names[b])
+            row = int(np.prod([end - begin for begin, end in box[1:]], initial=1))
+            deep = max(1, 5 * _BLOCK // (row * step)) * step
+            begin = -(-max(planes[0], box[0][0]) // step) * step
+            last = min(planes[1], box[0][1])
+            for plane in range(begin, last, deep):
+                part = [(plane, min(plane + deep, last)), *box[1:]]
+                first, second = self.bodies[a], self.bodies[b]
+                assert isinstance(first, LatticeBody)
+                assert isinstance(second, LatticeBody)
+                with self._named(a):
+                    both = [first.volume_fractions(part)]
+                with self._named(b):
+                    both.append(second.volume_fractions(part))
+                place = self._overlap(both, (first, second))
+                if place is not None:
+                    message = (
+                        f"bodies.{names[1]}.region: '{names[0]}' and '{names[1]}' overlap in the "
+                        f"box of the particle at ({place}), of which they fill more than there is: "
+                        "move or cut one of them (region: {difference: [...]})"
+                    )
+                    errors.append(((a, b), message))
+                    break
+                if not self._cells(both[0]).isdisjoint(self._cells(both[1])):
+                    shared.add(names)
+        return errors, shared
+
+    @staticmethod
+    def _overlap(
+        both: list[VolumeFractions], bodies: tuple[LatticeBody, LatticeBody]
+    ) -> str | None:
+        """The first point at which two bodies overlap, as text.
+
+        Bodies may share a box that a surface cuts if their parts fit into it: an excess, beyond the
+        uncertainty from their surfaces' curvature, is an overlap.
+        """
+        first, second = both
+        places = np.flatnonzero(first.exists & second.exists)
+        if len(places) == 0:
+            return None
+        points = bodies[0].points(first.ranges, places)
+        over = first.fraction(places) + second.fraction(places) > 1.0 + LEAST_FRACTION
+        over |= bodies[0].region.contains(points) & bodies[1].region.contains(points)
+        if not over.any():
+            return None
+        return ", ".join(f"{x:g}" for x in points[over.argmax()])
+
+    def _cells(self, volumes: VolumeFractions) -> set[int]:
+        """Numbers of the cells, within whole cells, that hold more than small parts of a body."""
+        places = np.flatnonzero(volumes.exists)
+        places = places[volumes.fraction(places) >= LEAST_FRACTION]
+        sizes = tuple(end - begin for begin, end in volumes.ranges)
+        cell = np.zeros(len(places), np.int64)
+        for i, size, n in zip(np.unravel_index(places, sizes), sizes, self.per_cell, strict=True):
+            cell = cell * (size // n + 1) + i // n
+        return set(np.unique(cell).tolist())
+
+    def make(
+        self,
+        planes: tuple[int, int],
+        counts: np.ndarray,
+        only: int | None = None,
+        own: Callable[[np.ndarray], np.ndarray] | None = None,
+    ) -> Iterator[ParticleBlock]:
+        """Particles of a range of planes, of all bodies or of one, in ascending id.
+
+        Parameters
+        ----------
+        planes : (int, int)
+            First plane and end.
+        counts : (bodies, planes of the lattice) int64
+            Particles of each body in each plane.
+        only : int, optional
+            The one body.
+        own : callable, optional
+            Selects particles that are not on the lattice by their coordinates along x; by default
+            those within the planes.
+        """
+        ends = np.cumsum(counts.ravel()).reshape(counts.shape)
+        for number, body in enumerate(self.bodies):
+            if only is not None and number != only:
+                continue
+            if isinstance(body, Cloud):
+                first = int(ends[number, -1] - counts[number].sum())
+                for rows, block in body.make(planes, own):
+                    x = block.position
+                    yield ParticleBlock(
+                        number, x, first + rows, block.volume / self.volume, x, block.velocity,
+                        block.stress, block.gradient, block.states, rows,
+                    )  # fmt: skip
+                continue
+            for volumes in body.slabs(planes):
+                plane = volumes.ranges[0][0]
+                first = int(ends[number, plane] - counts[number, plane])
+                places = np.flatnonzero(volumes.exists)
+                for begin in range(0, len(places), _BLOCK):
+                    part = places[begin : begin + _BLOCK]
+                    x = body.points(volumes.ranges, part)
+                    fractions = volumes.fraction(part)
+                    centroids = x + volumes.moment(part) / fractions[:, None]
+                    ids = np.arange(first + begin, first + begin + len(part))
+                    yield ParticleBlock(number, x, ids, fractions, centroids)

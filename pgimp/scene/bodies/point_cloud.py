@@ -1,0 +1,57 @@
+"""A body whose particles are the user's own: what `LatticeBody` is to a body on the lattice."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pgimp.geometry.points.block import Block
+from pgimp.geometry.regions.points import Points
+from pgimp.scene.bodies.volume_fractions import Ranges
+
+Reals = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+
+class Cloud:
+    """Particles of a file, counted by the lattice's planes.
+
+    Parameters
+    ----------
+    region : Points
+        The body's.
+    edges : list of (n + 1,) float64
+        Coordinates of the lattice's boxes by direction.
+    """
+
+    def __init__(self, region: Points, edges: list[Reals]) -> None:
+        self.region, self.edges = region, edges
+        #: The lattice's boxes that hold some; no box is filled.
+        self.box: Ranges = [(0, 0)] * len(edges)
+
+    def _planes(self, x: Reals) -> NDArray[np.int64]:
+        """Plane of each coordinate; those on the domain's far face belong to the last one."""
+        edges = self.edges[0]
+        return np.clip(np.searchsorted(edges, x, "right") - 1, 0, len(edges) - 2)
+
+    def count(self, planes: tuple[int, int]) -> NDArray[np.int64]:
+        """Particles in each plane of a range."""
+        if planes[0] >= planes[1]:
+            return np.zeros(0, np.int64)
+        total = np.zeros(len(self.edges[0]) - 1, np.int64)
+        for _, block in self.region.chosen(lambda x: self.between(x, planes)):
+            total += np.bincount(self._planes(block.position[:, 0]), minlength=len(total))
+        return total[planes[0] : planes[1]]
+
+    def between(self, x: Reals, planes: tuple[int, int]) -> Mask:
+        """Return which coordinates are in a range of planes."""
+        plane = self._planes(x)
+        return (planes[0] <= plane) & (plane < planes[1])
+
+    def make(
+        self, planes: tuple[int, int], own: Callable[[Reals], Mask] | None
+    ) -> Iterator[tuple[NDArray[np.int64], Block]]:
+        """Yield rows and particles of a range of planes, or those with an x that is `own`."""
+        return self.region.chosen(own or (lambda x: self.between(x, planes)))

@@ -1,0 +1,163 @@
+"""Initial particles of a scene: positions, velocities, and all other columns."""
+
+from collections.abc import Callable
+from itertools import chain
+
+import numpy as np
+
+from pgimp.geometry.regions import Points
+from pgimp.kernels.data.particles import Particles
+from pgimp.kernels.sums.errors import initial_velocities
+from pgimp.physics.materials.base import has
+from pgimp.scene.bodies.cloud_gradients import with_gradients
+from pgimp.scene.bodies.lattice import Lattice, ParticleBlock
+from pgimp.scene.bodies.point_cloud import Cloud
+from pgimp.scene.scene import Scene
+
+
+def populate(
+    scene: Scene,
+    lattice: Lattice,
+    counts: np.ndarray,
+    planes: tuple[int, int],
+    own: Callable[[np.ndarray], np.ndarray] | None = None,
+) -> Particles:
+    """Particles of a range of lattice planes, ordered by body and position.
+
+    Parameters
+    ----------
+    counts : (bodies, planes) int64
+        Particles of each body in each plane of the lattice.
+    planes : (int, int)
+        First plane and end.
+    own : callable, optional
+        See `Lattice.make`; its choice need not match the counts of the planes.
+    """
+    # The number of particles in files is only known once they are read.
+    files: list[list[ParticleBlock] | None] = []
+    for body, found in enumerate(lattice.bodies):
+        blocks = None
+        if isinstance(found, Cloud):
+            blocks = list(lattice.make(planes, counts, body, own))
+            if scene.loads.affine:
+                blocks = with_gradients(found, lattice.box, blocks)
+        files.append(blocks)
+    n = sum(
+        int(counts[body, planes[0] : planes[1]].sum())
+        if blocks is None
+        else sum(len(block.ids) for block in blocks)
+        for body, blocks in enumerate(files)
+    )
+    p = Particles.empty(max(n, 1), scene.carried)
+    row = 0
+    every = (
+        lattice.make(planes, counts, body) if blocks is None else blocks
+        for body, blocks in enumerate(files)
+    )
+    for block in chain.from_iterable(every):
+        rows = slice(row, row + len(block.ids))
+        p.x[rows] = block.positions
+        # A field linear in space has its mean over a part (5) at the part's centroid; an exact
+        # solution refers to the particle's place.
+        places = block.positions if scene.moves else block.centroids
+        if block.velocities is None:
+            p.v[rows] = velocities(scene, block.body, places)
+        else:
+            p.v[rows] = block.velocities
+        material = scene.body_material[block.body]
+        if p.L.shape[1]:
+            p.L[rows] = (
+                _velocity_gradients(scene, block.body, places)
+                if block.gradients is None
+                else block.gradients
+            )
+        p.id[rows] = block.ids
+        p.body[rows] = block.body
+        p.V0[rows] = p.V[rows] = lattice.volume * block.fractions  # (3)
+        if scene.carried.surfaces:
+            p.offset[rows] = block.centroids - block.positions
+            p.excess[rows, 0] = lattice.excess(block)
+        p.m[rows] = p.V0[rows] * scene.materials[material].density  # (4)
+        set_stress(scene, p, rows, block)
+        row += len(block.ids)
+    if p.origin.shape[1]:
+        p.origin[:] = p.x
+    scene.loads.initialise(p, row)
+    return p
+
+
+def set_stress(scene: Scene, p: Particles, rows: slice, block: ParticleBlock) -> None:
+    """Set stress and state of a block's particles, and parameters that vary with their mass."""
+    material = scene.body_material[block.body]
+    if block.stresses is not None:
+        p.sigma[rows] = block.stresses[:, : p.sigma.shape[1]]
+    elif pressure := scene.initial_pressures[material]:
+        p.sigma[rows, :3] = -pressure
+    p.state[rows] = scene.states.initial[material]
+    _vary(scene, p, rows, block)
+    for name, values in block.states.items():
+        first = scene.states.first(name, material)
+        if first >= 0:  # else a parameter that varies
+            p.state[rows, first : first + values.shape[1]] = values
+
+
+def prestressed(scene: Scene) -> list[int]:
+    """Bodies whose particles remember the stress of their file by other states."""
+    return [
+        number
+        for number, body in enumerate(scene.case.bodies.values())
+        if isinstance(body.region, Points)
+        and body.region.summary.stress
+        and scene.case.materials[body.material].states
+        and has(type(scene.materials[scene.body_material[number]]), "initial_state")
+    ]
+
+
+def velocities(scene: Scene, body: int, positions: np.ndarray) -> np.ndarray:
+    """Initial velocity of a body's particles, (n, D): exact, or v0 + omega x (x - about)."""
+    if scene.moves:
+        v = np.zeros_like(positions)
+        initial_velocities(scene.exact, scene.frame, positions, v)
+        return v
+    motion = list(scene.case.bodies.values())[body].velocity
+    D = scene.dimension
+    if isinstance(motion, tuple):
+        return np.tile(np.array(motion, float), (len(positions), 1))
+    v = np.zeros_like(positions)
+    if motion.translation is not None:
+        v += motion.translation
+    arm = np.zeros((len(positions), 3))
+    arm[:, :D] = positions - np.array(motion.rotation.about)
+    rate = motion.rotation.rate
+    omega = (0.0, 0.0, rate) if isinstance(rate, float | int) else rate
+    turn = np.stack(
+        [
+            omega[1] * arm[:, 2] - omega[2] * arm[:, 1],
+            omega[2] * arm[:, 0] - omega[0] * arm[:, 2],
+            omega[0] * arm[:, 1] - omega[1] * arm[:, 0],
+        ],
+        axis=1,
+    )
+    return v + turn[:, :D]
+
+
+def _velocity_gradients(scene: Scene, body: int, positions: np.ndarray) -> np.ndarray:
+    """Gradient of the initial velocity, (n, D*D), by differences over half a cell."""
+    L = np.empty((len(positions), scene.dimension, scene.dimension))
+    for d in range(scene.dimension):
+        step = np.zeros(scene.dimension)
+        step[d] = 0.25 * scene.frame.cell[d]
+        ends = (velocities(scene, body, positions + side * step) for side in (1.0, -1.0))
+        L[:, :, d] = np.subtract(*ends) / (2.0 * step[d])
+    return L.reshape(len(positions), -1)
+
+
+def _vary(scene: Scene, p: Particles, rows: slice, block: ParticleBlock) -> None:
+    """Set parameters that vary in space, and the mass, state and stress that follow."""
+    own = scene.variations.of(block, scene.body_material[block.body])
+    if own is None:
+        return
+    p.own[rows], p.state[rows] = own.columns, own.state
+    p.m[rows] = p.V0[rows] * own.density  # (4)
+    if block.stresses is None and own.pressure.any():
+        p.sigma[rows, :3] = -own.pressure[:, None]

@@ -1,0 +1,1 @@
+"""What a scene is warned of, or refused for, before it runs."""

@@ -1,0 +1,157 @@
+"""Advice on configuration and method, for ``pgimp check``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from pgimp.physics.loads.motion import RigidMotion
+from pgimp.scene.checks import nearness
+from pgimp.scene.checks.facts import BodyFacts
+from pgimp.scene.checks.moving_boxes import clearance, faces_with_condition, instants, moving_boxes
+from pgimp.scene.checks.sanity import strains
+
+#: Displacement in cells, and strain, from which the configuration makes a difference.
+_FAR, _MUCH = 0.5, 0.05
+
+#: Angle from which spin that is lost shows; strain from which sizes of particles matter.
+_TURN, _LARGE = 1.0, 0.15
+
+#: Shapes whose boxes keep their size.
+_CONSTANT = ("gimp", "bspline-quadratic")
+
+#: Poisson's ratio from which volume locks.
+_LOCKS = 0.45
+
+#: Shapes that reach two cells and more.
+_WIDE = ("fuzzy-constant", "bspline-cubic")
+
+
+def advice(case: Any, bodies: Sequence[BodyFacts]) -> list[str]:
+    """Return what would do better than the configuration and the method of this case.
+
+    Nothing where they are on a front of docs/error-against-cost.md, or near one, as far as what
+    the bodies do can be seen before the run: whether they move, turn, or are strained by loads.
+    """
+    began = _configuration(case, bodies)
+    sizes = () if began else _sizes(case, bodies)
+    return [*began, *_points(case, bodies), *_wide(case, bodies), *_spin(case), *sizes]
+
+
+def _configuration(case: Any, bodies: Sequence[BodyFacts]) -> list[str]:
+    """Whether bodies that move, turn or stretch would do better in the initial one.
+
+    That is for elastic bodies; what has no law of contact with what it meets would stick to it.
+    """
+    if not all(_fits(case, body) for body in case.bodies.values()):
+        return []
+    if case.escape or nearness.meet(case):
+        return []
+    if "contact" in case.output.grid:
+        return []
+    moved = [
+        body.name
+        for body in bodies
+        if _moves(case, body) or max(strains(case, body).values()) > _MUCH
+    ]
+    if not moved:
+        return []
+    them = "it moves or deforms" if len(moved) == 1 else "they move or deform"
+    dear = "; a step takes longer while they are in touch" if _hit(case) else ""
+    return [
+        f"bodies: {_listed(moved)}: elastic, and {them}: with configuration: initial vibrations "
+        f"and spin last, nothing can tear, and steps need not be shorter as bodies move{dear}"
+    ]
+
+
+def _points(case: Any, bodies: Sequence[BodyFacts]) -> Iterator[str]:
+    """Points that cross cells; with `affine` there is a warning."""
+    crossing = [b.name for b in bodies if _moves(case, b) and _current(case, b.name)]
+    if crossing and case.method.shape == "mpm" and not case.method.affine:
+        yield (
+            f"method.shape: mpm: {_listed(crossing)} will cross cells, where points get forces "
+            "without mass; boxes (gimp) do not, and affine: true makes them more accurate"
+        )
+
+
+def _wide(case: Any, bodies: Sequence[BodyFacts]) -> Iterator[str]:
+    """Wide shapes of elastic bodies that move; nearly incompressible ones they are good for."""
+    moving = [
+        body.name
+        for body in bodies
+        if _moves(case, body)
+        and case.materials[case.bodies[body.name].material].ELASTIC
+        and getattr(case.materials[case.bodies[body.name].material], "poisson", 0.0) < _LOCKS
+    ]
+    if moving and case.method.shape in _WIDE:
+        yield (
+            f"method.shape: {case.method.shape}: {_listed(moving)}: elastic, and moves: boxes "
+            "(finite-gimp) have the same error in waves, impact and shear in a tenth to half the "
+            "time"
+        )
+
+
+def _spin(case: Any) -> Iterator[str]:
+    """Bodies that turn without `affine`."""
+    turning = [
+        name
+        for name, body in case.bodies.items()
+        if isinstance(body.velocity, RigidMotion)
+        and np.linalg.norm(body.velocity.rotation.rate) * case.time.end > _TURN
+    ]
+    if turning and not case.method.affine:
+        yield (
+            f"method.affine: {_listed(turning)} will turn, and lose spin without it: after a turn "
+            "a block of 12 cells is off by 12 to 27 % of its radius, with affine: true by 1.3 %"
+        )
+
+
+def _sizes(case: Any, bodies: Sequence[BodyFacts]) -> Iterator[str]:
+    """Strong compression or tension of boxes that keep their size."""
+    shape = case.method.shape
+    strained = [
+        body.name
+        for body in bodies
+        if case.materials[case.bodies[body.name].material].ELASTIC
+        and _current(case, body.name)
+        and max(strains(case, body).values()) > _LARGE
+    ]
+    if strained and shape in _CONSTANT:
+        yield (
+            f"method.shape: loads strain {_listed(strained)} by more than {_LARGE:.0%}, and boxes "
+            f"of {shape} keep their size, so that errors stay near a per cent however small the "
+            "cells; those of finite-gimp follow, at 1.2 times the cost"
+        )
+
+
+def _moves(case: Any, body: BodyFacts) -> bool:
+    """Whether a body crosses a part of a cell."""
+    return body.top_speed * case.time.end > _FAR * min(case.grid.cell)
+
+
+def _hit(case: Any) -> bool:
+    """Whether bodies meet under `contact`, or walls that let go."""
+    if case.contact:
+        return True
+    near, boxes = nearness.reach(case), moving_boxes(case, instants(case))
+    return any(
+        condition.approaches
+        and clearance(case, axis, side, box.low[:, axis], box.high[:, axis]).min() < near[axis]
+        for _, condition, axis, side in faces_with_condition(case)
+        for box in boxes
+    )
+
+
+def _current(case: Any, name: str) -> bool:
+    return case.bodies[name].configuration == "current"
+
+
+def _listed(names: Sequence[str]) -> str:
+    return ", ".join(map(repr, names[:3])) + " and others" * (len(names) > 3)
+
+
+def _fits(case: Any, body: Any) -> bool:
+    """Whether a body is elastic, and not in the initial configuration yet."""
+    return body.configuration == "current" and case.materials[body.material].ELASTIC

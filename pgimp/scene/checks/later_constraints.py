@@ -1,0 +1,64 @@
+"""Constraints that begin in a later stage: what they would hold where bodies are at the start."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pgimp.case.checks.stages import reselects
+from pgimp.case.schema import Case
+
+
+class LaterConstraint(NamedTuple):
+    """A constraint that chooses its particles as a stage after the first begins.
+
+    Attributes
+    ----------
+    case : Case
+        The stage's.
+    name : str
+    body : int
+        Number of its body.
+    region : Region
+    """
+
+    case: Case
+    name: str
+    body: int
+    region: Any
+
+
+def later_constraints(cases: Sequence[Case]) -> list[LaterConstraint]:
+    """Those of the cases of all stages."""
+    return [
+        LaterConstraint(now, name, list(now.bodies).index(entry.body), entry.region)
+        for before, now in pairwise(cases)
+        for name, entry in now.constraints.items()
+        if reselects(before, now, name)
+    ]
+
+
+def held(
+    later: Sequence[LaterConstraint], body: NDArray[np.int32], x: NDArray[np.float64]
+) -> NDArray[np.int64]:
+    """Number of particles that are in the region of each of them now, (constraints,)."""
+    return np.array(
+        [np.count_nonzero(one.region.contains(x[body == one.body])) for one in later], np.int64
+    )
+
+
+def idle_warnings(
+    later: Sequence[LaterConstraint], counts: NDArray[np.int64]
+) -> list[str]:
+    """Say which of them would hold nothing, given what `held` counts of all particles."""
+    return [
+        f"time.stages.{one.case.staged.number - 1}.constraints.{one.name}.region: where the bodies "
+        f"are at the start it holds no particle of '{list(one.case.bodies)[one.body]}'; if none "
+        f"comes there by t = {one.case.staged.start:.6g}, the run ends as the stage begins"
+        for one, count in zip(later, counts, strict=True)
+        if count == 0
+    ]

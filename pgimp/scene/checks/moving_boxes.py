@@ -1,0 +1,130 @@
+"""Boxes round the bodies, and their motion if only walls and constraints stop them.
+
+From the case alone: gravity, the velocities at the start, constraints, and faces that hold.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from pgimp.geometry.regions import Points
+from pgimp.scene.checks.supports import held_at
+from pgimp.schema.tables import Table, VectorTable
+
+AXES = "xyz"
+
+#: Number of instants at which distances of bodies are checked; fewer if there are many bodies.
+_INSTANTS, _FEWEST_INSTANTS, _PLACES = 129, 9, 20_000
+#: Distances below this part of a cell count as contact.
+TOUCH = 1e-6
+
+
+class Box(NamedTuple):
+    """The box round a body over time.
+
+    Attributes
+    ----------
+    name : str
+    low, high : (instants, D) float64
+        Its corners, round all directions of a body that turns from the second instant on.
+    """
+
+    name: str
+    low: np.ndarray
+    high: np.ndarray
+
+
+def instants(case: Any) -> np.ndarray:
+    """Times at which the boxes are evaluated, from the start to the end."""
+    number = min(_INSTANTS, max(_FEWEST_INSTANTS, _PLACES // len(case.bodies)))
+    return np.linspace(0.0, case.time.end, number)
+
+
+def moving_boxes(case: Any, times: np.ndarray) -> list[Box]:
+    """Boxes of all bodies of a material at some times, the first of them the start."""
+    fall = _integral(_fall(case, times), times)
+    boxes = []
+    for name, body in case.bodies.items():
+        low, high = (np.array(end, float) for end in body.region.bounds())
+        if isinstance(body.region, Points):  # bounds of centres; half a particle lies beyond
+            half = 0.5 * np.array(case.grid.cell) / case.method.particles_per_cell
+            low, high = low - half, high + half
+        velocity, turns = _velocity(body.velocity, 0.5 * (low + high))
+        moved = [entry for entry in case.constraints.values() if entry.body == name]
+        if moved:
+            displacement = _integral(_prescribed(moved[-1].velocity, times), times)
+        elif any(_held(case, low, high)):
+            displacement = np.zeros((len(times), len(low)))
+        else:
+            displacement = velocity * times[:, None] + _integral(fall, times)
+        displacement = _stopped(case, low, high, displacement)
+        wider = np.zeros_like(displacement)
+        if turns:
+            wider[1:] = 0.5 * (float(np.linalg.norm(high - low)) - (high - low))
+        boxes.append(Box(name, low + displacement - wider, high + displacement + wider))
+    return boxes
+
+
+def _velocity(entry: Any, middle: np.ndarray) -> tuple[np.ndarray, bool]:
+    """Initial velocity of a point of a body, (D,), and whether the body turns."""
+    if isinstance(entry, tuple):
+        return np.array(entry, float), False
+    D, rate = len(middle), entry.rotation.rate
+    arm, translation = np.zeros(3), entry.translation
+    arm[:D] = middle - entry.rotation.about
+    omega = rate if isinstance(rate, tuple) else (0.0, 0.0, rate)
+    v = np.cross(omega, arm)[:D]
+    return v + (np.zeros(D) if translation is None else translation), True
+
+
+def _fall(case: Any, times: np.ndarray) -> np.ndarray:
+    b, D = case.gravity, case.dimensions
+    if b is None:
+        return np.zeros((len(times), D))
+    return np.array([b.value(t) if isinstance(b, VectorTable) else b for t in times], float)
+
+
+def _prescribed(velocity: Any, times: np.ndarray) -> np.ndarray:
+    """Prescribed velocity over time; zero where a component is free."""
+    columns = [[v.value(t) if isinstance(v, Table) else v or 0.0 for t in times] for v in velocity]
+    return np.array(columns, float).T
+
+
+def _integral(values: np.ndarray, times: np.ndarray) -> np.ndarray:
+    """Integral over time from the start, by the trapezoidal rule."""
+    parts = 0.5 * (values[1:] + values[:-1]) * np.diff(times)[:, None]
+    return np.concatenate([np.zeros((1, values.shape[1])), np.cumsum(parts, axis=0)])
+
+
+def faces_with_condition(case: Any) -> Iterator[tuple[str, Any, int, int]]:
+    """Faces with a condition, with their axis and side."""
+    for face, condition in case.boundaries.items():
+        yield face, condition, AXES.index(face[0]), -1 if face.endswith("min") else 1
+
+
+def clearance(case: Any, axis: int, side: int, low: np.ndarray, high: np.ndarray) -> Any:
+    """Distance of a box from a face, in cells."""
+    away = low - case.grid.origin[axis] if side < 0 else case.grid.corner[axis] - high
+    return away / case.grid.cell[axis]
+
+
+def _held(case: Any, low: np.ndarray, high: np.ndarray) -> Iterator[bool]:
+    """For each face that the body touches: whether it holds the body in all directions."""
+    for _, condition, axis, side in faces_with_condition(case):
+        if clearance(case, axis, side, low[axis], high[axis]) <= TOUCH:
+            yield all(held_at(condition, axis, side)[: case.dimensions])
+
+
+def _stopped(case: Any, low: np.ndarray, high: np.ndarray, displacement: np.ndarray) -> np.ndarray:
+    """Displacement of a box that walls stop."""
+    for _, _, axis, side in faces_with_condition(case):
+        if side < 0:
+            least = min(0.0, case.grid.origin[axis] - low[axis])
+            displacement[:, axis] = np.maximum(displacement[:, axis], least)
+        else:
+            most = max(0.0, case.grid.corner[axis] - high[axis])
+            displacement[:, axis] = np.minimum(displacement[:, axis], most)
+    return displacement

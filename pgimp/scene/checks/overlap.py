@@ -1,0 +1,236 @@
+"""Overlaps of a file's particles with one another, with another body, or with another file's.
+
+Of two bodies only the common box is examined; without one, nothing is read. Refused are only
+certain mistakes, such as the same file twice: bodies in contact may overlap a little.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import combinations, product
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pgimp.geometry.regions.base import Bounds
+from pgimp.scene.bodies.lattice_body import LatticeBody
+from pgimp.scene.bodies.point_cloud import Cloud
+
+Reals = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+#: How deep in another body a particle may lie, and how close to one of another file, over its size.
+_DEEP, _CLOSE = 0.25, 0.1
+
+#: How close two particles of one file may not be, over a box of the lattice; rows that are named.
+_SAME, _NAMED = 1e-6, 10
+
+#: Distances to parts of a region that are computed at most, and at a time.
+_LOOKS, _BLOCK = 100_000_000, 1_000_000
+
+#: Hash multiplier, from the golden ratio: combines the numbers of a cell with few collisions.
+_MIX = np.int64(0x1E3779B97F4A7C15)
+
+
+class _CloudParticles(NamedTuple):
+    """Particles of a file: their rows, positions (n, D) and volumes."""
+
+    rows: Ints
+    x: Reals
+    volume: Reals
+
+
+def overlaps(
+    names: Sequence[str],
+    bodies: Sequence[LatticeBody | Cloud],
+    box: Sequence[float],
+    planes: tuple[int, int],
+) -> Iterator[tuple[tuple[int, int], str]]:
+    """Yield for each body from a file, and each pair with one, the first overlap along x.
+
+    Parameters
+    ----------
+    names, bodies : sequence
+        All bodies.
+    box : sequence of float
+        Size of a box of the lattice by direction.
+    planes : (int, int)
+        Range of the lattice's planes that is searched; findings in a plane do not depend on it.
+
+    Yields
+    ------
+    (int, int), str
+        The bodies' numbers, twice the same for one body, and what is wrong, with the key.
+
+    Raises
+    ------
+    CaseError
+        If a file cannot be read any more.
+    """
+    for a, cloud in enumerate(bodies):
+        if isinstance(cloud, Cloud) and (found := _coincident(cloud, planes, _SAME * min(box))):
+            yield (a, a), f"bodies.{names[a]}.region: {found}; leave all but one out of the file"
+    for a, b in combinations(range(len(bodies)), 2):
+        first, second = bodies[a], bodies[b]
+        if isinstance(first, LatticeBody) and isinstance(second, LatticeBody):
+            continue
+        low, high = _common(first.region.bounds(), second.region.bounds())
+        if (low > high + min(box)).any() or planes[0] >= planes[1]:
+            continue
+        if isinstance(first, Cloud) and isinstance(second, Cloud):
+            found = _close(first, second, (low, high), planes, min(box))
+        elif isinstance(first, Cloud):
+            assert isinstance(second, LatticeBody)
+            found = _inside(first, second, (low, high), planes, min(box), names[b])
+        else:
+            assert isinstance(second, Cloud)
+            found = _inside(second, first, (low, high), planes, min(box), names[a])
+        if found:
+            yield (
+                (a, b),
+                f"bodies.{names[b]}.region: {found}: bodies '{names[a]}' and '{names[b]}' "
+                "overlap; move or cut one of them, or leave such particles out of the file",
+            )
+
+
+def _common(first: Bounds, second: Bounds) -> tuple[Reals, Reals]:
+    """Corners of the intersection of two boxes; low above high where it is empty."""
+    low, high = np.maximum(first[0], second[0]), np.minimum(first[1], second[1])
+    return low, high
+
+
+def _inside(
+    cloud: Cloud,
+    body: LatticeBody,
+    box: tuple[Reals, Reals],
+    planes: tuple[int, int],
+    size: float,
+    name: str,
+) -> str:
+    """Name the first particle that lies in a body on the lattice, called `name`."""
+    here = _taken(cloud, box, planes, None)
+    # Of many particles and many parts a sample must do, the same on any ranks.
+    some = here.rows % (1 + cloud.region.summary.number * body.region.parts // _LOOKS) == 0
+    here = _CloudParticles(*(column[some] for column in here))
+    found = [np.zeros(0, np.int64)]
+    block = max(1, _BLOCK // body.region.parts)
+    for begin in range(0, len(here.x), block):
+        distance = body.region.distance(here.x[begin : begin + block])
+        found.append(begin + np.flatnonzero(distance < -_DEEP * size))
+    deep = np.concatenate(found)
+    if len(deep) == 0:
+        return ""
+    i = deep[_first(here.x[deep])]
+    where = "".join(cloud.region.lines([int(here.rows[i])]))
+    return f"the particle at {_place(here.x[i])} ({where} of {cloud.region.file}) lies in '{name}'"
+
+
+def _close(
+    first: Cloud, second: Cloud, box: tuple[Reals, Reals], planes: tuple[int, int], size: float
+) -> str:
+    """Name the first two particles of two files that are at nearly the same place."""
+    reach = _CLOSE * size
+    wide = (box[0] - reach, box[1] + reach)
+    one, other = (_taken(cloud, wide, planes, 4.0 * reach) for cloud in (first, second))
+    if len(one.x) == 0 or len(other.x) == 0:
+        return ""
+    x = np.concatenate([one.x, other.x])
+    # Files may be finer than the lattice.
+    limit = _CLOSE * np.concatenate([one.volume, other.volume]) ** (1.0 / x.shape[1])
+    limit = np.minimum(limit, reach)
+    found = []
+    for left, right in _pairs(x, reach):
+        # The first body's stand before the second's.
+        apart = (left < len(one.x)) & (right >= len(one.x))
+        left, right = left[apart], right[apart]
+        away = np.sqrt(np.square(x[left] - x[right]).sum(axis=1))
+        close = away < np.minimum(limit[left], limit[right])
+        close &= first.between(x[left, 0], planes)
+        if close.any():
+            left, right = left[close], right[close]
+            k = _first(x[left])
+            found.append((left[k], right[k]))
+    if not found:
+        return ""
+    i, j = found[_first(x[[pair[0] for pair in found]])]
+    pair_of = [
+        f"{''.join(cloud.region.lines([int(row)]))} of {cloud.region.file}, at {_place(at)}"
+        for cloud, row, at in (
+            (first, one.rows[i], x[i]),
+            (second, other.rows[j - len(one.x)], x[j]),
+        )
+    ]
+    return f"two particles are at nearly the same place ({'; '.join(pair_of)})"
+
+
+def _coincident(cloud: Cloud, planes: tuple[int, int], limit: float) -> str:
+    """Name the particles of a file at one place, the first that several share.
+
+    Only zero distance between particles of a file is refused: how they were made is unknown.
+    """
+    if planes[0] >= planes[1]:
+        return ""
+    here = _taken(cloud, cloud.region.bounds(), planes, 4.0 * limit)
+    shared = [np.zeros(0, np.int64)]
+    for left, right in _pairs(here.x, limit):
+        same = np.sqrt(np.square(here.x[left] - here.x[right]).sum(axis=1)) < limit
+        shared.append(left[same & cloud.between(here.x[left, 0], planes)])
+    some = np.unique(np.concatenate(shared))
+    if len(some) == 0:
+        return ""
+    x = here.x[some[_first(here.x[some])]]
+    rows = np.sort(here.rows[np.sqrt(np.square(here.x - x).sum(axis=1)) < limit])
+    lines = ", ".join(cloud.region.lines(rows[:_NAMED].tolist()))
+    more = f" and {len(rows) - _NAMED:,} more" if len(rows) > _NAMED else ""
+    return f"{len(rows):,} particles of {cloud.region.file} are at {_place(x)}: {lines}{more}"
+
+
+def _pairs(x: Reals, reach: float) -> Iterator[tuple[Ints, Ints]]:
+    """Yield pairs of rows, the lower one first, among them those of points closer than `reach`.
+
+    The points are sorted into cells, of twice that size, on lattices that are shifted against each
+    other by half a cell in every combination of directions: two points so close share a cell of
+    one of them. Of many in a cell each has its neighbour in the list.
+    """
+    for shift in product((0.0, 0.5), repeat=x.shape[1]):
+        # Cells by one number: where two have the same, the distance decides.
+        cell = np.zeros(len(x), np.int64)
+        for d, by in enumerate(shift):
+            along = np.floor(x[:, d] / (2.0 * reach) + by).astype(np.int64)
+            cell = cell * _MIX + along
+        order = np.argsort(cell, kind="stable")
+        left, right = order[:-1], order[1:]
+        same = cell[left] == cell[right]
+        yield left[same], right[same]
+
+
+def _taken(
+    cloud: Cloud, box: Bounds | tuple[Reals, Reals], planes: tuple[int, int], beyond: float | None
+) -> _CloudParticles:
+    """Particles in a box and in a range of planes, or up to a distance beyond these along x."""
+    edges = cloud.edges[0]
+
+    def near(x: Reals) -> NDArray[np.bool_]:
+        inside = (box[0][0] <= x) & (x <= box[1][0])
+        if beyond is None:
+            return inside & cloud.between(x, planes)
+        return inside & (edges[planes[0]] - beyond <= x) & (x <= edges[planes[1]] + beyond)
+
+    parts = [_CloudParticles(np.zeros(0, np.int64), np.zeros((0, len(cloud.edges))), np.zeros(0))]
+    for rows, block in cloud.region.chosen(near):
+        keep = ((box[0] <= block.position) & (block.position <= box[1])).all(axis=1)
+        parts.append(_CloudParticles(rows[keep], block.position[keep], block.volume[keep]))
+    return _CloudParticles(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+
+
+def _first(x: Reals) -> int:
+    """Row of the point that comes first by x, then y, then z; of equal ones the first row."""
+    rows = np.arange(len(x))
+    for along in x.T:
+        rows = rows[along[rows] == along[rows].min()]
+    return int(rows[0])
+
+
+def _place(x: Reals) -> str:
+    return "(" + ", ".join(f"{value:.6g}" for value in x) + ")"

@@ -1,0 +1,225 @@
+"""Sanity checks of a case, of units mostly, before an hour is lost."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from pgimp.physics.variation import Variation
+from pgimp.physics.variation.randomfield import RandomVariation
+from pgimp.scene.checks.facts import BodyFacts, Findings
+from pgimp.scene.checks.supports import held_at, own_weight
+from pgimp.scene.checks.units import unlikely
+from pgimp.schema.tables import Table, VectorTable
+
+#: No elastic solid is strained more than this by loads.
+_MOST_STRAIN = 0.5
+#: Durations of runs in transits: long enough to see waves; short enough for explicit steps.
+_FEWEST_TRANSITS, _MOST_TRANSITS = 0.1, 1.0e6
+#: Below this, most steps are wasted.
+_LEAST_COURANT = 0.01
+#: Cells across a body below which it is thin, and from a wall within which a face is at it.
+_THIN, _AT_WALL = 1.0 - 1e-9, 0.5
+#: Cells along a body's longest side below which `affine` makes a quarter of its energy and more
+#: (tests/kernels/test_affine.py).
+_FEW = 3.0 - 1e-9
+#: Spacings of particles within which a probe's particle lies, with a margin for a file's.
+_FAR = 1.0
+AXES = "xyz"
+
+def strains(case: Any, body: BodyFacts) -> dict[str, float]:
+    """Return the strains of a body by its loads, were it linear.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+    body : BodyFacts
+        One of its bodies.
+
+    Returns
+    -------
+    dict
+        The strain of each load, by words for it; always of weight and velocity.
+    """
+    c = body.wave_speed
+    modulus = body.density * c * c
+    found = {
+        "by its own weight" + words: strain for words, strain in own_weight(case, body).items()
+    }
+    found["by stopping its velocity"] = body.top_speed / c
+    pulls = [entry for entry in case.tractions.values() if entry.body == body.name]
+    if pulls:
+        greatest = max(max(_greatest(one.traction), _greatest(one.pressure)) for one in pulls)
+        found["by its tractions"] = greatest / modulus
+    moved = [entry.velocity for entry in case.constraints.values() if entry.body == body.name]
+    moved += [one.velocity for one in case.boundaries.values() if hasattr(one, "velocity")]
+    if moved:
+        speeds = [_greatest(component) for velocity in moved for component in velocity]
+        found["by prescribed velocities"] = max(speeds) / c
+    return found
+
+
+def _greatest(load: Any) -> float:
+    """Return the greatest size over time of a number or vector, constant or by a table."""
+    if load is None:
+        return 0.0
+    values = [row[1] for row in load.table] if isinstance(load, Table | VectorTable) else [load]
+    return max(float(np.linalg.norm(value)) for value in values)
+
+
+def body_warnings(case: Any, body: BodyFacts, duration: float) -> Iterator[str]:
+    """Yield warnings about a body.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+    body : BodyFacts
+        One of its bodies.
+    duration : float
+        How long the run lasts.
+    """
+    if max(strains(case, body).values()) > _MOST_STRAIN:
+        yield (
+            f"bodies.{body.name}: loads of the order of the stiffness; are the units of young, "
+            "density, gravity, velocity, tractions and grid one consistent set (mm with MPa wants "
+            "tonnes)?"
+        )
+    yield from unlikely(case, body)
+    transits = duration * body.wave_speed / body.extent
+    if transits < _FEWEST_TRANSITS:
+        yield (
+            f"time.end: until then a wave crosses only {transits:.2g} of {body.name}; is it in the "
+            "unit of time that belongs to young, density and grid?"
+        )
+    elif transits > _MOST_TRANSITS:
+        yield (
+            f"time.end: waves cross {body.name} {transits:.3g} times until then, too often for a "
+            "method that follows each; is it in the unit of time that belongs to young, density "
+            "and grid? What is slow can be shortened, as long as it stays slow for the waves"
+        )
+
+
+def _coarse(key: str, variation: Variation, case: Any) -> Iterator[str]:
+    """Yield a warning if a random field changes from one cell to the next."""
+    for part in variation.parts():
+        if isinstance(part, RandomVariation):
+            lengths = part.random.lengths(case.dimensions)
+            for length, cell in zip(lengths, case.grid.cell, strict=True):
+                if length < cell:
+                    yield (
+                        f"{key}: the correlation length {length:g} of the random field is below "
+                        f"the cell {cell:g}, so that neighbours hardly know of each other and "
+                        "results depend on the cells; take cells of a third of it or less"
+                    )
+                    return
+
+
+def case_warnings(case: Any, found: Findings) -> Iterator[str]:
+    """Yield warnings about the whole: thin bodies, idle probes and tractions, unsuitable methods.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+    found : Findings
+        See `pgimp.scene.checks.facts.examine`.
+    """
+    if case.method.affine and case.method.shape == "mpm":
+        yield (
+            "method.affine: with points (mpm) it can make energy from nothing, the more "
+            "the smaller the step; take it with boxes (shape: gimp)"
+        )
+    for name, entry in case.materials.items():
+        for path, variation in entry.variations.items():
+            yield from _coarse(f"materials.{name}.{'.'.join(path)}", variation, case)
+    pressed = _pressed(case)
+    if pressed and case.method.shape == "mpm":
+        yield (
+            "contact: of points (mpm) the gap between bodies is known to half a cell only, and "
+            "jumps as they move; take boxes (shape: gimp)"
+        )
+    for body in found.bodies:
+        cells = [size / cell for size, cell in zip(body.sizes, case.grid.cell, strict=True)]
+        thin = [f"{n:.2g} along {AXES[d]}" for d, n in enumerate(cells) if n < _THIN]
+        if thin:
+            yield (
+                f"bodies.{body.name}.region: fewer cells across it than one, {', '.join(thin)}; "
+                "stress and bending need several: smaller cells (grid.cell)"
+            )
+        if thin and body.name in pressed:
+            yield (
+                f"contact: '{body.name}' has both its sides in one cell, so that what it meets "
+                "finds no direction to push in: smaller cells (grid.cell)"
+            )
+        if case.method.affine and max(cells) < _FEW:
+            yield (
+                f"method.affine: '{body.name}' is only {max(cells):.2g} cells long; on so few, "
+                "its energy grows by a quarter or more when it vibrates, whatever the step: "
+                "smaller cells (grid.cell)"
+            )
+    spacing = max(
+        cell / n for cell, n in zip(case.grid.cell, case.method.particles_per_cell, strict=True)
+    )
+    for name, probe in case.probes.items():
+        away = found.away[name]
+        if hasattr(probe, "place"):
+            if away >= 1.0:
+                yield (
+                    f"probes.{name}.place: no particle within a cell of it at the start; its lines "
+                    "are empty until material comes there"
+                )
+        elif away > _FAR * spacing:
+            yield (
+                f"probes.{name}.at: the closest particle of '{probe.body}' is {away:.3g} away, "
+                f"where particles are {spacing:.3g} apart"
+            )
+    yield from _ineffective_tractions(case)
+
+
+def _pressed(case: Any) -> set[str]:
+    """Names of the bodies that may meet others under a law of friction."""
+    names: set[str] = set()
+    for entry in case.contact:
+        if entry.law == "friction":
+            names.update(case.bodies if entry.bodies == "all" else entry.bodies)
+    return names
+
+
+def _ineffective_tractions(case: Any) -> Iterator[str]:
+    """Yield the tractions that a wall bears entirely."""
+    for name, entry in case.tractions.items():
+        condition = case.boundaries.get(entry.face)
+        if condition is None:
+            continue
+        axis, side = entry.axis, entry.side
+        region = case.bodies[entry.body].region.bounds()[side > 0][axis]
+        wall = (case.grid.corner if side > 0 else case.grid.origin)[axis]
+        if abs(region - wall) <= _AT_WALL * case.grid.cell[axis] and all(
+            held_at(condition, axis, side)[: case.dimensions]
+        ):
+            yield (
+                f"tractions.{name}: the face {entry.face} of '{entry.body}' lies at the domain's, "
+                "whose condition holds it: the traction moves nothing"
+            )
+
+
+def small_step_warning(dt: float, rate: float) -> str:
+    """Warning about a step far below the stable one; else empty.
+
+    Parameters
+    ----------
+    dt : float
+        The step.
+    rate : float
+        Largest (c_p + |v_p|)/L, 1/time.
+    """
+    if dt * rate >= _LEAST_COURANT:
+        return ""
+    return (
+        f"time.step: {dt:g} is a Courant number of {dt * rate:.3g}; step: {{courant: 0.3}} takes "
+        f"{0.3 / (dt * rate):.3g} times fewer steps, if young, density and grid are right"
+    )

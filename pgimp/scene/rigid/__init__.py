@@ -1,0 +1,1 @@
+"""Rigid bodies of a scene: motion, mass, distances, warnings."""

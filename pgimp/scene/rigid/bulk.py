@@ -1,0 +1,84 @@
+"""Mass, centre and inertia of free rigid bodies, measured like the mass of others."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pgimp.errors import CaseError
+from pgimp.geometry.regions.base import Region
+from pgimp.scene.bodies.lattice_body import LatticeBody
+
+#: Boxes along the longest side of a body, by the number of directions, and along the shortest at
+#: least, as long as there are no more than `_MOST`. Volume and centre are exact for boxes and of
+#: fourth order for what is round, the inertia of third order and better.
+_BOXES, _ACROSS, _MOST = (1000, 256, 64), 48, 1_000_000
+
+
+class Bulk(NamedTuple):
+    """Inertia of a body.
+
+    Attributes
+    ----------
+    mass : float
+    centre : (float, float, float)
+        Centre of mass at the start.
+    inertia : tuple of 9 float
+        The matrix of moments of inertia about it, in the directions of the start.
+    """
+
+    mass: float
+    centre: tuple[float, float, float]
+    inertia: tuple[float, ...]
+
+
+def everywhere(D: int) -> NDArray[np.float64]:
+    """Return corners of an infinite box, (2, D)."""
+    return np.repeat([[-np.inf], [np.inf]], D, axis=1)
+
+
+def bulk(region: Region, density: float, within: NDArray[np.float64]) -> Bulk:
+    """Measure a body with a density that fills the part of a finite region in a box.
+
+    Parameters
+    ----------
+    within : (2, D) float64
+        Corners of the box, which may be infinite.
+
+    Raises
+    ------
+    CaseError
+        If there is no such part.
+    """
+    D = within.shape[1]
+    low, high = np.clip(np.array(region.bounds(), float), *within)
+    if not (high - low).min() > 0.0:
+        raise CaseError("lies wholly beyond a plane of symmetry")
+    # A half has half of the whole's boxes, so that it has half of its mass to rounding.
+    halves = 1 + ((low == within[0]) != (high == within[1]))
+    extent = (high - low) * halves
+    side = min(float(extent.max()) / _BOXES[D - 1], float(extent.min()) / _ACROSS)
+    side = max(side, (float(extent.prod()) / _MOST) ** (1.0 / D))
+    counts = 2 * np.maximum(np.ceil(0.5 * extent / side - 1e-9).astype(int), 1) // halves
+    edges = [np.linspace(a, b, n + 1) for a, b, n in zip(low, high, counts, strict=True)]
+    centres = [0.5 * (e[1:] + e[:-1]) for e in edges]
+    body = LatticeBody(region, edges, centres, cut=True)
+    ranges = [(0, int(n)) for n in counts]
+    found = body.volume_fractions(ranges)
+    places = np.union1d(np.flatnonzero(found.whole), found.places)
+    part = found.fraction(places)
+    x = body.points(ranges, places) + found.moment(places) / part[:, None]
+    volume = float(part.sum())
+    centre = np.array([(part * x[:, d]).sum() / volume for d in range(D)])
+    arm, second = x - centre, np.zeros((3, 3))
+    for d in range(D):
+        for e in range(D):
+            second[d, e] = (part * arm[:, d] * arm[:, e]).sum()
+        # Of a box itself; a cut one counts as a smaller box of the same shape.
+        second[d, d] += (part * part ** (2.0 / D)).sum() * body.size[d] ** 2 / 12.0
+    unit = density * float(np.prod(body.size))
+    inertia = unit * (np.trace(second) * np.identity(3) - second)
+    x, y, z = (*centre.tolist(), 0.0, 0.0)[:3]
+    return Bulk(unit * volume, (x, y, z), tuple(inertia.ravel().tolist()))

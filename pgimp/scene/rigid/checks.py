@@ -1,0 +1,246 @@
+"""Checks of rigid bodies: slow enough, apart from others, and the same as before."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from functools import partial
+from math import hypot
+from operator import sub
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pgimp.case.places import located
+from pgimp.errors import CaseError, EndlessError, UsageError
+from pgimp.kernels.rigid.bodies import distances
+from pgimp.mpi.collective import on_root
+from pgimp.physics.boundaries.slip import Slip
+from pgimp.scene.faces import Face
+from pgimp.scene.rigid.free_body import State
+from pgimp.scene.rigid.measure import is_symmetry
+from pgimp.scene.rigid.rigid import SceneTools
+
+#: Cells within which surfaces of regions touch, and surfaces rounded by a lattice of distances;
+#: depth to which a free rigid body may overlap what it does not feel; distance for the closer
+#: check.
+_TOUCH, _ROUNDED, _PAST, _NEAR = 0.05, 0.2, 0.5, 0.3
+
+def require_slow(tools: SceneTools, dt: float) -> None:
+    """Refuse a first step in which a body would move by more than a cell."""
+    rate = tools.first_rate
+    if rate * dt > 1.0 + 1e-9:
+        with located(tools.case):
+            raise CaseError(
+                f"time.step: a rigid body moves by {rate * dt:.3g} cells in a step of {dt:.3g}, "
+                f"and would pass through what it meets; use at most {0.3 / rate:.3g}, or a slower "
+                "body"
+            )
+
+
+def require_same(tools: SceneTools, checksum: str) -> None:
+    """Refuse to go on with other rigid bodies than a run began with."""
+    if checksum != tools.checksum:
+        raise UsageError(
+            "the rigid bodies are not those of the run: has the file of a mesh changed? Put it "
+            "back, or start over with --overwrite"
+        )
+
+
+def require_apart(
+    tools: SceneTools,
+    blocks: Iterable[tuple[NDArray[np.float64], NDArray[np.int32]]],
+    comm: Any,
+) -> None:
+    """Refuse bodies that overlap rigid ones at the start; collective.
+
+    The depth follows from the regions, at particles that lie in both. Bodies of a file have none: a
+    particle's centre may be inside by half its size.
+
+    Parameters
+    ----------
+    blocks : iterable of (n, D) float64 and (n,) int
+        Positions of this rank's particles, and their bodies.
+
+    Raises
+    ------
+    CaseError
+        On every rank.
+    """
+    regions = [body.region for body in tools.case.bodies.values()]
+    placed, found = tools.at(0.0, 0.0), []
+    for x, body in blocks:
+        distance = np.empty(len(x))
+        for t, name in enumerate(tools.names):
+            distances(placed, t, tools.frame, x, distance)
+            near = np.flatnonzero(distance < _NEAR * min(tools.frame.cell))
+            for number in np.unique(body[near]):
+                own = near[body[near] == number]
+                depth = _depths(tools, name, regions[number], x[own], distance[own])
+                deepest = int(depth.argmax())
+                if depth[deepest] > 0.0:
+                    place = tuple(x[own[deepest]].tolist())
+                    found.append((-float(depth[deepest]), place, int(number), name))
+    every = [one for some in comm.allgather(found) for one in some]
+    every += on_root(comm, partial(_within_bodies, tools))
+    if not every:
+        return
+    deep, place, body, name = min(every)
+    with located(tools.case):
+        raise CaseError(
+            f"bodies.{name}.region: '{list(tools.case.bodies)[body]}' reaches {-deep:.3g} into "
+            f"the rigid '{name}' at ({', '.join(f'{c:.6g}' for c in place)}); bodies must not "
+            "overlap at the start: move or cut one of them"
+        )
+
+
+def _depths(
+    tools: SceneTools,
+    name: str,
+    region: Any,
+    x: NDArray[np.float64],
+    distance: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Depth of a body in a rigid one, by particle near it; zero without overlap.
+
+    Between two surfaces that have passed each other the distances from them add up to the depth.
+    """
+    cell = np.array(tools.frame.cell)
+    if region.WHOLE_BODY:
+        size = cell / np.array(tools.case.method.particles_per_cell)
+        depth, least = -distance, 0.5 * float(np.sqrt(np.square(size).sum()))
+    else:
+        ends = [tools.case.tools[name].region.signed_distance(x), region.signed_distance(x)]
+        depth, least = np.where(np.max(ends, axis=0) < 0.0, -np.sum(ends, axis=0), 0.0), 0.0
+    return np.where(depth > max(least, _TOUCH * float(cell.min())), depth, 0.0)
+
+
+def may_collide(tools: SceneTools, faces: Sequence[Face], states: list[State]) -> bool:
+    """Whether a sphere round any free rigid body meets a wall, or a rigid body."""
+    if len(tools) > len(states):
+        return True
+    frame = tools.frame
+    for number, (state, arm) in enumerate(zip(states, tools.arms, strict=True)):
+        for face in faces:
+            wall = frame.origin[face.axis]
+            if face.side > 0:
+                wall += frame.cells[face.axis] * frame.cell[face.axis]
+            if (state.centre[face.axis] - wall) * face.side + arm > 0.0:
+                return True
+        for other in range(number):
+            gap = hypot(*map(sub, state.centre, states[other].centre))
+            if gap < arm + tools.arms[other]:
+                return True
+    return False
+
+
+def collisions(
+    tools: SceneTools, faces: Sequence[Face], states: list[State], time: float, first: bool
+) -> Iterator[tuple[float, float, str, str]]:
+    """Yield overlaps of free rigid bodies with walls and rigid bodies, which they do not feel.
+
+    At the `first` instant they may only touch.
+
+    Yields
+    ------
+    excess : float
+        Depth beyond the tolerance, in cells.
+    depth : float
+        Depth, in cells.
+    name, what : str
+        The body's name, and what it overlaps.
+    """
+    frame, points = tools.frame, tools.surface_at(tools.poses(time, states))
+    placed, least = tools.at(time, time, states), min(frame.cell)
+    for number in tools.free:
+        mine = np.ascontiguousarray(points[tools.surface.body == number][:, : len(frame.cell)])
+        free = tools.entries[number].free
+        assert free is not None
+        for face in faces:
+            if is_symmetry(face.name, face.condition, free, len(frame.cell)):
+                continue
+            wall = frame.origin[face.axis]
+            if face.side > 0:
+                wall += frame.cells[face.axis] * frame.cell[face.axis]
+            depth = float(((mine[:, face.axis] - wall) * face.side).max(initial=0.0)) / least
+            limit = _TOUCH if first else _PAST
+            what = f"the wall {face.name}"
+            if isinstance(face.condition, Slip):
+                ways = _across(face.axis, len(frame.cell))
+                what += f" (if that is a plane of symmetry: `fixed: {ways}`)"
+            yield depth - limit, depth, tools.names[number], what
+        distance = np.empty(len(mine))
+        for other, name in enumerate(tools.names):
+            if other != number:
+                distances(placed, other, frame, mine, distance)
+                depth = max(0.0, -float(distance.min(initial=0.0))) / least
+                # Deeper than half of a thin body it would leave on the other side.
+                limit = min(_ROUNDED if first else _PAST, 0.25 * tools.thick[other] / least)
+                yield depth - limit, depth, tools.names[number], f"the rigid body '{name}'"
+
+
+def _across(axis: int, D: int) -> str:
+    """Explain the limits on a body that lies across a plane of symmetry."""
+    own = "xyz"[axis]
+    turns = ([], ["rotation"], [f"rotation-{c}" for c in "xyz" if c != own])[D - 1]
+    return f"[{', '.join([own, *turns])}]"
+
+
+def require_clear(
+    tools: SceneTools,
+    faces: Sequence[Face],
+    states: list[State],
+    number: int,
+    time: float,
+    comm: Any,
+) -> None:
+    """Refuse free rigid bodies that are in walls or rigid ones; collective.
+
+    Parameters
+    ----------
+    number, time : int, float
+        Steps done, and the time.
+
+    Raises
+    ------
+    CaseError, EndlessError
+        On every rank: before the first step, and later.
+    """
+
+    def look() -> None:
+        none = (0.0, 0.0, "", "")
+        each = collisions(tools, faces, states, time, number == 0)
+        excess, depth, name, what = max(each, default=none)
+        if excess <= 0.0:
+            return
+        text = (
+            f"reaches {depth:.3g} cells into {what}: rigid bodies that move freely feel bodies of "
+            "a material only"
+        )
+        if number == 0:
+            with located(tools.case):
+                raise CaseError(f"bodies.{name}.region: {text}; move it, or cut it")
+        raise EndlessError(
+            f"at time {time:.6g}, after step {number}, the rigid body '{name}' {text}\n"
+            "  try: a larger grid, a layer of a material between them, an earlier time.end, "
+            "or rigid: {fixed: ..}"
+        )
+
+    on_root(comm, look)
+
+
+def _within_bodies(tools: SceneTools) -> list[tuple[float, tuple[float, ...], int, str]]:
+    """Find overlaps of rigid bodies too small to contain particles: depth, place and body."""
+    found, D = [], len(tools.frame.cell)
+    for name, field in zip(tools.names, tools.fields, strict=True):
+        deepest = np.argsort(field.values[:, 0], kind="stable")[:64]
+        deepest = deepest[field.values[deepest, 0] < 0.0]
+        points = field.points(deepest, D)
+        for number, body in enumerate(tools.case.bodies.values()):
+            if body.region.WHOLE_BODY or not len(points):
+                continue
+            depth = body.region.signed_distance(points)
+            for row in np.flatnonzero(depth < -0.1 * min(tools.frame.cell))[:1]:
+                deep = float(field.values[deepest[row], 0] + depth[row])
+                found.append((deep, tuple(points[row].tolist()), number, name))
+    return found

@@ -1,0 +1,260 @@
+"""A rigid body that moves freely: its state, its inertia, and how both change in a step.
+
+Plain Python arithmetic on float64 in one order of operations: the same bits on every rank.
+"""
+
+from __future__ import annotations
+
+from math import cos, hypot, sin, sqrt
+from typing import NamedTuple, Self
+
+from pgimp.errors import CaseError
+from pgimp.physics.loads.motion import RigidMotion
+from pgimp.physics.rigid import FREEDOMS, Pose, RigidBody, Triple
+from pgimp.scene.rigid.bulk import Bulk
+
+Matrix = tuple[float, ...]
+"""Nine numbers, row by row."""
+
+Six = tuple[float, ...]
+"""Six numbers: along x, y, z, and about them."""
+
+#: Numbers of a state.
+STATE = 16
+
+
+class State(NamedTuple):
+    """State of motion of a body.
+
+    Attributes
+    ----------
+    centre : (3,) float
+        Its centre of mass.
+    turn : (4,) float
+        The unit quaternion, its real part first, of its rotation since the start.
+    momentum, spin : (3,) float
+        Momentum; moment of momentum about the centre.
+    angle : (3,) float
+        The integral of its angular velocity since the start.
+    """
+
+    centre: Triple
+    turn: tuple[float, float, float, float]
+    momentum: Triple
+    spin: Triple
+    angle: Triple
+
+    @property
+    def numbers(self) -> list[float]:
+        """All of them, `STATE`."""
+        return [x for part in self for x in part]
+
+    @classmethod
+    def of(cls, numbers: list[float]) -> Self:
+        """Return the state that has these numbers."""
+        x = numbers
+        return cls(
+            (x[0], x[1], x[2]), (x[3], x[4], x[5], x[6]), (x[7], x[8], x[9]),
+            (x[10], x[11], x[12]), (x[13], x[14], x[15]),
+        )  # fmt: skip
+
+
+class FreeBody:
+    """Constants of a rigid body that moves freely.
+
+    Parameters
+    ----------
+    name, entry : str, RigidBody
+        The entry in the case.
+    bulk : Bulk
+        Its inertia.
+    dimensions : int
+        Directions of the scene.
+
+    Attributes
+    ----------
+    may : tuple of 6 bool
+        Its degrees of freedom: along x, y, z and about them.
+    """
+
+    def __init__(self, name: str, entry: RigidBody, bulk: Bulk, dimensions: int) -> None:
+        assert entry.free is not None
+        self.name = name
+        self.bulk, self.may = bulk, entry.free.may(dimensions)
+        self.first = self._at_start(entry)
+        self._last: tuple[State | None, Six] = (None, ())
+
+    def _at_start(self, entry: RigidBody) -> State:
+        """Return its state at the start."""
+        motion, centre = entry.velocity, self.bulk.centre
+        velocity: tuple[float, ...] = motion if isinstance(motion, tuple) else ()
+        x, y, z = (*velocity, 0.0, 0.0, 0.0)[:3]
+        omega = (0.0, 0.0, 0.0)
+        if isinstance(motion, RigidMotion):
+            rate = motion.rotation.rate
+            omega = (0.0, 0.0, float(rate)) if isinstance(rate, float | int) else _triple(rate)
+            about = _triple((*motion.rotation.about, 0.0, 0.0))
+            arm = tuple(a - b for a, b in zip(centre, about, strict=True))
+            along = _triple((*(motion.translation or ()), 0.0, 0.0, 0.0))
+            x, y, z = (a + b for a, b in zip(along, cross(omega, _triple(arm)), strict=True))
+        still = State(centre, (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0,) * 3)
+        moving = [v if may else 0.0 for v, may in zip((x, y, z, *omega), self.may, strict=True)]
+        least = 1e-9 * max(map(abs, (x, y, z)))
+        for v, kept, freedom in zip((x, y, z), moving, FREEDOMS, strict=False):
+            if abs(v - kept) > least:
+                raise CaseError(
+                    f"bodies.{self.name}.velocity: its centre of mass moves by {v:.3g} along "
+                    f"{freedom}, which `fixed` excludes"
+                )
+        momentum, spin = self.momenta(self.inertia(still.turn), moving)
+        return still._replace(momentum=momentum, spin=spin)
+
+    def inertia(self, turn: tuple[float, ...]) -> Matrix:
+        """Return the moments of inertia in the directions of space."""
+        R = matrix(turn)
+        a, b, c, d, e, f, g, h, k = self.bulk.inertia
+        found: list[float] = []
+        for x, y, z in (R[:3], R[3:6], R[6:]):
+            u, v, w = x * a + y * d + z * g, x * b + y * e + z * h, x * c + y * f + z * k
+            found += (u * R[3 * j] + v * R[3 * j + 1] + w * R[3 * j + 2] for j in range(3))
+        return tuple(found)
+
+    def mass_matrix(self, inertia: Matrix) -> list[list[float]]:
+        """Return the mass matrix, 6 x 6: momenta from velocities; ones where held."""
+        M = [[0.0] * 6 for _ in range(6)]
+        for i in range(6):
+            for j in range(6):
+                if i == j and not self.may[i]:
+                    M[i][j] = 1.0
+                elif not (self.may[i] and self.may[j]):
+                    continue
+                elif i > 2 and j > 2:
+                    M[i][j] = inertia[3 * (i - 3) + j - 3]
+                elif i == j:
+                    M[i][j] = self.bulk.mass
+        return M
+
+    def momenta(self, inertia: Matrix, velocities: list[float]) -> tuple[Triple, Triple]:
+        """Return momentum and moment of momentum of velocities along and about x, y, z."""
+        M = self.mass_matrix(inertia)
+        p = [
+            sum(M[i][j] * velocities[j] for j in range(6)) if self.may[i] else 0.0
+            for i in range(6)
+        ]
+        return (p[0], p[1], p[2]), (p[3], p[4], p[5])
+
+    def velocities(self, state: State) -> Six:
+        """Return velocity and angular velocity."""
+        if self._last[0] is not state:  # a step asks for them several times
+            found = self._velocities((*state.momentum, *state.spin), self.inertia(state.turn))
+            self._last = state, found
+        return self._last[1]
+
+    def _velocities(self, momenta: Six, inertia: Matrix) -> Six:
+        return tuple(solve(self.mass_matrix(inertia), [*momenta]))
+
+    def halfway(self, state: State, dt: float) -> Matrix:
+        """Return the moments of inertia at its rotation after half a step.
+
+        With these a body without forces conserves its energy to second order in the step.
+        """
+        omega = self.velocities(state)[3:]
+        return self.inertia(turned(state.turn, _triple(tuple(0.5 * dt * w for w in omega))))
+
+    def moved(self, state: State, momenta: Six, inertia: Matrix, dt: float) -> State:
+        """Return the state after a step with these momenta."""
+        p = tuple(value if may else 0.0 for value, may in zip(momenta, self.may, strict=True))
+        v = self._velocities(p, inertia)
+        shift, turn = _triple(tuple(dt * x for x in v)), _triple(tuple(dt * w for w in v[3:]))
+        return State(
+            add(state.centre, shift), turned(state.turn, turn), _triple(p), _triple(p[3:]),
+            add(state.angle, turn),
+        )  # fmt: skip
+
+    def pushed(self, state: State, given: list[float]) -> State:
+        """Return the state after an impulse and a moment, where it may follow them."""
+        p = tuple(
+            own + (J if may else 0.0)
+            for own, J, may in zip((*state.momentum, *state.spin), given, self.may, strict=True)
+        )
+        return state._replace(momentum=_triple(p), spin=_triple(p[3:]))
+
+    def pose(self, state: State) -> Pose:
+        """Return where it is."""
+        return Pose(state.centre, matrix(state.turn))
+
+    def moments(self, state: State) -> Six:
+        """Return momentum, and moment of momentum about the origin of the coordinates."""
+        return (*state.momentum, *add(state.spin, cross(state.centre, state.momentum)))
+
+    def angle(self, state: State) -> tuple[float, ...]:
+        """Return the integral of its angular velocity since the start."""
+        return state.angle
+
+    def energy(self, state: State) -> float:
+        """Return its kinetic energy."""
+        v = self.velocities(state)
+        return 0.5 * sum(a * b for a, b in zip(v, (*state.momentum, *state.spin), strict=True))
+
+
+def _triple(x: tuple[float, ...]) -> Triple:
+    return (float(x[0]), float(x[1]), float(x[2]))
+
+
+def add(a: Triple, b: Triple) -> Triple:
+    """Return the sum of two vectors."""
+    return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
+
+
+def cross(a: Triple, b: Triple) -> Triple:
+    """Return the vector product of two vectors."""
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+def matrix(turn: tuple[float, ...]) -> Matrix:
+    """Return the matrix of a rotation, given by its quaternion."""
+    w, x, y, z = turn
+    return (
+        1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y),
+        2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x),
+        2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y),
+    )  # fmt: skip
+
+
+def turned(
+    turn: tuple[float, float, float, float], by: Triple
+) -> tuple[float, float, float, float]:
+    """Return the quaternion of a rotation and then another, by an angle about an axis."""
+    angle = hypot(*by)
+    part = 0.5 if angle < 1e-8 else sin(0.5 * angle) / angle
+    a, b, c, d = cos(0.5 * angle), part * by[0], part * by[1], part * by[2]
+    w, x, y, z = turn
+    q = (
+        a * w - b * x - c * y - d * z, a * x + b * w + c * z - d * y,
+        a * y - b * z + c * w + d * x, a * z + b * y - c * x + d * w,
+    )  # fmt: skip
+    length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
+    return (q[0] / length, q[1] / length, q[2] / length, q[3] / length)
+
+
+def solve(M: list[list[float]], b: list[float]) -> list[float]:
+    """Solve a system of a few equations."""
+    n = len(b)
+    rows = [[*row, value] for row, value in zip(M, b, strict=True)]
+    for i in range(n):
+        for k in range(i + 1, n):
+            if abs(rows[k][i]) > abs(rows[i][i]):
+                rows[i], rows[k] = rows[k], rows[i]
+        pivot = rows[i]
+        for row in rows[i + 1 :]:
+            if row[i] != 0.0 and pivot[i] != 0.0:
+                factor = row[i] / pivot[i]
+                for j in range(i + 1, n + 1):
+                    row[j] -= factor * pivot[j]
+    x = [0.0] * n
+    for i in reversed(range(n)):
+        row, total = rows[i], rows[i][n]
+        for j in range(i + 1, n):
+            total -= row[j] * x[j]
+        x[i] = total / row[i] if row[i] != 0.0 else 0.0
+    return x

@@ -1,0 +1,299 @@
+"""The rigid bodies of a scene, and their places in each step."""
+
+from __future__ import annotations
+
+from functools import cached_property, partial
+from hashlib import sha256
+from itertools import product
+from math import hypot
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pgimp.case.places import located
+from pgimp.case.schema import Case
+from pgimp.geometry.distancefield import DistanceField
+from pgimp.geometry.outline import outline
+from pgimp.kernels.data.frame import Frame
+from pgimp.kernels.rigid.bodies import (
+    ABOUT,
+    ANSWER,
+    AT,
+    CENTRE,
+    FIRST,
+    FORMER,
+    FREE,
+    LATTER,
+    LEAST,
+    LOW,
+    MOST,
+    MOTION,
+    REFERENCE,
+    SHAPE,
+    SPACING,
+    TURN,
+    YIELDS,
+    Tools,
+)
+from pgimp.mpi.collective import on_root
+from pgimp.physics.rigid import Motion, Pose, Triple
+from pgimp.scene.rigid.free_body import FreeBody, State
+from pgimp.scene.rigid.measure import lattice_points, measure, require_densities
+
+#: Compliance of a free body against held fields, over its own as a free one: of a step's change of
+#: velocity this part remains, divided among the vertices that it is on. From 1e-6 to 1e-2 a ball
+#: that falls on a held body comes to rest at the same place, to a per cent of its path, with a
+#: hundredth of the material's density as with a hundred times it.
+SOFT = 1e-3
+
+class Surface(NamedTuple):
+    """Surfaces of rigid bodies: vertices, cells of them, and the body of each vertex."""
+
+    points: NDArray[np.float64]
+    cells: NDArray[np.int64]
+    body: NDArray[np.int64]
+
+
+class SceneTools:
+    """The rigid bodies: of those that move as prescribed, also where they are in each step.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+    frame : Frame
+        Where the grid lies.
+
+    Attributes
+    ----------
+    names : list of str
+    entries : list of RigidBody
+    fields : list of DistanceField
+        Their distances, after `measure`.
+    rate : float
+        Cells that a point of any body that moves as prescribed crosses in a unit of time, at most;
+        likewise.
+    free : dict of int to FreeBody
+        Those that move freely, by number; likewise.
+    arms : list of float
+        Greatest distance of their surfaces from their centres of mass; likewise.
+    thick : list of float
+        Thickness of all bodies; likewise.
+    """
+
+    def __init__(self, case: Case, frame: Frame) -> None:
+        self.case, self.frame = case, frame
+        self.names, self.entries = list(case.tools), list(case.tools.values())
+        self.fields: list[DistanceField] = []
+        self.rate = 0.0
+        self.free: dict[int, FreeBody] = {}
+        self.arms: list[float] = []
+        self.thick: list[float] = []
+        self._kept: Any = None
+
+    def __len__(self) -> int:
+        """Return how many there are."""
+        return len(self.entries)
+
+    def points(self) -> float:
+        """Return the number of points of all lattices but those of meshes."""
+        return sum(
+            lattice_points(self.case, self.frame, entry)
+            for entry in self.entries
+            if not any(part.FROM_FILE for part in entry.region.simple())
+        )
+
+    def measure(self, comm: Any) -> None:
+        """Compute the distances on rank 0, and share them with all ranks; collective.
+
+        Raises
+        ------
+        CaseError
+            On every rank: a body that is too thin, too large, too light or too heavy.
+        """
+        with located(self.case):
+            require_densities(self.case)
+            found = [
+                on_root(comm, partial(measure, self.case, self.frame, name, entry))
+                for name, entry in zip(self.names, self.entries, strict=True)
+            ]
+            self.fields = [one.field for one in found]
+            self.thick = [one.thick for one in found]
+            for number, (name, entry, one) in enumerate(
+                zip(self.names, self.entries, found, strict=True)
+            ):
+                if one.inertia:
+                    self.free[number] = FreeBody(name, entry, one.inertia, len(self.frame.cell))
+        # Steps depend on these: one rank computes them, as machines may round differently.
+        self.rate = on_root(comm, self._greatest_rate)
+        self.arms = on_root(comm, self._greatest_arms)
+        self._kept = None
+
+    def borrow(self, other: SceneTools) -> None:
+        """Take the measures of the same bodies in another stage: as good to compile kernels for."""
+        numbers = [other.names.index(name) for name in self.names]
+        self.fields = [other.fields[number] for number in numbers]
+        self.free = {
+            own: other.free[number] for own, number in enumerate(numbers) if number in other.free
+        }
+
+    @cached_property
+    def surface(self) -> Surface:
+        """The surfaces where the bodies are at the start."""
+        D = len(self.frame.cell)
+        points, cells, body = [np.zeros((0, 3))], [np.zeros((0, 2 ** (D - 1)), np.int64)], []
+        for number, field in enumerate(self.fields):
+            vertices, faces = outline(field, D)
+            cells.append(faces + sum(map(len, points)))
+            points.append(vertices)
+            body.append(np.full(len(vertices), number))
+        return Surface(
+            np.concatenate(points), np.concatenate(cells),
+            np.concatenate([np.zeros(0, np.int64), *body]),
+        )  # fmt: skip
+
+    @property
+    def first(self) -> list[State]:
+        """Initial states of those that move freely, in their order."""
+        return [body.first for body in self.free.values()]
+
+    def rates(self, states: list[State]) -> list[float]:
+        """Return the cells that points of those that move freely cross in a unit of time."""
+        inverse, found = max(self.frame.inverse), []
+        for body, state, arm in zip(self.free.values(), states, self.arms, strict=True):
+            v = body.velocities(state)
+            found.append((hypot(*v[:3]) + hypot(*v[3:]) * arm) * inverse)
+        return found
+
+    @property
+    def first_rate(self) -> float:
+        """Cells that a point of any body crosses in a unit of time at the start, at most."""
+        return max([self.rate, *self.rates(self.first)])
+
+    def reference(self, number: int) -> Triple:
+        """Return the point of a body that its motion refers to, where it is at the start."""
+        if number in self.free:
+            return self.free[number].bulk.centre
+        motion = self.entries[number].rigid
+        assert isinstance(motion, Motion)
+        return motion.reference
+
+    def poses(self, time: float, states: list[State]) -> list[Pose]:
+        """Return the poses of all at a time, of those that move freely in these states."""
+        free = zip(self.free.items(), states, strict=True)
+        placed = {number: body.pose(state) for (number, body), state in free}
+        return [
+            entry.rigid.pose(time) if isinstance(entry.rigid, Motion) else placed[number]
+            for number, entry in enumerate(self.entries)
+        ]
+
+    def surface_at(self, poses: list[Pose]) -> NDArray[np.float64]:
+        """Return the vertices of `surface` where the bodies are there, (n, 3)."""
+        points = self.surface.points.copy()
+        for number, (centre, turn) in enumerate(poses):
+            mine = self.surface.body == number
+            own = points[mine] - np.array(self.reference(number))
+            points[mine] = own @ np.array(turn).reshape(3, 3).T + np.array(centre)
+        return points
+
+    def at(self, start: float, end: float, states: list[State] | None = None) -> Tools:
+        """Return them for the kernels of a step from `start` to `end`.
+
+        `states` are those, at its start, of the bodies that move freely; their velocity at its end
+        is set to the same.
+        """
+        tools, states = self.arrays(), self.first if states is None else states
+        free = dict(zip(self.free, states, strict=True))
+        for number, (pose, entry, field) in enumerate(
+            zip(self.poses(start, states), self.entries, self.fields, strict=True)
+        ):
+            row, about = tools.motion[number], tools.about[number]
+            row[CENTRE : CENTRE + 3], row[TURN : TURN + 9] = pose
+            for column, time in ((FORMER, start), (LATTER, end)):
+                if isinstance(entry.rigid, Motion):
+                    row[column : column + 6] = np.concatenate(entry.rigid.velocities(time))
+                else:
+                    row[column : column + 6] = self.free[number].velocities(free[number])
+            self._bound(row, about, field)
+        return tools
+
+    def speeds(self) -> dict[int, float]:
+        """Return the greatest speed over time of a point of each body that moves as prescribed."""
+        found = {}
+        for number, entry in enumerate(self.entries):
+            motion = entry.rigid
+            if isinstance(motion, Motion):
+                arm = self.surface.points[self.surface.body == number] - motion.reference
+                across = np.linalg.norm(np.cross(arm, motion.axis), axis=1).max(initial=0.0)
+                speed, spin = motion.greatest()
+                found[number] = speed + spin * float(across)
+        return found
+
+    def _greatest_rate(self) -> float:
+        """See `rate`."""
+        return max(self.speeds().values(), default=0.0) * max(self.frame.inverse)
+
+    def _greatest_arms(self) -> list[float]:
+        """See `arms`."""
+        found = []
+        for number, body in self.free.items():
+            arm = self.surface.points[self.surface.body == number] - body.bulk.centre
+            found.append(float(np.sqrt(np.square(arm).sum(axis=1).max(initial=0.0))))
+        return found
+
+    @cached_property
+    def checksum(self) -> str:
+        """Checksum of these bodies, with their meshes; empty without any."""
+        if not self.fields:
+            return ""
+        return sha256(b"".join(field.values.tobytes() for field in self.fields)).hexdigest()
+
+    def arrays(self) -> Tools:
+        """Return the constant data, and storage for the rest."""
+        if self._kept is None:
+            count = len(self.entries)
+            motion, about = np.zeros((count, MOTION)), np.zeros((count, ABOUT), np.int64)
+            first = 0
+            for number, field in enumerate(self.fields):
+                row, one = motion[number], about[number]
+                row[REFERENCE : REFERENCE + 3] = self.reference(number)
+                row[SPACING], row[LOW : LOW + 3] = field.spacing, field.low
+                one[SHAPE : SHAPE + 3], one[FIRST] = field.shape, first
+                one[FREE] = [*self.free].index(number) if number in self.free else -1
+                if number in self.free:
+                    row[YIELDS] = SOFT / self.free[number].bulk.mass
+                first += len(field.values)
+            values = [field.values for field in self.fields]
+            self._kept = Tools(
+                motion, about, np.concatenate(values) if values else np.zeros((0, 5)),
+                len(self.case.bodies), np.zeros(AT), self._answers(0),
+            )  # fmt: skip
+        return self._kept
+
+    def in_planes(self, planes: int) -> Tools:
+        """Return them for the kernels, as at the start, with storage for some planes."""
+        return self.at(0.0, 0.0)._replace(answers=self._answers(planes))
+
+    def _answers(self, planes: int) -> Any:
+        return np.zeros((planes, len(self.free), ANSWER)) if self.free else ()
+
+    def _bound(self, row: NDArray, about: NDArray, field: DistanceField) -> None:
+        """Set the least and the greatest vertex near a body."""
+        far = field.low + field.spacing * (field.shape - 1)
+        ends = zip(field.low, far, strict=True)
+        corners = np.array(list(product(*ends))) - row[REFERENCE : REFERENCE + 3]
+        for d, (origin, inverse) in enumerate(
+            zip(self.frame.origin, self.frame.inverse, strict=True)
+        ):
+            # Not by a product of matrices, which machines may round differently.
+            a, b, c = (corners[:, k] * row[TURN + 3 * d + k] for k in range(3))
+            placed = a + b + c + row[CENTRE + d]
+            low, high = placed.min(), placed.max()
+            least, most = 0, self.frame.vertices[d] - 1
+            about[LEAST + d] = np.clip(
+                np.floor((low - origin) * inverse) + self.frame.ghost - 1, least, most
+            )
+            about[MOST + d] = np.clip(
+                np.ceil((high - origin) * inverse) + self.frame.ghost + 1, least, most
+            )

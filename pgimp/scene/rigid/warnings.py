@@ -1,0 +1,122 @@
+"""Warnings of the motions of rigid bodies: fast, through a plane of symmetry, without a load."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import inf
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pgimp.physics.boundaries.slip import Slip
+from pgimp.physics.rigid import Motion
+from pgimp.scene.checks.facts import wave_speed
+from pgimp.scene.faces import Face
+from pgimp.scene.rigid.rigid import SceneTools
+
+#: Part of the speed of waves above which a rigid body that moves as prescribed is fast: at half of
+#: it rubber gets some per cent too little momentum on cells of a twelfth of the block, at 2.7 times
+#: half of it.
+_FAST = 0.3
+
+#: Instants of a stage at which bodies are looked at; depths in cells from which they reach beyond a
+#: plane, and into the domain, where the vertices of the plane are no longer pushed; part of the
+#: greatest speed that is rounding.
+_INSTANTS, _BEYOND, _WITHIN, _STILL = 100, 0.05, 1.0, 1e-9
+
+
+def motion_warnings(scenes: Sequence[Any]) -> list[str]:
+    """Return which rigid bodies move as nothing they meet can follow, or miss a load.
+
+    Parameters
+    ----------
+    scenes : sequence of Scene
+        Those of all stages, of which the first has its rigid bodies measured.
+    """
+    found: list[str] = []
+    scene = scenes[0]
+    if not scene.tools:
+        return found
+    if scene.tools.free and any(each.case.body_force for each in scenes):
+        names = ", ".join(f"'{body.name}'" for body in scene.tools.free.values())
+        found.append(
+            f"body_force: it acts on bodies of a material only, not on {names}, which moves freely "
+            "by gravity and contact alone"
+        )
+    first = len(scene.body_names)
+    waves = [wave_speed(scene, body) for body in range(first)]
+    for number, speed in scene.tools.speeds().items():
+        met = [
+            (waves[body], scene.body_names[body])
+            for body in range(first)
+            if scene.pairs is None or scene.pairs.entry[body, first + number] != 0
+        ]
+        slowest, name = min(met, default=(inf, ""))
+        if speed > _FAST * slowest > 0.0:
+            found.append(
+                f"bodies.{scene.tools.names[number]}.rigid: it moves at up to {speed:.3g}, "
+                f"{speed / slowest:.2g} times as fast as waves in '{name}' ({slowest:.3g}); above "
+                f"{_FAST:g} what it hits gets too little momentum, beyond 1 half of it or less: "
+                "smaller cells (grid.cell), or a body that moves freely (rigid: {density: ..}); "
+                "are the units of velocity, young and density one set?"
+            )
+    return found + _through_planes(scenes)
+
+
+def _through_planes(scenes: Sequence[Any]) -> list[str]:
+    """Return which bodies that move as prescribed turn on `slip` walls, or move through them."""
+    tools = scenes[0].tools
+    found: dict[tuple[str, str], str] = {}
+    for scene in scenes:
+        times = np.linspace(scene.case.staged.start, scene.case.time.end, _INSTANTS)
+        for face in scene.faces:
+            for number, name in enumerate(tools.names):
+                motion = tools.entries[number].rigid
+                moves = isinstance(motion, Motion) and motion.moves and name in scene.tools.names
+                if moves and isinstance(face.condition, Slip) and (name, face.name) not in found:
+                    if text := _conflict(tools, number, face, times):
+                        found[name, face.name] = text
+    return [f"bodies.{name}.rigid: {text}" for (name, _), text in found.items()]
+
+
+def _conflict(tools: SceneTools, number: int, face: Face, times: NDArray[np.float64]) -> str:
+    """Say how a motion conflicts with a plane of symmetry; empty if it does not.
+
+    A body may lie across it and move to and fro, as a piston: what counts is its part within.
+    """
+    frame, motion, axis = tools.frame, tools.entries[number].rigid, face.axis
+    assert isinstance(motion, Motion)
+    cell, origin = np.array(frame.cell), np.array(frame.origin)
+    corner = origin + cell * frame.cells
+    D, plane = len(cell), (corner if face.side > 0 else origin)[axis]
+    own = tools.surface.points[tools.surface.body == number] - motion.reference
+    before = None
+    for time in times.tolist():
+        centre, turn = motion.pose(time)
+        arm = own @ np.array(turn).reshape(3, 3).T
+        x = (arm + centre)[:, :D]
+        beside = np.delete((x >= origin - cell) & (x <= corner + cell), axis, 1).all(axis=1)
+        if not beside.any():
+            continue
+        depth = face.side * (x[:, axis] - plane) / cell[axis]
+        beyond, within = bool(depth.max() > _BEYOND), bool(depth.min() < -_WITHIN)
+        # On a plane that it turns across some points move in and others out.
+        spin = np.array(motion.velocities(time)[1])
+        turning = np.abs(np.cross(spin, arm)[:, axis]).max() > _STILL * np.abs(spin).max() * cell[0]
+        if beyond and within and turning:
+            return (
+                f"it turns on the slip wall {face.name}, across which it lies at t = {time:.3g}: "
+                "the wall holds what its surface takes along there, and as a plane of symmetry it "
+                "has the body's other half turn the other way; end the body before the wall, or "
+                "take another condition (boundaries)"
+            )
+        if before is not None and (beyond, within) != before and (beyond or before[0]):
+            return (
+                f"it moves through the slip wall {face.name} by t = {time:.3g}: the wall holds "
+                "what it pushes there, and as a plane of symmetry it has the body's other half "
+                "move the other way; let it lie across the wall or apart from it all the time, or "
+                "take another condition (boundaries)"
+            )
+        before = beyond, within
+    return ""

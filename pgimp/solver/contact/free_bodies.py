@@ -1,0 +1,285 @@
+"""Rigid bodies that move freely: their velocities at a step's end, and their states.
+
+The impulses that a body gets at the vertices depend on its velocity at the end, and this on
+them. Newton's method finds both together, so that no ratio of masses shortens the steps. However
+large the residual, the body gets exactly the momentum that the material loses.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import hypot, inf
+from typing import Any
+
+import numpy as np
+
+from pgimp.decomposition.grid import Grid
+from pgimp.errors import EndlessError
+from pgimp.kernels.rigid.bodies import (
+    ANSWER,
+    CAUTIOUS,
+    FORMER,
+    GIVEN,
+    LATTER,
+    LEAST,
+    MOST,
+    RESPONSE,
+    TAKEN,
+    Tools,
+)
+from pgimp.scene.rigid.checks import may_collide, require_clear
+from pgimp.scene.rigid.free_body import FreeBody, Matrix, State, solve
+from pgimp.scene.scene import Scene
+from pgimp.solver.clock import Step
+
+#: Iterations of Newton's method. Contact that only opens, closes, sticks or slides takes two or
+#: three. Where a correction is not smaller than the one before, half of it is made, then a quarter.
+#: Bodies that are light for the friction or adhesion that holds them may alternate between slip
+#: directions: every other `NEWTON` iterations treat slip as viscous, which never overshoots.
+TRIES, NEWTON = 72, 12
+
+#: Change of the velocities, over the body's greatest, at which they have converged.
+ENOUGH = 1e-11
+
+#: Greatest error of a body's displacement in a step, in cells, if Newton does not converge.
+ASTRAY = 0.05
+
+#: Most steps between two checks for overlap with what bodies do not feel, and cells by which they
+#: may have moved meanwhile.
+LOOKS, TRAVEL = 16, 0.2
+
+
+class FreeBodies:
+    """The rigid bodies that move freely; every rank knows all of them.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    comm : communicator
+        Of all ranks.
+
+    Attributes
+    ----------
+    states : list of State
+        Their states of motion.
+    """
+
+    def __init__(self, scene: Scene, comm: Any) -> None:
+        self.scene, self.comm, self.tools = scene, comm, scene.tools
+        self.numbers, self.bodies = list(scene.tools.free), list(scene.tools.free.values())
+        self.states = scene.tools.first
+        self._inertia: list[Matrix] = []
+        self._free_momenta: list[list[float]] = []
+        self._touched = False
+
+    @property
+    def now(self) -> dict[int, tuple[FreeBody, State]]:
+        """The bodies and their states, by number."""
+        each = zip(self.bodies, self.states, strict=True)
+        return dict(zip(self.numbers, each, strict=True))
+
+    @property
+    def rate(self) -> float:
+        """Cells that a point of any of the bodies crosses in a unit of time, at most."""
+        return max(self.tools.rates(self.states))
+
+    def require_clear(self, done: Step, dt: float) -> None:
+        """Refuse bodies that overlap what they do not feel; collective, every few steps.
+
+        `dt` is the length of the next step. The start has been checked already.
+        """
+        travel = max(self.rate, self.tools.rate) * dt
+        pause = max(1, min(LOOKS, int(TRAVEL / travel))) if travel > 0.0 else LOOKS
+        faces, states = self.scene.faces, self.states
+        if done.number and done.number % pause == 0 and may_collide(self.tools, faces, states):
+            require_clear(self.tools, faces, states, done.number, done.end, self.comm)
+
+    def require_slow(self, t: Step) -> None:
+        """Refuse a step in which a body would move by more than a cell; on every rank."""
+        for number, rate in zip(self.numbers, self.tools.rates(self.states), strict=True):
+            if not rate * t.dt <= 1.0 + 1e-9:
+                raise EndlessError(
+                    f"step {t.number}, from time {t.start:.6g}: the rigid body "
+                    f"'{self.tools.names[number]}' moves by {rate * t.dt:.3g} cells in a step of "
+                    f"{t.dt:.3g}, and would pass through what it meets\n"
+                    f"  try: time.step: {0.3 / rate:.3g}, or {{courant: 0.3}}"
+                )
+
+    def solve_velocities(
+        self, tools: Tools, grid: Grid, t: Step, gravity: tuple[float, ...],
+        find_response: Callable[[], None],
+    ) -> None:  # fmt: skip
+        """Find the velocities at the end of a step, and set them; collective.
+
+        Parameters
+        ----------
+        tools : Tools
+            Those of the step, without impulses yet.
+        grid : Grid
+            The rank's planes.
+        t : Step
+            The step.
+        gravity : tuple of 3 float
+            Force per mass.
+        find_response : callable
+            Sets `answers` for the velocities that are in `tools`.
+        """
+        tried = self._begin(tools, t, gravity)
+        self._touched, part, before = False, 1.0, inf
+        for number in range(TRIES):
+            cautious = number // NEWTON % 2 == 1
+            if number % NEWTON == 0:
+                part, before = 1.0, inf
+            self._set(tools, tried, cautious)
+            find_response()
+            sums = self._sum(tools, grid)
+            if not sums.any():
+                return
+            self._touched = True
+            changes = [
+                self._change(number, sums[number].tolist(), v) for number, v in enumerate(tried)
+            ]
+            left = max(map(self._size, range(len(tried)), tried, changes))
+            if not cautious:
+                part = min(1.0, 2.0 * part) if left < before else max(0.5 * part, 1.0 / 64.0)
+            before = left
+            for v, change in zip(tried, changes, strict=True):
+                for i in range(6):
+                    v[i] += part * change[i]
+            if left < ENOUGH:
+                break
+        self._set(tools, tried)
+        if not left < ENOUGH:
+            find_response()
+            self._require_found(self._sum(tools, grid), tried, t)
+
+    def _begin(self, tools: Tools, t: Step, gravity: tuple[float, ...]) -> list[list[float]]:
+        """Return the velocities at the end of a step without impulses."""
+        self._inertia, self._free_momenta = [], []
+        found: list[list[float]] = []
+        for body, state in zip(self.bodies, self.states, strict=True):
+            inertia = body.halfway(state, t.dt)
+            weight = [t.dt * body.bulk.mass * g for g in gravity]
+            push = [p + w for p, w in zip(state.momentum, weight, strict=True)]
+            momenta = [
+                p if may else 0.0
+                for p, may in zip((*push, *state.spin), body.may, strict=True)
+            ]
+            number = self.numbers[len(found)]
+            tools.motion[number, FORMER : FORMER + 6] = _booked_velocities(body, state, inertia)
+            self._inertia.append(inertia)
+            self._free_momenta.append(momenta)
+            found.append(solve(body.mass_matrix(inertia), momenta))
+        return found
+
+    def begin(self, tools: Tools, t: Step, gravity: tuple[float, ...]) -> None:
+        """Set the velocities without impulses, and the responses to these.
+
+        For `pgimp.kernels.contact.lagrangian.gauss_seidel`, where impulses change the velocities
+        one by one; `end` then moves the bodies.
+        """
+        self._set(tools, self._begin(tools, t, gravity))
+        tools.answers[:] = 0.0
+        for number, body in enumerate(self.bodies):
+            M = body.mass_matrix(self._inertia[number])
+            for i in range(6):
+                if body.may[i]:
+                    unit = [float(j == i) for j in range(6)]
+                    row = slice(RESPONSE + 6 * i, RESPONSE + 6 * i + 6)
+                    tools.answers[0, number, row] = solve(M, unit)
+
+    def end(self, tools: Tools, dt: float) -> None:
+        """Move the bodies with the impulses since `begin`; the same on all ranks."""
+        self._move(tools.answers[0, :, GIVEN : GIVEN + 6], dt)
+
+    def _set(
+        self, tools: Tools, velocities: list[list[float]], cautious: bool = False
+    ) -> None:
+        for number, v in zip(self.numbers, velocities, strict=True):
+            tools.motion[number, LATTER : LATTER + 6] = v
+            tools.motion[number, CAUTIOUS] = cautious
+
+    def _require_found(self, sums: np.ndarray, tried: list[list[float]], t: Step) -> None:
+        """Refuse velocities that have not converged; on every rank."""
+        inverse = max(self.scene.frame.inverse)
+        for number, (body, v) in enumerate(zip(self.bodies, tried, strict=True)):
+            M = body.mass_matrix(self._inertia[number])
+            off = solve(M, self._rest(number, sums[number].tolist(), v))
+            away = (hypot(*off[:3]) + hypot(*off[3:]) * self.tools.arms[number]) * inverse * t.dt
+            if not away < ASTRAY:
+                raise EndlessError(
+                    f"step {t.number}, from time {t.start:.6g}: the velocity of the rigid body "
+                    f"'{body.name}' cannot be found, it may be off by {away:.2g} cells in a step\n"
+                    "  try: smaller steps (time.step), less friction, a heavier body; smaller "
+                    "cells where two rigid bodies hold the same material between them"
+                )
+
+    def _rest(self, number: int, sums: list[float], v: list[float]) -> list[float]:
+        """Return a body's residual: its momenta less those of the velocities that are tried."""
+        body = self.bodies[number]
+        M, rest = body.mass_matrix(self._inertia[number]), [0.0] * 6
+        for i in range(6):
+            if body.may[i]:
+                has = sum(M[i][j] * v[j] for j in range(6))
+                rest[i] = self._free_momenta[number][i] + sums[GIVEN + i] - has
+        return rest
+
+    def _change(self, number: int, sums: list[float], v: list[float]) -> list[float]:
+        """Return Newton's correction of the velocities that are tried."""
+        M, may = self.bodies[number].mass_matrix(self._inertia[number]), self.bodies[number].may
+        for i in range(6):
+            for j in range(6):
+                if may[i] and may[j]:
+                    M[i][j] += sums[RESPONSE + 6 * i + j]
+        return solve(M, self._rest(number, sums, v))
+
+    def _size(self, number: int, v: list[float], change: list[float]) -> float:
+        """Return the relative size of a change of velocities."""
+        scale = [1.0] * 3 + [self.tools.arms[number]] * 3
+        most = max(abs(x) * s for x, s in zip(v, scale, strict=True))
+        by = max(abs(x) * s for x, s in zip(change, scale, strict=True))
+        return by / max(most, by) if by != 0.0 else 0.0
+
+    def _sum(self, tools: Tools, grid: Grid) -> np.ndarray:
+        """Sum up `answers`, plane by plane in their order; collective."""
+        about = tools.about[self.numbers]
+        low, high = int(about[:, LEAST].min()), int(about[:, MOST].max())
+        every = np.zeros((high - low + 1, len(self.bodies), ANSWER))
+        first = int(grid.window.lower[0])
+        begin, end = max(low, first), min(high + 1, first + grid.owned)
+        if begin < end:
+            active = grid.active[begin - first : end - first] > 0
+            every[begin - low : end - low][active] = tools.answers[begin - first : end - first][
+                active
+            ]
+        if self.comm.size > 1:
+            found = np.empty_like(every)
+            self.comm.Allreduce(every, found)  # a plane has but one owner: no sum is rounded
+            every = found
+        return np.add.reduce(every, axis=0)
+
+    def move(self, tools: Tools, grid: Grid, dt: float) -> None:
+        """Apply the step's impulses to the bodies, and move them; collective."""
+        got = np.zeros((len(self.bodies), ANSWER))
+        if self._touched:
+            got = self._sum(tools, grid)
+        self._move(got[:, TAKEN : TAKEN + 6], dt)
+
+    def _move(self, taken: np.ndarray, dt: float) -> None:
+        """Move the bodies; `taken` are impulse and moment on each."""
+        for number, (body, given) in enumerate(zip(self.bodies, taken.tolist(), strict=True)):
+            momenta = tuple(p + J for p, J in zip(self._free_momenta[number], given, strict=True))
+            self.states[number] = body.moved(
+                self.states[number], momenta, self._inertia[number], dt
+            )
+
+
+def _booked_velocities(body: FreeBody, state: State, inertia: Matrix) -> list[float]:
+    """Return the velocities before a step with which the energy that a body loses is booked.
+
+    A moment also changes how the axis turns in the step: twice the change of speed that turning
+    makes by the step's middle is left out, so that what is booked is what the body loses.
+    """
+    turned = solve(body.mass_matrix(inertia), [*state.momentum, *state.spin])
+    return [2.0 * v - w for v, w in zip(body.velocities(state), turned, strict=True)]

@@ -1,0 +1,159 @@
+"""Rigid bodies that hold particles out: where they are at a step's end, and what they get."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from pgimp.jit.bound import Bound
+from pgimp.kernels.data.ledger import TOOL_WORK, Ledger
+from pgimp.kernels.data.particles import Particles
+from pgimp.kernels.rigid.bodies import CENTRE, LATTER, TURN, Tools
+from pgimp.kernels.rigid.hold import Keepers, count_inside, count_near
+from pgimp.physics.rigid import Motion
+from pgimp.scene.rigid.free_body import State, solve
+from pgimp.scene.rigid.rigid import SceneTools
+from pgimp.scene.scene import Scene
+from pgimp.solver.clock import Step
+from pgimp.solver.contact.free_bodies import FreeBodies
+
+#: Depth in a rigid body, in cells, from which a particle counts as inside.
+QUARTER = 0.25
+
+
+def placed(tools: SceneTools, time: float, states: list[State] | None) -> Tools:
+    """Return rigid bodies where they are at a time, with the velocities that they have then."""
+    kept, states = tools.arrays(), tools.first if states is None else states
+    motion = kept.motion.copy()
+    for number, pose in enumerate(tools.poses(time, states)):
+        row, rigid = motion[number], tools.entries[number].rigid
+        row[CENTRE : CENTRE + 3], row[TURN : TURN + 9] = pose
+        if isinstance(rigid, Motion):
+            row[LATTER : LATTER + 6] = np.concatenate(rigid.velocities(time))
+    for (number, body), state in zip(tools.free.items(), states, strict=True):
+        motion[number, LATTER : LATTER + 6] = body.velocities(state)
+    return kept._replace(motion=motion, answers=())
+
+
+class Keeping:
+    """The rigid bodies of a scene that hold particles out, on one rank.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    comm : communicator
+        Of all ranks.
+    free : FreeBodies or None
+        Those that move freely.
+    layers : int
+        Layers of the rank.
+    """
+
+    def __init__(self, scene: Scene, comm: Any, free: FreeBodies | None, layers: int) -> None:
+        self.scene, self.comm, self.free = scene, comm, free
+        self._impulses = np.zeros((layers, len(scene.tools), 6))
+        self._yields = np.zeros((len(scene.tools), 6, 6))
+        self._kept: Any = ()
+        self._call = Bound()
+        self._moves = any(entry.moves for entry in scene.tools.entries)
+
+    def at(self, t: Step, particles: Particles, rows: np.ndarray) -> Any:
+        """Return what holds particles out at the end of a step; () where nothing does; collective.
+
+        Parameters
+        ----------
+        t : Step
+            The step.
+        particles, rows : Particles, (n,) int32
+            The rank's particles, before they move.
+        """
+        scene, free = self.scene, self.free
+        if not scene.tools or not scene.pairs or (scene.initial and not scene.mixed):
+            return ()
+        if not self._kept or self._moves:
+            tools = placed(scene.tools, t.end, free.states if free else None)
+            if free:
+                self._set_yields(free, self._near(tools, particles, rows))
+            self._kept = Keepers(tools, scene.pairs, self._yields, self._impulses)
+        return self._kept
+
+    def _set_yields(self, free: FreeBodies, mass: np.ndarray) -> None:
+        """Set what impulse and moment do to each body that moves freely, times a mass."""
+        for number, (body, state) in free.now.items():
+            M = body.mass_matrix(body.inertia(state.turn))
+            for i in range(6):
+                if body.may[i]:
+                    unit = [float(mass[number]) * (j == i) for j in range(6)]
+                    self._yields[number, i] = solve(M, unit)
+
+    def _near(self, tools: Tools, particles: Particles, rows: np.ndarray) -> np.ndarray:
+        """Bounds of the mass that each body may hold in a step, the same on any number of ranks."""
+        counts, most = np.zeros(len(tools.motion), np.int64), np.zeros(len(tools.motion))
+        cell = max(self.scene.frame.cell)
+        self._call(count_near, tools, particles, rows, 2.0 * cell, counts, most)
+        if self.comm.size > 1:
+            every = np.array(self.comm.allgather((counts, most)))
+            counts, most = every[:, 0].sum(axis=0), every[:, 1].max(axis=0)
+        return counts * most
+
+    def inside(self, particles: Particles, rows: np.ndarray, time: float, depth: float) -> Any:
+        """Count this rank's particles that are deeper than `depth` cells in each rigid body.
+
+        Parameters
+        ----------
+        particles, rows : Particles, (n,) int32
+            The particles.
+        time : float
+            When.
+        depth : float
+            In smallest sides of a cell.
+
+        Returns
+        -------
+        (rigid bodies,) int64
+        """
+        scene, counts = self.scene, np.zeros(len(self.scene.tools), np.int64)
+        if len(counts) and scene.pairs:
+            tools = placed(scene.tools, time, self.free.states if self.free else None)
+            deep = depth * min(scene.frame.cell)
+            count_inside(tools, scene.pairs, particles, rows, deep, counts)
+        return counts
+
+    def finish(self, ledger: Ledger, first: int) -> None:
+        """Give free bodies what they got from the particles that they held; collective.
+
+        Parameters
+        ----------
+        ledger : Ledger
+            Of the rank; the work of these bodies is booked in the domain's first layer.
+        first : int
+            Number of the rank's first layer.
+        """
+        if not self.free or not self._kept:
+            return
+        numbers = self.free.numbers
+        planes = self.scene.frame.vertices[0]
+        every = np.zeros((planes, len(numbers), 6))
+        every[first : first + len(self._impulses)] = self._impulses[:, numbers]
+        self._impulses.fill(0.0)
+        if self.comm.size > 1:
+            found = np.empty_like(every)
+            self.comm.Allreduce(every, found)  # a layer has but one rank: no sum is rounded
+            every = found
+        work = _push(self.free, np.add.reduce(every, axis=0))
+        if self.comm.rank == 0 and len(ledger.work):
+            ledger.work[0] += sum(work)
+            ledger.tools[0, numbers, TOOL_WORK] += work
+
+
+def _push(free: FreeBodies, given: np.ndarray) -> list[float]:
+    """Apply impulse and moment, (bodies, 6), at once; return the energy that each gives up."""
+    lost = []
+    for number, (body, J) in enumerate(zip(free.bodies, given.tolist(), strict=True)):
+        state, before = free.states[number], body.energy(free.states[number])
+        if any(J):
+            free.states[number] = state = body.pushed(state, J)
+        lost.append(before - body.energy(state))
+    return lost

@@ -1,0 +1,208 @@
+"""Particles of bodies in the initial configuration that are near possible contact partners."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from pgimp.decomposition.population import Population
+from pgimp.jit.bound import Bound
+from pgimp.kernels.contact.lagrangian.boxes import grow_boxes
+from pgimp.kernels.contact.lagrangian.broad_phase import Regions, find_near, mark_blocks
+from pgimp.kernels.contact.lagrangian.pairs import SeparatingWalls
+from pgimp.kernels.rigid.bodies import LEAST, MOST
+from pgimp.physics.contact import Pairs
+from pgimp.physics.shapes.stretch import LARGEST
+from pgimp.scene.scene import Scene
+from pgimp.solver.clock import Step
+from pgimp.solver.contact.lagrangian.bonds import acting
+
+#: Cells by which particles may come nearer to something before the next search; the most steps
+#: until then.
+MARGIN, LONGEST = 1.0, 16
+
+#: Most blocks of a region; those of a larger one have sides of several cells.
+BLOCKS = 1 << 20
+
+
+def reach(scene: Scene, largest: bool = False) -> np.ndarray:
+    """Cells, by direction, from a particle to the farthest vertex that it has weight on.
+
+    That is at the start, or if it is as `largest` as a particle can become.
+    """
+    half = np.array(scene.shape.half)
+    return 1.0 + (np.maximum(half, LARGEST) if largest else half)
+
+
+def no_regions(D: int) -> Regions:
+    """Return none at all."""
+    none, marks = np.empty(0, np.int64), np.empty(0, np.uint8)
+    return Regions(
+        np.empty((0, 2, D)),
+        np.empty((0, 2), np.int64),
+        np.empty((0, D), np.int64),
+        none,
+        none,
+        marks,
+    )
+
+
+class Approach:
+    """The particles of a rank that are near other bodies, rigid bodies or walls that let go.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    comm : communicator
+        Of all ranks.
+    pairs : Pairs
+        The bodies that act on each other.
+    walls : SeparatingWalls
+        The walls that let go.
+
+    Attributes
+    ----------
+    near : (n,) int64
+        Their places in the canonical order.
+    any : bool
+        Whether there are such particles on any rank.
+    """
+
+    def __init__(self, scene: Scene, comm: Any, pairs: Pairs, walls: SeparatingWalls) -> None:
+        self.scene, self.comm, self.pairs, self.walls = scene, comm, pairs, walls
+        self.near = self._room = np.empty(0, np.int64)
+        self.any = False
+        self.call = Bound()
+        self._pause = 0
+        self._regions = no_regions(scene.dimension)
+
+    def forget(self) -> None:
+        """Search all particles again in the next step: they have changed, or their bodies have."""
+        self._pause = 0
+
+    def follow(
+        self, population: Population, groups: np.ndarray, tools: Any, t: Step, rate: float = 0.0
+    ) -> bool:
+        """Search all particles in a step, if some may have come near by then; collective.
+
+        Parameters
+        ----------
+        population : Population
+            The particles.
+        groups : (bodies,) int64
+            The groups of bonded bodies.
+        tools : Tools or ()
+            The rigid bodies, in place.
+        t : Step
+            The step.
+        rate : float
+            Cells that rigid bodies that move freely cross in a unit of time.
+
+        Returns
+        -------
+        bool
+            Whether they were searched.
+        """
+        looked = self._pause == 0
+        if looked:
+            self._look(population, groups, tools, t, rate)
+        self._pause -= 1
+        if looked or self.scene.mixed:  # others keep their places
+            self._select(population, groups)
+        return looked
+
+    def _look(
+        self, population: Population, groups: np.ndarray, tools: Any, t: Step, rate: float
+    ) -> None:
+        """Find where something may be met, and the steps for which this holds; collective."""
+        scene, frame, p = self.scene, self.scene.frame, population.particles
+        order, D = population.order, self.scene.dimension
+        boxes = np.full((2, len(groups), D), np.inf)
+        boxes[1] = -np.inf
+        self.call(grow_boxes, frame, p, order, boxes)
+        speed = float(np.abs(p.v[order] * np.array(frame.inverse)).max(initial=0.0))
+        every = self.comm.allgather((boxes, speed))
+        low, high = np.full((2, 1 + int(groups.max()), D), [[[np.inf]], [[-np.inf]]])
+        for boxes, _ in every:
+            np.minimum.at(low, groups, boxes[0])
+            np.maximum.at(high, groups, boxes[1])
+        speed = max(max(each[1] for each in every), scene.tools.rate, rate)
+        travel = speed * t.dt
+        self._pause = max(1, min(LONGEST, int(0.4 * MARGIN / travel))) if travel > 0.0 else LONGEST
+        away = reach(scene, scene.follows) + MARGIN
+        ends: list[Any] = []
+        meeting: list[tuple[int, int]] = []
+        for a, b in sorted(acting(self.pairs, groups, len(groups))):
+            first = np.maximum(low[a], low[b]) - 2.0 * away
+            last = np.minimum(high[a], high[b]) + 2.0 * away
+            if (first <= last).all():
+                ends.append((first, last))
+                meeting.append((a, b))
+        for row in tools.about if tools else ():
+            first, last = row[LEAST : LEAST + D] - away, row[MOST : MOST + D] + away
+            ends.append((first - frame.ghost, last - frame.ghost))
+        for axis, side, end in self.walls.rows:
+            about = np.full((2, D), [[-np.inf], [np.inf]])
+            about[int(side < 0), axis] = end - frame.ghost - side * (1.0 + away[axis])
+            ends.append(about)
+        self._regions = self._marked(population, groups, np.array(ends), meeting)
+
+    def _marked(
+        self, population: Population, groups: np.ndarray, ends: np.ndarray, meeting: Any
+    ) -> Regions:
+        """Regions with marks near either of the two groups that may meet there; collective."""
+        count, n = len(ends), len(meeting)
+        if count == 0:
+            return no_regions(self.scene.dimension)
+        blocks, size = np.ones((count, ends.shape[2]), np.int64), np.zeros(count, np.int64)
+        for r in range(n):
+            size[r] = 1
+            while True:
+                blocks[r] = np.ceil((ends[r, 1] - ends[r, 0]) / size[r])
+                if blocks[r].prod() <= BLOCKS:
+                    break
+                size[r] *= 2
+        first = np.concatenate([[0], np.cumsum(blocks[:n].prod(axis=1))])
+        pairs = np.full((count, 2), -1, np.int64)
+        pairs[:n] = np.array(meeting, np.int64).reshape(-1, 2)
+        marks = np.zeros(first[-1], np.uint8)
+        places = np.concatenate([first[:-1], np.zeros(count - n, np.int64)])
+        regions = Regions(ends, pairs, blocks, size, places, marks)
+        if n == 0:
+            return regions
+        order = population.order
+        self.call(mark_blocks, self.scene.frame, population.particles, order, groups, regions)
+        np.bitwise_or.reduce(self.comm.allgather(marks), axis=0, out=marks)
+        far = 2.0 * reach(self.scene, self.scene.follows) + MARGIN
+        for r in range(n):
+            region = marks[first[r] : first[r + 1]].reshape(blocks[r])
+            for axis, distance in enumerate(far):
+                _widen(np.moveaxis(region, axis, 0), int(np.ceil(distance / size[r])))
+        return regions
+
+    def _select(self, population: Population, groups: np.ndarray) -> None:
+        """Find the particles in the regions where something may be met; collective."""
+        order = population.order
+        if len(self._room) < len(order):
+            self._room = np.empty(len(order), np.int64)
+        found = self.call(
+            find_near,
+            self.scene.frame,
+            population.particles,
+            order,
+            groups,
+            self._regions,
+            self._room,
+        )
+        self.near = self._room[:found]
+        self.any = bool(sum(self.comm.allgather(found)))
+
+
+def _widen(marks: np.ndarray, count: int) -> None:
+    """Mark what lies up to `count` blocks before or behind what is marked, along the first axis."""
+    found = marks.copy()
+    for shift in range(1, min(count, len(marks) - 1) + 1):
+        marks[shift:] |= found[:-shift]
+        marks[:-shift] |= found[shift:]

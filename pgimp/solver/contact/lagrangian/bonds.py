@@ -1,0 +1,90 @@
+"""Bodies that meet where they are: which are bonded, and how others act on each other."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pgimp.kernels.contact.lagrangian.pairs import SeparatingWalls
+from pgimp.physics.contact import FRICTION, TIED, Pairs, coefficients
+from pgimp.scene.scene import Scene
+
+
+def with_walls(scene: Scene) -> Pairs:
+    """The law of each pair; walls that let go are bodies after all others."""
+    letting = [face for face in scene.faces if face.condition.approaches]
+    names = [*scene.body_names, *scene.tools.names]
+    pairs = scene.pairs or Pairs.of((), names)
+    n, m, known = len(scene.body_names), len(names), len(pairs.law)
+    entry = np.zeros((m + len(letting),) * 2, np.int64)
+    entry[:m, :m] = pairs.entry
+    entry[:n, m:] = known + 1 + np.arange(len(letting))
+    given = [coefficients(face.condition.friction) for face in letting]
+    return Pairs(
+        entry,
+        np.concatenate([pairs.law, np.full(len(letting), FRICTION)]),
+        np.concatenate([pairs.coefficient, np.array(given, float).reshape(-1, 2)]),
+        np.concatenate([pairs.adhesion, np.zeros((len(letting), 3))]),
+    )
+
+
+def separating_walls(scene: Scene) -> SeparatingWalls:
+    """Walls that let go, as bodies after all others; see `with_walls`."""
+    frame = scene.frame
+    letting = [(n, face) for n, face in enumerate(scene.faces) if face.condition.approaches]
+    rows = [
+        (face.axis, face.side, frame.ghost + (face.side > 0) * frame.cells[face.axis])
+        for _, face in letting
+    ]
+    return SeparatingWalls(
+        len(scene.body_names) + len(scene.tools), np.array(rows, np.int64).reshape(-1, 3),
+        np.array([n for n, _ in letting], np.int64),
+    )  # fmt: skip
+
+
+def bonded(
+    pairs: Pairs, low: np.ndarray, high: np.ndarray, reach: np.ndarray, begun: np.ndarray
+) -> tuple[tuple[int, ...], np.ndarray]:
+    """Fields and groups of bodies by their boxes at the start, in cells.
+
+    Those under the law `tied` that share vertices there are one group. Others that do have fields
+    of their own, as few as possible. Bodies that are not in the initial configuration (`begun`)
+    move over the grid: those that are tied are one group, and each group has a field of its own.
+    """
+    n = len(low)
+    apart = np.full((n, n), -np.inf)
+    for d in range(low.shape[1]):
+        np.maximum(apart, low[:, None, d] - high[None, :, d] - reach[d], out=apart)
+    touch = np.maximum(apart, apart.T) < 1e-6
+    group = np.arange(n)
+    for a in range(n):
+        for b in range(a + 1, n):
+            entry = abs(int(pairs.entry[a, b]))
+            if not entry or pairs.law[entry - 1] != TIED or begun[a] != begun[b]:
+                continue
+            if touch[a, b] or not begun[a]:
+                group[group == group[b]] = group[a]
+    touch &= np.logical_and.outer(begun, begun)
+    _, group = np.unique(group, return_inverse=True)
+    fields = np.zeros(n, np.int64)
+    done: list[int] = []
+    for one in range(int(group.max()) + 1):
+        mine = group == one
+        taken = {
+            int(fields[b]) for b in np.flatnonzero(touch[mine].any(axis=0)) if group[b] in done
+        }
+        if begun[mine].all():
+            fields[mine] = next(f for f in range(n + 1) if f not in taken)
+            done.append(one)
+    for one in np.unique(group[~begun]):
+        fields[group == one] = fields.max() + 1
+    return tuple(fields.tolist()), group.astype(np.int64)
+
+
+def acting(pairs: Pairs, groups: np.ndarray, bodies: int) -> set[tuple[int, int]]:
+    """Return the pairs of groups that act on each other."""
+    found = set()
+    for a in range(bodies):
+        for b in range(a + 1, bodies):
+            if pairs.entry[a, b] != 0 and groups[a] != groups[b]:
+                found.add((int(min(groups[a], groups[b])), int(max(groups[a], groups[b]))))
+    return found

@@ -1,0 +1,252 @@
+"""Contact of bodies in the initial configuration: each other, rigid bodies, walls that let go.
+
+Where bodies of both configurations are in one case, all of them meet in this way.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from pgimp.decomposition.grid import Grid
+from pgimp.decomposition.population import Population
+from pgimp.jit.bound import Bound
+from pgimp.kernels.contact.data import Contact
+from pgimp.kernels.contact.lagrangian.books import book_contacts, book_mirrored
+from pgimp.kernels.contact.lagrangian.boxes import grow_boxes
+from pgimp.kernels.contact.lagrangian.coupling import Responses, find_responses
+from pgimp.kernels.contact.lagrangian.gauss_seidel import solve_impulses
+from pgimp.kernels.contact.lagrangian.hash_table import number_keys, room_for
+from pgimp.kernels.contact.lagrangian.pairs import SUMS, VERTEX, Encounters, find_encounters
+from pgimp.kernels.contact.lagrangian.reactions import book_held
+from pgimp.kernels.contact.lagrangian.reference_grid import (
+    MOVES,
+    YIELDS,
+    StartVertices,
+    find_vertices,
+    give_to_vertices,
+)
+from pgimp.kernels.contact.lagrangian.vertices import HEAVY, PLACE, sum_present
+from pgimp.kernels.data.arguments import Forcing
+from pgimp.kernels.data.ledger import CONTACT_AREA, Ledger
+from pgimp.kernels.grid.conditions import Holding
+from pgimp.scene.scene import Scene
+from pgimp.solver.clock import Step
+from pgimp.solver.contact.free_bodies import FreeBodies
+from pgimp.solver.contact.lagrangian.approach import Approach, reach
+from pgimp.solver.contact.lagrangian.bonds import bonded, separating_walls, with_walls
+from pgimp.solver.contact.lagrangian.near import Near, NearParticles, in_order
+
+#: The most sweeps over all pairs in a step, and the relative change of impulses that ends them. A
+#: hundred sweeps to 1e-4 find the same motion, but disks that meet then lose more.
+SWEEPS, ENOUGH = 30, 1e-3
+
+#: The same where rigid bodies move freely: all impulses on one change the velocities of all others.
+TOGETHER = 200, 1e-6
+
+
+class PresentMeetings:
+    """Contact of bodies in the initial configuration, on one rank.
+
+    Particles that are near something are copied to the ranks that have a share of the vertices
+    where these are now, in canonical order, with the vertices of their own grid. There pairs are
+    found, and their responses. These go to all ranks, which then find the same impulses and apply
+    them to their own vertices: nothing depends on the ranks.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    comm : communicator
+        Of all ranks.
+
+    Attributes
+    ----------
+    fields : tuple of int
+        Number of each body's velocity field on the grid of the start: bodies that touch there have
+        fields of their own unless they are bonded.
+    sweeps : int
+        Those of the last step.
+    free : FreeBodies or None
+        The rigid bodies that move freely, if there are any.
+    """
+
+    def __init__(self, scene: Scene, comm: Any) -> None:
+        self.scene, self.comm, self.call = scene, comm, Bound()
+        self.bodies = len(scene.body_names)
+        self.fields: tuple[int, ...] = (0,) * self.bodies if scene.pairs else ()
+        self.groups = np.zeros(self.bodies, np.int64)
+        self.sweeps = 0
+        self._grouped = False
+        self.pairs, self._walls = with_walls(scene), separating_walls(scene)
+        self._approach = Approach(scene, comm, self.pairs, self._walls)
+        tools: Any = scene.tools.in_planes(1) if scene.tools else ()
+        self._contact = Contact.empty(
+            self.pairs, np.empty(0), 1, self.bodies + 1, len(scene.faces), tools
+        )
+        self.free = FreeBodies(scene, comm) if scene.tools.free else None
+        self._accuracy = TOGETHER if self.free else (SWEEPS, ENOUGH)
+        self._every_face = scene.standing_faces()
+        self._particles = NearParticles(scene, comm, tools, self._walls)
+
+    @property
+    def tools(self) -> Any:
+        """The rigid bodies for kernels, as they are in this step; () where there are none."""
+        return self._contact.tools
+
+    def forget(self) -> None:
+        """Search all particles again in the next step: they have changed, or their bodies have."""
+        self._approach.forget()
+
+    def group(self, grid: Grid, population: Population) -> None:
+        """Find, once, which bodies are bonded at the start; collective."""
+        if self._grouped:
+            return
+        self._grouped = True
+        scene = self.scene
+        if not self.fields:
+            return
+        p, order = population.particles, population.order
+        boxes = np.full((2, self.bodies, scene.dimension), np.inf)
+        boxes[1] = -np.inf
+        grow_boxes(scene.frame, p._replace(x=p.origin), order, boxes)
+        every = np.array(self.comm.allgather(boxes))
+        low, high = every[:, 0].min(axis=0), every[:, 1].max(axis=0)
+        distance = 2.0 * reach(scene)
+        self.fields, self.groups = bonded(self.pairs, low, high, distance, scene.begun)
+        self._particles.groups = self.groups
+        self._particles.fields = np.array(self.fields, np.int64)
+        if max(self.fields) > 0 and self.fields != grid.fields:
+            grid.fields = self.fields
+            grid.store(grid.base)
+
+    def exchange(
+        self, grid: Grid, population: Population, ledger: Ledger, t: Step, forcing: Forcing,
+        faces: Any,
+    ) -> None:  # fmt: skip
+        """Exchange the impulses of contact, after the update of momentum; collective.
+
+        Velocities and accelerations of the vertices change. Bodies meet where they are now; faces
+        and constraints hold the vertices of the start, as at the start.
+        """
+        contact, free = self._contact, self.free
+        ledger.contact[:, :, CONTACT_AREA] = 0.0
+        if self.scene.tools:
+            self.scene.tools.at(t.start, t.end, free.states if free else None)  # in place
+        if free:
+            free.begin(contact.tools, t, forcing.gravity)
+        rate = free.rate if free else 0.0
+        looked = self._approach.follow(population, self.groups, contact.tools, t, rate)
+        if self._approach.any:
+            self._meet(grid, population, ledger, t, forcing, faces, looked)
+        if free:
+            free.end(contact.tools, t.dt)
+
+    def _meet(
+        self, grid: Grid, population: Population, ledger: Ledger, t: Step, forcing: Forcing,
+        faces: Any, anew: bool,
+    ) -> None:  # fmt: skip
+        """Exchange the impulses of what may be near something, of which shares are made `anew`."""
+        scene, contact, call = self.scene, self._contact, self.call
+        holding = Holding(faces, scene.frame, forcing, contact.unbooked)
+        rows = population.order[self._approach.near].astype(np.int64)
+        near = self._particles.gather(grid, population.particles, rows, holding, anew)
+        encounters, responses = self._find(near, t)
+        vertices = near.vertices
+        if self.comm.size > 1:
+            encounters, responses, vertices = unite(self.comm, encounters, responses, vertices)
+        self.sweeps = 0
+        if len(encounters.ends) == 0:
+            return
+        values, free = vertices.values, nothing_held(holding)
+        before = values[:, MOVES:YIELDS].copy()
+        self.sweeps = call(
+            solve_impulses, contact, free, encounters, responses, values, *self._accuracy
+        )
+        changes = values[:, MOVES:YIELDS] - before
+        call(
+            give_to_vertices, scene.frame, grid.field, vertices.keys, changes, forcing, ledger.work
+        )
+        call(book_held, holding, grid.field, vertices, ledger)
+        if grid.slab.layers and grid.slab.lower is None:
+            if len(self._particles.mirrors):
+                call(book_mirrored, encounters, responses, self._particles.mirrors, ledger)
+            call(
+                book_contacts, contact, free, encounters, responses, values, self._walls, ledger
+            )  # fmt: skip
+
+    def _find(self, near: Near, t: Step) -> tuple[Encounters, Responses]:
+        """Find the pairs of this rank's share, and their responses."""
+        contact, call, frame = self._contact, self.call, self.scene.frame
+        table, patches, present, start, vertices = near
+        now, mirrors = self._particles.supports(table, PLACE), self._particles.mirrors
+        left = self._particles.left(table, now)
+        call(sum_present, frame, table, now, *left, patches.patch, patches.numbers, present)
+        order = np.argsort(present.keys)
+        present = present._replace(order=order[present.sums[order, HEAVY] > 0.0])
+        capacity = 4 * len(present.keys)
+        while True:
+            encounters = Encounters.empty(capacity)
+            pairs = call(
+                find_encounters, contact, frame, self._every_face, self._walls, present, t.dt,
+                encounters,
+            )  # fmt: skip
+            if pairs <= capacity:
+                break
+            capacity = pairs
+        encounters = encounters.chosen(slice(pairs))
+        if pairs:
+            hashes = room_for(len(vertices.keys))
+            call(number_keys, vertices.keys, hashes)
+            fields = 1 + max(self.fields, default=0)
+            call(find_vertices, frame, table, start, mirrors, fields, hashes)
+        responses = call(
+            find_responses, frame, table, now, start, mirrors, encounters, present.sums,
+            vertices.values,
+        )  # fmt: skip
+        return encounters, responses
+
+
+def unite(
+    comm: Any, encounters: Encounters, responses: Responses, vertices: StartVertices
+) -> tuple[Encounters, Responses, StartVertices]:
+    """Pairs and responses of all ranks, in the order of vertices, and what they need; collective.
+
+    Columns of the responses are then numbers of the vertices that are returned, and rows of the
+    pairs those of all responses.
+    """
+    used, new = np.unique(responses.column, return_inverse=True)
+    mine = StartVertices(vertices.keys[used], vertices.values[used])
+    every = comm.allgather((encounters, responses._replace(column=new), mine))
+    pairs, answers, known = zip(*every, strict=True)
+    keys = np.concatenate([each.keys for each in known])
+    union = in_order(StartVertices(keys, np.concatenate([each.values for each in known])))
+    rows = entries = 0
+    starts = [np.zeros(1, np.int64)]
+    columns = []
+    for (ends, _, _), answer, own in zip(pairs, answers, known, strict=True):
+        sides = ends[:, SUMS : SUMS + 2]
+        sides[sides >= 0] += rows
+        starts.append(answer.start[1:] + entries)
+        columns.append(np.searchsorted(union.keys, own.keys)[answer.column])
+        rows, entries = rows + len(answer.answer), entries + len(answer.column)
+    joined = Encounters(
+        np.concatenate([each.ends for each in pairs]),
+        np.concatenate([each.partners for each in pairs]),
+        np.concatenate([each.rigid for each in pairs]),
+    )
+    order = np.lexsort(joined.ends[:, VERTEX : VERTEX + 3].T[::-1])
+    responses = Responses(
+        np.concatenate(starts), np.concatenate(columns),
+        np.concatenate([each.entry for each in answers]),
+        np.concatenate([each.answer for each in answers]),
+        np.concatenate([each.beyond for each in answers]),
+    )  # fmt: skip
+    return joined.chosen(order), responses, union
+
+
+def nothing_held(holding: Holding) -> Holding:
+    """The holding for the law of contact: none, as held vertices have no mobility."""
+    forcing = holding.forcing._replace(marked=(), clearances=())
+    return holding._replace(faces=(), forcing=forcing)

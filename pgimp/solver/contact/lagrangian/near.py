@@ -1,0 +1,228 @@
+"""Particles near contact where they are now, with what their own grid, that of the start, has."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from pgimp.decomposition.grid import Grid
+from pgimp.jit.bound import Bound
+from pgimp.kernels.contact.lagrangian.cut_supports import narrow_supports
+from pgimp.kernels.contact.lagrangian.pairs import SeparatingWalls
+from pgimp.kernels.contact.lagrangian.reference_grid import (
+    STARTED,
+    Seen,
+    StartVertices,
+    take_vertices,
+)
+from pgimp.kernels.contact.lagrangian.shared_vertices import Patches, find_shared
+from pgimp.kernels.contact.lagrangian.supports import Supports, find_supports, local_vertices
+from pgimp.kernels.contact.lagrangian.vertices import (
+    CUT,
+    FIRST,
+    HALF,
+    NEAR,
+    START,
+    SUMMED,
+    Present,
+    take_near,
+)
+from pgimp.kernels.contact.volumes import BOXES
+from pgimp.kernels.data.arguments import Setting
+from pgimp.kernels.data.particles import Particles
+from pgimp.kernels.grid.conditions import Holding
+from pgimp.kernels.rigid.bodies import LEAST, MOST
+from pgimp.scene.scene import Scene
+from pgimp.solver.contact.lagrangian.shares import FAR, divide, undivided
+
+
+class Near(NamedTuple):
+    """What a rank needs for its share of the vertices.
+
+    Attributes
+    ----------
+    table : (n, NEAR) float64
+        The particles that have shared vertices there, in canonical order.
+    patches : Patches
+        The numbers of these vertices.
+    present : Present
+        Room for the sums there.
+    start : Supports
+        The particles' supports at the start.
+    vertices : StartVertices
+        All of these, in the order of their keys.
+    """
+
+    table: np.ndarray
+    patches: Patches
+    present: Present
+    start: Supports
+    vertices: StartVertices
+
+
+class NearParticles:
+    """Copies particles to the ranks that have a share of the vertices where these are now.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    comm : communicator
+        Of all ranks.
+    tools : Tools or ()
+        The rigid bodies, in place.
+    walls : SeparatingWalls
+        The walls that let go.
+
+    Attributes
+    ----------
+    groups, fields : (bodies,) int64
+        Groups of bodies that are bonded, and their velocity fields on the grid of the start.
+    """
+
+    def __init__(self, scene: Scene, comm: Any, tools: Any, walls: SeparatingWalls) -> None:
+        self.scene, self.comm, self.call = scene, comm, Bound()
+        self._tools, self._walls = tools, walls
+        self.groups, self.fields = np.zeros((2, len(scene.body_names)), np.int64)
+        self.mirrors = mirrors_of(scene)
+        self.local = local_vertices(scene.vertices, scene.dimension)
+        self._seen = Seen(np.empty(0, np.int64), 0)
+        self._plain, self._shares = plain(scene), undivided(comm.size)
+        self._table, self._kept = np.empty((0, NEAR)), dict[int, Supports]()
+
+    def gather(
+        self, grid: Grid, particles: Particles, rows: np.ndarray, holding: Holding, anew: bool
+    ) -> Near:
+        """Gather what this rank needs for its share of the vertices; collective.
+
+        Parameters
+        ----------
+        grid : Grid
+            After the update of momentum.
+        particles, rows
+            This rank's particles near something, in canonical order.
+        holding : Holding
+            Faces and constraints.
+        anew : bool
+            Whether to divide the vertices anew.
+        """
+        scene, call, comm = self.scene, self.call, self.comm
+        if len(self._table) < len(rows):
+            self._table = np.empty((len(rows) + len(rows) // 8, NEAR))
+        table = self._table[: len(rows)]
+        call(
+            take_near, self._plain, particles, rows, self.groups, self.fields, scene.begun, table
+        )
+        if comm.size == 1:
+            table, patches, present = self._shared(table)
+            start = self.supports(table, START)
+            vertices = self._take(grid, holding, table, start)
+            return Near(table, patches, present, start, vertices)
+        if anew:
+            most = np.array(scene.frame.cells) + 2 * scene.frame.ghost + 1
+            self._shares = divide(comm, table[:, FIRST:], scene.vertices, most)
+        parts = []
+        for rank in range(comm.size):
+            own = table[self._shares.reached(table[:, FIRST:], scene.vertices, rank)]
+            supports = self.supports(own, START)
+            parts.append((own, *self._take(grid, holding, own, supports)))
+        tables, keys, values = zip(*comm.alltoall(parts), strict=True)
+        vertices = in_order(StartVertices(np.concatenate(keys), np.concatenate(values)))
+        table, patches, present = self._shared(np.concatenate(tables))
+        return Near(table, patches, present, self.supports(table, START), vertices)
+
+    def _shared(self, table: np.ndarray) -> tuple[np.ndarray, Patches, Present]:
+        """Those of some particles with shared vertices of this rank's share, and these vertices."""
+        low, high = np.zeros(3, np.int64), np.zeros(3, np.int64)
+        if len(table):
+            first = table[:, FIRST : FIRST + 3]
+            low, high = (end(axis=0).astype(np.int64) for end in (first.min, first.max))
+        none = np.empty(0, np.int64)
+        present = Present(
+            low, high - low + self.scene.vertices, 1 + int(self.groups.max()), none,
+            np.empty((0, SUMMED)), none,
+        )  # fmt: skip
+        within, boxes = self._shares.within(self.comm.rank), self._rigid_boxes()
+        patches = self.call(find_shared, table, self.local, within, boxes, present)
+        sums = np.empty((len(patches.keys), SUMMED))
+        return table[patches.rows], patches, present._replace(keys=patches.keys, sums=sums)
+
+    def _rigid_boxes(self) -> np.ndarray:
+        """Least and greatest numbers of vertices at rigid bodies and walls, (n, 2, 3) int64."""
+        D, tools = self.scene.dimension, self._tools
+        about = tools.about if tools else ()
+        boxes = np.full((len(about) + len(self._walls.rows), 2, 3), [[[-FAR], [FAR]]])
+        for n, row in enumerate(about):
+            boxes[n, 0, :D], boxes[n, 1, :D] = row[LEAST : LEAST + D], row[MOST : MOST + D]
+        for n, (axis, side, place) in enumerate(self._walls.rows, len(about)):
+            boxes[n, int(side < 0), axis] = place
+        return boxes
+
+    def _take(
+        self, grid: Grid, holding: Holding, table: np.ndarray, supports: Supports
+    ) -> StartVertices:
+        """The vertices of the start that the particles of a table have."""
+        last, step = self._seen
+        if len(last) != len(grid.G) // 8:
+            last, step = np.full(len(grid.G) // 8, -1, np.int64), 0
+        self._seen = Seen(last, step + 1)
+        most = supports.at.size
+        mine = StartVertices(np.empty(most, np.int64), np.empty((most, STARTED)))
+        found = self.call(
+            take_vertices, holding, grid.field, table, supports, self.mirrors, self._seen, mine
+        )
+        return in_order(StartVertices(mine.keys[:found], mine.values[:found]))
+
+
+    def supports(self, table: np.ndarray, column: int) -> Supports:
+        """Supports of the particles of a table at their places from `column` on.
+
+        They hold until the next ones for this column.
+        """
+        supports, scene = self._room(len(table), column), self.scene
+        self.call(find_supports, scene.shape, scene.frame, HALF, table, column, supports)
+        return supports
+
+    def left(self, table: np.ndarray, now: Supports) -> tuple[Supports, float]:
+        """Supports for the sums of volumes, and whether their change counts, see `sum_present`.
+
+        `now` are those at the particles' present places.
+        """
+        if not isinstance(self.scene.shape, BOXES):
+            return now, 1.0
+        if not table[:, CUT].any():
+            return now, 0.0
+        left, scene = self._room(len(table), CUT), self.scene
+        self.call(narrow_supports, scene.shape, scene.frame, table, now, left)
+        return left, 0.0
+
+    def _room(self, count: int, column: int) -> Supports:
+        """Storage for the supports at the places from `column` on."""
+        kept = self._kept.get(column)
+        if kept is None or len(kept.at) < count:
+            kept = self._kept[column] = Supports.empty(count + count // 8, self.local)
+        return kept._replace(
+            first=kept.first[:count], w=kept.w[:count], g=kept.g[:count], at=kept.at[:count]
+        )
+
+
+def in_order(vertices: StartVertices) -> StartVertices:
+    """The same vertices in the order of their keys, each once."""
+    keys, first = np.unique(vertices.keys, return_index=True)
+    return StartVertices(keys, vertices.values[first])
+
+
+def plain(scene: Scene) -> Setting:
+    """The scene for kernels that take particles where they are, and need no materials."""
+    return scene.setting.without_materials()._replace(frame=scene.frame)
+
+
+def mirrors_of(scene: Scene) -> np.ndarray:
+    """Axis, side, vertex number, face, and whether they stick, of the mirrors, (n, 5) int64."""
+    frame = scene.frame
+    rows = []
+    for each in scene.mirrors:
+        vertex = frame.ghost + (each.side > 0) * frame.cells[each.axis]
+        rows.append((each.axis, each.side, vertex, each.number, each.sticks))
+    return np.array(rows, np.int64).reshape(-1, 5)

@@ -1,0 +1,186 @@
+"""Contact of bodies: their velocity fields, and the sums that give the gaps between them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from pgimp.decomposition.grid import Grid
+from pgimp.decomposition.halo import Halo
+from pgimp.decomposition.population import Population
+from pgimp.jit.bound import Bound
+from pgimp.kernels.contact.data import Contact
+from pgimp.kernels.contact.select import select_near
+from pgimp.kernels.contact.vertex import find_meetings
+from pgimp.kernels.contact.volumes import volume_sums
+from pgimp.kernels.data.arguments import Order
+from pgimp.kernels.data.ledger import CONTACT_AREA, Ledger
+from pgimp.kernels.rigid.fill import find_touched
+from pgimp.kernels.transfer.p2g import particles_to_grid
+from pgimp.scene.scene import Scene
+from pgimp.solver.contact.free_bodies import FreeBodies
+from pgimp.solver.contact.velocity_fields import assign, body_boxes, reach, where_near
+
+#: Where bodies meet in more than this part of the planes, all particles of these are near.
+_MOST_OF_A_PLANE = 0.6
+
+
+class Meetings:
+    """Contact on one rank.
+
+    Volumes are summed only for planes in which several fields have mass: by the same layered sums
+    and the same exchange as masses, so that all ranks get the same bits. A neighbour takes part
+    if such a plane is shared with it, on which both sides agree.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene, which has contact.
+    comm : communicator
+        Of all ranks.
+
+    Attributes
+    ----------
+    fields : tuple of int
+        Number of each body's velocity field.
+    free : FreeBodies or None
+        The rigid bodies that move freely, if there are any.
+    """
+
+    def __init__(self, scene: Scene, comm: Any) -> None:
+        assert scene.pairs is not None
+        self.scene, self.comm, self.pairs, self.call = scene, comm, scene.pairs, Bound()
+        self.fields: tuple[int, ...] = (0,) * len(scene.body_names)
+        self.free = FreeBodies(scene, comm) if scene.tools.free else None
+        self._reach = reach(scene)
+        self._steps = 0
+        self._intervals = np.empty((0, 2))
+        self._where: Any = None
+        self._rows = np.empty(0, np.int32)
+        self._planes, self._runs = np.empty(0, np.int64), np.empty((0, 3), np.int64)
+        self._known: Any = None
+        self._halos: dict[tuple[bool, bool], Halo] = {}
+
+    @property
+    def tools(self) -> Any:
+        """The rigid bodies for kernels, as they are in this step; () where there are none."""
+        return self._contact.tools
+
+    def regroup(self, grid: Grid, population: Population) -> None:
+        """Assign velocity fields to bodies, when it is due; collective."""
+        if self._steps > 0:
+            self._steps -= 1
+            return
+        scene = self.scene
+        boxes = body_boxes(
+            scene.frame, population.particles, population.order, len(self.fields), self.comm
+        )
+        self.fields, steps = assign(boxes, self._reach)
+        self._steps = steps - 1
+        self._intervals = where_near(boxes, self.fields, self._reach, steps)
+        self._where = None
+        if self.fields != grid.fields:
+            grid.fields = self.fields
+            grid.store(grid.base)
+
+    def find(
+        self, grid: Grid, population: Population, ledger: Ledger, start: float, end: float
+    ) -> Contact:
+        """Find where bodies meet in a step, after the halo exchange; collective."""
+        if self._known is not grid.field:
+            self._connect(grid)
+        contact = self._contact
+        ledger.contact[:, :, CONTACT_AREA] = 0.0
+        scene, tools = self.scene, self.scene.tools
+        if max(self.fields) == 0 and not tools:
+            return contact
+        if self._where is None:
+            self._where = self._find_planes(grid)
+        self.call(find_meetings, grid.field, self._where, contact.met, contact.spread)
+        if tools:
+            placed = tools.at(start, end, self.free.states if self.free else None)
+            if self.free:
+                contact.tools.answers.fill(0.0)
+            self.call(
+                find_touched, scene.frame, grid.field, placed, contact.met, contact.spread
+            )
+        found = np.flatnonzero(contact.met)
+        if len(found):
+            self._sum_volumes(grid, population, found)
+        return contact
+
+    def _find_planes(self, grid: Grid) -> np.ndarray:
+        """Find the planes in which bodies of different fields may meet until they are regrouped."""
+        first = int(grid.window.lower[0]) - self.scene.frame.ghost
+        place = np.arange(first, first + grid.planes, dtype=float)
+        low, high = self._intervals.T
+        # Each begins behind as many ends as lie before the plane.
+        begun = np.searchsorted(np.sort(low), place, "right")
+        return begun > np.searchsorted(np.sort(high), place, "left")
+
+    def _connect(self, grid: Grid) -> None:
+        """Allocate the sums for the planes of `grid`."""
+        for halo in self._halos.values():
+            halo.close()
+        self._halos.clear()
+        self._known, self._where, scene = grid.field, None, self.scene
+        self._planes = np.empty(0, np.int64)
+        self._volumes = Grid(scene.frame, scene.vertices, grid.slab, grid.lag, self.fields)
+        self._volumes.store(grid.base)
+        most = 1 + max(self.fields)
+        self._contact = Contact.empty(
+            self.pairs, self._volumes.G, grid.planes, most, len(scene.faces),
+            scene.tools.in_planes(grid.planes) if scene.tools else (),
+        )  # fmt: skip
+
+    def _near(self, grid: Grid, population: Population, planes: np.ndarray) -> Order:
+        """Find the particles that may have weight where bodies meet, in some of the planes."""
+        order, shared = population.ordered, grid.vertices - 1
+        spread, extent = self._contact.spread[planes], grid.window.extent
+        low_y, _, low_z, _ = spread.min(axis=0).tolist()
+        _, high_y, _, high_z = spread.max(axis=0).tolist()
+        part = (high_y - low_y + 1) * (high_z - low_z + 1) / (extent[1] * extent[2])
+        if part > _MOST_OF_A_PLANE:
+            return order
+        if len(self._rows) < len(order.rows):
+            self._rows = np.empty(len(order.rows) * 9 // 8, np.int32)
+        start = np.empty_like(order.start)
+        self.call(
+            select_near, self.scene.frame, grid.window, population.particles, order,
+            self._contact.spread, shared, self._rows, start,
+        )  # fmt: skip
+        return Order(self._rows[: start[-1]], start)
+
+    def _sum_volumes(self, grid: Grid, population: Population, planes: np.ndarray) -> None:
+        """Sum volumes into some of the planes."""
+        slab, shared, volumes = grid.slab, grid.vertices - 1, self._volumes
+        order, layers = self._near(grid, population, planes), grid.slab.layers
+        if not np.array_equal(planes, self._planes):  # they stay the same for many steps
+            self._planes, self._runs = planes, _runs(planes, layers, shared)
+        volumes.active.fill(0)
+        self.call(
+            particles_to_grid, self.scene.setting.without_materials(), volumes.field,
+            population.particles, volume_sums(self.scene.shape), order, self._runs, (),
+        )  # fmt: skip
+        lower = slab.lower is not None and bool(planes[0] < shared)
+        upper = slab.upper is not None and bool(planes[-1] >= layers)
+        if not (lower or upper):
+            return
+        halo = self._halos.get((lower, upper))
+        if halo is None:
+            part = slab._replace(
+                lower=slab.lower if lower else None, upper=slab.upper if upper else None
+            )
+            halo = self._halos[lower, upper] = Halo(self.comm, part, shared)
+        halo.proceed(volumes)
+        halo.finish(volumes)
+
+
+def _runs(planes: np.ndarray, layers: int, shared: int) -> np.ndarray:
+    """Find the layers that add to some of the planes, as runs for `particles_to_grid`."""
+    near = np.zeros(layers + shared, bool)
+    for i in range(shared + 1):
+        near[np.maximum(planes - i, 0)] = True
+    edges = np.flatnonzero(np.diff(near[:layers], prepend=False, append=False)).reshape(-1, 2)
+    return np.concatenate([edges, np.zeros((len(edges), 1), np.int64)], axis=1)

@@ -1,0 +1,1 @@
+"""Lines of history.csv: totals, columns, diagnostics."""

@@ -1,0 +1,235 @@
+"""The sums of which history.csv shows columns: over particles, work, reactions, in layer order."""
+
+from math import frexp, ldexp
+from typing import Any
+
+import numpy as np
+
+from pgimp.kernels.data.ledger import (
+    BOOKED,
+    IMPULSE,
+    TOOL_IMPULSE,
+    TOOL_MOMENT,
+    TOOLED,
+    VOLUMES,
+    WALL_BOOKED,
+)
+from pgimp.kernels.sums.errors import ERRORS, layer_errors
+from pgimp.kernels.sums.sums import HIGH, KINETIC, LOW, MASS, STRAIN, SUMS, exact_masses, layer_sums
+from pgimp.physics.materials.base import LOSSES
+from pgimp.solver.clock import START, Step
+from pgimp.solver.contact.keeping import QUARTER
+from pgimp.solver.history.columns import line_of
+from pgimp.solver.history.totals import Totals
+from pgimp.solver.rank import Rank
+
+#: Part of the volume of what flows without room on the grid that is worth a warning.
+LOST = 0.02
+
+
+def _mass(sums: np.ndarray, unit: float) -> float:
+    """Mass in rows of `exact_masses`, rounded once."""
+    high, low = (sum(map(int, column)) for column in sums.T)
+    return ldexp(float((high << LOW) + low), -LOW) / unit
+
+
+def _own_sums(rank: Rank, scene: Any, order: Any) -> tuple[np.ndarray, np.ndarray, float]:
+    """Sums by layer and body of some particles of a rank, their masses, and the unit of these."""
+    particles = rank.particles
+    sums = np.zeros((rank.slab.layers, len(scene.body_names), scene.sums))
+    layer_sums(scene.setting.without_shape(), particles, order, sums)
+    masses = np.zeros((len(scene.body_names), 2), np.int64)
+    unit = 2.0 ** (HIGH - 2 - frexp(scene.most_mass)[1])  # see `put_in_order`
+    exact_masses(particles, order.rows, unit, masses)
+    return sums, masses, unit
+
+
+def _reduced(
+    sums: list[np.ndarray], masses: list[np.ndarray], unit: float
+) -> tuple[np.ndarray, float]:
+    """Sums by body over the layers of all ranks, and the mass of all."""
+    bodies = np.add.reduce(np.concatenate(sums), axis=0)
+    every = np.stack(masses)  # by rank and body
+    bodies[:, MASS] = [_mass(every[:, body], unit) for body in range(len(bodies))]
+    return bodies, _mass(every.reshape(-1, 2), unit)
+
+
+def sums_of_bodies(rank: Rank, scene: Any, order: Any) -> np.ndarray:
+    """Sums by body of some particles, as `layer_sums` has them, on rank 0; collective.
+
+    Parameters
+    ----------
+    rank : Rank
+        Has the particles.
+    scene : Scene
+        Gives the parameters.
+    order : Order
+        Which particles of the rank, by layer.
+
+    Returns
+    -------
+    (bodies, columns) float64
+        Zeros but on rank 0.
+    """
+    sums, masses, unit = _own_sums(rank, scene, order)
+    parts = rank.comm.gather((sums, masses))
+    if parts is None:
+        return np.zeros((len(scene.body_names), scene.sums))
+    return _reduced([part[0] for part in parts], [part[1] for part in parts], unit)[0]
+
+
+def column_names(scene: Any) -> list[str]:
+    """Names of the columns that history.csv will have, found without a particle.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene of the run.
+    """
+    faces = len(scene.faces)
+    contact = np.zeros((len(scene.pairs.law) if scene.pairs else 0, BOOKED))
+    tools = np.zeros((len(scene.tools), TOOLED))
+    force = np.zeros((faces + len(scene.loads.constraints) + len(contact) + 2 * len(tools), 3))
+    bodies, none = np.zeros((len(scene.body_names), scene.sums)), np.zeros(scene.sums)
+    errors, told = np.zeros(ERRORS), np.zeros(len(LOSSES))
+    return list(
+        line_of(
+            Totals(
+                scene, START, bodies, none, none, none, 0.0, told, 0.0, 0.0, force,
+                np.zeros(faces), np.zeros((faces, WALL_BOOKED)), contact, tools,
+                np.zeros(len(tools), np.int64), np.zeros((len(bodies), VOLUMES)), {}, errors,
+                errors,
+            )
+        )
+    )
+
+
+class Diagnostics:
+    """Sums of one simulation; references to earlier lines are kept on rank 0."""
+
+    def __init__(self) -> None:
+        #: Greatest part of the mass beyond a face in any line, when, and which; on rank 0.
+        self.most_outside = (0.0, 0.0, "")
+        self.first_energy: float | None = None
+        #: Warnings that have not been shown yet, on rank 0; whether those of rigid bodies and of
+        #: volumes were made.
+        self.said: list[str] = []
+        self.warned = self.lost = False
+        self.last: tuple[float, np.ndarray, np.ndarray] | None = None
+        #: Of stages, see `Totals`; of use on rank 0.
+        self.removed: np.ndarray | None = None
+        self.changed = 0.0
+        self.told = np.zeros(len(LOSSES))
+
+    def removed_so_far(self, scene: Any) -> np.ndarray:
+        """Sums of the bodies that stages have removed."""
+        return np.zeros(scene.sums) if self.removed is None else self.removed
+
+    def line(self, rank: Rank, done: Step) -> dict[str, float] | None:
+        """One line of the history on rank 0, None elsewhere; collective.
+
+        The reaction of a face, or of a constraint, is the mean force that it exerted on the
+        material since the last line: its impulse over the time. The dissipated energy closes the
+        balance: initial energy plus external work less kinetic and strain energy, also that of
+        particles that were removed, plus what changes between stages added.
+        """
+        scene = rank.scene
+        sums, masses, unit = _own_sums(rank, scene, rank.population.ordered)
+        own = rank.booked()
+        impulse = np.concatenate(
+            [
+                own.impulse, own.constraint_impulse, own.contact[:, :, IMPULSE : IMPULSE + 3],
+                own.tools[:, :, TOOL_IMPULSE : TOOL_IMPULSE + 3],
+                own.tools[:, :, TOOL_MOMENT : TOOL_MOMENT + 3],
+            ],
+            axis=1,
+        )  # fmt: skip
+        errors = self._own_errors(rank, done.end)
+        rows = rank.population.ordered.rows
+        inside = rank.keeping.inside(rank.particles, rows, done.end, QUARTER)
+        booked = (impulse, own.outside_mass, own.contact, own.tools, own.walls, own.filled)
+        parts = rank.comm.gather((sums, own.work, booked, errors, own.escaped, masses, inside))
+        if parts is None:
+            return None
+        bodies, every = _reduced([part[0] for part in parts], [part[5] for part in parts], unit)
+        work = float(np.concatenate([part[1] for part in parts]).sum())
+        impulse, outside_mass, contact, tools, walls, filled = (
+            np.add.reduce(np.concatenate([part[2][i] for part in parts]), axis=0) for i in range(6)
+        )
+        inside = np.sum([part[6] for part in parts], axis=0)
+        self._tell_inside(scene, done.end, inside)
+        self._tell_volumes(scene, done.end, filled)
+        total = np.add.reduce(bodies, axis=0)
+        total[MASS] = every
+        if self.first_energy is None:
+            self.first_energy = float(total[KINETIC] + total[STRAIN])
+            if not done.number:
+                self.told[: len(total) - SUMS] = total[SUMS:]
+        escaped, added, most = np.zeros(scene.sums), np.zeros(ERRORS), np.zeros(ERRORS)
+        if scene.escapes:
+            escaped = np.add.reduce(np.concatenate([part[4] for part in parts]), axis=(0, 1))
+        if scene.exact:
+            added = np.add.reduce(np.concatenate([part[3][0] for part in parts]), axis=0)
+            most = np.concatenate([part[3][1] for part in parts]).max(axis=0)
+        for face, mass in zip(scene.faces, outside_mass, strict=True):
+            if total[MASS]:
+                share = (float(mass / total[MASS]), done.end, face.name)
+                self.most_outside = max(self.most_outside, share)
+        force = self._forces(done.end, impulse)
+        return line_of(
+            Totals(
+                scene, done, bodies, total, escaped, self.removed_so_far(scene), self.changed,
+                self.told, self.first_energy, work, force, outside_mass, walls, contact, tools,
+                inside, filled, rank.free.now if rank.free else {}, added, most,
+            )
+        )  # fmt: skip
+
+    def _tell_inside(self, scene: Any, time: float, inside: np.ndarray) -> None:
+        """Warn, once, of particles inside rigid bodies."""
+        if self.warned or not inside.any():
+            return
+        self.warned = True
+        each = [f"{n} in '{name}'" for name, n in zip(scene.tools.names, inside, strict=True) if n]
+        self.said.append(
+            f"particles are deeper in rigid bodies than a quarter of a cell: {', '.join(each)} "
+            f"at time {time:.6g}; what is there takes no part in contact as it should. The columns "
+            "tool.NAME.inside of history.csv go on counting"
+        )
+
+    def _tell_volumes(self, scene: Any, time: float, filled: np.ndarray) -> None:
+        """Warn, once, of bodies that flow and have lost volume."""
+        if self.lost:
+            return
+        for name, (carried, room) in zip(scene.body_names, filled, strict=False):
+            if room < (1.0 - LOST) * carried:
+                self.lost = True
+                self.said.append(
+                    f"body '{name}', which flows, fills {1.0 - room / carried:.1%} less of the "
+                    f"grid than its volume at time {time:.6g}: its particles crowd. In a splash "
+                    f"that passes; where it lasts, its level is too low. The column volume.{name} "
+                    "of history.csv goes on counting"
+                )
+
+    @staticmethod
+    def _own_errors(rank: Rank, time: float) -> tuple[np.ndarray, ...]:
+        """Sums and maxima of the errors by layer, of this rank's particles; () without any."""
+        scene, population = rank.scene, rank.population
+        if not scene.exact:
+            return ()
+        sums, most = np.zeros((2, rank.slab.layers, ERRORS))
+        layer_errors(
+            scene.exact, time, scene.follows, scene.setting, population.particles,
+            population.ordered, sums, most,
+        )  # fmt: skip
+        return sums, most
+
+    def _forces(self, time: float, impulse: np.ndarray) -> np.ndarray:
+        """Mean forces of faces and constraints since the last line, (faces + constraints, 3)."""
+        if self.last is None:
+            force = np.zeros_like(impulse)
+        elif time > self.last[0]:
+            force = (impulse - self.last[1]) / (time - self.last[0])
+        else:
+            return self.last[2]
+        self.last = (time, impulse, force)
+        return force

@@ -1,0 +1,183 @@
+"""Sums over all ranks for a line of the history, and the types of its columns."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple, TypeVar
+
+import numpy as np
+
+from pgimp.kernels.sums.errors import VOLUME
+from pgimp.kernels.sums.sums import ANGULAR, SUMS
+from pgimp.physics.materials.base import LOSSES
+from pgimp.physics.rigid import Free
+from pgimp.scene.rigid.free_body import FreeBody, State
+from pgimp.solver.clock import Step
+
+T = TypeVar("T")
+
+
+class Totals(NamedTuple):
+    """Data of all ranks for a line of the history.
+
+    Attributes
+    ----------
+    scene : Scene
+        The scene of the run.
+    done : Step
+        The last step.
+    bodies : (bodies, columns) float64
+        Sums over the particles of each body, as `layer_sums` has them.
+    total : (columns,) float64
+        Those over all particles.
+    escaped : (columns,) float64
+        Those of the particles that were removed since the start, when they were.
+    removed : (columns,) float64
+        Those of bodies that stages have removed, at that time.
+    changed : float
+        Strain energy added by new parameters of materials as stages began.
+    told : (LOSSES,) float64
+        Losses that particles tell and that are not of this run: with which they started, and that
+        new parameters make of what they remember.
+    first_energy : float
+        Kinetic and strain energy at the start.
+    work : float
+        External work since the start.
+    force : (faces + constraints + entries of contact + 2 rigid bodies, 3) float64
+        Mean force of each on the material since the last line; of rigid bodies the mean forces on
+        them, then the mean moments.
+    outside_mass : (faces,) float64
+        Mass beyond each face in the last step.
+    walls : (faces, WALL_BOOKED) float64
+        What each face has taken.
+    contact : (entries, BOOKED) float64
+        The ledger of contact.
+    tools : (rigid bodies, TOOLED) float64
+        The ledger of rigid bodies.
+    inside : (rigid bodies,) int64
+        Particles that are deeper in each than a quarter of a cell.
+    filled : (bodies, VOLUMES) float64
+        The ledger of volumes of what flows.
+    free : dict of int to (FreeBody, State)
+        The rigid bodies that move freely, by number, and their states.
+    errors, greatest : (ERRORS,) float64
+        Sums and maxima of the errors, as `layer_errors` has them; zeros without exact solution.
+    """
+
+    scene: Any
+    done: Step
+    bodies: np.ndarray
+    total: np.ndarray
+    escaped: np.ndarray
+    removed: np.ndarray
+    changed: float
+    told: np.ndarray
+    first_energy: float
+    work: float
+    force: np.ndarray
+    outside_mass: np.ndarray
+    walls: np.ndarray
+    contact: np.ndarray
+    tools: np.ndarray
+    inside: np.ndarray
+    filled: np.ndarray
+    free: dict[int, tuple[FreeBody, State]]
+    errors: np.ndarray
+    greatest: np.ndarray
+
+    def along(self, sums: Any, first: int) -> Any:
+        """Return a vector among sums, in the directions that the scene has."""
+        return sums[first : first + self.scene.dimension]
+
+    def moment(self, sums: np.ndarray) -> tuple[float | None, ...]:
+        """Return the angular momentum among sums, None about axes where it is always zero."""
+        return self.about_axes(sums[ANGULAR : ANGULAR + 3])
+
+    def about_axes(self, moment: Sequence[float] | np.ndarray) -> tuple[float | None, ...]:
+        """Return the components of a moment, None about axes where it is always zero."""
+        # A motion along x alone has no moment about the origin, one in the plane only that about z.
+        axes = ((), (2,), (0, 1, 2))[self.scene.dimension - 1]
+        return tuple(moment[i] if i in axes else None for i in range(3))
+
+    def lost(self, name: str) -> float:
+        """Return one of `LOSSES` of all particles since the start, also of those that are gone."""
+        number = LOSSES.index(name)
+        column = SUMS + number
+        there = self.total[column] + self.escaped[column] + self.removed[column]
+        return there - self.told[number]
+
+    def contact_force(self, k: int) -> np.ndarray | tuple[()]:
+        """Return the force of an entry of contact, nothing where it is for more than two bodies."""
+        if len(self.scene.case.contact[k].bodies) != 2:
+            return ()
+        others = len(self.scene.faces) + len(self.scene.case.constraints)
+        return self.along(self.force[others + k], 0)
+
+    def on_tool(self, k: int) -> np.ndarray:
+        """Return the mean force on a rigid body."""
+        return self.along(self.force[len(self.force) - 2 * len(self.tools) + k], 0)
+
+    def moment_on_tool(self, k: int) -> tuple[float | None, ...]:
+        """Return the mean moment on a rigid body, None about axes where it is always zero."""
+        return self.about_axes(self.force[len(self.force) - len(self.tools) + k])
+
+    def displacement_of_tool(self, k: int) -> tuple[float, ...]:
+        """Return the displacement of a rigid body since the start."""
+        if k in self.free:
+            body, state = self.free[k]
+            displacement = tuple(x - y for x, y in zip(state.centre, body.bulk.centre, strict=True))
+        else:
+            motion = self.scene.tools.entries[k].rigid
+            displacement = (
+                (0.0,) * 3 if isinstance(motion, Free) else motion.displacement(self.done.end)
+            )
+        return displacement[: self.scene.dimension]
+
+    def of_free(self, k: int, what: Callable[[FreeBody, State], T], unknown: T) -> T:
+        """Return a value of the k-th rigid body that moves freely, once it is known."""
+        return what(*list(self.free.values())[k]) if self.free else unknown
+
+    def mean(self, column: int) -> float:
+        """Return a mean over the initial volume; nan when all particles were removed."""
+        volume = self.errors[VOLUME]
+        return self.errors[column] / volume if volume else np.nan
+
+    def reference_stress(self) -> float:
+        """Return the stress that (47) refers to; 1 before the load starts: there is no error."""
+        return self.scene.exact.scale(self.done.end) or 1.0
+
+
+class Column(NamedTuple):
+    """A column of history.csv, or one for each axis.
+
+    Attributes
+    ----------
+    name : str
+        NAME or FACE stands for the group's names, AXIS for x, y, z.
+    unit, meaning : str
+        For the reference.
+    value : callable
+        Takes `Totals` and the number of the name in the group; returns a number, or with AXIS one
+        for each axis, None for those that have no column.
+    """
+
+    name: str
+    unit: str
+    meaning: str
+    value: Callable[[Totals, int], Any]
+
+
+class Group(NamedTuple):
+    """Columns that follow each other for each name.
+
+    Attributes
+    ----------
+    names : callable
+        Takes the scene; returns what NAME or FACE stands for. Columns without them are written
+        once if there is any name.
+    columns : tuple of Column
+        In their order.
+    """
+
+    names: Callable[[Any], Sequence[str]]
+    columns: tuple[Column, ...]

@@ -1,0 +1,1 @@
+"""Start of a run: memory, checks of the stages, compilation, errors of particles."""

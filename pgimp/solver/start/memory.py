@@ -1,0 +1,295 @@
+"""Memory that a run will take, estimated and compared with what is free before it is used.
+
+The terms are those of what a rank allocates, with the transients of the phase that takes most.
+Measured peaks are within some ten per cent (tests/solver/test_memory.py); what a run needs besides,
+when bodies spread or many particles move to another rank at once, is not foreseen.
+"""
+
+from math import prod
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from pgimp.decomposition.grid import LAG, MARGIN
+from pgimp.errors import CaseError
+from pgimp.kernels.data.ledger import BOOKED, TOOLED
+from pgimp.kernels.data.particles import Particles
+from pgimp.kernels.rigid.bodies import ANSWER
+from pgimp.mpi.limits import Limit, limits
+from pgimp.physics.fields import ALWAYS
+from pgimp.scene.bodies.extent import Extent, extents, points
+from pgimp.scene.bodies.lattice_body import _SLAB
+from pgimp.scene.scene import Scene
+from pgimp.solver.contact.velocity_fields import assign, reach
+
+#: What a process takes besides, after its start: kernels, HDF5, buffers of MPI.
+BASE = 100_000_000
+
+#: Rows of a rank's particles are numbered by int32.
+MOST_ROWS = 2**31 - 1
+
+
+class MemoryShortError(CaseError):
+    """A run does not fit into memory; `estimate` is that of the first rank."""
+
+    def __init__(self, text: str, estimate: "Estimate") -> None:
+        super().__init__(text, estimate)
+        self.estimate = estimate
+
+    def __str__(self) -> str:
+        """Return the message."""
+        return str(self.args[0])
+
+
+class Part(NamedTuple):
+    """Memory of a rank for one purpose.
+
+    Attributes
+    ----------
+    what : str
+        Its name, for messages.
+    size : float
+        Bytes.
+    advice : str
+        What would change that in the case.
+    shared : bool
+        Whether more ranks make it less.
+    """
+
+    what: str
+    size: float
+    advice: str
+    shared: bool = True
+
+
+class Estimate(NamedTuple):
+    """Memory that a rank will take beyond what it has at its start.
+
+    Attributes
+    ----------
+    particles : float
+        Of all ranks, about.
+    each : int
+        Bytes for each of a rank's particles at the peak.
+    parts : list of Part
+        What is there at the peak; the largest first.
+    untouched : Part
+        What is allocated besides, but not touched where there are no particles.
+    """
+
+    particles: float
+    each: int
+    parts: list[Part]
+    untouched: Part
+
+    @property
+    def size(self) -> float:
+        """Bytes in all."""
+        return BASE + sum(part.size for part in self.parts)
+
+
+def bytes_each(scene: Scene, ranks: int) -> tuple[int, int, int]:
+    """Bytes of a particle: its columns, what a rank keeps for it, and more during output."""
+    p = Particles.empty(1, scene.carried)
+    columns = sum(array.nbytes for array in p)
+    widest = 8 * max(array.size for array in p)
+    output = scene.case.output
+    fields = [*ALWAYS.values(), *(scene.fields[name] for name in output.fields)]
+    field = (4 if output.precision == "float32" else 8) * max(max(1, f.columns) for f in fields)
+    # Rows and their order; what goes to other ranks and comes from them; a compressed field. It is
+    # more than a checkpoint needs.
+    frame = (40 if ranks == 1 else 36 + 2 * field) + field * (output.compression != "none")
+    # Scratch for the widest column, order and spare order; what comes from other ranks.
+    kept = columns * (1.0 if ranks == 1 else 1.125) + widest + 8
+    return columns, int(kept), int(kept + frame)
+
+
+def window(scene: Scene, bodies: list[Extent], ranks: int) -> list[int]:
+    """Vertices along each direction where there are particles at the beginning, and a margin."""
+    s, per_cell = scene.vertices, scene.case.method.particles_per_cell
+    margin = 2 * (MARGIN + (LAG if ranks > 1 else 0))
+    extent = []
+    for d in range(scene.dimension):
+        low = min(body.low[d] for body in bodies) // per_cell[d]
+        high = -(-max(body.high[d] for body in bodies) // per_cell[d])
+        extent.append(min(scene.frame.vertices[d], high - low + s + 1 + (margin if d else 0)))
+    return extent
+
+
+def _fields(scene: Scene, bodies: list[Extent]) -> float:
+    """Velocity fields at the beginning, those with the sums of volumes where bodies meet."""
+    if not scene.pairs:
+        return 1
+    per_cell = np.array(scene.case.method.particles_per_cell)
+    ends = [np.array([getattr(body, end) for body in bodies]) / per_cell for end in ("low", "high")]
+    fields = 1 + max(assign(np.stack(ends), reach(scene))[0])
+    return fields * (2 if fields > 1 or scene.tools else 1)
+
+
+def estimate(
+    scene: Scene,
+    ranks: int,
+    first: bool,
+    bodies: list[Extent],
+    count: float | None = None,
+    share: float | None = None,
+) -> Estimate:
+    """Estimate the memory of a rank.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    ranks : int
+        How many there are.
+    first : bool
+        Whether it is the first one, which gathers sums.
+    bodies : list of Extent
+        See `extents`.
+    count : float, optional
+        Particles of all ranks; by default a lower bound, unless much of the bodies is surface.
+    share : float, optional
+        The rank's part of the particles and layers; without it all ranks have the same.
+    """
+    case, D = scene.case, scene.dimension
+    lattice, per_cell = points(case), case.method.particles_per_cell
+    if count is None:
+        count = sum(body.least + 0.25 * (body.most - body.least) for body in bodies)
+    s = scene.vertices
+    layers = scene.frame.vertices[0]
+    if share is None:
+        share = 1.0 / max(1, min(ranks, layers // (s - 1)))
+
+    def particles(each: int) -> Part:
+        return Part(
+            f"{count:.3g} particles ({each} bytes each)",
+            count * share * each,
+            "larger cells (grid.cell) or fewer particles in them (method.particles_per_cell)",
+        )
+
+    columns, kept, most = bytes_each(scene, ranks)
+
+    extent = window(scene, bodies, ranks)
+    fields = _fields(scene, bodies)
+    plane = prod(extent[1:]) * fields * (64 + (8 if scene.loads.constraints else 0))
+    if scene.approached:
+        plane += prod(extent[1:]) * fields * 8 * len(scene.faces)
+    occupied = min(extent[0], sum(body.boxes[0] / per_cell[0] + s for body in bodies))
+    # A layer's own planes; what is deferred at both ends, and received.
+    beside = s + (1.5 * s * (s - 1) if ranks > 1 else 0)
+    grid = Part(
+        f"the grid's window of {' x '.join(str(n) for n in extent[1:]) or 'a'} vertices a plane",
+        (occupied * share + beside) * plane,
+        "larger cells (grid.cell), or bodies that lie closer together across x",
+    )
+
+    names, faces = len(scene.body_names), len(scene.faces)
+    line = 8 * scene.sums * names
+    plane_sums = 40 + 32 * faces + 24 * len(scene.loads.constraints) + line * bool(scene.escapes)
+    plane_sums += 8 * BOOKED * len(scene.pairs.law) if scene.pairs else 0
+    plane_sums += 8 * TOOLED * len(scene.tools)
+    # Of free bodies; their sums are over all planes, twice where ranks add them up.
+    answers = 8 * ANSWER * sum(bool(tool.free) for tool in case.tools.values())
+    every = answers * (share + (1 if ranks == 1 else 2))
+    # The first rank gathers them all, through messages.
+    gathered = (line if ranks == 1 else 2 * (line + plane_sums)) if first else 0
+
+    def sums(each: float) -> Part:
+        return Part(
+            f"sums over {names} bodies by {layers:,} planes",
+            layers * each,
+            "a grid with fewer cells along x (grid.size, grid.cell), or fewer bodies",
+            shared=False,
+        )
+
+    rows = [(prod(body.boxes[1:]), body.boxes[0]) for body in bodies]
+    volumes = 24.0 * max(min(deep, _SLAB // max(row, 1) + 5) * row for row, deep in rows)
+    measured = sum(
+        body.surface for body, entry in zip(bodies, case.bodies.values(), strict=True)
+        if entry.surface == "cut"
+    ) * 8 * (1 + D) * share * (1.0 if ranks == 1 else 2.0)  # fmt: skip
+    counting = Part(
+        "finding the particles on a lattice of "
+        f"{' x '.join(f'{n:,}' for n in lattice)} boxes",
+        lattice[0] * (32.0 * names + 40) + 32 * layers + 16.0 * sum(lattice) + 24.0 * max(lattice)
+        + volumes + measured,
+        "a grid with fewer cells (grid.size, grid.cell), or fewer bodies",
+    )  # fmt: skip
+
+    rigid = Part(
+        f"the distances from {len(scene.tools)} rigid bodies",
+        40.0 * scene.tools.points(),
+        "smaller rigid bodies, without what meets nothing, or larger cells (grid.cell)",
+        shared=False,
+    )
+
+    phases = [
+        [counting, particles(columns)],
+        [particles(most), grid, rigid, sums(share * plane_sums + every)],
+        [particles(kept), grid, rigid, sums(share * (plane_sums + line) + every + gathered)],
+    ]
+    peak = max(phases, key=lambda parts: sum(part.size for part in parts))
+    untouched = Part(
+        f"addresses of the grid's {layers:,} planes",
+        max(0.0, layers * share - occupied * share) * plane,
+        "a domain that is shorter along x (grid.size)",
+    )
+    return Estimate(count, most, sorted(peak, key=lambda part: -part.size), untouched)
+
+
+def require(scene: Scene, comm: Any, count: int | None = None) -> Estimate:
+    """Refuse a run that the memory of its nodes cannot hold; collective.
+
+    Returns
+    -------
+    Estimate
+        That of this rank.
+
+    Raises
+    ------
+    MemoryShortError
+        The same on every rank.
+    CaseError
+        The same, if a rank cannot number its particles.
+    """
+    found = estimate(scene, comm.size, comm.rank == 0, extents(scene.case), count)
+    ranks = comm.allgather((found, limits()))
+    # What processes share a limit takes together; several may name the same with other figures.
+    needs: dict[str, float] = {}
+    sharing: dict[str, list[Limit]] = {}
+    for one, bounds in ranks:
+        for limit in bounds:
+            key = f"{limit.shared_by} {limit.name}"
+            size = one.size + (one.untouched.size if limit.addresses else 0.0)
+            needs[key] = needs.get(key, 0.0) + size
+            sharing.setdefault(key, []).append(limit)
+    frees = {key: max(1, min(limit.free for limit in some)) for key, some in sharing.items()}
+    worst = max(needs, key=lambda key: needs[key] / frees[key], default="")
+    if worst and needs[worst] > frees[worst]:
+        limit = sharing[worst][0]
+        who = f"{len(sharing[worst])} of {comm.size} ranks" if comm.size > 1 else "it"
+        first = ranks[0][0]
+        parts = [*first.parts, *[first.untouched] * limit.addresses]
+        part = max(parts, key=lambda part: part.size)
+        raise MemoryShortError(
+            f"this case is too large: {who} would take about {size_text(needs[worst])}, where "
+            f"{limit.name} leaves {size_text(frees[worst])}\n"
+            f"  most of it, {size_text(part.size)} a rank, is for {part.what}\n"
+            f"  try: {part.advice}" + (", or more nodes" if part.shared else ""),
+            first,
+        )
+    if count is not None and count / comm.size > MOST_ROWS:
+        raise CaseError(
+            f"{count:,} particles on {comm.size} ranks: a rank can number {MOST_ROWS:,}; use "
+            "more ranks"
+        )
+    return found
+
+
+def size_text(n: float) -> str:
+    """Format a number of bytes."""
+    for unit in ("bytes", "kB", "MB", "GB", "TB"):
+        if n < 999.5:
+            return f"{n:.3g} {unit}"
+        n /= 1000
+    return f"{n:.3g} PB"

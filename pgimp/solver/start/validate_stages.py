@@ -1,0 +1,113 @@
+"""Checks of all stages before a run's first step: columns of the history, and steps."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from pgimp.errors import CaseError
+from pgimp.scene.checks.facts import rest_rate
+from pgimp.scene.checks.sanity import small_step_warning
+from pgimp.scene.scene import Scene
+from pgimp.solver.history.diagnostics import column_names
+from pgimp.solver.parts import fastest
+from pgimp.solver.rank import Rank
+from pgimp.solver.stability import require_stable, stability_warning, stable_courant
+
+#: Columns of the history that are zero where a stage does not have them; others are nan.
+_SUMS = ("removed.", "escaped.", "stages.")
+
+
+def look_ahead(scenes: Sequence[Scene]) -> list[str]:
+    """Return the columns that the history of a run of several stages has, in their order.
+
+    Everything that can be checked in the stages without their particles is checked.
+
+    Parameters
+    ----------
+    scenes : sequence of Scene
+        Those of all stages.
+
+    Raises
+    ------
+    CaseError
+        If a stage cannot be run.
+    """
+    columns: list[str] = []
+    for scene in scenes:
+        place = 0
+        for name in column_names(scene):
+            if name in columns:
+                place = columns.index(name) + 1
+            else:
+                columns.insert(place, name)
+                place += 1
+    require_stable_stages(scenes, {})
+    return columns
+
+
+def absent(column: str) -> float:
+    """Return a line's value in a column that its stage does not have."""
+    return 0.0 if column.startswith(_SUMS) else float("nan")
+
+
+def stage_rate(scene: Scene, rates: Mapping[str, float]) -> float:
+    """Rate that limits the steps of a stage at rest, 1/time.
+
+    Parameters
+    ----------
+    scene : Scene
+        The stage's.
+    rates : dict of str to float
+        By name those of bodies whose materials vary, which keep their parameters in all stages: the
+        greatest of their particles. The rates of bodies that are not named are unknown.
+    """
+    found = [0.0]
+    for body, name in enumerate(scene.body_names):
+        found.append(rates.get(name, 0.0) if scene.varies(body) else rest_rate(scene, body))
+    return max(found)
+
+
+def rates_at_rest(rank: Rank, scene: Scene, comm: Any) -> dict[str, float]:
+    """Return what `stage_rate` needs, from the particles at the start; collective."""
+    still = rank.particles._replace(v=np.zeros_like(rank.particles.v))
+    order, found = rank.population.order, {}
+    for body, name in enumerate(scene.body_names):
+        if scene.varies(body):
+            rows = order[still.body[order] == body]
+            found[name] = max(comm.allgather(fastest(scene, still, rows, True)))
+    return found
+
+
+def require_stable_stages(scenes: Sequence[Scene], rates: Mapping[str, float]) -> list[str]:
+    """Refuse fixed steps of later stages beyond the limit; warn of those near it or far below.
+
+    Parameters
+    ----------
+    scenes : sequence of Scene
+        Those of all stages.
+    rates : dict of str to float
+        See `stage_rate`.
+
+    Raises
+    ------
+    CaseError
+        For the first one, with its key.
+    """
+    warnings = []
+    for scene in scenes:
+        case = scene.case
+        step, number = case.time.step, case.staged.number
+        if not number or case.watched or not isinstance(step, float | int):
+            continue
+        rate, stable = stage_rate(scene, rates), stable_courant(case)
+        own = step != scenes[number - 1].case.time.step
+        key = f"{case.staged.title}: time.{f'stages.{number - 1}.' if own else ''}step"
+        try:
+            require_stable(scene, float(step), rate)
+        except CaseError as error:
+            raise CaseError(str(error).replace("time.step", key, 1)) from None
+        warnings.append(stability_warning(float(step), rate, stable).replace("time.step", key, 1))
+        if own and rate > 0.0:
+            warnings.append(small_step_warning(float(step), rate).replace("time.step", key, 1))
+    return [text for text in warnings if text]

@@ -1,0 +1,1 @@
+"""State that outlives a step: checkpoints, frames of the grid, probes."""

@@ -1,0 +1,183 @@
+"""The part of the grid where there are particles, as output shows it.
+
+It is summed again from the particles as they are, just as the next step will do: the sums of the
+last step belong to where they were. So a frame of the grid belongs to the particles of
+the same time, also at the start, and after a resume. Of bodies in the initial configuration it is
+the grid at the start: vertices and cells stay where they were then.
+"""
+
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+
+from pgimp.kernels.contact.forces import contact_forces
+from pgimp.kernels.contact.rigid_newton import find_response
+from pgimp.kernels.data.record import FORCE, MASS, MOMENTUM, RECORD
+from pgimp.kernels.grid.momentum import BEGINNING, update_momentum
+from pgimp.solver.clock import Step
+from pgimp.solver.parts import parts_of
+from pgimp.solver.rank import Rank
+from pgimp.solver.step import acting, fold_mirrors, on_vertices, sum_particles
+from pgimp.storage.framefile import blocks
+
+_UP, _DOWN = 5, 6
+_BLOCK = 1 << 16
+
+#: Corners of a cell in the order of VTK's line, quadrilateral and hexahedron, by dimension.
+_CORNERS = (
+    ((0, 0, 0), (1, 0, 0)),
+    ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)),
+    ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)),
+)
+
+
+class ActiveGrid(NamedTuple):
+    """Vertices and cells of a rank, in order of x, y, z; those of the ranks follow each other.
+
+    Attributes
+    ----------
+    position : (n, 3) float64
+        Of the vertices: those with mass, and corners of the cells.
+    mass, momentum, force : (n,), (n, 3), (n, 3) float64
+        Sums over the particles; the force with that of gravity.
+    contact : (n, 3) float64
+        See `_contact`; zeros where it is not requested.
+    cells : (c, 2^D) int64
+        Vertices of the cells in which there are centres of particles, numbered over all ranks.
+    first : (int, int)
+        Number of the rank's first vertex and cell.
+    total : (int, int)
+        Vertices and cells of all ranks.
+    """
+
+    position: np.ndarray
+    mass: np.ndarray
+    momentum: np.ndarray
+    force: np.ndarray
+    contact: np.ndarray
+    cells: np.ndarray
+    first: tuple[int, int]
+    total: tuple[int, int]
+
+
+def active_grid(rank: Rank, time: float, dt: float = 0.0) -> ActiveGrid:
+    """Sum the particles as they are into the grid, and take out where there are any; collective.
+
+    Parameters
+    ----------
+    rank : Rank
+        What the rank holds.
+    time : float
+        The time.
+    dt : float
+        Length of the step for the forces of contact; 0: without them.
+    """
+    comm, scene, grid, slab = rank.comm, rank.scene, rank.grid, rank.slab
+    contacts = bool(rank.meetings) and dt > 0.0
+    if contacts and rank.meetings:  # before the first step all bodies share a field
+        rank.meetings.regroup(grid, rank.population)
+    parts, marked = parts_of(scene, rank.population), contacts and bool(scene.loads.constraints)
+    sum_particles(rank, parts, scene.loads.at(time), marked)
+    rank.halo.finish(grid)
+    own, D = grid.owned, scene.dimension
+    extent = grid.window.extent
+    fields = grid.G.reshape(grid.planes, 1 + max(grid.fields, default=0), *extent[1:], RECORD)[:own]
+    fields[grid.active[:own] == 0] = 0.0
+    records = fields.sum(axis=1) if fields.shape[1] > 1 else fields[:, 0]
+
+    cells, below = _cells(rank)
+    vertices = records[..., MASS] > 0.0
+    shown = np.concatenate([below[None], cells])
+    for a, b, c in _CORNERS[D - 1]:
+        vertices[:, b:, c:] |= shown[1 - a : 1 - a + own, : extent[1] - b, : extent[2] - c]
+
+    counts = np.array(comm.allgather((int(vertices.sum()), int(cells.sum()))))
+    first, total = counts[: comm.rank].sum(axis=0), counts.sum(axis=0)
+    numbers = np.full((own + 1, *extent[1:]), -1, np.int64)
+    numbers[:own][vertices] = first[0] + np.arange(counts[comm.rank, 0])
+    sent = None if slab.lower is None else comm.isend(numbers[0], slab.lower, _DOWN)
+    if slab.upper is not None:
+        numbers[own] = comm.recv(source=slab.upper, tag=_DOWN)
+    if sent is not None:
+        sent.wait()
+    i, j, k = np.nonzero(cells)
+    corners = [numbers[i + a, j + b, k + c] for a, b, c in _CORNERS[D - 1]]
+
+    found, place = records[vertices], np.nonzero(vertices)
+    contact = _contact(rank, time, dt)[vertices] if contacts else np.zeros((len(found), 3))
+    position = np.zeros((len(found), 3))
+    for d in range(D):
+        number = place[d] + (grid.window.lower[d] - scene.frame.ghost)
+        position[:, d] = scene.frame.origin[d] + number * scene.frame.cell[d]
+    mass = found[:, MASS].copy()
+    return ActiveGrid(
+        position,
+        mass,
+        found[:, MOMENTUM : MOMENTUM + 3].copy(),
+        found[:, FORCE : FORCE + 3] + mass[:, None] * np.array(scene.gravity(time)),
+        contact,
+        np.stack(corners, axis=1),
+        (int(first[0]), int(first[1])),
+        (int(total[0]), int(total[1])),
+    )
+
+
+def _contact(rank: Rank, time: float, dt: float) -> np.ndarray:
+    """Find the forces of contact at the vertices of a rank's own planes, (planes, y, z, 3).
+
+    As the next step does, of the length `dt`, but for what is booked; collective.
+    """
+    scene, grid, call = rank.scene, rank.grid, rank.call
+    assert rank.meetings
+    t = Step(1, time, dt, time + dt)
+    unbooked = type(rank.ledger)(*map(np.zeros_like, rank.ledger))
+    contact = rank.meetings.find(grid, rank.population, unbooked, t.start, t.end)
+    forcing = on_vertices(acting(rank, t, scene.loads.at(time), controlled=False))
+    faces, field = scene.face_parameters(t.start, t.end), grid.field
+    fold_mirrors(rank, forcing, contact, unbooked)
+    extent = grid.window.extent
+    found = np.zeros((grid.owned * extent[1] * extent[2], 3))
+    forces = partial(call, contact_forces, contact, faces, scene.frame, field, forcing)
+    if forcing.loads.relaxation != ():
+        forces(False, found)
+    call(update_momentum, scene.frame, field, faces, forcing, unbooked, contact, BEGINNING)
+    if rank.free:
+        respond = partial(call, find_response, contact, faces, scene.frame, field, forcing)
+        rank.free.solve_velocities(contact.tools, grid, t, forcing.gravity, respond)
+    forces(True, found)
+    return found.reshape(grid.owned, *extent[1:], 3)
+
+
+def _cells(rank: Rank) -> tuple[np.ndarray, np.ndarray]:
+    """Cells that hold centres of particles, by their lowest vertex; collective.
+
+    Returns
+    -------
+    cells : (own planes, y, z) bool
+        Those of this rank.
+    below : (y, z) bool
+        Those of the last plane of the lower rank.
+    """
+    grid, slab, own, window = rank.grid, rank.slab, rank.grid.owned, rank.grid.window
+    p, order, frame = rank.particles, rank.population.order, rank.scene.frame
+    marks = np.zeros((grid.planes, *window.extent[1:]), bool)
+    for begin, end in blocks(len(order), _BLOCK):
+        x = rank.scene.weighed(p, order[begin:end])
+        place = [np.zeros(len(x), np.int64)] * 3
+        for d in range(rank.scene.dimension):
+            cell = np.floor((x[:, d] - frame.origin[d]) * frame.inverse[d])
+            place[d] = cell.astype(np.int64) + (frame.ghost - window.lower[d])
+        marks[tuple(place)] = True
+    # A particle of the last layer may be in the next cell, whose vertex the upper rank has. Other
+    # layers do not reach beyond, so that the plane before is complete.
+    sent = None
+    if slab.upper is not None:
+        sent = rank.comm.isend(marks[own - 1 : own + 1], slab.upper, _UP)
+    below = np.zeros(window.extent[1:], bool)
+    if slab.lower is not None:
+        below, shared = rank.comm.recv(source=slab.lower, tag=_UP)
+        marks[0] |= shared
+    if sent is not None:
+        sent.wait()
+    return marks[:own], below

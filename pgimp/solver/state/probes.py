@@ -1,0 +1,216 @@
+"""Probes: a particle that is followed by its id, or the material at a place.
+
+Work is done only when a line is due: a step knows nothing of probes. Values do not depend on the
+ranks: a particle is on one of them, and the sums at a place go layer by layer in
+canonical order, as those of the history.
+"""
+
+from collections.abc import Sequence
+from math import floor, prod
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pgimp.decomposition.population import Population
+from pgimp.physics.columns import FOLLOWED, PLACE, Around
+from pgimp.physics.fields import TENSOR, Source
+from pgimp.storage.framefile import blocks
+
+if TYPE_CHECKING:
+    from pgimp.solver.simulation import Simulation
+
+AXES = "xyz"
+#: Components of a symmetric tensor by the number of dimensions.
+_COMPONENTS = ((0, 1, 2), (0, 1, 2, 3), range(6))
+#: Those of a strain.
+_STRAINS = ((0,), (0, 1, 3), range(6))
+
+#: Part of a cell's volume around a place that must be filled: a flat surface has half of it.
+FILLED = 0.25
+
+_BLOCK = 1 << 16
+
+Line = dict[str, float | None]
+
+
+class Point:
+    """A material point: the particle of an id, on any rank.
+
+    Parameters
+    ----------
+    number : int
+        Its id.
+    origin : sequence of float
+        Its position at the start.
+    """
+
+    def __init__(self, number: int, origin: Sequence[float]) -> None:
+        self.number = number
+        self.origin = tuple(origin)
+        #: Whether it has left all ranks.
+        self.gone = False
+        self._row = -1
+
+    def known(self, population: Population) -> bool:
+        """Return whether the particle is on this rank, where it was last."""
+        p, row, self._row = population.particles, self._row, -1
+        if 0 <= row < p.capacity and p.id[row] == self.number:
+            layer = int(p.layer[row]) - population.first
+            if 0 <= layer < population.layers:
+                # The row of a particle that has left keeps its number, but is in no layer's order.
+                rows = population.order[population.start[layer] : population.start[layer + 1]]
+                self._row = row if (rows == row).any() else -1
+        return self._row >= 0
+
+    def search(self, population: Population) -> bool:
+        """Search all of this rank's particles for it; returns whether it is there."""
+        self._row = -1
+        for begin, end in blocks(len(population.order), _BLOCK):
+            rows = population.order[begin:end]
+            there = np.flatnonzero(population.particles.id[rows] == self.number)
+            if len(there):
+                self._row = int(rows[there[0]])
+        return self._row >= 0
+
+    def own(self, sim: "Simulation") -> np.ndarray | None:
+        """Columns of the particle, None where it is not on this rank."""
+        if self._row < 0:
+            return None
+        scene = sim.scene
+        source = Source(
+            sim.particles, np.array([self._row]), scene.dimension, tuple(scene.body_material)
+        )
+        found = []
+        for name, components in _followed(scene):
+            if name == "displacement":
+                found.append(source.take("x")[0] - self.origin)
+            else:
+                values = np.atleast_1d(scene.fields[name].values(source)[0])
+                found.append(values[list(components)])
+        return np.concatenate(found)
+
+    def line(self, sim: "Simulation", parts: list[np.ndarray | None]) -> Line:
+        """A line on rank 0, from each rank's part; nothing but the time once it is gone."""
+        names = []
+        for name, components in _followed(sim.scene):
+            parts_of = sim.scene.fields[name].components.split()
+            names += [f"{name}-{parts_of[i]}" for i in components] if parts_of else [name]
+        values = next((part for part in parts if part is not None), None)
+        return _line(sim, names, values)
+
+
+def _followed(scene: Any) -> list[tuple[str, Sequence[int]]]:
+    """Quantities of a material point, and which of their components the case has."""
+    D = scene.dimension
+    found: list[tuple[str, Sequence[int]]] = []
+    for name in (*FOLLOWED, *scene.states.fields, *scene.variations.fields):
+        columns = scene.fields[name].columns
+        tensor = _STRAINS[D - 1] if name == "strain" else _COMPONENTS[D - 1]
+        found.append((name, tensor if columns == 6 else range(min(D, columns) or 1)))
+    return found
+
+
+class Place:
+    """A place fixed in space: the mean over the particles around it.
+
+    A particle counts by the weight that a vertex of the grid there would have in linear
+    interpolation, w = product of max(0, 1 - |x_p - X|/L) over the directions. The columns are
+    those of `PLACE`. Where less than a quarter is filled, only the volume fraction is given.
+
+    Parameters
+    ----------
+    place : sequence of float
+        Where it is.
+    """
+
+    def __init__(self, place: Sequence[float]) -> None:
+        self.place = tuple(place)
+
+    def own(self, sim: "Simulation") -> list[np.ndarray]:
+        """Sums of the layers of this rank whose particles may reach the place, in their order."""
+        population, frame, sums = sim.population, sim.scene.frame, []
+        p = population.particles
+        cell = floor((self.place[0] - frame.origin[0]) * frame.inverse[0]) + frame.ghost
+        # A particle is up to two cells beyond the first vertex of its support, now or initially.
+        near = range(cell - 3, cell + 3)
+        if sim.scene.initial or sim.scene.mixed:
+            near = range(population.first, population.first + population.layers)
+        for number in near:
+            layer = number - population.first
+            if not 0 <= layer < population.layers:
+                continue
+            rows = population.order[population.start[layer] : population.start[layer + 1]]
+            weight = np.ones(len(rows))
+            for d, at in enumerate(self.place):
+                distance = np.abs(p.x[rows, d] - at) * frame.inverse[d]
+                weight *= np.maximum(0.0, 1.0 - distance)
+            rows, weight = rows[weight > 0.0], weight[weight > 0.0]
+            if len(rows):
+                mass, volume = (weight * p.m[rows])[:, None], (weight * p.V[rows])[:, None]
+                terms = np.hstack([volume, mass, mass * p.v[rows], volume * p.sigma[rows]])
+                sums.append(np.add.reduce(terms, axis=0))
+        return sums
+
+    def line(self, sim: "Simulation", parts: list[list[np.ndarray]]) -> Line:
+        """A line on rank 0, from the sums that each rank has."""
+        D, S = sim.scene.dimension, sim.particles.sigma.shape[1]
+        ends = {"AXIS": AXES[:D], "COMPONENT": TENSOR.split()[:S]}
+        names = []
+        for name in PLACE:
+            stem, _, end = name.rpartition("-")
+            names += [f"{stem}-{part}" for part in ends[end]] if end in ends else [name]
+        sums = [layer for part in parts for layer in part]
+        total = np.add.reduce(np.array([np.zeros(2 + D + S), *sums]), axis=0)
+        fraction = total[0] / prod(sim.scene.frame.cell)
+        if fraction < FILLED:
+            return _line(sim, names, np.array([fraction]))
+        around = Around(fraction, total[0], total[1], total[2 : 2 + D], total[2 + D :])
+        return _line(sim, names, np.hstack([mean.values(around) for mean in PLACE.values()]))
+
+
+def _line(sim: "Simulation", names: list[str], values: np.ndarray | None) -> Line:
+    """A line with `values` in the first columns, and nothing in the others."""
+    line: Line = {"time": sim.time, "step": sim.step} | dict.fromkeys(names)
+    if values is not None:
+        # Added zero turns -0 into 0.
+        line |= {name: float(value) + 0.0 for name, value in zip(names, values, strict=False)}
+    return line
+
+
+def nearest(sim: "Simulation", body: int, at: Sequence[float]) -> Point:
+    """The particle of a body whose centre is closest to a place now; collective.
+
+    Of several that are equally close, the one with the lowest number.
+    """
+    population, found = sim.population, (np.inf, -1, ())
+    p = population.particles
+    for begin, end in blocks(len(population.order), _BLOCK):
+        rows = population.order[begin:end]
+        rows = rows[p.body[rows] == body]
+        distance = np.zeros(len(rows))
+        for d, x in enumerate(at):
+            distance += (p.x[rows, d] - x) ** 2
+        if len(rows):
+            close = rows[distance == distance.min()]
+            row = close[np.argmin(p.id[close])]
+            best: Any = (float(distance.min()), int(p.id[row]), tuple(p.x[row].tolist()))
+            found = min(found, best) if found[1] >= 0 else best
+    _, number, origin = min(each for each in sim.comm.allgather(found) if each[1] >= 0)
+    return Point(number, origin)
+
+
+def sample(sim: "Simulation", probes: Sequence[Point | Place]) -> list[Line]:
+    """Lines of probes about the present state on rank 0, empty elsewhere; collective."""
+    comm, population = sim.comm, sim.population
+    points = [probe for probe in probes if isinstance(probe, Point) and not probe.gone]
+    if points:
+        known = comm.allreduce(np.array([point.known(population) for point in points], int))
+        lost = [point for point, there in zip(points, known, strict=True) if not there]
+        if lost:
+            found = comm.allreduce(np.array([point.search(population) for point in lost], int))
+            for point, there in zip(lost, found, strict=True):
+                point.gone = not there
+    parts = comm.gather([probe.own(sim) for probe in probes])
+    if parts is None:
+        return []
+    return [probe.line(sim, [part[i] for part in parts]) for i, probe in enumerate(probes)]

@@ -1,0 +1,213 @@
+"""Restoring a simulation's state: a checkpoint is checked, then taken over."""
+
+from typing import Any
+
+import numpy as np
+
+from pgimp.decomposition.slabs import Slab
+from pgimp.errors import DamagedError, UsageError
+from pgimp.kernels.data.particles import COLUMNS, Particles
+from pgimp.kernels.order.order import cell_numbers, locate
+from pgimp.mpi.collective import all_or_none
+from pgimp.scene.rigid.free_body import STATE
+from pgimp.scene.rigid.free_body import State as FreeState
+from pgimp.scene.scene import Scene
+from pgimp.solver.history.diagnostics import Diagnostics
+from pgimp.solver.rank import Rank
+from pgimp.solver.state.state import State
+
+
+def outline(scene: Scene, source: Any, comm: Any) -> tuple[State, np.ndarray]:
+    """State and number of particles by layer, in agreement with each other and the scene.
+
+    Everything in a checkpoint is checked before it is used: a file with the right checksums may
+    still hold data that no run has written. Collective.
+
+    Parameters
+    ----------
+    scene : Scene
+        That of the same case, but for what a resume may change.
+    source : CheckpointFile
+        The checkpoint.
+    comm : communicator
+        Of all ranks.
+
+    Raises
+    ------
+    DamagedError
+        On every rank, if it does not hold a state of this scene.
+    """
+
+    def read() -> tuple[State, np.ndarray]:
+        state = State.of(source)
+        layers = _whole(source, "layers", (scene.frame.vertices[0],))
+        if (layers < 0).any() or (layers > source.count).any() or layers.sum() != source.count:
+            raise DamagedError("its particles by layer do not add up")
+        if source.count > state.count:
+            raise DamagedError("it has more particles than the case began with")
+        return state, layers
+
+    return all_or_none(comm, read, DamagedError)
+
+
+def read_particles(
+    scene: Scene, slab: Slab, source: Any, state: State, layers: np.ndarray, comm: Any
+) -> tuple[Particles, int, np.ndarray]:
+    """Read the particles of a slab; collective.
+
+    Parameters
+    ----------
+    scene, source, comm
+        As in `outline`.
+    slab : Slab
+        This rank's.
+    state, layers
+        As from `outline`.
+
+    Returns
+    -------
+    Particles
+        In canonical order.
+    int
+        Their number.
+    (layers + 1,) int64
+        Where each layer begins.
+
+    Raises
+    ------
+    DamagedError
+        On every rank, if particles of any cannot be of this scene.
+    UsageError
+        On every rank, if frames are to have what the checkpoint does not hold.
+    """
+    edges = np.concatenate([[0], np.cumsum(layers)])[slab.first : slab.first + slab.layers + 1]
+    first, start = int(edges[0]), edges - edges[0]
+    n = int(start[-1])
+
+    def read() -> Particles:
+        particles = _read_rows(scene, source, first, n)
+        if fault := _inconsistent(scene, slab, particles, start, n, state.count):
+            raise DamagedError(fault)
+        return particles
+
+    return all_or_none(comm, read, DamagedError, UsageError), n, start
+
+
+def read_books(rank: Rank, source: Any, state: State, records: Diagnostics) -> None:
+    """Restore the sums by plane and the state of the history; collective.
+
+    Raises
+    ------
+    DamagedError
+        On every rank, if they are not of this scene.
+    """
+    scene, own = rank.scene, rank.booked()
+    planes = scene.frame.vertices[0] + scene.vertices - 1
+    first = rank.slab.first
+
+    def read() -> dict[str, np.ndarray]:
+        gone = bool(scene.case.staged.removed)
+        if gone != (state.removed is not None) or len(state.removed or ()) != gone * scene.sums:
+            raise DamagedError("what it has of removed bodies is not of its stage")
+        found = {}
+        for name, mine in own.datasets().items():
+            if mine.shape[1:] and 0 in mine.shape[1:]:
+                continue
+            whole = _whole(source, name, (planes, *mine.shape[1:]))
+            found[name] = whole[first : first + len(mine)]
+        if scene.tools.free:
+            states = _whole(source, "free-bodies", (len(scene.tools.free), STATE))
+            if (abs((states[:, 3:7] ** 2).sum(axis=1) - 1.0) > 1e-9).any():
+                raise DamagedError("the rotation of a rigid body is none")
+            found["free-bodies"] = states
+        if state.last_line is not None:
+            rows = (len(scene.pairs.law) if scene.pairs else 0) + 2 * len(scene.tools)
+            shape = (len(scene.faces) + len(scene.loads.constraints) + rows, 3)
+            for name in ("last-impulse", "last-force") if shape[0] else ():
+                found[name] = _whole(source, name, shape)
+        return found
+
+    found = all_or_none(rank.comm, read, DamagedError)
+    for name, mine in own.datasets().items():
+        if name in found:
+            mine[:] = found[name]
+    if rank.free:
+        rank.free.states = [FreeState.of(numbers.tolist()) for numbers in found["free-bodies"]]
+    if rank.comm.rank == 0:
+        rank.clamped, rank.held = state.clamped, state.held
+    rank.lightest = state.lightest
+    records.first_energy = state.first_energy
+    records.most_outside = (state.beyond, state.beyond_time, state.beyond_face)
+    records.removed = None if state.removed is None else np.array(state.removed)
+    records.changed = state.changed
+    records.told[:] = state.told
+    if state.last_line is not None:
+        none = np.zeros((0, 3))
+        last = (found.get("last-impulse", none), found.get("last-force", none))
+        records.last = (state.last_line, *last)
+
+
+def _whole(source: Any, name: str, shape: tuple[int, ...]) -> np.ndarray:
+    kind = np.dtype(np.int64 if name == "layers" else np.float64)
+    if source.whole.get(name) != (kind, shape):
+        raise DamagedError(f"it has no {name} of the scene's shape")
+    array = source.read_whole(name)
+    if not np.isfinite(array).all():
+        raise DamagedError(f"its {name} has values that are no finite numbers")
+    return array
+
+
+def _read_rows(scene: Scene, source: Any, first: int, n: int) -> Particles:
+    """Read `n` rows of a checkpoint, with the columns of the scene."""
+    expected = Particles.empty(0, scene.carried)._asdict()
+    particles = Particles.empty(max(n, 1), scene.carried)
+    for name, like in expected.items():
+        if 0 in like.shape[1:]:
+            continue
+        if name == "origin" and name not in source.rows:
+            raise UsageError(
+                "output.fields: the displacement needs the initial positions, which the checkpoint "
+                "does not hold because the run began without that field; leave it out, or start "
+                "over with --overwrite"
+            )
+        if source.rows.get(name) != (like.dtype, like.shape[1:]):
+            raise DamagedError(f"its particles have no {name} of the scene's shape")
+        array = source.read(name, first, first + n)
+        if not np.isfinite(array).all():
+            raise DamagedError(f"the {name} of its particles has values that are no finite numbers")
+        getattr(particles, name)[:n] = array
+    return particles
+
+
+def _inconsistent(
+    scene: Scene, slab: Slab, p: Particles, start: np.ndarray, n: int, count: int
+) -> str:
+    """Return how particles cannot be of this scene, as a step requires; empty if they can."""
+    frame = scene.frame
+    x = (scene.weighed(p, np.arange(n)) - frame.origin) * frame.inverse
+    if ((x < 0.0) | (x > np.array(frame.cells, float))).any():
+        return "the x of a particle is out of range"
+    greatest = {
+        "bodies": len(scene.body_names) - 1,
+        "particles": count - 1,
+        "cells": cell_numbers(frame.vertices) - 1,
+        "constraints": len(scene.loads.constraints),
+    }
+    for name, column in COLUMNS.items():
+        values = getattr(p, name)[:n]
+        if column.numbers and ((values < 0) | (values > greatest[column.numbers])).any():
+            return f"the {name} of a particle is out of range"
+        if column.least is not None and (values < column.least).any():
+            return f"the {name} of a particle is out of range"
+        if column.above is not None and not (values > column.above).all():
+            return f"the {name} of a particle is not above {column.above:g}"
+    layer = p._replace(layer=np.empty_like(p.layer), cell=np.empty_like(p.cell))
+    locate(scene.shape, scene.placing, layer, np.arange(n, dtype=np.int32), frame.vertices)
+    place = slab.first + np.repeat(np.arange(len(start) - 1), np.diff(start))
+    if (p.layer[:n] != place).any() or (layer.layer[:n] != place).any():
+        return "a particle is not in its layer"
+    same = place[1:] == place[:-1]
+    cell, number = np.diff(p.cell[:n]), np.diff(p.id[:n])
+    if (same & ((cell < 0) | ((cell == 0) & (number <= 0)))).any():
+        return "its particles are not in canonical order"
+    return ""

@@ -1,0 +1,182 @@
+"""The complete state of a simulation, as a checkpoint keeps it; `restore` puts it back.
+
+What is kept does not depend on the ranks: particles in canonical order, sums by plane. What follows
+from the case, or only saves time (the window, the holes between rows), is not kept.
+"""
+
+from collections.abc import Iterator, Mapping
+from typing import Any, Self
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, NonNegativeFloat, ValidationError
+
+from pgimp.errors import DamagedError
+from pgimp.physics.materials.base import LOSSES
+from pgimp.solver.clock import Step
+from pgimp.solver.history.diagnostics import Diagnostics
+from pgimp.solver.rank import Rank
+
+_MODEL = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+class State(BaseModel):
+    """Header of a checkpoint besides particles and sums: progress of the run, and its records."""
+
+    model_config = _MODEL
+
+    step: int = Field(ge=0, le=2**53)
+    time: float = Field(ge=0.0)
+    dt: float = Field(ge=0.0)
+    rate: float = Field(ge=0.0)
+    count: int = Field(ge=1, le=2**53)
+    lightest: float = Field(ge=0.0)
+    clamped: int = Field(ge=0)
+    held: int = Field(ge=0, default=0)
+    first_energy: float | None
+    last_line: float | None
+    beyond: float = Field(ge=0.0)
+    beyond_time: float = Field(ge=0.0)
+    beyond_face: str
+    tools: str = ""
+    densest: float | None = Field(default=None, gt=0.0)
+    watch: list[float] | None = Field(default=None, min_length=4, max_length=12)
+    held_rate: list[NonNegativeFloat] | None = Field(default=None, min_length=7, max_length=7)
+    stage: int = Field(ge=0, le=1000, default=0)
+    counted: int = Field(ge=0, le=2**53, default=0)
+    removed: list[float] | None = Field(default=None, max_length=100)
+    changed: float = 0.0
+    told: list[float] = Field(
+        default=[0.0] * len(LOSSES), min_length=len(LOSSES), max_length=len(LOSSES)
+    )
+
+    @classmethod
+    def of(cls, source: Any) -> Self:
+        """State that a checkpoint holds.
+
+        Raises
+        ------
+        DamagedError
+            If it holds none.
+        """
+        try:
+            return cls.model_validate(source.about.get("state"))
+        except ValidationError as error:
+            first = error.errors()[0]
+            name = ".".join(map(str, first["loc"])) or "state"
+            raise DamagedError(f"its {name} is not what it must be: {first['msg']}") from None
+
+
+class Ordered(Mapping[str, np.ndarray]):
+    """A rank's particles in canonical order; a column is copied when it is asked for.
+
+    Parameters
+    ----------
+    rank : Rank
+        Whose particles; columns that the scene does not use are left out.
+
+    Attributes
+    ----------
+    columns : dict of str to ndarray
+        The columns as they are stored, in another order and with holes.
+    order : ndarray of int64, shape (n,)
+        Where in them the particles are.
+    """
+
+    def __init__(self, rank: Rank) -> None:
+        self.order = rank.live()
+        self.columns = {
+            name: array
+            for name, array in rank.particles._asdict().items()
+            if array.size or not array.shape[1:]
+        }
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """Return a column, (n, ...)."""
+        return self.columns[name][self.order]
+
+    def __iter__(self) -> Iterator[str]:
+        """Go through the names of the columns."""
+        return iter(self.columns)
+
+    def __len__(self) -> int:
+        """Return the number of columns."""
+        return len(self.columns)
+
+
+def capture(
+    rank: Rank,
+    done: Step,
+    rate: float,
+    count: int,
+    records: Diagnostics,
+    watch: Any = None,
+    stage: int = 0,
+    clock: Any = None,
+) -> tuple[dict[str, Any], Ordered, dict[str, np.ndarray]]:
+    """Capture the state of a simulation between two steps; collective.
+
+    Parameters
+    ----------
+    rank : Rank
+        The rank.
+    done : Step
+        The last step.
+    rate : float
+        Largest (c_p + |v_p|)/L of all ranks.
+    count : int
+        Particles of all ranks at the start.
+    records : Diagnostics
+        State of the history from line to line.
+    watch : EnergyWatch, optional
+        The guard of the steps.
+    stage : int
+        Its number.
+    clock : FixedClock or CourantClock, optional
+        Its clock.
+
+    Returns
+    -------
+    state : dict
+        The content of a `State`; of use on rank 0.
+    rows : mapping of str to ndarray
+        This rank's particles.
+    whole : dict of str to ndarray
+        Particles of each layer, and sums by plane; empty but on rank 0.
+    """
+    own = rank.booked()
+    parts = rank.comm.gather((np.diff(rank.population.start), (rank.clamped, rank.held), own))
+    if parts is None:
+        return {}, Ordered(rank), {}
+    state = State(
+        step=done.number,
+        time=done.end,
+        dt=done.dt,
+        rate=rate,
+        count=count,
+        lightest=rank.lightest,
+        clamped=sum(part[1][0] for part in parts),
+        held=sum(part[1][1] for part in parts),
+        first_energy=records.first_energy,
+        last_line=records.last[0] if records.last else None,
+        beyond=records.most_outside[0],
+        beyond_time=records.most_outside[1],
+        beyond_face=records.most_outside[2],
+        tools=rank.scene.tools.checksum,
+        densest=rank.scene.densest,
+        watch=watch.numbers if watch else None,
+        stage=stage,
+        counted=clock.before if clock else 0,
+        held_rate=clock.held.numbers if clock and clock.held else None,
+        removed=None if records.removed is None else records.removed.tolist(),
+        changed=records.changed,
+        told=records.told.tolist(),
+    )
+    whole = {"layers": np.concatenate([part[0] for part in parts]).astype(np.int64)}
+    for i, name in enumerate(own.datasets()):
+        whole[name] = np.concatenate([part[2][i] for part in parts])
+    if rank.free:
+        whole["free-bodies"] = np.array([state.numbers for state in rank.free.states])
+    if records.last:
+        whole["last-impulse"], whole["last-force"] = records.last[1:]
+    whole = {name: array for name, array in whole.items() if array.size}
+    return state.model_dump(), Ordered(rank), whole

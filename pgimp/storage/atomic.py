@@ -1,0 +1,79 @@
+"""Small files that are always either the old or the new version, never half of one."""
+
+from __future__ import annotations
+
+import os
+from contextlib import suppress
+from pathlib import Path
+
+from pgimp.storage.plain import require_plain
+
+TEMPORARY = ".part"
+
+
+def temporary(path: Path) -> Path:
+    """Return the name under which `path` is written before it is renamed."""
+    return path.with_name(f".{path.name}{TEMPORARY}")
+
+
+def write(path: Path, content: str | bytes, durable: bool = True) -> None:
+    """Write a file through a temporary one.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    content : str or bytes
+        All of it; text becomes UTF-8.
+    durable : bool
+        Whether it must be whole even after a crash of the machine, which takes longer.
+
+    Raises
+    ------
+    OSError
+        If it cannot be written; an older version then stays. So for what is no regular file: a pipe
+        or a device would be replaced, not written to.
+    """
+    with suppress(FileNotFoundError):
+        require_plain(path)
+    part = temporary(path)
+    try:
+        part.write_bytes(content.encode() if isinstance(content, str) else content)
+        if durable:
+            publish(part, path)
+        else:
+            part.rename(path)
+    except BaseException:
+        with suppress(OSError):
+            part.unlink(missing_ok=True)
+        raise
+
+
+def sync_folder(folder: Path) -> None:
+    """Make the names in a folder survive a crash of the machine; an OSError if that fails."""
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def publish(part: Path, path: Path) -> None:
+    """Rename a finished temporary file so that it survives a crash of the machine whole.
+
+    Raises
+    ------
+    OSError
+        If that fails, almost always before the file has its name.
+    """
+    folder = os.open(path.parent, os.O_RDONLY)
+    try:
+        descriptor = os.open(part, os.O_RDONLY)
+        try:
+            os.fsync(descriptor)
+        finally:
+            os.close(descriptor)
+        part.rename(path)
+        os.fsync(folder)
+    finally:
+        os.close(folder)

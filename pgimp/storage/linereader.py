@@ -1,0 +1,161 @@
+"""Reading files of comma-separated values, also while they grow or after others changed them."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import numpy as np
+
+from pgimp.errors import RunError, UsageError, explain
+from pgimp.storage.plain import open_plain
+
+# Bytes of a line; one of a hundred columns has 2,000.
+_LONGEST = 1 << 20
+_BLOCK = 4096
+
+
+def numbered(stream: BinaryIO) -> tuple[bytes, Iterator[tuple[int, bytes]]]:
+    """Return the line of names and each of the others that has an end, with its step.
+
+    Raises
+    ------
+    ValueError, IndexError
+        If a line has no step.
+    """
+    header = stream.readline(_LONGEST)
+    column = header.rstrip(b"\n").split(b",").index(b"step")
+
+    def lines() -> Iterator[tuple[int, bytes]]:
+        while (line := stream.readline(_LONGEST)).endswith(b"\n"):
+            yield int(line.split(b",")[column]), line
+
+    return header, lines()
+
+
+def require_whole(path: Path, step: int, count: int | None) -> None:
+    """Refuse a file that has lost lines before that of a step, or has them in another order.
+
+    One that is gone, ends too early or cannot be read passes: `LineFile.resume` reports it.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    step : int
+        Of the last line before the point from which a run goes on.
+    count : int or None
+        How many lines there were then, that one among them; None if unknown.
+
+    Raises
+    ------
+    UsageError
+        With the line where it is wrong.
+    """
+    advice = "put the file back as it was, or move it away, and the run goes on with a new one"
+    if step < 0:
+        return
+    last, there, widest = -1, 0, (0, 0, 0, 0)
+    try:
+        with open_plain(path) as stream:
+            for line, (number, _) in enumerate(numbered(stream)[1], start=2):
+                if number <= last:
+                    raise UsageError(
+                        f"{path}:{line}: step {number} follows step {last}; {advice}"
+                    )
+                if number > step:
+                    raise UsageError(
+                        f"{path}:{line}: step {number} follows step {last}, but there was a line "
+                        f"of step {step}; {advice}"
+                    )
+                there += 1
+                widest = max(widest, (number - max(last, 0), -line, last, number))
+                last = number
+                if number == step:
+                    break
+    except (OSError, ValueError, IndexError):
+        return
+    if last == step and count is not None and there != count:
+        _, line, before, after = widest
+        where = f"the widest gap is from step {max(before, 0)} to step {after}"
+        raise UsageError(
+            f"{path}:{-line}: there are {there} lines up to step {step}, but there were {count}; "
+            f"{where}; {advice}"
+        )
+
+
+def so_far(directory: Path) -> dict[str, Any]:
+    """Return the progress of a run from the last line of its history.
+
+    Parameters
+    ----------
+    directory : Path
+        The run directory.
+
+    Returns
+    -------
+    dict
+        ``steps`` and ``time``, as run.json has them at the end; nothing where nothing is known.
+    """
+    try:
+        with open_plain(directory / "history.csv") as stream:
+            names = stream.readline(_LONGEST).decode().rstrip("\n").split(",")
+            begin = stream.tell()
+            stream.seek(max(begin, stream.seek(0, os.SEEK_END) - _LONGEST))
+            last = stream.read(_LONGEST).rpartition(b"\n")[0].rpartition(b"\n")[2]
+        found = dict(zip(names, last.decode().split(","), strict=True))
+        return {"steps": int(found["step"]), "time": float(found["time"])}
+    except (OSError, ValueError, KeyError):
+        return {}
+
+
+def read(path: Path) -> np.ndarray:
+    """Read such a file, also while it grows.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+
+    Returns
+    -------
+    ndarray, shape (lines,)
+        A structured array with a field of float64 for each column, nan where nothing is written;
+        empty if there is no file.
+
+    Raises
+    ------
+    RunError
+        If it cannot be read or is damaged.
+    """
+    blocks: list[np.ndarray] = []
+    rows: list[tuple[float, ...]] = []
+    number = width = 1
+    names = np.dtype([])
+    try:
+        with open_plain(path) as stream:
+            # The last line has no end yet, or is empty.
+            while (line := stream.readline(_LONGEST)).endswith(b"\n"):
+                text = line.decode(errors="replace").rstrip("\r\n").split(",")
+                if number == 1:
+                    names = np.dtype([(name, np.float64) for name in text])
+                    width = len(text)
+                else:
+                    rows.append(tuple(float(value or "nan") for value in text))
+                    if len(text) != width:
+                        raise ValueError(f"{len(text)} values in {width} columns")
+                number += 1
+                if len(rows) == _BLOCK:
+                    blocks.append(np.array(rows, names))
+                    rows = []
+            if len(line) == _LONGEST:
+                raise ValueError(f"no line has {_LONGEST:,} bytes")
+    except FileNotFoundError:
+        pass
+    except OSError as error:
+        raise RunError(f"cannot read {path}: {explain(error)}") from error
+    except ValueError as error:
+        raise RunError(f"{path}, line {number} is damaged: {str(error)[:80]!r}") from error
+    return np.concatenate([*blocks, np.array(rows, names)])

@@ -1,0 +1,86 @@
+"""A file that is written, but not yet synced to the disk and renamed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+from pgimp.errors import RunError, explain
+from pgimp.mpi.collective import agree, on_root
+from pgimp.storage.framefile import FrameFile
+
+
+class Unfinished:
+    """A file that all ranks have written, to be synced to the disk and renamed.
+
+    Parameters
+    ----------
+    part, path : Path
+        Its temporary and its final name.
+    file : FrameFile
+        Of this rank.
+    comm : communicator
+        Of all ranks; creation is collective.
+    what : str
+        What is being done, for messages.
+    """
+
+    def __init__(self, part: Path, path: Path, file: FrameFile, comm: Any, what: str) -> None:
+        self.path = path
+        self._part, self._file, self._comm, self._what = part, file, comm, what
+        file.flush()
+        file.close_later()
+
+    @property
+    def ready(self) -> bool:
+        """Whether this rank's data are on the disk, so that `end` need not wait for it."""
+        return self._file.closed
+
+    def end(self, done: Callable[[], None]) -> None:
+        """Wait for the disk and give the file its name; collective.
+
+        Parameters
+        ----------
+        done : callable
+            Called on rank 0 once the file has its name.
+
+        Raises
+        ------
+        RunError
+            On every rank, if the file could not be written whole; it is then not there.
+        """
+
+        def publish() -> None:
+            with explained_errors(self._what):
+                self._part.rename(self.path)
+                done()
+
+        with removed_on_error(self._part, self._comm):
+            self._file.close()
+            agree(self._comm, self._what, self._file.error)
+            self._file.verify()
+            agree(self._comm, self._what, self._file.error)
+            on_root(self._comm, publish)
+
+
+@contextmanager
+def explained_errors(what: str) -> Iterator[None]:
+    """Turn an error of the disk into one with an explanation."""
+    try:
+        yield
+    except OSError as error:
+        raise RunError(f"cannot {what}: {explain(error)}") from error
+
+
+@contextmanager
+def removed_on_error(part: Path, comm: Any) -> Iterator[None]:
+    """Delete a file that is not to be finished, on rank 0."""
+    try:
+        yield
+    except BaseException:
+        if comm.rank == 0:
+            with suppress(OSError):
+                part.unlink(missing_ok=True)
+        raise

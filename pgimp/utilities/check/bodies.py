@@ -1,0 +1,52 @@
+"""Bodies of a case, in words: waves, transits, and strains by loads."""
+
+from pgimp.case.schema import Case
+from pgimp.scene.checks.facts import BodyFacts
+from pgimp.scene.checks.sanity import strains
+from pgimp.scene.checks.units import in_si
+from pgimp.scene.scene import Scene
+
+#: Bodies that a short report has lines for.
+MOST_BODIES = 3
+#: Strain by loads from which a short report says it.
+_NOTABLE = 1e-2
+
+
+def report_body(body: BodyFacts, case: Case, duration: float, verbose: bool) -> None:
+    """Wave speed, transit time, and loads against stiffness: strains that show unit mistakes.
+
+    `duration` is that of all stages.
+    """
+    c = body.wave_speed
+    transit = body.extent / c
+    found = strains(case, body)
+    texts = [f"{what} {s:.2g}" for what, s in found.items() if verbose or s > _NOTABLE]
+    strained = f"strain {', '.join(texts)}" if texts else ""
+    print(
+        f"body {body.name:<11} {body.particles:,} particles; wave speed {c:.4g}, transit time "
+        f"{transit:.4g} over {body.extent:.4g}; the run lasts {duration / transit:.3g} transits"
+        f"{f'; {strained}' if strained and not verbose else ''}"
+    )
+    for fact in case.bodies[body.name].region.facts() if verbose else ():
+        print(f"{'':<16} {fact}")
+    for key, (least, mean, most) in body.varies.items():
+        print(f"{'':<16} {key} varies from {least:.6g} to {most:.6g}, mean {mean:.6g}")
+    if verbose:
+        print(f"{'':<16} {strained}")
+
+
+def report_materials(case: Case) -> None:
+    """Numbers of each material in SI units, on a line each, where the case's units are known."""
+    for name in list(dict.fromkeys(body.material for body in case.bodies.values()))[:MOST_BODIES]:
+        if found := in_si(case, name):
+            texts = (f"{key} {value:.4g} {unit}" for key, (value, unit) in found.items())
+            print(f"material {name:<7} {', '.join(texts)}")
+
+
+def report_rigid(scene: Scene, verbose: bool) -> None:
+    """How rigid bodies move."""
+    for name, field in zip(scene.tools.names, scene.tools.fields, strict=True):
+        entry = scene.case.tools[name]
+        moves = "moves freely" if entry.free else "moves" if entry.moves else "stands"
+        more = f"; {len(field.values):,} distances on its lattice" if verbose else ""
+        print(f"rigid {name:<10} {moves}{more}")

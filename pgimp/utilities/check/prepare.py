@@ -1,0 +1,123 @@
+"""What ``pgimp check`` knows of a case before anything is simulated, and what it refuses."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from pgimp.case.schema import Case
+from pgimp.mpi.comm import Serial
+from pgimp.scene.bodies.lattice import Lattice
+from pgimp.scene.checks.facts import BodyFacts, Findings, examine
+from pgimp.scene.geometry import share
+from pgimp.scene.rigid.checks import require_apart, require_clear, require_slow
+from pgimp.scene.scene import MOST_CELLS, Scene, count_particles
+from pgimp.solver.stability import require_end, require_stable
+from pgimp.solver.start.memory import Estimate, require
+from pgimp.solver.start.validate_stages import look_ahead, require_stable_stages
+
+
+class Prepared(NamedTuple):
+    """A case that a run would begin with.
+
+    Attributes
+    ----------
+    scenes : list of Scene
+        Of all stages.
+    lattice, counts, notes
+        See `count_particles`.
+    memory : Estimate
+        Of one rank.
+    found : Findings
+        Facts about the bodies.
+    varied : dict of str to float
+        Rates of bodies whose materials vary.
+    of_stages : list of str
+        Warnings about steps of later stages.
+    crossing, rate, dt : float
+        Cells in a unit of length, 0 where the grid moves with the bodies; cells in a unit of time
+        that a Courant number of the case refers to; the first step.
+    """
+
+    scenes: list[Scene]
+    lattice: Lattice
+    counts: np.ndarray
+    notes: list[str]
+    memory: Estimate
+    found: Findings
+    varied: dict[str, float]
+    of_stages: list[str]
+    crossing: float
+    rate: float
+    dt: float
+
+
+def prepare(whole: Case) -> Prepared:
+    """Set up a case as a run does, its particles a block at a time.
+
+    Raises
+    ------
+    CaseError
+        For what would stop a run before its first step.
+    """
+    case = whole.stages[0]
+    scenes = [Scene(each) for each in whole.stages]
+    if whole.time.stages:
+        look_ahead(scenes)
+    scene = scenes[0]
+    share(case, Serial())
+    require(scene, Serial())
+    lattice, counts, notes = count_particles(scene, Serial())
+    memory = require(scene, Serial(), int(counts.sum()))
+    if scene.tools:
+        _look_at_rigid(scene, lattice, counts)
+    found = examine(scene, lattice, counts, whole.stages)
+    varied = {body.name: body.rest_rate for body in found.bodies if body.varies}
+    of_stages = require_stable_stages(scenes, varied)
+    # A grid of the initial configuration moves with its bodies.
+    crossing = 0.0 if scene.initial else max(scene.frame.inverse)
+    rate = _rate(case, found.bodies, crossing)
+    require_end(scene, max(rate, scene.tools.first_rate))
+    dt = _step(scene, rate)
+    require_slow(scene.tools, dt)
+    return Prepared(
+        scenes, lattice, counts, notes, memory, found, varied, of_stages, crossing, rate, dt
+    )
+
+
+def _rate(case: Case, bodies: list[BodyFacts], inverse: float) -> float:
+    """Cells in a unit of time that a Courant number of the case refers to."""
+    if case.watched:
+        assert case.courant is not None
+        return pace_of(case.courant, bodies, inverse)
+    return max(body.rest_rate + body.top_speed * inverse for body in bodies)
+
+
+def pace_of(courant: float, bodies: Sequence[BodyFacts], inverse: float) -> float:
+    """Rate that a Courant number chosen by pgimp refers to, see `Scene.controlled`."""
+    part = courant / MOST_CELLS * inverse
+    return max(max(body.rest_rate, part * body.top_speed) for body in bodies)
+
+
+def _look_at_rigid(scene: Scene, lattice: Lattice, counts: np.ndarray) -> None:
+    """Refuse rigid bodies that are too thin or overlap others, as a run does."""
+    scene.tools.measure(Serial())
+    blocks = (
+        (block.positions, np.full(len(block.ids), body, np.int32))
+        for body in range(len(lattice.bodies))
+        for block in lattice.make((0, lattice.planes), counts, body)
+    )
+    require_apart(scene.tools, blocks, Serial())
+    require_clear(scene.tools, scene.faces, scene.tools.first, 0, 0.0, Serial())
+
+
+def _step(scene: Scene, rate: float) -> float:
+    """Length of a step, the first one if it is controlled."""
+    case = scene.case
+    if not isinstance(case.time.step, float | int):
+        assert case.courant is not None
+        return min(case.courant / max(rate, scene.tools.first_rate), case.time.end)
+    require_stable(scene, float(case.time.step), rate)
+    return float(case.time.step)

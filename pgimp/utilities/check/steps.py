@@ -1,0 +1,102 @@
+"""Number of steps of a case, in words: as a pilot run predicts, and stage by stage."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from math import ceil
+
+from pgimp.case.arrange_stages import changes_of, steps_in
+from pgimp.case.schema import Case
+from pgimp.scene.scene import Scene
+from pgimp.solver.stability import stable_courant
+from pgimp.solver.start.validate_stages import stage_rate
+from pgimp.utilities.model.pilot import Pilot
+
+#: Error of a number of steps that is "about" right.
+_CLOSE = 0.1
+
+
+def report_steps(case: Case, steps: float, tried: Pilot | None, first: str) -> float:
+    """Number of steps, predicted where they follow the fastest wave; return it.
+
+    `first` tells of the first step.
+    """
+    if case.time.steps is not None:
+        print(f"steps            {case.time.steps:,} to t = {case.time.end:g}; {first}")
+        return steps
+    start = f"{ceil(steps * (1.0 - 1e-9)):,}"
+    if tried is None:
+        print(
+            f"steps            {start} to t = {case.time.end:g} if no wave becomes faster; more if "
+            f"the material is compressed: no pilot run can be made of this case; {first}"
+        )
+        return steps
+    print(f"steps            {predicted(case, tried)}; {start} if no wave became faster; {first}")
+    return tried.steps
+
+
+def report_stages(
+    case: Case, scenes: Sequence[Scene], factor: float, varied: Mapping[str, float]
+) -> float:
+    """Describe the changes by the stages after the first; return their steps, about.
+
+    `factor` is the ratio of the first one's steps to those at rest, where waves set their length;
+    `varied` has rates of bodies whose materials vary, see `stage_rate`.
+    """
+    total = 0.0
+    for stage, scene in zip(case.time.stages, scenes[1:], strict=True):
+        one = scene.case
+        steps = steps_in(one)
+        about = ""
+        if steps is None:
+            assert one.courant is not None
+            rate, length = stage_rate(scene, varied), one.time.end - one.staged.start
+            steps, about = ceil(max(factor, 1.0) * length * rate / one.courant), "about "
+        total += steps
+        what = ", ".join(changes_of(stage)) or "nothing"
+        print(
+            f"stage {one.staged.number + 1:<10} '{stage.name}' to t = {stage.end:g}, "
+            f"{about}{steps:,} step{'' if steps == 1 else 's'}; changes {what}"
+        )
+    return total
+
+
+def predicted(case: Case, tried: Pilot) -> str:
+    """Return the number of steps that a pilot run predicts, and its assumptions."""
+    text = f"{tried.steps:,.0f} to t = {case.time.end:g}"
+    if tried.done < 1.0:
+        ended = "failed" if tried.failure else "ran out of time"
+        return (
+            f"{text} if waves stay as fast as at t = {tried.done * case.time.end:.3g}, where a "
+            f"pilot run of {_size(tried)} {ended}; more if they become faster"
+        )
+    if tried.error > _CLOSE:
+        return (
+            f"roughly {text}, predicted by a pilot run of {_size(tried)}, which are too coarse for "
+            f"an error below {100.0 * _CLOSE:g} %"
+        )
+    return f"about {text}, predicted by a pilot run of {_size(tried)}"
+
+
+def _size(tried: Pilot) -> str:
+    """Return how large a pilot run was."""
+    text = f"{tried.particles:,} particles"
+    if tried.factor > 1.0 + 1e-9:
+        text += f" in cells {tried.factor:.3g} times as long"
+    return text
+
+
+def pilot_warnings(case: Case, courant: float, tried: Pilot | None) -> Iterator[str]:
+    """Return the failure of a pilot run that a run may have, too."""
+    if tried is None:
+        return
+    if tried.failure:
+        yield (
+            f"a pilot run of {_size(tried)} failed at t = {tried.done * case.time.end:.3g}: "
+            f"{tried.failure}"
+        )
+    stable = stable_courant(case)
+    if courant <= stable * (1.0 + 1e-9) < tried.courant and not tried.failure:
+        yield (
+            f"time.step: its Courant number grows from {courant:.3g} to {tried.courant:.3g} in a "
+            f"pilot run, as waves or particles become faster; above {stable:g} a free surface may "
+            "become unstable with this shape"
+        )

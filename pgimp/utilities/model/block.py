@@ -1,0 +1,135 @@
+"""The standard block: a neo-Hookean block, 8 particles a cell at random positions, in free fall.
+
+Its exact motion is rigid, so that stresses and velocity differences are errors.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from pgimp.case.schema import Case
+from pgimp.decomposition.slabs import Slab
+from pgimp.kernels.data.particles import Particles
+from pgimp.kernels.order.order import locate
+from pgimp.scene.bodies.extent import Extent, extents
+from pgimp.scene.bodies.lattice import Lattice
+from pgimp.scene.bodies.populate import populate
+from pgimp.scene.scene import Scene
+from pgimp.solver.simulation import Simulation
+from pgimp.utilities.model.layout import Layout, layout_of
+
+YOUNG, POISSON, DENSITY, GRAVITY, SPEED = 1.0e6, 0.3, 1000.0, -9.81, 0.1
+
+
+class Block(Simulation):
+    """The block, its particles moved to random positions within their cells."""
+
+    def decompose(self, counts: np.ndarray) -> Slab:
+        """See `Simulation`; `counts` are those on the lattice."""
+        return super().decompose(_spread(counts, self.scene.shape.half[0]))
+
+    def create(
+        self, slab: Slab, lattice: Lattice, counts: np.ndarray, layer: np.ndarray
+    ) -> tuple[Particles, int]:
+        """See `Simulation.create`."""
+        # A random position may lie in a layer next to its lattice plane's: look two cells further.
+        reach = 2 * lattice.per_cell[0]
+        own = np.searchsorted(layer, (slab.first, slab.first + slab.layers))
+        begin, end = max(0, int(own[0]) - reach), min(lattice.planes, int(own[1]) + reach)
+        p = populate(self.scene, lattice, counts, (begin, end))
+        count = int(counts[:, begin:end].sum())
+        cell = np.array(self.scene.frame.cell)
+        corner = np.floor(p.x[:count] / cell) * cell
+        p.x[:count] = corner + _uniform(p.id[:count])[:, : len(cell)] * cell
+        if p.origin.shape[1]:
+            p.origin[:] = p.x
+        rows = np.arange(count, dtype=np.int32)
+        locate(self.scene.shape, self.scene.placing, p, rows, self.scene.frame.vertices)
+        here = slab.first <= p.layer[:count]
+        here &= p.layer[:count] < slab.first + slab.layers
+        arrays: list[np.ndarray] = list(p)
+        del p
+        for i in range(len(arrays)):  # so that no more than one array is there twice
+            arrays[i] = arrays[i][:count][here]
+        return Particles._make(arrays), int(here.sum())
+
+
+def _uniform(ids: np.ndarray) -> np.ndarray:
+    """Three numbers in [0, 1) from each id, independent of the ranks (splitmix64)."""
+    numbers = []
+    for d in range(3):
+        z = (ids.astype(np.uint64) * np.uint64(3) + np.uint64(d)) * np.uint64(0x9E3779B97F4A7C15)
+        z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+        z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+        numbers.append((z ^ (z >> np.uint64(31))) >> np.uint64(11))
+    return np.stack(numbers, axis=1).astype(float) * 2.0**-53
+
+
+def block_case(cells: int, steps: int, length: int = 1) -> dict[str, Any]:
+    """The benchmark as a case: a block of `cells` cubed in a domain with four cells around.
+
+    With `length` it is a bar along x, longer by that factor.
+    """
+    h, pad = 1.0 / cells, 4
+    lam = YOUNG * POISSON / ((1 + POISSON) * (1 - 2 * POISSON))
+    c = np.sqrt((lam + YOUNG / (1 + POISSON)) / DENSITY)
+    dt = 0.2 * h / float(c)
+    high = [pad * h + length, pad * h + 1.0, pad * h + 1.0]
+    size = [h * (cells * length + 2 * pad), *[h * (cells + 2 * pad)] * 2]
+    return {
+        "format": 1,
+        "title": "Benchmark block",
+        "dimensions": 3,
+        "grid": {"origin": [0.0] * 3, "size": size, "cell": [h] * 3},
+        "method": {"shape": "gimp", "particles_per_cell": [2, 2, 2]},
+        "time": {"end": steps * dt, "step": dt},
+        "materials": {
+            "solid": {
+                "model": "neo-hookean",
+                "young": YOUNG,
+                "poisson": POISSON,
+                "density": DENSITY,
+            }
+        },
+        "bodies": {
+            "block": {
+                "material": "solid",
+                "region": {"box": {"min": [pad * h] * 3, "max": high}},
+                "velocity": [SPEED, 0.0, 0.0],
+            }
+        },
+        "gravity": [0.0, 0.0, GRAVITY],
+    }
+
+
+def block_layout(cells: int, length: int, random: bool) -> tuple[Scene, list[Extent], Layout]:
+    """Scene, extents and layout of a block of any size, of which no particle is made.
+
+    Parameters
+    ----------
+    cells, length : int
+        See `block_case`.
+    random : bool
+        Whether particles are at random positions, not on the lattice.
+    """
+    case = Case.model_validate(block_case(cells, 1, length))
+    scene, bodies = Scene(case), extents(case)
+    planes, h = scene.frame.cells[0] * 2, scene.frame.cell[0]
+    counts = np.zeros(planes, np.int64)
+    counts[bodies[0].low[0] : bodies[0].high[0]] = (2 * cells) ** 2
+    # As `Lattice` has them, to the bit: they lie where layers meet.
+    layout = layout_of(scene, bodies, np.arange(0.5, planes) / 2 * h, counts)
+    if random:
+        layout = layout._replace(counts=_spread(layout.counts, scene.shape.half[0]))
+    return scene, bodies, layout._replace(crossing=SPEED * case.time.end / h)
+
+
+def _spread(counts: np.ndarray, half: float) -> np.ndarray:
+    """Particles of each layer at random positions, from those on the lattice.
+
+    Of a cell's positions, the part below the half-width has its support one vertex earlier.
+    """
+    moved = np.round(half * counts).astype(np.int64)
+    return counts - moved + np.append(moved[1:], 0)

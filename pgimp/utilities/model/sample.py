@@ -1,0 +1,300 @@
+"""Small scenes of a case's own kind, and simulations of them to be timed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Sequence
+from math import prod
+from statistics import mean, median
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from pgimp.case.schema import Case
+from pgimp.decomposition.slabs import Slab
+from pgimp.errors import CaseError, RunError
+from pgimp.kernels.data.particles import Particles
+from pgimp.kernels.order.order import locate
+from pgimp.scene.bodies.lattice import Lattice
+from pgimp.solver.decomposition import RESORT
+from pgimp.solver.simulation import Simulation
+
+#: Seconds and steps of a block that is timed as one.
+_BLOCK_SECONDS, _FEWEST, _MOST = 0.02, 2, 100
+#: Blocks in a row in which a scene remains about the same.
+_ROW = 9
+#: Small strains, so that a material's functions take the branches that a run takes.
+_STRAIN = 1e-3
+#: Radians in which places and strains go around from cell to cell.
+_WAVE = 0.6
+#: Least mean displacement of particles in a step, in cells: enough to change layers at times.
+_DRIFT = 0.005
+#: Greatest ratio of the particles of a sample to those requested.
+_LARGER = 4.0
+#: Part of its particles that a sample must keep to be representative.
+_KEPT = 0.98
+#: Steps, or multiples of a case's end, that no sample reaches; and enough steps for a sample: a run
+#: of too many is refused, see `pgimp.solver.stability.require_end`.
+_ENDLESS, _MANY = 1_000_000, 1e9
+
+
+class Scattered(Simulation):
+    """A simulation in the midst of its motion: particles lie anywhere in their boxes, and drift."""
+
+    def __init__(self, case: Case, comm: Any) -> None:
+        super().__init__(case, comm)
+        dt = self.clock.next(self.done, self.rate).dt
+        v, cell = self.particles.v, self.scene.frame.cell[0]
+        rows = self.live()
+        crossings = dt / cell * float(np.abs(v[rows, 0]).sum())
+        total, count = np.sum(comm.allgather((crossings, len(rows))), axis=0)
+        if total < _DRIFT * count:
+            v[rows, 0] += _DRIFT * cell / dt
+
+    def create(
+        self, slab: Slab, lattice: Lattice, counts: np.ndarray, layer: np.ndarray
+    ) -> tuple[Particles, int]:
+        """See `Simulation.create`."""
+        end = slab.first + slab.layers
+        if slab.layers == 0:
+            return super().create(slab, lattice, counts, layer)
+        # Particles of the neighbours' next layers may end up here.
+        wider = slab._replace(first=slab.first - 1, layers=slab.layers + 2)
+        p, count = super().create(wider, lattice, counts, layer)
+        scene, D = self.scene, self.scene.dimension
+        cell = np.array(scene.frame.cell)
+        # Neighbours have similar offsets, as in a body that moves and deforms.
+        phase = (p.x[:count] / cell).sum(axis=1)[:, None] * _WAVE
+        p.x[:count] += 0.49 * cell / lattice.per_cell * np.sin(phase + np.arange(D))
+        p.F[:count] += _STRAIN * np.sin(phase + np.arange(D * D))
+        if scene.initial or scene.mixed:
+            p.origin[:] = p.x
+        rows = np.arange(count, dtype=np.int32)
+        locate(scene.shape, scene.placing, p, rows, scene.frame.vertices)
+        here = (p.layer[:count] >= slab.first) | (slab.lower is None)
+        here &= (p.layer[:count] < end) | (slab.upper is None)
+        rows = rows[here]
+        kept = np.append(rows, 0)  # room for one at least
+        return Particles._make(column[kept] for column in p), len(rows)
+
+
+class Sample:
+    """A simulation that is timed block by block, in turn with others.
+
+    Parameters
+    ----------
+    make : callable
+        Makes the simulation; again whenever it fails, as its results are of no interest.
+    comm : communicator
+        Of its ranks.
+    whole : bool
+        Whether the whole of it is timed, at least once. Otherwise it soon starts over, before its
+        scene has changed much.
+
+    Attributes
+    ----------
+    sim : Simulation
+        As it is.
+    done : bool
+        Whether it has reached its end once, or need not.
+    failure : str
+        Why the last steps that were to be timed were not; empty if they were.
+    """
+
+    def __init__(self, make: Callable[[], Simulation], comm: Any, whole: bool = False) -> None:
+        self._make, self._comm, self._whole = make, comm, whole
+        self._blocks: list[dict[str, float]] = []
+        self.done, self.failure = not whole, ""
+        self._begin()
+        seconds: list[float] = []
+        for _ in range(3):  # as often on every rank
+            begin = perf_counter()
+            self._advance(_FEWEST)
+            seconds.append(perf_counter() - begin)
+        each = max(comm.allgather(median(seconds))) / _FEWEST
+        self._steps = int(min(max(_BLOCK_SECONDS / each, _FEWEST), _MOST))
+
+    def _begin(self) -> None:
+        self.sim = self._make()
+        self._left = 2 * _MOST
+        self._made = self.sim.present()
+        self.sim.advance()  # touches its memory
+
+    def _advance(self, steps: int) -> int:
+        """Steps done, fewer at the end; 0 if they are discarded and it starts over.
+
+        The same on every rank. If the whole run is timed, any steps count, and errors are raised.
+        """
+        self._left -= steps
+        sim = self.sim
+        first = sim.step
+        try:
+            while sim.step < first + steps and not sim.finished:
+                sim.advance(complete=False)
+            sim.complete_reduction()
+        except RunError as error:
+            if self._whole:
+                raise
+            self.failure = str(error).splitlines()[0]
+            self._begin()
+            return 0
+        if not self._whole and sim.present() < _KEPT * self._made:
+            self.failure = "its particles leave the domain"
+            self._begin()
+            return 0
+        self.failure = ""
+        return sim.step - first
+
+    def run(self) -> None:
+        """Time a block; collective."""
+        if self.sim.finished:
+            self.done = True
+        if self.sim.finished or (self._left < self._steps and not self._whole):
+            self._begin()
+        sim = self.sim
+        before = dict(sim.rank.timings)
+        self._comm.Barrier()
+        begin = perf_counter()
+        steps = self._advance(self._steps)
+        if not steps:
+            self._steps = max(_FEWEST, self._steps // 2)  # it may always fail before that many
+            return
+        spent = perf_counter() - begin
+        block = {name: sim.rank.timings[name] - before[name] for name in before}
+        block["step"] = spent - block.pop("sort")
+        block = {name: seconds / steps for name, seconds in block.items()}
+        begin = perf_counter()
+        sim.population.sort()
+        block["sort"] = (perf_counter() - begin) / RESORT
+        self._blocks.append(block)
+
+    @property
+    def timed(self) -> bool:
+        """Whether there is a block to tell times from."""
+        return bool(self._blocks)
+
+    def seconds(self, name: str = "step") -> float:
+        """Seconds of a phase in a step, of the slowest rank; collective.
+
+        The median of all blocks; where the whole is timed, the mean of medians of some in a row,
+        so that either is that of an undisturbed machine. "step" is all of it but the sort, "sort"
+        the step's part of a sort.
+        """
+        every = [block[name] for block in self._blocks]
+        row = _ROW if self._whole else max(1, len(every))
+        medians = [median(every[i : i + row]) for i in range(0, len(every), row)]
+        mine = mean(medians) if medians else 0.0
+        return float(max(self._comm.allgather(mine)))
+
+
+def resized(case: Case, factor: float, longer: float = _ENDLESS) -> Case:
+    """The same case with cells `factor` times as long, as far as the domain is whole cells.
+
+    It goes on for `longer` times as long, in steps of about the same Courant number.
+
+    Raises
+    ------
+    ValueError, CaseError
+        If that is no case.
+    """
+    grid, time = case.grid, case.time
+    cells = [max(1, round(n / factor)) for n in grid.cells]
+    data = case.model_dump(by_alias=True, exclude={"history", "checkpoint"})
+    data["output"] = {"fields": case.output.fields}
+    data["escape"] = _open(case, case.boundaries)
+    data["boundaries"] = {
+        name: _standing(entry, "xyz".index(name[0])) for name, entry in data["boundaries"].items()
+    }
+    data["grid"]["cell"] = [size / n for size, n in zip(grid.size, cells, strict=True)]
+    if isinstance(time.step, float | int):
+        step = float(time.step) * min(n / m for n, m in zip(grid.cells, cells, strict=True))
+        data["time"] = {"end": step * _ENDLESS, "step": step}
+    else:
+        data["time"]["end"] = time.end * longer
+    return Case.model_validate(data)
+
+
+def _open(case: Case, boundaries: Collection[str]) -> dict[str, str]:
+    """``escape`` of a sample: it does not end because of a few particles at an open face."""
+    if any(body.configuration == "initial" for body in case.bodies.values()):
+        return {}
+    faces = (f"{axis}-{end}" for axis in "xyz"[: case.dimensions] for end in ("min", "max"))
+    return {face: "remove" for face in faces if face not in boundaries}
+
+
+def _standing(entry: Any, axis: int) -> Any:
+    """A face's condition that holds all in: one that the material leaves by has the same cost."""
+    if not isinstance(entry, dict) or "velocity" not in entry:
+        return entry
+    velocity = list(entry["velocity"])
+    velocity[axis] = 0.0
+    return {**entry, "velocity": velocity}
+
+
+def plain(case: Case, count: int, longer: float = _ENDLESS) -> Case:
+    """A block of about `count` particles of the first body's material, without anything else."""
+    D = case.dimensions
+    each = prod(case.method.particles_per_cell)
+    cells = max(2, round((count / each) ** (1.0 / D)))
+    h = min(case.grid.cell)
+    step = case.time.step
+    data: dict[str, Any] = {
+        "format": 1,
+        "dimensions": D,
+        "grid": {"size": [h * (cells + 2)] * D, "cell": [h] * D},
+        "method": case.method.model_dump(),
+        "materials": {
+            name: entry.uniform()
+            for name, entry in case.materials.items()
+            if name == next(iter(case.bodies.values())).material
+        },
+        "boundaries": {"x-min": "fixed"},
+        "escape": _open(case, {"x-min"}),
+    }
+    data["bodies"] = {
+        "sample": {
+            "material": next(iter(data["materials"])),
+            "region": {"box": {"min": [h] * D, "max": [h * (cells + 1)] * D}},
+            "configuration": next(iter(case.bodies.values())).configuration,
+        }
+    }
+    if isinstance(step, float | int):
+        data["time"] = {"end": step * _ENDLESS, "step": step}
+    else:
+        data["time"] = {"end": case.time.end * longer, "step": step.model_dump()}
+    return Case.model_validate(data)
+
+
+def samples_of(
+    case: Case, count: int, comm: Any, sizes: Sequence[int], steps: float = 1.0
+) -> list[Sample]:
+    """Samples of a case with `count` particles, resized to about as many as `sizes` say.
+
+    `steps` is the number of its steps, about, where they are many.
+    """
+    longer = min(max(1.0, _MANY / steps), _ENDLESS)
+
+    def made(small: Case, any_will_do: bool = False) -> Sample:
+        sample = Sample(lambda: Scattered(small, comm), comm)
+        if sample.failure and not any_will_do:
+            raise RunError(sample.failure)
+        return sample
+
+    samples = []
+    # Particles of a file do not become fewer with coarser cells; a mesh would be read every time.
+    regions = [part for body in case.bodies.values() for part in body.region.simple()]
+    powers = () if any(part.FROM_FILE for part in regions) else (1.0, 0.9, 0.8, 0.7)
+    for number, size in enumerate(sizes, 1):
+        factor = (count / size) ** (1.0 / case.dimensions)
+        # Coarse cells may be too large for a part of the case.
+        for power in powers:
+            if count / factor ** (power * case.dimensions) > _LARGER * size:
+                break
+            try:
+                samples.append(made(resized(case, factor**power, longer)))
+                break
+            except (ValueError, CaseError, RunError):
+                continue
+        if len(samples) < number:
+            samples.append(made(plain(case, size, longer), any_will_do=True))
+    return samples

@@ -1,0 +1,108 @@
+"""Viewing directions, and the visible faces of a particle's box."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from pgimp.errors import UsageError
+from pgimp.schema.messages import unknown
+from pgimp.utilities.plot.runs import AXES
+
+Array = np.ndarray
+
+# Towards the eye.
+_EYES = {
+    "corner": np.array([0.44, -0.77, 0.46]),
+    **{f"{axis}-min": -unit for axis, unit in zip(AXES, np.eye(3), strict=True)},
+    **{f"{axis}-max": unit for axis, unit in zip(AXES, np.eye(3), strict=True)},
+}
+# Of faces across x, y and z: enough to show the shape, too little to look like another value.
+_LIGHT = np.array([0.77, 0.89, 1.0])
+
+
+class Camera(NamedTuple):
+    """A parallel projection.
+
+    Attributes
+    ----------
+    right, up : ndarray, shape (3,)
+        Unit vectors of the picture.
+    """
+
+    right: Array
+    up: Array
+
+    @property
+    def towards(self) -> Array:
+        """Unit vector towards the eye."""
+        return np.cross(self.right, self.up)
+
+    @property
+    def along_axes(self) -> bool:
+        """Whether the picture's axes are axes of space."""
+        return bool(np.isin(np.abs([self.right, self.up]), (0.0, 1.0)).all())
+
+    def axis(self, direction: Array) -> tuple[str, bool]:
+        """Return the name of an axis of space and whether it is reversed."""
+        number = int(np.argmax(np.abs(direction)))
+        return AXES[number], bool(direction[number] < 0.0)
+
+    def project(self, position: Array) -> Array:
+        """Return coordinates in the picture, the third towards the eye, (..., 3)."""
+        return position @ np.stack([self.right, self.up, self.towards], axis=1)
+
+    def faces(self) -> tuple[Array, Array]:
+        """Return the visible part of a box of half-width 1: its faces and their lightness.
+
+        Returns
+        -------
+        corners : ndarray, shape (k, 4, 2)
+            In the picture.
+        light : ndarray, shape (k,)
+            1 for the lightest.
+        """
+        towards = self.towards
+        seen = np.flatnonzero(np.abs(towards) > 1e-9)
+        a, b, normal = np.eye(3)[[seen - 2, seen - 1, seen]]
+        normal *= np.sign(towards[seen])[:, None]
+        corners = np.stack([a + b, b - a, -a - b, a - b], axis=1) + normal[:, None]
+        return self.project(corners)[..., :2], _LIGHT[seen] / _LIGHT[seen].max()
+
+
+def camera(text: str | None, dimension: int, normal: int | None) -> Camera:
+    """Return the camera that a name or a direction stands for.
+
+    Parameters
+    ----------
+    text : str or None
+        A face of the domain, ``corner``, or the direction towards the eye, ``X,Y,Z``.
+    dimension : int
+        Of the case; anything but 3 is seen from z-max.
+    normal : int or None
+        The axis across a slice, from which it is seen by default.
+
+    Raises
+    ------
+    UsageError
+        If it is none of these.
+    """
+    if text is not None and dimension < 3:
+        raise UsageError(f"--camera is for three dimensions; this case has {dimension}")
+    if text is None and dimension == 3:
+        text = "corner" if normal is None else ("x-max", "y-min", "z-max")[normal]
+    text = text or "z-max"
+    try:
+        towards = _EYES[text] if text in _EYES else np.array([float(x) for x in text.split(",")])
+    except ValueError:
+        what = "direction X,Y,Z" if "," in text else "camera"
+        raise UsageError(f"--camera: {unknown(what, text, _EYES, 'there are X,Y,Z and')}") from None
+    if towards.shape != (3,) or not np.isfinite(towards).all() or not towards.any():
+        raise UsageError(f"--camera {text}: a direction is three numbers, X,Y,Z, not all zero")
+    towards = towards / np.linalg.norm(towards)
+    right = np.array([-towards[1], towards[0], 0.0])
+    if np.linalg.norm(right) < 1e-9:
+        right = np.array([np.sign(towards[2]), 0.0, 0.0])
+    right /= np.linalg.norm(right)
+    return Camera(right, np.cross(towards, right))

@@ -1,0 +1,250 @@
+"""Pictures of frames: each particle in its place and size, coloured by a field."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from pgimp.io.results.reader import Frame
+from pgimp.utilities.plot.camera import Camera
+from pgimp.utilities.plot.quantity import Quantity
+from pgimp.utilities.plot.rigid import draw_lines, lines, widened
+from pgimp.utilities.plot.runs import AXES, PlotFrame
+from pgimp.utilities.plot.selection import Block, Selection, empty
+from pgimp.utilities.plot.style import MAP, plain
+from pgimp.utilities.plot.tables import Table
+from pgimp.utilities.plot.visible import draw, extent, visible
+
+Array = np.ndarray
+
+_WIDTH, _ONE_WIDTH = 9.0, 6.4
+_TALLEST = 8.0
+_FLAT = 1.3
+_OUTLIERS = (0.5, 99.5)
+_ROOM = 0.25
+_ARROW = 24.0
+_NAMES: dict[str, Callable[[Frame], list[str]]] = {
+    "body": lambda frame: frame.bodies,
+    "material": lambda frame: frame.materials,
+}
+_WHOLE = ("body", "material", "rank", "id")
+_MOST_NAMES = 12
+
+
+def picture(
+    snapshots: Sequence[PlotFrame],
+    quantities: Sequence[Quantity],
+    selection: Selection,
+    camera: Camera,
+    limits: tuple[float, float] | None,
+) -> tuple[Any, Table, list[str]]:
+    """Draw frames side by side, in one scale of colours.
+
+    Parameters
+    ----------
+    snapshots : sequence of PlotFrame
+        The frames.
+    quantities : sequence of Quantity
+        What is drawn of each.
+    selection : Selection
+        Which particles.
+    camera : Camera
+        From where.
+    limits : tuple of float, or None
+        Values of the first and the last colour; by default those of the particles drawn, without
+        the half per cent at an end that would stretch the scale by more than a quarter.
+
+    Returns
+    -------
+    figure : matplotlib.figure.Figure
+        The figure.
+    table : Table
+        What it shows.
+    remarks : list of str
+        What it does not.
+
+    Raises
+    ------
+    UsageError
+        If there is no such particle.
+    """
+    dimension = snapshots[0].shown.dimension
+    extents = np.array([extent(snapshot.frame, selection, camera) for snapshot in snapshots])
+    for snapshot, (low, high) in zip(snapshots, extents, strict=True):
+        if not (low <= high).all():
+            raise empty(snapshot.frame, selection.place)
+    inside = np.array([extents[:, 0].min(axis=0), extents[:, 1].max(axis=0)])
+    table = Table(["run", "frame", "time", "id", *AXES[:dimension], "radius", quantities[0].text])
+    drawn, remarks = [], []
+    for snapshot, quantity in zip(snapshots, quantities, strict=True):
+        seen, total = visible(snapshot.frame, selection, quantity, camera, inside)
+        drawn.append(seen)
+        if len(seen.id) < total:
+            remarks.append(
+                f"{snapshot.frame.path}: {len(seen.id):,} of {total:,} particles drawn, in each "
+                "spot of the picture the foremost"
+            )
+        part = seen.take(np.argsort(seen.id))
+        place = part.position[:, :dimension].T
+        table.add(
+            [snapshot.shown.name, snapshot.frame.number, snapshot.frame.time],
+            [part.id, *place, part.radius, part.value],
+        )
+    edges = [lines(snapshot.frame, camera) for snapshot in snapshots]
+    inside = widened(inside, edges)
+    figure = _draw(snapshots, quantities[0], drawn, edges, camera, inside, limits)
+    return figure, table, remarks
+
+
+def scale(values: Array, limits: tuple[float, float] | None) -> tuple[float, float, str]:
+    """Return the ends of the scale of colours, and which of them values lie beyond.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        All that is drawn.
+    limits : tuple of float, or None
+        The ends, if they are prescribed.
+
+    Returns
+    -------
+    low, high : float
+        The ends.
+    extend : str
+        ``neither``, ``min``, ``max`` or ``both``.
+    """
+    values = values[np.isfinite(values)]
+    if not len(values):
+        values = np.zeros(1)
+    low, high = float(values.min()), float(values.max())
+    if limits is None:
+        inner = [float(end) for end in np.percentile(values, _OUTLIERS)]
+        room = _ROOM * (inner[1] - inner[0])
+        if room > 0.0:
+            low = low if inner[0] - low <= room else inner[0]
+            high = high if high - inner[1] <= room else inner[1]
+        if low == high:
+            low, high = low - 0.05 * abs(low), high + (0.05 * abs(high) or 1.0)
+    else:
+        low, high = limits
+    ends = {(False, False): "neither", (True, False): "min", (False, True): "max"}
+    return low, high, ends.get((bool(values.min() < low), bool(values.max() > high)), "both")
+
+
+def _draw(
+    snapshots: Sequence[PlotFrame],
+    quantity: Quantity,
+    drawn: Sequence[Block],
+    edges: Sequence[Array],
+    camera: Camera,
+    inside: Array,
+    limits: tuple[float, float] | None,
+) -> Any:
+    from matplotlib import colormaps
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+    from matplotlib.ticker import MaxNLocator
+
+    low, high, beyond = scale(np.concatenate([seen.value for seen in drawn]), limits)
+    shades = colormaps[MAP].with_extremes(bad="#c8c8c8")
+    colours = ScalarMappable(Normalize(low, high), shades)
+    size = inside[1] - inside[0]
+    wide = size[0] * min(len(snapshots), 2) > _FLAT * size[1]
+    figure, axes = _panels(len(snapshots), size, wide, camera.along_axes)
+    (left, bottom), (right, top) = inside + 0.03 * size.max() * np.array([[-1.0], [1.0]])
+    several = len({snapshot.shown.name for snapshot in snapshots}) > 1
+    for number, (snapshot, seen, net, axis) in enumerate(
+        zip(snapshots, drawn, edges, axes, strict=False)
+    ):
+        rgba = colours.to_rgba(np.ma.masked_invalid(seen.value))
+        draw(axis, camera, seen.position, seen.radius, rgba)
+        if len(net):
+            draw_lines(axis, net, snapshot.shown.dimension < 3)
+        axis.set(xlim=(left, right), ylim=(bottom, top), aspect="equal")
+        name = f"{plain(snapshot.shown.name)}, " if several else ""
+        axis.set_title(name + snapshot.title, fontsize=10)
+        axis.grid(False)
+        columns = axis.get_subplotspec().get_gridspec().ncols
+        _label(axis, snapshot, camera, columns, lowest=number + columns >= len(snapshots))
+        if number == 0 and not camera.along_axes:
+            _compass(axis, camera)
+    for axis in axes[len(snapshots) :]:
+        axis.set_visible(False)
+    bar = figure.colorbar(
+        colours,
+        ax=list(axes),
+        label=snapshots[0].shown.label(quantity.label, quantity.kind),
+        extend=beyond,
+        location="bottom" if wide else "right",
+        shrink=0.7 if wide else 0.85,
+        aspect=40 if wide else 25,
+    )
+    bar.outline.set_linewidth(0.6)
+    names = _NAMES.get(quantity.text, lambda _: [])(snapshots[0].frame)
+    named = [number for number in range(len(names)) if low <= number <= high]
+    if 0 < len(named) <= _MOST_NAMES:
+        bar.set_ticks(named, labels=[plain(names[number]) for number in named])
+    elif quantity.text in _WHOLE:
+        bar.locator = MaxNLocator(integer=True)
+        bar.update_ticks()
+    return figure
+
+
+def _panels(count: int, size: Array, wide: bool, labelled: bool) -> tuple[Any, Any]:
+    """Return a figure with `count` axes, of a shape that suits pictures of this size.
+
+    The scale of colours is below them if they are `wide`, else at their right; those that are not
+    `labelled` have no ticks.
+    """
+    from matplotlib.figure import Figure
+
+    ratio = float(np.clip(size[1] / size[0], 0.12, 3.0))
+    columns = count if count <= 3 else int(np.ceil(count / np.ceil(count / 4)))
+    rows = -(-count // columns)
+    width = _ONE_WIDTH if columns == 1 else _WIDTH
+    room = (0.9 if wide else 0.72) * width / columns
+    height = room * ratio * rows + 0.45 * rows + (1.3 if wide else 0.4)
+    height -= 0.0 if labelled else 0.4
+    if height > _TALLEST:
+        width, height = max(3.6, width * _TALLEST / height), _TALLEST
+    figure = Figure(figsize=(width, height))
+    axes = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
+    return figure, axes.ravel()
+
+
+def _label(axis: Any, snapshot: PlotFrame, camera: Camera, columns: int, *, lowest: bool) -> None:
+    """Name the axes at the left and below; `lowest` says that no picture is below this one."""
+    from matplotlib.ticker import FuncFormatter, MaxNLocator
+
+    if not camera.along_axes:
+        axis.set(xticks=[], yticks=[])  # without axes at all there would be no room for the title
+        axis.spines[:].set_visible(False)
+        return
+    first = axis.get_subplotspec().is_first_col()
+    sides = (("x", axis.xaxis, camera.right), ("y", axis.yaxis, camera.up))
+    for side, ticks, direction in sides:
+        name, reversed_ = camera.axis(direction)
+        ticks.set_major_locator(MaxNLocator(3 if side == "x" and columns > 2 else 5))
+        if reversed_:
+            ticks.set_major_formatter(FuncFormatter(lambda value, _: f"{-value + 0.0:g}"))
+        if lowest if side == "x" else first:
+            axis.set(**{f"{side}label": snapshot.shown.label(name, "length")})
+    axis.xaxis.set_tick_params(labelbottom=lowest)
+
+
+def _compass(axis: Any, camera: Camera) -> None:
+    """Draw the directions of the axes of space into the lower left corner."""
+    options: dict[str, Any] = {
+        "xycoords": "axes fraction",
+        "textcoords": "offset points",
+        "fontsize": 8,
+        "annotation_clip": False,
+    }
+    arrow = {"arrowstyle": "<|-,head_width=0.15,head_length=0.3", "color": "#444444", "lw": 0.9}
+    for name, right, up in zip(AXES, camera.right, camera.up, strict=True):
+        tip = _ARROW * np.array([right, up])
+        if np.hypot(*tip) > 0.1 * _ARROW:
+            axis.annotate("", (0.0, 0.0), xytext=tip, arrowprops=arrow, **options)
+            axis.annotate(name, (0.0, 0.0), xytext=1.3 * tip, ha="center", va="center", **options)

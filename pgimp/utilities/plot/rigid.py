@@ -1,0 +1,53 @@
+"""The outlines of rigid bodies in pictures of frames."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from pgimp.io.results.frame import Frame, Reading
+from pgimp.utilities.plot.camera import Camera
+
+Array = np.ndarray
+
+#: How far a picture is widened for rigid bodies, as part of its size.
+_ROOM = 0.12
+
+
+def lines(frame: Frame, camera: Camera) -> Array:
+    """Return the edges of the surfaces in a picture, (n, 2, 2); none where there are none."""
+    path = frame.path.with_name(frame.path.name.replace("particles-", "rigid-"))
+    if not path.is_file():
+        return np.zeros((0, 2, 2))
+    with Reading(path) as file:
+        position, cells = file["position"][:], file["connectivity"][:]
+    if cells.shape[1] == 1:
+        return np.zeros((0, 2, 2))
+    pairs = [cells] if cells.shape[1] == 2 else [cells[:, [k, (k + 1) % 4]] for k in range(4)]
+    edges = np.unique(np.sort(np.concatenate(pairs), axis=1), axis=0)
+    return camera.project(position)[:, :2][edges]
+
+
+def widened(inside: Array, edges: list[Array]) -> Array:
+    """Return the corners of a picture, (2, 2), widened where rigid bodies reach beyond."""
+    points = np.concatenate([some.reshape(-1, 2) for some in edges])
+    if not len(points):
+        return inside
+    room = _ROOM * (inside[1] - inside[0]).max()
+    return np.array(
+        [
+            np.maximum(np.minimum(inside[0], points.min(axis=0)), inside[0] - room),
+            np.minimum(np.maximum(inside[1], points.max(axis=0)), inside[1] + room),
+        ]
+    )
+
+
+def draw_lines(axis: Any, edges: Array, flat: bool) -> None:
+    """Add edges to axes: the outline in 2D, in 3D a net."""
+    from matplotlib.collections import LineCollection
+
+    width = 1.1 if flat else 0.25
+    axis.add_collection(
+        LineCollection(list(edges), colors="#333333" if flat else "#77777766", linewidths=width)
+    )

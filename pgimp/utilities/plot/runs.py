@@ -1,0 +1,184 @@
+"""The runs and frames that a figure shows."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from pgimp.case.reader import read_document
+from pgimp.errors import RunError, UsageError, explain
+from pgimp.io.results.reader import Frame, Run
+from pgimp.schema.document import LARGEST_FILE
+from pgimp.storage.plain import read_plain
+from pgimp.utilities.plot.units import labelled, unit
+
+AXES = "xyz"
+_MOST_PANELS = 12
+_LATE = 1.0e-6
+
+
+class PlotRun:
+    """A run that is drawn.
+
+    Parameters
+    ----------
+    path : Path
+        Its directory.
+    name : str
+        Its name in legends.
+
+    Raises
+    ------
+    UsageError
+        If the directory holds no run.
+    """
+
+    def __init__(self, path: Path, name: str) -> None:
+        if not path.is_dir():
+            raise UsageError(f"there is no run directory {path}")
+        self.run = Run(path)
+        self.path = path
+        self.name = name
+
+    @cached_property
+    def case(self) -> dict[str, Any]:
+        """The case as resolved, as plain data, so that external materials need not be known."""
+        path = self.path / "case.yaml"
+        try:
+            content = read_plain(path, LARGEST_FILE)
+        except OSError as error:
+            raise RunError(f"cannot read {path}: {explain(error)}") from error
+        case = read_document(content, str(path)).data
+        if case.get("dimensions") not in (1, 2, 3):
+            raise RunError(f"{path} is damaged: it says no dimensions")
+        return case
+
+    @property
+    def dimension(self) -> int:
+        """1, 2 or 3."""
+        return self.case["dimensions"]
+
+    @property
+    def units(self) -> str:
+        """The case's label of its units."""
+        return str(self.case.get("units", ""))
+
+    def label(self, text: str, kind: str) -> str:
+        """Return the label of an axis for a kind of quantity, with its unit."""
+        return labelled(text, unit(kind, self.units, self.dimension))
+
+    def instant(self, time: float) -> str:
+        """Return a time as a title says it: ``t = 0.32 s``."""
+        second = unit("time", self.units, self.dimension)
+        return f"t = {time:.4g} {second}".rstrip()
+
+
+def open_runs(directories: Sequence[str]) -> list[PlotRun]:
+    """Open the runs, each with a unique name.
+
+    Raises
+    ------
+    UsageError
+        If one is no run, or named twice.
+    """
+    paths = [Path(os.path.normpath(name)) for name in directories]
+    for path in paths:
+        if paths.count(path) > 1:
+            raise UsageError(f"{path} is named twice")
+    short = [_short(path) for path in paths]
+    unique = len(set(short)) == len(short)
+    return [
+        PlotRun(path, name if unique else str(path))
+        for path, name in zip(paths, short, strict=True)
+    ]
+
+
+def _short(path: Path) -> str:
+    return path.resolve().name.removesuffix(".out") or str(path)
+
+
+class PlotFrame:
+    """A frame of a run that is drawn.
+
+    Attributes
+    ----------
+    shown : PlotRun
+        The run.
+    frame : Frame
+        The frame.
+    """
+
+    def __init__(self, shown: PlotRun, frame: Frame) -> None:
+        self.shown = shown
+        self.frame = frame
+
+    @property
+    def title(self) -> str:
+        """Its time."""
+        return self.shown.instant(self.frame.time)
+
+
+def _ended(shown: PlotRun) -> str:
+    """How far a run came that is not done, for messages."""
+    state = shown.run.state
+    if state == "running":  # how far is written at the end
+        return "; the run goes on, or was killed"
+    return "" if state == "done" else f"; the run {state} at t = {shown.run.info['time']:g}"
+
+
+def snapshots(
+    runs: Sequence[PlotRun], frames: Sequence[int], times: Sequence[float]
+) -> list[PlotFrame]:
+    """Find the frames to draw.
+
+    Parameters
+    ----------
+    runs : sequence of PlotRun
+        The runs.
+    frames : sequence of int
+        Places among the frames of each run; -1 is the last.
+    times : sequence of float
+        Simulated times: of each run the frame that is nearest. Used if `frames` is empty.
+
+    Returns
+    -------
+    list of PlotFrame
+        Run by run.
+
+    Raises
+    ------
+    UsageError
+        If a run has no such frame.
+    """
+    found = []
+    for shown in runs:
+        every = shown.run.frames
+        if not every:
+            more = " yet" if shown.run.state == "running" else "; output.every makes them"
+            raise UsageError(f"{shown.path} has no frames{more}")
+        if frames:
+            for number in frames:
+                if not -len(every) <= number < len(every):
+                    raise UsageError(
+                        f"{shown.path} has no frame {number}: it has {len(every)}, "
+                        f"0 to {len(every) - 1} (or -1, the last)"
+                    )
+                found.append(PlotFrame(shown, every[number]))
+        for time in times if not frames else ():
+            first, last = every[0].time, every[-1].time
+            slack = _LATE * max(abs(last), abs(first), 1e-300)
+            if not first - slack <= time <= last + slack:
+                raise UsageError(
+                    f"{shown.path} has no frame at time {time:g}: its frames go from "
+                    f"{first:g} to {last:g}{_ended(shown)}"
+                )
+            found.append(PlotFrame(shown, min(every, key=lambda frame: abs(frame.time - time))))
+    if len(found) > _MOST_PANELS:
+        raise UsageError(f"{len(found)} frames in one figure; {_MOST_PANELS} is the most")
+    dimensions = {snapshot.shown.dimension for snapshot in found}
+    if len(dimensions) > 1:
+        raise UsageError("the runs have different dimensions; draw them one at a time")
+    return found

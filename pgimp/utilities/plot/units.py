@@ -1,0 +1,96 @@
+"""Units of quantities, from the label that a case gives of its units."""
+
+from __future__ import annotations
+
+import re
+
+from pgimp.physics import columns, fields
+from pgimp.solver.history.columns import HISTORY
+
+_BASE = ("length", "mass", "time")
+# Those of consistent sets of length, mass and time that have a name of their own.
+_NAMES = {
+    ("m", "kg", "s"): {"stress": "Pa", "energy": "J", "force": "N"},
+    ("mm", "t", "s"): {"stress": "MPa", "energy": "mJ", "force": "N"},
+    ("mm", "g", "ms"): {"stress": "MPa", "energy": "mJ", "force": "N"},
+    ("mm", "kg", "ms"): {"stress": "GPa", "energy": "J", "force": "kN"},
+    ("cm", "g", "us"): {"stress": "Mbar", "energy": "1e5 J", "force": "1e7 N"},
+}
+_SECTION = {1: "^2", 2: ""}
+_EXTENSIVE = ("mass", "energy", "force")
+_PLACES = {
+    "AXIS": "[xyz]",
+    "COMPONENT": "[xyz][xyz]",
+    "FACE": "[xyz]-(min|max)",
+    "NAME": r"[A-Za-z][\w-]*",
+}
+
+
+def unit(kind: str, units: str, dimension: int) -> str:
+    """Return the unit of a kind of quantity.
+
+    Parameters
+    ----------
+    kind : str
+        In the words of the reference: ``stress``, ``length/time``, ``mass length^2/time``.
+    units : str
+        The case's label: units of length, mass and time.
+    dimension : int
+        1, 2 or 3; in 1D and 2D, totals are per section and per thickness.
+
+    Returns
+    -------
+    str
+        The unit; empty if there is none, or if the label is no list of three units.
+    """
+    base = tuple(part.strip() for part in units.split(","))
+    if len(base) != 3 or not all(re.fullmatch(r"[A-Za-z]+", part) for part in base):
+        return ""
+    if kind in ("", "1"):
+        return ""
+    length, mass, time = base
+    if kind == "mass/length^dimensions":
+        kind = "mass/length^3"  # per section and per thickness come in above and below
+        dimension = 3
+    words = dict(zip(_BASE, base, strict=True)) | _NAMES.get(
+        (length, mass, time),
+        {
+            "stress": f"{mass}/({length} {time}^2)",
+            "energy": f"{mass} {length}^2/{time}^2",
+            "force": f"{mass} {length}/{time}^2",
+        },
+    )
+    text = kind.replace("^dimensions", f"^{dimension}" if dimension > 1 else "")
+    text = re.sub("|".join(words), lambda found: words[found[0]], text)
+    if dimension < 3 and kind.startswith(_EXTENSIVE):
+        section = length + _SECTION[dimension]
+        text = f"{text} / {section}" if "/" in text else f"{text}/{section}"
+    return re.sub(r"\^(\d)", r"$^\1$", text)
+
+
+def kind_of_field(name: str) -> str:
+    """Return the kind of a frame's field, empty if it has none."""
+    known = fields.FIELDS.get(name)
+    return _bracketed(known.meaning) if known else ""
+
+
+def kind_of_column(name: str) -> str:
+    """Return the kind of a column of the history or of a probe, empty if it has none."""
+    units = {column.name: column.unit for group in HISTORY for column in group.columns}
+    probes = columns.POINT | {name: mean.meaning for name, mean in columns.PLACE.items()}
+    units |= {key: _bracketed(meaning) for key, meaning in probes.items()}
+    for key, kind in units.items():
+        pattern = re.sub("|".join(_PLACES), lambda found: _PLACES[found[0]], re.escape(key))
+        if re.fullmatch(pattern.replace(r"\-(", "-("), name):
+            return kind
+    return ""
+
+
+def _bracketed(meaning: str) -> str:
+    found = re.search(r"\[([^\]]*)\]$", meaning)
+    return found[1] if found else ""
+
+
+def labelled(text: str, unit: str) -> str:
+    """Return the label of an axis: ``stress xx [Pa]``."""
+    return f"{text} [{unit}]" if unit else text

@@ -1,0 +1,123 @@
+"""Particles as boxes, drawn from the back to the front; of many only those nearest to the eye."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from pgimp.io.results.reader import Frame
+from pgimp.utilities.plot.camera import Camera
+from pgimp.utilities.plot.quantity import Quantity
+from pgimp.utilities.plot.selection import Block, Selection
+
+Array = np.ndarray
+
+FEW = 20_000
+"""Up to this number, all particles are drawn."""
+
+SPOTS = 1000
+"""Spots along the longer side of a picture with more particles; each shows one."""
+
+_SEAM = 0.5  # points; without, hairlines show between neighbours
+
+
+def extent(frame: Frame, selection: Selection, camera: Camera) -> Array:
+    """Return the corners of the particles' extent in a picture, (2, 2); low above high if none."""
+    reach = np.abs(camera.faces()[0]).max(axis=(0, 1))
+    found = np.array([[np.inf] * 2, [-np.inf] * 2])
+    for block in selection.blocks(frame, None):
+        if len(block.radius):
+            place, half = camera.project(block.position)[:, :2], block.radius[:, None] * reach
+            found[0] = np.minimum(found[0], (place - half).min(axis=0))
+            found[1] = np.maximum(found[1], (place + half).max(axis=0))
+    return found
+
+
+def visible(
+    frame: Frame, selection: Selection, quantity: Quantity, camera: Camera, inside: Array
+) -> tuple[Block, int]:
+    """Choose the particles to draw, in memory that does not grow with their number.
+
+    Parameters
+    ----------
+    frame : Frame
+        The frame.
+    selection : Selection
+        Which to choose from, at least one.
+    quantity : Quantity
+        What is drawn of them.
+    camera : Camera
+        The projection.
+    inside : ndarray, shape (2, 2)
+        Low and high corner of what they fill, or more.
+
+    Returns
+    -------
+    particles : Block
+        All, if there are few; otherwise for each spot the one whose centre is nearest to the eye,
+        of equally near ones that with the greatest id. A spot is the least that their boxes cover
+        then, so that no gaps show.
+    total : int
+        How many there were to choose from.
+    """
+    spot = (inside[1] - inside[0]).max() / SPOTS
+    kept: Block | None = None
+    total = 0
+    for block in selection.blocks(frame, quantity):
+        total += len(block.id)
+        if kept is not None:
+            block = Block(*(np.concatenate(pair) for pair in zip(kept, block, strict=True)))
+        place = camera.project(block.position)
+        order = np.lexsort((-block.id, -place[:, 2]))
+        if len(frame) > FEW:
+            column, row = np.floor((place[order, :2] - inside[0]) / spot).astype(np.int64).T
+            order = order[np.unique(row * (SPOTS + 2) + column, return_index=True)[1]]
+        kept = block.take(order)
+    assert kept is not None
+    if len(kept.id) < total:
+        kept = kept._replace(radius=np.maximum(kept.radius, spot))
+    return kept, total
+
+
+def draw(axis: Any, camera: Camera, position: Array, radius: Array, colours: Array) -> None:
+    """Add particles to axes, as the visible faces of boxes along the axes of space.
+
+    Parameters
+    ----------
+    axis : matplotlib.axes.Axes
+        The axes.
+    camera : Camera
+        The projection.
+    position : ndarray, shape (n, 3)
+        Their centres.
+    radius : ndarray, shape (n,)
+        Half the side of the boxes.
+    colours : ndarray, shape (n, 4)
+        Red, green, blue and opacity.
+    """
+    from matplotlib.collections import EllipseCollection
+    from matplotlib.path import Path
+
+    place = camera.project(position)
+    order = np.argsort(place[:, 2], kind="stable")
+    corners, light = camera.faces()
+    shaded = np.repeat(colours[order], len(light), axis=0)
+    shaded[:, :3] *= np.tile(light, len(order))[:, None]
+    # Ellipses have sizes in units of the data. Of k paths the item i has that of number i modulo k.
+    size = np.repeat(2.0 * radius[order], len(light))
+    shown = EllipseCollection(
+        size,
+        size,
+        0.0,
+        units="xy",
+        offsets=np.repeat(place[order, :2], len(light), axis=0),
+        offset_transform=axis.transData,
+        facecolors=shaded,
+        edgecolors="face",
+        lw=_SEAM,
+        snap=False,
+        rasterized=len(order) > FEW,
+    )
+    shown.set_paths([Path(one, closed=False) for one in corners])
+    axis.add_collection(shown)

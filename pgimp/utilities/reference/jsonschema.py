@@ -1,0 +1,102 @@
+"""JSON schema of the case file, with the types that are registered now."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pgimp.case.schema import Case
+from pgimp.geometry.regions import REGION
+from pgimp.physics.variation import KINDS, VARIATION
+from pgimp.schema.registries import COMMENT, ByKey
+
+Schema = dict[str, Any]
+
+#: Schema of a number of a material that varies in space.
+VARIES: Schema = {"$ref": f"#/$defs/{VARIATION.what}"}
+
+
+def json_schema() -> Schema:
+    """Return the JSON schema (draft 2020-12) that editors check a case file with.
+
+    It says what each part may be. What must hold between the parts (one entry a direction, whole
+    cells, known materials) is for `pgimp.case.checks.parts`.
+    """
+    definitions: Schema = {}
+    schema = _collect(Case.model_json_schema(), definitions)
+    definitions[REGION.what] = {"oneOf": _regions(REGION, definitions)}
+    definitions[VARIATION.what] = {
+        "oneOf": [_collect(kind.model_json_schema(), definitions) for kind in KINDS.values()]
+    }
+    materials = schema["properties"]["materials"]
+    for form in next(iter(materials["patternProperties"].values()))["oneOf"]:
+        _let_vary(form, definitions)
+    schema = {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
+    schema["title"] = "pgimp case file"
+    schema["$defs"] = dict(sorted(definitions.items()))
+    return schema
+
+
+def _let_vary(form: Schema, definitions: Schema) -> None:
+    """Allow numbers of a material, or of a part of it, to vary in space."""
+    for name, value in form["properties"].items():
+        branches = value.get("anyOf", [value])
+        if name == "viscosity" or VARIES in branches:
+            continue
+        for branch in branches:
+            if "$ref" in branch:
+                _let_vary(definitions[branch["$ref"].rpartition("/")[2]], definitions)
+        if any(branch.get("type") == "number" for branch in branches):
+            moved = ("description", "default")
+            said = {key: value[key] for key in moved if key in value}
+            rest = [{k: v for k, v in branch.items() if k not in moved} for branch in branches]
+            form["properties"][name] = {"anyOf": [*rest, VARIES], **said}
+
+
+def study_schema() -> Schema:
+    """Return the JSON schema (draft 2020-12) that editors check a study file with."""
+    from pgimp.utilities.study.schema import Study
+
+    definitions: Schema = {}
+    schema = _collect(Study.model_json_schema(), definitions)
+    schema = {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
+    schema["title"] = "pgimp study file"
+    schema["$defs"] = dict(sorted(definitions.items()))
+    return schema
+
+
+def _regions(region: ByKey, definitions: Schema) -> list[Schema]:
+    return [
+        {
+            "type": "object",
+            "properties": {name: _collect(entry.model_json_schema(), definitions)},
+            "required": [name],
+            "additionalProperties": False,
+        }
+        for name, entry in region.registry().items()
+    ]
+
+
+def _collect(schema: Schema, definitions: Schema) -> Schema:
+    """Move the definitions of `schema` to `definitions`, tidied; return the rest, tidied."""
+    tidy = _tidy(schema)
+    definitions.update(tidy.pop("$defs", {}))
+    return tidy
+
+
+def _tidy(schema: Any) -> Any:
+    """Drop titles that only repeat names; refer to definitions where dispatch left a comment."""
+    if isinstance(schema, list):
+        return [_tidy(item) for item in schema]
+    if not isinstance(schema, dict):
+        return schema
+    result = {}
+    for key, value in schema.items():
+        if key in ("properties", "patternProperties", "$defs"):
+            result[key] = {name: _tidy(item) for name, item in value.items()}
+        elif key == "$comment" and value.startswith(COMMENT):
+            result["$ref"] = "#/$defs/" + value.removeprefix(COMMENT)
+        elif key in ("default", "const", "enum"):
+            result[key] = value
+        elif key != "title":
+            result[key] = _tidy(value)
+    return result

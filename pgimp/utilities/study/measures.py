@@ -1,0 +1,128 @@
+"""Error, order and cost of runs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+from math import isfinite, log
+from typing import Any
+
+import numpy as np
+
+from pgimp.schema.messages import unknown
+from pgimp.utilities.study.schema import Measure
+
+SAME_TIME = 1e-9
+"""Relative to the time that is asked for."""
+
+
+class MeasureError(Exception):
+    """A run's history lacks the quantity to be measured; the message says why."""
+
+
+def measure(history: np.ndarray, quantity: Measure) -> float:
+    """Read a number from a history.
+
+    Parameters
+    ----------
+    history : ndarray, shape (lines,)
+        A structured array with a field for each column, and ``time``.
+    quantity : Measure
+        Which number.
+
+    Returns
+    -------
+    float
+        ``|column - reference|``, over ``|reference|`` where it is relative; of a reference that is
+        not known yet, the limit, the column itself.
+
+    Raises
+    ------
+    MeasureError
+        If there is no such column or line, or it holds no finite number.
+    """
+    names = history.dtype.names or ()
+    if quantity.column not in names:
+        raise MeasureError(f"history.csv: {unknown('column', quantity.column, names, 'it has')}")
+    values = history[quantity.column]
+    if isinstance(quantity.reference, float | int):
+        values = np.abs(values - quantity.reference)
+        if quantity.relative:
+            values = values / abs(quantity.reference)
+    if len(values) == 0:
+        raise MeasureError("history.csv has no lines")
+    if quantity.at == "end":
+        value = values[-1]
+    elif quantity.at == "max":
+        value = values[np.abs(values).argmax()]
+    else:
+        at = float(quantity.at)
+        row = int(np.searchsorted(history["time"], at - SAME_TIME * at))
+        if row == len(values):
+            last = history["time"][-1]
+            raise MeasureError(f"history.csv ends before t = {at:.9g}, at {last:.9g}")
+        value = values[row]
+    if not isfinite(value):
+        raise MeasureError(f"{quantity.label} is {value:g}")
+    return float(value)
+
+
+def costs(particles: int, steps: int, ranks: int, seconds: float) -> dict[str, float]:
+    """Return every measure of cost of a run, by name."""
+    return {
+        "wall": seconds,
+        "core": seconds * ranks,
+        "particle-steps": particles * steps,
+        "steps": steps,
+    }
+
+
+def orders(points: Sequence[tuple[float, float]]) -> list[float | None]:
+    """Return the observed order between each point of a curve and the next coarser one.
+
+    Parameters
+    ----------
+    points : sequence of (x, error)
+        Cell sizes, or what stands for them, and errors, in any order of x.
+
+    Returns
+    -------
+    list of float or None
+        d log(error)/d log(x) for each point, None where there is no coarser one to compare with.
+    """
+    found: list[float | None] = [None] * len(points)
+    sound = [i for i, (x, error) in enumerate(points) if x > 0.0 and error > 0.0]
+    ranked = sorted(sound, key=lambda i: -points[i][0])
+    for coarse, fine in pairwise(ranked):
+        (x0, e0), (x1, e1) = points[coarse], points[fine]
+        if x0 > x1:
+            found[fine] = log(e0 / e1) / log(x0 / x1)
+    return found
+
+
+def pareto(points: Sequence[tuple[float, float]]) -> list[int]:
+    """Find the points of the Pareto front.
+
+    Parameters
+    ----------
+    points : sequence of (cost, error)
+        The less of either, the better.
+
+    Returns
+    -------
+    list of int
+        Indices of the points for which no other point has as little cost and as little error and
+        less of one of them, by ascending cost.
+    """
+    front: list[int] = []
+    least: tuple[float, float] | None = None
+    for i in sorted(range(len(points)), key=lambda i: points[i]):
+        if least is None or points[i][1] < least[1] or points[i] == least:
+            front.append(i)
+            least = points[i]
+    return front
+
+
+def number(value: Any, digits: int = 3) -> str:
+    """Return a number in a few digits, and nothing for None."""
+    return "" if value is None else f"{value:.{digits}g}"
