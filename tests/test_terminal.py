@@ -8,7 +8,7 @@ import sys
 
 import numpy as np
 import pytest
-from processes import SUPPORT, clean_env, run
+from processes import PROGRAMS, clean_env, run
 from run_pair import run_pair
 from two_blocks import CASE
 
@@ -17,7 +17,7 @@ from pgimp import terminal
 from pgimp.cli import main
 from pgimp.running.log import Log
 
-PROBE = SUPPORT / "stream_probe.py"
+PROBE = PROGRAMS / "stream_probe.py"
 STUDY = """
 format: 1
 case: case.yaml

@@ -23,7 +23,7 @@ from workers import environment
 from pgimp.decomposition.slabs import cut
 
 TESTS = ROOT / "tests" / "support"
-sys.path.insert(0, str(TESTS))
+sys.path.insert(0, str(TESTS / "cases"))
 
 from balance_scenes import column, crossing  # noqa: E402
 from scenes import write_case  # noqa: E402
@@ -59,7 +59,7 @@ def moving(folder, quick):
     for ranks in (2,) if quick else (2, 3, 4):
         for how in ("off", "on"):
             out = folder / f"{how}-{ranks}"
-            mpirun(ranks, [str(TESTS / "balance_probe.py"), how, str(out), *cases])
+            mpirun(ranks, [str(TESTS / "programs" / "balance_probe.py"), how, str(out), *cases])
             for name in scenes:
                 told = json.loads((out / f"{name}.json").read_text())
                 counts = np.array(told["ranks"], float)

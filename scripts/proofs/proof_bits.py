@@ -60,7 +60,7 @@ def main(words):
 
 def frozen(folder):
     """Write the scenes of the tests of ranks, and shipped cases that end early; return paths."""
-    sys.path.insert(0, str(ROOT / "tests" / "support"))
+    sys.path.insert(0, str(ROOT / "tests" / "support" / "cases"))
     from rank_scenes import SCENES
 
     scenes = folder / "cases"

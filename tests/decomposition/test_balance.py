@@ -11,7 +11,7 @@ from balance_scenes import column, crossing
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from loaded_block import loaded
-from processes import SUPPORT
+from processes import PROGRAMS
 from rank_scenes import GRID, PROBES, SCENES, SIZED
 from rank_threads import Comm, together
 from run_files import digests, go_back
@@ -174,7 +174,7 @@ def test_ranks_that_share_a_core_go_by_the_time_they_had_it(tmp_path, mpirun):
                 assert same == "False" and 0.0 < float(worked) < 0.7 * float(took)
 
 
-PROBE = SUPPORT / "balance_probe.py"
+PROBE = PROGRAMS / "balance_probe.py"
 FOLLOWED = {"column": column(30, 5.5), "crossing": crossing(30, 6.0)}
 #: Mirrors; outflow and space, with all of the grid, and probes; tractions, viscosity, constraints.
 MORE = {

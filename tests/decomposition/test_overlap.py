@@ -6,14 +6,14 @@ import json
 import pytest
 from loaded_block import loaded
 from overlap_probe import LAST, WARM
-from processes import SUPPORT
+from processes import PROGRAMS
 from scenes import box, scene, write_case
 
 from pgimp.decomposition.halo import Halo
 from pgimp.decomposition.slabs import Slab
 from pgimp.errors import UsageError
 
-PROBE = SUPPORT / "overlap_probe.py"
+PROBE = PROGRAMS / "overlap_probe.py"
 FACES = {"x-min": "fixed", "x-max": "fixed", "y-min": "slip", "y-max": "slip"}
 
 

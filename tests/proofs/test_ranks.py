@@ -5,7 +5,7 @@ import shutil
 
 import numpy as np
 import pytest
-from processes import SUPPORT
+from processes import PROGRAMS
 from rank_scenes import EXACT, SCENES
 from run_files import digests, go_back
 from scenes import start as simulation
@@ -54,7 +54,7 @@ def runs(tmp_path_factory, mpirun, python):
             for path in some:
                 shutil.copytree(results[before] / path.stem, results[start] / path.stem)
                 go_back(results[start] / path.stem, RESUMED[start])
-        words = [SUPPORT / "rank_probe.py", "runs", results[start], *some]
+        words = [PROGRAMS / "rank_probe.py", "runs", results[start], *some]
         env = TCP if ranks == 4 else None
         job = python(words, 900) if ranks == 1 else mpirun(ranks, words, 900, env=env)
         assert job.returncode == 0, job.stderr

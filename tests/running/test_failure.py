@@ -6,7 +6,7 @@ import h5py
 import numpy as np
 import pytest
 from paraview_reader import READERS, probe
-from processes import SUPPORT
+from processes import PROGRAMS
 from rank_probe import invert
 from scenes import box, scene, start, write_case
 
@@ -59,7 +59,7 @@ def runs(tmp_path_factory, mpirun, python):
     """The jobs on one rank and on three, and their folder."""
     folder = tmp_path_factory.mktemp("failure")
     write_case(folder / "bad.yaml", CASE)
-    script = SUPPORT / "rank_probe.py"
+    script = PROGRAMS / "rank_probe.py"
     words = [script, "invert", IDS, STEP, "bad.yaml", "-o"]
     return folder, python([*words, "on-1"], cwd=folder), mpirun(3, [*words, "on-3"], cwd=folder)
 
@@ -123,7 +123,7 @@ def test_what_others_learn_a_step_late_is_told_alike(tmp_path, mpirun, python):
     bar = scene(2, box([1.0, 1.0], [31.0, 11.0]), cells=[32, 12], per_cell=4, end=1.0,
                 output={"every": 1.0}, history={"every": 1.0})  # fmt: skip
     write_case(tmp_path / "bad.yaml", bar)
-    script = SUPPORT / "rank_probe.py"
+    script = PROGRAMS / "rank_probe.py"
     left = []
     for ids in ("2000,700,40,4700", ",".join(map(str, range(150, 4000)))):
         for ranks, start_on in ((1, python), (2, lambda words, cwd: mpirun(2, words, cwd=cwd))):

@@ -19,7 +19,7 @@ from pgimp.io.rundir.rundir import RunDirectory
 from pgimp.mpi.comm import Serial
 from pgimp.running.recorder import Recorder
 from pgimp.solver.reduction import Request
-from pgimp.solver.state.state import grid_state as gridstate
+from pgimp.solver.state import grid_state
 
 FIELDS = ["velocity", "mass"]
 SCENES = {
@@ -214,7 +214,7 @@ def test_a_whole_frame_is_kept_when_the_next_one_or_a_line_fails(tmp_path, monke
     elif fails == "frames":
         monkeypatch.setattr(recorder.frames._file, "write", broken)
     else:
-        monkeypatch.setattr(gridstate, "active_grid", broken)
+        monkeypatch.setattr(grid_state, "active_grid", broken)
     with pytest.raises(RunError, match="no room"):
         for _ in range(2):
             sim.request = Request.PENDING  # as if the disk were slow

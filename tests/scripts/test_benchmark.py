@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from processes import SUPPORT
+from processes import PROGRAMS
 
 BENCHMARKS = Path(__file__).resolve().parents[2] / "scripts/benchmarks"
 sys.path.insert(0, str(BENCHMARKS))
@@ -64,6 +64,6 @@ def test_messages_are_counted_exactly(tmp_path, mpirun):
     from messages import counting
 
     env = counting(tmp_path) | {"PYTHONPATH": str(BENCHMARKS)}
-    done = mpirun(2, [SUPPORT / "message_probe.py"], env=env)
+    done = mpirun(2, [PROGRAMS / "message_probe.py"], env=env)
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout) == [[8, 5 * 800 + 3 * 1600, 7, 7 * 24]] * 2

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mentioned import mentions
-from processes import SUPPORT, clean_env
+from processes import PROGRAMS, clean_env
 from scenes import box, scene, write_case
 
 from pgimp.case.schema import Case
@@ -41,7 +41,7 @@ def test_the_estimate_is_what_a_run_takes(tmp_path, mpirun, python, ranks, cells
         write_case(folder / "case.yaml", square(n))
         for name in ("frames", "checkpoints"):
             shutil.rmtree(folder / name, ignore_errors=True)
-        args = [SUPPORT / "memory_probe.py", folder / "case.yaml", folder]
+        args = [PROGRAMS / "memory_probe.py", folder / "case.yaml", folder]
         run = python(args) if ranks == 1 else mpirun(ranks, args)
         assert run.returncode == 0, run.stderr
         found[n] = [json.loads((folder / f"{r}.json").read_text()) for r in range(ranks)]

@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 from mentioned import mentions
-from processes import SUPPORT
+from processes import PROGRAMS
 from scenes import box, finish, scene, start, wall, write_case
 
 import pgimp
@@ -154,7 +154,7 @@ def test_all_ranks_end_together_with_one_message(tmp_path, mpirun, kind):
         case = clap("max") | ({"time": {"step": 0.01, "end": 0.5}} if kind == 50 else {})
     command = ["-m", "pgimp"]
     if isinstance(kind, int):
-        command = [SUPPORT / "rank_probe.py", "poison", 1, kind]
+        command = [PROGRAMS / "rank_probe.py", "poison", 1, kind]
     write_case(tmp_path / "bad.yaml", case)
     job = mpirun(3, [*command, "bad.yaml", "-o", "out"], cwd=tmp_path)
     assert job.returncode == 1

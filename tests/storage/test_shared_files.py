@@ -21,7 +21,7 @@ from pgimp.io.checkpoints.checkpointfile import write
 from pgimp.io.results.reader import Frame
 from pgimp.running.frames import Frames
 from pgimp.running.gridframes import GridFrames
-from pgimp.solver.state.state import grid_state as gridstate
+from pgimp.solver.state import grid_state
 from pgimp.storage import chunks, framefile
 from pgimp.storage.rows import _Exchange
 
@@ -172,7 +172,7 @@ def small(monkeypatch) -> None:
     monkeypatch.setattr(chunks, "ROWS", 400)
     monkeypatch.setattr(framefile, "_ROWS", 700)
     monkeypatch.setattr(_Exchange, "_move", move)
-    monkeypatch.setattr(gridstate, "active_grid", lambda rank, time, dt: rank.grid)
+    monkeypatch.setattr(grid_state, "active_grid", lambda rank, time, dt: rank.grid)
 
 
 @contextmanager

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-CASES = Path(__file__).resolve().parents[2] / "cases"
+CASES = Path(__file__).resolve().parents[3] / "cases"
 
 
 COARSER = {

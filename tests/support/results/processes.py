@@ -9,9 +9,13 @@ from pathlib import Path
 import pytest
 
 #: Where the programs are that tests start.
-SUPPORT = Path(__file__).parent
+PROGRAMS = Path(__file__).parents[1] / "programs"
 #: For a file of tests that is started as a program.
-HERE = {"PYTHONPATH": os.pathsep.join([str(SUPPORT.parents[1]), str(SUPPORT)])}
+HERE = {
+    "PYTHONPATH": os.pathsep.join(
+        [str(PROGRAMS.parents[2]), *(str(path) for path in sorted(PROGRAMS.parent.iterdir()))]
+    )
+}
 
 LAUNCHER_VARIABLES = ("OMPI_", "PMIX_", "PMI_", "PALS_", "MPI_LOCAL", "SLURM_")
 
