@@ -16,6 +16,7 @@ from pgimp.kernels.data.particles import Carried, Particles
 from pgimp.kernels.transfer import supports as batch
 from pgimp.kernels.transfer.first_vertex import first_vertex, half_widths
 from pgimp.kernels.transfer.lane_io import four
+from pgimp.kernels.transfer.supports import SUPPORT_SIZE
 from pgimp.physics.shapes import SHAPES
 from pgimp.physics.shapes.base import weights
 
