@@ -190,7 +190,7 @@ def dam_break(redraw):
         axis.plot(history["time"], sign * history[f"reaction.{name}"], color=colour, label=label)
     axis.axhline(weight, color="k", ls="--", lw=1.0)
     axis.set(xlabel="time [s]", ylabel="force [N/m]")
-    axis.legend()
+    axis.legend(loc=(0.22, 0.26))
     save(figure, "dam-break")
 
 

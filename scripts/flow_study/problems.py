@@ -13,10 +13,10 @@ OUT = ROOT / "flows.out"
 G = 9.81
 
 
-def done(case, look=None, **changes):
+def done(case, look=None, every=10, **changes):
     """Run a case to its end; return the simulation and its particle-steps per second of CPU.
 
-    `look`, if given, sees the simulation after every ten steps, and ends it when it returns true.
+    `look`, if given, sees the simulation after `every` steps, and ends it when it returns true.
     """
     entry = pgimp.load(ROOT / f"cases/{case}.yaml", changes) if isinstance(case, str) else case
     sim, spent = pgimp.Simulation(entry), 0.0
@@ -25,7 +25,7 @@ def done(case, look=None, **changes):
         began = process_time()
         sim.step(1)
         spent += process_time() - began
-        if look and sim.steps % 10 == 0 and look(sim):
+        if look and sim.steps % every == 0 and look(sim):
             break
     return sim, count * sim.steps / spent
 

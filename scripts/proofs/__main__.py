@@ -3,7 +3,7 @@
 import importlib
 import sys
 
-PROOFS = ("kill", "signals", "cases", "checkpoints", "long", "liquids", "scenes")
+PROOFS = ("kill", "signals", "cases", "checkpoints", "long", "liquids", "scenes", "bits")
 
 if __name__ == "__main__":
     name = sys.argv[1]

@@ -1,0 +1,102 @@
+"""Bits of frozen scenes on 1, 3 and 5 ranks, and whether another commit gives the same."""
+
+import argparse
+import hashlib
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from jobs import environment
+
+ROOT = Path(__file__).resolve().parents[2]
+RANKS = (1, 3, 5)
+
+#: Shipped cases by name, and where they end: early, so that all take a minute or two.
+CASES = {
+    "bar-vibration": 0.2, "block3d": 0.05, "channel": 0.02, "dam-break": 0.2, "disks": 1.0,
+    "footing": 0.05, "gate": 0.1, "rolling": 0.2, "sand-column": 0.1, "vortex": 0.1,
+}  # fmt: skip
+
+#: Runs cases given as words, each into a folder of its name; also in older checkouts.
+RUNNER = """
+import sys
+from pathlib import Path
+import pgimp
+for case in sys.argv[2:]:
+    output = Path(sys.argv[1]) / Path(case).stem
+    pgimp.run(case, output=output, overrides=["checkpoint={every: {steps: 23}}"], quiet=True)
+"""
+
+
+def main(words):
+    """Print what differs between ranks, and from another commit; 1 if anything does."""
+    parser = argparse.ArgumentParser(prog="scripts/faults bits")
+    parser.add_argument("--against", help="another commit, set up and run beside this one")
+    parser.add_argument("--only", default="", help="names of scenes, by commas")
+    options = parser.parse_args(words)
+    only = {name for name in options.only.split(",") if name}
+    with tempfile.TemporaryDirectory(prefix="pgimp-bits-") as folder:
+        cases = [path for path in frozen(Path(folder)) if not only or path.stem in only]
+        found, failed = bits(ROOT, Path(folder) / "here", cases)
+        print(f"{len(found)} scenes on {', '.join(map(str, RANKS))} ranks: {failed or 'the same'}")
+        if options.against:
+            other = Path(folder) / "other"
+            git = ("git", "-C", str(ROOT), "worktree")
+            subprocess.run([*git, "add", "-q", "--detach", other, options.against], check=True)
+            try:
+                subprocess.run([other / "scripts/setup", "--quiet"], check=True)
+                theirs, worse = bits(other, Path(folder) / "there", cases)
+            finally:
+                subprocess.run([*git, "remove", "--force", other], check=True)
+            differ = [name for name in found if found[name] != theirs.get(name)]
+            print(f"against {options.against}: {', '.join(differ) or 'the same bits'}")
+            failed += worse + differ
+    return 1 if failed else 0
+
+
+def frozen(folder):
+    """Write the scenes of the tests of ranks, and shipped cases that end early; return paths."""
+    sys.path.insert(0, str(ROOT / "tests" / "support"))
+    from rank_scenes import SCENES
+
+    scenes = folder / "cases"
+    scenes.mkdir()
+    for name, case in SCENES.items():
+        (scenes / f"{name}.yaml").write_text(json.dumps(case))
+    for name, end in CASES.items():
+        text = (ROOT / "cases" / f"{name}.yaml").read_text()
+        text, count = re.subn(r"(?m)^  end: \S+", f"  end: {end}", text)
+        assert count == 1, name
+        (scenes / f"{name}.yaml").write_text(text)
+    return sorted(scenes.iterdir())
+
+
+def bits(root, folder, cases):
+    """Digests of a checkout's runs by scene, and names of those that ranks change."""
+    folder.mkdir()
+    (folder / "runner.py").write_text(RUNNER)
+    found, failed = {}, []
+    for ranks in RANKS:
+        words = ["mpirun", "-q", "--oversubscribe", "--bind-to", "none", "-n", str(ranks)]
+        words = words if ranks > 1 else []
+        words += [root / ".venv/bin/python", folder / "runner.py", folder / str(ranks), *cases]
+        subprocess.run(words, env=environment() | {"PYTHONPATH": str(root)}, check=True)
+        for case in cases:
+            digest = _digest(folder / str(ranks) / case.stem)
+            if found.setdefault(case.stem, digest) != digest:
+                failed.append(f"{case.stem} on {ranks}")
+    return found, failed
+
+
+def _digest(run):
+    """Digest of all frames, the files that list them, the history and the probes of a run."""
+    files = [*sorted((run / "frames").iterdir()), run / "history.csv"]
+    files += sorted([*run.glob("probes/*"), *run.glob("*.xdmf")])
+    total = hashlib.sha256()
+    for path in files:
+        total.update(os.fsencode(path.name) + path.read_bytes())
+    return total.hexdigest()
