@@ -9,6 +9,7 @@ import numpy as np
 import pgimp
 
 ROOT = Path(__file__).resolve().parents[2]
+OUT = ROOT / "flows.out"
 G = 9.81
 
 

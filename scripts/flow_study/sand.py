@@ -2,8 +2,9 @@
 
 from time import process_time
 
+import meshio
 import numpy as np
-from problems import G, done
+from problems import OUT, G, done
 
 import pgimp
 
@@ -73,6 +74,72 @@ def brake(cell, shape, floor=None):
         speeds.append(float(sim.particles["velocity"][middle, 0].mean()))
     speed = len(middle) * sim.steps / (process_time() - began)
     return ((speeds[0] - speeds[1]) / (0.5 * G),), speed
+
+
+def slide(cell, material, surface):
+    """Greatest part of a ball's particles deeper than a quarter of a cell in a slope, in 2.5 s.
+
+    A ball of 5 m on a slope of 33 degrees in 3D: a plane, or a terrain of triangles with bumps of
+    1 m. Sand slides with friction 0.3, water without.
+    """
+    low = np.tan(np.radians(33.0))
+    normal = [np.sin(np.radians(33.0)), np.cos(np.radians(33.0)), 0.0]
+    centre = [10.0 + 5.02 * normal[0], 34.0 - 2.0 * low + 5.02 * normal[1], 12.0]
+    ends = {"min": [-5.0, -40.0, -5.0], "max": [70.0, 60.0, 30.0]}
+    region = {"intersection": [
+        {"half-space": {"point": [8.0, 34.0, 12.0], "normal": normal}}, {"box": ends},
+    ]}  # fmt: skip
+    if surface == "terrain":
+        OUT.mkdir(exist_ok=True)
+        _write_terrain(OUT / "terrain.stl", low)
+        region, centre[1] = {"mesh": {"file": str(OUT / "terrain.stl")}}, centre[1] + 1.0
+    laws = {
+        "sand": {"model": "drucker-prager", "young": 1.0e7, "poisson": 0.3, "density": 1600.0,
+                 "friction-angle": 25.0, "cohesion": 0.0},
+        "water": {"model": "newtonian", "density": 1000.0, "bulk": 4.0e7, "shear-viscosity": 0.001},
+    }  # fmt: skip
+    faces = [f"{axis}-{end}" for axis in "xyz" for end in ("min", "max")]
+    case = {
+        "format": 1,
+        "dimensions": 3,
+        "grid": {"size": [64.0, 44.0, 24.0], "cell": [cell] * 3},
+        "method": {"shape": "gimp", "particles_per_cell": [2, 2, 2]},
+        "time": {"end": 2.5, "step": {"courant": 0.4}},
+        "materials": {"one": laws[material]},
+        "bodies": {
+            "ball": {"material": "one", "region": {"ball": {"centre": centre, "radius": 5.0}}},
+            "slope": {"rigid": {}, "region": region},
+        },
+        "gravity": [0.0, -G, 0.0],
+        "boundaries": dict.fromkeys(faces, "slip"),
+        "contact": [{"bodies": ["ball", "slope"], "friction": 0.3 if material == "sand" else 0.0}],
+    }
+    inside = [0]
+    sim, speed = done(
+        case, lambda sim: inside.append(sim.diagnostics()["tool.slope.inside"]) or False
+    )
+    return (float(max(inside)) / len(sim.particles["id"]),), speed
+
+
+def _write_terrain(path, low):
+    """Write a closed surface of triangles: a slope with bumps, down to 30 m below zero."""
+    x, z = np.meshgrid(np.linspace(-4.0, 68.0, 49), np.linspace(-4.0, 28.0, 25), indexing="ij")
+    y = 33.0 - (x - 8.0) * low + np.sin(x / 3.0) * np.cos(z / 4.0)
+    number = np.arange(x.size).reshape(x.shape)
+    a, b, c, d = (
+        number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]
+    )  # fmt: skip
+    top = np.concatenate([np.stack(t, -1).reshape(-1, 3) for t in ((a, d, c), (a, c, b))])
+    edges = (number[:, 0], number[-1], number[::-1, -1], number[0, ::-1])
+    walls = []
+    for edge in edges:
+        p, q = edge[:-1], edge[1:]
+        walls += [np.stack((p, q, q + x.size), -1), np.stack((p, q + x.size, p + x.size), -1)]
+    below = top[:, ::-1] + x.size
+    points = np.stack([np.append(x, x), np.append(y, 0.0 * y - 30.0), np.append(z, z)], -1)
+    meshio.write_points_cells(
+        path, points.reshape(-1, 3), [("triangle", np.concatenate([top, below, *walls]))]
+    )
 
 
 def retained(cell, volumetric):
