@@ -136,6 +136,31 @@ def dam(cell):
     return (sim.time,), speed
 
 
+def settled(cell, wall):
+    """Pressure after a dam break, 8 to 10 s, over that of the water above, and the floor's force.
+
+    Of particles in the lowest quarter of a cell and in the lowest cell, more than 0.4 m from the
+    ends; the force is over the weight.
+    """
+    seen = []
+
+    def look(sim):
+        if sim.time > 8.0 + 0.1 * len(seen):
+            p = -sim.particles["stress"][:, :3].mean(axis=1)
+            x, y = sim.particles["position"][:, :2].T
+            middle, depth = np.abs(x - 1.62) < 1.2, 0.72 / 3.24
+            ratio = p / (1000.0 * G * (depth - y))
+            lowest = [ratio[middle & (y < part * cell)].mean() for part in (0.25, 1.0)]
+            seen.append((*lowest, sim.diagnostics()["reaction.y-min-y"] / (720.0 * G)))
+
+    changes = {
+        "grid.size": [3.24, 2.40], "grid.cell": [cell, cell], "time.end": 10.0,
+        "method.wall": wall, "output.every": None,
+    }  # fmt: skip
+    _, speed = done("dam-break", look, **changes)
+    return tuple(np.mean(seen, axis=0).tolist()), speed
+
+
 def blast(cell):
     """Velocity at which a plate flies that a wave in water has thrown, over Taylor's."""
     sim, speed = done("blast", **{"grid.cell": [cell]})

@@ -32,11 +32,31 @@ ROWS = (
      (problems.hydrostatic,), 0, (0.01, 0.005)),
     ("a dam breaks, 30 and 60 cells deep: water at the far wall [s], after 0.416 (Ritter)", None,
      (problems.dam,), 0, (0.02, 0.01)),
+    *(
+        (words, 1.0, (problems.settled, wall), place, (0.04, 0.02))
+        for words, wall, place in (
+            ("that water at 8 to 10 s, cells of 40 and 20 mm: pressure in the lowest quarter of a "
+             "cell, over that of what is above", "ghost", 0),
+            ("the same in the lowest cell", "ghost", 1),
+            ("the same: force of the floor over the weight", "ghost", 2),
+            ("the same with wall: mirror, in the lowest quarter", "mirror", 0),
+            ("the same with wall: mirror, in the lowest cell", "mirror", 1),
+        )
+    ),
     ("a wave in water throws a plate, cells of 2 and 1 mm: its velocity over the exact", 1.0,
      (problems.blast,), 0, (0.002, 0.001)),
     ("column of sand, cells of 40 and 20 mm, drucker-prager: mean height (Tesserae.jl) [m]", 0.1184,
      (problems.column, "drucker-prager"), 0, (0.04, 0.02)),
     ("the same, mohr-coulomb", 0.1184, (problems.column, "mohr-coulomb"), 0, (0.04, 0.02)),
+    *(
+        (words, None, (sand.rest, relaxation), place, (0.04, 0.02))
+        for words, relaxation, place in (
+            ("that of mohr-coulomb at 2 s: kinetic energy over the greatest", 0.0, 0),
+            ("the same: mean distance from the middle [m]", 0.0, 1),
+            ("the same with relaxation: 3: kinetic energy", 3.0, 0),
+            ("the same with relaxation: 3: mean distance from the middle [m]", 3.0, 1),
+        )
+    ),
     *(
         (words, reference, (sand.heap, *rest), place, (0.05, 0.025))
         for words, reference, place, *rest in (

@@ -76,6 +76,23 @@ def brake(cell, shape, floor=None):
     return ((speeds[0] - speeds[1]) / (0.5 * G),), speed
 
 
+def rest(cell, relaxation):
+    """Kinetic energy of a column of sand that has collapsed, at 2 s over the greatest one.
+
+    And how far from the middle its sand lies in the mean.
+    """
+    most = [0.0]
+    changes = {
+        "grid.cell": [cell, cell], "time.end": 2.0, "method.relaxation": relaxation,
+        "output.every": None,
+    }  # fmt: skip
+    sim, speed = done(
+        "sand-column", lambda sim: most.append(sim.diagnostics()["kinetic-energy"]), **changes
+    )
+    part = sim.diagnostics()["kinetic-energy"] / max(most)
+    return (part, float(np.abs(sim.particles["position"][:, 0]).mean())), speed
+
+
 def slide(cell, material, surface):
     """Greatest part of a ball's particles deeper than a quarter of a cell in a slope, in 2.5 s.
 

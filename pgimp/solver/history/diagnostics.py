@@ -114,7 +114,8 @@ class Diagnostics:
         #: Warnings that have not been shown yet, on rank 0; whether those of rigid bodies and of
         #: volumes were made.
         self.said: list[str] = []
-        self.warned = self.lost = False
+        self.warned = False
+        self.lost: set[str] = set()
         self.last: tuple[float, np.ndarray, np.ndarray] | None = None
         #: Of stages, see `Totals`; of use on rank 0.
         self.removed: np.ndarray | None = None
@@ -197,16 +198,14 @@ class Diagnostics:
         )
 
     def _tell_volumes(self, scene: Any, time: float, filled: np.ndarray) -> None:
-        """Warn, once, of bodies that flow and have lost volume."""
-        if self.lost:
-            return
+        """Warn, once of each, of bodies that flow and have lost volume."""
         for name, (carried, room) in zip(scene.body_names, filled, strict=False):
-            if room < (1.0 - LOST) * carried:
-                self.lost = True
+            if name not in self.lost and room < (1.0 - LOST) * carried:
+                self.lost.add(name)
                 self.said.append(
                     f"body '{name}', which flows, fills {1.0 - room / carried:.1%} less of the "
                     f"grid than its volume at time {time:.6g}: its particles crowd. In a splash "
-                    f"that passes; where it lasts, its level is too low. The column volume.{name} "
+                    f"that passes; where it lasts, '{name}' lies too low. The column volume.{name} "
                     "of history.csv goes on counting"
                 )
 
