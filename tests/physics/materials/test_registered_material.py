@@ -167,7 +167,8 @@ def test_a_wrong_stress_stops_a_run_before_anything_is_written(tmp_path, python,
     assert not (tmp_path / "out").exists()
     write_law(tmp_path)
     program = (
-        "from pgimp.physics.materials import evaluate, outside, registry\n"
+        "from pgimp.physics.materials import registry\n"
+        "from pgimp.physics.materials.parameters import evaluate, outside\n"
         "registry.import_file('law.py')\n"
         "import law, numba\n"
         "for D in (1, 2): outside.parameters_of(law.Law(model='law', density=1.0), D)\n"
