@@ -60,7 +60,7 @@ def main(words):
 
 def frozen(folder):
     """Write the scenes of the tests of ranks, and shipped cases that end early; return paths."""
-    sys.path.insert(0, str(ROOT / "tests" / "support" / "cases"))
+    sys.path[:0] = [str(path) for path in (ROOT / "tests" / "support").iterdir()]
     from rank_scenes import SCENES
 
     scenes = folder / "cases"
