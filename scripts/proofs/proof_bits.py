@@ -48,7 +48,7 @@ def main(words):
             git = ("git", "-C", str(ROOT), "worktree")
             subprocess.run([*git, "add", "-q", "--detach", other, options.against], check=True)
             try:
-                subprocess.run([other / "scripts/setup", "--quiet"], check=True)
+                subprocess.run([other / "scripts/setup", "--quiet"], check=True, cwd=other)
                 theirs, worse = bits(other, Path(folder) / "there", cases)
             finally:
                 subprocess.run([*git, "remove", "--force", other], check=True)
