@@ -117,8 +117,8 @@ class Peers:
     def _leave(self) -> None:
         """Wait, at the program's end, for the others to end: none finalises MPI before.
 
-        Open MPI 4.1's mpirun hangs or crashes, one time in six, where a rank aborts while another
-        is in MPI_Finalize.
+        Open MPI 4.1's mpirun may hang or crash where a rank aborts while another is in
+        MPI_Finalize.
         """
         from mpi4py import MPI
 

@@ -1,9 +1,7 @@
 """Bits of frozen scenes on 1, 3 and 5 ranks, and whether another commit gives the same."""
 
 import argparse
-import hashlib
 import json
-import os
 import re
 import subprocess
 import sys
@@ -77,6 +75,8 @@ def frozen(folder):
 
 def bits(root, folder, cases):
     """Digests of a checkout's runs by scene, and names of those that ranks change."""
+    from run_files import digests
+
     folder.mkdir()
     (folder / "runner.py").write_text(RUNNER)
     found, failed = {}, []
@@ -86,17 +86,7 @@ def bits(root, folder, cases):
         words += [root / ".venv/bin/python", folder / "runner.py", folder / str(ranks), *cases]
         subprocess.run(words, env=environment() | {"PYTHONPATH": str(root)}, check=True)
         for case in cases:
-            digest = _digest(folder / str(ranks) / case.stem)
+            digest = digests(folder / str(ranks) / case.stem)
             if found.setdefault(case.stem, digest) != digest:
                 failed.append(f"{case.stem} on {ranks}")
     return found, failed
-
-
-def _digest(run):
-    """Digest of all frames, the files that list them, the history and the probes of a run."""
-    files = [*sorted((run / "frames").iterdir()), run / "history.csv"]
-    files += sorted([*run.glob("probes/*"), *run.glob("*.xdmf")])
-    total = hashlib.sha256()
-    for path in files:
-        total.update(os.fsencode(path.name) + path.read_bytes())
-    return total.hexdigest()

@@ -92,7 +92,10 @@ def watch(case, end):
     sim = pgimp.Simulation(case)
     lines = []
     for time in np.linspace(0.0, end, 121)[1:]:
-        sim.advance(time)
+        try:
+            sim.advance(time)
+        except pgimp.errors.RunError as error:
+            return [str(error)], f"stopped at time {sim.time:.6g}"
         lines.append(sim.diagnostics())
     room, carried, energy = (
         np.array([line[name] for line in lines])

@@ -27,8 +27,8 @@ from pgimp.physics.contact import TIED
 #: moves with neither. Against a great one a wall that lets go, or friction, holds nothing.
 SMALL, GREAT = 2.0**-20, 2.0**10
 
-#: Least part of a normal's square along which a field that meets a rigid body may move: with less
-#: its few free components would have to take all of what constraints prescribe, without bound.
+#: Least part of a normal's square along which a field may move that meets a rigid body whose motion
+#: is prescribed: with less, its few free components would have to take all, without bound.
 LEAST_GIVEN = 0.01
 
 
@@ -176,7 +176,8 @@ def exchange(contact, holding, number, held, pair, last):
         answer += row[NORMAL + d] ** 2 * mobility
         most = max(most, mobility)
         normal += w[d] * row[NORMAL + d]
-    if not most > 0.0 or (rigid and answer < LEAST_GIVEN * most):
+    prescribed = rigid and soft[0] + soft[1] + soft[2] == 0.0  # not a body that moves freely
+    if not most > 0.0 or (prescribed and answer < LEAST_GIVEN * most):
         return
     push, square = row[PUSH], 0.0
     if answer > 0.0:

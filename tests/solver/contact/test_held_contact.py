@@ -183,3 +183,17 @@ def test_a_slope_that_meets_what_is_held_across_it(degrees):
         # The wedge would drive it at 0.2 / tan; the body yields, and begins it within the steps.
         assert 0.0 < speed < 0.4 / np.tan(slope)
         assert most * sim.time < 10.0 * mass * 0.2 / np.tan(slope) ** 2
+
+
+def test_a_heavy_ball_comes_to_rest_on_what_is_held_across_alone():
+    """The block may move along x, where the ball's normals hardly point; it does not sink in."""
+    bodies = {"block": box([2.0, 2.0], [10.0, 4.0]),
+              "ball": {"rigid": {"density": 20.0},
+                       "region": {"ball": {"centre": [6.0, 6.0], "radius": 1.5}}}}  # fmt: skip
+    grip = {"body": "block", "region": {"box": {"min": [0.0, 0.0], "max": [12.0, 12.0]}},
+            "velocity": [None, 0.0]}  # fmt: skip
+    case = scene(2, bodies, cells=[12, 12], end=3.0, step=0.01, gravity=[0.0, -1.0],
+                 constraints={"grip": grip}, contact=[{"bodies": "all", "friction": 0.3}])  # fmt: skip
+    line = finish(start(case)).diagnostics()
+    # A thousandth of its own response is added, and of the weight of a step: 1e-5.
+    assert abs(line["tool.ball.velocity-y"]) < 1e-4
